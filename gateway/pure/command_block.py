@@ -1,0 +1,138 @@
+"""The own command and status block (AX-011), for PLCs that may be reprogrammed.
+
+Words are 16 bit; 32-bit values high word first; REAL is IEEE single.  A block is taken whole: one RK512 telegram or one FC16/FC23;
+a PLC that can only write single registers writes word 0 with the toggle last.
+"""
+
+import struct
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from enum import IntEnum
+
+from gateway.pure.reasons import CommandState, Reason
+from gateway.pure.records import AXES
+
+COMMAND_WORDS = 4 + 2 * AXES  # W0 toggle/code, W1 mask, W2 velocity, W3 acceleration, W4.. targets REAL
+STATUS_WORDS = 10 + 4 * AXES  # W0 toggle/state .. W8 owner, W9 reserved, W10.. per axis actual, lag REAL
+TOGGLE = 0x8000
+
+
+class Code(IntEnum):
+    """Bits 0-7 of command word 0."""
+
+    ENABLE = 1
+    DISABLE = 2
+    REFERENCE = 3
+    PTP_ABSOLUTE = 4
+    PTP_RELATIVE = 5
+    STOP = 6
+    RESUME = 7
+    ABANDON = 8
+    FAULT_RESET = 9
+    OVERRIDE = 10
+    REQUEST_CONTROL = 11
+    RELEASE_CONTROL = 12
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """One command; code as written (may be unknown); rates 0..1; targets in the axes' own units (mm, deg), 12 places."""
+
+    code: int
+    mask: int = 0
+    velocity: float = 1.0
+    acceleration: float = 1.0
+    targets: tuple[float, ...] = (0.0,) * AXES
+
+
+def real(high: int, low: int) -> float:
+    """IEEE single from two words, high word first (AX-010)."""
+    value: float = struct.unpack(">f", struct.pack(">HH", high, low))[0]
+    return value
+
+
+def real_words(value: float) -> tuple[int, int]:
+    """Two words of an IEEE single; values beyond its range become infinity, as a PLC would see them."""
+    try:
+        data = struct.pack(">f", value)
+    except OverflowError:
+        data = struct.pack(">f", float("inf") if value > 0 else float("-inf"))
+    high, low = struct.unpack(">HH", data)
+    return high, low
+
+
+@dataclass(slots=True)
+class Status:
+    """What stands in the status block."""
+
+    state: CommandState = CommandState.NONE
+    reason: Reason = Reason.NONE
+    enabled: int = 0
+    in_position: int = 0
+    referenced: int = 0
+    fault: int = 0
+    override: float = 0.0  # 0..1
+    life: int = 0
+    owner: int = 0
+    actual: list[float] = field(default_factory=lambda: [0.0] * AXES)  # mm, deg
+    lag: list[float] = field(default_factory=lambda: [0.0] * AXES)
+
+
+class CommandBlock:
+    """One door's command words and the toggle that says which of them was taken."""
+
+    def __init__(self, words: Sequence[int] = ()) -> None:
+        """`words`: what a predecessor left standing; it is never carried out."""
+        self.words = [*words, *[0] * COMMAND_WORDS][:COMMAND_WORDS]
+        self._toggle = self.words[0] & TOGGLE
+        self._adopt = True
+
+    def link_returned(self) -> None:
+        """What the next telegram holds was meant for an earlier time: adopt its toggle, do not carry it out (AX-141)."""
+        self._adopt = True
+
+    @property
+    def acknowledged(self) -> bool:
+        """The toggle as it was last taken."""
+        return bool(self._toggle)
+
+    def write(self, first: int, values: Sequence[int]) -> Command | None | Reason:
+        """Put words into the block; a Command when a fresh one stands there, RESYNCHRONISED when it was only adopted, else None."""
+        if first < 0 or first + len(values) > COMMAND_WORDS:
+            raise IndexError(f"words {first}..{first + len(values) - 1} of the command block; it has 0..{COMMAND_WORDS - 1}")
+        self.words[first : first + len(values)] = values
+        if first > 0:
+            return None  # the toggle word was not part of it
+        toggle = self.words[0] & TOGGLE
+        if self._adopt:
+            self._adopt = False
+            changed = toggle != self._toggle or self.words[0] & 0xFF != 0
+            self._toggle = toggle
+            return Reason.RESYNCHRONISED if changed else None
+        if toggle == self._toggle:
+            return None
+        self._toggle = toggle
+        return self._command()
+
+    def _command(self) -> Command:
+        w = self.words
+        targets = tuple(real(w[4 + 2 * n], w[5 + 2 * n]) for n in range(AXES))
+        return Command(w[0] & 0xFF, w[1], w[2] / 10_000, w[3] / 10_000, targets)
+
+    def status_words(self, status: Status) -> list[int]:
+        """STATUS_WORDS words as the PLC reads them."""
+        head = [
+            self._toggle | status.state,
+            int(status.reason),
+            status.enabled,
+            status.in_position,
+            status.referenced,
+            status.fault,
+            round(status.override * 10_000),
+            status.life & 0xFFFF,
+            status.owner,
+            0,
+        ]
+        for actual, lag in zip(status.actual, status.lag, strict=True):
+            head += [*real_words(actual), *real_words(lag)]
+        return head

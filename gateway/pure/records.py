@@ -1,0 +1,205 @@
+"""Layouts of what the processes tell each other through regions and rings (design: sections 4 to 6).
+
+All plain structs in native byte order: both sides run on one machine, and the layout string goes into the region's hash.
+"""
+
+import struct
+from dataclasses import dataclass, field
+from enum import IntEnum, IntFlag
+
+AXES = 12  # places in every record; a cell may use fewer
+RC_BYTES = 128  # PIC image: 1024 bits (rho3 0.2)
+NEVER = 0  # a stamp that says: not yet
+
+
+class Motion(IntEnum):
+    """What the cell's set values do."""
+
+    IDLE = 0  # at rest, nothing left to do
+    RUNNING = 1
+    STOPPING = 2  # braking on the path
+    STOPPED = 3  # at rest on the path, a rest of the move is left
+    REFERENCING = 4
+
+
+class AxisFlag(IntFlag):
+    """Bits of one axis in the axes region."""
+
+    ENABLED = 1
+    REFERENCED = 2
+    IN_POSITION = 4
+    FAULT = 8
+    LOST = 16  # no telegram from the drive
+    HOMING = 32
+    WARNING = 64
+    ON = 128  # we ask for it to be on
+
+
+@dataclass(slots=True)
+class AxisState:
+    """One axis as the cycle sees it; rad or m, rad/s or m/s, torque as a share of rated."""
+
+    actual: float = 0.0
+    set: float = 0.0
+    speed: float = 0.0
+    lag: float = 0.0
+    torque: float = 0.0
+    flags: AxisFlag = AxisFlag(0)
+    fault_code: int = 0
+    power: int = 0
+
+
+@dataclass(slots=True)
+class CellState:
+    """What the cycle publishes once per SYNC."""
+
+    cycle: int = 0  # SYNCs sent since this cycle process started
+    sync_ns: int = NEVER
+    generation: int = 0  # new for every cycle process: orders for an older one are dropped
+    motion: Motion = Motion.IDLE
+    override: float = 0.0
+    job: int = 0  # id of the order that moves the axes now, 0: none
+    progress: float = 0.0  # s of the running piece, 0..1
+    done_job: int = 0  # last order that ended well
+    failed_job: int = 0  # last order that ended badly
+    failed_reason: int = 0
+    taken: int = 0  # last order id taken from the ring
+    emergency: bool = False  # emergency-stop latch
+    ready: bool = False
+    stop_cause: int = 0  # Reason number of the last stop the cycle made by itself
+    skipped: int = 0  # grid instants without SYNC
+    incomplete: int = 0  # cycles in which not every actual value came
+    late: int = 0  # telegrams that came in the cycle after theirs
+    services_lost: int = 0  # times the services' life stood still
+    compute_ns: int = 0  # time of the last cycle from the last actual value to set values ready
+    axes: list[AxisState] = field(default_factory=lambda: [AxisState() for _ in range(AXES)])
+
+
+_HEAD = struct.Struct("=QqQBdQdQQHQBBHQQQQQ")
+_AXIS = struct.Struct("=dddddHBB")
+CELL_STATE_SIZE = _HEAD.size + AXES * _AXIS.size
+CELL_STATE_LAYOUT = f"cell-state/1 {_HEAD.format} {AXES}x{_AXIS.format}"
+
+
+def pack_cell_state(state: CellState) -> bytes:
+    """CellState as CELL_STATE_SIZE bytes."""
+    head = _HEAD.pack(
+        state.cycle, state.sync_ns, state.generation, state.motion, state.override, state.job, state.progress, state.done_job, state.failed_job,
+        state.failed_reason, state.taken, state.emergency, state.ready, state.stop_cause, state.skipped, state.incomplete, state.late,
+        state.services_lost, state.compute_ns,
+    )  # fmt: skip
+    return head + b"".join(_AXIS.pack(a.actual, a.set, a.speed, a.lag, a.torque, a.flags, a.fault_code, a.power) for a in state.axes)
+
+
+def unpack_cell_state(data: bytes) -> CellState:
+    """The reverse of pack_cell_state."""
+    head = _HEAD.unpack_from(data)
+    state = CellState(*head[:3], Motion(head[3]), *head[4:11], bool(head[11]), bool(head[12]), *head[13:])
+    for number in range(AXES):
+        actual, set_, speed, lag, torque, flags, fault, power = _AXIS.unpack_from(data, _HEAD.size + number * _AXIS.size)
+        state.axes[number] = AxisState(actual, set_, speed, lag, torque, AxisFlag(flags), fault, power)
+    return state
+
+
+class Order(IntEnum):
+    """What services ask of the cycle."""
+
+    ENABLE = 1
+    DISABLE = 2
+    REFERENCE = 3
+    MOVE = 4  # a piece follows in the record
+    STOP = 6
+    RESUME = 7
+    ABANDON = 8
+    RESET = 9
+    OVERRIDE = 10
+
+
+@dataclass(frozen=True, slots=True)
+class OrderRecord:
+    """One record of the command ring; `piece` is an encoded motion piece for MOVE and empty otherwise."""
+
+    order: Order
+    job: int
+    generation: int
+    mask: int = 0  # bit n-1 = axis n
+    value: float = 0.0
+    reason: int = 0  # why (for STOP: Reason number)
+    piece: bytes = b""
+
+
+_ORDER = struct.Struct("=HHIQQdI4x")
+
+
+def order_size(piece_size: int) -> int:
+    """Bytes of one record of the command ring."""
+    return _ORDER.size + piece_size
+
+
+def order_layout(piece_size: int) -> str:
+    """Layout string of the command ring."""
+    return f"orders/1 {_ORDER.format} {piece_size}"
+
+
+def pack_order(record: OrderRecord, piece_size: int) -> bytes:
+    """OrderRecord as order_size(piece_size) bytes."""
+    if len(record.piece) not in (0, piece_size):
+        raise ValueError(f"piece of {len(record.piece)} bytes; 0 or {piece_size} expected")
+    head = _ORDER.pack(record.order, record.reason, record.mask, record.job, record.generation, record.value, len(record.piece))
+    return head + record.piece.ljust(piece_size, b"\0")
+
+
+def unpack_order(data: bytes) -> OrderRecord:
+    """The reverse of pack_order."""
+    order, reason, mask, job, generation, value, size = _ORDER.unpack_from(data)
+    return OrderRecord(Order(order), job, generation, mask, value, reason, bytes(data[_ORDER.size : _ORDER.size + size]))
+
+
+class Quality(IntEnum):
+    """How far a value may be trusted (design: section 5)."""
+
+    BAD = 0
+    STALE = 1
+    GOOD = 2
+
+
+@dataclass(slots=True)
+class InputImage:
+    """RC inputs: value, quality and stamp of each byte; a byte belongs to one door."""
+
+    values: bytearray = field(default_factory=lambda: bytearray(RC_BYTES))
+    quality: bytearray = field(default_factory=lambda: bytearray(RC_BYTES))
+    stamps: list[int] = field(default_factory=lambda: [NEVER] * RC_BYTES)
+
+    def bit(self, number: int) -> bool:
+        """Bit N of the image whatever its quality."""
+        return bool(self.values[number >> 3] >> (number & 7) & 1)
+
+
+_INPUT = struct.Struct(f"={RC_BYTES}s{RC_BYTES}s{RC_BYTES}q")
+INPUT_SIZE = _INPUT.size
+INPUT_LAYOUT = f"rc-in/1 {_INPUT.format}"
+
+
+def pack_inputs(image: InputImage) -> bytes:
+    """InputImage as INPUT_SIZE bytes."""
+    return _INPUT.pack(bytes(image.values), bytes(image.quality), *image.stamps)
+
+
+def unpack_inputs(data: bytes) -> InputImage:
+    """The reverse of pack_inputs."""
+    values, quality, *stamps = _INPUT.unpack(data)
+    return InputImage(bytearray(values), bytearray(quality), stamps)
+
+
+def set_bit(image: bytearray, number: int, value: bool) -> None:
+    """Bit N = byte N div 8, bit N mod 8 (rho3 0.2)."""
+    if value:
+        image[number >> 3] |= 1 << (number & 7)
+    else:
+        image[number >> 3] &= ~(1 << (number & 7))
+
+
+def get_bit(image: bytes | bytearray, number: int) -> bool:
+    """The reverse of set_bit."""
+    return bool(image[number >> 3] >> (number & 7) & 1)
