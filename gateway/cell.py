@@ -1,0 +1,509 @@
+"""The cell as plain frozen data: one dataclass per table of the cell file, one attribute per key.
+
+Attribute = key, class = table; `from` is spelled `from_` because Python keeps the word. Values stand in the units of the
+file (deg, mm, ms, %); inside units are made by `drivers.drives.scaling`. Source of the shapes: users.md 3.4, 3.5; design.md 5.
+"""
+
+import datetime
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+ParamValue = bool | int | float | str | tuple["ParamValue", ...] | Mapping[str, "ParamValue"]
+
+
+@dataclass(frozen=True, slots=True)
+class CellHead:
+    """[cell]: what this plant is and how it is played."""
+
+    name: str
+    replaces: str = ""
+    software: str = ""  # version of the replaced software: decides numbers that changed between versions
+    language: str = "en"  # de | en
+    target: str = "simulation"  # machine | simulation
+    on_services_loss: str = "stop_on_path"  # stop_on_path | finish_move
+
+
+@dataclass(frozen=True, slots=True)
+class Safety:
+    """[safety]: what the plant guarantees in hardware; axisgate only prints it."""
+
+    emergency_stop: str = ""
+    sto_wired: bool | None = None
+    guard: str = ""
+    limit_switches: str = ""
+    enabling_device: str = ""
+    risk_assessment: str = ""
+    last_stop_test: datetime.date | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class RcInputs:
+    """[rc_inputs]: RC input byte (PIC byte = N div 8) -> the door that owns it; enabling inputs taken as 1."""
+
+    owner: Mapping[int, str] = field(default_factory=dict)
+    assume: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class IoBus:
+    """One entry of P30: digital I/O blocks of a bus; baud 0..3 = 1 Mbit/s, 500, 250, 125 kbit/s."""
+
+    inputs: int = 0
+    outputs: int = 0
+    baud: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class IoBlock:
+    """One entry of P31 or P32: PIC start byte, length in bytes, CAN identifier."""
+
+    bus: int
+    start: int
+    length: int
+    id: int
+
+
+@dataclass(frozen=True, slots=True)
+class MeasuringSystem:
+    """One [[rho3.P401]] table."""
+
+    axis: int
+    module: int
+    ref_mode: int = 0
+    gear_factor: float = 1.0
+    pulses: int = 1  # 1 = 16384, 2 = 8192, 3 = 4096 increments per turn (rho3 2.6)
+    evaluation: float = 16384.0  # negative together with output: direction reversed (rho3 2.9)
+    output: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Rho3:
+    """[rho3]: machine parameters as printed; the ones the gateway uses are attributes, other legal numbers are kept."""
+
+    P2: int = 0
+    P5: int | None = None  # clock, ms
+    P9: int = 40  # strobe of coded outputs, ms
+    P15: tuple[int, ...] = ()
+    P20: int | None = None
+    P21: tuple[int, ...] = ()
+    P24: int | str = "all"
+    P30: tuple[IoBus, ...] = ()
+    P31: tuple[IoBlock, ...] = ()
+    P32: tuple[IoBlock, ...] = ()
+    P103: tuple[float, ...] = ()
+    P104: tuple[float, ...] = ()
+    P108: tuple[float, ...] = ()
+    P109: tuple[float, ...] = ()
+    P204: tuple[float, ...] = ()
+    P205: tuple[float, ...] = ()
+    P207: tuple[float, ...] = ()
+    P208: tuple[float, ...] = ()
+    P401: tuple[MeasuringSystem, ...] = ()
+    P601: bool = False
+    others: Mapping[str, ParamValue] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Rk512:
+    """[line.rk512]: what is served and how addresses are counted."""
+
+    db_address_unit: str = "word"  # word | byte
+    reaction: bool = True
+    types: tuple[str, ...] = ("D",)
+    unknown_block: int = 0x14  # error number for a block that is not listed
+
+
+@dataclass(frozen=True, slots=True)
+class Supervision:
+    """[line.supervision]: when the partner counts as silent and what the axes do then."""
+
+    max_silence_ms: int = 1000
+    life_word: str | None = None  # e.g. DB10.DW31: counts up in every SEND of the PLC
+    on_loss: str = "stop_on_path"  # hold | finish_move | stop_on_path | quick_stop
+    restart: str = "new_command"
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """[[line]]: a serial line to a PLC or host."""
+
+    name: str
+    port: str
+    format: str = "9600 8E1"
+    wiring: str = ""
+    protocol: str = "3964R"
+    profile: str = "rho3"
+    priority: str = "low"
+    layer: str = "rk512"  # rk512 | telegrams | buep64 | program
+    role: str = "passive"  # passive | both
+    output_timeout: int = 0
+    byte_order: str = "big"
+    rk512: Rk512 = Rk512()
+    supervision: Supervision = Supervision()
+
+    @property
+    def baud(self) -> int:
+        """Bits per second out of the frame format."""
+        return int(self.format.split()[0])
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One entry of a data block; exactly one of `to` (PLC writes) and `from_` (axisgate writes) is set."""
+
+    at: str
+    type: str  # bit KF DH KH KM KY KC KT KZ KG REAL BCD
+    to: str | None = None
+    from_: str | None = None
+    unit: str = "1"  # "0.1 mm": one count is 0.1 mm
+    min: float | None = None
+    max: float | None = None
+    edge: str | None = None  # rising: only the 0 -> 1 edge acts
+    comment: str = ""
+
+    @property
+    def signal(self) -> str:
+        """The signal this entry moves, whichever way."""
+        return self.to or self.from_ or ""
+
+
+@dataclass(frozen=True, slots=True)
+class Db:
+    """[[db]]: a data block of `words` STEP 5 words; `line` is filled in by the loader when the cell has one RK512 line."""
+
+    number: int
+    words: int
+    writer: str  # plc | axisgate
+    line: str = ""
+    comment: str = ""
+    entries: tuple[Entry, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Handshake:
+    """[handshake.NAME]: the bits an old program starts a move with, as DBn.Dw.b."""
+
+    pattern: str
+    start: str
+    busy: str
+    done: str
+    refused: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class IoDevice:
+    """Inline table `device` of [[io]]."""
+
+    type: str
+    bus: str = ""
+    node: int | None = None
+    input: int | None = None
+    output: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Io:
+    """[[io]]: a real contact at the gateway."""
+
+    name: str
+    device: IoDevice
+    signal: str
+    on_loss: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Bus:
+    """[[bus]]: a CAN bus."""
+
+    name: str
+    port: str
+    protocol: str  # servodyn | canopen | rho3-io
+    bitrate: str = "1 Mbit/s"
+    cycle_ms: int = 4
+    heartbeat_ms: int = 50
+    layout: str = "servodyn_gc.dbc"
+    layout_evidence: str = ""
+    axes: str = ""  # "1..6": module numbers on this bus
+    on_loss: str = "zero"
+
+    @property
+    def simulated(self) -> bool:
+        """True where no metal can hang on the bus."""
+        return self.port == "sim" or self.port.startswith(("broker:", "memory:", "socketcan:vcan"))
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """Inline table `drive` of [[axis]]."""
+
+    type: str  # servodyn | cia402
+    bus: str
+    module: int | None = None  # servodyn: 1..6 on its bus
+    node: int | None = None  # cia402: 1..127
+    eds: str = ""
+    serial: str = ""
+    inc_per_turn: int = 16384
+
+
+@dataclass(frozen=True, slots=True)
+class Mechanics:
+    """Inline table `mechanics` of [[axis]]: axis way in `unit` per turn of the output side of the gear."""
+
+    feed_per_turn: float = 360.0
+    gear: str = "1:1"  # motor turns : output turns
+    direction: str = "+"
+    vertical: bool = False
+
+    @property
+    def ratio(self) -> float:
+        """Motor turns per output turn."""
+        motor, output = self.gear.split(":")
+        return float(motor) / float(output)
+
+
+@dataclass(frozen=True, slots=True)
+class AxisLimits:
+    """Inline table `limits` of [[axis]], in unit, unit/s, unit/s^2, unit/s^3."""
+
+    min: float
+    max: float
+    speed: float
+    accel: float
+    jerk: float  # default of the loader: 10 x accel per second (AX-123)
+
+
+@dataclass(frozen=True, slots=True)
+class FollowingError:
+    """Inline table `following_error` of [[axis]], in unit."""
+
+    warn: float
+    trip: float
+
+
+@dataclass(frozen=True, slots=True)
+class Home:
+    """Inline table `home` of [[axis]]."""
+
+    by: str = "gateway"  # gateway | drive | none
+    mode: int = 0  # gateway: rho3 2.8, 0..3
+    method: int | None = None  # drive: CiA 402 homing method
+    speed: float = 0.0  # P108, unit/s
+    slow_speed: float = 0.0  # P109, unit/s; 0: a fifth of speed
+    direction: str = "-"  # side on which the switch is searched
+    position: float = 0.0  # P207: actual value at the reference point, unit
+    offset: float = 0.0  # P208: way moved after it, unit
+    timeout_s: float = 60.0
+
+
+@dataclass(frozen=True, slots=True)
+class FirstEnable:
+    """Inline table `first_enable` of [[axis]]."""
+
+    torque: str = "20 %"
+    speed: str = "5 %"
+    travel: float = 2.0  # unit
+
+
+@dataclass(frozen=True, slots=True)
+class Axis:
+    """[[axis]]: one axis; [defaults.axis] and [rho3] are already worked in."""
+
+    name: str
+    unit: str  # mm | deg
+    drive: Drive
+    limits: AxisLimits
+    mechanics: Mechanics = Mechanics()
+    following_error: FollowingError | None = None  # None: only the drive supervises the lag
+    home: Home = Home()
+    first_enable: FirstEnable = FirstEnable()
+    mode: str = "csp"
+    stop_on_bus_loss: str = "quick_stop"
+    brake: str = "drive"  # drive | gateway | none
+
+
+@dataclass(frozen=True, slots=True)
+class ModbusRegisters:
+    """One [[modbus.registers]] table."""
+
+    at: int
+    from_: str
+
+
+@dataclass(frozen=True, slots=True)
+class Modbus:
+    """[[modbus]]: a Modbus TCP server (one door)."""
+
+    name: str
+    role: str = "server"
+    bind: str = "127.0.0.1:1502"
+    unit: int = 1
+    allow: tuple[str, ...] = ()  # clients that may write; empty: everybody who reaches the bound address
+    view: str = "rho3"
+    command_block: bool = False
+    float: str = "ABCD"
+    first_address: int = 0
+    max_silence_ms: int = 500
+    on_loss: str = "stop_on_path"
+    registers: tuple[ModbusRegisters, ...] = ()
+
+    @property
+    def host(self) -> str:
+        return self.bind.rsplit(":", 1)[0]
+
+    @property
+    def port(self) -> int:
+        return int(self.bind.rsplit(":", 1)[1])
+
+
+@dataclass(frozen=True, slots=True)
+class Robot:
+    """[robot]: kinematics (not played yet)."""
+
+    kinematics: str
+    model: str = ""
+    name: str = ""
+    zero: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class CheckPosition:
+    """[[check_position]]: a known position, by axis names (`at`) or as joints."""
+
+    name: str
+    tolerance: float
+    at: Mapping[str, float] = field(default_factory=dict)
+    joints: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Telegram:
+    """[[telegram]]: a raw 3964R block (not played yet); its tables are kept as typed."""
+
+    line: str
+    name: str
+    match: tuple[Mapping[str, ParamValue], ...] = ()
+    length: int | None = None
+    fields: tuple[Mapping[str, ParamValue], ...] = ()
+    then: str = ""
+    when: str = ""
+    build: tuple[Mapping[str, ParamValue], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Retain:
+    """[retain]: values that survive power-off (not played yet)."""
+
+    values: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Span:
+    """`reference_switch = { from = .., to = .. }` in axis units: the switch is 1 between both."""
+
+    from_: float
+    to: float
+
+
+@dataclass(frozen=True, slots=True)
+class PlantAxis:
+    """[plant.axis.NAME]: motor, load and switches of the emulated axis; at the motor shaft unless said otherwise."""
+
+    motor_inertia: float = 0.0012  # kg m^2
+    load_inertia: float = 0.0010  # kg m^2, seen by the motor
+    coulomb: float = 0.3  # N m
+    viscous: float = 0.002  # N m s/rad
+    gravity: float = 0.0  # N m, constant, positive pulls towards minus
+    max_torque: float = 24.0  # N m
+    rated_torque: float = 8.0  # N m
+    max_speed: float = 4000.0  # rpm
+    kv: float = 60.0  # 1/s, position loop of the drive
+    brake_delay_ms: float = 40.0
+    start: float = 0.0  # axis position at power-up, unit
+    reference_switch: Span | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Plant:
+    """[plant]: the emulated machine of `run --sim`, `emulate` and the demo."""
+
+    seed: int = 1
+    axis: Mapping[str, PlantAxis] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """Where a value comes from: a P number, a default, a line of the file."""
+
+    text: str
+    line: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Notice:
+    """A warning or note of `check`; it stops nothing."""
+
+    level: str  # warning | note
+    where: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """A whole, checked cell file."""
+
+    file: str
+    cell: CellHead
+    format: int = 1
+    safety: Safety | None = None
+    rc_inputs: RcInputs = RcInputs()
+    rho3: Rho3 | None = None
+    line: tuple[Line, ...] = ()
+    db: tuple[Db, ...] = ()
+    handshake: Mapping[str, Handshake] = field(default_factory=dict)
+    io: tuple[Io, ...] = ()
+    bus: tuple[Bus, ...] = ()
+    axis: tuple[Axis, ...] = ()
+    modbus: tuple[Modbus, ...] = ()
+    robot: Robot | None = None
+    check_position: tuple[CheckPosition, ...] = ()
+    telegram: tuple[Telegram, ...] = ()
+    retain: Retain | None = None
+    plant: Plant | None = None
+    sources: Mapping[str, Source] = field(default_factory=dict)  # "axis.1.limits.speed" -> P103[1], line 34
+    notices: tuple[Notice, ...] = ()
+
+    @property
+    def cycle_ms(self) -> int:
+        """The clock of the cell: P5 where the P list says it, else the drive bus."""
+        if self.rho3 is not None and self.rho3.P5 is not None:
+            return self.rho3.P5
+        return next((bus.cycle_ms for bus in self.bus if bus.protocol != "rho3-io"), 4)
+
+    @property
+    def warnings(self) -> tuple[Notice, ...]:
+        return tuple(notice for notice in self.notices if notice.level == "warning")
+
+    @property
+    def notes(self) -> tuple[Notice, ...]:
+        return tuple(notice for notice in self.notices if notice.level == "note")
+
+    def not_playable(self) -> list[str]:
+        """What this file asks for and `run` cannot play yet, each by its key; empty: all of it runs."""
+        reasons = [f"line.{line.name}.layer = {line.layer}" for line in self.line if line.layer != "rk512"]
+        reasons += [f"line.{line.name}.role = {line.role}" for line in self.line if line.role != "passive"]
+        reasons += [f"bus.{bus.name}.protocol = {bus.protocol}" for bus in self.bus if bus.protocol != "servodyn"]
+        reasons += [f"axis.{axis.name}.drive.type = {axis.drive.type}" for axis in self.axis if axis.drive.type != "servodyn"]
+        reasons += [f"axis.{a.name}.home.mode = {a.home.mode}" for a in self.axis if a.home.by == "gateway" and a.home.mode != 0]
+        reasons += [f"io.{io.name}.device.type = {io.device.type}" for io in self.io]
+        reasons += [f"telegram.{telegram.name}" for telegram in self.telegram]
+        reasons += [f"modbus.{door.name}.registers" for door in self.modbus if door.registers]
+        reasons += [] if self.robot is None else [f"robot.kinematics = {self.robot.kinematics}"]
+        reasons += [] if self.retain is None else ["retain.values"]
+        return reasons
+
+    def axis_named(self, name: str) -> Axis:
+        """The axis of that name; KeyError names those that exist."""
+        for axis in self.axis:
+            if axis.name == name:
+                return axis
+        raise KeyError(f"axis {name!r}; this cell has {', '.join(axis.name for axis in self.axis)}")
