@@ -1,0 +1,71 @@
+"""`axisgate NAME ...`: finds the command in the entry-point group `axisgate.commands` and hands over; no logic here."""
+
+import ast
+import difflib
+import importlib
+import importlib.util
+import pathlib
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from importlib.metadata import EntryPoint, entry_points
+from typing import cast
+
+GROUP = "axisgate.commands"
+Command = Callable[[list[str]], int]
+INVALID, ENVIRONMENT = 2, 3  # exit codes: command line, cell or file invalid; environment
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    known = {entry.name: entry for entry in entry_points(group=GROUP)}
+    if not arguments or arguments[0] in ("-h", "--help", "help"):
+        print(overview(known))
+        return 0 if arguments else INVALID
+    name, rest = arguments[0], arguments[1:]
+    if name not in known:
+        print(f"axisgate: unknown command '{name}'{nearest(name, known)}; axisgate -h lists the commands", file=sys.stderr)
+        return INVALID
+    try:
+        command = load(known[name])
+    except ModuleNotFoundError as missing:
+        print(f"axisgate {name}: {reason(known[name], missing)}", file=sys.stderr)
+        return ENVIRONMENT
+    return command(rest)
+
+
+def load(entry: EntryPoint) -> Command:
+    """The function behind an entry point; ModuleNotFoundError names what is not there."""
+    return cast(Command, getattr(importlib.import_module(entry.module), entry.attr))
+
+
+def nearest(name: str, known: Mapping[str, EntryPoint]) -> str:
+    close = difflib.get_close_matches(name, known, n=1, cutoff=0.4)
+    return f", did you mean '{close[0]}'?" if close else ""
+
+
+def reason(entry: EntryPoint, missing: ModuleNotFoundError) -> str:
+    if missing.name and f"{entry.module}.".startswith(f"{missing.name}."):
+        return f"not in this version (module {missing.name} does not exist yet)"
+    return f"needs the Python module '{missing.name}', which is not installed (make installs requirements.lock)"
+
+
+def overview(known: Mapping[str, EntryPoint]) -> str:
+    width = max((len(name) for name in known), default=0)
+    lines = [f"  {name:<{width}}  {first_line(entry)}" for name, entry in sorted(known.items())]
+    return "\n".join(["usage: axisgate COMMAND ...   (axisgate COMMAND -h tells more)", "", *lines])
+
+
+def first_line(entry: EntryPoint) -> str:
+    """What the command's module says of itself, read without running it."""
+    try:
+        found = importlib.util.find_spec(entry.module)
+    except ModuleNotFoundError:
+        found = None
+    if found is None or found.origin is None:
+        return "(not in this version)"
+    text = ast.get_docstring(ast.parse(pathlib.Path(found.origin).read_bytes())) or ""
+    return text.partition("\n")[0]
+
+
+if __name__ == "__main__":
+    sys.exit(main())
