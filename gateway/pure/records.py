@@ -22,6 +22,19 @@ class Motion(IntEnum):
     REFERENCING = 4
 
 
+class Permit(IntFlag):
+    """Enabling inputs as the cycle judges them (AX-002); a missing one does not stand."""
+
+    CHAIN = 1  # emergency-stop chain closed
+    CONTROL = 2
+    FEED = 4
+    RUN = 8  # feed hold not
+    TRAVEL = 16
+
+
+ALL_PERMITS = Permit(31)
+
+
 class AxisFlag(IntFlag):
     """Bits of one axis in the axes region."""
 
@@ -66,6 +79,7 @@ class CellState:
     taken: int = 0  # last order id taken from the ring
     emergency: bool = False  # emergency-stop latch
     ready: bool = False
+    permits: int = 0  # Permit bits: which enabling inputs stand
     stop_cause: int = 0  # Reason number of the last stop the cycle made by itself
     skipped: int = 0  # grid instants without SYNC
     incomplete: int = 0  # cycles in which not every actual value came
@@ -75,7 +89,7 @@ class CellState:
     axes: list[AxisState] = field(default_factory=lambda: [AxisState() for _ in range(AXES)])
 
 
-_HEAD = struct.Struct("=QqQBdQdQQHQBBHQQQQQ")
+_HEAD = struct.Struct("=QqQBdQdQQHQBBBHQQQQQ")
 _AXIS = struct.Struct("=dddddHBB")
 CELL_STATE_SIZE = _HEAD.size + AXES * _AXIS.size
 CELL_STATE_LAYOUT = f"cell-state/1 {_HEAD.format} {AXES}x{_AXIS.format}"
@@ -85,7 +99,7 @@ def pack_cell_state(state: CellState) -> bytes:
     """CellState as CELL_STATE_SIZE bytes."""
     head = _HEAD.pack(
         state.cycle, state.sync_ns, state.generation, state.motion, state.override, state.job, state.progress, state.done_job, state.failed_job,
-        state.failed_reason, state.taken, state.emergency, state.ready, state.stop_cause, state.skipped, state.incomplete, state.late,
+        state.failed_reason, state.taken, state.emergency, state.ready, state.permits, state.stop_cause, state.skipped, state.incomplete, state.late,
         state.services_lost, state.compute_ns,
     )  # fmt: skip
     return head + b"".join(_AXIS.pack(a.actual, a.set, a.speed, a.lag, a.torque, a.flags, a.fault_code, a.power) for a in state.axes)

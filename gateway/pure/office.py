@@ -1,0 +1,370 @@
+"""The office: takes commands from the doors, judges them, turns them into orders for the cycle and keeps each door's outcome.
+
+Pure: what the cycle publishes (CellState) and time come in, orders and events go out.  The office never remembers across a restart:
+a new office has no jobs, so a standing command starts nothing (design: a command is taken once).
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+
+from gateway.pure.command_block import Code, Command
+from gateway.pure.control import NOBODY, Control
+from gateway.pure.reasons import CommandState, Reason, Refusal, text
+from gateway.pure.records import AXES, AxisFlag, CellState, Motion, Order, OrderRecord, Permit
+from protocols.base.machine import Ns, ms
+
+ENABLE_PATIENCE = ms(5_000)  # brake, power and enabling of six drives take well under 2 s
+RESET_PATIENCE = ms(2_000)
+TINY, TRAVELS = 1e-6, 10.0  # AX-010: what looks like a number in another format
+
+
+@dataclass(frozen=True, slots=True)
+class AxisFacts:
+    """What the office must know of an axis; positions in the axis' own unit."""
+
+    name: str
+    unit: str  # mm | deg
+    si: float  # one unit in m or rad
+    low: float
+    high: float
+
+
+class OnLoss(Enum):
+    """What happens to a running move when the owner's link dies."""
+
+    HOLD = "hold"
+    FINISH = "finish_move"
+    STOP = "stop_on_path"
+    QUICK_STOP = "quick_stop"
+
+
+@dataclass(slots=True)
+class Job:
+    """One command of one door and what became of it."""
+
+    id: int
+    door: int
+    code: int
+    state: CommandState = CommandState.ACCEPTED
+    reason: Reason = Reason.NONE
+    detail: str = ""
+    mask: int = 0
+    until: Ns | None = None  # aborted with TIME_OUT then
+    watch: int = 0  # job whose end is this job's end (resume watches the move)
+
+    @property
+    def open(self) -> bool:
+        return self.state in (CommandState.ACCEPTED, CommandState.RUNNING)
+
+
+@dataclass(slots=True)
+class DoorState:
+    """The last command of a door and the last one of each code."""
+
+    last: Job | None = None
+    by_code: dict[int, Job] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class OfficeEvent:
+    """Something a person wants to read in the journal."""
+
+    what: str  # accepted | done | refused | aborted | stopped | control
+    door: int
+    code: int
+    reason: Reason
+    detail: str
+
+    def sentence(self, language: str = "en") -> str:
+        """One line for log and page."""
+        name = Code(self.code).name.lower() if self.code in Code._value2member_map_ else f"code {self.code}"
+        why = text(self.reason, language, self.detail)
+        return f"door {self.door}: {name} {self.what}" + (f": {why}" if why else "")
+
+
+Planner = Callable[[Sequence[float], Sequence[float], int, float, float, int], bytes]  # start, target (SI), mask, v, a, job -> piece
+
+
+class Office:
+    """Commands in, orders out."""
+
+    def __init__(self, axes: Sequence[AxisFacts], plan: Planner, first_job: int) -> None:
+        """`first_job`: a number above every job a predecessor may have used."""
+        self.axes = tuple(axes)
+        self.control = Control()
+        self.cell: CellState | None = None
+        self.stopped_moves = 0
+        self._all = (1 << len(self.axes)) - 1
+        self._plan = plan
+        self._next = first_job
+        self._doors: dict[int, DoorState] = {}
+        self._open: list[Job] = []
+        self._orders: list[OrderRecord] = []
+        self._events: list[OfficeEvent] = []
+        self._move: Job | None = None  # the move or reference run the axes are on
+
+    # ---- what the others ask ---------------------------------------------------------------------------------------------
+    def door(self, number: int) -> DoorState:
+        """State of one door; made at the first call."""
+        return self._doors.setdefault(number, DoorState())
+
+    def take_orders(self) -> list[OrderRecord]:
+        """Orders since the last call, in order."""
+        orders, self._orders = self._orders, []
+        return orders
+
+    def take_events(self) -> list[OfficeEvent]:
+        """Events since the last call."""
+        events, self._events = self._events, []
+        return events
+
+    def enabled_mask(self, flag: AxisFlag = AxisFlag.ENABLED) -> int:
+        """Axes (bit n-1 = axis n) on which `flag` stands."""
+        if self.cell is None:
+            return 0
+        return sum(1 << n for n in range(len(self.axes)) if self.cell.axes[n].flags & flag)
+
+    # ---- time goes on ----------------------------------------------------------------------------------------------------
+    def observe(self, cell: CellState, now: Ns) -> None:
+        """Take over what the cycle published and settle the open jobs."""
+        before, self.cell = self.cell, cell
+        if before is not None and before.generation != cell.generation:
+            for job in self._open:
+                self._end(job, CommandState.ABORTED, Reason.CYCLE_RESTARTED)
+            self._move = None
+        for job in list(self._open):
+            self._settle(job, cell, now)
+        self._open = [job for job in self._open if job.open]
+        if self._move is not None and not self._move.open:
+            self._move = None
+
+    def _settle(self, job: Job, cell: CellState, now: Ns) -> None:
+        if job.state is CommandState.ACCEPTED and cell.taken >= job.id:
+            job.state = CommandState.RUNNING
+        outcome = self._outcome(job, cell)
+        if outcome is not None:
+            self._end(job, CommandState.DONE if outcome is Reason.NONE else CommandState.ABORTED, outcome)
+        elif job.until is not None and now >= job.until:
+            self._end(job, CommandState.ABORTED, *self._why_not(job, cell))
+
+    def _outcome(self, job: Job, cell: CellState) -> Reason | None:
+        """NONE: done; a reason: aborted; None: still open."""
+        if cell.taken < job.id:
+            return None
+        if job.watch:
+            if cell.done_job == job.watch:
+                return Reason.NONE
+            if cell.failed_job == job.watch:
+                return Reason(cell.failed_reason)
+            return None
+        enabled = self.enabled_mask()
+        match job.code:
+            case Code.ENABLE:
+                if cell.failed_job == job.id:
+                    return Reason(cell.failed_reason)
+                return Reason.NONE if enabled & job.mask == job.mask else None
+            case Code.DISABLE:
+                return Reason.NONE if not enabled & job.mask else None
+            case Code.STOP:
+                return Reason.NONE if cell.motion in (Motion.IDLE, Motion.STOPPED) else None
+            case Code.ABANDON:
+                return Reason.NONE if cell.motion is Motion.IDLE else None
+            case Code.FAULT_RESET:
+                return Reason.NONE if not cell.emergency and not self.enabled_mask(AxisFlag.FAULT | AxisFlag.LOST) else None
+            case _:
+                return Reason.NONE
+
+    def _why_not(self, job: Job, cell: CellState) -> tuple[Reason, str]:
+        if cell.emergency:
+            return Reason.EMERGENCY_STOP, ""
+        faults = [f"{a.name} fault {cell.axes[n].fault_code}" for n, a in enumerate(self.axes) if cell.axes[n].flags & AxisFlag.FAULT]
+        if faults:
+            return Reason.DRIVE_FAULT, ", ".join(faults)
+        return Reason.TIME_OUT, Code(job.code).name.lower()
+
+    def _end(self, job: Job, state: CommandState, reason: Reason, detail: str = "") -> None:
+        job.state, job.reason, job.detail = state, reason, detail or job.detail
+        self._events.append(OfficeEvent(state.name.lower(), job.door, job.code, reason, job.detail))
+
+    # ---- commands --------------------------------------------------------------------------------------------------------
+    def command(self, door: int, command: Command, now: Ns) -> Job:
+        """Judge one fresh command of a door; its outcome stands in the returned Job (refused at once or open)."""
+        job = Job(self._next, door, command.code, mask=command.mask)
+        self._next += 1
+        state = self.door(door)
+        state.last = state.by_code[command.code] = job
+        try:
+            if command.code not in Code._value2member_map_:
+                raise Refusal(Reason.UNKNOWN_CODE, str(command.code))
+            self._judge(job, Code(command.code), command, now)
+        except Refusal as refusal:
+            self._end(job, CommandState.REFUSED, refusal.reason, refusal.detail)
+        if job.open:
+            self._open.append(job)
+            self._events.append(OfficeEvent("accepted", door, job.code, Reason.NONE, ""))
+        return job
+
+    def _judge(self, job: Job, code: Code, command: Command, now: Ns) -> None:
+        cell = self.cell
+        if cell is None:
+            raise Refusal(Reason.NOT_READY, "the cycle has not started")
+        at_rest = cell.motion in (Motion.IDLE, Motion.STOPPED)
+        match code:
+            case Code.REQUEST_CONTROL:
+                self._request(job, cell, at_rest=at_rest)
+            case Code.RELEASE_CONTROL:
+                self.control.release(job.door, at_rest=at_rest)
+                self._done(job)
+            case Code.STOP:
+                self._stop(job, cell)
+            case _:
+                self.control.demand(job.door)
+                self._owners_command(job, code, command, cell, now)
+
+    def _request(self, job: Job, cell: CellState, *, at_rest: bool) -> None:
+        if self.control.request(job.door, at_rest=at_rest):
+            self._events.append(OfficeEvent("control", job.door, job.code, Reason.NONE, ""))
+            if cell.motion is Motion.STOPPED:  # a rest another door left must not be resumed by this one's first resume
+                self._drop_rest()
+        self._done(job)
+
+    def _drop_rest(self) -> None:
+        self._order(Order.ABANDON)
+        if self._move is not None:
+            self._end(self._move, CommandState.ABORTED, Reason.ABANDONED)
+            self._move = None
+
+    def _stop(self, job: Job, cell: CellState) -> None:
+        """Everybody may stop."""
+        self._order(Order.STOP, job.id, reason=Reason.STOPPED_BY_DOOR)
+        move = self._move
+        if move is not None and move.open and cell.motion is Motion.RUNNING:
+            move.reason, move.detail = Reason.STOPPED_BY_DOOR, str(job.door)
+            self.stopped_moves += 1
+
+    def _owners_command(self, job: Job, code: Code, command: Command, cell: CellState, now: Ns) -> None:
+        match code:
+            case Code.ENABLE:
+                self._mask(job)
+                self._may_enable(cell)
+                job.until = now + ENABLE_PATIENCE
+                self._order(Order.ENABLE, job.id, mask=job.mask)
+            case Code.DISABLE:
+                self._mask(job)
+                job.until = now + ENABLE_PATIENCE
+                self._order(Order.DISABLE, job.id, mask=job.mask)
+            case Code.REFERENCE:
+                self._mask(job)
+                self._may_move(cell, job.mask, referenced=False)
+                job.watch, self._move = job.id, job
+                self._order(Order.REFERENCE, job.id, mask=job.mask)
+            case Code.PTP_ABSOLUTE | Code.PTP_RELATIVE:
+                self._ptp(job, command, cell, relative=code is Code.PTP_RELATIVE)
+            case Code.RESUME:
+                if cell.motion is not Motion.STOPPED or self._move is None:
+                    raise Refusal(Reason.NOTHING_TO_RESUME)
+                self._may_move(cell, self._move.mask, idle=False)
+                job.watch, self._move.reason, self._move.detail = self._move.id, Reason.NONE, ""
+                self._order(Order.RESUME, job.id)
+            case Code.ABANDON:
+                if cell.motion is not Motion.STOPPED:
+                    raise Refusal(Reason.NOTHING_TO_RESUME)
+                self._drop_rest()
+                job.id = self._orders[-1].job
+            case Code.FAULT_RESET:
+                job.until = now + RESET_PATIENCE
+                self._order(Order.RESET, job.id)
+            case Code.OVERRIDE:
+                if not 0.0 <= command.velocity <= 1.0:
+                    raise Refusal(Reason.RATE, f"override {command.velocity:.2%}; 0..100 %")
+                self._order(Order.OVERRIDE, job.id, value=command.velocity)
+
+    def _ptp(self, job: Job, command: Command, cell: CellState, *, relative: bool) -> None:
+        self._mask(job)
+        self._may_move(cell, job.mask)
+        for name, value in (("velocity", command.velocity), ("acceleration", command.acceleration)):
+            if not 0.0 < value <= 1.0:
+                raise Refusal(Reason.RATE, f"{name} {value:.2%}; 0.01..100 %")
+        if cell.override <= 0.0:
+            raise Refusal(Reason.OVERRIDE_ZERO)
+        start = [axis.set for axis in cell.axes[: len(self.axes)]]
+        target = list(start)
+        for n, axis in enumerate(self.axes):
+            if job.mask >> n & 1:
+                self._plausible(axis, command.targets[n], relative=relative)
+                wanted = command.targets[n] + (start[n] / axis.si if relative else 0.0)
+                if not axis.low <= wanted <= axis.high:
+                    raise Refusal(Reason.TARGET_LIMIT, f"{axis.name} {wanted:.3f} {axis.unit}; {axis.low:g}..{axis.high:g} {axis.unit}")
+                target[n] = wanted * axis.si
+        piece = self._plan(start, target, job.mask, command.velocity, command.acceleration, job.id)
+        job.watch, self._move = job.id, job
+        self._order(Order.MOVE, job.id, mask=job.mask, piece=piece)
+
+    @staticmethod
+    def _plausible(axis: AxisFacts, value: float, *, relative: bool) -> None:
+        """AX-010: a target that only a number read in the wrong format would have."""
+        travel = axis.high - axis.low
+        if not math.isfinite(value) or (value != 0.0 and abs(value) < TINY) or abs(value) > TRAVELS * travel:
+            kind = "distance" if relative else "target"
+            raise Refusal(Reason.FORMAT_SUSPICION, f"{axis.name} {kind} {value:.3g} {axis.unit} looks like KG read as IEEE (travel {travel:g} {axis.unit})")
+
+    def _mask(self, job: Job) -> None:
+        if job.mask == 0 or job.mask & ~self._all:
+            raise Refusal(Reason.MASK, f"{job.mask:04X}h; this cell has {len(self.axes)} axes: 0001h..{self._all:04X}h")
+
+    @staticmethod
+    def _may_enable(cell: CellState) -> None:
+        if cell.emergency or not cell.permits & Permit.CHAIN:
+            raise Refusal(Reason.EMERGENCY_STOP)
+        if not cell.permits & Permit.CONTROL:
+            raise Refusal(Reason.CONTROL_NOT_ALLOWED)
+
+    def _may_move(self, cell: CellState, mask: int, *, referenced: bool = True, idle: bool = True) -> None:
+        self._may_enable(cell)
+        if idle and cell.motion is not Motion.IDLE:
+            raise Refusal(Reason.BUSY, "resume or abandon the stopped move first" if cell.motion is Motion.STOPPED else "")
+        if not cell.permits & Permit.FEED:
+            raise Refusal(Reason.FEED_NOT_ALLOWED)
+        if not cell.permits & Permit.TRAVEL:
+            raise Refusal(Reason.TRAVEL_NOT_ALLOWED)
+        for flag, reason in ((AxisFlag.ENABLED, Reason.DRIVES_OFF), (AxisFlag.REFERENCED, Reason.NOT_REFERENCED)):
+            missing = mask & ~self.enabled_mask(flag)
+            if missing and (flag is AxisFlag.ENABLED or referenced):
+                raise Refusal(reason, ", ".join(axis.name for n, axis in enumerate(self.axes) if missing >> n & 1))
+
+    def _order(self, order: Order, job: int = 0, *, mask: int = 0, value: float = 0.0, reason: int = 0, piece: bytes = b"") -> None:
+        if not job:
+            job, self._next = self._next, self._next + 1
+        generation = self.cell.generation if self.cell is not None else 0
+        self._orders.append(OrderRecord(order, job, generation, mask, value, reason, piece))
+
+    def _done(self, job: Job) -> None:
+        job.state = CommandState.DONE
+        self._events.append(OfficeEvent("done", job.door, job.code, Reason.NONE, ""))
+
+    # ---- links -----------------------------------------------------------------------------------------------------------
+    def link(self, door: int, on_loss: OnLoss, *, alive: bool) -> None:
+        """The door's link came or went; when the owner's went, the move ends as configured and nothing restarts by itself."""
+        self.control.link(door, alive=alive)
+        if alive or self.control.owner != door or self.cell is None:
+            return
+        moving = self.cell.motion in (Motion.RUNNING, Motion.REFERENCING)
+        if on_loss is OnLoss.QUICK_STOP:
+            self._order(Order.DISABLE, mask=self._all, reason=Reason.LINK_LOST)
+        elif on_loss in (OnLoss.STOP, OnLoss.HOLD) and moving:
+            self._order(Order.STOP, reason=Reason.LINK_LOST)
+        if moving and self._move is not None and on_loss is not OnLoss.FINISH:
+            self._move.reason, self._move.detail = Reason.LINK_LOST, f"door {door}"
+        self._events.append(OfficeEvent("stopped", door, Code.STOP, Reason.LINK_LOST, f"door {door}; {on_loss.value}"))
+
+    @property
+    def owner(self) -> int:
+        """Number of the door in control; 0: nobody."""
+        return self.control.owner or NOBODY
+
+
+def axis_places(values: Sequence[float]) -> list[float]:
+    """`values` filled up to the 12 places of the blocks."""
+    return [*values, *[0.0] * AXES][:AXES]
