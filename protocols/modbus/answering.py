@@ -1,0 +1,146 @@
+"""From a request PDU to its answer PDU.  Decoding and encoding are pymodbus' PDU classes; every decision is ours (validate, view)."""
+
+import struct
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import NamedTuple
+
+from pymodbus.pdu import ExceptionResponse, ModbusPDU
+from pymodbus.pdu import bit_message as bit
+from pymodbus.pdu import register_message as register
+
+from protocols.modbus.validate import refusal
+from protocols.modbus.view import ExceptionCode, Kind, View
+
+REMEMBERED = 512  # read requests kept decoded: pollers repeat themselves byte for byte
+
+
+class Read(NamedTuple):
+    """A legal read request, decoded."""
+
+    address: int
+    quantity: int
+
+
+class BitRead(NamedTuple):
+    """FC 1 or 2: its table and pymodbus' classes."""
+
+    kind: Kind
+    request: type[bit.ReadCoilsRequest]
+    response: type[bit.ReadCoilsResponse]
+
+
+class WordRead(NamedTuple):
+    """FC 3 or 4: its table and pymodbus' classes."""
+
+    kind: Kind
+    request: type[register.ReadHoldingRegistersRequest]
+    response: type[register.ReadHoldingRegistersResponse | register.ReadInputRegistersResponse]
+
+
+READS: dict[int, BitRead | WordRead] = {
+    1: BitRead(Kind.COILS, bit.ReadCoilsRequest, bit.ReadCoilsResponse),
+    2: BitRead(Kind.DISCRETE_INPUTS, bit.ReadDiscreteInputsRequest, bit.ReadDiscreteInputsResponse),
+    3: WordRead(Kind.HOLDING_REGISTERS, register.ReadHoldingRegistersRequest, register.ReadHoldingRegistersResponse),
+    4: WordRead(Kind.INPUT_REGISTERS, register.ReadInputRegistersRequest, register.ReadInputRegistersResponse),
+}
+
+
+def answer(pdu: bytes, view: View | None, may_write: bool = True) -> bytes:
+    """The answer PDU to `pdu`; never raises on what a partner sends (a view that raises is its owner's mistake and passes through).
+
+    view: the addressed unit's tables, None when there is no such unit (0Bh, AX-012).  An exception answer carries the function code
+    of the request with bit 7 set, whatever it was.  An empty PDU has nothing to answer to and gives b"".
+    """
+    if not pdu:
+        return b""
+    if view is None:
+        return exception(pdu[0], ExceptionCode.GATEWAY_TARGET_SILENT)
+    read = READS.get(pdu[0])
+    result = _write(pdu, view, may_write) if read is None else _read(read, pdu, view)
+    return exception(pdu[0], result) if isinstance(result, ExceptionCode) else result
+
+
+def exception(function: int, code: ExceptionCode) -> bytes:
+    """The exception answer to a request of this function code (V1.1b3, section 7)."""
+    return _pdu(ExceptionResponse(function, code))
+
+
+def _pdu(message: ModbusPDU) -> bytes:
+    return bytes((message.function_code,)) + message.encode()
+
+
+def _read(read: BitRead | WordRead, pdu: bytes, view: View) -> bytes | ExceptionCode:
+    wanted = _decoded(pdu)
+    if isinstance(wanted, ExceptionCode):
+        return wanted
+    if isinstance(read, WordRead):
+        words = view.read_words(read.kind, wanted.address, wanted.quantity)
+        return words if isinstance(words, ExceptionCode) else _words_answer(read, words, wanted.quantity)
+    bits = view.read_bits(read.kind, wanted.address, wanted.quantity)
+    if isinstance(bits, ExceptionCode):
+        return bits
+    return _pdu(read.response(bits=bits)) if len(bits) == wanted.quantity else ExceptionCode.SERVER_DEVICE_FAILURE
+
+
+def _words_answer(read: WordRead, words: Sequence[int], count: int) -> bytes | ExceptionCode:
+    if len(words) != count:
+        return ExceptionCode.SERVER_DEVICE_FAILURE
+    try:
+        return _pdu(read.response(registers=words))
+    except struct.error:  # a value beyond 16 bits: the view's mistake, and the partner must not get a wrong number
+        return ExceptionCode.SERVER_DEVICE_FAILURE
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _decoded(pdu: bytes) -> Read | ExceptionCode:
+    """Checks and decodes a read request; the same bytes always mean the same, so it is done once (the answer never is)."""
+    why = refusal(pdu)
+    if why is not None:
+        return why
+    message = READS[pdu[0]].request()
+    message.decode(pdu[1:])
+    return Read(message.address, message.count)
+
+
+def _write(pdu: bytes, view: View, may_write: bool) -> bytes | ExceptionCode:
+    why = refusal(pdu, may_write)
+    if why is not None:
+        return why
+    match pdu[0]:
+        case 5:
+            return _write_coil(pdu, view)
+        case 6:
+            return _write_register(pdu, view)
+        case 15:
+            return _write_coils(pdu, view)
+        case _:
+            return _write_registers(pdu, view)
+
+
+def _write_coil(pdu: bytes, view: View) -> bytes | ExceptionCode:
+    request = bit.WriteSingleCoilRequest()
+    request.decode(pdu[1:])
+    why = view.write_bits(request.address, request.bits)
+    return why or _pdu(bit.WriteSingleCoilResponse(address=request.address, bits=request.bits))
+
+
+def _write_register(pdu: bytes, view: View) -> bytes | ExceptionCode:
+    request = register.WriteSingleRegisterRequest()
+    request.decode(pdu[1:])
+    why = view.write_words(request.address, request.registers)
+    return why or _pdu(register.WriteSingleRegisterResponse(address=request.address, registers=request.registers))
+
+
+def _write_coils(pdu: bytes, view: View) -> bytes | ExceptionCode:
+    request = bit.WriteMultipleCoilsRequest()
+    request.decode(pdu[1:])
+    why = view.write_bits(request.address, request.bits)
+    return why or _pdu(bit.WriteMultipleCoilsResponse(address=request.address, count=request.count))
+
+
+def _write_registers(pdu: bytes, view: View) -> bytes | ExceptionCode:
+    request = register.WriteMultipleRegistersRequest()
+    request.decode(pdu[1:])
+    why = view.write_words(request.address, request.registers)
+    return why or _pdu(register.WriteMultipleRegistersResponse(address=request.address, count=request.count))
