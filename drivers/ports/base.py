@@ -9,7 +9,7 @@ import stat
 from collections.abc import Sequence
 from typing import Protocol
 
-from protocols.base.machine import Damage, Frame
+from protocols.base.machine import Damage, Frame, Ns
 
 
 class PortError(OSError):
@@ -20,6 +20,7 @@ class BytePort(Protocol):
     """A serial line, pty, TCP connection or memory pipe.  Nothing here ever blocks."""
 
     name: str
+    char_ns: Ns  # time of one character on the line; 0: no pace (a bare pty, memory)
 
     def fileno(self) -> int: ...  # readable when read() has something
     def read(self) -> list[bytes | Damage]: ...  # in line order; [] when nothing waits; PortError when gone
@@ -43,7 +44,8 @@ def runtime_dir() -> pathlib.Path:
     """Folder for sockets and links: $AXISGATE_RUNTIME, else $XDG_RUNTIME_DIR/axisgate, else /tmp/axisgate-UID; mode 0700."""
     named = os.environ.get("AXISGATE_RUNTIME")
     session = os.environ.get("XDG_RUNTIME_DIR")
-    folder = pathlib.Path(named) if named else pathlib.Path(session, "axisgate") if session else pathlib.Path(f"/tmp/axisgate-{os.getuid()}")
+    usual = pathlib.Path(session, "axisgate") if session else pathlib.Path(f"/tmp/axisgate-{os.getuid()}")
+    folder = pathlib.Path(named) if named else usual
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     info = folder.lstat()
     if not stat.S_ISDIR(info.st_mode) or info.st_uid != os.getuid():

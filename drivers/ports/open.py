@@ -1,0 +1,33 @@
+"""Opens a byte port by its address: the one place that knows which addresses there are."""
+
+from drivers.ports.base import BytePort
+from drivers.ports.linewire import parse_format
+
+KINDS = '"/dev/ttyUSB0", "pty:/path", "tcp://host:port"'
+
+
+def open_bytes(url: str, format: str = "9600 8E1") -> BytePort:
+    """Opens the port.  Raises PortError when it cannot be opened, ValueError when address or format are not readable."""
+    line_format = parse_format(format)
+    if url.startswith("pty:"):
+        from drivers.ports.pty import PtyPort
+
+        return PtyPort(url[4:], line_format)
+    if url.startswith("tcp://"):
+        from drivers.ports.tcp import TcpPort
+
+        host, port = tcp_address(url)
+        return TcpPort(host, port, line_format)
+    if url.startswith("/"):
+        from drivers.ports.serial import SerialPort
+
+        return SerialPort(url, line_format)
+    raise ValueError(f'port "{url}": expected {KINDS}')
+
+
+def tcp_address(url: str) -> tuple[str, int]:
+    """ "tcp://host:port" or "tcp://[::1]:port"; ValueError names the address."""
+    host, colon, port = url.removeprefix("tcp://").rpartition(":")
+    if not colon or not host or not port.isdecimal() or not 0 < int(port) < 65536:
+        raise ValueError(f'port "{url}": tcp://host:port with a port number 1..65535 expected')
+    return host.strip("[]"), int(port)
