@@ -1,0 +1,62 @@
+"""Where configuration files are found and read; nothing else of ours opens one.
+
+Looked up in this order: the path as given, $AXISGATE_CONFIGS (several folders separated by `:`), the packaged configs.
+"""
+
+import os
+import pathlib
+import tomllib
+
+PACKAGED = pathlib.Path(__file__).resolve().parent.parent / "configs"
+SUFFIX = {"cells": ".toml", "drives": "", "robots": ".toml", "signals": ".toml", "benches": ".toml"}
+
+
+class ConfigNotFound(FileNotFoundError):
+    """No such file; the message names every place that was searched and what there is."""
+
+
+def find_config(name: str, kind: str) -> pathlib.Path:
+    """The file `name` of a kind (cells, drives, robots, signals, benches); the suffix may be left out for TOML kinds."""
+    wanted = pathlib.Path(name)
+    if wanted.is_file():
+        return wanted
+    searched = [str(wanted.absolute())]
+    if not wanted.is_absolute():
+        for folder in _folders():
+            for candidate in _candidates(folder, kind, name):
+                if candidate.is_file():
+                    return candidate
+                searched.append(str(candidate))
+    raise ConfigNotFound(f"{name}: no such file; looked for {', '.join(dict.fromkeys(searched))}{_known(kind)}")
+
+
+def beside(path: str, name: str, kind: str) -> pathlib.Path:
+    """A file another file names: beside that file first, then as `find_config` does."""
+    neighbour = pathlib.Path(path).parent / name
+    return neighbour if neighbour.is_file() else find_config(name, kind)
+
+
+def read_text(path: pathlib.Path) -> str:
+    """The text of a configuration file (UTF-8, with or without BOM); UnicodeDecodeError names the byte."""
+    return path.read_text(encoding="utf-8-sig")
+
+
+def read_signals(name: str = "rho3") -> list[dict[str, str | int]]:
+    """The [[signal]] tables of a signal list."""
+    tables: list[dict[str, str | int]] = tomllib.loads(read_text(find_config(name, "signals")))["signal"]
+    return tables
+
+
+def _folders() -> list[pathlib.Path]:
+    named = [pathlib.Path(part) for part in os.environ.get("AXISGATE_CONFIGS", "").split(":") if part]
+    return [*named, PACKAGED]
+
+
+def _candidates(folder: pathlib.Path, kind: str, name: str) -> list[pathlib.Path]:
+    names = [name] if pathlib.Path(name).suffix else [name + SUFFIX.get(kind, "")]
+    return [place / each for each in names for place in (folder / kind, folder)]
+
+
+def _known(kind: str) -> str:
+    found = sorted({path.stem for folder in _folders() for path in (folder / kind).glob("*" + (SUFFIX.get(kind) or ".*"))})
+    return f"; there are {', '.join(found)}" if found else ""
