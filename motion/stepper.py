@@ -1,0 +1,258 @@
+"""The stepper: one sample per SYNC, time along the path in its hands (design 6; goals 9, 10, 15).
+
+It owns (s, sdot, sddot).  A load, an override change, stop, resume and abandon re-plan s(t) from the present state with
+all limits of the piece; between them the plan is only sampled.  Call step() once per SYNC that is sent: a skipped SYNC
+delays the path and never stretches a step.  Pure: period in, samples out.
+"""
+
+from collections import deque
+from collections.abc import Sequence
+from enum import Enum, auto
+from itertools import accumulate
+from math import inf, sqrt
+from typing import NamedTuple
+
+from motion.errors import MotionError, PieceError
+from motion.pieces import MAX_AXES, Piece
+from motion.profile import Profile
+
+QUEUE = 8  # pieces that may wait behind the running one
+FIT = 1e-9  # m or rad: a piece starts where the one before it ends
+ARRIVED = 1e-12  # of the length: nothing left to go
+
+
+class State(Enum):
+    """What the path does; an override of 0 holds it in RUNNING."""
+
+    IDLE = auto()  # no piece
+    RUNNING = auto()
+    STOPPING = auto()  # on the path, by stop() or abandon()
+    STOPPED = auto()  # at rest on the path; resume() goes on, abandon() drops the rest
+
+
+class Sample(NamedTuple):
+    """Set values for one SYNC."""
+
+    q: tuple[float, ...]  # (axes,) m or rad
+    qd: tuple[float, ...]  # (axes,) per s
+    piece_id: int  # piece under way; 0: none
+    s: float  # on that piece
+    state: State
+    done_id: int  # piece that ended last; stays until the next one ends; 0: none yet
+
+
+class Stepper:
+    """See the module.  Raises only on what its caller does wrong (MotionError, PieceError), never in step()."""
+
+    def __init__(self, axes: int, period_s: float, position: Sequence[float] | None = None) -> None:
+        if not (1 <= axes <= MAX_AXES and 0 < period_s < 1):
+            raise MotionError(f"{axes} axes (1 .. {MAX_AXES}), period {period_s} s (0 .. 1) do not fit")
+        self._period = period_s
+        self._q = [0.0] * axes if position is None else list(position)
+        self._still = (0.0,) * axes
+        self._queue: deque[Piece] = deque()
+        self._piece: Piece | None = None
+        self._rows: list[list[tuple[int, tuple[float, ...]]]] = []  # per segment: (axis, coefficients, highest power first)
+        self._floor: tuple[float, ...] = ()  # per grid interval: highest sdot that is legal from there to the end
+        self._profile = Profile()
+        self._motion = (0.0, 0.0, 0.0)  # s, sdot, sddot
+        self._time = 0.0  # s since the present plan began
+        self._resting = True  # no plan runs
+        self._to_end = False  # the present plan ends at the end of the piece
+        self._stale = False  # a new plan is due
+        self._speed = inf  # sdot limit of the present plan
+        self._override = 1.0
+        self._state = State.IDLE
+        self._abandon = False
+        self._done = 0
+        if len(self._q) != axes:
+            raise MotionError(f"{len(self._q)} positions for {axes} axes")
+
+    @property
+    def state(self) -> State:
+        """As in the last sample, or as changed by a call since."""
+        return self._state
+
+    @property
+    def override(self) -> float:
+        """0 .. 1, of the programmed speed."""
+        return self._override
+
+    @property
+    def queued(self) -> int:
+        """Pieces that wait behind the running one."""
+        return len(self._queue)
+
+    @property
+    def remaining(self) -> float:
+        """Way left on the running piece, in its s."""
+        return self._piece.length - self._motion[0] if self._piece else 0.0
+
+    def place(self, position: Sequence[float]) -> None:
+        """The axes stand here (after enabling, referencing); only without a piece."""
+        if self._state is not State.IDLE or self._piece or self._queue:
+            raise MotionError(f"the position can be set only while idle, the stepper is {self._state.name}")
+        if len(position) != len(self._q):
+            raise MotionError(f"{len(position)} positions for {len(self._q)} axes")
+        self._q = list(position)
+
+    def place_for(self, piece: Piece) -> None:
+        """place() at the start of a piece; axes outside its mask stay."""
+        position = list(self._q)
+        for axis, value in zip(piece.axes, piece.start(), strict=True):
+            position[axis] = value
+        self.place(position)
+
+    def load(self, piece: Piece) -> None:
+        """Run this piece next; waits behind the running one.  PieceError when it cannot follow."""
+        if not piece.ends_at_rest:
+            raise PieceError(f"piece {piece.id}: does not end at rest, and joining moving pieces is not built yet (AX-103)")
+        if self._abandon:
+            raise PieceError(f"piece {piece.id}: the path is being abandoned, load again at rest")
+        if len(self._queue) >= QUEUE:
+            raise PieceError(f"piece {piece.id}: {QUEUE} pieces are waiting already")
+        if piece.axes[-1] >= len(self._q):
+            raise PieceError(f"piece {piece.id}: axis {piece.axes[-1]} of its mask does not exist, there are {len(self._q)}")
+        self._check_fit(piece)
+        self._queue.append(piece)
+        if self._state is State.IDLE:
+            self._state = State.RUNNING
+
+    def set_override(self, value: float) -> None:
+        """0 .. 1 of the programmed speed; 0 holds on the path."""
+        if not 0.0 <= value <= 1.0:
+            raise MotionError(f"override {value} is outside 0 .. 1")
+        self._stale = self._stale or value != self._override
+        self._override = value
+
+    def stop(self) -> None:
+        """Stop on the path as fast as the limits allow; what is left waits for resume() or abandon()."""
+        if self._state is State.RUNNING:
+            self._state, self._stale = State.STOPPING, True
+
+    def resume(self) -> None:
+        """Go on after stop(), also while still stopping; nothing after abandon()."""
+        if self._state in (State.STOPPING, State.STOPPED) and not self._abandon:
+            self._state, self._stale = State.RUNNING, True
+
+    def abandon(self) -> None:
+        """Stop on the path, then drop the rest of the piece and everything that waits."""
+        if self._state is State.IDLE:
+            return
+        self._abandon = True
+        self.stop()
+        if self._state is State.STOPPED:
+            self._drop()
+
+    def step(self) -> Sample:
+        """The next sample, one period further."""
+        if self._piece is None and self._state is not State.IDLE:
+            self._next_piece()
+        if self._piece is None:
+            return Sample(tuple(self._q), self._still, 0, 0.0, self._state, self._done)
+        if self._stale or self._speed < self._legal_speed():
+            self._plan(self._piece)
+        self._advance(self._piece)
+        return self._sample(self._piece)
+
+    def _check_fit(self, piece: Piece) -> None:
+        """Each axis of the piece must start where it will stand by then."""
+        standing = dict(enumerate(self._q))
+        for earlier in (*([self._piece] if self._piece else []), *self._queue):
+            standing.update(zip(earlier.axes, earlier.end(), strict=True))
+        for axis, value in zip(piece.axes, piece.start(), strict=True):
+            if not abs(value - standing[axis]) <= FIT:
+                raise PieceError(f"piece {piece.id}: starts at {value} on axis {axis}, which will stand at {standing[axis]}")
+
+    def _next_piece(self) -> None:
+        if self._state is State.STOPPING:  # the piece ended before the stop could
+            self._state = State.STOPPED
+        if self._abandon:
+            self._drop()
+        if self._state is not State.RUNNING:
+            return
+        if not self._queue:
+            self._state = State.IDLE
+            return
+        piece = self._piece = self._queue.popleft()
+        self._rows = [[(axis, row[::-1]) for axis, row in zip(piece.axes, segment.coefficients, strict=True)] for segment in piece.segments]
+        lowest = list(accumulate(reversed(piece.table), min))[::-1]
+        self._floor = tuple(sqrt(value) for value in lowest[:-1])
+        self._motion, self._resting, self._to_end, self._stale = (0.0, 0.0, 0.0), True, False, True
+        if piece.length > 0:
+            self._profile.configure(piece.length, piece.accel, piece.jerk)
+
+    def _legal_speed(self) -> float:
+        """sdot limit from here to the end at the present override (a falling minimum: always legal, AX-104)."""
+        if len(self._floor) == 1 or not self._piece or self._piece.length == 0:
+            return self._floor[0] * self._override
+        index = int(self._motion[0] / self._piece.length * len(self._floor))
+        return self._floor[min(index, len(self._floor) - 1)] * self._override
+
+    def _plan(self, piece: Piece) -> None:
+        """A new plan from the present state.  Where none exists (rounding, next to the end) the old one, which ends at
+        rest, is followed and the next step tries again."""
+        speed = self._legal_speed()
+        self._speed = speed
+        if piece.length == 0:
+            self._stale = False
+        elif self._state is State.STOPPING or speed == 0.0:
+            self._stale = not self._plan_rest(piece)
+        elif self._profile.to_end(self._motion, speed):
+            self._time, self._resting, self._to_end, self._stale = 0.0, False, True, False
+        else:
+            self._stale = True
+
+    def _plan_rest(self, piece: Piece) -> bool:
+        if self._resting or not self._to_end:
+            return True  # at rest, or on the way there
+        if not self._profile.to_speed(self._motion, 0.0):
+            return False
+        self._time, self._to_end = 0.0, False
+        return True
+
+    def _advance(self, piece: Piece) -> None:
+        """One period along the plan."""
+        if not self._resting:
+            self._time += self._period
+            if self._time >= self._profile.duration:
+                s = piece.length if self._to_end else min(self._profile.at(self._profile.duration)[0], piece.length)
+                self._motion, self._resting = (s, 0.0, 0.0), True
+            else:
+                s, speed, accel = self._profile.at(self._time)
+                self._motion = (min(max(s, self._motion[0]), piece.length), speed, accel)
+        if self._resting and self._state is State.STOPPING:
+            self._state = State.STOPPED
+
+    def _sample(self, piece: Piece) -> Sample:
+        s, sdot, _ = self._motion
+        arrived = self._resting and piece.length - s <= ARRIVED * piece.length
+        if arrived:
+            s = piece.length
+        index = piece.segment_at(s) if len(self._rows) > 1 else 0
+        u = s - piece.segments[index - 1].end_s if index else s
+        q, qd = self._q, list(self._still)
+        for axis, row in self._rows[index]:
+            value = slope = 0.0
+            for coefficient in row:
+                slope = slope * u + value
+                value = value * u + coefficient
+            q[axis] = value
+            qd[axis] = slope * sdot
+        if arrived:
+            self._finish(piece)
+        elif self._resting and self._abandon and self._state is State.STOPPED:
+            self._drop()
+        return Sample(tuple(q), tuple(qd), piece.id, s, self._state, self._done)
+
+    def _finish(self, piece: Piece) -> None:
+        """The end is reached: rest, say so, and make way for the next piece."""
+        self._done, self._piece = piece.id, None
+        if self._abandon:
+            self._drop()
+        elif not self._queue:
+            self._state = State.IDLE
+
+    def _drop(self) -> None:
+        self._queue.clear()
+        self._piece, self._state, self._abandon = None, State.IDLE, False
