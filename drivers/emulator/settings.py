@@ -7,8 +7,8 @@ As a plain dict (and so as JSON): {"cycle_ms": 4.0, "seed": 1, "axes": {"1": {fi
 has its default, an unknown one is an error.  The keys of "axes" are the modules 1..6 on the bus.
 """
 
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields, replace
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, field, fields
 from math import inf, pi
 
 INC_PER_TURN = 16384  # AX-084; P401 "pulses/rotation" 1 = 16384 (rho 3 Releases part 1, L7586)
@@ -214,7 +214,8 @@ def axis_from_dict(raw: object) -> ServoSettings:
             values[name] = value
     if faults:
         raise SettingsError(faults)
-    return replace(ServoSettings(), **values)
+    build: Callable[..., ServoSettings] = ServoSettings  # names and kinds were checked one by one above
+    return build(**values)
 
 
 def _range_faults(settings: ServoSettings) -> list[str]:
