@@ -7,7 +7,7 @@ As a plain dict (and so as JSON): {"cycle_ms": 4.0, "seed": 1, "axes": {"1": {fi
 has its default, an unknown one is an error.  The keys of "axes" are the modules 1..6 on the bus.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
 from math import inf, pi
 
@@ -214,8 +214,11 @@ def axis_from_dict(raw: object) -> ServoSettings:
             values[name] = value
     if faults:
         raise SettingsError(faults)
-    build: Callable[..., ServoSettings] = ServoSettings  # names and kinds were checked one by one above
-    return build(**values)
+    settings = ServoSettings()
+    for name, value in values.items():
+        object.__setattr__(settings, name, value)  # frozen for its users; names and kinds were checked one by one above
+    settings.__post_init__()
+    return settings
 
 
 def _range_faults(settings: ServoSettings) -> list[str]:
