@@ -1,0 +1,113 @@
+"""Set values and actual values of SERVODYN-GC drives; the layouts say which bit is which (default AX-001, not verified on hardware)."""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from protocols.base.errors import DecodeError, EncodeError
+from protocols.base.layout import Layout, Packer
+from protocols.base.machine import Frame
+from protocols.servodyn.plan import SLOTS, SYNC_ID
+
+SYNC = Frame(SYNC_ID)
+
+
+class SetValue(NamedTuple):
+    """Gateway to drive, once per SYNC."""
+
+    enable: bool = False
+    drive_on: bool = False
+    limit_switch: bool = False  # ENABLE LIMIT SWITCH
+    fault_reset: bool = False  # edge
+    brake_open: bool = False  # request
+    life: int = 0  # 0..255, +1 per SYNC
+    position_inc: int = 0
+    speed_rpm: int = 0  # feed-forward
+
+
+class ActualValue(NamedTuple):
+    """Drive to gateway, after every SYNC."""
+
+    ready: bool = False
+    power_on: bool = False
+    enabled: bool = False
+    fault: bool = False
+    warning: bool = False
+    limit_active: bool = False
+    reference_switch: bool = False
+    brake_open: bool = False
+    fault_code: int = 0
+    position_inc: int = 0  # latched at SYNC
+    torque_permille: int = 0  # of rated torque
+
+
+SET_SIGNALS = SetValue._fields
+ACTUAL_SIGNALS = ActualValue._fields
+
+
+class Codec:
+    """Compiled for the modules 1..6 the layouts name as messages SET_1.. and ACT_1.. (and SYNC)."""
+
+    def __init__(self, layouts: Mapping[str, Layout]) -> None:
+        """Raises EncodeError with everything that is missing."""
+        faults: list[str] = []
+        sync = layouts.get("SYNC")
+        if sync is None:
+            faults.append("message SYNC is missing")
+        elif sync.length or sync.identifier != SYNC_ID:
+            faults.append(f"message SYNC ({sync.identifier}, {sync.length} bytes): expected identifier {SYNC_ID} and 0 bytes")
+        self._set_packers, self._set_ids = _side(layouts, "SET", SET_SIGNALS, faults)
+        self._actual_packers, self._actual_ids = _side(layouts, "ACT", ACTUAL_SIGNALS, faults)
+        self.axes = tuple(sorted(self._set_packers))
+        if not faults and self.axes != tuple(sorted(self._actual_packers)):
+            faults.append(f"SET_n of {list(self.axes)} but ACT_n of {sorted(self._actual_packers)}: every axis needs both")
+        identifiers = [SYNC_ID, *self._set_ids.values(), *self._actual_ids.values()]
+        if len(set(identifiers)) != len(identifiers):
+            faults.append("an identifier stands twice among SYNC, SET_n and ACT_n")
+        if faults:
+            raise EncodeError("; ".join(faults))
+        self._set_axes = {number: (axis, self._set_packers[axis]) for axis, number in self._set_ids.items()}
+        self._actual_axes = {number: (axis, self._actual_packers[axis]) for axis, number in self._actual_ids.items()}
+
+    def encode_set(self, axis: int, value: SetValue) -> Frame:
+        """Raises EncodeError naming signal, value and range."""
+        return Frame(self._set_ids[axis], self._set_packers[axis].pack(value))
+
+    def encode_actual(self, axis: int, value: ActualValue) -> Frame:
+        """Raises EncodeError naming signal, value and range."""
+        return Frame(self._actual_ids[axis], self._actual_packers[axis].pack(value))
+
+    def decode_set(self, frame: Frame) -> tuple[int, SetValue]:
+        """Axis and values.  Raises DecodeError for another identifier, length or a value out of range."""
+        place = self._set_axes.get(frame.identifier)
+        if place is None:
+            raise DecodeError(f"identifier {frame.identifier} is no set value of this bus: {frame.data.hex(' ')}")
+        enable, on, limit, reset, brake, life, position, speed = place[1].unpack(frame.data)
+        return place[0], SetValue(enable == 1, on == 1, limit == 1, reset == 1, brake == 1, life, position, speed)
+
+    def decode_actual(self, frame: Frame) -> tuple[int, ActualValue]:
+        """Axis and values.  Raises DecodeError for another identifier, length or a value out of range."""
+        place = self._actual_axes.get(frame.identifier)
+        if place is None:
+            raise DecodeError(f"identifier {frame.identifier} is no actual value of this bus: {frame.data.hex(' ')}")
+        ready, power, enabled, fault, warning, limit, switch, brake, code, position, torque = place[1].unpack(frame.data)
+        return place[0], ActualValue(
+            ready == 1, power == 1, enabled == 1, fault == 1, warning == 1, limit == 1, switch == 1, brake == 1, code, position, torque
+        )
+
+
+def _side(
+    layouts: Mapping[str, Layout], prefix: str, names: tuple[str, ...], faults: list[str]
+) -> tuple[dict[int, Packer], dict[int, int]]:
+    packers: dict[int, Packer] = {}
+    identifiers: dict[int, int] = {}
+    for axis in range(1, SLOTS + 1):
+        layout = layouts.get(f"{prefix}_{axis}")
+        if layout is None:
+            continue
+        try:
+            packers[axis], identifiers[axis] = Packer(layout, names), layout.identifier
+        except EncodeError as error:
+            faults.append(str(error))
+    if not packers and not faults:
+        faults.append(f"no message {prefix}_1..{prefix}_{SLOTS}")
+    return packers, identifiers
