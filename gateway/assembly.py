@@ -1,0 +1,155 @@
+"""Out of a checked cell: which processes run, on which ports, with which regions (design: section 4)."""
+
+import pathlib
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from drivers.ports.base import runtime_dir
+from gateway.cell import Cell
+from gateway.image import create_region, create_ring
+from gateway.pure import records
+from motion.pieces import RECORD_SIZE
+
+ORDERS = 256  # records in the command ring: far more than one door can issue in a cycle
+DOOR_BYTES = 256  # command words (128 bytes at most) and status words (128) of one door
+LINKS_BYTES = 4096
+MS = 1_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Child:
+    """One process of a run."""
+
+    name: str
+    module: str
+    arguments: tuple[str, ...] = ()
+    regions: tuple[str, ...] = ()  # names of regions it gets as inherited fds
+    life: str = ""  # the region whose life counter it beats; empty: only its exit counts
+    life_limit_ns: int = 0
+    announces: bool = False  # prints `ready` when it is
+
+
+@dataclass(frozen=True, slots=True)
+class Door:
+    """A way in for commands: number in the blocks, name, kind line | modbus."""
+
+    number: int
+    name: str
+    kind: str
+
+
+@dataclass(frozen=True, slots=True)
+class RunPlan:
+    """Everything the processes of a run must agree on; pickled to the children of this very run."""
+
+    slug: str
+    cell: Cell
+    simulated: bool
+    folder: pathlib.Path
+    p5_ms: int
+    buses: Mapping[str, str]  # bus -> url of its CAN port
+    lines: Mapping[str, str]  # line -> url of its byte port
+    modbus: Mapping[str, tuple[str, int]]
+    doors: tuple[Door, ...]
+    record: pathlib.Path | None = None
+    children: tuple[Child, ...] = field(default_factory=tuple)
+
+    @property
+    def journal(self) -> pathlib.Path:
+        return self.folder / "journal.jsonl"
+
+    def door(self, name: str) -> Door:
+        """The door of that name; KeyError names those that exist."""
+        for door in self.doors:
+            if door.name == name:
+                return door
+        raise KeyError(f"door {name!r}; this cell has {', '.join(door.name for door in self.doors)}")
+
+
+def slug_of(cell: Cell) -> str:
+    """Short name for sockets and folders: the file's stem, only letters, digits and dashes."""
+    stem = pathlib.Path(cell.file).stem
+    return "".join(c if c.isalnum() else "-" for c in stem).strip("-")[:24] or "cell"
+
+
+def plan_run(
+    cell: Cell,
+    *,
+    simulated: bool,
+    slug: str | None = None,
+    bus: str | None = None,
+    p5_ms: int | None = None,
+    modbus_port: int | None = None,
+    record: pathlib.Path | None = None,
+    baud: int | None = None,
+) -> RunPlan:
+    """Ports and processes of one run; `bus`, `p5_ms`, `modbus_port`, `baud` override the cell (demo and tests)."""
+    slug = slug or slug_of(cell)
+    folder = runtime_dir() / slug
+    folder.mkdir(mode=0o700, exist_ok=True)
+    sims: list[Child] = []
+    buses: dict[str, str] = {}
+    for drive_bus in cell.bus:
+        if drive_bus.protocol != "servodyn":
+            continue
+        url = bus or drive_bus.port
+        if bus is None and (simulated or drive_bus.port == "sim"):
+            url = f"broker:{slug}-{drive_bus.name}"
+            log = ("--log", str(record / f"bus-{drive_bus.name}.log")) if record else ()
+            sims.append(Child(f"broker-{drive_bus.name}", "gateway.processes.broker", ("--name", url.partition(":")[2], *log), announces=True))
+        buses[drive_bus.name] = url
+    lines: dict[str, str] = {}
+    for line in cell.line:
+        lines[line.name] = line.port
+        if simulated or line.port == "sim":
+            name = f"{slug}-{line.name}"
+            kept = ("--record", str(record / f"line-{line.name}.rec")) if record else ()
+            pace = str(line.baud if baud is None else baud)
+            sims.append(Child(f"line-{line.name}", "gateway.processes.line", ("--name", name, "--baud", pace, *kept), announces=True))
+            lines[line.name] = f"pty:{runtime_dir() / name}-b"
+    period_ms = p5_ms or cell.cycle_ms
+    sims += emulators(cell, slug, folder, buses, period_ms, record) if simulated else []
+    doors = tuple(
+        Door(n + 1, name, kind)
+        for n, (name, kind) in enumerate([(x.name, "line") for x in cell.line] + [(x.name, "modbus") for x in cell.modbus if x.role == "server"])
+    )
+    regions = ("rc_in", "rc_out", "axes", "links", "orders")
+    core = [
+        Child("cycle", "gateway.processes.cycle", (), regions, "axes", max(5 * period_ms, 50) * MS),
+        Child("services", "gateway.processes.services", (), (*regions, *(f"door-{door.number}" for door in doors)), "links", 250 * MS),
+    ]
+    binds = {m.name: ("127.0.0.1" if simulated else m.host, modbus_port if modbus_port is not None else (1502 if simulated else m.port)) for m in cell.modbus}
+    return RunPlan(slug, cell, simulated, folder, period_ms, buses, lines, binds, doors, record, (*sims, *core))
+
+
+def emulators(cell: Cell, slug: str, folder: pathlib.Path, buses: Mapping[str, str], p5_ms: int, record: pathlib.Path | None) -> list[Child]:
+    """One emulator process for each drive bus, its plant written to a settings file."""
+    from gateway.plant import write_settings  # the emulator's settings are only needed where one runs
+
+    children = []
+    for name, url in buses.items():
+        settings = write_settings(cell, name, folder, p5_ms)
+        kept = ("--record", str(record / f"emulator-{name}.rec")) if record else ()
+        arguments = ("--settings", str(settings), "--bus", url, "--name", f"{slug}-{name}", *kept)
+        children.append(Child(f"emulator-{name}", "gateway.processes.emulator", arguments, announces=True))
+    return children
+
+
+def make_regions(plan: RunPlan) -> dict[str, int]:
+    """One memfd per region and ring; the supervisor keeps them for its whole life."""
+    fds = {
+        "rc_in": create_region("rc_in", records.INPUT_SIZE, records.INPUT_LAYOUT),
+        "rc_out": create_region("rc_out", records.RC_BYTES, f"rc-out/1 {records.RC_BYTES}"),
+        "axes": create_region("axes", records.CELL_STATE_SIZE, records.CELL_STATE_LAYOUT),
+        "links": create_region("links", LINKS_BYTES, "links/1 json"),
+        "orders": create_ring("orders", records.order_size(RECORD_SIZE), ORDERS, records.order_layout(RECORD_SIZE)),
+    }
+    for door in plan.doors:
+        fds[f"door-{door.number}"] = create_region(f"door-{door.number}", DOOR_BYTES, f"door/1 {DOOR_BYTES}")
+    return fds
+
+
+def command_line(child: Child) -> list[str]:
+    """How a child is started; fds are added by the supervisor."""
+    return [sys.executable, "-m", child.module, *child.arguments]

@@ -1,0 +1,286 @@
+"""The supervisor: makes the regions, starts the processes, watches their life, restarts them (design: section 4).
+
+Restart: at once, then after 1, 2, 5 s; six deaths in a minute: the process stays down and the journal says so.
+It answers on runtime_dir()/SLUG.sock (Unix stream, one JSON line a request): status, regions (fds by SCM_RIGHTS), stop.
+"""
+
+import contextlib
+import json
+import os
+import pathlib
+import pickle
+import selectors
+import signal
+import socket
+import subprocess
+import time
+from dataclasses import dataclass, field
+
+from drivers.ports.base import PortError, runtime_dir
+from gateway.assembly import Child, RunPlan, command_line, make_regions
+from gateway.clock import now_ns
+from gateway.image import ImageError, RegionReader, fds_to_text, send_fds
+from gateway.journal import Journal, rotate
+
+WAITS_NS = (0, 1_000_000_000, 2_000_000_000, 5_000_000_000)
+WINDOW_NS = 60_000_000_000
+TOO_MANY = 6
+READY_NS = 20_000_000_000  # patience until a process shows its first sign of life
+POLL_S = 0.01
+
+
+@dataclass(slots=True)
+class Running:
+    """One child and its history."""
+
+    child: Child
+    process: subprocess.Popen[bytes] | None = None
+    deaths: list[int] = field(default_factory=list)
+    restarts: int = 0
+    start_at: int | None = 0  # when to start it; None: it stays down
+    started_ns: int = 0
+    ready: bool = False
+    reader: RegionReader | None = None
+    last_life: int = 0
+    output: bytes = b""
+
+
+class Supervisor:
+    """Owns every process of one run."""
+
+    def __init__(self, plan: RunPlan, *, echo: bool = True) -> None:
+        rotate(plan.journal)
+        self.plan = plan
+        self.journal = Journal(plan.journal, "supervisor", echo=echo)
+        self.fds = make_regions(plan)
+        self._plan_fd = os.memfd_create("axisgate-plan", os.MFD_CLOEXEC)
+        os.write(self._plan_fd, pickle.dumps(plan))
+        self._running = [Running(child) for child in plan.children]
+        for running in self._running:
+            if running.child.life:
+                running.reader = RegionReader(self.fds[running.child.life], running.child.life)
+        self._selector = selectors.DefaultSelector()
+        self._stop = False
+        self._socket = self._listen()
+
+    # ---- life --------------------------------------------------------------------------------------------------------
+    def run(self) -> int:
+        """Until SIGINT, SIGTERM or a stop request; exit code 0, or 3 when a process never came up."""
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, self._on_signal)
+        try:
+            code = self._start_all()
+            while code == 0 and not self._stop:
+                self._turn()
+            return code
+        finally:
+            self._end_all()
+
+    def _on_signal(self, number: int, frame: object) -> None:
+        self._stop = True
+
+    def _turn(self) -> None:
+        for key, _ in self._selector.select(POLL_S):
+            key.data(key.fileobj)
+        for running in self._running:
+            self._look_after(running)
+
+    def _start_all(self) -> int:
+        """In order; each announcing process is waited for, because the next one needs it."""
+        for running in self._running:
+            self._start(running)
+            until = now_ns() + READY_NS
+            while running.child.announces and not running.ready:
+                self._turn()
+                if self._stop:
+                    return 0
+                if now_ns() > until or running.start_at is None or len(running.deaths) > 1:
+                    self.journal.write("process", f"{running.child.name} did not start; its own words stand above")
+                    return 3
+        return 0
+
+    def _start(self, running: Running) -> None:
+        child = running.child
+        fds = {name: self.fds[name] for name in child.regions}
+        command = [*command_line(child), *(("--plan", str(self._plan_fd), "--fds", fds_to_text(fds)) if child.regions else ())]
+        keep = (self._plan_fd, *fds.values()) if child.regions else ()
+        running.process = subprocess.Popen(  # noqa: S603
+            command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, pass_fds=keep, start_new_session=True
+        )
+        running.started_ns, running.start_at, running.ready, running.output = now_ns(), None, False, b""
+        running.last_life = running.reader.life[0] if running.reader else 0
+        assert running.process.stdout is not None
+        os.set_blocking(running.process.stdout.fileno(), False)
+        self._selector.register(running.process.stdout, selectors.EVENT_READ, lambda _: self._hear(running))
+        self.journal.write("process", f"{child.name} started, pid {running.process.pid}", pid=running.process.pid, child=child.name)
+
+    def _hear(self, running: Running) -> None:
+        """Take what a child prints into the journal."""
+        assert running.process is not None and running.process.stdout is not None
+        data = os.read(running.process.stdout.fileno(), 65536)
+        if not data:
+            self._selector.unregister(running.process.stdout)
+            running.process.stdout.close()
+            return
+        *lines, running.output = (running.output + data)[-1_000_000:].split(b"\n")
+        for line in lines:
+            words = line.decode(errors="replace").rstrip()
+            if words == "ready":
+                running.ready = True
+            elif words and "leaked" not in words and "nanobind" not in words:
+                self.journal.write("output", f"{running.child.name}: {words}")
+
+    def _look_after(self, running: Running) -> None:
+        process = running.process
+        if process is None:
+            if running.start_at is not None and now_ns() >= running.start_at:
+                running.restarts += 1
+                self._start(running)
+            return
+        if process.poll() is not None:
+            self._buried(running, f"ended with {_how(process.returncode)}")
+        elif running.reader is not None:
+            self._check_life(running)
+
+    def _check_life(self, running: Running) -> None:
+        assert running.reader is not None and running.process is not None
+        count, stamp = running.reader.life
+        now = now_ns()
+        if count == running.last_life and now - running.started_ns < READY_NS:
+            return  # a process that has not shown life yet is still starting
+        running.ready = True
+        if now - stamp > running.child.life_limit_ns and now - running.started_ns > running.child.life_limit_ns:
+            running.process.kill()
+            running.process.wait()
+            self._buried(running, f"showed no life for {(now - stamp) / 1e6:.0f} ms and was ended")
+
+    def _buried(self, running: Running, how: str) -> None:
+        now = now_ns()
+        if running.process is not None and running.process.stdout is not None and not running.process.stdout.closed:
+            with contextlib.suppress(OSError):
+                self._hear(running)
+            with contextlib.suppress(KeyError, ValueError):
+                self._selector.unregister(running.process.stdout)
+            running.process.stdout.close()
+        running.process = None
+        running.deaths = [at for at in running.deaths if now - at < WINDOW_NS] + [now]
+        deaths = len(running.deaths)
+        if deaths >= TOO_MANY:
+            running.start_at = None
+            self.journal.write("alarm", f"{running.child.name} {how}; {deaths} deaths in a minute: it stays down", child=running.child.name)
+            return
+        wait = WAITS_NS[min(deaths - 1, len(WAITS_NS) - 1)]
+        running.start_at = now + wait
+        self.journal.write("process", f"{running.child.name} {how}; restart in {wait / 1e9:.0f} s", child=running.child.name)
+
+    def _end_all(self) -> None:
+        """Services and cycle first, simulation last; SIGTERM, then SIGKILL after 2 s."""
+        for running in reversed(self._running):
+            process = running.process
+            if process is None or process.poll() is not None:
+                continue
+            process.terminate()
+            process.send_signal(signal.SIGCONT)
+            try:
+                process.wait(2)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+        self._socket.close()
+        self.path.unlink(missing_ok=True)
+        self._selector.close()
+        for fd in (*self.fds.values(), self._plan_fd):
+            os.close(fd)
+        self.journal.write("process", "all processes ended")
+        self.journal.close()
+
+    # ---- requests ----------------------------------------------------------------------------------------------------
+    @property
+    def path(self) -> pathlib.Path:
+        return runtime_dir() / f"{self.plan.slug}.sock"
+
+    def _listen(self) -> socket.socket:
+        path = self.path
+        listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        if path.exists():
+            with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as probe:
+                if probe.connect_ex(str(path)) == 0:
+                    raise PortError(f"{path}: a run of cell {self.plan.slug!r} is already up; stop it first (Ctrl-C there)")
+            path.unlink()
+        listener.bind(str(path))
+        listener.listen(8)
+        listener.setblocking(False)
+        self._selector.register(listener, selectors.EVENT_READ, lambda _: self._accept(listener))
+        return listener
+
+    def _accept(self, listener: socket.socket) -> None:
+        with contextlib.suppress(OSError):
+            connection, _ = listener.accept()
+            connection.settimeout(0.05)  # a tool that stalls costs at most this once; no process waits for the supervisor
+            with connection:
+                request = json.loads(connection.recv(4096) or b"{}")
+                self._answer(connection, request)
+
+    def _answer(self, connection: socket.socket, request: dict[str, object]) -> None:
+        match request.get("op"):
+            case "status":
+                connection.sendall(json.dumps(self.status()).encode() + b"\n")
+            case "regions":
+                with contextlib.suppress(ImageError):
+                    send_fds(connection, self.fds)
+            case "stop":
+                self._stop = True
+                connection.sendall(b'{"ok": true}\n')
+            case other:
+                connection.sendall(json.dumps({"error": f"op {other!r}; status, regions, stop are known"}).encode() + b"\n")
+
+    def status(self) -> dict[str, object]:
+        """Processes with pid, restarts and life for `axisgate` tools."""
+        now = now_ns()
+        return {
+            "cell": self.plan.cell.cell.name,
+            "folder": str(self.plan.folder),
+            "simulated": self.plan.simulated,
+            "processes": [
+                {
+                    "name": r.child.name,
+                    "pid": r.process.pid if r.process else None,
+                    "state": "up" if r.process else "down" if r.start_at is None else "waiting",
+                    "restarts": r.restarts,
+                    "life_age_ms": round((now - r.reader.life[1]) / 1e6, 1) if r.reader else None,
+                }
+                for r in self._running
+            ],
+        }
+
+
+def _how(code: int) -> str:
+    return f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
+
+
+def ask(slug: str, op: str, timeout_s: float = 2.0) -> socket.socket:
+    """Open connection with the request sent; the caller reads the answer.  PortError when no such run is up."""
+    path = runtime_dir() / f"{slug}.sock"
+    connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    connection.settimeout(timeout_s)
+    try:
+        connection.connect(str(path))
+        connection.sendall(json.dumps({"op": op}).encode())
+    except OSError as error:
+        connection.close()
+        raise PortError(f"{path}: no run of {slug!r} answers ({error.strerror}); start one: axisgate run CELL --sim") from error
+    return connection
+
+
+def wait_up(slug: str, seconds: float) -> bool:
+    """True when cycle and services of the run are up within `seconds`."""
+    until = time.monotonic() + seconds
+    while time.monotonic() < until:
+        with contextlib.suppress(OSError, ValueError):
+            connection = ask(slug, "status")
+            with connection:
+                status = json.loads(connection.makefile().readline())
+            if all(p["state"] == "up" and (p["life_age_ms"] or 0) < 1000 for p in status["processes"]):
+                return True
+        time.sleep(0.05)
+    return False

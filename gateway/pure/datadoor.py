@@ -1,0 +1,249 @@
+"""The old-style door: data blocks as the PLC program already has them, and its start/busy/done handshake.
+
+A SEND is taken whole: all its words first, then its edges, in a fixed order (AX-142).  Edges need a telegram before them: after a start
+of services or a lost link the first telegram only tells where the bits stand, so a standing start bit starts nothing.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from gateway.pure.command_block import Code, Command
+from gateway.pure.reasons import CommandState
+from protocols.base.errors import ProtocolError
+from protocols.base.machine import Ns
+from protocols.base.step5 import Step5Type, decode, encode, range_of
+
+WORDS_MAX = 256
+
+
+@dataclass(frozen=True, slots=True)
+class Slot:
+    """One entry of a data block, compiled."""
+
+    db: int
+    word: int
+    type: Step5Type | None  # None: a bit
+    name: str
+    bit: int = 0
+    half: str = ""  # L | R: one byte of the word (DL, DR)
+    factor: float = 1.0  # one count in the unit of the name (mm, deg, %, 1)
+    low: float | None = None  # in counts x factor
+    high: float | None = None
+    rising: bool = False
+
+    @property
+    def size(self) -> int:
+        """Bytes this slot covers from the start of its word (or of its half)."""
+        return 2 if self.type is None or self.half else len(encode(self.type, 0))
+
+
+@dataclass(frozen=True, slots=True)
+class HandshakeBits:
+    """start-busy-done: the bits of one old program."""
+
+    start: tuple[int, int, int]  # db, word, bit
+    busy: tuple[int, int, int]
+    done: tuple[int, int, int]
+    refused: tuple[int, int, int] | None
+
+
+@dataclass(slots=True)
+class DataBlock:
+    """One declared block; `data` is 2 bytes a word, high byte first (AX-010)."""
+
+    number: int
+    words: int
+    from_plc: bool
+    slots: tuple[Slot, ...] = ()
+    data: bytearray = field(default_factory=bytearray)
+
+    def __post_init__(self) -> None:
+        self.data = bytearray(2 * self.words)
+
+    def bit(self, word: int, bit: int) -> bool:
+        """D word.bit: bit 0 is the lowest of the right byte."""
+        return bool(int.from_bytes(self.data[2 * word : 2 * word + 2], "big") >> bit & 1)
+
+    def put_bit(self, word: int, bit: int, value: bool) -> None:
+        old = int.from_bytes(self.data[2 * word : 2 * word + 2], "big")
+        new = old | 1 << bit if value else old & ~(1 << bit)
+        self.data[2 * word : 2 * word + 2] = new.to_bytes(2, "big")
+
+    def get(self, slot: Slot) -> float:
+        """The slot's value in its unit; raises ProtocolError when the bytes are no number of that type."""
+        if slot.type is None:
+            return float(self.bit(slot.word, slot.bit))
+        at = 2 * slot.word
+        if slot.half:
+            return self.data[at + (slot.half == "R")] * slot.factor
+        return float(decode(slot.type, bytes(self.data[at : at + slot.size]))) * slot.factor
+
+    def put(self, slot: Slot, value: float) -> bool:
+        """Write a value in its unit; beyond the type's range the nearest end stands there (False)."""
+        if slot.type is None:
+            self.put_bit(slot.word, slot.bit, bool(value))
+            return True
+        count = value / slot.factor
+        low, high = (0, 255) if slot.half else range_of(slot.type)
+        kept = min(max(count, low), high)
+        at = 2 * slot.word
+        if slot.half:
+            self.data[at + (slot.half == "R")] = round(kept)
+        else:
+            whole = slot.type not in (Step5Type.KG, Step5Type.REAL)
+            data = encode(slot.type, round(kept) if whole else kept)
+            self.data[at : at + len(data)] = data
+        return kept == count
+
+
+class DataDoor:
+    """All data blocks of one line; commands go out through `command`, status comes in through `value`.
+
+    `refused_number(name, text)` is told of numbers that are none or lie outside min..max.
+    """
+
+    def __init__(
+        self,
+        blocks: Sequence[DataBlock],
+        axes: Sequence[str],
+        handshake: HandshakeBits | None,
+        command: Callable[[Command], None],
+        value: Callable[[str], float],
+        bad_number: Callable[[str, str], None],
+    ) -> None:
+        self.blocks: Mapping[int, DataBlock] = {block.number: block for block in blocks}
+        self.life: int | None = None  # life word of the last telegram, if it wrote one
+        self.clamped = 0
+        self._axes = tuple(axes)
+        self._handshake = handshake
+        self._command, self._value, self._bad = command, value, bad_number
+        self._levels: dict[str, float] = {}
+        self._primed: set[str] = set()
+        self._targets: dict[str, float] = {}
+        self._speed = 1.0
+        self._move = CommandState.NONE
+        self._answered = False  # the start bit has fallen: done and refused are taken back
+        self._leaving = False  # drives-on fell: give control back as soon as the axes rest
+
+    # ---- from the PLC ------------------------------------------------------------------------------------------------
+    def restart(self) -> None:
+        """Start of services or return of the link: the next telegram only says where the bits stand (AX-141)."""
+        self._primed.clear()
+
+    def written(self, db: int, word: int, data: bytes, now: Ns) -> None:
+        """One SEND, already known to fit: take it whole, then act on its edges."""
+        block = self.blocks[db]
+        block.data[2 * word : 2 * word + len(data)] = data
+        touched = [slot for slot in block.slots if slot.word >= word and 2 * slot.word + slot.size <= 2 * word + len(data)]
+        levels = {slot.name: value for slot in touched if (value := self._read(block, slot)) is not None}
+        self.life = next((round(v) for name, v in levels.items() if name.startswith("line.") and name.endswith(".life")), None)
+        for name, value in levels.items():
+            if name.startswith("move.") and name.endswith(".target"):
+                self._targets[name.split(".")[1]] = value
+            elif name == "move.speed":
+                self._speed = value / 100.0
+        self._act({name: value for name, value in levels.items() if not name.endswith((".target", ".life"))})
+
+    def _read(self, block: DataBlock, slot: Slot) -> float | None:
+        try:
+            value = block.get(slot)
+        except ProtocolError as error:
+            self._bad(slot.name, f"DB {block.number} DW {slot.word}: {error}")
+            return None
+        if (slot.low is not None and value < slot.low) or (slot.high is not None and value > slot.high):
+            self._bad(slot.name, f"DB {block.number} DW {slot.word}: {slot.name} {value:g}; {slot.low:g}..{slot.high:g}")
+            return None
+        return value
+
+    def _act(self, levels: Mapping[str, float]) -> None:
+        """Edges in a fixed order: stop before everything that might start something, start last (AX-142)."""
+        all_axes = (1 << len(self._axes)) - 1
+        on = self._edge("drives.on", levels)
+        if self._edge("cell.stop", levels) == 1:
+            self._command(Command(Code.STOP))
+        if on == -1:
+            self._command(Command(Code.DISABLE, all_axes))
+            self._leaving = True
+        if self._edge("cell.reset", levels) == 1:
+            self._command(Command(Code.FAULT_RESET))
+        if on == 1:
+            self._leaving = False
+            self._command(Command(Code.REQUEST_CONTROL))
+            self._command(Command(Code.ENABLE, all_axes))
+        self._override(levels, fresh=on == 1)
+        if self._edge("axis.*.reference", levels) == 1:
+            self._command(Command(Code.REFERENCE, all_axes))
+        if self._edge("cell.resume", levels) == 1:
+            self._command(Command(Code.RESUME))
+        start = self._edge("move.start", levels)
+        if start == 1:
+            self._start()
+        elif start == -1:
+            self._answered = True
+
+    def _edge(self, name: str, levels: Mapping[str, float]) -> int:
+        """1 rising, -1 falling, 0 none or not known yet."""
+        if name not in levels:
+            return 0
+        before, now = self._levels.get(name, 0.0), levels[name]
+        self._levels[name] = now
+        if name not in self._primed:
+            self._primed.add(name)
+            return 0
+        return (now > before) - (now < before)
+
+    def _override(self, levels: Mapping[str, float], *, fresh: bool) -> None:
+        """A level, but taken only when it changed or the drives were just asked on: it must not fight the other doors."""
+        name = "cell.override"
+        before = self._levels.get(name)
+        now = levels.get(name, before)
+        if now is None:
+            if fresh:
+                self._command(Command(Code.OVERRIDE, velocity=1.0))  # this block has no override: full programmed speed
+            return
+        primed = name in self._primed
+        self._levels[name] = now
+        self._primed.add(name)
+        if fresh or (primed and now != before and self._value("cell.control")):
+            self._command(Command(Code.OVERRIDE, velocity=now / 100.0))
+
+    def _start(self) -> None:
+        """The targets of the same telegram, or the latest ones written before it."""
+        mask = sum(1 << n for n, name in enumerate(self._axes) if name in self._targets)
+        targets = tuple(self._targets.get(name, 0.0) for name in self._axes) + (0.0,) * (12 - len(self._axes))
+        self._answered = False
+        self._command(Command(Code.PTP_ABSOLUTE, mask, self._speed, 1.0, targets))
+
+    def settle(self, *, at_rest: bool) -> None:
+        """Call when time has passed: control is released at rest, after drives-on fell."""
+        if self._leaving and at_rest:
+            self._leaving = False
+            self._command(Command(Code.RELEASE_CONTROL))
+
+    # ---- to the PLC --------------------------------------------------------------------------------------------------
+    def move_state(self, state: CommandState) -> None:
+        """What became of the last move; shown in the handshake bits until start falls."""
+        self._move = state
+
+    def fill(self, db: int) -> bytes:
+        """The block as the PLC fetches it now; all of one moment."""
+        block = self.blocks[db]
+        if block.from_plc:
+            return bytes(block.data)
+        for slot in block.slots:
+            if not slot.name.startswith(("move.busy", "move.done")) and not block.put(slot, self._value(slot.name)):
+                self.clamped += 1
+        self._fill_handshake()
+        return bytes(block.data)
+
+    def _fill_handshake(self) -> None:
+        bits = self._handshake
+        if bits is None:
+            return
+        busy = self._move in (CommandState.ACCEPTED, CommandState.RUNNING)
+        done = self._move is CommandState.DONE and not self._answered
+        refused = self._move in (CommandState.REFUSED, CommandState.ABORTED) and not self._answered
+        for place, value in ((bits.busy, busy), (bits.done, done)):
+            self.blocks[place[0]].put_bit(place[1], place[2], value)
+        if bits.refused is not None and refused:
+            self.blocks[bits.refused[0]].put_bit(bits.refused[1], bits.refused[2], True)

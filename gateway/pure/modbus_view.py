@@ -1,0 +1,76 @@
+"""The rho3 view of a Modbus unit (AX-012): coil N = RC input bit N, discrete input N = RC output bit N, holding 0-63 RC inputs,
+input registers 0-63 RC outputs, holding 1000.. command block, input 1000.. status block.  Protocol addresses, base 0.
+
+Word r = bytes 2r (high), 2r+1 (low), the same as RK512 data words (AX-010).
+"""
+
+from collections.abc import Callable, Collection, Sequence
+
+from gateway.pure.command_block import COMMAND_WORDS, STATUS_WORDS
+from gateway.pure.records import RC_BYTES, InputImage, get_bit, set_bit
+from protocols.modbus.view import ExceptionCode, Kind
+
+BLOCK_AT = 1000
+RC_WORDS = RC_BYTES // 2
+MISSING = ExceptionCode.ILLEGAL_DATA_ADDRESS
+
+
+class RhoView:
+    """One door's view; what others own can be read here and not be written."""
+
+    def __init__(
+        self,
+        inputs: InputImage,
+        owned: Collection[int],
+        written: Callable[[Collection[int]], None],
+        command: Callable[[int, Sequence[int]], None] | None,
+    ) -> None:
+        """`owned`: RC input bytes this door may write; `written` is told which it wrote; `command` takes command words (first, values)."""
+        self.outputs: bytes = bytes(RC_BYTES)  # RC outputs; replaced whole at every tick
+        self.status: Sequence[int] = [0] * STATUS_WORDS
+        self.command_words: Sequence[int] = [0] * COMMAND_WORDS
+        self._inputs, self._owned, self._written, self._command = inputs, frozenset(owned), written, command
+
+    def read_bits(self, kind: Kind, address: int, count: int) -> Sequence[bool] | ExceptionCode:
+        """Coils: RC inputs; discrete inputs: RC outputs."""
+        if address + count > 8 * RC_BYTES:
+            return MISSING
+        image = self._inputs.values if kind is Kind.COILS else self.outputs
+        return [get_bit(image, n) for n in range(address, address + count)]
+
+    def read_words(self, kind: Kind, address: int, count: int) -> Sequence[int] | ExceptionCode:
+        """Holding: RC inputs and command block; input: RC outputs and status block."""
+        holding = kind is Kind.HOLDING_REGISTERS
+        if address >= BLOCK_AT and self._command is not None:
+            block = self.command_words if holding else self.status
+            first = address - BLOCK_AT
+            return block[first : first + count] if first + count <= len(block) else MISSING
+        if address + count > RC_WORDS:
+            return MISSING
+        image = self._inputs.values if holding else self.outputs
+        return [image[2 * r] << 8 | image[2 * r + 1] for r in range(address, address + count)]
+
+    def write_bits(self, address: int, values: Sequence[bool]) -> ExceptionCode | None:
+        """RC inputs, only in bytes this door owns; all or nothing."""
+        touched = {n >> 3 for n in range(address, address + len(values))}
+        if address + len(values) > 8 * RC_BYTES or not touched <= self._owned:
+            return MISSING
+        for n, value in enumerate(values):
+            set_bit(self._inputs.values, address + n, bool(value))
+        self._written(touched)
+        return None
+
+    def write_words(self, address: int, values: Sequence[int]) -> ExceptionCode | None:
+        """RC inputs this door owns, or the command block."""
+        if address >= BLOCK_AT and self._command is not None:
+            if address - BLOCK_AT + len(values) > COMMAND_WORDS:
+                return MISSING
+            self._command(address - BLOCK_AT, values)
+            return None
+        touched = {byte for r in range(address, address + len(values)) for byte in (2 * r, 2 * r + 1)}
+        if address + len(values) > RC_WORDS or not touched <= self._owned:
+            return MISSING
+        for r, value in enumerate(values, address):
+            self._inputs.values[2 * r : 2 * r + 2] = value.to_bytes(2, "big")
+        self._written(touched)
+        return None
