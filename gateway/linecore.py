@@ -1,0 +1,195 @@
+"""What every loop does with one byte machine on one byte port: bytes, damage, sending, `sent`, deadlines, a port that goes and comes back.
+
+The loop around it (LineRunner in asyncio, SyncLine with select) only waits and calls.  Time comes in as `now`.
+"""
+
+import contextlib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Generic, TypeVar
+
+from drivers.ports.base import BytePort, PortError
+from protocols.base.machine import Damage, Machine, Ns
+
+E = TypeVar("E")
+W = TypeVar("W", bytes, Damage)
+PAUSE_NS: Ns = 250_000_000  # before a port is opened again, and before a machine that failed is woken again
+UNTAKEN_LIMIT = 65536  # bytes a port did not take; a machine that waits for answers never gets there
+
+
+@dataclass(slots=True)
+class LineCounters:
+    """Since the start of the loop."""
+
+    received: int = 0  # good characters
+    sent: int = 0  # characters the port took
+    damaged: int = 0
+    events: int = 0
+    opened: int = 0
+    lost: int = 0  # the open port went away
+    refused: int = 0  # attempts to open that failed
+    machine_faults: int = 0  # exceptions out of a machine: our mistake, the line is started afresh
+    listener_faults: int = 0  # exceptions out of a listener: our mistake too, the line goes on
+    latest_wake_ns: Ns = 0  # worst lateness of a deadline
+
+
+@dataclass(slots=True)
+class LineState:
+    """What a page or a status block shows of a line."""
+
+    connected: bool = False
+    since_ns: Ns = 0  # of `connected`
+    why: str = "not opened yet"  # why it is not connected; "" while it is
+    counters: LineCounters = field(default_factory=LineCounters)
+
+
+class LineCore(Generic[E]):
+    """One machine, at most one open port."""
+
+    def __init__(self, machine: Machine[E], on_event: Callable[[E, Ns], None], on_fault: Callable[[Exception], None]) -> None:
+        self.machine = machine
+        self.state = LineState()
+        self.port: BytePort | None = None
+        self._on_event, self._on_fault = on_event, on_fault
+        self._rest_until: Ns = 0
+        self._untaken = b""
+        self._sent_owed = False
+        self._sent_at: Ns | None = None  # look at unsent() then
+
+    def connect(self, port: BytePort, now: Ns) -> None:
+        """A port has been opened."""
+        self.port = port
+        self._untaken, self._sent_owed, self._sent_at = b"", False, None
+        self.state.connected, self.state.since_ns, self.state.why = True, now, ""
+        self.state.counters.opened += 1
+        self.pump(now)
+
+    def refuse(self, error: Exception, now: Ns) -> None:
+        """The port could not be opened; the machine goes on without (its jobs run into their own limits)."""
+        self.state.why = str(error.args[-1]) if error.args else repr(error)
+        self.state.counters.refused += 1
+
+    def disconnect(self, why: str, now: Ns) -> None:
+        """Closes the port, tells the machine.  The loop stops watching it before."""
+        if self.port is None:
+            return
+        port, self.port = self.port, None
+        port.close()
+        self._untaken, self._sent_owed, self._sent_at = b"", False, None
+        self.state.connected, self.state.since_ns, self.state.why = False, now, why
+        self.state.counters.lost += 1
+        with contextlib.suppress(PortError):  # a machine that fails here as well has been counted
+            self._tell(self._ask(self.machine.lost, now), now)
+
+    @property
+    def wants_write(self) -> bool:
+        """The port did not take everything; call pump when it is writable."""
+        return bool(self._untaken)
+
+    def next_wake(self) -> Ns | None:
+        """When to call wake at the latest."""
+        deadline, sent_at = self.machine.deadline(), self._sent_at
+        if deadline is not None and deadline < self._rest_until:
+            deadline = self._rest_until
+        if deadline is None or (sent_at is not None and sent_at < deadline):
+            return sent_at
+        return deadline
+
+    def readable(self, now: Ns) -> None:
+        """The port has something.  Raises PortError when it is gone."""
+        if self.port is None:
+            return
+        items = self.port.read()
+        if self._sent_owed and not self._untaken:
+            self._look_for_sent(now)  # the answer cannot be older than the end of what it answers
+        counters = self.state.counters
+        for item in items:
+            if isinstance(item, bytes):
+                counters.received += len(item)
+                events = self._give(self.machine.receive, item, now)
+            else:
+                counters.damaged += 1
+                events = self._give(self.machine.damaged, item, now)
+            if events:
+                self._flush(now)  # the partner waits for the answer; our listeners can wait
+                self._tell(events, now)
+        self._flush(now)
+
+    def wake(self, now: Ns) -> None:
+        """A moment named by next_wake has come (or not yet: no harm).  Raises PortError when the port is gone."""
+        if self._sent_at is not None and now >= self._sent_at:
+            self._look_for_sent(now)
+        due = self.machine.deadline()
+        if due is not None and now >= due and now >= self._rest_until:
+            self.state.counters.latest_wake_ns = max(self.state.counters.latest_wake_ns, now - due)
+            events = self._ask(self.machine.wake, now)
+            self._flush(now)
+            self._tell(events, now)
+        self._flush(now)
+
+    def pump(self, now: Ns) -> None:
+        """The machine may have something to send, or the port room again.  Raises PortError when the port is gone."""
+        self._flush(now)
+
+    def _give(self, method: Callable[[W, Ns], Sequence[E]], what: W, now: Ns) -> Sequence[E]:
+        """A machine never raises on what a partner sends; if one does all the same, it is counted and the line starts afresh."""
+        try:
+            return method(what, now)
+        except Exception as error:  # a partner's bytes must not end a line
+            return self._broken(error, now)
+
+    def _ask(self, method: Callable[[Ns], Sequence[E]], now: Ns) -> Sequence[E]:
+        try:
+            return method(now)
+        except Exception as error:  # as above
+            return self._broken(error, now)
+
+    def _broken(self, error: Exception, now: Ns) -> Sequence[E]:
+        self.state.counters.machine_faults += 1
+        self._rest_until = now + PAUSE_NS
+        self._on_fault(error)
+        raise PortError(f"line machine failed ({error!r}); the line is started afresh") from error
+
+    def _flush(self, now: Ns) -> None:
+        if self.port is None:
+            return  # what the machine has to say waits for the port; its times run from `sent`
+        while True:
+            data = self.machine.take_output()
+            if data:
+                self._sent_owed = True
+                self._untaken = self._untaken + data if self._untaken else data
+            if not self._untaken:
+                break
+            count = self.port.write(self._untaken)
+            self.state.counters.sent += count
+            self._untaken = self._untaken[count:]
+            if self._untaken:
+                if len(self._untaken) > UNTAKEN_LIMIT:
+                    raise PortError(f"{self.port.name}: takes nothing any more, {len(self._untaken)} bytes wait; opened again")
+                return
+            if self._look_for_sent(now):
+                continue  # what has left may have let the machine say more
+            break
+        if self._sent_owed and self._sent_at is None:
+            self._look_for_sent(now)
+
+    def _look_for_sent(self, now: Ns) -> bool:
+        """Tells the machine `sent` if all has left, else says when to look again."""
+        if self.port is None or not self._sent_owed or self._untaken:
+            return False
+        left = self.port.unsent()
+        if left:
+            self._sent_at = now + (left * self.port.char_ns or 1_000_000)
+            return False
+        self._sent_owed, self._sent_at = False, None
+        self._tell(self._ask(self.machine.sent, now), now)
+        return True
+
+    def _tell(self, events: Sequence[E], now: Ns) -> None:
+        for event in events:
+            self.state.counters.events += 1
+            try:
+                self._on_event(event, now)
+            except Exception as error:  # a listener's mistake must not cost the line its answer times
+                self.state.counters.listener_faults += 1
+                self._on_fault(error)
