@@ -406,20 +406,15 @@ class Span:
 
 @dataclass(frozen=True, slots=True)
 class PlantAxis:
-    """[plant.axis.NAME]: motor, load and switches of the emulated axis; at the motor shaft unless said otherwise."""
+    """[plant.axis.NAME]: the emulated axis; places in axis units, all else as `drivers.emulator.settings` names it.
 
-    motor_inertia: float = 0.0012  # kg m^2
-    load_inertia: float = 0.0010  # kg m^2, seen by the motor
-    coulomb: float = 0.3  # N m
-    viscous: float = 0.002  # N m s/rad
-    gravity: float = 0.0  # N m, constant, positive pulls towards minus
-    max_torque: float = 24.0  # N m
-    rated_torque: float = 8.0  # N m
-    max_speed: float = 4000.0  # rpm
-    kv: float = 60.0  # 1/s, position loop of the drive
-    brake_delay_ms: float = 40.0
+    `settings` holds the keys of ServoSettings the file gives (motor_inertia_kgm2, kv_per_s, ..): at the motor shaft, SI.
+    """
+
     start: float = 0.0  # axis position at power-up, unit
     reference_switch: Span | None = None
+    hard_limits: Span | None = None
+    settings: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

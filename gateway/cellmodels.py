@@ -1,0 +1,358 @@
+"""The edge of the cell file: pydantic models with ranges and units; `gateway.config` turns them into `gateway.cell` data.
+
+Strict, frozen, unknown keys forbidden. Field names are the keys of the file (`from` by alias); a test compares both sides.
+"""
+
+import datetime
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+BAUDS = "300|600|1200|2400|4800|9600|19200|38400|57600|115200"
+STEP5_TYPES = ("bit", "KF", "DH", "KH", "KM", "KY", "KC", "KT", "KZ", "KG", "REAL", "BCD")
+OnLoss = Literal["hold", "finish_move", "stop_on_path", "quick_stop"]
+Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]*$", json_schema_extra={"allowed": "letters, digits, _ and -"})]
+Percent = Annotated[str, Field(pattern=r"^(100|\d{1,2})(\.\d+)? %$", json_schema_extra={"allowed": '"0 %".."100 %"'})]
+
+
+def unit(text: str) -> dict[str, Any]:
+    """Marks a field with its unit; {u} stands for the unit of the axis."""
+    return {"unit": text}
+
+
+class Table(BaseModel):
+    """Base of every table."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+
+class CellHead(Table):
+    name: str = Field(min_length=1)
+    replaces: str = ""
+    software: str = ""
+    language: Literal["de", "en"] = "en"
+    target: Literal["machine", "simulation"] = "simulation"
+    on_services_loss: Literal["stop_on_path", "finish_move"] = "stop_on_path"
+
+
+class Safety(Table):
+    emergency_stop: str = ""
+    sto_wired: bool | None = None
+    guard: str = ""
+    limit_switches: str = ""
+    enabling_device: str = ""
+    risk_assessment: str = ""
+    last_stop_test: datetime.date | None = None
+
+
+class RcInputs(Table):
+    owner: dict[Annotated[str, Field(pattern=r"^\d{1,3}$")], Name] = {}
+    assume: list[str] = []
+
+
+class IoBus(Table):
+    inputs: int = Field(default=0, ge=0, le=5, json_schema_extra=unit("blocks"))
+    outputs: int = Field(default=0, ge=0, le=4, json_schema_extra=unit("blocks"))
+    baud: int = Field(default=0, ge=0, le=3)
+
+
+class InputBlock(Table):
+    bus: int = Field(ge=1, le=2)
+    start: int = Field(ge=0, le=127, json_schema_extra=unit("PIC byte"))
+    length: int = Field(ge=1, le=8, json_schema_extra=unit("bytes"))
+    id: int = Field(ge=471, le=550)
+
+
+class OutputBlock(InputBlock):
+    id: int = Field(ge=471, le=480)
+
+
+class MeasuringSystem(Table):
+    axis: int = Field(ge=1, le=12)
+    module: int = Field(ge=1, le=12)
+    ref_mode: int = Field(default=0, ge=0, le=3)
+    gear_factor: float = Field(default=1.0, gt=0)
+    pulses: int = Field(default=1, ge=1, le=3)
+    evaluation: float = 16384.0
+    output: int = Field(default=0, ge=-20, le=20)
+
+
+Speeds = list[Annotated[float, Field(gt=0, json_schema_extra=unit("deg/s or mm/s"))]]
+Ways = list[Annotated[float, Field(json_schema_extra=unit("deg or mm"))]]
+
+
+class Rho3(Table):
+    P2: int = Field(default=0, ge=0, le=15)
+    P5: int | None = Field(default=None, ge=2, le=32, json_schema_extra=unit("ms"))
+    P9: int = Field(default=40, ge=1, le=1000, json_schema_extra=unit("ms"))
+    P15: list[Annotated[int, Field(ge=0, le=20)]] = []
+    P20: int | None = Field(default=None, ge=0, le=99)
+    P21: list[Annotated[int, Field(ge=0, le=250, json_schema_extra=unit("byte"))]] = []
+    P24: int | Literal["all"] = "all"
+    P30: list[IoBus] = Field(default=[], max_length=2)
+    P31: list[InputBlock] = []
+    P32: list[OutputBlock] = []
+    P103: Speeds = []
+    P104: Speeds = []
+    P108: Speeds = []
+    P109: Speeds = []
+    P204: Ways = []
+    P205: Ways = []
+    P207: Ways = []
+    P208: Ways = []
+    P401: list[MeasuringSystem] = []
+    P601: bool = False
+    others: dict[str, Any] = {}
+
+
+class Rk512(Table):
+    db_address_unit: Literal["word", "byte"] = "word"
+    reaction: bool = True
+    types: list[Literal["D", "E", "A", "M", "T", "Z", "X"]] = ["D"]
+    unknown_block: int = Field(default=0x14, ge=1, le=255)
+
+
+class Supervision(Table):
+    max_silence_ms: int = Field(default=1000, ge=50, le=60000, json_schema_extra=unit("ms"))
+    life_word: str | None = None
+    on_loss: OnLoss = "stop_on_path"
+    restart: Literal["new_command"] = "new_command"
+
+
+class Line(Table):
+    name: Name
+    port: str = Field(
+        pattern=r"^(sim|/dev/\S+|COM\d+|pty:\S+|tcp://\S+:\d+|rfc2217://\S+:\d+)$",
+        json_schema_extra={"allowed": "sim | /dev/... | COM5 | pty:/path | tcp://host:port | rfc2217://host:port"},
+    )
+    format: str = Field(default="9600 8E1", pattern=rf"^({BAUDS}) [78][NEO][12]$", json_schema_extra={"allowed": '"9600 8E1": baud, bits, parity, stop'})
+    wiring: str = ""
+    protocol: Literal["3964R"] = "3964R"
+    profile: str = "rho3"
+    priority: Literal["low", "high"] = "low"
+    layer: Literal["rk512", "telegrams", "buep64", "program"] = "rk512"
+    role: Literal["passive", "both"] = "passive"
+    output_timeout: int = Field(default=0, ge=-1, le=65535)
+    byte_order: Literal["big", "little"] = "big"
+    rk512: Rk512 = Rk512()
+    supervision: Supervision = Supervision()
+
+
+class Entry(Table):
+    at: str
+    type: Literal["bit", "KF", "DH", "KH", "KM", "KY", "KC", "KT", "KZ", "KG", "REAL", "BCD"]
+    to: str | None = None
+    from_: str | None = Field(default=None, alias="from")
+    unit: str = Field(default="1", pattern=r"^\d+(\.\d+)?( (mm|deg|%|ms|s))?$", json_schema_extra={"allowed": '"0.1 mm", "1 deg", "1 %", "1 ms"'})
+    min: float | None = None
+    max: float | None = None
+    edge: Literal["rising"] | None = None
+    comment: str = ""
+
+
+class Db(Table):
+    number: int = Field(ge=1, le=255)
+    words: int = Field(ge=1, le=256, json_schema_extra=unit("words"))
+    writer: Literal["plc", "axisgate"]
+    line: str = ""
+    comment: str = ""
+    entries: list[Entry] = []
+
+
+class Handshake(Table):
+    pattern: Literal["start-busy-done", "level-ack", "toggle", "strobe-parity", "number-select"]
+    start: str
+    busy: str
+    done: str
+    refused: str = ""
+
+
+class IoDevice(Table):
+    type: Literal["canopen-401", "modbus"]
+    bus: str = ""
+    node: int | None = Field(default=None, ge=1, le=127)
+    input: int | None = Field(default=None, ge=0, le=63)
+    output: int | None = Field(default=None, ge=0, le=63)
+
+
+class Io(Table):
+    name: Name
+    device: IoDevice
+    signal: str
+    on_loss: int | None = Field(default=None, ge=0, le=1)
+
+
+class Bus(Table):
+    name: Name
+    port: str = Field(
+        pattern=r"^(sim|socketcan:[\w.-]{1,15}|broker:[\w-]+|memory:[\w-]+)$",
+        json_schema_extra={"allowed": "sim | socketcan:can0 | broker:NAME"},
+    )
+    protocol: Literal["servodyn", "canopen", "rho3-io"]
+    bitrate: Literal["1 Mbit/s", "500 kbit/s", "250 kbit/s", "125 kbit/s"] = "1 Mbit/s"
+    cycle_ms: int = Field(default=4, ge=2, le=32, json_schema_extra=unit("ms"))
+    heartbeat_ms: int = Field(default=50, ge=10, le=1000, json_schema_extra=unit("ms"))
+    layout: str = "servodyn_gc.dbc"
+    layout_evidence: str = ""
+    axes: str = Field(default="", pattern=r"^([1-6](\.\.[1-6])?)?$", json_schema_extra={"allowed": '"1..6"'})
+    on_loss: Literal["zero", "hold"] = "zero"
+
+
+class Drive(Table):
+    type: Literal["servodyn", "cia402"]
+    bus: str
+    module: int | None = Field(default=None, ge=1, le=6)
+    node: int | None = Field(default=None, ge=1, le=127)
+    eds: str = ""
+    serial: str = ""
+    inc_per_turn: int = Field(default=16384, ge=64, le=1 << 24, json_schema_extra=unit("inc"))
+
+
+class Mechanics(Table):
+    feed_per_turn: float = Field(default=360.0, gt=0, json_schema_extra=unit("{u}"))
+    gear: str = Field(default="1:1", pattern=r"^[1-9]\d*(\.\d+)?:[1-9]\d*(\.\d+)?$", json_schema_extra={"allowed": '"10:1", motor : output turns'})
+    direction: Literal["+", "-"] = "+"
+    vertical: bool = False
+
+
+class AxisLimits(Table):
+    min: float = Field(json_schema_extra=unit("{u}"))
+    max: float = Field(json_schema_extra=unit("{u}"))
+    speed: float = Field(gt=0, json_schema_extra=unit("{u}/s"))
+    accel: float = Field(gt=0, json_schema_extra=unit("{u}/s^2"))
+    jerk: float = Field(gt=0, json_schema_extra=unit("{u}/s^3"))
+
+
+class FollowingError(Table):
+    warn: float = Field(gt=0, json_schema_extra=unit("{u}"))
+    trip: float = Field(gt=0, json_schema_extra=unit("{u}"))
+
+
+class Home(Table):
+    by: Literal["gateway", "drive", "none"] = "gateway"
+    mode: int = Field(default=0, ge=0, le=3)
+    method: int | None = Field(default=None, ge=-128, le=37)
+    speed: float = Field(default=0.0, ge=0, json_schema_extra=unit("{u}/s"))
+    slow_speed: float = Field(default=0.0, ge=0, json_schema_extra=unit("{u}/s"))
+    direction: Literal["+", "-"] = "-"
+    position: float = Field(default=0.0, json_schema_extra=unit("{u}"))
+    offset: float = Field(default=0.0, json_schema_extra=unit("{u}"))
+    timeout_s: float = Field(default=60.0, gt=0, le=3600, json_schema_extra=unit("s"))
+
+
+class FirstEnable(Table):
+    torque: Percent = "20 %"
+    speed: Percent = "5 %"
+    travel: float = Field(default=2.0, gt=0, json_schema_extra=unit("{u}"))
+
+
+class AxisDefaults(Table):
+    """[defaults.axis]: what an axis may take over."""
+
+    mode: Literal["csp", "csv", "pp"] = "csp"
+    stop_on_bus_loss: Literal["quick_stop", "coast"] = "quick_stop"
+    brake: Literal["drive", "gateway", "none"] = "drive"
+    following_error: FollowingError | None = None
+    home: Home = Home()
+    first_enable: FirstEnable = FirstEnable()
+
+
+class Axis(AxisDefaults):
+    name: Name
+    unit: Literal["mm", "deg"]
+    drive: Drive
+    limits: AxisLimits
+    mechanics: Mechanics = Mechanics()
+
+
+class Defaults(Table):
+    axis: AxisDefaults = AxisDefaults()
+
+
+class ModbusRegisters(Table):
+    at: int = Field(ge=0, le=65535)
+    from_: str = Field(alias="from")
+
+
+class Modbus(Table):
+    name: Name
+    role: Literal["server"] = "server"
+    bind: str = Field(default="127.0.0.1:1502", pattern=r"^\S+:\d{1,5}$", json_schema_extra={"allowed": "address:port"})
+    unit: int = Field(default=1, ge=1, le=247)
+    allow: list[str] = []
+    view: Literal["rho3"] = "rho3"
+    command_block: bool = False
+    float: Literal["ABCD", "CDAB", "BADC", "DCBA"] = "ABCD"
+    first_address: int = Field(default=0, ge=0, le=1)
+    max_silence_ms: int = Field(default=500, ge=50, le=60000, json_schema_extra={"unit": "ms"})
+    on_loss: OnLoss = "stop_on_path"
+    registers: list[ModbusRegisters] = []
+
+
+class Robot(Table):
+    kinematics: str
+    model: str = ""
+    name: str = ""
+    zero: str = ""
+
+
+class CheckPosition(Table):
+    name: str
+    tolerance: float = Field(gt=0)
+    at: dict[str, float] = {}
+    joints: list[float] = []
+
+
+class Telegram(Table):
+    line: str
+    name: Name
+    match: list[dict[str, Any]] = []
+    length: int | None = Field(default=None, ge=1, le=138, json_schema_extra=unit("bytes"))
+    fields: list[dict[str, Any]] = []
+    then: str = ""
+    when: str = ""
+    build: list[dict[str, Any]] = []
+
+
+class Retain(Table):
+    values: list[str] = []
+
+
+class Span(Table):
+    from_: float = Field(alias="from", json_schema_extra=unit("{u}"))
+    to: float = Field(json_schema_extra=unit("{u}"))
+
+
+class PlantAxis(Table):
+    start: float = Field(default=0.0, json_schema_extra=unit("{u}"))
+    reference_switch: Span | None = None
+    hard_limits: Span | None = None
+    settings: dict[str, float | bool] = {}
+
+
+class Plant(Table):
+    seed: int = Field(default=1, ge=0)
+    axis: dict[str, PlantAxis] = {}
+
+
+class CellFile(Table):
+    """The whole file."""
+
+    format: Literal[1]
+    cell: CellHead
+    safety: Safety | None = None
+    rc_inputs: RcInputs = RcInputs()
+    rho3: Rho3 | None = None
+    line: list[Line] = []
+    db: list[Db] = []
+    handshake: dict[str, Handshake] = {}
+    io: list[Io] = []
+    bus: list[Bus] = []
+    defaults: Defaults = Defaults()
+    axis: list[Axis] = []
+    modbus: list[Modbus] = []
+    robot: Robot | None = None
+    check_position: list[CheckPosition] = []
+    telegram: list[Telegram] = []
+    retain: Retain | None = None
+    plant: Plant | None = None
