@@ -9,6 +9,8 @@ import ruckig
 
 EDGE = 1e-10  # of the length: how far a new plan may reach beyond the end, or back, by rounding; cut off by the caller
 
+MARGINS = (1.0, 1.0 + 1e-9, 1.0 + 1e-6)  # a state that touches the speed limit to the last bit has, for ruckig, no way on
+
 
 class Profile:
     """s(t) from a present state to the end of the path, or to a speed.  Objects are allocated once; planning takes about 2 us."""
@@ -32,13 +34,14 @@ class Profile:
         self._input.control_interface = ruckig.ControlInterface.Position
         self._input.target_position = [1.0]
         self._input.target_velocity = [0.0]
-        return self._plan(state, speed)
+        return any(self._plan(state, speed * margin) for margin in MARGINS)
 
-    def to_speed(self, state: tuple[float, float, float], speed: float) -> bool:
-        """Plan from (s, sdot, sddot) to a steady speed (0: to rest) as fast as the limits allow; False: the old plan stays."""
+    def to_speed(self, state: tuple[float, float, float], speed: float, latest: float | None = None) -> bool:
+        """Plan from (s, sdot, sddot) to a steady speed (0: to rest) as fast as the limits allow, reached before s = latest
+        (default the end); False: no such plan, the old one stays."""
         self._input.control_interface = ruckig.ControlInterface.Velocity
         self._input.target_velocity = [speed * self._time / self._length]
-        return self._plan(state, max(speed, self._length / self._time))
+        return self._plan(state, self._length / self._time, 1.0 if latest is None else latest / self._length)
 
     def at(self, time_s: float) -> tuple[float, float, float]:
         """(s, sdot, sddot) time_s after the plan's start; beyond its end the end."""
@@ -46,7 +49,7 @@ class Profile:
         scale = self._length / self._time
         return s * self._length, v * scale, a * scale / self._time
 
-    def _plan(self, state: tuple[float, float, float], speed: float) -> bool:
+    def _plan(self, state: tuple[float, float, float], speed: float, latest: float | None = None) -> bool:
         scale = self._time / self._length
         start = state[0] / self._length
         self._input.current_position = [start]
@@ -57,9 +60,10 @@ class Profile:
             self._solver.calculate(self._input, self._trial)
         except ruckig.RuckigError:
             return False
-        reach = self._trial.position_extrema[0]
-        if reach.max > 1.0 + EDGE or reach.min < start - EDGE:
-            return False  # would overshoot or turn back: never on a path that is to be run forward
+        (last,), _, _ = self._trial.at_time(self._trial.duration)  # position_extrema of a speed plan counts the unused target too
+        furthest = self._trial.position_extrema[0].max if latest is None else last
+        if last < start - EDGE or furthest > (1.0 if latest is None else latest) + EDGE:
+            return False  # would turn back or go too far: never on a path that is run forward
         self._current, self._trial = self._trial, self._current
         self.duration = float(self._current.duration) * self._time
         return True

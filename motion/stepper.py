@@ -30,6 +30,15 @@ class State(Enum):
     STOPPED = auto()  # at rest on the path; resume() goes on, abandon() drops the rest
 
 
+class Goal(Enum):
+    """Where the plan under way leads; all but SLOW end at rest."""
+
+    NONE = auto()  # at rest, no plan
+    END = auto()  # end of the piece
+    REST = auto()  # anywhere on the path
+    SLOW = auto()  # down to a lower speed, from where END is planned
+
+
 class Sample(NamedTuple):
     """Set values for one SYNC."""
 
@@ -39,6 +48,12 @@ class Sample(NamedTuple):
     s: float  # on that piece
     state: State
     done_id: int  # piece that ended last; stays until the next one ends; 0: none yet
+
+
+def stopping_distance(speed: float, accel: float, jerk: float) -> float:
+    """Way from a steady speed to rest, jerk-limited."""
+    ramp = accel / jerk
+    return speed * (speed / accel + ramp) / 2 if speed >= accel * ramp else speed * sqrt(speed / jerk)
 
 
 class Stepper:
@@ -57,10 +72,10 @@ class Stepper:
         self._profile = Profile()
         self._motion = (0.0, 0.0, 0.0)  # s, sdot, sddot
         self._time = 0.0  # s since the present plan began
-        self._resting = True  # no plan runs
-        self._to_end = False  # the present plan ends at the end of the piece
+        self._goal = Goal.NONE
         self._stale = False  # a new plan is due
         self._speed = inf  # sdot limit of the present plan
+        self._slow = 0.0  # sdot at the end of SLOW
         self._override = 1.0
         self._state = State.IDLE
         self._abandon = False
@@ -178,7 +193,7 @@ class Stepper:
         self._rows = [[(axis, row[::-1]) for axis, row in zip(piece.axes, segment.coefficients, strict=True)] for segment in piece.segments]
         lowest = list(accumulate(reversed(piece.table), min))[::-1]
         self._floor = tuple(sqrt(value) for value in lowest[:-1])
-        self._motion, self._resting, self._to_end, self._stale = (0.0, 0.0, 0.0), True, False, True
+        self._motion, self._goal, self._stale = (0.0, 0.0, 0.0), Goal.NONE, True
         if piece.length > 0:
             self._profile.configure(piece.length, piece.accel, piece.jerk)
 
@@ -190,43 +205,71 @@ class Stepper:
         return self._floor[min(index, len(self._floor) - 1)] * self._override
 
     def _plan(self, piece: Piece) -> None:
-        """A new plan from the present state.  Where none exists (rounding, next to the end) the old one, which ends at
-        rest, is followed and the next step tries again."""
-        speed = self._legal_speed()
-        self._speed = speed
+        """A new plan from the present state.  Where none exists (too close to the end to slow down, or rounding) the old
+        one is followed and the next step tries again."""
+        speed = self._speed = self._legal_speed()
         if piece.length == 0:
-            self._stale = False
+            planned = True
         elif self._state is State.STOPPING or speed == 0.0:
-            self._stale = not self._plan_rest(piece)
-        elif self._profile.to_end(self._motion, speed):
-            self._time, self._resting, self._to_end, self._stale = 0.0, False, True, False
+            planned = self._plan_rest()
+        elif self._too_fast(piece, speed):
+            planned = self._plan_slow(piece, speed)
         else:
-            self._stale = True
+            planned = self._plan_end(speed)
+        self._stale = not planned
 
-    def _plan_rest(self, piece: Piece) -> bool:
-        if self._resting or not self._to_end:
-            return True  # at rest, or on the way there
-        if not self._profile.to_speed(self._motion, 0.0):
+    def _plan_rest(self) -> bool:
+        if self._goal in (Goal.NONE, Goal.REST):
+            return True
+        return self._begin(Goal.REST, self._profile.to_speed(self._motion, 0.0))
+
+    def _plan_end(self, speed: float) -> bool:
+        return self._begin(Goal.END, self._profile.to_end(self._motion, speed))
+
+    def _plan_slow(self, piece: Piece, speed: float) -> bool:
+        """First down to the speed, then on: in one plan ruckig would dive through zero when the speed is low (AX-102)."""
+        latest = piece.length - stopping_distance(speed, piece.accel, piece.jerk) - speed * self._period
+        if not self._profile.to_speed(self._motion, speed, latest):
             return False
-        self._time, self._to_end = 0.0, False
-        return True
+        self._slow = speed
+        return self._begin(Goal.SLOW, True)
+
+    def _begin(self, goal: Goal, planned: bool) -> bool:
+        if planned:
+            self._time, self._goal = 0.0, goal
+        return planned
+
+    def _too_fast(self, piece: Piece, speed: float) -> bool:
+        """Faster than speed, or about to be even if acceleration is taken back at once."""
+        _, sdot, sddot = self._motion
+        ahead = sddot * sddot / (2 * piece.jerk) if sddot > 0 else 0.0
+        return sdot + ahead > speed * (1 + 1e-9)
 
     def _advance(self, piece: Piece) -> None:
         """One period along the plan."""
-        if not self._resting:
+        if self._goal is not Goal.NONE:
             self._time += self._period
-            if self._time >= self._profile.duration:
-                s = piece.length if self._to_end else min(self._profile.at(self._profile.duration)[0], piece.length)
-                self._motion, self._resting = (s, 0.0, 0.0), True
-            else:
+            if self._time < self._profile.duration or self._goal is Goal.SLOW:
                 s, speed, accel = self._profile.at(self._time)
                 self._motion = (min(max(s, self._motion[0]), piece.length), speed, accel)
-        if self._resting and self._state is State.STOPPING:
+                if self._time >= self._profile.duration:
+                    self._slowed(piece)
+            else:
+                s = piece.length if self._goal is Goal.END else self._profile.at(self._profile.duration)[0]
+                self._motion, self._goal = (min(max(s, self._motion[0]), piece.length), 0.0, 0.0), Goal.NONE
+        if self._goal is Goal.NONE and self._state is State.STOPPING:
             self._state = State.STOPPED
+
+    def _slowed(self, piece: Piece) -> None:
+        """SLOW has ended (steady speed from there): the rest is planned from this sample on."""
+        self._motion = (self._motion[0], self._slow, 0.0)
+        self._plan(piece)
+        if self._goal is Goal.SLOW and self._stale and not self._plan_end(self._slow):  # room was kept when SLOW was planned
+            self._plan_rest()
 
     def _sample(self, piece: Piece) -> Sample:
         s, sdot, _ = self._motion
-        arrived = self._resting and piece.length - s <= ARRIVED * piece.length
+        arrived = self._goal is Goal.NONE and piece.length - s <= ARRIVED * piece.length
         if arrived:
             s = piece.length
         index = piece.segment_at(s) if len(self._rows) > 1 else 0
@@ -241,7 +284,7 @@ class Stepper:
             qd[axis] = slope * sdot
         if arrived:
             self._finish(piece)
-        elif self._resting and self._abandon and self._state is State.STOPPED:
+        elif self._goal is Goal.NONE and self._abandon and self._state is State.STOPPED:
             self._drop()
         return Sample(tuple(q), tuple(qd), piece.id, s, self._state, self._done)
 
