@@ -1,0 +1,1 @@
+"""Modbus TCP, pure: framing, validation, answers."""
