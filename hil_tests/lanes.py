@@ -1,0 +1,86 @@
+"""Lanes: groups of tests that need something of the machine; each is told in one line at the end of a run.
+
+A lane whose needs are missing is skipped with one line.  With CI=true, and as root on Debian (where `make` installs what is
+missing), a missing need fails its tests instead: nobody may mistake an empty lane for a green one.
+"""
+
+import collections
+import os
+import pathlib
+import shutil
+from collections.abc import Callable, Iterator, Mapping
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+REFERENCES = ROOT / "build"  # C references: hil_tests/bench/NAME.c becomes build/NAME
+
+
+def _vcan() -> str | None:
+    from hil_tests.rig.uml import guest, lane
+
+    return None if lane.inside() else guest.missing()
+
+
+def _mbpoll() -> str | None:
+    return None if shutil.which("mbpoll") else "mbpoll not found (Debian: apt-get install mbpoll)"
+
+
+def _cref() -> str | None:
+    unbuilt = [source.stem for source in sorted((ROOT / "hil_tests" / "bench").glob("*.c")) if not (REFERENCES / source.stem).exists()]
+    return f"build/{', build/'.join(unbuilt)} not built (make references)" if unbuilt else None
+
+
+NEEDS: dict[str, Callable[[], str | None]] = {"vcan": _vcan, "mbpoll": _mbpoll, "cref": _cref}  # marker = lane
+FOLDERS = {"unit": "pure", "conformance": "pure", "properties": "pure", "rig": "rig", "matrix": "rig"}
+
+
+def missing(lane: str) -> str | None:
+    """Why this lane cannot run here, in one line; None: it can."""
+    return NEEDS[lane]()
+
+
+def required(environment: Mapping[str, str] = os.environ) -> bool:
+    """Whether a lane that cannot run is a failure here."""
+    return environment.get("CI", "").lower() in ("true", "1") or (os.geteuid() == 0 and pathlib.Path("/etc/debian_version").exists())
+
+
+def lane_of(nodeid: str, keywords: Mapping[str, object]) -> str:
+    marked = next((lane for lane in NEEDS if lane in keywords), None)
+    parts = nodeid.partition("::")[0].split("/")
+    return marked or next((FOLDERS[part] for part in parts if part in FOLDERS), "other")
+
+
+class Lanes:
+    """Skips or fails what cannot run; counts each test once, by its worst phase."""
+
+    def __init__(self) -> None:
+        self._worst: dict[str, str] = {}
+        self._lane: dict[str, str] = {}
+
+    @pytest.hookimpl(tryfirst=True)
+    def pytest_runtest_setup(self, item: pytest.Item) -> None:
+        for lane in NEEDS:
+            reason = missing(lane) if item.get_closest_marker(lane) else None
+            if reason and required():
+                pytest.fail(f"lane {lane} must run here: {reason}", pytrace=False)
+            if reason:
+                pytest.skip(f"lane {lane}: {reason}")
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        self._lane[report.nodeid] = lane_of(report.nodeid, report.keywords)
+        rank = ("passed", "skipped", "failed")
+        self._worst[report.nodeid] = max(self._worst.get(report.nodeid, "passed"), report.outcome, key=rank.index)
+
+    def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:
+        terminalreporter.section("lanes")
+        for line in self.lines():
+            terminalreporter.write_line(line)
+
+    def lines(self) -> Iterator[str]:
+        for lane in ("pure", "rig", *NEEDS, "other"):
+            counts = collections.Counter(self._worst[nodeid] for nodeid, of in self._lane.items() if of == lane)
+            told = ", ".join(f"{counts[outcome]} {outcome}" for outcome in ("passed", "failed", "skipped") if counts[outcome])
+            reason = missing(lane) if lane in NEEDS and counts["skipped"] else None
+            if told or lane in NEEDS:
+                yield f"lane {lane}: {told or 'no test selected'}{f' ({reason})' if reason else ''}"

@@ -1,0 +1,71 @@
+"""Requirement marks in a pytest run: a mark that cannot be counted fails its test; --matrix FILE writes what was proved."""
+
+import json
+import pathlib
+from dataclasses import asdict, dataclass
+
+import pytest
+
+from hil_tests.matrix.catalogue import Claim, MarkError, claim
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """One test function with its claim and the worst outcome of its parameters: passed, failed, skipped."""
+
+    test: str
+    ids: tuple[str, ...]
+    by: tuple[str, ...]
+    outcome: str
+
+
+RANK = ("none", "skipped", "passed", "failed")  # what counts for a test function of several parameters: the right-most seen
+
+
+def function_id(nodeid: str) -> str:
+    """The test function: its id without the parameters."""
+    return nodeid.partition("[")[0]
+
+
+def claims_of(item: pytest.Item) -> list[Claim]:
+    """Raises MarkError."""
+    return [claim(mark.args, dict(mark.kwargs)) for mark in item.iter_markers("requirement")]
+
+
+class Marks:
+    """Checks the marks of every test that runs; keeps outcomes for --matrix."""
+
+    def __init__(self, target: str | None) -> None:
+        self._target = pathlib.Path(target) if target else None
+        self._claims: dict[str, list[Claim]] = {}
+        self._outcome: dict[str, str] = {}
+
+    @pytest.hookimpl(trylast=True)
+    def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
+        if self._target is None:
+            return
+        for item in items:
+            try:
+                self._claims[function_id(item.nodeid)] = claims_of(item)
+            except MarkError:
+                self._claims[function_id(item.nodeid)] = []  # its set-up fails with the reason
+
+    def pytest_runtest_setup(self, item: pytest.Item) -> None:
+        try:
+            claims_of(item)
+        except MarkError as error:
+            pytest.fail(str(error), pytrace=False)
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        if report.when == "call" or report.outcome != "passed":
+            name = function_id(report.nodeid)
+            self._outcome[name] = max(self._outcome.get(name, "none"), report.outcome, key=RANK.index)
+
+    def pytest_sessionfinish(self) -> None:
+        if self._target is None:
+            return
+        results = [
+            Result(name, claim.ids, claim.by, self._outcome.get(name, "none")) for name, claims in self._claims.items() for claim in claims
+        ]
+        self._target.parent.mkdir(parents=True, exist_ok=True)
+        self._target.write_text(json.dumps([asdict(result) for result in results], indent=1))

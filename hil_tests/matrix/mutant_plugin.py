@@ -1,0 +1,160 @@
+"""pytest plug-in of `make mutants`: runs each marked test with each of its functions broken, in this very process.
+
+Killed means: the test failed by an assertion.  An exception of the mutant that merely ran through the test proves only that the
+function was called; it is told as `crash` and counts as not killed.
+"""
+
+import contextlib
+import json
+import pathlib
+import signal
+import time
+from collections.abc import Generator, Iterator
+from types import FrameType, TracebackType
+
+import pytest
+from _pytest.raises import RaisesExc
+from _pytest.runner import runtestprotocol
+
+from hil_tests.matrix.catalogue import MarkError
+from hil_tests.matrix.marks import claims_of, function_id
+from hil_tests.matrix.mutant import VARIANTS, MutantError, mutated
+from hil_tests.matrix.verdicts import Pair, fingerprint
+
+LEAST_S = 10.0  # a mutant that turns a test into an endless loop is given up after this, or ten times the sound run
+RANK = ("hang", "skipped", "alive", "crash", "killed")  # of a test's parameters the best one counts: they are one test
+
+
+class Hang(BaseException):
+    """The broken test did not end."""
+
+
+class Mutants:
+    """Replaces the running of a test by: once sound, then once for each function and variant."""
+
+    def __init__(self, target: pathlib.Path, root: pathlib.Path) -> None:
+        self._target, self._root = target, root
+        self._raised: list[BaseException] = []
+        self._found: dict[tuple[str, str], dict[str, str]] = {}
+        self._ids: dict[tuple[str, str], set[str]] = {}
+        self._files: dict[str, pathlib.Path] = {}
+
+    @pytest.hookimpl(tryfirst=True)
+    def pytest_runtest_protocol(self, item: pytest.Item) -> bool:
+        name = function_id(item.nodeid)
+        self._files[name] = item.path
+        try:
+            claims = claims_of(item)
+        except MarkError as error:
+            print(f"\n{name}: {error}")
+            return True
+        sound, seconds = self._run(item, None)
+        for claim in claims:
+            for by in claim.by:
+                self._ids.setdefault((name, by), set()).update(claim.ids)
+                for variant in VARIANTS:
+                    verdict = self._broken(item, by, variant, seconds) if sound == "alive" else f"not run: sound test: {sound}"
+                    self._keep(name, by, variant, verdict)
+        return True
+
+    def _broken(self, item: pytest.Item, by: str, variant: str, seconds: float) -> str:
+        with mutated(by, variant):
+            return self._run(item, max(LEAST_S, 10 * seconds))[0]
+
+    def _keep(self, name: str, by: str, variant: str, verdict: str) -> None:
+        seen = self._found.setdefault((name, by), {})
+        if verdict not in RANK or variant not in seen or (seen[variant] in RANK and RANK.index(verdict) > RANK.index(seen[variant])):
+            seen[variant] = verdict
+
+    def _run(self, item: pytest.Item, limit: float | None) -> tuple[str, float]:
+        self._raised.clear()
+        item._initrequest()  # type: ignore[attr-defined]  # pytest offers no public way to run an item again
+        started = time.monotonic()
+        with time_limit(limit):
+            runtestprotocol(item, log=False, nextitem=None)  # nextitem None: no fixture made by a mutant lives on
+        return judged(self._raised), time.monotonic() - started
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_makereport(self, call: pytest.CallInfo[None]) -> Generator[None, object, object]:
+        if call.excinfo is not None:
+            self._raised.append(call.excinfo.value)
+        return (yield)
+
+    def pytest_sessionfinish(self) -> None:
+        pairs = [
+            Pair(name, by, tuple(sorted(self._ids[name, by])), seen["raise"], seen["return"], fingerprint(self._files[name], by))
+            for (name, by), seen in self._found.items()
+        ]
+        self._target.parent.mkdir(parents=True, exist_ok=True)
+        self._target.write_text(json.dumps([pair.as_dict() for pair in pairs], indent=1))
+
+
+def judged(raised: list[BaseException]) -> str:
+    """One word for how a run ended."""
+    if not raised:
+        return "alive"
+    if any(isinstance(error, Hang) for error in raised):
+        return "hang"
+    if any(is_assertion(error) for error in raised):
+        return "killed"
+    return "skipped" if isinstance(raised[0], pytest.skip.Exception) else "crash"
+
+
+def is_assertion(error: BaseException) -> bool:
+    """Whether a test said no: assert, pytest.fail, a pytest.raises that did not see its exception."""
+    if isinstance(error, BaseExceptionGroup):
+        return all(is_assertion(inner) for inner in error.exceptions)
+    return isinstance(error, (AssertionError, pytest.fail.Exception))
+
+
+@contextlib.contextmanager
+def time_limit(seconds: float | None) -> Iterator[None]:
+    def strike(_number: int, _frame: FrameType | None) -> None:
+        raise Hang(f"no end after {seconds:.0f} s")
+
+    if seconds is None:
+        yield
+        return
+    previous = signal.signal(signal.SIGALRM, strike)
+    signal.setitimer(signal.ITIMER_REAL, seconds, 5.0)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, previous)
+
+
+def strict_raises() -> None:
+    """pytest.raises(X) that meets a mutant's exception has been answered wrongly: that is the test's own no."""
+    original = RaisesExc.__exit__
+
+    def leave(
+        self: "RaisesExc[BaseException]", kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> bool:
+        handled = original(self, kind, error, trace)
+        if not handled and isinstance(error, MutantError):
+            pytest.fail(f"DID NOT RAISE what was asked for, but {error!r}")
+        return handled
+
+    RaisesExc.__exit__ = leave  # type: ignore[method-assign]  # pytest has no hook for this; only `make mutants` loads it
+
+
+def quick_hypothesis() -> None:
+    import hypothesis
+
+    phases = (hypothesis.Phase.explicit, hypothesis.Phase.generate)  # a failure is enough, nobody reads the smallest one
+    checks = tuple(hypothesis.HealthCheck)
+    hypothesis.settings.register_profile(
+        "mutants", phases=phases, derandomize=True, database=None, deadline=None, report_multiple_bugs=False, suppress_health_check=checks
+    )
+    hypothesis.settings.load_profile("mutants")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--mutants", metavar="FILE", help="break each `by` function in turn and write here how the tests took it")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    strict_raises()
+    quick_hypothesis()
+    config.pluginmanager.register(Mutants(pathlib.Path(config.getoption("--mutants")), config.rootpath), "axisgate-mutants")

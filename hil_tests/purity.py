@@ -1,0 +1,146 @@
+"""Purity: what pure folders may import (checked on the source), and a guard that makes clocks and the like raise (at run time).
+
+The guard is up while a test of hil_tests/unit, conformance or properties runs.  It strikes only when pure code stands on the
+stack between the call and the test: pytest, Hypothesis and the tests themselves keep their clocks.
+"""
+
+import ast
+import builtins
+import contextlib
+import functools
+import io
+import os
+import pathlib
+import random
+import socket
+import sys
+import threading
+import time
+import types
+from collections.abc import Callable, Generator, Iterator
+from typing import Any
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+
+HARMLESS = frozenset(
+    "__future__ abc array binascii bisect collections copy dataclasses decimal difflib enum fractions functools heapq itertools "
+    "json math numbers operator re statistics string struct textwrap types typing unicodedata zlib".split()
+)
+# Pure folders (and single files, which others may then import): what they may import beside HARMLESS.
+ALLOWED: dict[str, frozenset[str]] = {
+    "protocols": frozenset({"protocols"}),
+    "protocols/modbus": frozenset({"protocols", "pymodbus.pdu", "pymodbus.constants"}),
+    "motion": frozenset({"motion", "numpy", "ruckig", "pinocchio"}),
+    "drivers/drives": frozenset({"protocols", "drivers.drives", "ruckig", "numpy"}),
+    "drivers/emulator": frozenset({"protocols", "drivers.emulator"}),
+    "gateway/pure": frozenset({"protocols", "motion", "drivers.drives", "gateway.pure", "gateway.cell", "gateway.errors"}),
+    "gateway/cell.py": frozenset({"gateway.cell"}),
+    "gateway/errors.py": frozenset({"gateway.errors"}),
+}
+PURE_MODULES = ("protocols.", "motion.", "drivers.drives.", "drivers.emulator.", "gateway.pure.")
+GUARDED_FOLDERS = ("unit", "conformance", "properties")
+OUTSIDE = ("hil_tests", "_pytest", "pytest", "hypothesis", "pluggy", "importlib")  # reached first: not the pure code's call
+
+
+class ImpureError(AssertionError):
+    """Pure code asked for time, a file, a socket, a thread, the environment or chance."""
+
+
+# ------------------------------------------------------------------------------------------------------ on the source
+
+
+def pure_files() -> Iterator[tuple[pathlib.Path, frozenset[str]]]:
+    """Every pure file with what it may import; the most exact entry of ALLOWED decides."""
+    seen: set[pathlib.Path] = set()
+    for place in sorted(ALLOWED, key=len, reverse=True):
+        path = ROOT / place
+        for file in [path] if path.suffix else sorted(path.rglob("*.py")):
+            if file.exists() and file not in seen:
+                seen.add(file)
+                yield file, ALLOWED[place]
+
+
+def imports_of(source: str) -> Iterator[tuple[int, str]]:
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            yield from ((node.lineno, alias.name) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            yield node.lineno, "." * node.level + (node.module or "")
+
+
+def forbidden_imports(source: str, allowed: frozenset[str]) -> list[tuple[int, str]]:
+    """Lines and modules that stand on neither list; a listed module allows what is below it."""
+
+    def legal(module: str) -> bool:
+        return module.partition(".")[0] in HARMLESS or any(f"{module}.".startswith(f"{name}.") for name in allowed)
+
+    return [(line, module) for line, module in imports_of(source) if not legal(module)]
+
+
+# -------------------------------------------------------------------------------------------------------- at run time
+
+
+def _targets() -> Iterator[tuple[object, str]]:
+    clocks = (
+        "time time_ns monotonic monotonic_ns perf_counter perf_counter_ns process_time process_time_ns sleep clock_gettime clock_gettime_ns"
+    )
+    yield from ((time, name) for name in clocks.split())
+    chance = "random randint randrange choice choices shuffle sample uniform gauss normalvariate betavariate getrandbits randbytes"
+    yield from ((random, name) for name in chance.split())
+    yield from ((os, name) for name in ("open", "urandom", "getenv", "system", "fork", "popen"))
+    yield from ((builtins, "open"), (io, "open"), (socket.socket, "__init__"), (threading.Thread, "start"))
+    yield from ((type(os.environ), "__getitem__"), (random.Random, "__init__"))
+    numpy = sys.modules.get("numpy.random")
+    if numpy is not None:
+        yield from ((numpy, name) for name in ("random", "rand", "randn", "randint", "default_rng", "normal", "uniform"))
+
+
+def impure_caller(frame: types.FrameType | None) -> str | None:
+    """The pure module that stands nearest on the stack, unless the test or its framework stands nearer."""
+    while frame is not None:
+        name = str(frame.f_globals.get("__name__", ""))
+        if f"{name}.".startswith(PURE_MODULES):
+            return f"{name}:{frame.f_lineno}"
+        if name.partition(".")[0] in OUTSIDE:
+            return None
+        frame = frame.f_back
+    return None
+
+
+def _guarded(original: Callable[..., Any], what: str) -> Callable[..., Any]:
+    @functools.wraps(original)
+    def guard(*args: Any, **kwargs: Any) -> Any:
+        caller = impure_caller(sys._getframe(1))
+        if caller is not None:
+            raise ImpureError(f"pure code at {caller} called {what}; hand the value in instead")
+        return original(*args, **kwargs)
+
+    return guard
+
+
+@contextlib.contextmanager
+def guard() -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        for owner, name in list(_targets()):
+            label = f"{getattr(owner, '__name__', owner)}.{name}"
+            patch.setattr(owner, name, _guarded(getattr(owner, name), label))
+        yield
+
+
+def guarded(path: pathlib.Path) -> bool:
+    try:
+        parts = path.relative_to(ROOT / "hil_tests").parts
+    except ValueError:
+        return False
+    return parts[0] in GUARDED_FOLDERS
+
+
+class Purity:
+    """Puts the guard up around every pure test."""
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_call(self, item: pytest.Item) -> Generator[None, object, object]:
+        with guard() if guarded(item.path) else contextlib.nullcontext():
+            return (yield)
