@@ -1,0 +1,300 @@
+"""The local bus: a client port of the broker, and the python-can plug-in (`can.Bus(interface="broker", channel=NAME)`).
+
+Source: docs/architecture.md, "Buses and lines without hardware"; AX-092 (records), AX-093 (queues and gaps).
+"""
+
+import json
+import os
+import select
+import socket
+import time
+from collections import deque
+from collections.abc import Sequence
+from typing import Any
+
+import can
+
+from drivers.ports.base import PortError, runtime_dir
+from drivers.ports.canwire import (
+    CONTROL,
+    COUNT,
+    EFF_FLAG,
+    ERR_FLAG,
+    MAX_DATA,
+    RECORD,
+    RECORD_BYTES,
+    RTR_FLAG,
+    CanCounters,
+    Control,
+    control_record,
+    fault_of,
+    pack_records,
+)
+from protocols.base.machine import Frame, FrameFault, Ns
+
+RECEIVE_BYTES = 65536  # one message; a statistics answer is the longest
+BURST = 256  # messages one receive() takes at most, so that a flood cannot hold the caller
+SEND_BUFFER = 1 << 20
+Record = tuple[int, int, int, bytes, int, int]  # id and flags, length, sender, data, stamp ns, sequence
+
+
+def socket_path(name: str) -> str:
+    """Where the broker of this name listens; PortError when a socket address cannot hold it (108 bytes, unix(7))."""
+    path = str(runtime_dir() / f"broker-{name}.sock")
+    if len(os.fsencode(path)) > 107:
+        raise PortError(f"{path}: longer than the 107 bytes of a socket address; set AXISGATE_RUNTIME to a shorter folder")
+    return path
+
+
+def _connect(name: str) -> socket.socket:
+    path = socket_path(name)
+    link = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET | socket.SOCK_NONBLOCK)
+    link.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
+    try:
+        link.connect(path)
+    except OSError as error:
+        link.close()
+        raise PortError(f"broker:{name}: {error.strerror}; start it with: python -m gateway.processes.broker --name {name}") from error
+    return link
+
+
+class _Link:
+    """One connection to a broker: records out, records in, gaps counted."""
+
+    def __init__(self, name: str) -> None:
+        self.name = f"broker:{name}"
+        self.socket = _connect(name)
+        self.counters = CanCounters()
+        self.broker_start_ns: Ns | None = None
+        self._next: int | None = None  # sequence number the next foreign frame has at least
+
+    def send(self, messages: Sequence[bytes]) -> int:
+        """Records taken, in order; less than given: the way to the broker is full, counted as refused."""
+        taken, given = 0, sum(map(len, messages)) // RECORD_BYTES
+        for message in messages:
+            try:
+                self.socket.send(message)
+            except BlockingIOError:
+                break
+            except OSError as error:
+                raise PortError(f"{self.name}: {error.strerror}; the broker is gone, open the port again") from error
+            taken += len(message) // RECORD_BYTES
+        self.counters.sent += taken
+        self.counters.refused += given - taken
+        return taken
+
+    def receive(self) -> list[Record]:
+        """Frame records that wait; PortError when the broker closed us (it died, or we were too slow for its queue)."""
+        records: list[Record] = []
+        for _ in range(BURST):
+            try:
+                message = self.socket.recv(RECEIVE_BYTES)
+            except BlockingIOError:
+                break
+            except OSError as error:
+                return self._ended(records, error.strerror or str(error))
+            if not message:
+                return self._ended(records, "connection closed")
+            if len(message) % RECORD_BYTES:
+                self.counters.ignored += 1
+                continue
+            for record in RECORD.iter_unpack(message):
+                if record[0] < CONTROL:
+                    records.append(record)
+                elif record[0] == CONTROL | Control.GAP:
+                    self._gap(record)
+                else:
+                    break  # an answer to statistics: its text follows, not for us
+        self.counters.received += len(records)
+        return records
+
+    def _ended(self, records: list[Record], why: str) -> list[Record]:
+        """What came before the end is given first; the end is told at the next call."""
+        if records:
+            self.counters.received += len(records)
+            return records
+        raise PortError(f"{self.name}: {why}; the broker died or disconnected this subscriber as too slow, open the port again")
+
+    def _gap(self, record: Record) -> None:
+        start = COUNT.unpack(record[3])[0]
+        if self._next is not None and start == self.broker_start_ns:
+            self.counters.gaps += max(0, record[5] - self._next)
+        self.broker_start_ns = start
+
+    def seen(self, sequence: int) -> None:
+        """The last sequence number that reached the user: a later connection knows from it what it missed."""
+        self._next = sequence + 1
+
+    def reconnect(self) -> None:
+        """A new connection in place of the old one; PortError when no broker listens."""
+        fresh = _connect(self.name.removeprefix("broker:"))
+        self.socket.close()
+        self.socket = fresh
+
+
+class BrokerPort:
+    """CanPort of the local bus.  Own frames are not heard; extended and remote frames are ignored and counted.
+
+    After a PortError open a new port, or `reconnect()` this one: then the broker's gap record counts what was missed in between
+    (`counters.gaps`; own frames that nobody returned count too, and nothing is known across a restart of the broker).
+    """
+
+    def __init__(self, name: str) -> None:
+        self.name = f"broker:{name}"
+        self._link = _Link(name)
+        self._faults: list[tuple[FrameFault, Ns]] = []
+        self.counters = self._link.counters
+
+    def fileno(self) -> int:
+        return self._link.socket.fileno()
+
+    def send(self, frames: Sequence[Frame]) -> int:
+        """How many were taken, in order, at most 64 in one message; ValueError on a frame that CAN does not have."""
+        return self._link.send(pack_records(frames))
+
+    def receive(self) -> list[Frame]:
+        """Everything that waits, stamped by the broker."""
+        frames: list[Frame] = []
+        records = self._link.receive()
+        for can_id, length, _, data, stamp, _ in records:
+            if can_id < EFF_FLAG and not can_id & CONTROL:
+                frames.append(Frame(can_id, data[:length], stamp))
+            elif can_id & ERR_FLAG:
+                self.counters.faults += 1
+                self._faults.append((fault_of(can_id, data[:length]), stamp))
+            else:
+                self.counters.ignored += 1
+        if records:
+            self._link.seen(records[-1][5])
+        return frames
+
+    def take_faults(self) -> list[tuple[FrameFault, Ns]]:
+        """Error frames since the last call, with their stamps; call it after receive()."""
+        faults, self._faults = self._faults, []
+        return faults
+
+    def reconnect(self) -> None:
+        """Connect again after a PortError; PortError when no broker listens."""
+        self._link.reconnect()
+
+    def close(self) -> None:
+        self._link.socket.close()
+
+
+def broker_stats(name: str, timeout_s: float = 2.0) -> dict[str, Any]:
+    """Counters of a running broker (its JSON answer); a tool's call that waits, PortError after `timeout_s`."""
+    with _connect(name) as link:
+        link.settimeout(timeout_s)
+        try:
+            link.send(control_record(Control.STATS, b""))
+            while True:
+                message = link.recv(RECEIVE_BYTES)
+                if not message:
+                    raise PortError(f"broker:{name}: closed before it answered")
+                head = RECORD.unpack(message[:RECORD_BYTES])
+                if head[0] == CONTROL | Control.STATS_REPLY:
+                    size = COUNT.unpack(head[3])[0]
+                    answer: dict[str, Any] = json.loads(message[RECORD_BYTES : RECORD_BYTES + size])
+                    return answer
+        except OSError as error:
+            raise PortError(f"broker:{name}: no statistics: {error}") from error
+
+
+class BrokerBus(can.BusABC):
+    """python-can on the local bus: `can.Bus(interface="broker", channel=NAME)`, also with Notifier (thread or asyncio).
+
+    `Message.timestamp` is the bus stamp in seconds of the monotonic clock.  Own messages are not received.
+    """
+
+    def __init__(self, channel: str, can_filters: can.typechecking.CanFilters | None = None, **kwargs: Any) -> None:
+        if kwargs.pop("receive_own_messages", False):
+            raise can.CanInitializationError(f"broker:{channel}: a subscriber does not hear its own messages; open a second bus")
+        self._can_protocol = can.CanProtocol.CAN_20
+        self.channel_info = f"broker:{channel}"
+        self._channel = channel
+        self._waiting: deque[can.Message] = deque()
+        try:
+            self._link = _Link(channel)
+        except PortError as error:
+            raise can.CanInitializationError(str(error)) from error
+        # readable while the socket has something or messages of a batch wait here: an asyncio Notifier takes one per event
+        self._more = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
+        self._epoll = select.epoll()
+        self._epoll.register(self._link.socket, select.EPOLLIN)
+        self._epoll.register(self._more, select.EPOLLIN)
+        super().__init__(channel=channel, can_filters=can_filters, **kwargs)
+
+    def fileno(self) -> int:
+        return self._epoll.fileno()
+
+    def send(self, msg: can.Message, timeout: float | None = None) -> None:
+        """CanOperationError when the way to the broker is full for `timeout` seconds (None: at once) or the broker is gone."""
+        if msg.is_fd or msg.dlc > MAX_DATA:
+            raise can.CanOperationError(f"{self.channel_info}: classic CAN only, {MAX_DATA} bytes")
+        flags = (EFF_FLAG if msg.is_extended_id else 0) | (RTR_FLAG if msg.is_remote_frame else 0)
+        flags = ERR_FLAG if msg.is_error_frame else flags
+        record = RECORD.pack(msg.arbitration_id | flags, msg.dlc, 0, bytes(msg.data), 0, 0)
+        end = time.monotonic() + (timeout or 0)
+        try:
+            while not self._link.send([record]):
+                left = end - time.monotonic()
+                if left <= 0:
+                    raise can.CanOperationError(f"{self.channel_info}: full, {self._link.counters.refused} refused so far")
+                select.select([], [self._link.socket], [], left)
+        except PortError as error:
+            raise can.CanOperationError(str(error)) from error
+
+    def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:
+        if not self._waiting:
+            self._fetch(timeout)
+        message = self._waiting.popleft() if self._waiting else None
+        if not self._waiting:
+            self._mark(False)
+        return message, False
+
+    def _fetch(self, timeout: float | None) -> None:
+        end = None if timeout is None else time.monotonic() + timeout
+        while True:
+            try:
+                records = self._link.receive()
+            except PortError as error:
+                raise can.CanOperationError(str(error)) from error
+            self._waiting.extend(self._message(record) for record in records)
+            left = None if end is None else end - time.monotonic()
+            if self._waiting or (left is not None and left <= 0):
+                self._mark(bool(self._waiting))
+                return
+            select.select([self._link.socket], [], [], left)
+
+    def _mark(self, waiting: bool) -> None:
+        try:
+            if waiting:
+                os.eventfd_write(self._more, 1)
+            else:
+                os.eventfd_read(self._more)
+        except BlockingIOError:
+            pass  # was not set
+
+    def _message(self, record: Record) -> can.Message:
+        can_id, length, _, data, stamp, _ = record
+        return can.Message(
+            timestamp=stamp / 1e9,
+            arbitration_id=can_id & 0x1FFFFFFF,
+            is_extended_id=bool(can_id & EFF_FLAG),
+            is_remote_frame=bool(can_id & RTR_FLAG),
+            is_error_frame=bool(can_id & ERR_FLAG),
+            dlc=length,
+            data=None if can_id & RTR_FLAG else data[:length],
+            channel=self._channel,
+            is_rx=True,
+        )
+
+    def shutdown(self) -> None:
+        super().shutdown()
+        if not self._epoll.closed:
+            self._epoll.close()
+            os.close(self._more)
+            self._link.socket.close()
+
+
+__all__ = ["BrokerBus", "BrokerPort", "broker_stats", "socket_path"]

@@ -1,0 +1,115 @@
+"""Real-time habits of a process: scheduling class, locked memory, absolute sleeping, timer file descriptors.
+
+Source: docs/architecture.md, "The cycle owns its process"; clock_nanosleep(2), timerfd_create(2), mlockall(2), prctl(2).
+Python 3.11 has neither clock_nanosleep nor os.timerfd, so both come from the C library by ctypes (AX-094).
+"""
+
+import ctypes
+import errno
+import gc
+import os
+import resource
+import signal
+import time
+
+CLOCK_MONOTONIC, TIMER_ABSTIME = 1, 1
+MCL_CURRENT, MCL_FUTURE = 1, 2
+PR_SET_PDEATHSIG = 1
+SECOND_NS = 1_000_000_000
+
+_libc = ctypes.CDLL(None, use_errno=True)
+
+
+class _Timespec(ctypes.Structure):
+    _fields_ = (("tv_sec", ctypes.c_long), ("tv_nsec", ctypes.c_long))
+
+
+class _Itimerspec(ctypes.Structure):
+    _fields_ = (("interval", _Timespec), ("value", _Timespec))
+
+
+_libc.clock_nanosleep.argtypes = (ctypes.c_int, ctypes.c_int, ctypes.POINTER(_Timespec), ctypes.POINTER(_Timespec))
+_libc.timerfd_create.argtypes = (ctypes.c_int, ctypes.c_int)
+_libc.timerfd_settime.argtypes = (ctypes.c_int, ctypes.c_int, ctypes.POINTER(_Itimerspec), ctypes.POINTER(_Itimerspec))
+
+
+def go_realtime(priority: int) -> list[str]:
+    """SCHED_FIFO at `priority` (1..99), memory locked, no garbage collector; a warning in words for each that was refused.
+
+    Children start without the real-time class.  Call it when everything is imported and built: what exists is frozen out of the collector.
+    """
+    warnings = [text for text in (_fifo(priority), _lock_memory()) if text]
+    gc.collect()
+    gc.freeze()
+    gc.disable()
+    return warnings
+
+
+def _fifo(priority: int) -> str | None:
+    try:
+        os.sched_setscheduler(0, os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, os.sched_param(priority))
+    except OSError as error:
+        return f"no real-time priority {priority} ({error.strerror}): allow it with 'rtprio {priority}' in /etc/security/limits.conf"
+    return None
+
+
+def _lock_memory() -> str | None:
+    soft, _ = resource.getrlimit(resource.RLIMIT_MEMLOCK)
+    # A finite limit would make later allocations fail, not merely stay unlocked: then only what exists is locked
+    boundless = soft == resource.RLIM_INFINITY or os.geteuid() == 0
+    if _libc.mlockall(MCL_CURRENT | (MCL_FUTURE if boundless else 0)):
+        return f"memory not locked ({os.strerror(ctypes.get_errno())}): allow it with 'memlock unlimited' in /etc/security/limits.conf"
+    return None
+
+
+def sleep_until(due_ns: int, spin_ns: int = 0) -> int:
+    """Sleep to `due_ns` of the monotonic clock, the last `spin_ns` awake; the time it is on return (>= due_ns)."""
+    wake = due_ns - spin_ns
+    timespec = _Timespec(wake // SECOND_NS, wake % SECOND_NS)
+    now = time.monotonic_ns()
+    while now < wake:  # again after a signal
+        _libc.clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, ctypes.byref(timespec), None)
+        now = time.monotonic_ns()
+    while now < due_ns:
+        now = time.monotonic_ns()
+    return now
+
+
+def die_with_parent(parent_pid: int | None = None, number: int = signal.SIGTERM) -> None:
+    """The kernel sends us `number` when our parent (the thread that started us) ends; at once if `parent_pid` is gone already."""
+    _libc.prctl(PR_SET_PDEATHSIG, number, 0, 0, 0)
+    if parent_pid is not None and os.getppid() != parent_pid:
+        os.kill(os.getpid(), number)
+
+
+class Timerfd:
+    """A timer that is a file descriptor, for epoll and asyncio.add_reader; absolute times of the monotonic clock in ns."""
+
+    def __init__(self) -> None:
+        self._fd: int = _libc.timerfd_create(CLOCK_MONOTONIC, os.O_NONBLOCK | os.O_CLOEXEC)
+        if self._fd < 0:
+            raise OSError(ctypes.get_errno(), "timerfd_create")
+
+    def fileno(self) -> int:
+        return self._fd
+
+    def set(self, due_ns: int | None, period_ns: int = 0) -> None:
+        """Readable at `due_ns` (the past: at once) and then every `period_ns`; None: switched off."""
+        due = 0 if due_ns is None else max(1, due_ns)
+        value = _Itimerspec(_Timespec(*divmod(period_ns, SECOND_NS)), _Timespec(*divmod(due, SECOND_NS)))
+        if _libc.timerfd_settime(self._fd, TIMER_ABSTIME, ctypes.byref(value), None):
+            raise OSError(ctypes.get_errno(), "timerfd_settime")
+
+    def expired(self) -> int:
+        """How often it ran out since the last call; 0: not yet.  Takes the readable state away."""
+        try:
+            return int.from_bytes(os.read(self._fd, 8), "little")
+        except OSError as error:
+            if error.errno != errno.EAGAIN:
+                raise
+            return 0
+
+    def close(self) -> None:
+        if self._fd >= 0:
+            os.close(self._fd)
+            self._fd = -1
