@@ -25,6 +25,7 @@ CHUNK_BYTES = 1024  # read at once: also one client's turn before the next one's
 EXCEPTION_BIT = 0x80
 READ_REQUEST, LONGEST_ANSWER = 12, 260  # bytes on the wire of the request with the longest answer, and of that answer
 CHUNK_ANSWERS = (CHUNK_BYTES + MAX_LENGTH) // READ_REQUEST * LONGEST_ANSWER  # all answers to one chunk fit into this
+KERNEL_BYTES = 64 * 1024  # of each direction of a connection
 KEEPALIVE = ((socket.TCP_KEEPIDLE, 5), (socket.TCP_KEEPINTVL, 2), (socket.TCP_KEEPCNT, 3))  # a dead partner's place is free after 11 s
 STALL_LIMIT = ms(10_000)
 SWEEP_S = 0.1
@@ -112,6 +113,10 @@ class ModbusServer:
     @property
     def clients(self) -> list[Client]:
         return [connection.client for connection in self._connections]
+
+    def unsent_bytes(self) -> int:
+        """Answers in this process that partners have not taken yet."""
+        return sum(connection.unsent_bytes() for connection in self._connections)
 
     async def start(self) -> None:
         """Listens; PortError names the port and what to do when it cannot."""
@@ -232,8 +237,12 @@ class _Connection(asyncio.BufferedProtocol):
 
     def resume_writing(self) -> None:
         self._stalled_ns = None
+        self._framing.reading_again(time.monotonic_ns())
         if self._transport is not None:
             self._transport.resume_reading()
+
+    def unsent_bytes(self) -> int:
+        return 0 if self._transport is None else self._transport.get_write_buffer_size()
 
     def drop(self) -> None:
         """Ends the connection without waiting for answers to be taken."""
@@ -280,7 +289,8 @@ def _listen(host: str, port: int) -> socket.socket:
     except OSError as error:
         raise PortError(_advice(host, port, error)) from error
     listener.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)  # accepted connections inherit all of these
-    listener.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 64 * 1024)
+    for option in (socket.SO_SNDBUF, socket.SO_RCVBUF):  # fixed: the kernel would let each grow to megabytes
+        listener.setsockopt(socket.SOL_SOCKET, option, KERNEL_BYTES)
     for option, seconds in KEEPALIVE:
         listener.setsockopt(socket.IPPROTO_TCP, option, seconds)
     return listener

@@ -84,6 +84,11 @@ class Framing:
         """Queues the answer (1..253 bytes) to a request; answers leave in the order of these calls."""
         self._output.append(ANSWER.pack(request.transaction, MODBUS, len(pdu) + 1, request.unit) + pdu)
 
+    def reading_again(self, now: Ns) -> None:
+        """The caller had stopped reading: the rest of a half frame may wait in the port, so its limit starts anew."""
+        if self._due is not None:
+            self._due = now + self._receive_limit
+
     def damaged(self, kind: Damage, now: Ns) -> list[Event]:
         return []  # a TCP stream has no damaged characters
 

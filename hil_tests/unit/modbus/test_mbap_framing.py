@@ -93,6 +93,16 @@ def test_the_next_frame_has_its_own_deadline() -> None:
     assert framing.deadline() is None
 
 
+def test_while_the_caller_does_not_read_no_frame_is_late() -> None:
+    framing, data = Framing(ms(100)), frame(READ)
+    framing.reading_again(0)
+    assert framing.deadline() is None
+    framing.receive(data[:4], 0)
+    framing.reading_again(ms(500))
+    assert framing.deadline() == ms(600)
+    assert framing.receive(data[4:], ms(599)) == [Request(1, 1, PDU)]
+
+
 def test_answers_carry_transaction_and_unit_of_their_requests_in_order_and_leave_once() -> None:
     framing = Framing()
     framing.reply(Request(0xABCD, 255, PDU), b"\x03\x02\x00\x05")
