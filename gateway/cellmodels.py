@@ -56,14 +56,14 @@ class IoBus(Table):
     baud: int = Field(default=0, ge=0, le=3)
 
 
-class InputBlock(Table):
+class IoBlock(Table):
     bus: int = Field(ge=1, le=2)
     start: int = Field(ge=0, le=127, json_schema_extra=unit("PIC byte"))
     length: int = Field(ge=1, le=8, json_schema_extra=unit("bytes"))
     id: int = Field(ge=471, le=550)
 
 
-class OutputBlock(InputBlock):
+class OutputBlock(IoBlock):
     id: int = Field(ge=471, le=480)
 
 
@@ -90,7 +90,7 @@ class Rho3(Table):
     P21: list[Annotated[int, Field(ge=0, le=250, json_schema_extra=unit("byte"))]] = []
     P24: int | Literal["all"] = "all"
     P30: list[IoBus] = Field(default=[], max_length=2)
-    P31: list[InputBlock] = []
+    P31: list[IoBlock] = []
     P32: list[OutputBlock] = []
     P103: Speeds = []
     P104: Speeds = []

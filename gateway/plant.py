@@ -4,10 +4,8 @@ import json
 import math
 import pathlib
 
-from drivers.emulator.settings import BusSettings, ServoSettings, to_dict
+from drivers.emulator.settings import BusSettings, ServoSettings, axis_from_dict, to_dict
 from gateway.cell import Axis, Cell, PlantAxis
-
-RPM = 2.0 * math.pi / 60.0
 
 
 def motor_rad(axis: Axis, position: float) -> float:
@@ -17,28 +15,19 @@ def motor_rad(axis: Axis, position: float) -> float:
 
 
 def servo_settings(axis: Axis, plant: PlantAxis) -> ServoSettings:
-    """One emulated drive and its mechanics; the drive trips at half a motor turn beyond the gateway's own lag limit."""
-    switch = sorted(motor_rad(axis, end) for end in (plant.reference_switch.from_, plant.reference_switch.to)) if plant.reference_switch else None
-    trip = abs(motor_rad(axis, axis.following_error.trip)) + math.pi if axis.following_error else 4.0 * math.pi
-    return ServoSettings(
-        motor_inertia_kgm2=plant.motor_inertia,
-        load_inertia_kgm2=plant.load_inertia,
-        coulomb_nm=plant.coulomb,
-        stiction_nm=1.2 * plant.coulomb,
-        viscous_nms_per_rad=plant.viscous,
-        gravity_nm=plant.gravity * (-1.0 if axis.mechanics.direction == "-" else 1.0),
-        rated_torque_nm=plant.rated_torque,
-        torque_limit_nm=plant.max_torque,
-        speed_limit_rad_s=plant.max_speed * RPM,
-        overspeed_rad_s=1.2 * plant.max_speed * RPM,
-        kv_per_s=plant.kv,
-        following_error_rad=trip,
-        brake_torque_nm=max(2.0 * abs(plant.gravity), plant.rated_torque),
-        brake_open_s=plant.brake_delay_ms / 1000.0,
-        start_rad=motor_rad(axis, plant.start),
-        reference_switch_from_rad=switch[0] if switch else -math.inf,
-        reference_switch_to_rad=switch[1] if switch else -math.inf,
-    )
+    """One emulated drive and its mechanics; the drive trips at half a motor turn beyond the gateway's own lag limit.
+
+    `plant.settings` are the emulator's own settings as the file gives them: at the motor shaft, taken as they are.
+    """
+    settings: dict[str, float] = {"start_rad": motor_rad(axis, plant.start)}
+    for name, span in (("reference_switch_{}_rad", plant.reference_switch), ("hard_limit_{}_rad", plant.hard_limits)):
+        if span is not None:
+            low, high = sorted((motor_rad(axis, span.from_), motor_rad(axis, span.to)))
+            ends = ("from", "to") if name.startswith("reference") else ("min", "max")
+            settings |= {name.format(ends[0]): low, name.format(ends[1]): high}
+    settings["following_error_rad"] = abs(motor_rad(axis, axis.following_error.trip)) + math.pi if axis.following_error else 4.0 * math.pi
+    settings |= plant.settings
+    return axis_from_dict(settings)
 
 
 def bus_settings(cell: Cell, bus: str, p5_ms: float) -> BusSettings:
