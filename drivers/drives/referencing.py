@@ -1,0 +1,192 @@
+"""Referencing by the gateway, mode 0: run towards the switch, on to the encoder zero behind it, then move the offset.
+
+Source: rho3 2.8 row 0 (L3783-3808): "go on in the same direction to the next encoder zero; actual = P207; move P208".
+Ours: a switch that is actuated at the start is left first (AX-111), limits of way and time (AX-112), no stop at the zero (AX-113).
+"""
+
+import math
+from dataclasses import dataclass
+from enum import Enum, auto
+from typing import NamedTuple
+
+from drivers.drives.ramp import Ramp
+from drivers.drives.scaling import Scaling, ScalingError
+
+
+class RunState(Enum):
+    """DONE and FAILED are told only at a standstill of the set value."""
+
+    RUNNING = auto()
+    DONE = auto()
+    FAILED = auto()
+
+
+class Failure(Enum):
+    """Why; the value is the text."""
+
+    NOT_FOUND = "the reference switch was not seen within the allowed way"
+    NOT_LEFT = "the reference switch was actuated at the start and stayed so over the allowed way"
+    TIMEOUT = "the time for referencing is over"
+    ABORTED = "referencing was aborted"
+
+
+class RefStep(NamedTuple):
+    """Set value for the next SYNC."""
+
+    set_inc: int
+    speed_inc_s: float
+    state: RunState
+    why: Failure | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ReferenceSettings:
+    """At the motor, in increments; raises ScalingError."""
+
+    inc_per_turn: int
+    direction: int  # +1, -1: side on which the switch is, in increments
+    speed_inc_s: float  # towards the switch (P108)
+    slow_inc_s: float  # from the switch to the zero (P109)
+    accel_inc_s2: float
+    jerk_inc_s3: float
+    position_inc: float = 0.0  # P207 as increments, signed by the axis' direction
+    offset_inc: float = 0.0  # P208, the same
+    way_inc: float = math.inf  # longest way from the start
+    timeout_s: float = 60.0
+
+    def __post_init__(self) -> None:
+        for name in ("inc_per_turn", "speed_inc_s", "slow_inc_s", "accel_inc_s2", "jerk_inc_s3", "way_inc", "timeout_s"):
+            value: float = getattr(self, name)
+            if not value > 0:
+                raise ScalingError(f"referencing: {name} {value} is no number above 0")
+        if self.direction not in (1, -1):
+            raise ScalingError(f"referencing: direction {self.direction} is neither 1 nor -1")
+
+
+def settings_from(
+    scaling: Scaling,
+    *,
+    direction: int,
+    speed: float,
+    slow_speed: float,
+    accel: float,
+    jerk: float,
+    position: float = 0.0,
+    offset: float = 0.0,
+    way: float = math.inf,
+    timeout_s: float = 60.0,
+) -> ReferenceSettings:
+    """Axis values (m or rad) -> increments; direction: +1, -1 of the axis, on which side the switch is."""
+    factor = abs(scaling.inc_per_unit)
+    return ReferenceSettings(
+        inc_per_turn=scaling.inc_per_turn,
+        direction=direction * scaling.direction,
+        speed_inc_s=speed * factor,
+        slow_inc_s=slow_speed * factor,
+        accel_inc_s2=accel * factor,
+        jerk_inc_s3=jerk * factor,
+        position_inc=position * scaling.inc_per_unit,
+        offset_inc=offset * scaling.inc_per_unit,
+        way_inc=way * factor,
+        timeout_s=timeout_s,
+    )
+
+
+class Leg(Enum):
+    """Part of the run."""
+
+    LEAVE = auto()  # the switch was actuated at the start: away from it
+    TURN = auto()  # free again: to rest
+    SEEK = auto()  # towards the switch
+    ZERO = auto()  # switch seen: slowly on to the encoder zero
+    OFFSET = auto()  # zero passed: to the reference point
+    BRAKE = auto()  # failed: to rest
+
+
+class Referencing:
+    """One run of one axis; step() once per SYNC."""
+
+    def __init__(self, settings: ReferenceSettings, position_inc: int) -> None:
+        self._settings = settings
+        self._origin = position_inc
+        turn = settings.inc_per_turn
+        self._ramp = Ramp(settings.accel_inc_s2 / turn, settings.jerk_inc_s3 / turn)
+        self._leg: Leg | None = None
+        self._time = 0.0
+        self._target = 0.0  # of OFFSET, turns from the origin
+        self._zero: int | None = None  # encoder zero behind the switch
+        self._why: Failure | None = None
+        self._state = RunState.RUNNING
+        self.zero_inc: float | None = None  # where the axis reads 0; known from the encoder zero on
+        self.switch_to_zero_inc: int | None = None  # tells the fitter how safely the switch stands: near 0 or a turn is bad
+
+    def abort(self) -> None:
+        """To rest; FAILED is told there."""
+        self._fail(Failure.ABORTED)
+
+    def step(self, position_inc: int, reference_switch: bool, dt_s: float) -> RefStep:
+        """position_inc, reference_switch: of the same actual value."""
+        if self._state is not RunState.RUNNING:
+            return self._answer()
+        self._time += dt_s
+        if self._time > self._settings.timeout_s:
+            self._fail(Failure.TIMEOUT)
+        elif abs(position_inc - self._origin) > self._settings.way_inc and self._leg in (Leg.LEAVE, Leg.SEEK, Leg.ZERO):
+            self._fail(Failure.NOT_LEFT if self._leg is Leg.LEAVE else Failure.NOT_FOUND)
+        self._decide(position_inc, reference_switch)
+        self._ramp.advance(dt_s)
+        self._judge_rest()
+        return self._answer()
+
+    def _answer(self) -> RefStep:
+        turn = self._settings.inc_per_turn
+        return RefStep(self._origin + round(self._ramp.x * turn), self._ramp.speed * turn, self._state, self._why)
+
+    def _decide(self, position_inc: int, switch: bool) -> None:
+        settings = self._settings
+        match self._leg:
+            case None:
+                self._run(Leg.LEAVE if switch else Leg.SEEK, -settings.speed_inc_s if switch else settings.speed_inc_s)
+            case Leg.LEAVE if not switch:
+                self._run(Leg.TURN, 0.0)
+            case Leg.TURN if self._ramp.at_rest:  # a switch that came back meanwhile is left again
+                self._run(Leg.LEAVE if switch else Leg.SEEK, -settings.speed_inc_s if switch else settings.speed_inc_s)
+            case Leg.SEEK if switch:
+                self._zero = self._next_zero(position_inc)
+                self.switch_to_zero_inc = abs(self._zero - position_inc)
+                self._run(Leg.ZERO, settings.slow_inc_s)
+            case Leg.ZERO if self._zero is not None and (position_inc - self._zero) * settings.direction >= 0:
+                self.zero_inc = self._zero - settings.position_inc
+                self._target = (self._zero + settings.offset_inc - self._origin) / settings.inc_per_turn
+                self._leg = Leg.OFFSET
+                self._move()
+            case _:
+                pass
+
+    def _next_zero(self, position_inc: int) -> int:
+        """Position = 0 mod inc_per_turn strictly behind position_inc, in the direction of the run."""
+        turn, direction = self._settings.inc_per_turn, self._settings.direction
+        return direction * (direction * position_inc // turn + 1) * turn
+
+    def _run(self, leg: Leg, speed_inc_s: float) -> None:
+        if self._ramp.to_speed(self._settings.direction * speed_inc_s / self._settings.inc_per_turn):
+            self._leg = leg
+
+    def _move(self) -> None:
+        if not self._ramp.to_position(self._target, self._settings.speed_inc_s / self._settings.inc_per_turn):
+            self._ramp.to_speed(0.0)  # from rest there is always a way; _judge_rest sees to it
+
+    def _fail(self, why: Failure) -> None:
+        if self._state is RunState.RUNNING and self._leg is not Leg.BRAKE:
+            self._why, self._leg, self.zero_inc = why, Leg.BRAKE, None
+            self._ramp.to_speed(0.0)
+
+    def _judge_rest(self) -> None:
+        if not self._ramp.at_rest:
+            return
+        if self._leg is Leg.BRAKE:
+            self._state = RunState.FAILED
+        elif self._leg is Leg.OFFSET and abs(self._ramp.x - self._target) > 1e-7:
+            self._move()
+        elif self._leg is Leg.OFFSET:
+            self._state = RunState.DONE

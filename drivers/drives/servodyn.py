@@ -1,0 +1,245 @@
+"""Gateway's side of a SERVODYN-GC drive: what to send in each cycle so that it comes on, follows and goes off in order.
+
+Source: AX-001 (telegrams), AX-105..110 (order of the bits, what is refused, what is lost).  Once per SYNC, after the
+actual values of that SYNC: Drive.step.  It never raises on what the drive says.
+"""
+
+from dataclasses import dataclass
+from enum import Enum, auto
+from typing import NamedTuple
+
+from drivers.drives.limits import fits_int32, saturated_rpm
+from protocols.servodyn.codec import ActualValue, SetValue
+
+LOST_AFTER = 2  # actual values missing in a row
+RESET_CYCLES = 5  # the reset bit stands so long for one edge of the demand: one lost telegram does not swallow it
+
+
+class Power(Enum):
+    """What the rest of the gateway needs to know."""
+
+    OFF = 0
+    SWITCHING_ON = 1
+    ENABLED = 2
+    SWITCHING_OFF = 3
+    FAULT = 4
+    LOST = 5
+
+
+class Phase(Enum):
+    """Where the drive stands in the sequence."""
+
+    OFF = auto()
+    POWERING = auto()  # drive on sent; waits for power on
+    ENABLING = auto()  # enable sent; waits for enabled
+    RELEASING = auto()  # in control; waits for the brake
+    ENABLED = auto()
+    DISABLING = auto()  # enable taken back: the drive stops by its own ramp and closes the brake
+    UNPOWERING = auto()  # drive on taken back
+    FAULT = auto()
+    LOST = auto()
+
+
+class Event(Enum):
+    """What happened in the last step."""
+
+    ENABLED = auto()
+    OFF = auto()
+    FAULT = auto()
+    FAULT_CLEARED = auto()
+    LOST = auto()
+    RETURNED = auto()
+    DROPPED = auto()  # the drive left control by itself, without a fault
+    TIMEOUT = auto()  # a phase took too long
+    JUMP = auto()  # a set position too far from the last one was not sent
+    RANGE = auto()  # a set position beyond int32 was not sent
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One phase: what the rest sees, the bits sent, what ends it and where that leads."""
+
+    power: Power
+    drive_on: bool = False
+    enable: bool = False  # with it the request to open the brake
+    waits_for: tuple[str, bool] | None = None  # actual bit and its value
+    then: Phase | None = None
+    on_off: Phase | None = None  # where a demand to go off, or a time-out, leads
+
+
+ROWS = {
+    Phase.OFF: Row(Power.OFF),
+    Phase.POWERING: Row(Power.SWITCHING_ON, True, False, ("power_on", True), Phase.ENABLING, Phase.UNPOWERING),
+    Phase.ENABLING: Row(Power.SWITCHING_ON, True, True, ("enabled", True), Phase.RELEASING, Phase.DISABLING),
+    Phase.RELEASING: Row(Power.SWITCHING_ON, True, True, ("brake_open", True), Phase.ENABLED, Phase.DISABLING),
+    Phase.ENABLED: Row(Power.ENABLED, True, True, None, None, Phase.DISABLING),
+    Phase.DISABLING: Row(Power.SWITCHING_OFF, True, False, ("enabled", False), Phase.UNPOWERING),
+    Phase.UNPOWERING: Row(Power.SWITCHING_OFF, False, False, ("power_on", False), Phase.OFF),
+    Phase.FAULT: Row(Power.FAULT),
+    Phase.LOST: Row(Power.LOST),
+}
+IN_CONTROL = (Phase.RELEASING, Phase.ENABLED)
+ON_REACHING = {Phase.ENABLED: Event.ENABLED, Phase.OFF: Event.OFF}
+
+
+@dataclass(frozen=True, slots=True)
+class DriveSettings:
+    """Increments and cycles; the assembly computes them from the cell."""
+
+    jump_inc: int = 8192  # first demanded position: so close to the held one
+    step_inc: int = 32768  # every later one: so close to the one before
+    timeout_cycles: int = 1250  # for one phase (5 s at P5 = 4 ms)
+    brake: bool = True  # False: the drive reports no brake
+
+
+class Demand(NamedTuple):
+    """What the cycle wants from the drive."""
+
+    on: bool = False  # counts by its rising edge, goes off by its level
+    reset: bool = False  # rising edge
+    position_inc: int = 0
+    speed_rpm: float = 0.0  # feed-forward
+    limit_switch: bool = False  # ENABLE LIMIT SWITCH (rho3 2.7)
+
+
+class Drive:
+    """One drive.  A new object starts off, and a demand that stands at that moment is no command (design 1)."""
+
+    def __init__(self, settings: DriveSettings | None = None) -> None:
+        self._settings = settings or DriveSettings()
+        self._phase = Phase.OFF
+        self._cycles = 0  # in the present phase
+        self._on_before = self._reset_before = True
+        self._asked = False  # an edge of `on` that waits for OFF
+        self._reset_left = 0
+        self._following = True  # no demanded position taken yet since control began
+        self._refused = False
+        self._life = 0
+        self.position_inc = 0  # last actual
+        self.set_inc = 0  # last sent
+        self.torque_permille = 0
+        self.fault_code = 0
+        self.warning = False
+        self.missing = 0  # actual values missing in a row
+        self.epoch = 0  # +1 whenever increments may have lost their meaning: references of another epoch are void (AX-110)
+        self.saturated = 0  # speeds cut to int16, counted
+        self.events: list[Event] = []  # of the last step
+
+    @property
+    def power(self) -> Power:
+        """Seen from outside."""
+        return ROWS[self._phase].power
+
+    @property
+    def phase(self) -> Phase:
+        """Exactly."""
+        return self._phase
+
+    def step(self, actual: ActualValue | None, demand: Demand) -> SetValue:
+        """actual: of this SYNC, None when none came.  The set value for the next SYNC."""
+        self.events = []
+        self._note_edges(demand)
+        if actual is None:
+            self._miss()
+        else:
+            self._judge(actual, demand)
+        self._place(actual, demand)
+        return self._set_value(demand)
+
+    def _note_edges(self, demand: Demand) -> None:
+        rising = demand.on and not self._on_before
+        self._on_before = demand.on
+        self._asked = demand.on and (self._asked or rising) and self._phase not in (Phase.FAULT, Phase.LOST)
+        if demand.reset and not self._reset_before and self._phase is Phase.FAULT:
+            self._reset_left = RESET_CYCLES + 1
+        self._reset_before = demand.reset
+        self._reset_left = max(self._reset_left - 1, 0)
+
+    def _miss(self) -> None:
+        self.missing += 1
+        if self.missing >= LOST_AFTER and self._phase is not Phase.LOST:
+            self.epoch += 1
+            self._asked = False
+            self._go(Phase.LOST, Event.LOST)
+
+    def _judge(self, actual: ActualValue, demand: Demand) -> None:
+        """Fault and loss first, then demand, then what the phase waits for."""
+        self.missing = 0
+        self.position_inc, self.torque_permille = actual.position_inc, actual.torque_permille
+        self.fault_code, self.warning = actual.fault_code, actual.warning
+        if self._phase is Phase.LOST:
+            self._go(Phase.OFF, Event.RETURNED)
+        if actual.fault and self._phase is not Phase.FAULT:
+            self._asked = False
+            self._go(Phase.FAULT, Event.FAULT)
+        elif self._phase is Phase.FAULT and not actual.fault:
+            self._reset_left = 0
+            self._go(Phase.OFF, Event.FAULT_CLEARED)
+        elif self._phase is Phase.OFF and self._asked:
+            self._asked = False
+            self._go(Phase.POWERING)
+        else:
+            self._follow(actual, demand)
+
+    def _follow(self, actual: ActualValue, demand: Demand) -> None:
+        row = ROWS[self._phase]
+        self._cycles += 1
+        if not demand.on and row.on_off is not None:
+            self._go(row.on_off)
+        elif self._phase in IN_CONTROL and not actual.enabled:
+            self._go(Phase.DISABLING, Event.DROPPED)
+        elif row.waits_for is not None and row.then is not None:
+            name, value = row.waits_for
+            if bool(getattr(actual, name)) is value or (name == "brake_open" and not self._settings.brake):
+                self._go(row.then)
+            elif self._cycles >= self._settings.timeout_cycles:
+                self._go(row.on_off or row.then, Event.TIMEOUT)
+
+    def _go(self, phase: Phase, event: Event | None = None) -> None:
+        self._phase, self._cycles, self._refused = phase, 0, False
+        self._following = self._following or phase not in IN_CONTROL
+        if event is not None:
+            self.events.append(event)
+        if phase in ON_REACHING:
+            self.events.append(ON_REACHING[phase])
+
+    def _place(self, actual: ActualValue | None, demand: Demand) -> None:
+        """The set position: the actual one until control is reported, then held, then the demanded one if it may be sent."""
+        if self._phase not in IN_CONTROL:
+            self._following = True
+            self.set_inc = self.position_inc
+        elif self._phase is Phase.ENABLED:
+            self._take(demand.position_inc)
+
+    def _take(self, inc: int) -> None:
+        window = self._settings.jump_inc if self._following else self._settings.step_inc
+        if not fits_int32(inc):
+            self._refuse(Event.RANGE)
+        elif abs(inc - self.set_inc) > window:
+            self._refuse(Event.JUMP)
+        else:
+            self.set_inc, self._following, self._refused = inc, False, False
+
+    def _refuse(self, why: Event) -> None:
+        """The last position stays; told once until a good one comes."""
+        if not self._refused:
+            self.events.append(why)
+        self._refused = True
+
+    def _set_value(self, demand: Demand) -> SetValue:
+        row = ROWS[self._phase]
+        speed = 0
+        if self._phase is Phase.ENABLED and not self._refused:
+            speed, cut = saturated_rpm(demand.speed_rpm)
+            self.saturated += cut
+        self._life = (self._life + 1) & 0xFF
+        return SetValue(
+            enable=row.enable,
+            drive_on=row.drive_on,
+            limit_switch=demand.limit_switch,
+            fault_reset=self._reset_left > 0,
+            brake_open=row.enable,
+            life=self._life,
+            position_inc=self.set_inc,
+            speed_rpm=speed,
+        )
