@@ -1,0 +1,112 @@
+"""Mutants: the body is exchanged in place, for everybody, whatever kind of function it is, and comes back."""
+
+import asyncio
+import os
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+
+import pytest
+
+from hil_tests.matrix.catalogue import MarkError, claim, resolve
+from hil_tests.matrix.mutant import MutantError, broken, default_of, mutated
+from protocols.base.machine import ms  # an import made before the mutant: it must meet it all the same
+
+MS = "protocols.base.machine:ms"
+
+
+def test_the_raise_variant_raises_and_afterwards_all_is_as_before() -> None:
+    environment = dict(os.environ)
+    with mutated(MS, "raise"), pytest.raises(MutantError):
+        ms(3)
+    assert ms(3) == 3_000_000
+    assert dict(os.environ) == environment
+
+
+def test_the_return_variant_gives_the_empty_value_of_the_annotation() -> None:
+    with mutated(MS, "return"):
+        assert ms(3) == 0
+
+
+@pytest.mark.parametrize(("variant", "printed"), [("raise", "MutantError"), ("return", "0")])
+def test_a_child_process_meets_the_same_mutant(variant: str, printed: str) -> None:
+    script = "from protocols.base.machine import ms\ntry: print(ms(3))\nexcept Exception as error: print(type(error).__name__)"
+    with mutated(MS, variant):
+        output = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout
+    assert output.strip() == printed
+
+
+class Sample:
+    def method(self) -> bool:
+        return True
+
+    def with_super(self) -> str:
+        return super().__str__()
+
+    @property
+    def shown(self) -> list[int]:
+        return [1]
+
+    def words(self) -> Iterator[str]:
+        yield "a"
+
+    async def later(self) -> bytes | None:
+        return b"a"
+
+    def many(self) -> Sequence[int]:
+        return (1,)
+
+    def pair(self) -> tuple[int, int]:
+        return (1, 2)
+
+    def either(self) -> int | str:
+        return "a"
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("method", "False"), ("with_super", "''"), ("many", "[]"), ("pair", "()"), ("later", "None"), ("either", "0")],
+)
+def test_the_default_follows_the_annotation(name: str, value: str) -> None:
+    assert default_of(getattr(Sample, name)) == value
+
+
+def test_methods_that_use_super_generators_and_coroutines_keep_their_kind() -> None:
+    for variant in ("raise", "return"):
+        Sample.with_super.__code__ = broken(Sample.with_super, variant)
+        Sample.words.__code__ = broken(Sample.words, variant)
+        Sample.later.__code__ = broken(Sample.later, variant)
+        sample = Sample()
+        if variant == "return":
+            assert (sample.with_super(), list(sample.words()), asyncio.run(sample.later())) == ("", [], None)
+        else:
+            for run in (sample.with_super, lambda: list(sample.words()), lambda: asyncio.run(sample.later())):
+                with pytest.raises(MutantError):
+                    run()
+
+
+@pytest.mark.parametrize(
+    "name", ["protocols.base.machine:nothing", "protocols.nowhere:ms", "os:getpid", "protocols.base.machine:Damage", "ms"]
+)
+def test_what_cannot_be_broken_is_refused_in_words(name: str) -> None:
+    with pytest.raises(MarkError, match="by="):
+        resolve(name)
+
+
+@pytest.mark.parametrize(
+    ("ids", "by", "words"),
+    [
+        (("RHO-SER-01", "RHO-SER-02", "RHO-SER-03", "RHO-SER-04"), {"by": MS}, "1..3 ids"),
+        ((), {"by": MS}, "1..3 ids"),
+        (("RHO-XYZ-01",), {"by": MS}, "RHO-XYZ-01"),
+        (("RHO-SER-01",), {}, "by="),
+        (("RHO-SER-01",), {"by": MS, "why": "x"}, "nothing else"),
+    ],
+)
+def test_a_mark_that_cannot_be_counted_is_refused_in_words(ids: tuple[str, ...], by: dict[str, object], words: str) -> None:
+    with pytest.raises(MarkError, match=words):
+        claim(ids, by)
+
+
+def test_a_mark_may_name_several_functions() -> None:
+    assert claim(("RHO-SER-01",), {"by": (MS, MS)}).by == (MS, MS)
