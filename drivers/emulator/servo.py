@@ -241,6 +241,8 @@ class Servo:
     def turn_bounds_rad(self) -> tuple[int, float, float]:
         """Number of the counter's present turn and the shaft positions of its two ends (lower, upper)."""
         turn = int(self.counter_inc // INC_PER_TURN)
+        if self.stuck:
+            return turn, -inf, inf
         ends = sorted((self.shaft_rad(turn * INC_PER_TURN), self.shaft_rad((turn + 1) * INC_PER_TURN)))
         return turn, ends[0], ends[1]
 
@@ -248,9 +250,13 @@ class Servo:
     def counter_inc(self) -> float:
         return self._state[TH] * self._state[KS] + self._state[KO]
 
+    @property
+    def stuck(self) -> bool:
+        return self._state[KS] == 0.0
+
     def shaft_rad(self, counter_inc: float) -> float:
         """Shaft position at which the counter shows this; not defined while the encoder is stuck."""
-        return (counter_inc - self._state[KO]) / self._state[KS] if self._state[KS] else inf
+        return (counter_inc - self._state[KO]) / self._state[KS]
 
     def _ticks(self, rest_ns: int) -> float:
         return ((self.step & 3) + rest_ns / STEP_NS) / STEPS_PER_TICK
