@@ -1,0 +1,45 @@
+#!/bin/sh
+# What axisgate needs of the system beside Python packages; installs it as root on Debian, else says in one line what is missing.
+#   setup.sh python PYTHON   a Python >= 3.11 with venv; exit 3 without it
+#   setup.sh tools           lanes vcan, mbpoll, cref and the benchmarks; never fails: a lane says what it lacks
+set -u
+
+install() {  # packages ...
+    if [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null && [ -f /etc/debian_version ]; then
+        echo "set-up: installing $* (Debian packages)"
+        log=$(mktemp)
+        if apt-get update -q >"$log" 2>&1 && DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends "$@" >>"$log" 2>&1; then
+            rm -f "$log"; return 0
+        fi
+        tail -n 5 "$log"; rm -f "$log"
+    fi
+    echo "set-up: missing: $* (Debian: apt-get install $*)"
+    return 1
+}
+
+has() { PATH="$PATH:/usr/sbin:/sbin" command -v "$1" >/dev/null 2>&1; }
+
+case ${1:-} in
+python)
+    python=${2:-python3}
+    if ! "$python" -c 'import ensurepip, venv' 2>/dev/null; then
+        install python3 python3-venv || exit 3
+    fi
+    "$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "set-up: Python 3.11 or newer needed; name one: make PYTHON=python3.11 ..."; exit 3; }
+    ;;
+tools)
+    missing=
+    has linux.uml || missing="$missing user-mode-linux"
+    has candump || missing="$missing can-utils"
+    has ip || missing="$missing iproute2"
+    has mbpoll || missing="$missing mbpoll"
+    { has cc || has gcc; } || missing="$missing gcc"
+    [ -f /usr/include/stdio.h ] || missing="$missing libc6-dev"
+    [ -f /usr/include/modbus/modbus.h ] || missing="$missing libmodbus-dev"
+    # shellcheck disable=SC2086 # a list of words
+    [ -z "$missing" ] || install $missing || true
+    ;;
+*)
+    echo "usage: setup.sh python|tools" >&2; exit 2
+    ;;
+esac
