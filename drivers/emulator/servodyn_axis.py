@@ -187,7 +187,7 @@ class ServodynAxis:
     def _fail(self, code: int) -> None:
         self.servo.arm(False)
         first = not self.fault_code
-        self.fault_code = self.fault_code or code
+        self.fault_code = self.fault_code or int(code)
         if self.state in _CONTROLLED and code not in _BLIND:
             if self.state is not State.CLOSING:
                 self._stop()
