@@ -125,7 +125,9 @@ class Line(Table):
         pattern=r"^(sim|/dev/\S+|COM\d+|pty:\S+|tcp://\S+:\d+|rfc2217://\S+:\d+)$",
         json_schema_extra={"allowed": "sim | /dev/... | COM5 | pty:/path | tcp://host:port | rfc2217://host:port"},
     )
-    format: str = Field(default="9600 8E1", pattern=rf"^({BAUDS}) [78][NEO][12]$", json_schema_extra={"allowed": '"9600 8E1": baud, bits, parity, stop'})
+    format: str = Field(
+        default="9600 8E1", pattern=rf"^({BAUDS}) [78][NEO][12]$", json_schema_extra={"allowed": '"9600 8E1": baud, bits, parity, stop'}
+    )
     wiring: str = ""
     protocol: Literal["3964R"] = "3964R"
     profile: str = "rho3"
@@ -143,7 +145,9 @@ class Entry(Table):
     type: Literal["bit", "KF", "DH", "KH", "KM", "KY", "KC", "KT", "KZ", "KG", "REAL", "BCD"]
     to: str | None = None
     from_: str | None = Field(default=None, alias="from")
-    unit: str = Field(default="1", pattern=r"^\d+(\.\d+)?( (mm|deg|%|ms|s))?$", json_schema_extra={"allowed": '"0.1 mm", "1 deg", "1 %", "1 ms"'})
+    unit: str = Field(
+        default="1", pattern=r"^\d+(\.\d+)?( (mm|deg|%|ms|s))?$", json_schema_extra={"allowed": '"0.1 mm", "1 deg", "1 %", "1 ms"'}
+    )
     min: float | None = None
     max: float | None = None
     edge: Literal["rising"] | None = None
@@ -210,7 +214,9 @@ class Drive(Table):
 
 class Mechanics(Table):
     feed_per_turn: float = Field(default=360.0, gt=0, json_schema_extra=unit("{u}"))
-    gear: str = Field(default="1:1", pattern=r"^[1-9]\d*(\.\d+)?:[1-9]\d*(\.\d+)?$", json_schema_extra={"allowed": '"10:1", motor : output turns'})
+    gear: str = Field(
+        default="1:1", pattern=r"^[1-9]\d*(\.\d+)?:[1-9]\d*(\.\d+)?$", json_schema_extra={"allowed": '"10:1", motor : output turns'}
+    )
     direction: Literal["+", "-"] = "+"
     vertical: bool = False
 

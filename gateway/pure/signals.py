@@ -67,4 +67,6 @@ def _signal(table: Mapping[str, str | int], bit: int, number: str) -> Signal:
         return str(table.get(key, "")).replace("{n}", number)
 
     direction = Direction.INPUT if table["direction"] == "input" else Direction.OUTPUT
-    return Signal(text("name"), RcBit(direction, bit), text("source"), text("de"), text("en"), text("lines"), text("until"), text("named") or "rho3")
+    return Signal(
+        text("name"), RcBit(direction, bit), text("source"), text("de"), text("en"), text("lines"), text("until"), text("named") or "rho3"
+    )

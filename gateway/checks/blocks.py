@@ -1,0 +1,248 @@
+"""Data blocks: places, types, names, ranges, who writes which word, and the bits of the handshakes."""
+
+from gateway.cell import Axis, Db, Entry, Handshake
+from gateway.checks.context import Context, near, number
+from gateway.pure.addresses import AddressFault, DataBit, DataWord, Direction, Part, bits_of, parse
+from gateway.pure.names import Found, Kind, lookup, spelled
+
+DOUBLE = ("DH", "KG", "REAL")
+BYTE = ("KH", "KM", "KF", "KC")
+COUNTS = {  # type -> smallest and largest count of a whole number (STEP 5)
+    "KF": (-32768, 32767),
+    "KH": (0, 65535),
+    "KM": (0, 65535),
+    "KZ": (0, 999),
+    "KT": (0, 999),
+    "BCD": (0, 9999),
+    "DH": (-(2**31), 2**31 - 1),
+}
+
+
+def split_unit(text: str) -> tuple[float, str]:
+    """ "0.1 mm" -> (0.1, "mm")."""
+    factor, _, unit = text.partition(" ")
+    return float(factor), unit
+
+
+def counts_of(entry: Entry, address: DataWord | DataBit) -> tuple[float, float] | None:
+    """Smallest and largest count an entry can hold; None for floats and bits."""
+    if isinstance(address, DataWord) and address.part in (Part.LEFT, Part.RIGHT):
+        return 0, 255
+    return COUNTS.get(entry.type)
+
+
+def place_of(block: Db, entry: Entry) -> DataWord | DataBit | None:
+    """The parsed place of an entry, None when it is none."""
+    try:
+        address = parse(entry.at, db=block.number)
+    except AddressFault:
+        return None
+    return address if isinstance(address, DataWord | DataBit) and address.db == block.number else None
+
+
+def _key(block: Db, entry: Entry) -> str:
+    return f"db.{block.number}[{entry.at}]"
+
+
+def block_heads(check: Context) -> None:
+    """Block numbers stand once; every block belongs to a line that serves blocks."""
+    seen: set[tuple[str, int]] = set()
+    for block in check.cell.db:
+        if (block.line, block.number) in seen:
+            check.fault(f"db.{block.number}.number", block.number, "this block stands twice; put its entries into one table")
+        seen.add((block.line, block.number))
+        lines = {line.name: line for line in check.cell.line}
+        if not block.line:
+            check.fault(
+                f"db.{block.number}.line",
+                "",
+                'which line is it served on? write line = ".." (several lines could)' if lines else "no [[line]] serves it",
+            )
+        elif (
+            not check.unknown(f"db.{block.number}.line", block.line, "line") and block.line in lines and lines[block.line].layer != "rk512"
+        ):
+            check.fault(f"db.{block.number}.line", block.line, f'layer "{lines[block.line].layer}" serves no data blocks; rk512 does')
+
+
+def places(check: Context) -> None:
+    """Every `at` is a place inside the block that fits the type, and no bit is covered twice."""
+    for block in check.cell.db:
+        covered: dict[int, Entry] = {}
+        for entry in block.entries:
+            address = _place(check, block, entry)
+            if address is None:
+                continue
+            bits = bits_of(address)
+            if bits.stop > block.words * 16:
+                check.fault(_key(block, entry), entry.at, f"beyond the block: it has {block.words} words", f"word 0..{block.words - 1}")
+                continue
+            other = next((covered[bit] for bit in bits if bit in covered), None)
+            if other is not None and address != place_of(block, other):
+                first = next(bit for bit in bits if bit in covered)
+                check.fault(_key(block, entry), entry.at, f"overlaps {other.at} ({other.signal}): both cover D {first // 16}.{first % 16}")
+            elif other is not None:
+                check.fault(_key(block, entry), entry.at, f"two entries at one place: {other.signal} and {entry.signal}")
+            covered.update(dict.fromkeys(bits, entry))
+
+
+def _place(check: Context, block: Db, entry: Entry) -> DataWord | DataBit | None:
+    try:
+        address = parse(entry.at, db=block.number)
+    except AddressFault as error:
+        check.fault(_key(block, entry), entry.at, str(error).split(": ", 1)[-1])
+        return None
+    if not isinstance(address, DataWord | DataBit) or address.db != block.number:
+        check.fault(_key(block, entry), entry.at, f'a place in DB {block.number}: "DW 2", "DL 2", "DR 2", "DD 2", "D 0.3"')
+        return None
+    if isinstance(address, DataBit) is not (entry.type == "bit"):
+        check.fault(_key(block, entry), entry.type, 'a bit stands at "D word.bit" with type "bit", everything else at DW, DL, DR or DD')
+        return None
+    if isinstance(address, DataWord):
+        wanted = (Part.DOUBLE,) if entry.type in DOUBLE else (Part.WORD, Part.LEFT, Part.RIGHT) if entry.type in BYTE else (Part.WORD,)
+        if address.part not in wanted:
+            check.fault(_key(block, entry), entry.type, f"{entry.type} stands at {' or '.join(part.value for part in wanted)}", "", "")
+            return None
+    return address
+
+
+def writers(check: Context) -> None:
+    """`to` only in blocks the PLC writes, `from` only in ours; a thing has one writer."""
+    written: dict[str, str] = {}
+    for block in check.cell.db:
+        for entry in block.entries:
+            key = _key(block, entry)
+            if (entry.to is None) == (entry.from_ is None):
+                check.fault(key, "", 'exactly one of to = ".." (the PLC writes) and from = ".." (axisgate writes)')
+                continue
+            if (entry.to is None) is (block.writer == "plc"):
+                other = "to" if block.writer == "plc" else "from"
+                hint = f'two writers in one word: writer = "{block.writer}", so entries have {other} = ".."'
+                check.fault(key, entry.signal, hint)
+            if entry.to and not entry.to.endswith(".target"):  # targets may stand in several blocks: the latest telegram counts (AX-122)
+                if entry.to in written:
+                    check.fault(key, entry.to, f"{written[entry.to]} writes it already")
+                written.setdefault(entry.to, key)
+
+
+def names(check: Context) -> None:
+    """Every to and from is a known name of the right kind and direction."""
+    suggestions = spelled(sorted(check.known["axis"]), sorted(check.known["line"]))
+    for block in check.cell.db:
+        for entry in block.entries:
+            signal = check.signals.named(entry.signal)
+            if signal is not None:
+                wrong = (signal.at.direction is Direction.INPUT) is not (entry.to is not None)
+                if wrong or entry.type != "bit":
+                    hint = "an RC output is read with from, an RC input written with to" if wrong else 'a signal is a bit: type = "bit"'
+                    check.fault(_key(block, entry), entry.signal, hint)
+                continue
+            found = lookup(entry.signal)
+            if found is None:
+                hint = (
+                    near(entry.signal, suggestions) or f"known are {', '.join(spelled(['AXIS'], ['LINE']))} and the signals of the RC list"
+                )
+                check.fault(_key(block, entry), entry.signal, f"unknown name; {hint}")
+                continue
+            _kind(check, block, entry, found)
+
+
+def _kind(check: Context, block: Db, entry: Entry, found: Found) -> None:
+    key = _key(block, entry)
+    if found.which and found.which != "*":
+        kind = "axis" if "AXIS" in found.name.pattern else "line"
+        if check.unknown(key, found.which, kind):
+            return
+    if not (found.name.to if entry.to else found.name.from_):
+        way = "read (from = ..)" if entry.to else "written (to = ..)"
+        check.fault(key, entry.signal, f"this name is only {way}")
+    if (found.name.kind is Kind.BIT) is not (entry.type == "bit"):
+        check.fault(key, entry.type, f"{entry.signal} is a {'bit' if found.name.kind is Kind.BIT else 'number'}")
+    if found.which == "*" and found.name.kind is Kind.WAY:
+        check.fault(key, entry.signal, "one place holds one axis: name it instead of *")
+    if entry.edge and found.name.kind is not Kind.BIT:
+        check.fault(key, entry.edge, "only bits have edges")
+
+
+def ranges(check: Context) -> None:
+    """min < max, both hold in the type, the unit fits, and the axis' travel fits the counts."""
+    axes = {axis.name: axis for axis in check.cell.axis}
+    for block in check.cell.db:
+        for entry in block.entries:
+            address, found = place_of(block, entry), lookup(entry.signal)
+            factor, unit = split_unit(entry.unit)
+            if entry.min is not None and entry.max is not None and entry.min >= entry.max:
+                check.fault(_key(block, entry), f"min {number(entry.min)}, max {number(entry.max)}", "min has to be below max")
+            if factor <= 0:
+                check.fault(_key(block, entry), entry.unit, 'a count is worth more than nothing: unit = "0.1 mm"')
+                continue
+            counts = counts_of(entry, address) if address else None
+            if counts:
+                _bounds(check, block, entry, factor, counts)
+            if found and found.name.kind is Kind.WAY and found.which in axes:
+                _travel(check, block, entry, axes[found.which], (factor, unit), counts)
+
+
+def _bounds(check: Context, block: Db, entry: Entry, factor: float, counts: tuple[float, float]) -> None:
+    for name, bound in (("min", entry.min), ("max", entry.max)):
+        if bound is not None and not counts[0] * factor <= bound <= counts[1] * factor:
+            span = f"{number(counts[0] * factor)}..{number(counts[1] * factor)}"
+            check.fault(
+                _key(block, entry),
+                f"{name} = {number(bound)}",
+                f"{entry.type} at {entry.unit} cannot hold it",
+                span,
+                split_unit(entry.unit)[1],
+            )
+
+
+def _travel(check: Context, block: Db, entry: Entry, axis: Axis, unit: tuple[float, str], counts: tuple[float, float] | None) -> None:
+    if unit[1] != axis.unit:
+        check.fault(_key(block, entry), entry.unit, f'axis {axis.name} is in {axis.unit}: write unit = "0.1 {axis.unit}" (one count)')
+        return
+    if counts is None:
+        return
+    low, high = counts[0] * unit[0], counts[1] * unit[0]
+    if low > axis.limits.min or high < axis.limits.max:
+        travel = f"{number(axis.limits.min)}..{number(axis.limits.max)}"
+        hint = f"{entry.type} at {entry.unit} reaches {number(low)}..{number(high)} {axis.unit}; axis {axis.name} goes {travel} {axis.unit}: use a coarser unit or DH"
+        check.fault(_key(block, entry), entry.unit, hint)
+
+
+def handshakes(check: Context) -> None:
+    """Start is a bit the PLC writes, busy, done and refused are bits we write."""
+    for name, shake in check.cell.handshake.items():
+        for key, writer in (("start", "plc"), ("busy", "axisgate"), ("done", "axisgate"), ("refused", "axisgate")):
+            text = getattr(shake, key)
+            if text:
+                _bit(check, f"handshake.{name}.{key}", text, writer)
+        if name != "move":
+            check.fault(f"handshake.{name}", name, "only [handshake.move] exists")
+        _targets(check, shake)
+
+
+def _targets(check: Context, shake: Handshake) -> None:
+    wanted = any(entry.to and entry.to.endswith(".target") for block in check.cell.db for entry in block.entries)
+    if not wanted and check.cell.db:
+        check.fault("handshake.move", shake.start, 'no entry writes a target (to = "move.AXIS.target"): what should it start?')
+
+
+def _bit(check: Context, key: str, text: str, writer: str) -> None:
+    try:
+        address = parse(text)
+    except AddressFault as error:
+        check.fault(key, text, str(error).split(": ", 1)[-1])
+        return
+    if not isinstance(address, DataBit):
+        check.fault(key, text, "a bit of a data block, as DB10.D0.8")
+        return
+    blocks = [block for block in check.cell.db if block.number == address.db]
+    if not blocks:
+        check.unknown(key, str(address.db), "db")
+        return
+    if blocks[0].writer != writer:
+        check.fault(key, text, f'DB {address.db} has writer = "{blocks[0].writer}"; this bit is written by {writer}')
+    elif not any(place_of(blocks[0], entry) == address for entry in blocks[0].entries):
+        check.fault(key, text, f'DB {address.db} has no entry at "D {address.word}.{address.bit}"')
+
+
+CHECKS = (block_heads, places, writers, names, ranges, handshakes)

@@ -1,0 +1,49 @@
+"""What every cross check gets: the cell, the names that exist, the signals, and a place for faults."""
+
+import difflib
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+
+from gateway.cell import Cell
+from gateway.faults import Fault
+from gateway.pure.signals import SignalList
+
+
+@dataclass
+class Context:
+    """Handed from check to check."""
+
+    cell: Cell
+    known: Mapping[str, frozenset[str]]
+    signals: SignalList
+    line_of: Callable[[str], int | None]
+    faults: list[Fault] = field(default_factory=list)
+
+    def fault(self, key: str, value: object = "", hint: str = "", range_: str = "", unit: str = "") -> None:
+        """Notes one fault at a key of the file."""
+        self.faults.append(Fault(self.cell.file, key, str(value), range_, unit, hint, self.line_of(key), "cross"))
+
+    def unknown(self, key: str, value: str, kind: str) -> bool:
+        """True (and a fault) when no part of that kind has this name."""
+        if value in self.known[kind]:
+            return False
+        there = ", ".join(sorted(self.known[kind])) or "none"
+        self.fault(key, value, f"no such {kind}; {near(value, self.known[kind]) or f'there is {there}'}")
+        return True
+
+
+def near(word: str, known: Iterable[str]) -> str:
+    """A hint naming the closest spelling, or nothing."""
+    found = difflib.get_close_matches(word, list(known), n=1, cutoff=0.6)
+    return f"did you mean {found[0]}?" if found else ""
+
+
+def twice(pairs: Iterable[tuple[object, str]]) -> list[tuple[object, str, str]]:
+    """(value, first place, this place) for every value that stands a second time."""
+    seen: dict[object, str] = {}
+    return [(value, seen[value], place) for value, place in pairs if seen.setdefault(value, place) != place]
+
+
+def number(value: float) -> str:
+    """A number without needless digits."""
+    return f"{value:.6g}"

@@ -1,0 +1,164 @@
+"""Warnings and notes: nothing here is wrong, all of it decides something in the plant (users.md 3.4)."""
+
+import math
+import re
+from collections.abc import Iterator
+
+from gateway.cell import Axis, Cell, Db, Entry, Line, Notice
+from gateway.checks.blocks import counts_of, place_of, split_unit
+from gateway.checks.context import number
+from gateway.checks.figures import cycle_us, job_ms, sdo_us, silence_s
+from gateway.pure.addresses import DataWord
+from gateway.pure.names import Kind, lookup
+
+EVERY = re.compile(r"(?:every|alle) (\d+) ms")
+MARGIN = 1.25  # turnaround of both stations and doubled DLE on top of the bare characters
+CYCLE_FULL = 80.0  # %: above this a bus has no room for SDO, heartbeats and one blocking frame
+ENABLING = {  # AX-002: bit -> our name, symbol
+    24: ("emergency_stop_ok", "EMSTOP_OK_RCI"),
+    25: ("control_allow", "CTRL_ALLOW_RCI"),
+    26: ("feed_allow", "FEED_ALLOW_RCI"),
+    27: ("feed_hold_not", "FEED_HOLD_N_RCI"),
+    28: ("travel_allow", "TRAVEL_ALLOW_RCI"),
+}
+
+
+def tightest_range(cell: Cell) -> Iterator[Notice]:
+    """The way written as a whole number that uses most of its type's range."""
+    axes = {axis.name: axis for axis in cell.axis}
+    best: tuple[float, Notice] | None = None
+    for block in cell.db:
+        for entry in block.entries:
+            found = lookup(entry.signal)
+            if found and found.name.kind is Kind.WAY and found.which in axes:
+                share = _share(block, entry, axes[found.which])
+                if share and (best is None or share[0] > best[0]):
+                    best = share
+    if best:
+        yield best[1]
+
+
+def _share(block: Db, entry: Entry, axis: Axis) -> tuple[float, Notice] | None:
+    address = place_of(block, entry)
+    counts = counts_of(entry, address) if isinstance(address, DataWord) else None
+    if counts is None:
+        return None
+    largest = counts[1] * split_unit(entry.unit)[0]
+    text = f"largest value {largest:.1f} {axis.unit}; axis {axis.name} goes to {axis.limits.max:.1f} {axis.unit}: fits"
+    return axis.limits.max / largest, Notice("note", f"db {block.number}, {entry.at} ({entry.type}, {entry.unit})", text)
+
+
+def line_silence(cell: Cell) -> Iterator[Notice]:
+    """How late the link itself reports a dead partner, and what notices it first."""
+    for line in _command_lines(cell):
+        late, watch = silence_s(line), line.supervision
+        qvz, attempts = late[0], late[1]
+        by = (
+            "by life word: good, but wire feed hold" if watch.life_word else "by silence only: give the PLC a life_word, and wire feed hold"
+        )
+        text = (
+            f"profile QVZ {qvz:g} ms x {attempts} attempts = {number(qvz * attempts / 1000)} s; "
+            f"on_loss acts after {watch.max_silence_ms / 1000:.1f} s {by}"
+        )
+        yield Notice("note" if line.port == "sim" else "warning", f"line {line.name}", text)
+
+
+def bus_load(cell: Cell) -> Iterator[Notice]:
+    """Worst-case load of every drive bus."""
+    for bus in cell.bus:
+        if not any(axis.drive.bus == bus.name for axis in cell.axis):
+            continue
+        cycle, grid = cycle_us(cell, bus), 1000.0 * bus.cycle_ms
+        load = 100.0 * cycle / grid
+        extra = f"; + 1 SDO pair {100.0 * (cycle + sdo_us(bus)) / grid:.0f} %" if bus.protocol == "canopen" else ""
+        nodes = sorted({io.device.node for io in cell.io if io.device.bus == bus.name and io.device.node is not None})
+        extra += "".join(f"; node {node} I/O event-driven" for node in nodes)
+        text = f"{cycle:.0f} us of {grid:.0f} us worst case ({load:.0f} %){extra}"
+        full = load > CYCLE_FULL
+        more = f": too full, choose a cycle of {math.ceil(cycle / 10.0 / CYCLE_FULL)} ms or more" if full else ""
+        yield Notice("warning" if full else "note", f"bus {bus.name}", text + more)
+
+
+def polling(cell: Cell) -> Iterator[Notice]:
+    """What SEND and FETCH of the declared blocks take, against the interval the comments announce."""
+    for line in _command_lines(cell):
+        blocks = [block for block in cell.db if block.line == line.name and not _optional(cell, block)]
+        jobs = [("SEND" if block.writer == "plc" else "FETCH", block.words, job_ms(line, block.words)) for block in blocks]
+        if not jobs:
+            continue
+        total = sum(job[2] for job in jobs)
+        listed = " + ".join(f"{job} {words} words {took:.0f} ms" for job, words, took in jobs)
+        expect = f"expect {_tens(total):.0f}..{_tens(MARGIN * total):.0f} ms"
+        wanted = min((int(found[1]) for block in blocks if (found := EVERY.search(block.comment))), default=None)
+        if wanted is not None and wanted < total:
+            text = f"{listed} at {line.baud} Bd: your {wanted} ms polling is not reachable; {expect}"
+            yield Notice("warning", f"line {line.name}", text)
+        else:
+            yield Notice("note", f"line {line.name}", f"{listed} at {line.baud} Bd: {expect} for one round")
+        if line.supervision.max_silence_ms < 3 * MARGIN * total:
+            text = f"max_silence_ms = {line.supervision.max_silence_ms} is less than three rounds of {_tens(MARGIN * total):.0f} ms: one repeat stops the axes"
+            yield Notice("warning", f"line {line.name}", text)
+
+
+def _optional(cell: Cell, block: Db) -> bool:
+    """A block that repeats targets of another one is sent now and then, not polled."""
+    others = {entry.to for other in cell.db if other is not block for entry in other.entries if entry.to}
+    return block.writer == "plc" and all(entry.to in others for entry in block.entries)
+
+
+def evidence(cell: Cell) -> Iterator[Notice]:
+    """A SERVODYN bus on metal is not enabled on our own layout without evidence (design.md 5, AX-001)."""
+    for bus in cell.bus:
+        if bus.protocol == "servodyn" and not bus.simulated and not bus.layout_evidence:
+            text = "no layout_evidence: listen-only, `run` refuses to enable; capture a living sister cell and name the file"
+            yield Notice("warning", f"bus {bus.name}", text)
+        elif bus.protocol == "servodyn" and not bus.simulated:
+            text = f"layout {bus.layout} is axisgate's own (AX-001), not verified on hardware; evidence: {bus.layout_evidence}"
+            yield Notice("note", f"bus {bus.name}", text)
+
+
+def lag(cell: Cell) -> Iterator[Notice]:
+    """Lag limits against the lag the drive's position loop needs, where the plant tells Kv."""
+    without = [axis.name for axis in cell.axis if axis.following_error is None]
+    if without:
+        yield Notice("note", f"axis {', '.join(without)}", "no following_error: only the drive supervises the lag")
+    for axis in cell.axis:
+        values = cell.plant.axis.get(axis.name) if cell.plant else None
+        kv = values.settings.get("kv_per_s") if values else None
+        if kv and axis.following_error and axis.following_error.warn < axis.limits.speed / kv:
+            text = f"lag at full speed is speed / Kv = {number(axis.limits.speed / kv)} {axis.unit}; following_error.warn = {number(axis.following_error.warn)}"
+            yield Notice("warning", f"axis {axis.name}", text)
+
+
+def enabling(cell: Cell) -> Iterator[Notice]:
+    """Enabling inputs nobody writes read 0 (AX-002); assumed ones are told every time."""
+    if cell.rc_inputs.assume:
+        yield Notice("warning", "rc_inputs", f"assumed as 1, not wired here: {', '.join(cell.rc_inputs.assume)}")
+    written = {entry.to for block in cell.db for entry in block.entries} | {io.signal for io in cell.io} | set(cell.rc_inputs.assume)
+    missing = [
+        name
+        for bit, (name, symbol) in ENABLING.items()
+        if bit // 8 not in cell.rc_inputs.owner and f"cell.{name}" not in written and symbol not in written
+    ]
+    if missing and not cell.not_playable():
+        text = f"nobody writes {', '.join(missing)}: they read 0 and nothing will move; name an owner of byte 3 or assume them"
+        yield Notice("warning", "rc_inputs", text)
+
+
+def not_playable(cell: Cell) -> Iterator[Notice]:
+    """What this version checks but cannot run."""
+    reasons = cell.not_playable()
+    if reasons:
+        yield Notice("note", "run", f"not playable yet: {', '.join(reasons)}")
+
+
+def _command_lines(cell: Cell) -> list[Line]:
+    served = {block.line for block in cell.db}
+    return [line for line in cell.line if line.layer == "rk512" and line.name in served]
+
+
+def _tens(value: float) -> float:
+    return 10.0 * math.ceil(value / 10.0)
+
+
+NOTES = (tightest_range, line_silence, bus_load, polling, evidence, lag, enabling, not_playable)
