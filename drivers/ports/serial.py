@@ -11,6 +11,8 @@ import os
 import struct
 import termios
 import time
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import serial
 
@@ -28,6 +30,29 @@ HINTS = {
     errno.EBUSY: "is used by another program; end that one first",
     errno.EAGAIN: "is used by another program; end that one first",
 }
+
+
+SPEEDS = {getattr(termios, name): int(name[1:]) for name in dir(termios) if name[0] == "B" and name[1:].isdecimal()}
+SIZES = {termios.CS5: 5, termios.CS6: 6, termios.CS7: 7, termios.CS8: 8}
+
+
+def frame_of(settings: Sequence[Any], asked_baud: int) -> str:
+    """What tcgetattr says, written as a line format; termios has no word for unusual speeds, there the asked one is believed."""
+    flags = settings[2]
+    baud = SPEEDS.get(settings[5], settings[5]) if asked_baud in SPEEDS.values() else asked_baud
+    parity = "N" if not flags & termios.PARENB else "O" if flags & termios.PARODD else "E"
+    return f"{baud} {SIZES[flags & termios.CSIZE]}{parity}{2 if flags & termios.CSTOPB else 1}"
+
+
+def told_apart(items: list[bytes | Damage], before: Mapping[Damage, int], now: Mapping[Damage, int]) -> list[bytes | Damage]:
+    """Names the marked characters of one read by what the driver counted meanwhile; PARMRK itself says PARITY for all, BREAK for a 00."""
+    if now == before:
+        return items
+    new = {kind: now[kind] - before[kind] for kind in now}
+    marked = Damage.FRAMING if new[Damage.FRAMING] > 0 and new[Damage.PARITY] <= 0 else Damage.PARITY
+    names = {Damage.PARITY: marked, Damage.BREAK: Damage.BREAK if new[Damage.BREAK] > 0 else marked}
+    named = [names.get(item, item) if isinstance(item, Damage) else item for item in items]
+    return [Damage.OVERRUN, *named] if new[Damage.OVERRUN] > 0 else named  # the kernel does not say where characters are missing
 
 
 class SerialPort:
@@ -56,7 +81,10 @@ class SerialPort:
             raise PortError(number, f"serial port {path}: {HINTS.get(number, f'cannot be opened ({error})')}") from error
         self._fd: int = self._serial.fileno()
         try:
-            self._claim()
+            self._claim(line_format)
+        except PortError:
+            self._serial.close()
+            raise
         except (OSError, termios.error) as error:
             self._serial.close()
             raise PortError(errno.EIO, f"serial port {path}: refuses parity check or exclusive use ({error})") from error
@@ -78,7 +106,8 @@ class SerialPort:
             raise self._gone(OSError(errno.EIO, "hung up"))
         items = self._marks.read(data)
         if self._counts is not None:
-            items = self._name_damage(items, self._counts)
+            before, self._counts = self._counts, self._error_counts()
+            items = told_apart(items, before, self._counts or before)
         return items
 
     def write(self, data: bytes) -> int:
@@ -108,9 +137,15 @@ class SerialPort:
                 self._serial.reset_output_buffer()
             self._serial.close()
 
-    def _claim(self) -> None:
+    def _claim(self, line_format: LineFormat) -> None:
+        """Exclusive use and damage marks; PortError if the driver did not take the frame (the kernel keeps the old one without a word)."""
         fcntl.ioctl(self._fd, termios.TIOCEXCL)
         settings = termios.tcgetattr(self._fd)
+        kept = frame_of(settings, line_format.baud)
+        if kept != str(line_format):
+            raise PortError(
+                errno.EINVAL, f"serial port {self.name}: the driver keeps {kept} where {line_format} was asked; take another interface"
+            )
         check = termios.INPCK if self._serial.parity != serial.PARITY_NONE else 0
         settings[0] = settings[0] & ~(termios.IGNPAR | termios.IGNBRK | termios.BRKINT) | termios.PARMRK | check
         termios.tcsetattr(self._fd, termios.TCSANOW, settings)
@@ -130,20 +165,6 @@ class SerialPort:
         except OSError:
             return None
         return {Damage.FRAMING: counts[6], Damage.OVERRUN: counts[7] + counts[10], Damage.PARITY: counts[8], Damage.BREAK: counts[9]}
-
-    def _name_damage(self, items: list[bytes | Damage], before: dict[Damage, int]) -> list[bytes | Damage]:
-        now = self._error_counts()
-        if now is None or now == before:
-            return items
-        self._counts = now
-        new = {kind: count - before[kind] for kind, count in now.items()}
-        if new[Damage.FRAMING] > 0 and new[Damage.PARITY] <= 0:
-            items = [Damage.FRAMING if item is Damage.PARITY else item for item in items]
-        if new[Damage.BREAK] <= 0:  # a damaged character 00 reads as BREAK in PARMRK form
-            items = [(Damage.PARITY if new[Damage.PARITY] > 0 else Damage.FRAMING) if item is Damage.BREAK else item for item in items]
-        if new[Damage.OVERRUN] > 0:
-            items = [Damage.OVERRUN, *items]  # somewhere in this read characters are missing; the kernel does not say where
-        return items
 
     def _gone(self, error: OSError) -> PortError:
         return PortError(error.errno, f"serial port {self.name}: is gone ({error.strerror}); it is opened again when the adapter is back")
