@@ -1,6 +1,8 @@
 """Out of a checked cell: which processes run, on which ports, with which regions (design: section 4)."""
 
+import os
 import pathlib
+import pickle
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -9,6 +11,7 @@ from drivers.ports.base import runtime_dir
 from gateway.cell import Cell
 from gateway.image import create_region, create_ring
 from gateway.pure import records
+from gateway.pure.records import TRACE_BYTES, TRACE_LAYOUT, TRACE_RECORDS
 from motion.pieces import RECORD_SIZE
 
 ORDERS = 256  # records in the command ring: far more than one door can issue in a cycle
@@ -116,7 +119,7 @@ def plan_run(
     )
     regions = ("rc_in", "rc_out", "axes", "links", "orders")
     core = [
-        Child("cycle", "gateway.processes.cycle", (), regions, "axes", max(5 * period_ms, 50) * MS),
+        Child("cycle", "gateway.processes.cycle", (), (*regions, "trace"), "axes", max(5 * period_ms, 50) * MS),
         Child("services", "gateway.processes.services", (), (*regions, *(f"door-{door.number}" for door in doors)), "links", 250 * MS),
     ]
     binds = {m.name: ("127.0.0.1" if simulated else m.host, modbus_port if modbus_port is not None else (1502 if simulated else m.port)) for m in cell.modbus}
@@ -145,6 +148,7 @@ def make_regions(plan: RunPlan) -> dict[str, int]:
         "links": create_region("links", LINKS_BYTES, "links/1 json"),
         "orders": create_ring("orders", records.order_size(RECORD_SIZE), ORDERS, records.order_layout(RECORD_SIZE)),
     }
+    fds["trace"] = create_ring("trace", TRACE_BYTES, TRACE_RECORDS, TRACE_LAYOUT)
     for door in plan.doors:
         fds[f"door-{door.number}"] = create_region(f"door-{door.number}", DOOR_BYTES, f"door/1 {DOOR_BYTES}")
     return fds
@@ -153,3 +157,10 @@ def make_regions(plan: RunPlan) -> dict[str, int]:
 def command_line(child: Child) -> list[str]:
     """How a child is started; fds are added by the supervisor."""
     return [sys.executable, "-m", child.module, *child.arguments]
+
+
+def load_plan(fd: int) -> RunPlan:
+    """The plan our own supervisor wrote into a memfd; read without moving the offset all its children share."""
+    plan = pickle.loads(os.pread(fd, os.fstat(fd).st_size, 0))  # noqa: S301 only the supervisor can have written it
+    assert isinstance(plan, RunPlan)
+    return plan

@@ -13,7 +13,13 @@ from protocols.base.errors import ProtocolError
 from protocols.base.machine import Ns
 from protocols.base.step5 import Step5Type, decode, encode, range_of
 
-WORDS_MAX = 256
+RC_NAMES = {  # entries that are RC inputs -> field of RcNumbers (AX-002)
+    "cell.emergency_stop_ok": "chain",
+    "cell.control_allow": "control",
+    "cell.feed_allow": "feed",
+    "cell.feed_hold_not": "run",
+    "cell.travel_allow": "travel",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,10 +103,7 @@ class DataBlock:
 
 
 class DataDoor:
-    """All data blocks of one line; commands go out through `command`, status comes in through `value`.
-
-    `refused_number(name, text)` is told of numbers that are none or lie outside min..max.
-    """
+    """All data blocks of one line."""
 
     def __init__(
         self,
@@ -110,13 +113,16 @@ class DataDoor:
         command: Callable[[Command], None],
         value: Callable[[str], float],
         bad_number: Callable[[str, str], None],
+        level: Callable[[str, bool], None],
     ) -> None:
+        """`command` takes fresh commands, `value` gives status by name, `bad_number(name, text)` hears of numbers that are none or out of
+        min..max, `level(name, bit)` of entries that are RC inputs (cell.feed_allow, ...)."""
         self.blocks: Mapping[int, DataBlock] = {block.number: block for block in blocks}
         self.life: int | None = None  # life word of the last telegram, if it wrote one
         self.clamped = 0
         self._axes = tuple(axes)
         self._handshake = handshake
-        self._command, self._value, self._bad = command, value, bad_number
+        self._command, self._value, self._bad, self._level = command, value, bad_number, level
         self._levels: dict[str, float] = {}
         self._primed: set[str] = set()
         self._targets: dict[str, float] = {}
@@ -158,6 +164,9 @@ class DataDoor:
     def _act(self, levels: Mapping[str, float]) -> None:
         """Edges in a fixed order: stop before everything that might start something, start last (AX-142)."""
         all_axes = (1 << len(self._axes)) - 1
+        for name in RC_NAMES:
+            if name in levels:
+                self._level(name, bool(levels[name]))
         on = self._edge("drives.on", levels)
         if self._edge("cell.stop", levels) == 1:
             self._command(Command(Code.STOP))
@@ -225,25 +234,26 @@ class DataDoor:
         """What became of the last move; shown in the handshake bits until start falls."""
         self._move = state
 
+    def handshake_bit(self, key: str) -> bool:
+        """busy, done, refused of the last move; done and refused fall with the start bit."""
+        if key == "busy":
+            return self._move in (CommandState.ACCEPTED, CommandState.RUNNING)
+        if self._answered:
+            return False
+        return self._move is CommandState.DONE if key == "done" else self._move in (CommandState.REFUSED, CommandState.ABORTED)
+
     def fill(self, db: int) -> bytes:
         """The block as the PLC fetches it now; all of one moment."""
         block = self.blocks[db]
         if block.from_plc:
             return bytes(block.data)
         for slot in block.slots:
-            if not slot.name.startswith(("move.busy", "move.done")) and not block.put(slot, self._value(slot.name)):
-                self.clamped += 1
-        self._fill_handshake()
-        return bytes(block.data)
-
-    def _fill_handshake(self) -> None:
+            self.clamped += not block.put(slot, self._value(slot.name))
         bits = self._handshake
-        if bits is None:
-            return
-        busy = self._move in (CommandState.ACCEPTED, CommandState.RUNNING)
-        done = self._move is CommandState.DONE and not self._answered
-        refused = self._move in (CommandState.REFUSED, CommandState.ABORTED) and not self._answered
-        for place, value in ((bits.busy, busy), (bits.done, done)):
-            self.blocks[place[0]].put_bit(place[1], place[2], value)
-        if bits.refused is not None and refused:
-            self.blocks[bits.refused[0]].put_bit(bits.refused[1], bits.refused[2], True)
+        if bits is not None:
+            for place, key in ((bits.busy, "busy"), (bits.done, "done")):
+                if place[0] == db:
+                    block.put_bit(place[1], place[2], self.handshake_bit(key))
+            if bits.refused is not None and bits.refused[0] == db and self.handshake_bit("refused"):
+                block.put_bit(bits.refused[1], bits.refused[2], True)  # the bit may also be the cell's error bit
+        return bytes(block.data)

@@ -108,7 +108,11 @@ def pack_cell_state(state: CellState) -> bytes:
 def unpack_cell_state(data: bytes) -> CellState:
     """The reverse of pack_cell_state."""
     head = _HEAD.unpack_from(data)
-    state = CellState(*head[:3], Motion(head[3]), *head[4:11], bool(head[11]), bool(head[12]), *head[13:])
+    state = CellState()
+    state.cycle, state.sync_ns, state.generation, state.motion, state.override, state.job, state.progress = *head[:3], Motion(head[3]), *head[4:7]
+    state.done_job, state.failed_job, state.failed_reason, state.taken = head[7:11]
+    state.emergency, state.ready = bool(head[11]), bool(head[12])
+    state.permits, state.stop_cause, state.skipped, state.incomplete, state.late, state.services_lost, state.compute_ns = head[13:]
     for number in range(AXES):
         actual, set_, speed, lag, torque, flags, fault, power = _AXIS.unpack_from(data, _HEAD.size + number * _AXIS.size)
         state.axes[number] = AxisState(actual, set_, speed, lag, torque, AxisFlag(flags), fault, power)
@@ -217,3 +221,30 @@ def set_bit(image: bytearray, number: int, value: bool) -> None:
 def get_bit(image: bytes | bytearray, number: int) -> bool:
     """The reverse of set_bit."""
     return bool(image[number >> 3] >> (number & 7) & 1)
+
+
+_TRACE = struct.Struct("=Qqqqqq")
+TRACE_BYTES, TRACE_RECORDS = _TRACE.size, 8192
+TRACE_LAYOUT = f"cycle-trace/1 {_TRACE.format}"
+
+
+@dataclass(frozen=True, slots=True)
+class Trace:
+    """One cycle as its own clock saw it; ns."""
+
+    cycle: int
+    due: int
+    sent: int  # SYNC handed to the bus
+    answered: int  # last actual value in, or patience over
+    ready: int  # set values for the next SYNC prepared
+    missing: int  # telegrams
+
+
+def pack_trace(cycle: int, due: int, sent: int, answered: int, ready: int, missing: int) -> bytes:
+    """A record of the cycle's trace ring."""
+    return _TRACE.pack(cycle, due, sent, answered, ready, missing)
+
+
+def unpack_trace(data: bytes) -> Trace:
+    """The reverse of pack_trace."""
+    return Trace(*_TRACE.unpack(data))

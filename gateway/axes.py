@@ -1,0 +1,114 @@
+"""From [[axis]] of a cell to what core, office and planner need: the one place where units of the file become SI."""
+
+from collections.abc import Sequence
+
+from drivers.drives.referencing import ReferenceSettings, settings_from
+from drivers.drives.scaling import Scaling
+from drivers.drives.servodyn import DriveSettings
+from gateway.cell import Axis, Cell
+from gateway.pure.core import CoreAxis, RcNumbers
+from gateway.pure.office import AxisFacts, Planner
+from gateway.pure.reasons import Reason, Refusal
+from gateway.pure.records import Permit
+from motion.errors import MotionError
+from motion.limits import AxisLimits, limits_from
+from motion.pieces import encode
+from motion.ptp import plan_ptp
+from motion.units import to_si
+
+SLOW_SHARE = 0.2  # of the homing speed, where the cell names no slow speed
+HOMING_ACCEL_S = 0.25  # homing reaches its speed in this time, if the axis' own limits allow
+WINDOW_TURNS = 0.01  # in position: inside a hundredth of a motor turn
+ASSUMED = {"chain": Permit.CHAIN, "control": Permit.CONTROL, "feed": Permit.FEED, "run": Permit.RUN, "travel": Permit.TRAVEL}
+INPUT_SIGNALS = {  # names of the enabling inputs (AX-002) -> RcNumbers field
+    "EMSTOP_OK_RCI": "chain",
+    "CTRL_ALLOW_RCI": "control",
+    "FEED_ALLOW_RCI": "feed",
+    "FEED_HOLD_N_RCI": "run",
+    "TRAVEL_ALLOW_RCI": "travel",
+}
+
+
+def scaling_of(axis: Axis) -> Scaling:
+    """Increments and SI of one axis; its zero is found by referencing."""
+    mechanics = axis.mechanics
+    return Scaling(axis.drive.inc_per_turn, mechanics.ratio, to_si(mechanics.feed_per_turn, axis.unit), -1 if mechanics.direction == "-" else 1)
+
+
+def limits_of(axis: Axis) -> AxisLimits:
+    """Travel, speed, acceleration, jerk in SI."""
+    limits = axis.limits
+    return limits_from(
+        axis.name, axis.unit, lower=limits.min, upper=limits.max, speed=limits.speed, accel=limits.accel, jerk=limits.jerk
+    )
+
+
+def reference_of(axis: Axis, scaling: Scaling) -> ReferenceSettings | None:
+    """Referencing by the gateway, mode 0; None where the axis needs none."""
+    home = axis.home
+    if home.by != "gateway":
+        return None
+    limits = axis.limits
+    accel = min(limits.accel, home.speed / HOMING_ACCEL_S)
+
+    def si(value: float) -> float:
+        return to_si(value, axis.unit)
+
+    return settings_from(
+        scaling,
+        direction=-1 if home.direction == "-" else 1,
+        speed=si(home.speed),
+        slow_speed=si(home.slow_speed or SLOW_SHARE * home.speed),
+        accel=si(accel),
+        jerk=si(min(limits.jerk, accel / HOMING_ACCEL_S * 4.0)),
+        position=si(home.position),
+        offset=si(home.offset),
+        way=si(limits.max - limits.min) * 1.2,
+        timeout_s=home.timeout_s,
+    )
+
+
+def core_axes(cell: Cell) -> list[CoreAxis]:
+    """The axes as the cycle's core takes them, in the order of the file."""
+    found = []
+    for axis in cell.axis:
+        scaling = scaling_of(axis)
+        per_cycle = axis.limits.speed * cell.cycle_ms / 1000.0
+        step = 4 * abs(scaling.inc_per_unit) * to_si(per_cycle, axis.unit)
+        drive = DriveSettings(step_inc=max(1024, round(step)), timeout_cycles=round(5000 / cell.cycle_ms), brake=axis.brake != "none")
+        lag = axis.following_error
+        warn, trip = (to_si(lag.warn, axis.unit), to_si(lag.trip, axis.unit)) if lag else (float("inf"), float("inf"))
+        window = WINDOW_TURNS * axis.drive.inc_per_turn / abs(scaling.inc_per_unit)
+        found.append(CoreAxis(axis.name, scaling, reference_of(axis, scaling), window, drive, warn, trip))
+    return found
+
+
+def axis_facts(cell: Cell) -> list[AxisFacts]:
+    """The axes as the office judges them."""
+    return [AxisFacts(axis.name, axis.unit, to_si(1.0, axis.unit), axis.limits.min, axis.limits.max) for axis in cell.axis]
+
+
+def make_planner(cell: Cell) -> Planner:
+    """PTP planning for the office: start and target in SI to an encoded piece; a motion error becomes a refusal."""
+    limits = [limits_of(axis) for axis in cell.axis]
+
+    def plan(start: Sequence[float], target: Sequence[float], mask: int, velocity: float, acceleration: float, job: int) -> bytes:
+        try:
+            return encode(plan_ptp(start, target, limits, velocity, acceleration, job, mask))
+        except MotionError as error:
+            raise Refusal(Reason.TARGET_LIMIT, str(error)) from error
+
+    return plan
+
+
+def rc_numbers(cell: Cell) -> RcNumbers:
+    """AX-002's numbers as this cell has them."""
+    return RcNumbers()
+
+
+def assumed_permits(cell: Cell) -> Permit:
+    """Enabling inputs the cell says are not wired here and count as 1."""
+    permits = Permit(0)
+    for name in cell.rc_inputs.assume:
+        permits |= ASSUMED[INPUT_SIGNALS.get(name.upper(), name.lower())]
+    return permits

@@ -1,0 +1,262 @@
+"""The services process (asyncio): lines, Modbus servers, the office, the journal; and, in this version, the making of motion pieces.
+
+It may die at any time: the cycle then ends motion as the cell says, a successor takes the regions over, starts nothing by itself and
+adopts whatever commands stand (AX-141).
+"""
+
+import argparse
+import asyncio
+import contextlib
+import json
+import signal
+import time
+
+from drivers.ports.base import PortError, runtime_dir
+from gateway.assembly import RunPlan, load_plan
+from gateway.axes import axis_facts, make_planner, rc_numbers
+from gateway.doors import BaseDoor, CellValues, on_loss_of
+from gateway.image import RegionReader, RegionWriter, RingWriter, fds_from_text
+from gateway.journal import Journal
+from gateway.linedoor import LineDoor
+from gateway.modbusdoor import ModbusDoor
+from gateway.pure.office import Office
+from gateway.pure.reasons import CommandState, Reason, text
+from gateway.pure.records import (
+    RC_BYTES,
+    AxisFlag,
+    CellState,
+    InputImage,
+    Quality,
+    get_bit,
+    pack_inputs,
+    pack_order,
+    unpack_cell_state,
+    unpack_inputs,
+)
+from gateway.pure.supervision import LinkWatch
+from gateway.realtime import Timerfd, die_with_parent
+from gateway.variables import Variables
+from motion.pieces import RECORD_SIZE
+from protocols.base.machine import ms
+
+TICK_NS = ms(5)
+INHERITED_NS = ms(3_000)  # inputs a predecessor left stand this long, then they are bad (AX-143)
+LINKS_EVERY = 20  # ticks
+REFUSALS_KEPT_NS = ms(60_000)
+
+
+class Services:
+    """All doors of one run."""
+
+    def __init__(self, plan: RunPlan, fds: dict[str, int]) -> None:
+        cell = self.cell = plan.cell
+        self.plan = plan
+        self.journal = Journal(plan.journal, "services")
+        self.axes = RegionReader(fds["axes"], "axes")
+        self.rc_out = RegionReader(fds["rc_out"], "rc_out")
+        self.rc_in = RegionWriter(fds["rc_in"], "rc_in")
+        self.links = RegionWriter(fds["links"], "links")
+        self.orders = RingWriter(fds["orders"], "orders")
+        self.started_ns = time.monotonic_ns()
+        latest = self.rc_in.latest()
+        self.inputs = InputImage() if latest is None else unpack_inputs(latest)
+        for octet in range(RC_BYTES):
+            self.inputs.quality[octet] = Quality.STALE if self.inputs.quality[octet] else Quality.BAD
+        self.values = CellValues(cell)
+        standing = self.axes.read()
+        first_job = 1 if standing is None else unpack_cell_state(standing).taken + 1000
+        self.numbers = rc_numbers(cell)
+        self.owned = {octet: plan.door(name).number for octet, name in cell.rc_inputs.owner.items()}
+        self.office = Office(axis_facts(cell), make_planner(cell), first_job)
+        self.doors = [self._door(number, fds) for number in range(len(plan.doors))]
+        self.refusal: tuple[int, str, int] | None = None
+        self.timer = Timerfd()
+        self.variables = Variables(self)
+        self._state_index = -1
+        self._ticks = 0
+        self._inputs_written = b""
+        self._done = asyncio.Event()
+
+    def _door(self, index: int, fds: dict[str, int]) -> BaseDoor:
+        door = self.plan.doors[index]
+        region = RegionWriter(fds[f"door-{door.number}"], f"door-{door.number}")
+        if door.kind == "modbus":
+            modbus = next(m for m in self.cell.modbus if m.name == door.name)
+            watch = LinkWatch(ms(modbus.max_silence_ms), has_life_word=False)
+            made = ModbusDoor(door, self.office, watch, on_loss_of(modbus.on_loss), region, self.journal.write)
+            owned = [octet for octet, owner in self.cell.rc_inputs.owner.items() if owner == door.name]
+            made.listen(modbus, self.plan.modbus[door.name], self.inputs, owned, self.flush)
+            return made
+        line = next(x for x in self.cell.line if x.name == door.name)
+        watch = LinkWatch(ms(line.supervision.max_silence_ms), has_life_word=line.supervision.life_word is not None)
+        return LineDoor(door, self.office, watch, on_loss_of(line.supervision.on_loss), region, self.journal.write, line, self)
+
+    # ---- life --------------------------------------------------------------------------------------------------------
+    async def run(self) -> None:
+        """Until SIGTERM."""
+        loop = asyncio.get_running_loop()
+        loop.add_signal_handler(signal.SIGTERM, self._done.set)
+        loop.add_reader(self.timer.fileno(), self._on_timer)
+        self.timer.set(time.monotonic_ns() + TICK_NS, TICK_NS)
+        self.tick()
+        for door in self.doors:
+            if isinstance(door, ModbusDoor):
+                await self._start_server(door)
+            elif isinstance(door, LineDoor):
+                door.open(self.plan.lines[door.name])
+        variables = await self.variables.listen(runtime_dir() / f"{self.plan.slug}-services.sock")
+        await self._done.wait()
+        variables.close()
+        for door in self.doors:
+            if isinstance(door, ModbusDoor):
+                await door.server.close()
+            elif isinstance(door, LineDoor):
+                door.close()
+        self.timer.close()
+        self.journal.close()
+
+    async def _start_server(self, door: ModbusDoor) -> None:
+        """A predecessor's port may still be in use for a moment."""
+        for attempt in range(40):
+            try:
+                await door.server.start()
+            except PortError as error:
+                if attempt == 39:
+                    self.journal.write("alarm", str(error))
+                    print(error, flush=True)
+                    return
+                await asyncio.sleep(0.05)
+            else:
+                return
+
+    def _on_timer(self) -> None:
+        if self.timer.expired():
+            self.tick()
+
+    def tick(self) -> None:
+        """What time brings: the cycle's news, silent links, status blocks, orders, our own life."""
+        now = time.monotonic_ns()
+        self._ticks += 1
+        self._observe(now)
+        for door in self.doors:
+            door.wake(now)
+            if isinstance(door, LineDoor):
+                door.settle()
+        self._age_inputs(now)
+        self._refresh(now)
+        self.flush()
+        self.links.beat(now)
+        if self._ticks % LINKS_EVERY == 1:
+            self.links.write(json.dumps(self.status()).encode().ljust(self.links.size)[: self.links.size], now)
+
+    def _observe(self, now: int) -> None:
+        payload = self.axes.read()
+        if payload is None or self.axes.index == self._state_index:
+            return
+        self._state_index = self.axes.index
+        state = unpack_cell_state(payload)
+        self.values.state = state
+        self.values.life += 1
+        self.office.observe(state, now)
+
+    def _age_inputs(self, now: int) -> None:
+        """Bytes of a silent door are bad; what a predecessor left is stale and then bad."""
+        image = self.inputs
+        for octet, number in self.owned.items():
+            door = self.doors[number - 1]
+            if image.quality[octet] == Quality.GOOD and not door.watch.alive:
+                image.quality[octet] = Quality.BAD
+            elif image.quality[octet] == Quality.STALE and now - self.started_ns > INHERITED_NS:
+                image.quality[octet] = Quality.BAD
+
+    def _refresh(self, now: int) -> None:
+        state, facts = self.values.state, self.office.axes
+        places = [(state.axes[n].actual / axis.si, state.axes[n].lag / axis.si) for n, axis in enumerate(facts)]
+        self._collect_errors(state, now)
+        outputs = self.rc_out.read()
+        for door in self.doors:
+            door.refresh(state, places, self.values.life, now)
+            if isinstance(door, ModbusDoor):
+                door.view.status = door.block.status_words(door.status)
+                if outputs is not None:
+                    door.view.outputs = outputs
+
+    def _collect_errors(self, state: CellState, now: int) -> None:
+        errors: list[tuple[int, str]] = []
+        if state.emergency:
+            errors.append((Reason.EMERGENCY_STOP, text(Reason.EMERGENCY_STOP)))
+        for n, axis in enumerate(self.office.axes):
+            flags = state.axes[n].flags
+            if flags & AxisFlag.FAULT:
+                errors.append((Reason.DRIVE_FAULT, text(Reason.DRIVE_FAULT, detail=f"{axis.name} code {state.axes[n].fault_code}")))
+            if flags & AxisFlag.LOST:
+                errors.append((Reason.DRIVE_LOST, text(Reason.DRIVE_LOST, detail=axis.name)))
+        if state.stop_cause and state.stop_cause not in (e[0] for e in errors):
+            errors.append((state.stop_cause, text(Reason(state.stop_cause))))
+        if self.refusal is not None and now - self.refusal[2] < REFUSALS_KEPT_NS:
+            errors.append(self.refusal[:2])
+        self.values.errors = errors
+
+    # ---- orders ------------------------------------------------------------------------------------------------------
+    def flush(self) -> None:
+        """Orders into the ring, events into the journal, inputs into their region; also right after a command."""
+        for event in self.office.take_events():
+            self.journal.write("command", event.sentence(), door=event.door, code=event.code, what=event.what, reason=int(event.reason))
+            if event.what in ("refused", "aborted"):
+                self.refusal = (int(event.reason), event.sentence(self.cell.cell.language), time.monotonic_ns())
+            elif event.what == "accepted":
+                self.refusal = None
+        payload = pack_inputs(self.inputs)
+        if payload != self._inputs_written:
+            self._inputs_written = payload
+            self.rc_in.write(payload, time.monotonic_ns())
+        for order in self.office.take_orders():
+            self.orders.put(pack_order(order, RECORD_SIZE))
+
+    # ---- what tools see ----------------------------------------------------------------------------------------------
+    def status(self) -> dict[str, object]:
+        """Links and errors for tools; kept under the size of the region."""
+        return {
+            "doors": [
+                {
+                    "number": d.number,
+                    "name": d.name,
+                    "kind": d.kind,
+                    "alive": d.watch.alive,
+                    "losses": d.watch.losses,
+                    "state": CommandState(d.status.state).name,
+                    "reason": Reason(d.status.reason).name,
+                    **(d.counters() if isinstance(d, LineDoor) else {}),
+                    **({"requests": d.server.counters.requests} if isinstance(d, ModbusDoor) else {}),
+                }
+                for d in self.doors
+            ],
+            "owner": self.office.owner,
+            "errors": [{"code": code, "text": words} for code, words in self.values.errors[:8]],
+            "inputs": {str(octet): self.inputs.values[octet] for octet in self.owned},
+        }
+
+    def input_bit(self, number: int) -> bool:
+        """RC input N as it stands."""
+        return get_bit(self.inputs.values, number)
+
+
+async def _run(plan: RunPlan, fds: dict[str, int]) -> None:
+    services = Services(plan, fds)
+    await services.run()
+
+
+def main(argv: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="axisgate services", description="the services process; started by the supervisor")
+    parser.add_argument("--plan", type=int, required=True)
+    parser.add_argument("--fds", required=True)
+    arguments = parser.parse_args(argv)
+    die_with_parent(number=signal.SIGKILL)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    with contextlib.suppress(KeyboardInterrupt):
+        asyncio.run(_run(load_plan(arguments.plan), fds_from_text(arguments.fds)))
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,438 @@
+"""The brain of the cycle: once per SYNC, actual values and orders in, set values and the published state out.  Pure.
+
+It owns the drives' power machines, the stepper, referencing, the enabling inputs and the emergency-stop latch; it decides nothing the
+doors should decide.  A new core starts with drives off, override 0, nothing referenced and no rest of a move (design: section 4).
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from drivers.drives.limits import LagMonitor, LagState
+from drivers.drives.referencing import ReferenceSettings, Referencing, RunState
+from drivers.drives.scaling import Scaling
+from drivers.drives.servodyn import Demand, Drive, DriveSettings, Event, Power
+from gateway.pure.reasons import Reason
+from gateway.pure.records import (
+    RC_BYTES,
+    AxisFlag,
+    AxisState,
+    CellState,
+    InputImage,
+    Motion,
+    Order,
+    OrderRecord,
+    Permit,
+    Quality,
+    set_bit,
+)
+from motion.errors import MotionError
+from motion.pieces import decode
+from motion.stepper import State, Stepper
+from protocols.base.machine import Ns, ms
+from protocols.servodyn.codec import ActualValue, SetValue
+
+AT_REST_S = 0.02  # in position: inside the window for this long
+TOO_MANY_SKIPPED = 3  # SYNCs skipped in a row: stop on the path
+SERVICES_LIMIT = ms(250)  # life counter of services older than this: dead
+INPUTS_HOLD = ms(4_000)  # enabling inputs outlive a services restart by this much (AX-143)
+
+
+@dataclass(frozen=True, slots=True)
+class RcNumbers:
+    """AX-002: bit numbers of the signals without a number in the manual; movable in the cell."""
+
+    chain: int = 24
+    control: int = 25
+    feed: int = 26
+    run: int = 27
+    travel: int = 28
+    reset: int = 19  # Control reset (rho3 3.1)
+    ready: int = 64
+    ready2: int = 65
+    drives_on: int = 66
+    emergency: int = 67
+    in_position: int = 192  # + n-1
+    referenced: int = 216  # + n-1
+
+
+PERMITS = (("chain", Permit.CHAIN), ("control", Permit.CONTROL), ("feed", Permit.FEED), ("run", Permit.RUN), ("travel", Permit.TRAVEL))
+
+
+@dataclass(frozen=True, slots=True)
+class CoreAxis:
+    """One axis as the core needs it; SI units."""
+
+    name: str
+    scaling: Scaling
+    reference: ReferenceSettings | None  # None: absolute, always referenced
+    window: float  # in position within this distance
+    drive: DriveSettings = DriveSettings()
+    lag_warn: float = math.inf
+    lag_trip: float = math.inf
+
+
+@dataclass(slots=True)
+class _Axis:
+    plan: CoreAxis
+    drive: Drive
+    lag: LagMonitor
+    scaling: Scaling
+    wanted: bool = False  # drives on asked for
+    referenced: bool = False
+    run: Referencing | None = None
+    set: float = 0.0  # set position sent for the next SYNC
+    active_inc: int = 0  # the one the drive activated at this SYNC
+    epoch: int = 0  # of the drive's increments; another one voids the reference (AX-110)
+    speed: float = 0.0
+    quiet: int = 0  # cycles inside the window
+
+
+class Core:
+    """One cell's axes."""
+
+    def __init__(
+        self,
+        axes: Sequence[CoreAxis],
+        period_s: float,
+        generation: int,
+        *,
+        numbers: RcNumbers = RcNumbers(),  # noqa: B008
+        assumed: Permit = Permit(0),  # noqa: B008
+        finish_without_services: bool = False,
+    ) -> None:
+        self.state = CellState(generation=generation)
+        self.outputs = bytearray(RC_BYTES)
+        self._period = period_s
+        self.plans = tuple(axes)
+        self._axes = [_Axis(plan, Drive(plan.drive), LagMonitor(plan.lag_warn, plan.lag_trip), plan.scaling) for plan in axes]
+        for axis in self._axes:
+            axis.referenced = axis.plan.reference is None
+        self._stepper = Stepper(len(axes), period_s)
+        self._stepper.set_override(0.0)
+        self._numbers, self._assumed, self._finish = numbers, assumed, finish_without_services
+        self._override = 0.0
+        self._job_masks: dict[int, int] = {}
+        self._running = 0  # job of the piece under way
+        self._homing = 0  # job of the reference run
+        self._enabling: tuple[int, int] = (0, 0)  # job, mask
+        self._reset = False
+        self._reset_bit = True  # a standing control reset at start is no edge
+        self._services_alive = False
+        self._settled = False
+
+    # ---- one cycle ---------------------------------------------------------------------------------------------------
+    def step(self, actuals: Sequence[ActualValue | None], inputs: InputImage, orders: Sequence[OrderRecord], services_ns: Ns, now: Ns) -> list[SetValue]:
+        """actuals: (axes,) of this SYNC, None where the telegram did not come; services_ns: stamp of the services' last beat."""
+        self.state.cycle += 1
+        self.state.sync_ns = now
+        self._judge_inputs(inputs, services_ns, now)
+        self._judge_services(services_ns, now)
+        for order in orders:
+            self._obey(order)
+        values = self._drive(actuals)
+        self._watch(actuals)
+        self._publish()
+        return values
+
+    # ---- inputs ------------------------------------------------------------------------------------------------------
+    def _judge_inputs(self, inputs: InputImage, services_ns: Ns, now: Ns) -> None:
+        state = self.state
+        held = services_ns != 0 and now - services_ns < INPUTS_HOLD
+        permits, lost = self._assumed, Permit(0)
+        for name, permit in PERMITS:
+            if permit & self._assumed:
+                continue
+            number: int = getattr(self._numbers, name)
+            if not held or inputs.quality[number >> 3] == Quality.BAD:
+                lost |= permit
+            elif inputs.bit(number):
+                permits |= permit
+        before, state.permits = Permit(state.permits), permits
+        if not permits & Permit.CHAIN and self._settled:
+            self._emergency()
+        if not permits & Permit.CONTROL:
+            self._off(Reason.CONTROL_NOT_ALLOWED)
+        if before & ~permits & lost & (Permit.FEED | Permit.RUN | Permit.TRAVEL):
+            self._stop(Reason.INPUT_LOST)  # lost, not taken away: nothing goes on by itself when it is back
+        if not permits & Permit.TRAVEL:
+            self._stop(Reason.TRAVEL_NOT_ALLOWED)
+        if permits & Permit.CHAIN:
+            self._settled = True  # before the chain was seen closed once there is nothing to latch
+        bit = inputs.bit(self._numbers.reset) and inputs.quality[self._numbers.reset >> 3] != Quality.BAD
+        self._reset = bit and not self._reset_bit
+        self._reset_bit = bit
+        if self._reset:
+            self._acknowledge()
+        self._apply_override()
+
+    def _judge_services(self, services_ns: Ns, now: Ns) -> None:
+        alive = services_ns != 0 and now - services_ns < SERVICES_LIMIT
+        if self._services_alive and not alive:
+            self.state.services_lost += 1
+            if not self._finish:
+                self._stop(Reason.SERVICES_LOST)
+        self._services_alive = alive
+
+    def _apply_override(self) -> None:
+        """Feed hold and a missing feed allow hold on the path; the move goes on when they are back (as the old feed hold)."""
+        flow = Permit.FEED | Permit.RUN
+        value = self._override if self.state.permits & flow == flow else 0.0
+        if value != self._stepper.override:
+            self._stepper.set_override(value)
+
+    def _emergency(self) -> None:
+        if not self.state.emergency:
+            self.state.emergency = True
+            self.state.stop_cause = Reason.EMERGENCY_STOP
+        self._off(Reason.EMERGENCY_STOP)
+
+    def _acknowledge(self) -> None:
+        if self.state.permits & Permit.CHAIN:
+            self.state.emergency = False
+        self.state.stop_cause = 0
+        self._reset = True
+
+    # ---- orders ------------------------------------------------------------------------------------------------------
+    def _obey(self, record: OrderRecord) -> None:
+        state = self.state
+        state.taken = max(state.taken, record.job)
+        match record.order:
+            case Order.ENABLE:
+                self._enable(record)
+            case Order.DISABLE:
+                self._off(Reason(record.reason) if record.reason else Reason.DRIVES_OFF, record.mask)
+            case Order.REFERENCE:
+                self._reference(record)
+            case Order.MOVE:
+                self._move(record)
+            case Order.STOP:
+                self._stop(Reason(record.reason))
+            case Order.RESUME:
+                state.stop_cause = 0
+                self._stepper.resume()
+            case Order.ABANDON:
+                if self._stepper.state is not State.IDLE:
+                    self._stepper.abandon()
+                    self._fail(self._running, Reason.ABANDONED)
+                    self._running = 0
+            case Order.RESET:
+                self._acknowledge()
+            case Order.OVERRIDE:
+                self._override = min(max(record.value, 0.0), 1.0)
+                self._apply_override()
+
+    def _enable(self, record: OrderRecord) -> None:
+        state = self.state
+        if state.emergency or not state.permits & Permit.CHAIN:
+            self._fail(record.job, Reason.EMERGENCY_STOP)
+        elif not state.permits & Permit.CONTROL:
+            self._fail(record.job, Reason.CONTROL_NOT_ALLOWED)
+        else:
+            state.stop_cause = 0
+            for n, axis in enumerate(self._axes):
+                if record.mask >> n & 1:
+                    axis.wanted = True
+            self._enabling = (record.job, record.mask)
+
+    def _reference(self, record: OrderRecord) -> None:
+        if self._stepper.state is not State.IDLE or self._homing or not self._all_enabled(record.mask):
+            self._fail(record.job, Reason.BUSY if self._homing or self._stepper.state is not State.IDLE else Reason.DRIVES_OFF)
+            return
+        for n, axis in enumerate(self._axes):
+            if record.mask >> n & 1 and axis.plan.reference is not None:
+                axis.referenced = False
+                axis.run = Referencing(axis.plan.reference, axis.drive.position_inc)
+        self._homing = record.job
+
+    def _move(self, record: OrderRecord) -> None:
+        try:
+            piece = decode(record.piece)
+            if self._homing or self.state.emergency or not self._all_enabled(piece.mask):
+                raise MotionError("the axes of the piece are not all enabled, or they are being referenced")
+            self._stepper.load(piece)
+        except MotionError:
+            self._fail(record.job, Reason.NOT_READY)
+            return
+        self._running = record.job
+        self.state.stop_cause = 0
+
+    def _stop(self, reason: Reason) -> None:
+        if self._stepper.state is State.RUNNING:
+            self._stepper.stop()
+            self.state.stop_cause = reason
+        if self._homing:
+            self._end_homing(reason)
+            self.state.stop_cause = reason
+
+    def _off(self, reason: Reason, mask: int = 0xFFFF) -> None:
+        """Drives off: the drive's own quick stop brings the axis to rest; the rest of a move is gone."""
+        moved = [axis for n, axis in enumerate(self._axes) if mask >> n & 1 and axis.wanted]
+        for axis in moved:
+            axis.wanted = False
+        if not moved:
+            return
+        if self._homing:
+            self._end_homing(reason)
+        for axis in moved:
+            axis.run = None
+        if self._running or self._stepper.state is not State.IDLE:
+            self._fail(self._running, reason)
+            self._running = 0
+            self._stepper = Stepper(len(self._axes), self._period, [axis.set for axis in self._axes])
+            self._stepper.set_override(0.0)
+            self._apply_override()
+        if self._enabling[0]:
+            self._fail(self._enabling[0], reason)
+            self._enabling = (0, 0)
+
+    def _fail(self, job: int, reason: Reason) -> None:
+        if job:
+            self.state.failed_job, self.state.failed_reason = job, int(reason)
+
+    def _end_homing(self, reason: Reason) -> None:
+        self._fail(self._homing, reason)
+        self._homing = 0
+        for axis in self._axes:
+            if axis.run is not None:
+                axis.run.abort()
+
+    def _all_enabled(self, mask: int) -> bool:
+        return all(axis.drive.power is Power.ENABLED for n, axis in enumerate(self._axes) if mask >> n & 1)
+
+    # ---- set values --------------------------------------------------------------------------------------------------
+    def _drive(self, actuals: Sequence[ActualValue | None]) -> list[SetValue]:
+        sample = self._stepper.step()
+        for n, axis in enumerate(self._axes):
+            axis.active_inc, axis.speed = axis.drive.set_inc, 0.0
+            if axis.run is not None:
+                self._step_homing(axis, actuals[n])
+            elif axis.drive.power is Power.ENABLED:
+                axis.set, axis.speed = sample.q[n], sample.qd[n]
+        values = [axis.drive.step(actual, self._demand(axis)) for axis, actual in zip(self._axes, actuals, strict=True)]
+        self._accept_positions()
+        if self._running and sample.done_id == self._running:
+            self.state.done_job, self._running = self._running, 0
+        self.state.progress = sample.s
+        return values
+
+    def _demand(self, axis: _Axis) -> Demand:
+        scaling = axis.scaling
+        return Demand(
+            on=axis.wanted,
+            reset=self._reset,
+            position_inc=scaling.to_inc(axis.set),
+            speed_rpm=scaling.to_rpm(axis.speed),
+            limit_switch=axis.referenced and axis.plan.reference is not None,
+        )
+
+    def _step_homing(self, axis: _Axis, actual: ActualValue | None) -> None:
+        run = axis.run
+        assert run is not None
+        step = run.step(axis.drive.position_inc, actual is not None and actual.reference_switch, self._period)
+        axis.set = axis.scaling.to_si(step.set_inc)
+        axis.speed = axis.scaling.speed_from_inc(step.speed_inc_s)
+        if step.state is RunState.RUNNING:
+            return
+        axis.run = None
+        if step.state is RunState.DONE:
+            assert run.zero_inc is not None
+            axis.scaling = axis.plan.scaling.with_zero(run.zero_inc)
+            axis.set = axis.scaling.to_si(step.set_inc)
+            axis.referenced = True
+        elif self._homing:
+            self.state.stop_cause = Reason.REFERENCE_FAILED
+            self._end_homing(Reason.REFERENCE_FAILED)
+        if self._homing and all(other.run is None for other in self._axes):
+            self.state.done_job, self._homing = self._homing, 0
+
+    def _accept_positions(self) -> None:
+        """Where no set value of ours leads, the set position is the one the drive object holds, so enabling never jumps."""
+        for axis in self._axes:
+            if axis.drive.epoch != axis.epoch:
+                axis.epoch, axis.run = axis.drive.epoch, None
+                axis.referenced = axis.plan.reference is None
+            if axis.drive.power is not Power.ENABLED and axis.run is None:
+                axis.set = axis.scaling.to_si(axis.drive.set_inc)
+        if self._stepper.state is State.IDLE:
+            self._stepper.place([axis.set for axis in self._axes])
+
+    # ---- supervision -------------------------------------------------------------------------------------------------
+    def _watch(self, actuals: Sequence[ActualValue | None]) -> None:
+        self._reset = False
+        for axis, actual in zip(self._axes, actuals, strict=True):
+            if actual is None or axis.drive.power is not Power.ENABLED:
+                axis.lag.clear()
+                continue
+            lag = axis.scaling.to_si(axis.active_inc) - axis.scaling.to_si(actual.position_inc)
+            if axis.lag.check(lag) is LagState.TRIPPED:
+                self.state.stop_cause = Reason.FOLLOWING_ERROR
+                self._off(Reason.FOLLOWING_ERROR)
+        for power, reason in ((Power.FAULT, Reason.DRIVE_FAULT), (Power.LOST, Reason.DRIVE_LOST)):
+            if any(axis.wanted and axis.drive.power is power for axis in self._axes):
+                self.state.stop_cause = reason
+                self._off(reason)  # the axes move together or not at all
+        if any(axis.wanted and (Event.DROPPED in axis.drive.events or Event.TIMEOUT in axis.drive.events) for axis in self._axes):
+            self._off(Reason.DRIVE_FAULT)  # a drive that left control by itself: only a fresh command brings it back
+        job, mask = self._enabling
+        if job and self._all_enabled(mask):
+            self._enabling = (0, 0)
+
+    def skipped(self, in_a_row: int) -> None:
+        """SYNCs were not sent: the path is late by as much, and too many in a row stop it."""
+        self.state.skipped += in_a_row
+        if in_a_row >= TOO_MANY_SKIPPED:
+            self._stop(Reason.OVERRUN)
+
+    def drives_lost(self) -> None:
+        """The bus is gone: everything off, and only a fresh command brings it back."""
+        self.state.stop_cause = Reason.DRIVE_LOST
+        self._off(Reason.DRIVE_LOST)
+
+    # ---- what others see ---------------------------------------------------------------------------------------------
+    def _publish(self) -> None:
+        state, stepper = self.state, self._stepper.state
+        if self._homing or any(axis.run is not None for axis in self._axes):
+            state.motion = Motion.REFERENCING
+        else:
+            state.motion = {State.IDLE: Motion.IDLE, State.RUNNING: Motion.RUNNING, State.STOPPING: Motion.STOPPING, State.STOPPED: Motion.STOPPED}[stepper]
+        state.override = self._override
+        state.job = self._homing or self._running
+        for n, axis in enumerate(self._axes):
+            self._publish_axis(state.axes[n], axis, at_rest=state.motion in (Motion.IDLE, Motion.STOPPED))
+        powers = [axis.drive.power for axis in self._axes]
+        state.ready = not state.emergency and not any(power in (Power.FAULT, Power.LOST) for power in powers)
+        numbers, outputs = self._numbers, self.outputs
+        set_bit(outputs, numbers.ready, state.ready)
+        set_bit(outputs, numbers.ready2, state.ready)
+        set_bit(outputs, numbers.drives_on, all(power is Power.ENABLED for power in powers))
+        set_bit(outputs, numbers.emergency, state.emergency)
+        for n in range(len(self._axes)):
+            set_bit(outputs, numbers.in_position + n, bool(state.axes[n].flags & AxisFlag.IN_POSITION))
+            set_bit(outputs, numbers.referenced + n, bool(state.axes[n].flags & AxisFlag.REFERENCED))
+
+    def _publish_axis(self, out: AxisState, axis: _Axis, *, at_rest: bool) -> None:
+        drive = axis.drive
+        out.actual = axis.scaling.to_si(drive.position_inc)
+        out.set, out.speed = axis.set, axis.speed
+        out.lag = axis.scaling.to_si(axis.active_inc) - out.actual
+        out.torque = drive.torque_permille / 1000.0
+        enabled = drive.power is Power.ENABLED
+        inside = enabled and at_rest and abs(axis.set - out.actual) <= axis.plan.window
+        axis.quiet = axis.quiet + 1 if inside else 0
+        flags = AxisFlag(0)
+        for on, flag in (
+            (enabled, AxisFlag.ENABLED),
+            (axis.referenced, AxisFlag.REFERENCED),
+            (axis.quiet * self._period >= AT_REST_S, AxisFlag.IN_POSITION),
+            (drive.power is Power.FAULT, AxisFlag.FAULT),
+            (drive.power is Power.LOST, AxisFlag.LOST),
+            (axis.run is not None, AxisFlag.HOMING),
+            (axis.lag.state is LagState.WARNING, AxisFlag.WARNING),
+            (axis.wanted, AxisFlag.ON),
+        ):
+            if on:
+                flags |= flag
+        out.flags, out.fault_code, out.power = flags, drive.fault_code, drive.power.value
+
+

@@ -1,0 +1,172 @@
+"""`axisgate var` and other tools ask here: one JSON line each way on runtime_dir()/SLUG-services.sock.
+
+get NAME|ADDRESS, set ADDRESS VALUE (only where everything is simulated), names, status.
+"""
+
+import asyncio
+import contextlib
+import json
+import pathlib
+from typing import TYPE_CHECKING
+
+from gateway.files import read_signals
+from gateway.linedoor import LineDoor
+from gateway.modbusdoor import ModbusDoor
+from gateway.pure.addresses import AddressFault, CellName, DataBit, DataWord, Direction, Part, RcBit, Register, Table, parse
+from gateway.pure.records import get_bit
+from gateway.pure.signals import from_tables
+from protocols.modbus.view import ExceptionCode, Kind
+
+if TYPE_CHECKING:
+    from gateway.processes.services import Services
+
+LONGEST = 4096
+_KINDS = {Table.COIL: Kind.COILS, Table.DISCRETE: Kind.DISCRETE_INPUTS, Table.INPUT: Kind.INPUT_REGISTERS, Table.HOLDING: Kind.HOLDING_REGISTERS}
+
+
+class Variables:
+    """Answers one request a line; a bad one gets {"error": ...}."""
+
+    def __init__(self, services: "Services") -> None:
+        self._services = services
+        self._symbols = from_tables(read_signals()).symbols()
+
+    async def listen(self, path: pathlib.Path) -> asyncio.Server:
+        """Start answering; a stale socket of a predecessor is replaced."""
+        with contextlib.suppress(FileNotFoundError):
+            path.unlink()
+        return await asyncio.start_unix_server(self._serve, path, limit=LONGEST)
+
+    async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        with contextlib.suppress(OSError, ValueError, asyncio.IncompleteReadError):
+            while line := await reader.readline():
+                writer.write(json.dumps(self.answer(line)).encode() + b"\n")
+                await writer.drain()
+        writer.close()
+
+    def answer(self, line: bytes) -> dict[str, object]:
+        """One request; never raises."""
+        try:
+            request = json.loads(line)
+            match request.get("op"):
+                case "get":
+                    return self._get(str(request["address"]))
+                case "set":
+                    return self._set(str(request["address"]), str(request["value"]))
+                case "names":
+                    return {"names": self._services.values.names()}
+                case "status":
+                    return self._services.status()
+            return {"error": f"op {request.get('op')!r}; get, set, names, status are known"}
+        except AddressFault as fault:
+            return {"error": str(fault)}
+        except (KeyError, ValueError, TypeError, AttributeError) as fault:
+            return {"error": f"{line[:80]!r}: {fault}"}
+
+    # ---- reading -----------------------------------------------------------------------------------------------------
+    def _get(self, text: str) -> dict[str, object]:
+        place = parse(text, self._symbols)
+        match place:
+            case RcBit():
+                return {"address": text, "place": str(place), "value": self._bit(place)}
+            case DataBit():
+                door, data = self._block(place.db)
+                word = int.from_bytes(data[2 * place.word : 2 * place.word + 2], "big")
+                return {"address": text, "place": str(place), "value": word >> place.bit & 1, "door": door.name}
+            case DataWord():
+                door, data = self._block(place.db)
+                size = 4 if place.part is Part.DOUBLE else 2
+                raw = data[2 * place.word : 2 * place.word + size]
+                if len(raw) < size:
+                    return {"error": f"{place}: the block has {len(data) // 2} words"}
+                return {"address": text, "place": str(place), "door": door.name, **_columns(raw, place.part)}
+            case CellName(name):
+                return {"address": text, "place": name, "value": self._services.values.get(name)}
+            case Register():
+                return self._register(text, place)
+        return {"error": f"{text}: not readable here"}
+
+    def _register(self, text: str, place: Register) -> dict[str, object]:
+        """As a Modbus client would read it from the first server of the cell."""
+        view = next((door.view for door in self._services.doors if isinstance(door, ModbusDoor)), None)
+        if view is None:
+            return {"error": f"{text}: this cell has no [[modbus]] server"}
+        kind = _KINDS[place.table]
+        bits = kind in (Kind.COILS, Kind.DISCRETE_INPUTS)
+        found = view.read_bits(kind, place.address, 1) if bits else view.read_words(kind, place.address, 1)
+        if isinstance(found, ExceptionCode):
+            return {"error": f"{text}: {place.table.name.lower()} {place.address} does not exist; axisgate's map: AX-012"}
+        value = int(found[0])
+        columns: dict[str, object] = {"KH": f"{value:04X}"} if not bits else {}
+        return {"address": text, "place": f"{place.table.name.lower()} {place.address}", "value": value, **columns}
+
+    def _bit(self, place: RcBit) -> int:
+        if place.direction is Direction.INPUT:
+            return int(self._services.input_bit(place.number))
+        outputs = self._services.rc_out.read()
+        return int(outputs is not None and get_bit(outputs, place.number))
+
+    def _block(self, number: int) -> tuple[LineDoor, bytes]:
+        for door in self._services.doors:
+            if isinstance(door, LineDoor) and (data := door.block_bytes(number)) is not None:
+                return door, data
+        raise KeyError(f"DB {number}: no line of this cell serves it")
+
+    # ---- writing -----------------------------------------------------------------------------------------------------
+    def _set(self, text: str, value: str) -> dict[str, object]:
+        services = self._services
+        if not services.plan.simulated:
+            return {"error": f"{text}: values are set only in a simulated run (axisgate run CELL --sim); here the PLC writes them"}
+        place = parse(text, self._symbols)
+        if not isinstance(place, DataWord | DataBit):
+            return {"error": f"{text}: a data word or bit a PLC writes is expected, e.g. DB10.DW2 or DB10.D0.8"}
+        door, data = self._block(place.db)
+        word = int.from_bytes(data[2 * place.word : 2 * place.word + 2], "big")
+        number = int(value, 0)
+        raw = _put(place, word, number)
+        if raw is None:
+            return {"error": f"{text} = {value}: a DW takes -32768..65535, a DD -2147483648..4294967295, DL and DR 0..255, a bit 0 or 1"}
+        refused = door.write_as_plc(place.db, place.word, raw)
+        return {"error": refused} if refused else self._get(text)
+
+
+def _put(place: DataWord | DataBit, word: int, number: int) -> bytes | None:
+    """The bytes from the place's word on, `word` being what stands there; None when the number does not fit."""
+    if isinstance(place, DataBit):
+        new = word | 1 << place.bit if number else word & ~(1 << place.bit)
+        return new.to_bytes(2, "big") if number in (0, 1) else None
+    match place.part:
+        case Part.WORD:
+            return (number & 0xFFFF).to_bytes(2, "big") if -0x8000 <= number <= 0xFFFF else None
+        case Part.DOUBLE:
+            return (number & 0xFFFFFFFF).to_bytes(4, "big") if -0x8000_0000 <= number <= 0xFFFF_FFFF else None
+        case Part.LEFT:
+            return bytes((number, word & 0xFF)) if 0 <= number <= 255 else None
+        case Part.RIGHT:
+            return bytes((word >> 8, number)) if 0 <= number <= 255 else None
+
+
+def _columns(raw: bytes, part: Part) -> dict[str, object]:
+    """The same bytes in the number formats an S5 programmer looks for."""
+    if part is Part.LEFT:
+        return {"KH": raw[:1].hex().upper(), "value": raw[0]}
+    if part is Part.RIGHT:
+        return {"KH": raw[1:].hex().upper(), "value": raw[1]}
+    signed = int.from_bytes(raw, "big", signed=True)
+    columns: dict[str, object] = {"value": signed, "KF" if len(raw) == 2 else "DH": signed, "KH": raw.hex().upper()}
+    if len(raw) == 2:
+        columns["KM"] = f"{int.from_bytes(raw, 'big'):016b}"
+    else:
+        columns.update(_floats(raw))
+    return columns
+
+
+def _floats(raw: bytes) -> dict[str, object]:
+    from protocols.base.errors import ProtocolError
+    from protocols.base.step5 import Step5Type, decode
+
+    found: dict[str, object] = {}
+    for kind in (Step5Type.KG, Step5Type.REAL):
+        with contextlib.suppress(ProtocolError):
+            found[kind.name] = decode(kind, raw)
+    return found
