@@ -46,13 +46,16 @@ class Guest:
         """The command's exit code; every line it prints goes to `on_line` at once.  Raises GuestError."""
         self.folder.mkdir(parents=True, exist_ok=True)
         (self.folder / "exit_code").unlink(missing_ok=True)
-        init = self._write_order(command)
+        init, started = self._write_order(command), time.monotonic()
         with contextlib.ExitStack() as stack:
             cable = stack.enter_context(crossed_sockets()) if self.serial_pair else ()
             console = self._boot(init, cable, on_line)
         written = self.folder / "exit_code"
         if not written.exists():
-            raise GuestError(f"the guest ended without a result within {self.limit_s:.0f} s; its last lines:\n{console}")
+            took = time.monotonic() - started
+            raise GuestError(
+                f"the guest ended after {took:.1f} s (limit {self.limit_s:.0f} s) without a result; its last lines:\n{console}"
+            )
         return int(written.read_text())
 
     def _write_order(self, command: Sequence[str]) -> pathlib.Path:

@@ -7,6 +7,7 @@ under the same test ids.  A guest that dies fails every test it did not report.
 import json
 import os
 import pathlib
+import shutil
 import sys
 from collections.abc import Iterator
 
@@ -51,17 +52,17 @@ class GuestLane:
         if self._results is None:
             self._results = self._boot([other.nodeid for other in item.session.items if other.get_closest_marker("vcan")])
         item.ihook.pytest_runtest_logstart(nodeid=item.nodeid, location=item.location)
-        for report in self._results.get(item.nodeid) or self._not_reported(item):
+        for report in self._told(item):
             item.ihook.pytest_runtest_logreport(report=report)
         item.ihook.pytest_runtest_logfinish(nodeid=item.nodeid, location=item.location)
         item.session._setupstate.teardown_exact(nextitem)  # this item's packages were never set up here
         return True
 
     def _boot(self, ids: list[str]) -> dict[str, list[pytest.TestReport]]:
-        folder = self._config.rootpath / "build" / "uml" / "lane"
+        folder = self._config.rootpath / "build" / "uml" / f"lane-{os.getpid()}"  # several sessions may run at once
+        forget_the_dead(folder.parent)
         folder.mkdir(parents=True, exist_ok=True)
         reports, output = folder / "reports.jsonl", folder / "pytest.log"
-        reports.unlink(missing_ok=True)
         options = ["-p", "no:cacheprovider", "-q", "--color=no", f"--rootdir={self._config.rootpath}", f"--junitxml={folder / 'junit.xml'}"]
         guest = Guest(folder, float(os.environ.get(LIMIT, "900")), serial_pair=True, environment=self._environment(reports))
         with output.open("w", encoding="utf-8") as log:
@@ -83,6 +84,19 @@ class GuestLane:
             results.setdefault(report.nodeid, []).append(report)
         return results
 
-    def _not_reported(self, item: pytest.Item) -> Iterator[pytest.TestReport]:
-        text = f"the guest did not report this test; {self._died}"
-        yield pytest.TestReport(item.nodeid, item.location, dict.fromkeys(item.keywords, 1), "failed", text, "call")
+    def _told(self, item: pytest.Item) -> Iterator[pytest.TestReport]:
+        reports = (self._results or {}).get(item.nodeid, [])
+        yield from reports
+        if not any(report.when == "teardown" for report in reports):
+            yield self._not_reported(item)
+
+    def _not_reported(self, item: pytest.Item) -> pytest.TestReport:
+        text = f"the guest did not report the end of this test; {self._died}"
+        return pytest.TestReport(item.nodeid, item.location, dict.fromkeys(item.keywords, 1), "failed", text, "call")
+
+
+def forget_the_dead(parent: pathlib.Path) -> None:
+    """Removes what earlier sessions left; the last one's logs stay until the next run."""
+    for old in parent.glob("lane-*"):
+        if not pathlib.Path("/proc", old.name.removeprefix("lane-")).exists():
+            shutil.rmtree(old, ignore_errors=True)
