@@ -1,0 +1,133 @@
+"""What a 3964R station reports.  Faults of the partner are events to be counted, never exceptions."""
+
+from dataclasses import dataclass, field
+from enum import Enum, auto
+
+from protocols.p3964r.profiles import Priority
+
+
+class Refusal(Enum):
+    """Why a block was not taken; the first fault found in it."""
+
+    GAP = auto()  # silence for the character delay
+    ORDER = auto()  # a DLE followed by neither DLE nor the end
+    LENGTH = auto()  # more characters than a block may have
+    CHECK = auto()  # block check wrong
+    DAMAGED = auto()  # parity, framing or overrun
+    BREAK = auto()
+    NO_BUFFER = auto()  # nobody took the block before
+    LOST = auto()  # the port went away inside the block
+
+
+class Failure(Enum):
+    """Why an attempt to send failed."""
+
+    SILENT = auto()  # no answer within the acknowledgement delay
+    NAK = auto()
+    WRONG = auto()  # a character that is neither DLE nor NAK
+    DAMAGED = auto()  # the answer came spoiled
+    CONFLICT = auto()  # gave way to the partner, who then sent no block
+    BREAK = auto()
+    CROWDED = auto()  # too many jobs waiting; the oldest waiting one is dropped
+    LOST = auto()  # the port went away
+
+
+class Stage(Enum):
+    """Where a job was when an attempt failed."""
+
+    WAITING = auto()
+    CONNECT = auto()
+    BLOCK = auto()
+
+
+@dataclass(frozen=True, slots=True)
+class BlockReceived:
+    """A good block, acknowledged; a duplicate is possible by design (3964R has no sequence number)."""
+
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class BlockRefused:
+    """A block that was not taken; `data_count` characters of it were heard."""
+
+    why: Refusal
+    data_count: int
+
+
+@dataclass(frozen=True, slots=True)
+class BlockSent:
+    """The partner acknowledged the block of this job."""
+
+    job: int
+
+
+@dataclass(frozen=True, slots=True)
+class SendRepeated:
+    """An attempt failed and another one was begun."""
+
+    job: int
+    why: Failure
+    stage: Stage
+
+
+@dataclass(frozen=True, slots=True)
+class SendFailed:
+    """The job is given up; `why` is the last failure."""
+
+    job: int
+    why: Failure
+    stage: Stage
+
+
+@dataclass(frozen=True, slots=True)
+class ReceptionFailed:
+    """A refused block was not repeated in time, or refused as often as a partner may try; `why` is the first fault."""
+
+    why: Refusal
+    attempts: int
+
+
+@dataclass(frozen=True, slots=True)
+class StrayCharacters:
+    """So many characters came in idle before a STX, a job of ours or a quiet line."""
+
+    count: int
+
+
+@dataclass(frozen=True, slots=True)
+class LineBreak:
+    """BREAK in idle."""
+
+
+@dataclass(frozen=True, slots=True)
+class SamePriority:
+    """Both stations seem to have this priority: conflicts cannot be settled."""
+
+    priority: Priority
+
+
+Event = BlockReceived | BlockRefused | BlockSent | SendRepeated | SendFailed | ReceptionFailed | StrayCharacters | LineBreak | SamePriority
+
+
+@dataclass(slots=True)
+class Outbox:
+    """What both directions of one line have to say, in one order."""
+
+    output: bytearray = field(default_factory=bytearray)
+    events: list[Event] = field(default_factory=list)
+
+    def say(self, char: int) -> None:
+        self.output.append(char)
+
+    def tell(self, event: Event) -> None:
+        self.events.append(event)
+
+    def take_output(self) -> bytes:
+        output = bytes(self.output)
+        self.output.clear()
+        return output
+
+    def take_events(self) -> list[Event]:
+        events, self.events = self.events, []
+        return events

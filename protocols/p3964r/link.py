@@ -1,0 +1,140 @@
+"""3964R, both directions over one line: who may speak, one-block buffer, jobs.
+
+Source: rho 3 Releases part 1, section 7.1 (below: 7.1); what it leaves open: AX-003..009, AX-050..052.
+"""
+
+from protocols.base.errors import EncodeError
+from protocols.base.machine import Damage, Ns
+from protocols.p3964r.characters import Char
+from protocols.p3964r.events import BlockReceived, Event, Outbox, SamePriority
+from protocols.p3964r.profiles import Priority, Profile
+from protocols.p3964r.receiver import Receiver
+from protocols.p3964r.sender import Sender
+
+
+class Link:
+    """A 3964R station: a byte machine that also takes blocks to send.  Never raises on what the partner sends.
+
+    keep_one: behave as the driver of 7.1: a received block fills the buffer until `take_block` is called; meanwhile no
+    further block is acknowledged.  Otherwise whoever handles the events takes each block at once (or calls set_buffer_free).
+    """
+
+    def __init__(self, profile: Profile, priority: Priority, keep_one: bool = False) -> None:
+        self.profile, self.priority = profile, priority
+        self._box = Outbox()
+        self._receiver = Receiver(profile, self._box, keep_one)
+        self._sender = Sender(profile, priority, self._box)
+        self._gave_way = False
+        self._told_at: Ns = 0
+        self._greet()
+
+    # ---- for its owner
+    def send(self, block: bytes, now: Ns) -> int:
+        """Queue a block of 1..max_data bytes; returns the job number that BlockSent or SendFailed will name."""
+        if not 1 <= len(block) <= self.profile.max_data:
+            raise EncodeError(f"block of {len(block)} bytes, limit {self.profile.max_data} (least 1): {block[:16].hex(' ')}")
+        job = self._sender.add(block)
+        self._told_at = now
+        self._start(now)
+        return job
+
+    @property
+    def pending(self) -> int:
+        """Jobs neither sent nor given up."""
+        return self._sender.pending
+
+    def set_buffer_free(self, free: bool, now: Ns) -> None:
+        """False: no block can be taken; STX is answered with silence, then NAK.  True: a waiting STX is answered at once."""
+        self._receiver.set_free(free, now)
+
+    def take_block(self, now: Ns) -> bytes | None:
+        """The block kept since it was acknowledged, once; the buffer is free again (keep_one)."""
+        return self._receiver.take_block(now)
+
+    # ---- the machine
+    def receive(self, data: bytes, now: Ns) -> list[Event]:
+        self._expire(now)  # what expired before these bytes came is told first
+        at = 0
+        while at < len(data):
+            if not self._sender.busy:
+                at = self._listen(data, at, now)
+            elif self._sender.hear(data[at], now):
+                at += 1
+            else:
+                self._gave_way = True
+                at = self._listen(data, at, now)
+            self._start(now)
+        return self._box.take_events()
+
+    def damaged(self, kind: Damage, now: Ns) -> list[Event]:
+        self._expire(now)
+        if self._sender.busy:
+            self._sender.damaged(kind, now)
+        else:
+            self._receiver.damaged(kind, now)
+        self._start(now)
+        return self._box.take_events()
+
+    def sent(self, now: Ns) -> list[Event]:
+        if not self._box.output:  # else the report is older than what we have to say now
+            self._sender.sent(now)
+            self._receiver.sent(now)
+            self._start(now)
+        return self._box.take_events()
+
+    def wake(self, now: Ns) -> list[Event]:
+        self._expire(now)
+        return self._box.take_events()
+
+    def deadline(self) -> Ns | None:
+        if self._box.events:  # left over from `send`
+            return self._told_at
+        return self._next_due()
+
+    def take_output(self) -> bytes:
+        return self._box.take_output()
+
+    def lost(self, now: Ns) -> list[Event]:
+        self._box.output.clear()
+        self._receiver.lost()
+        self._sender.lost()
+        self._gave_way = False
+        self._greet()
+        return self._box.take_events()
+
+    # ---- inside
+    def _greet(self) -> None:
+        if self.profile.nak_at_start:
+            self._box.say(Char.NAK)  # sends a partner that hangs inside a block to idle
+
+    def _listen(self, data: bytes, at: int, now: Ns) -> int:
+        told = len(self._box.events)
+        at = self._receiver.hear(data, at, now)
+        if not self._receiver.busy:
+            self._gave_way = False
+            if any(isinstance(event, BlockReceived) for event in self._box.events[told:]):
+                self._sender.forget_attempts()
+        return at
+
+    def _start(self, now: Ns) -> None:
+        """The line is nobody's: our next job may begin."""
+        if self._sender.pending and not self._sender.busy and not self._receiver.busy:
+            self._receiver.settle()
+            self._sender.start(now)
+
+    def _next_due(self) -> Ns | None:
+        sender, receiver = self._sender.deadline(), self._receiver.deadline()
+        if sender is None or receiver is None:
+            return receiver if sender is None else sender
+        return min(sender, receiver)
+
+    def _expire(self, now: Ns) -> None:
+        while (due := self._next_due()) is not None and due <= now:
+            if due == self._sender.deadline():
+                self._sender.expire(now)
+            else:
+                if self._gave_way and self._receiver.heard_only_dle:
+                    self._box.tell(SamePriority(Priority.LOW))
+                self._receiver.expire(now)
+                self._gave_way = self._gave_way and self._receiver.busy
+            self._start(now)

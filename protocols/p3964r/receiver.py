@@ -1,0 +1,252 @@
+"""Receiving side of 3964R.  Source: rho 3 Releases part 1, section 7.1 (below: 7.1); refusals: AX-007, AX-008."""
+
+from enum import Enum, auto
+
+from protocols.base.machine import Damage, Ns
+from protocols.p3964r.characters import DLE_BYTE, Char, check_of
+from protocols.p3964r.events import (
+    BlockReceived,
+    BlockRefused,
+    LineBreak,
+    Outbox,
+    ReceptionFailed,
+    Refusal,
+    StrayCharacters,
+)
+from protocols.p3964r.profiles import Profile, Stray
+
+
+class State(Enum):
+    """What the receiver expects next."""
+
+    IDLE = auto()  # STX; a repeat may be expected, which changes only what is reported
+    NO_BUFFER = auto()  # heard STX, has no room for the block; hopes to get some
+    DATA = auto()  # inside the block
+    ESCAPED = auto()  # one DLE seen; the next character says what it meant
+    CHECK = auto()  # end seen; the block check comes next, whatever its value
+
+
+class Receiver:
+    """Takes blocks off the line and answers them; half of a Link, which hands it the characters that are its."""
+
+    def __init__(self, profile: Profile, box: Outbox, keep_one: bool) -> None:
+        self._profile, self._box, self._keep_one = profile, box, keep_one
+        self._state = State.IDLE
+        self._due: Ns | None = None  # end of the gap, of the wait for a buffer, or of the quiet after stray characters
+        self._repeat_due: Ns | None = None
+        self._why: Refusal | None = None  # first fault of the running block; it is heard to its end all the same (AX-007)
+        self._check, self._data, self._count = 0, bytearray(), 0
+        self._untouched = False  # nothing heard since our DLE
+        self._strays = 0
+        self._refusals, self._first_why = 0, Refusal.GAP
+        self._awaits_repeat = False
+        self._free = True
+        self._stored: bytes | None = None
+
+    @property
+    def busy(self) -> bool:
+        """Inside a block or about to be: the line belongs to the partner."""
+        return self._state is not State.IDLE
+
+    @property
+    def heard_only_dle(self) -> bool:
+        """A lone DLE since we connected: what a partner sends who gave way to us as we gave way to him."""
+        return self._state is State.ESCAPED and self._count == 0
+
+    # ---- the table
+    def hear(self, data: bytes, at: int, now: Ns) -> int:
+        """Take characters from index `at` on until idle again or none are left; returns the index of the next one."""
+        while at < len(data):
+            if self._state is State.DATA and data[at] != Char.DLE:
+                at = self._collect(data, at)
+            else:
+                self._step(data[at], now)
+                at += 1
+                if self._state is State.IDLE:
+                    return at
+        if self._state is not State.NO_BUFFER and not self._untouched:
+            self._due = now + self._profile.char_delay
+        return at
+
+    def _step(self, byte: int, now: Ns) -> None:
+        match self._state, byte:
+            case State.IDLE, Char.STX:
+                self._open(now)
+                return
+            case State.IDLE, Char.NAK:
+                pass  # the partner gave up or started; never answered, so two stations cannot loop
+            case State.IDLE, _:
+                self._stray(now)
+            case State.NO_BUFFER, _:
+                pass  # still the same wish to send (AX-006)
+            case State.DATA, Char.DLE:
+                self._state = State.ESCAPED
+            case State.ESCAPED, Char.DLE:
+                self._state = State.DATA
+                self._store(DLE_BYTE)  # both enter the check, so they cancel
+            case State.ESCAPED, Char.ETX | Char.ETB:
+                self._check ^= Char.DLE ^ byte
+                self._state = State.CHECK
+                if not self._profile.block_check:
+                    self._judge(self._check)
+            case State.ESCAPED, _:
+                self._blame(Refusal.ORDER)
+                self._state = State.DATA
+            case State.CHECK, _:
+                self._judge(byte)
+        self._untouched = False
+
+    def _collect(self, data: bytes, at: int) -> int:
+        """A run of plain characters up to the next DLE, taken at once; the same as one step for each."""
+        end = data.find(DLE_BYTE, at)
+        run = data[at:] if end < 0 else data[at:end]
+        self._check ^= check_of(run)
+        self._store(run)
+        self._untouched = False
+        return at + len(run)
+
+    def _store(self, run: bytes) -> None:
+        self._count += len(run)
+        if self._count > self._profile.max_data:
+            self._blame(Refusal.LENGTH)
+        else:
+            self._data += run
+
+    def _blame(self, why: Refusal) -> None:
+        self._why = self._why or why
+
+    def damaged(self, kind: Damage, now: Ns) -> None:
+        if kind is Damage.BREAK:
+            self._break()
+        elif self._state is State.IDLE:
+            self._stray(now)
+        elif self._state is not State.NO_BUFFER:
+            self._blame(Refusal.DAMAGED)
+            self._untouched = False
+            self._due = now + self._profile.char_delay
+            if self._state is State.CHECK:
+                self._judge(self._check)  # the spoiled character was the check
+            else:
+                self._state = State.DATA
+
+    # ---- the ends of a block
+    def _judge(self, check: int) -> None:
+        why = self._why or (None if check == self._check else Refusal.CHECK)
+        if why is None:
+            self._deliver()
+        else:
+            self._refuse(why)
+
+    def _deliver(self) -> None:
+        data = bytes(self._data)
+        self._box.say(Char.DLE)
+        self._box.tell(BlockReceived(data))
+        if self._keep_one:
+            self._stored, self._free = data, False
+        self._refusals = 0
+        self._rest()
+
+    def _refuse(self, why: Refusal) -> None:
+        """NAK, once; the repeat is expected within the block wait time, which runs from when the NAK has left."""
+        self._box.say(Char.NAK)
+        self._box.tell(BlockRefused(why, self._count))
+        if self._refusals == 0:
+            self._first_why = why
+        self._refusals += 1
+        self._rest()
+        self._awaits_repeat = True
+        if self._refusals == self._profile.block_attempts:
+            self._report_failure()
+
+    def _report_failure(self) -> None:
+        self._box.tell(ReceptionFailed(self._first_why, self._refusals))
+        self._refusals, self._awaits_repeat, self._repeat_due = 0, False, None
+
+    def _break(self) -> None:
+        """BREAK: back to idle at once, no answer."""
+        self._box.tell(BlockRefused(Refusal.BREAK, self._count) if self.busy else LineBreak())
+        self._rest()
+
+    def _rest(self) -> None:
+        self._state, self._due = State.IDLE, None
+        self._why, self._data, self._count, self._check = None, bytearray(), 0, 0
+
+    # ---- idle
+    def _open(self, now: Ns) -> None:
+        self.settle()
+        self._awaits_repeat, self._repeat_due = False, None
+        if self._free:
+            self._admit(now)
+        elif self._profile.no_buffer_wait:
+            self._state, self._due = State.NO_BUFFER, now + self._profile.no_buffer_wait
+        else:
+            self._turn_away()
+
+    def _admit(self, now: Ns) -> None:
+        self._box.say(Char.DLE)
+        self._state, self._untouched = State.DATA, True
+        self._due = now + self._profile.char_delay  # prolonged when the DLE has left
+
+    def _turn_away(self) -> None:
+        self._box.say(Char.NAK)
+        self._box.tell(BlockRefused(Refusal.NO_BUFFER, 0))
+        self._rest()
+
+    def _stray(self, now: Ns) -> None:
+        if self._profile.stray is Stray.NAK_AT_ONCE:
+            self._box.say(Char.NAK)
+        self._strays += 1
+        self._due = now + self._profile.char_delay
+
+    def settle(self) -> None:
+        """Something else begins: report the stray characters so far."""
+        if self._strays:
+            self._box.tell(StrayCharacters(self._strays))
+            self._strays, self._due = 0, None
+
+    # ---- time
+    def deadline(self) -> Ns | None:
+        if self._due is None or self._repeat_due is None:
+            return self._due if self._repeat_due is None else self._repeat_due
+        return min(self._due, self._repeat_due)
+
+    def sent(self, now: Ns) -> None:
+        if self._untouched and self._state is State.DATA:
+            self._due = now + self._profile.char_delay
+        if self._awaits_repeat and self._repeat_due is None:
+            self._repeat_due = now + self._profile.block_wait
+
+    def expire(self, now: Ns) -> None:
+        """The earlier of the timers is over."""
+        if self._due is None or self._due > now:
+            self._report_failure()
+            return
+        match self._state:
+            case State.IDLE:
+                self.settle()
+                if self._profile.stray is Stray.NAK_AFTER_QUIET:
+                    self._box.say(Char.NAK)
+            case State.NO_BUFFER:
+                self._turn_away()
+            case _:
+                self._refuse(self._why or Refusal.GAP)
+
+    # ---- the one-block buffer
+    def set_free(self, free: bool, now: Ns) -> None:
+        self._free = free
+        if free and self._state is State.NO_BUFFER:
+            self._admit(now)
+
+    def take_block(self, now: Ns) -> bytes | None:
+        block, self._stored = self._stored, None
+        if block is not None:
+            self.set_free(True, now)
+        return block
+
+    def lost(self) -> None:
+        """The port is gone.  A block already acknowledged stays in the buffer: the partner will not send it again."""
+        self.settle()
+        if self.busy:
+            self._box.tell(BlockRefused(Refusal.LOST, self._count))
+        self._rest()
+        self._refusals, self._awaits_repeat, self._repeat_due = 0, False, None

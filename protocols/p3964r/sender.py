@@ -1,0 +1,214 @@
+"""Sending side of 3964R.  Source: rho 3 Releases part 1, section 7.1 (below: 7.1); counters: AX-003, AX-004."""
+
+from collections import deque
+from dataclasses import dataclass
+from enum import Enum, auto
+
+from protocols.base.machine import Damage, Ns
+from protocols.p3964r.characters import Char, wire_block
+from protocols.p3964r.events import BlockSent, Failure, Outbox, SamePriority, SendFailed, SendRepeated, Stage
+from protocols.p3964r.profiles import ConnectCounter, Priority, Profile
+
+MOST_JOBS = 64  # waiting ones; nothing grows while a partner is away
+
+
+class State(Enum):
+    """What the sender expects next."""
+
+    IDLE = auto()
+    PAUSED = auto()  # before a repeat
+    CONNECT = auto()  # STX given out; waits for DLE
+    SENDING = auto()  # block given out, has not yet left
+    ANSWER = auto()  # block has left; waits for DLE
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """A block to send, under the number its owner knows."""
+
+    number: int
+    block: bytes
+
+
+class Sender:
+    """Sends one job after another; half of a Link, which starts it when the line is free."""
+
+    def __init__(self, profile: Profile, priority: Priority, box: Outbox) -> None:
+        self._profile, self._priority, self._box = profile, priority, box
+        self._state = State.IDLE
+        self._due: Ns | None = None
+        self._jobs: deque[Job] = deque()
+        self._number = 0
+        self._connects, self._blocks = 0, 0  # failed attempts of the first job
+        self._conflict = False  # the partner's STX was heard and ignored
+        self._early: Ns | None = None  # a DLE heard before the port said that the block had left
+
+    @property
+    def busy(self) -> bool:
+        """A job is on the line: what is heard is an answer to it."""
+        return self._state is not State.IDLE
+
+    @property
+    def pending(self) -> int:
+        """Jobs not yet sent or given up."""
+        return len(self._jobs)
+
+    def add(self, block: bytes) -> int:
+        if len(self._jobs) >= MOST_JOBS:
+            self._drop_oldest_waiting()
+        self._number += 1
+        self._jobs.append(Job(self._number, block))
+        return self._number
+
+    def _drop_oldest_waiting(self) -> None:
+        index = 1 if self.busy or self._connects or self._blocks else 0
+        self._box.tell(SendFailed(self._jobs[index].number, Failure.CROWDED, Stage.WAITING))
+        del self._jobs[index]
+
+    def start(self, now: Ns) -> None:
+        """The line is free: begin the first job, or go on with it where a conflict interrupted it."""
+        if self._exhausted():
+            self._give_up(Failure.CONFLICT, Stage.CONNECT)
+        else:
+            self._connect()
+
+    def forget_attempts(self) -> None:
+        """A block came in after we gave way: the job starts anew."""
+        self._connects, self._blocks = 0, 0
+
+    # ---- the table
+    def hear(self, byte: int, now: Ns) -> bool:
+        """Take one character; False: it is not for us, the partner has the line now."""
+        match self._state, byte:
+            case State.CONNECT, Char.DLE:
+                self._transmit()
+            case State.CONNECT, Char.STX:
+                return self._meet()
+            case State.CONNECT, _:
+                self._connect_failed(_kind(byte), now)
+            case State.SENDING, Char.NAK:
+                self._box.output.clear()  # break off: what was not yet taken stays here
+                self._block_failed(Failure.NAK, now)
+            case State.SENDING, Char.DLE:
+                self._early = None if self._box.output else now
+            case State.SENDING, _:
+                self._early = None  # no manual names a reaction
+            case State.ANSWER, Char.DLE:
+                self._succeed()
+            case State.ANSWER, _:
+                self._block_failed(_kind(byte), now)
+            case State.PAUSED, Char.STX:
+                self._state, self._due = State.IDLE, None
+                return False
+        return True
+
+    def damaged(self, kind: Damage, now: Ns) -> None:
+        if kind is Damage.BREAK:
+            self._box.output.clear()
+            self._finish(SendFailed(self._jobs[0].number, Failure.BREAK, self._stage()))
+        elif self._state is State.CONNECT:
+            self._connect_failed(Failure.DAMAGED, now)
+        elif self._state is State.ANSWER:
+            self._block_failed(Failure.DAMAGED, now)
+        else:
+            self._early = None
+
+    def _meet(self) -> bool:
+        """Both stations sent STX: with priority go on, without keep the job and listen (7.1)."""
+        if self._priority is Priority.HIGH:
+            self._conflict = True
+            return True
+        self._connects += 1
+        self._state, self._due = State.IDLE, None
+        return False
+
+    # ---- what the rows do
+    def _connect(self) -> None:
+        self._box.say(Char.STX)
+        self._state, self._due, self._conflict = State.CONNECT, None, False  # the wait runs from `sent`
+
+    def _transmit(self) -> None:
+        self._box.output += wire_block(self._jobs[0].block, self._profile.block_check, self._profile.end)
+        self._state, self._due, self._early = State.SENDING, None, None
+
+    def _connect_failed(self, why: Failure, now: Ns) -> None:
+        if self._conflict and why is Failure.SILENT:
+            self._box.tell(SamePriority(Priority.HIGH))
+        self._connects += 1
+        self._again(why, Stage.CONNECT, now)
+
+    def _block_failed(self, why: Failure, now: Ns) -> None:
+        self._blocks += 1
+        if self._profile.connect_counter is ConnectCounter.PER_BLOCK:
+            self._connects = 0
+        self._again(why, Stage.BLOCK, now)
+
+    def _exhausted(self) -> bool:
+        connects = self._connects
+        if self._profile.connect_counter is ConnectCounter.SHARED:
+            connects += self._blocks
+        return connects >= self._profile.connect_attempts or self._blocks >= self._profile.block_attempts
+
+    def _again(self, why: Failure, stage: Stage, now: Ns) -> None:
+        if self._exhausted():
+            self._give_up(why, stage)
+            return
+        self._box.tell(SendRepeated(self._jobs[0].number, why, stage))
+        if self._profile.retry_pause:
+            self._state, self._due = State.PAUSED, now + self._profile.retry_pause
+        else:
+            self._connect()
+
+    def _give_up(self, why: Failure, stage: Stage) -> None:
+        if self._profile.nak_when_giving_up:
+            self._box.say(Char.NAK)
+        self._finish(SendFailed(self._jobs[0].number, why, stage))
+
+    def _succeed(self) -> None:
+        self._finish(BlockSent(self._jobs[0].number))
+
+    def _finish(self, event: BlockSent | SendFailed) -> None:
+        self._box.tell(event)
+        self._jobs.popleft()
+        self._connects, self._blocks = 0, 0
+        self._state, self._due = State.IDLE, None
+
+    def _stage(self) -> Stage:
+        return Stage.BLOCK if self._state in (State.SENDING, State.ANSWER) else Stage.CONNECT
+
+    # ---- time
+    def deadline(self) -> Ns | None:
+        return self._due
+
+    def sent(self, now: Ns) -> None:
+        """All given out has left the line: the acknowledgement delay runs from here."""
+        if self._state is State.CONNECT and self._due is None:
+            self._due = now + self._profile.ack_delay
+        elif self._state is State.SENDING:
+            if self._early is not None and now - self._early <= self._profile.early_answer:
+                self._succeed()  # the partner was faster than the port's report (AX-052)
+                return
+            self._state, self._due = State.ANSWER, now + self._profile.ack_delay
+
+    def expire(self, now: Ns) -> None:
+        match self._state:
+            case State.CONNECT:
+                self._connect_failed(Failure.SILENT, now)
+            case State.ANSWER:
+                self._block_failed(Failure.SILENT, now)
+            case _:
+                self._connect()
+
+    def lost(self) -> None:
+        """The port is gone: every open job is reported."""
+        stage = self._stage() if self.busy else Stage.WAITING
+        for job in self._jobs:
+            self._box.tell(SendFailed(job.number, Failure.LOST, stage))
+            stage = Stage.WAITING
+        self._jobs.clear()
+        self._connects, self._blocks = 0, 0
+        self._state, self._due = State.IDLE, None
+
+
+def _kind(byte: int) -> Failure:
+    return Failure.NAK if byte == Char.NAK else Failure.WRONG

@@ -1,0 +1,102 @@
+"""Telegram forms of RK512: command headers, reactions, error numbers.  All values high byte first.
+
+Sources: SIMATIC CP 341 manual 09/2008 (RK512); error numbers: WinCC OA documentation (RK512 driver), WAGO library documentation
+1.6.1.0; choices between them: AX-053.
+"""
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+from protocols.base.errors import DecodeError, EncodeError
+
+HEADER_BYTES = 10
+FOLLOW_ON_BYTES = 4
+MOST_WORDS = 64  # 128 data bytes in one telegram
+REACTION_BYTES = 4
+
+
+class ErrorNumber(IntEnum):
+    """Byte 4 of the reaction telegram."""
+
+    NONE = 0x00
+    ACCESS = 0x0A  # access to the area not possible or not allowed
+    TYPE_INVALID = 0x0C
+    HEADER = 0x10  # byte 1 or 2 wrong; follow-on telegrams not supported
+    TYPE_NOT_SERVED = 0x12
+    BLOCK = 0x14  # data block missing or too short, number not allowed
+    COMMAND = 0x16  # byte 3 wrong
+    STOPPED = 0x2A  # partner in STOP
+    LOCKED = 0x32  # locked by coordination flag
+    LENGTH = 0x34
+    SEQUENCE = 0x36  # follow-on without a first telegram
+
+
+class Command(IntEnum):
+    """Byte 3."""
+
+    SEND = 0x41  # 'A' to a data block
+    SEND_EXTENDED = 0x4F  # 'O' to an extended data block
+    FETCH = 0x45  # 'E'
+
+
+BLOCK_TYPE = 0x44  # 'D'
+OTHER_TYPES = b"XEAMTZPBS"  # known to some station, not served here
+FIRST, FOLLOW_ON = 0x00, 0xFF
+NO_FLAG = 0xFF
+
+
+@dataclass(frozen=True, slots=True)
+class Flag:
+    """Coordination flag: `M byte.bit` of the passive station; cpu 1..4, 0: without CPU."""
+
+    byte: int
+    bit: int
+    cpu: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Header:
+    """A command telegram's first ten bytes; `address` and `amount` as they stand there, `flag` None: FF FF."""
+
+    command: int
+    kind: int
+    db: int
+    address: int
+    amount: int
+    flag: Flag | None = None
+
+    def encode(self) -> bytes:
+        values = {"db": self.db, "address": self.address, "command": self.command, "kind": self.kind}
+        for name, value in values.items():
+            if not 0 <= value <= 0xFF:
+                raise EncodeError(f"{name} = {value}, range 0..255")
+        if not 0 <= self.amount <= 0xFFFF:
+            raise EncodeError(f"amount = {self.amount}, range 0..65535")
+        head = bytes((FIRST, 0, self.command, self.kind, self.db, self.address))
+        return head + self.amount.to_bytes(2, "big") + _flag_bytes(self.flag)
+
+
+def _flag_bytes(flag: Flag | None) -> bytes:
+    if flag is None:
+        return bytes((NO_FLAG, NO_FLAG))
+    if not (0 <= flag.byte < NO_FLAG and 0 <= flag.bit <= 7 and 0 <= flag.cpu <= 4):
+        raise EncodeError(f"{flag}: byte 0..254, bit 0..7, cpu 0..4")
+    return bytes((flag.byte, flag.cpu << 4 | flag.bit))
+
+
+def decode_header(data: bytes) -> Header:
+    """The fields of a command telegram (what follows the header is not looked at); DecodeError when it is too short."""
+    if len(data) < HEADER_BYTES:
+        raise DecodeError(f"{HEADER_BYTES} bytes expected, {len(data)} received: {data.hex(' ')}")
+    flag = None if data[8] == NO_FLAG else Flag(data[8], data[9] & 0x0F, data[9] >> 4)
+    return Header(data[2], data[3], data[4], data[5], int.from_bytes(data[6:8], "big"), flag)
+
+
+def encode_reaction(number: int, data: bytes = b"", follow_on: bool = False) -> bytes:
+    """Reaction telegram; data only of a FETCH without error."""
+    return bytes((FOLLOW_ON if follow_on else FIRST, 0, 0, number)) + data
+
+
+def is_reaction(data: bytes) -> bool:
+    """00 or FF, 00, 00, number: the answer to a command, not a command."""
+    return len(data) >= REACTION_BYTES and data[0] in (FIRST, FOLLOW_ON) and data[1] == 0 and data[2] == 0
