@@ -210,7 +210,7 @@ class Stepper:
         speed = self._speed = self._legal_speed()
         if piece.length == 0:
             planned = True
-        elif self._state is State.STOPPING or speed == 0.0:
+        elif self._state is not State.RUNNING or speed == 0.0:
             planned = self._plan_rest()
         elif self._too_fast(piece, speed):
             planned = self._plan_slow(piece, speed)
