@@ -58,14 +58,9 @@ class Record:
     rows: tuple[Row, ...]
 
 
-def header(axes: tuple[int, ...], settings: Mapping[str, object], restarted: bool = False) -> bytes:
+def header(axes: tuple[int, ...], settings: Mapping[str, object]) -> bytes:
     """First line of a record; `settings` as of drivers.emulator.settings.to_dict."""
-    return (
-        json.dumps(
-            {"format": FORMAT, "axes": list(axes), "row_bytes": row_bytes(len(axes)), "restarted": restarted, "settings": settings}
-        ).encode()
-        + b"\n"
-    )
+    return json.dumps({"format": FORMAT, "axes": list(axes), "row_bytes": row_bytes(len(axes)), "settings": settings}).encode() + b"\n"
 
 
 def row_bytes(axes: int) -> int:

@@ -140,9 +140,9 @@ class ServodynSlave:
         for seat in self._seats:
             seat.axis.prepare(step)
 
-    def header(self, restarted: bool = False) -> bytes:
+    def header(self) -> bytes:
         """First line of the record."""
-        return record.header(tuple(seat.number for seat in self._seats), to_dict(self.settings), restarted)
+        return record.header(tuple(seat.number for seat in self._seats), to_dict(self.settings))
 
     def take_record(self) -> bytes:
         rows, self._rows = bytes(self._rows), bytearray()

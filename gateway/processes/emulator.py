@@ -1,0 +1,260 @@
+"""The emulated drives of one bus as a process.
+
+    python -m gateway.processes.emulator --settings FILE.json --bus broker:NAME [--name NAME] [--record FILE] [--layout FILE.dbc]
+
+Settings: drivers.emulator.settings; record: drivers.emulator.record; commands: gateway.processes.emulator_control.  Prints `ready` when
+it is on the bus.  A bus that goes away is opened again; the plant keeps its state.  Exit codes: 0 told to stop, 2 wrong arguments or
+settings, 3 name taken or record not writable.
+"""
+
+import argparse
+import json
+import os
+import pathlib
+import select
+import signal
+import sys
+import time
+from collections.abc import Callable
+from typing import IO
+
+from drivers.emulator.servodyn_slave import ServodynSlave
+from drivers.emulator.settings import SettingsError, from_dict
+from drivers.ports.base import CanPort, PortError
+from drivers.ports.can import open_can
+from gateway.dbcfile import load_servodyn
+from gateway.files import find_config
+from gateway.processes.emulator_control import Answer, Command, ControlServer, carry_out
+from gateway.realtime import die_with_parent, go_realtime
+from protocols.base.errors import ProtocolError
+from protocols.base.machine import Frame, Ns, ms
+
+PRIORITY = 20  # SCHED_FIFO, below broker (30)
+LAYOUT = "servodyn_gc.dbc"
+RECORD_CHUNK = 32_768  # bytes written at once
+RECORD_NS = ms(250)  # at the latest
+REOPEN_NS = ms(50)
+
+
+class Recorder:
+    """Rows to a file in plain writes of whole chunks, when the bus leaves time."""
+
+    def __init__(self, file: IO[bytes] | None) -> None:
+        self._file = file
+        self._rows = bytearray()
+        self._due: Ns = 0
+        self.written = self.lost = 0
+
+    @property
+    def due(self) -> Ns | None:
+        return self._due if self._rows else None
+
+    def add(self, rows: bytes, now: Ns) -> None:
+        if self._file is None or not rows:
+            return
+        if not self._rows:
+            self._due = now + RECORD_NS
+        self._rows += rows
+        if len(self._rows) >= RECORD_CHUNK or now >= self._due:
+            self.flush()
+
+    def flush(self) -> None:
+        """A full disk is counted and told once, it does not stop the drives."""
+        if self._file is None or not self._rows:
+            return
+        try:
+            self._file.write(self._rows)
+            self.written += len(self._rows)
+        except OSError as error:
+            if not self.lost:
+                print(f"emulator: record: {error}; drives run on without", file=sys.stderr, flush=True)
+            self.lost += len(self._rows)
+        self._rows.clear()
+
+
+class Emulator:
+    """One loop around one slave machine and one port; `turn` is one round."""
+
+    def __init__(self, name: str, slave: ServodynSlave, open_port: Callable[[], CanPort], recorder: Recorder) -> None:
+        self.slave, self.recorder, self.stopping = slave, recorder, False
+        self._open_port = open_port
+        self._port: CanPort | None = None
+        self._reopen: Ns = 0
+        self._epoll = select.epoll()
+        self._said = ""
+        self.refused = self.opened = 0
+        self.control = ControlServer(name, self._epoll, self._carry)
+        recorder.add(slave.header(), 0)
+
+    @property
+    def connected(self) -> bool:
+        return self._port is not None
+
+    def watch(self, fd: int) -> None:
+        """Another descriptor that ends the wait of a turn; its owner reads it."""
+        self._epoll.register(fd, select.EPOLLIN)
+
+    def turn(self) -> None:
+        """Waits for a frame, a command or a deadline, then does everything that is to be done."""
+        now = time.monotonic_ns()
+        if self._port is None and now >= self._reopen:
+            self._connect(now)
+        ready = self._epoll.poll(self._timeout_s(now))
+        now = time.monotonic_ns()  # before the port is drained: what was stamped by now minus the grace is then in our hands
+        synced = self._drain(now)
+        self.slave.wake(now - self.slave.grace_ns)
+        self._send(now)
+        if synced:
+            self.slave.prepare()
+        self.recorder.add(self.slave.take_record(), now)
+        for fd, _ in ready:
+            self.control.ready(fd)
+
+    def close(self) -> None:
+        self.recorder.add(self.slave.take_record(), 0)
+        self.recorder.flush()
+        self.control.close()
+        if self._port is not None:
+            self._port.close()
+        self._epoll.close()
+
+    def _timeout_s(self, now: Ns) -> float:
+        due, deadline = self.recorder.due, self.slave.deadline()
+        if deadline is not None:
+            deadline += self.slave.grace_ns
+            due = deadline if due is None else min(due, deadline)
+        if self._port is None:
+            due = self._reopen if due is None else min(due, self._reopen)
+        return -1.0 if due is None else max(0, due - now) * 1e-9
+
+    def _drain(self, now: Ns) -> bool:
+        """Hands in everything that waits; True when there was something."""
+        heard = False
+        try:
+            while self._port is not None and (frames := self._port.receive()):
+                self.slave.receive(frames, now)
+                heard = True
+        except PortError as error:
+            self._lost(now, error)
+        return heard
+
+    def _send(self, now: Ns) -> None:
+        frames: list[Frame] = self.slave.take_output()
+        if not frames or self._port is None:
+            return
+        try:
+            self.refused += len(frames) - self._port.send(frames)
+            self.slave.sent(now)
+        except PortError as error:
+            self._lost(now, error)
+
+    def _connect(self, now: Ns) -> None:
+        try:
+            self._port = self._open_port()
+        except PortError as error:
+            self._reopen = now + REOPEN_NS
+            self._say(str(error))
+            return
+        self._epoll.register(self._port.fileno(), select.EPOLLIN)
+        self.opened += 1
+        self._say("")
+
+    def _lost(self, now: Ns, error: PortError) -> None:
+        assert self._port is not None
+        self._epoll.unregister(self._port.fileno())
+        self._port.close()
+        self._port, self._reopen = None, now
+        self.slave.lost(now)
+        self._say(str(error))
+
+    def _say(self, text: str) -> None:
+        if text and text != self._said:
+            print(f"emulator: {text}", file=sys.stderr, flush=True)
+        self._said = text
+
+    def _carry(self, command: Command) -> Answer:
+        match command.get("do"):
+            case "quit":
+                self.stopping = True
+                return {}
+            case "flush":
+                self.recorder.add(self.slave.take_record(), 0)
+                self.recorder.flush()
+                return {"record_bytes": self.recorder.written, "record_lost": self.recorder.lost}
+            case "state":
+                own = {"connected": self.connected, "opened": self.opened, "refused": self.refused, "record_lost": self.recorder.lost}
+                return {**carry_out(self.slave, command), **own}
+            case _:
+                return carry_out(self.slave, command)
+
+
+def arguments(argv: list[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m gateway.processes.emulator", description="Emulated SERVODYN-GC drives on a bus.")
+    parser.add_argument("--settings", required=True, type=pathlib.Path, help="JSON file, see drivers.emulator.settings")
+    parser.add_argument("--bus", required=True, help="broker:NAME or socketcan:INTERFACE")
+    parser.add_argument("--name", help="of the control socket (default: the bus' name)")
+    parser.add_argument("--record", type=pathlib.Path, help="file for the drives' own record")
+    parser.add_argument("--layout", default=LAYOUT, help="DBC file (default %(default)s)")
+    parser.add_argument("--priority", type=int, default=PRIORITY, help="SCHED_FIFO priority, 0: none (default %(default)s)")
+    parser.add_argument("--die-with-parent", action="store_true", help="end when the starting process ends")
+    return parser.parse_args(argv)
+
+
+def load(options: argparse.Namespace) -> ServodynSlave:
+    """Raises OSError, ValueError (JSON, SettingsError) or ProtocolError (layout)."""
+    return ServodynSlave(from_dict(json.loads(options.settings.read_text())), load_servodyn(find_config(options.layout, "drives")))
+
+
+def run(emulator: Emulator) -> None:
+    """Until SIGTERM, SIGINT or the command quit."""
+    inside, outside = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)
+    signal.set_wakeup_fd(outside, warn_on_full_buffer=False)
+
+    def stop(number: int, frame: object) -> None:
+        emulator.stopping = True
+
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, stop)
+    emulator.watch(inside)
+    announced = False
+    while not emulator.stopping:
+        emulator.turn()
+        if emulator.connected and not announced:
+            announced = True
+            print("ready", flush=True)
+
+
+def main(argv: list[str] | None = None) -> int:
+    options = arguments(argv)
+    if options.die_with_parent:
+        die_with_parent()
+    try:
+        slave = load(options)
+    except SettingsError as error:
+        print("\n".join(f"{options.settings}: {fault}" for fault in error.faults), file=sys.stderr)
+        return 2
+    except (OSError, ValueError, ProtocolError) as error:
+        print(f"emulator: {error}", file=sys.stderr)
+        return 2
+    try:
+        with open(options.record or os.devnull, "wb", buffering=0) as file:
+            emulator = Emulator(
+                options.name or options.bus.partition(":")[2],
+                slave,
+                lambda: open_can(options.bus),
+                Recorder(file if options.record else None),
+            )
+            for warning in go_realtime(options.priority) if options.priority else []:
+                print(f"emulator: {warning}", file=sys.stderr, flush=True)
+            try:
+                run(emulator)
+            finally:
+                emulator.close()
+    except OSError as error:
+        print(f"emulator: {error}", file=sys.stderr)
+        return 3
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
