@@ -62,6 +62,20 @@ def decode(kind: Step5Type, data: bytes, low_word_first: bool = False) -> Value:
     return _decode(kind, data[2:] + data[:2] if low_word_first else bytes(data))
 
 
+def range_of(kind: Step5Type) -> tuple[float, float]:
+    """Least and largest number the format holds; EncodeError for KY, KC and KT, which are not one number."""
+    match kind:
+        case Step5Type.BIT:
+            return 0, 1
+        case Step5Type.KG:
+            return -_KG_LARGEST, _KG_LARGEST
+        case Step5Type.REAL:
+            return -_REAL_LARGEST, _REAL_LARGEST
+        case Step5Type.KY | Step5Type.KC | Step5Type.KT:
+            raise EncodeError(f"{kind.value} is not one number: it has no range")
+    return _RANGES[kind]
+
+
 def get_bit(word: bytes, bit: int) -> bool:
     """D n.bit of one data word; bit 0 is the lowest bit of the right byte."""
     _need_bit(word, bit)

@@ -19,7 +19,7 @@ class ErrorNumber(IntEnum):
     """Byte 4 of the reaction telegram."""
 
     NONE = 0x00
-    ACCESS = 0x0A  # access to the area not possible or not allowed
+    NOT_ALLOWED = 0x0A  # access to the area not possible or not allowed
     TYPE_INVALID = 0x0C
     HEADER = 0x10  # byte 1 or 2 wrong; follow-on telegrams not supported
     TYPE_NOT_SERVED = 0x12
@@ -29,6 +29,15 @@ class ErrorNumber(IntEnum):
     LOCKED = 0x32  # locked by coordination flag
     LENGTH = 0x34
     SEQUENCE = 0x36  # follow-on without a first telegram
+
+    @classmethod
+    def _missing_(cls, value: object) -> "ErrorNumber | None":
+        """Any other byte: partners have numbers of their own, which are passed on as such."""
+        if not isinstance(value, int) or not 0 <= value <= 0xFF:
+            return None
+        member = int.__new__(cls, value)
+        member._name_, member._value_ = f"NUMBER_{value:02X}", value
+        return member
 
 
 class Command(IntEnum):

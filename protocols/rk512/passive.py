@@ -5,7 +5,6 @@ never raised.  Source: SIMATIC CP 341 manual 09/2008; numbers: protocols.rk512.h
 """
 
 from dataclasses import dataclass
-from enum import Enum
 from typing import Protocol
 
 from protocols.base.machine import Ns
@@ -28,33 +27,18 @@ from protocols.rk512.header import (
 class DataBlocks(Protocol):
     """The data blocks behind the line.  One call is one telegram: taken or refused as a whole."""
 
-    def has(self, db: int) -> bool: ...  # is there such a block?
-    def read(self, db: int, word: int, words: int) -> "bytes | ErrorNumber": ...  # 2 x words bytes; too short a block: BLOCK
-    def write(self, db: int, word: int, data: bytes) -> "ErrorNumber | None": ...  # None: written
-
-
-class AddressUnit(Enum):
-    """What byte 6 of the header counts."""
-
-    WORD = "word"
-    BYTE = "byte"
-
-
-class OnFlag(Enum):
-    """What to do with a job that names a coordination flag: there are no flags here."""
-
-    REFUSE = "refuse"  # 32h
-    IGNORE = "ignore"
+    def read(self, db: int, word: int, words: int) -> bytes | ErrorNumber: ...  # 2 x words bytes; block missing or too short: BLOCK
+    def write(self, db: int, word: int, data: bytes) -> ErrorNumber | None: ...  # None: written
 
 
 @dataclass(frozen=True, slots=True)
-class Settings:
+class PassiveSettings:
     """One line's settings; names as in the cell file."""
 
-    db_address_unit: AddressUnit = AddressUnit.WORD
+    db_address_unit: str = "word"  # what byte 6 of the header counts: word | byte
     reaction: bool = True  # False: the partner expects no reaction telegram
-    unknown_block: int = ErrorNumber.BLOCK
-    coordination_flag: OnFlag = OnFlag.REFUSE
+    unknown_block: int = ErrorNumber.BLOCK  # what this partner is told where the store answers BLOCK
+    coordination_flag: str = "refuse"  # a job that names one (there are none here): refuse (32h) | ignore
     follow_on_reaction: bool = True  # refusals of a follow-on begin with FF, as CP 341 has it; False: 00
 
 
@@ -92,6 +76,8 @@ class UnexpectedReaction:
     head: bytes
 
 
+__all__ = ["DataBlocks", "ErrorNumber", "Event", "Fetched", "Passive", "PassiveSettings", "Refused", "UnexpectedReaction", "Written"]
+
 Event = Written | Fetched | Refused | UnexpectedReaction
 Fault = tuple[int, str]  # error number, in words
 
@@ -99,8 +85,8 @@ Fault = tuple[int, str]  # error number, in words
 class Passive:
     """Answers one telegram after another."""
 
-    def __init__(self, blocks: DataBlocks, settings: Settings | None = None) -> None:
-        self._blocks, self._settings = blocks, settings or Settings()
+    def __init__(self, blocks: DataBlocks, settings: PassiveSettings | None = None) -> None:
+        self._blocks, self._settings = blocks, settings or PassiveSettings()
         self._output: bytes | None = None
 
     def telegram(self, data: bytes, now: Ns) -> list[Event]:
@@ -154,11 +140,9 @@ class Passive:
         return None
 
     def _wrong_target(self, header: Header) -> Fault | None:
-        if header.flag is not None and self._settings.coordination_flag is OnFlag.REFUSE:
+        if header.flag is not None and self._settings.coordination_flag != "ignore":
             return ErrorNumber.LOCKED, f"coordination flag {header.flag.byte}.{header.flag.bit}: none here"
-        if not self._blocks.has(header.db):
-            return self._settings.unknown_block, f"DB {header.db} is not there"
-        if self._settings.db_address_unit is AddressUnit.BYTE and header.address % 2:
+        if self._settings.db_address_unit == "byte" and header.address % 2:
             return ErrorNumber.BLOCK, f"byte address {header.address} is odd"
         return None
 
@@ -167,7 +151,7 @@ class Passive:
         word, content = self._word(header), data[HEADER_BYTES:]
         number = self._blocks.write(header.db, word, content)
         if number is not None:
-            return self._refuse((number, f"DB {header.db} DW {word}, {header.amount} words: not written"), data)
+            return self._refuse((self._told(number), f"DB {header.db} DW {word}, {header.amount} words: not written"), data)
         self._answer(encode_reaction(ErrorNumber.NONE))
         return Written(header.db, word, content)
 
@@ -175,12 +159,15 @@ class Passive:
         word = self._word(header)
         content = self._blocks.read(header.db, word, header.amount)
         if isinstance(content, ErrorNumber):
-            return self._refuse((content, f"DB {header.db} DW {word}, {header.amount} words: not read"), data)
+            return self._refuse((self._told(content), f"DB {header.db} DW {word}, {header.amount} words: not read"), data)
         self._answer(encode_reaction(ErrorNumber.NONE, content))
         return Fetched(header.db, word, header.amount)
 
     def _word(self, header: Header) -> int:
-        return header.address // 2 if self._settings.db_address_unit is AddressUnit.BYTE else header.address
+        return header.address // 2 if self._settings.db_address_unit == "byte" else header.address
+
+    def _told(self, number: ErrorNumber) -> int:
+        return self._settings.unknown_block if number == ErrorNumber.BLOCK else number
 
     def _refuse(self, fault: Fault, data: bytes) -> Refused:
         number, why = fault
