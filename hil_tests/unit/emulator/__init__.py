@@ -1,0 +1,1 @@
+"""The servo emulator: model, boosters, bus time."""

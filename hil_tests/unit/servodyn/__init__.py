@@ -1,0 +1,1 @@
+"""SERVODYN telegrams: layout, identifiers, DBC."""
