@@ -4,6 +4,8 @@ import ast
 import importlib.metadata
 import pathlib
 import re
+import subprocess
+import sys
 import tomllib
 
 import pytest
@@ -101,3 +103,14 @@ LINK = re.compile(r"\]\((?!https?:|mailto:|#)([^)#\s]+)")
 def test_every_link_of_our_texts_leads_somewhere(path: pathlib.Path) -> None:
     dead = [target for target in LINK.findall(path.read_text()) if not (path.parent / target).exists()]
     assert dead == []
+
+
+def test_the_page_of_decisions_says_what_its_files_say() -> None:
+    done = subprocess.run([sys.executable, ROOT / "docs" / "assemble.py", "--check"], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, ""), "run make docs"
+
+
+def test_every_decision_that_is_named_exists() -> None:
+    known = set(re.findall(r"^## (AX-\d{3})", (ROOT / "docs" / "decisions.md").read_text(), re.MULTILINE))
+    named = {number for path in SOURCES for number in re.findall(r"\bAX-\d{3}\b", path.read_text())}
+    assert named - known == set()

@@ -1,0 +1,44 @@
+"""`make docs`: docs/decisions.md from docs/decisions.d/AX-nnn-*.md, in the order of their numbers.
+
+python docs/assemble.py [--check]      (--check: exit 1 when decisions.md is not what the files say)
+"""
+
+import pathlib
+import re
+import sys
+
+HERE = pathlib.Path(__file__).resolve().parent
+TARGET = HERE / "decisions.md"
+TITLE = re.compile(r"# (AX-\d{3})\b[ :.-]*(.+)")
+HEAD = """# Decisions
+
+What the manuals leave open and axisgate had to settle. One paragraph each, made by `make docs` from the files in `decisions.d`;
+a decision is changed by a new one, which names the old.
+"""
+
+
+def assembled() -> str:
+    """The whole page; raises ValueError naming a file without a title, or two with one number."""
+    sections: dict[str, str] = {}
+    for path in sorted((HERE / "decisions.d").glob("*.md")):
+        title, _, body = path.read_text(encoding="utf-8").strip().partition("\n")
+        match = TITLE.fullmatch(title.strip())
+        if match is None or not path.name.startswith(match[1]):
+            raise ValueError(f"{path.name}: the first line must be '# AX-nnn title' with the number of the file's name")
+        if match[1] in sections:
+            raise ValueError(f"{path.name}: {match[1]} exists already")
+        sections[match[1]] = f"## {match[1]} {match[2][0].upper()}{match[2][1:]}\n\n{body.strip()}\n"
+    return "\n".join([HEAD, *(sections[number] for number in sorted(sections))])
+
+
+def main() -> int:
+    page = assembled()
+    if "--check" in sys.argv[1:]:
+        return int(not TARGET.exists() or TARGET.read_text(encoding="utf-8") != page)
+    TARGET.write_text(page, encoding="utf-8")
+    print(f"{TARGET.name}: {page.count(chr(10) + '## ')} decisions")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
