@@ -102,7 +102,7 @@ class LineCore(Generic[E]):
         items = self.port.read()
         if self._sent_owed and not self._untaken:
             self._look_for_sent(now)  # the answer cannot be older than the end of what it answers
-        counters = self.state.counters
+        counters, flushed = self.state.counters, False
         for item in items:
             if isinstance(item, bytes):
                 counters.received += len(item)
@@ -110,10 +110,12 @@ class LineCore(Generic[E]):
             else:
                 counters.damaged += 1
                 events = self._give(self.machine.damaged, item, now)
+            flushed = bool(events)
             if events:
                 self._flush(now)  # the partner waits for the answer; our listeners can wait
                 self._tell(events, now)
-        self._flush(now)
+        if not flushed:
+            self._flush(now)
 
     def wake(self, now: Ns) -> None:
         """A moment named by next_wake has come (or not yet: no harm).  Raises PortError when the port is gone."""
