@@ -100,7 +100,9 @@ def plan_run(
         if bus is None and (simulated or drive_bus.port == "sim"):
             url = f"broker:{slug}-{drive_bus.name}"
             log = ("--log", str(record / f"bus-{drive_bus.name}.log")) if record else ()
-            sims.append(Child(f"broker-{drive_bus.name}", "gateway.processes.broker", ("--name", url.partition(":")[2], *log), announces=True))
+            sims.append(
+                Child(f"broker-{drive_bus.name}", "gateway.processes.broker", ("--name", url.partition(":")[2], *log), announces=True)
+            )
         buses[drive_bus.name] = url
     lines: dict[str, str] = {}
     for line in cell.line:
@@ -115,18 +117,25 @@ def plan_run(
     sims += emulators(cell, slug, folder, buses, period_ms, record) if simulated else []
     doors = tuple(
         Door(n + 1, name, kind)
-        for n, (name, kind) in enumerate([(x.name, "line") for x in cell.line] + [(x.name, "modbus") for x in cell.modbus if x.role == "server"])
+        for n, (name, kind) in enumerate(
+            [(x.name, "line") for x in cell.line] + [(x.name, "modbus") for x in cell.modbus if x.role == "server"]
+        )
     )
     regions = ("rc_in", "rc_out", "axes", "links", "orders")
     core = [
         Child("cycle", "gateway.processes.cycle", (), (*regions, "trace"), "axes", max(5 * period_ms, 50) * MS),
         Child("services", "gateway.processes.services", (), (*regions, *(f"door-{door.number}" for door in doors)), "links", 250 * MS),
     ]
-    binds = {m.name: ("127.0.0.1" if simulated else m.host, modbus_port if modbus_port is not None else (1502 if simulated else m.port)) for m in cell.modbus}
+    binds = {
+        m.name: ("127.0.0.1" if simulated else m.host, modbus_port if modbus_port is not None else (1502 if simulated else m.port))
+        for m in cell.modbus
+    }
     return RunPlan(slug, cell, simulated, folder, period_ms, buses, lines, binds, doors, record, (*sims, *core))
 
 
-def emulators(cell: Cell, slug: str, folder: pathlib.Path, buses: Mapping[str, str], p5_ms: int, record: pathlib.Path | None) -> list[Child]:
+def emulators(
+    cell: Cell, slug: str, folder: pathlib.Path, buses: Mapping[str, str], p5_ms: int, record: pathlib.Path | None
+) -> list[Child]:
     """One emulator process for each drive bus, its plant written to a settings file."""
     from gateway.plant import write_settings  # the emulator's settings are only needed where one runs
 
@@ -161,6 +170,6 @@ def command_line(child: Child) -> list[str]:
 
 def load_plan(fd: int) -> RunPlan:
     """The plan our own supervisor wrote into a memfd; read without moving the offset all its children share."""
-    plan = pickle.loads(os.pread(fd, os.fstat(fd).st_size, 0))  # noqa: S301 only the supervisor can have written it
+    plan = pickle.loads(os.pread(fd, os.fstat(fd).st_size, 0))
     assert isinstance(plan, RunPlan)
     return plan

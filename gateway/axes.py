@@ -32,15 +32,15 @@ INPUT_SIGNALS = {  # names of the enabling inputs (AX-002) -> RcNumbers field
 def scaling_of(axis: Axis) -> Scaling:
     """Increments and SI of one axis; its zero is found by referencing."""
     mechanics = axis.mechanics
-    return Scaling(axis.drive.inc_per_turn, mechanics.ratio, to_si(mechanics.feed_per_turn, axis.unit), -1 if mechanics.direction == "-" else 1)
+    return Scaling(
+        axis.drive.inc_per_turn, mechanics.ratio, to_si(mechanics.feed_per_turn, axis.unit), -1 if mechanics.direction == "-" else 1
+    )
 
 
 def limits_of(axis: Axis) -> AxisLimits:
     """Travel, speed, acceleration, jerk in SI."""
     limits = axis.limits
-    return limits_from(
-        axis.name, axis.unit, lower=limits.min, upper=limits.max, speed=limits.speed, accel=limits.accel, jerk=limits.jerk
-    )
+    return limits_from(axis.name, axis.unit, lower=limits.min, upper=limits.max, speed=limits.speed, accel=limits.accel, jerk=limits.jerk)
 
 
 def reference_of(axis: Axis, scaling: Scaling) -> ReferenceSettings | None:

@@ -136,7 +136,7 @@ class Line:
     priority: str = "low"
     layer: str = "rk512"  # rk512 | telegrams | buep64 | program
     role: str = "passive"  # passive | both
-    output_timeout: int = 0
+    output_timeout: int | None = None  # the rho 3's name for the priority: -1 = low, all else high (worked into priority)
     byte_order: str = "big"
     rk512: Rk512 = Rk512()
     supervision: Supervision = Supervision()

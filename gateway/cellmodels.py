@@ -134,7 +134,7 @@ class Line(Table):
     priority: Literal["low", "high"] = "low"
     layer: Literal["rk512", "telegrams", "buep64", "program"] = "rk512"
     role: Literal["passive", "both"] = "passive"
-    output_timeout: int = Field(default=0, ge=-1, le=65535)
+    output_timeout: int | None = Field(default=None, ge=-1, le=65535)
     byte_order: Literal["big", "little"] = "big"
     rk512: Rk512 = Rk512()
     supervision: Supervision = Supervision()

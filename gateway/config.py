@@ -18,6 +18,7 @@ from gateway.checks import cross_faults, notices
 from gateway.faults import CellFaults, Fault
 from gateway.fieldfaults import field_faults
 from gateway.files import find_config, read_signals, read_text
+from gateway.places import line_of
 from gateway.pure.signals import from_tables
 from gateway.pure.tomllines import Path, lines_of, nearest
 from gateway.rho3params import merge
@@ -61,7 +62,7 @@ class _Loader:
         self._defaults(merged.raw, sources)
         faults = [fault for fault in merged.faults if fault.kind == "field"] + self._plant(merged.raw)
         model, found = self._validated(merged.raw)
-        faults += found
+        faults = sorted(faults + found, key=lambda fault: fault.line or 0)
         crossed = [fault for fault in merged.faults if fault.kind == "cross"]
         if model is not None:
             cell = self._cell(model, sources)
@@ -97,6 +98,12 @@ class _Loader:
             if isinstance(limits, dict) and "jerk" not in limits and isinstance(limits.get("accel"), int | float):
                 limits["jerk"] = JERK_PER_ACCEL * limits["accel"]
                 sources[f"axis.{axis.get('name')}.limits.jerk"] = Source(f"default: {JERK_PER_ACCEL:g} x limits.accel (AX-123)")
+        for line in _tables(raw.get("line")):
+            timeout = line.get("output_timeout")
+            if isinstance(timeout, int) and "priority" not in line:
+                line["priority"] = "low" if timeout == -1 else "high"
+                place = self._line(f"line.{line.get('name')}.output_timeout")
+                sources[f"line.{line.get('name')}.priority"] = Source(f"output_timeout = {timeout}", place)
         served = [line.get("name") for line in _tables(raw.get("line")) if line.get("layer", "rk512") == "rk512"]
         for block in _tables(raw.get("db")):
             if "line" not in block and len(served) == 1 and isinstance(served[0], str):
@@ -143,30 +150,7 @@ class _Loader:
         return {**known, "db": blocks, "axis": known["axis"] | {str(each.get("name")) for each in _tables(raw.get("axis"))}}
 
     def _line(self, key: str) -> int | None:
-        """The line of a key written as in a fault: axis.X.limits.min, db.10[DW 2]."""
-        path: list[str | int] = []
-        here: Any = self.raw
-        for part in key.replace("[", ".[").split("."):
-            step = _locate(here, part)
-            if step is None:
-                break
-            for each in step:
-                path.append(each)
-                here = here[each]
-        return nearest(self.places, tuple(path))
-
-
-def _locate(here: Any, part: str) -> list[str | int] | None:
-    """The steps from `here` to a part of a written key; elements of lists are found by name, number or place."""
-    if isinstance(here, dict):
-        if part.startswith("[") and isinstance(here.get("entries"), list):
-            inner = _locate(here["entries"], part)
-            return None if inner is None else ["entries", *inner]
-        return [part] if part in here else None
-    for index, each in enumerate(here if isinstance(here, list) else ()):
-        if isinstance(each, dict) and part.strip("[]") in {str(each.get(name)) for name in ("name", "number", "at")}:
-            return [index]
-    return None
+        return line_of(self.raw, self.places, key)
 
 
 def _tables(value: Any) -> list[dict[str, Any]]:

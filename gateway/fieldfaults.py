@@ -67,6 +67,21 @@ def allowed(info: FieldInfo | None) -> tuple[str, str]:
     return (low if low.startswith(">") else f">= {low}" if low else high and f"<= {high}"), unit
 
 
+def field_of(parts: Sequence[str]) -> tuple[str, str]:
+    """Range and unit of a key written as people write it; the names of elements are stepped over."""
+    current: Any = CellFile
+    info: FieldInfo | None = None
+    for part in parts:
+        if isinstance(current, type) and issubclass(current, BaseModel):
+            if current is PlantAxis and part in RANGES:
+                return f"{RANGES[part].low:g}..{RANGES[part].high:g}", RANGES[part].unit
+            info = _field(current, part) or _field(current, f"{part}_")
+            current = _bare(info.annotation) if info else None
+        elif current is not None and get_args(current):
+            info, current = _annotated(get_args(current)[-1]), _bare(get_args(current)[-1])
+    return allowed(info)
+
+
 def _fault(file: str, raw: Mapping[str, Any], places: dict[Path, int], detail: ErrorDetails) -> Fault:
     path: Path = tuple(part for part in detail["loc"] if part != "[key]")
     kind, value = detail["type"], detail["input"]

@@ -18,11 +18,12 @@ class Journal:
 
     def write(self, kind: str, text: str, **facts: object) -> None:
         """`kind` is a word to filter by (process, link, command, error), `text` the sentence."""
-        record = {"wall": wall(), "ns": now_ns(), "process": self._process, "kind": kind, "text": text, **facts}
+        moment = wall()
+        record = {"wall": moment, "ns": now_ns(), "process": self._process, "kind": kind, "text": text, **facts}
         if self._fd >= 0:
             os.write(self._fd, (json.dumps(record, ensure_ascii=False, default=str) + "\n").encode())
         if self._echo:
-            print(f"{record['wall'][11:23]} {self._process}: {text}", flush=True)
+            print(f"{moment[11:23]} {self._process}: {text}", flush=True)
 
     def close(self) -> None:
         if self._fd >= 0:

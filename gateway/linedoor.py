@@ -21,9 +21,11 @@ from gateway.pure.records import RC_BYTES, Motion, Quality, set_bit
 from gateway.pure.supervision import LinkWatch
 from protocols.base.machine import Ns
 from protocols.base.step5 import Step5Type
-from protocols.p3964r.link import BlockReceived, Link
+from protocols.p3964r.events import BlockReceived, BlockSent
+from protocols.p3964r.link import Link
 from protocols.p3964r.profiles import PROFILES, Priority
-from protocols.rk512.passive import ErrorNumber, Passive, PassiveSettings
+from protocols.rk512.header import ErrorNumber
+from protocols.rk512.passive import Fetched, Passive, PassiveSettings, Written
 
 if TYPE_CHECKING:
     from gateway.processes.services import Services
@@ -35,21 +37,32 @@ class LineDoor(BaseDoor):
     """One serial line to a PLC."""
 
     def __init__(
-        self, door: Door, office: Office, watch: LinkWatch, on_loss: OnLoss, region: RegionWriter, tell: Tell, line: Line, services: "Services"
+        self,
+        door: Door,
+        office: Office,
+        watch: LinkWatch,
+        on_loss: OnLoss,
+        region: RegionWriter,
+        tell: Tell,
+        line: Line,
+        services: "Services",
     ) -> None:
         super().__init__(door, office, watch, on_loss, region, tell)
         self.line = line
         self._services = services
         blocks = [compile_block(db) for db in services.cell.db if db.line == line.name]
         self.data = self._data_door(blocks) if blocks else None
-        self._partner = {name: 0 for name in ("sends", "fetches", "refused", "bad_blocks")}
+        self._partner = dict.fromkeys(("sends", "fetches", "refused", "bad_blocks"), 0)
         self._life: int | None = None
         self._life_place = _word_of(line.supervision.life_word)
         self.link = Link(PROFILES[line.profile], Priority.HIGH if line.priority == "high" else Priority.LOW)
-        self.passive = Passive(self, PassiveSettings(line.rk512.db_address_unit, line.rk512.reaction, line.rk512.unknown_block))
+        served = PassiveSettings(line.rk512.db_address_unit, line.rk512.reaction, line.rk512.unknown_block)
+        self.passive = Passive(self, served)
         self._runner: LineRunner[object] | None = None
         self._journal_next: Ns = 0
-        tell("link", f"door {self.number} {self.name}: {line.protocol} {line.profile} on {services.plan.lines[line.name]}", door=self.number)
+        tell(
+            "link", f"door {self.number} {self.name}: {line.protocol} {line.profile} on {services.plan.lines[line.name]}", door=self.number
+        )
 
     def _data_door(self, blocks: list[DataBlock]) -> DataDoor:
         services = self._services
@@ -98,14 +111,14 @@ class LineDoor(BaseDoor):
         self.data.settle(at_rest=state.motion in (Motion.IDLE, Motion.STOPPED))
 
     def _on_event(self, event: object, now: Ns) -> None:
+        if isinstance(event, BlockSent):
+            return
         if not isinstance(event, BlockReceived):
-            self._partner["bad_blocks"] += 1
-            if now >= self._journal_next:  # a partner's faults are counted; the journal hears of them at most once a second
-                self._journal_next = now + 1_000_000_000
-                self._tell("line", f"{self.name}: {event}", door=self.number)
+            self._fault("bad_blocks", str(event), now)
             return
         self._life = None
-        self.passive.telegram(event.data, now)
+        for result in self.passive.telegram(event.data, now):
+            self._count(result, now)
         self.heard(now, self._life)
         reaction = self.passive.take_output()
         if reaction is not None:
@@ -113,6 +126,21 @@ class LineDoor(BaseDoor):
             if self._runner is not None:
                 self._runner.kick()
         self._services.flush()
+
+    def _count(self, result: object, now: Ns) -> None:
+        if isinstance(result, Written):
+            self._partner["sends"] += 1
+        elif isinstance(result, Fetched):
+            self._partner["fetches"] += 1
+        else:
+            self._fault("refused", str(result), now)
+
+    def _fault(self, counter: str, words: str, now: Ns) -> None:
+        """A partner's faults are counted; the journal hears of them at most once a second."""
+        self._partner[counter] += 1
+        if now >= self._journal_next:
+            self._journal_next = now + 1_000_000_000
+            self._tell("line", f"{self.name}: {words}", door=self.number)
 
     def counters(self) -> dict[str, object]:
         """For tools."""
@@ -141,44 +169,36 @@ class LineDoor(BaseDoor):
         """FETCH."""
         data = self.block_bytes(db)
         if data is None or 2 * (word + words) > len(data):
-            self._partner["refused"] += 1
-            return ErrorNumber(self.line.rk512.unknown_block)
-        self._partner["fetches"] += 1
+            return ErrorNumber.BLOCK
         return data[2 * word : 2 * (word + words)]
 
     def write(self, db: int, word: int, data: bytes) -> ErrorNumber | None:
         """SEND: taken whole or not at all."""
-        refused = self._write(db, word, data)
-        self._partner["sends" if refused is None else "refused"] += 1
-        return refused
-
-    def _write(self, db: int, word: int, data: bytes) -> ErrorNumber | None:
-        missing = ErrorNumber(self.line.rk512.unknown_block)
         now = time.monotonic_ns()
         if self.data is not None and db in self.data.blocks:
             block = self.data.blocks[db]
             if not block.from_plc:
                 return ErrorNumber.NOT_ALLOWED
             if 2 * word + len(data) > len(block.data):
-                return missing
+                return ErrorNumber.BLOCK
             self.data.written(db, word, data, now)
             self._note_life(db, word, data)
             return None
         if db == INPUTS_DB:
-            return self._write_inputs(word, data, missing)
+            return self._write_inputs(word, data)
         if self.data is not None or db != COMMAND_DB:
-            return missing
+            return ErrorNumber.BLOCK
         if word + len(data) // 2 > COMMAND_WORDS or len(data) % 2:
-            return missing
+            return ErrorNumber.BLOCK
         self.write_words(word, struct.unpack(f">{len(data) // 2}H", data), now)
         self._note_life(db, word, data)
         return None
 
-    def _write_inputs(self, word: int, data: bytes, missing: ErrorNumber) -> ErrorNumber | None:
+    def _write_inputs(self, word: int, data: bytes) -> ErrorNumber | None:
         octets = range(2 * word, 2 * word + len(data))
         services = self._services
         if octets.stop > RC_BYTES:
-            return missing
+            return ErrorNumber.BLOCK
         if any(services.owned.get(octet) != self.number for octet in octets):
             return ErrorNumber.NOT_ALLOWED
         services.inputs.values[octets.start : octets.stop] = data
@@ -193,7 +213,7 @@ class LineDoor(BaseDoor):
 
     def write_as_plc(self, db: int, word: int, data: bytes) -> str:
         """`axisgate var --set`: as if the PLC had sent it; empty when done, else why not."""
-        refused = self._write(db, word, data)
+        refused = self.write(db, word, data)
         self._services.flush()
         return "" if refused is None else f"DB {db} DW {word}: refused with RK512 error {int(refused):02X}h ({refused.name})"
 

@@ -12,9 +12,9 @@ from gateway.faults import Fault
 from gateway.pure.tomllines import Path, nearest
 
 LEGAL = frozenset(
-    "P2 P3 P5 P9 P11 P13 P14 P15 P16 P18 P20 P21 P24 P25 P26 P27 P28 P29 P30 P31 P32 P33 P34 P35 P36 P103 P104 P105 P108 P109 P110 P111 P112 "
-    "P113 P114 P117 P122 P128 P129 P130 P201 P202 P203 P204 P205 P207 P208 P212 P213 P214 P301 P303 P304 P305 P306 P310 P311 P313 P401 P402 "
-    "P405 P501 P503 P506 P508 P601 P602 P603 P604 P605 P606 P607 P608 P609 P610 P611 P612 P613 P614 P615".split()
+    "P2 P3 P5 P9 P11 P13 P14 P15 P16 P18 P20 P21 P24 P25 P26 P27 P28 P29 P30 P31 P32 P33 P34 P35 P36 P103 P104 P105 P108 P109 P110 "
+    "P111 P112 P113 P114 P117 P122 P128 P129 P130 P201 P202 P203 P204 P205 P207 P208 P212 P213 P214 P301 P303 P304 P305 P306 P310 "
+    "P311 P313 P401 P402 P405 P501 P503 P506 P508 P601 P602 P603 P604 P605 P606 P607 P608 P609 P610 P611 P612 P613 P614 P615".split()
 )
 USED = frozenset("P2 P5 P9 P15 P20 P21 P24 P30 P31 P32 P103 P104 P108 P109 P204 P205 P207 P208 P401 P601".split())
 PER_AXIS = {  # P number -> (table, key) of [[axis]], sign
@@ -83,7 +83,10 @@ class _Work:
         if not axes and systems:
             axes = self.merged.raw["axis"] = [{"name": str(system.get("axis")), "unit": "deg"} for system in systems]
             for system in systems:
-                self.merged.sources[f"axis.{system.get('axis')}.unit"] = Source("default of [rho3] without [[axis]]: deg")
+                for key in ("name", "unit", "drive.type", "drive.bus"):
+                    self.merged.sources[f"axis.{system.get('axis')}.{key}"] = Source(
+                        "rho3.P401, no [[axis]] table: an axis in deg for each"
+                    )
         for number, axis in enumerate(_tables(axes)):
             for param, (table, key, sign) in PER_AXIS.items():
                 self.per_axis(param, number, axis, table, key, sign, len(_tables(axes)))

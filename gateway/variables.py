@@ -21,7 +21,12 @@ if TYPE_CHECKING:
     from gateway.processes.services import Services
 
 LONGEST = 4096
-_KINDS = {Table.COIL: Kind.COILS, Table.DISCRETE: Kind.DISCRETE_INPUTS, Table.INPUT: Kind.INPUT_REGISTERS, Table.HOLDING: Kind.HOLDING_REGISTERS}
+_KINDS = {
+    Table.COIL: Kind.COILS,
+    Table.DISCRETE: Kind.DISCRETE_INPUTS,
+    Table.INPUT: Kind.INPUT_REGISTERS,
+    Table.HOLDING: Kind.HOLDING_REGISTERS,
+}
 
 
 class Variables:
@@ -84,7 +89,6 @@ class Variables:
                 return {"address": text, "place": name, "value": self._services.values.get(name)}
             case Register():
                 return self._register(text, place)
-        return {"error": f"{text}: not readable here"}
 
     def _register(self, text: str, place: Register) -> dict[str, object]:
         """As a Modbus client would read it from the first server of the cell."""

@@ -3,7 +3,7 @@
 from gateway.cell import Line
 from gateway.checks.context import Context, near, twice
 from gateway.pure.addresses import AddressFault, DataWord, Direction, parse
-from gateway.checks.figures import PROFILES
+from protocols.p3964r.profiles import PROFILES
 
 FREE_PORTS = ("sim",)
 
@@ -48,6 +48,9 @@ def lines(check: Context) -> None:
     for line in check.cell.line:
         if line.profile not in PROFILES:
             check.fault(f"line.{line.name}.profile", line.profile, near(line.profile, PROFILES), " | ".join(sorted(PROFILES)))
+        if line.output_timeout is not None and (line.output_timeout == -1) is not (line.priority == "low"):
+            hint = f"output_timeout = {line.output_timeout} says the opposite (-1 = low): keep one of both"
+            check.fault(f"line.{line.name}.priority", line.priority, hint)
         if not line.format.split()[1].startswith("8"):
             check.fault(f"line.{line.name}.format", line.format, "3964R carries all 256 characters: 8 data bits", '"9600 8E1"')
         if line.supervision.life_word is not None:

@@ -3,11 +3,11 @@
 import math
 
 from gateway.cell import Bus, Cell, Line
+from protocols.p3964r.profiles import PROFILES
 
 FRAME_CHARS = 6  # STX, DLE, DLE ETX BCC, DLE around every block (serial-protocols 1.3, 1.4)
 HEADER, REACTION = 10, 4  # bytes of an RK512 command header and reaction header (serial-protocols 2.1, 2.2)
 WORDS_PER_TELEGRAM = 64  # 128 bytes (serial-protocols 2.3)
-PROFILES = QVZ = {"rho3": (550.0, 6), "siemens-cp525": (2000.0, 6), "siemens-cp341": (2000.0, 6)}
 SDO_PAIR_FRAMES = 2  # request and answer, 8 bytes each
 
 
@@ -26,7 +26,8 @@ def job_ms(line: Line, words: int) -> float:
 
 def silence_s(line: Line) -> tuple[float, int]:
     """How long the link tries before it reports the partner gone: QVZ in ms, and attempts."""
-    return QVZ[line.profile]
+    profile = PROFILES[line.profile]
+    return profile.ack_delay / 1e6, profile.connect_attempts
 
 
 def frame_us(data: int) -> int:

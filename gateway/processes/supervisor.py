@@ -37,7 +37,8 @@ class Running:
     process: subprocess.Popen[bytes] | None = None
     deaths: list[int] = field(default_factory=list)
     restarts: int = 0
-    start_at: int | None = 0  # when to start it; None: it stays down
+    start_at: int | None = None  # when to start it again; None: running, not yet started, or down
+    down: bool = False  # died too often: it stays down
     started_ns: int = 0
     ready: bool = False
     reader: RegionReader | None = None
@@ -94,7 +95,7 @@ class Supervisor:
                 self._turn()
                 if self._stop:
                     return 0
-                if now_ns() > until or running.start_at is None or len(running.deaths) > 1:
+                if now_ns() > until or running.down or len(running.deaths) > 1:
                     self.journal.write("process", f"{running.child.name} did not start; its own words stand above")
                     return 3
         return 0
@@ -166,7 +167,7 @@ class Supervisor:
         running.deaths = [at for at in running.deaths if now - at < WINDOW_NS] + [now]
         deaths = len(running.deaths)
         if deaths >= TOO_MANY:
-            running.start_at = None
+            running.start_at, running.down = None, True
             self.journal.write("alarm", f"{running.child.name} {how}; {deaths} deaths in a minute: it stays down", child=running.child.name)
             return
         wait = WAITS_NS[min(deaths - 1, len(WAITS_NS) - 1)]
@@ -245,7 +246,7 @@ class Supervisor:
                 {
                     "name": r.child.name,
                     "pid": r.process.pid if r.process else None,
-                    "state": "up" if r.process else "down" if r.start_at is None else "waiting",
+                    "state": "up" if r.process else "down" if r.down else "waiting",
                     "restarts": r.restarts,
                     "life_age_ms": round((now - r.reader.life[1]) / 1e6, 1) if r.reader else None,
                 }

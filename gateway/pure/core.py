@@ -122,7 +122,9 @@ class Core:
         self._settled = False
 
     # ---- one cycle ---------------------------------------------------------------------------------------------------
-    def step(self, actuals: Sequence[ActualValue | None], inputs: InputImage, orders: Sequence[OrderRecord], services_ns: Ns, now: Ns) -> list[SetValue]:
+    def step(
+        self, actuals: Sequence[ActualValue | None], inputs: InputImage, orders: Sequence[OrderRecord], services_ns: Ns, now: Ns
+    ) -> list[SetValue]:
         """actuals: (axes,) of this SYNC, None where the telegram did not come; services_ns: stamp of the services' last beat."""
         self.state.cycle += 1
         self.state.sync_ns = now
@@ -395,7 +397,12 @@ class Core:
         if self._homing or any(axis.run is not None for axis in self._axes):
             state.motion = Motion.REFERENCING
         else:
-            state.motion = {State.IDLE: Motion.IDLE, State.RUNNING: Motion.RUNNING, State.STOPPING: Motion.STOPPING, State.STOPPED: Motion.STOPPED}[stepper]
+            state.motion = {
+                State.IDLE: Motion.IDLE,
+                State.RUNNING: Motion.RUNNING,
+                State.STOPPING: Motion.STOPPING,
+                State.STOPPED: Motion.STOPPED,
+            }[stepper]
         state.override = self._override
         state.job = self._homing or self._running
         for n, axis in enumerate(self._axes):
@@ -434,5 +441,3 @@ class Core:
             if on:
                 flags |= flag
         out.flags, out.fault_code, out.power = flags, drive.fault_code, drive.power.value
-
-

@@ -11,7 +11,7 @@ from gateway.pure.command_block import Code, Command
 from gateway.pure.reasons import CommandState
 from protocols.base.errors import ProtocolError
 from protocols.base.machine import Ns
-from protocols.base.step5 import Step5Type, decode, encode, range_of
+from protocols.base.step5 import Step5Type, decode, encode
 
 RC_NAMES = {  # entries that are RC inputs -> field of RcNumbers (AX-002)
     "cell.emergency_stop_ok": "chain",
@@ -20,6 +20,19 @@ RC_NAMES = {  # entries that are RC inputs -> field of RcNumbers (AX-002)
     "cell.feed_hold_not": "run",
     "cell.travel_allow": "travel",
 }
+
+
+RANGES = {  # counts a number of that type can hold; the other types stand for their word as it is
+    Step5Type.KF: (-0x8000, 0x7FFF),
+    Step5Type.DH: (-0x8000_0000, 0x7FFF_FFFF),
+    Step5Type.KH: (0, 0xFFFF),
+    Step5Type.KM: (0, 0xFFFF),
+    Step5Type.KZ: (0, 999),
+    Step5Type.BCD: (0, 9999),
+    Step5Type.KG: (-1.7e38, 1.7e38),
+    Step5Type.REAL: (-3.4e38, 3.4e38),
+}
+FLOATS = (Step5Type.KG, Step5Type.REAL)
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +53,7 @@ class Slot:
     @property
     def size(self) -> int:
         """Bytes this slot covers from the start of its word (or of its half)."""
-        return 2 if self.type is None or self.half else len(encode(self.type, 0))
+        return 2 if self.type is None or self.half else self.type.size
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +95,10 @@ class DataBlock:
         at = 2 * slot.word
         if slot.half:
             return self.data[at + (slot.half == "R")] * slot.factor
-        return float(decode(slot.type, bytes(self.data[at : at + slot.size]))) * slot.factor
+        raw = bytes(self.data[at : at + slot.size])
+        number = decode(slot.type, raw) if slot.type in RANGES else int.from_bytes(raw, "big")
+        assert isinstance(number, int | float)
+        return number * slot.factor
 
     def put(self, slot: Slot, value: float) -> bool:
         """Write a value in its unit; beyond the type's range the nearest end stands there (False)."""
@@ -90,15 +106,15 @@ class DataBlock:
             self.put_bit(slot.word, slot.bit, bool(value))
             return True
         count = value / slot.factor
-        low, high = (0, 255) if slot.half else range_of(slot.type)
+        low, high = (0, 255) if slot.half else RANGES.get(slot.type, (0, 0xFFFF))
         kept = min(max(count, low), high)
         at = 2 * slot.word
         if slot.half:
             self.data[at + (slot.half == "R")] = round(kept)
+        elif slot.type in RANGES:
+            self.data[at : at + slot.size] = encode(slot.type, kept if slot.type in FLOATS else round(kept))
         else:
-            whole = slot.type not in (Step5Type.KG, Step5Type.REAL)
-            data = encode(slot.type, round(kept) if whole else kept)
-            self.data[at : at + len(data)] = data
+            self.data[at : at + 2] = round(kept).to_bytes(2, "big")
         return kept == count
 
 

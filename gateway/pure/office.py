@@ -308,7 +308,10 @@ class Office:
         travel = axis.high - axis.low
         if not math.isfinite(value) or (value != 0.0 and abs(value) < TINY) or abs(value) > TRAVELS * travel:
             kind = "distance" if relative else "target"
-            raise Refusal(Reason.FORMAT_SUSPICION, f"{axis.name} {kind} {value:.3g} {axis.unit} looks like KG read as IEEE (travel {travel:g} {axis.unit})")
+            raise Refusal(
+                Reason.FORMAT_SUSPICION,
+                f"{axis.name} {kind} {value:.3g} {axis.unit} looks like KG read as IEEE (travel {travel:g} {axis.unit})",
+            )
 
     def _mask(self, job: Job) -> None:
         if job.mask == 0 or job.mask & ~self._all:

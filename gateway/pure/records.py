@@ -89,6 +89,10 @@ class CellState:
     axes: list[AxisState] = field(default_factory=lambda: [AxisState() for _ in range(AXES)])
 
 
+_HEAD_NAMES = (
+    "cycle", "sync_ns", "generation", "motion", "override", "job", "progress", "done_job", "failed_job", "failed_reason", "taken",
+    "emergency", "ready", "permits", "stop_cause", "skipped", "incomplete", "late", "services_lost", "compute_ns",
+)  # fmt: skip
 _HEAD = struct.Struct("=QqQBdQdQQHQBBBHQQQQQ")
 _AXIS = struct.Struct("=dddddHBB")
 CELL_STATE_SIZE = _HEAD.size + AXES * _AXIS.size
@@ -97,11 +101,7 @@ CELL_STATE_LAYOUT = f"cell-state/1 {_HEAD.format} {AXES}x{_AXIS.format}"
 
 def pack_cell_state(state: CellState) -> bytes:
     """CellState as CELL_STATE_SIZE bytes."""
-    head = _HEAD.pack(
-        state.cycle, state.sync_ns, state.generation, state.motion, state.override, state.job, state.progress, state.done_job, state.failed_job,
-        state.failed_reason, state.taken, state.emergency, state.ready, state.permits, state.stop_cause, state.skipped, state.incomplete, state.late,
-        state.services_lost, state.compute_ns,
-    )  # fmt: skip
+    head = _HEAD.pack(*[getattr(state, name) for name in _HEAD_NAMES])
     return head + b"".join(_AXIS.pack(a.actual, a.set, a.speed, a.lag, a.torque, a.flags, a.fault_code, a.power) for a in state.axes)
 
 
@@ -109,10 +109,9 @@ def unpack_cell_state(data: bytes) -> CellState:
     """The reverse of pack_cell_state."""
     head = _HEAD.unpack_from(data)
     state = CellState()
-    state.cycle, state.sync_ns, state.generation, state.motion, state.override, state.job, state.progress = *head[:3], Motion(head[3]), *head[4:7]
-    state.done_job, state.failed_job, state.failed_reason, state.taken = head[7:11]
-    state.emergency, state.ready = bool(head[11]), bool(head[12])
-    state.permits, state.stop_cause, state.skipped, state.incomplete, state.late, state.services_lost, state.compute_ns = head[13:]
+    for name, value in zip(_HEAD_NAMES, head, strict=True):
+        setattr(state, name, value)
+    state.motion, state.emergency, state.ready = Motion(state.motion), bool(state.emergency), bool(state.ready)
     for number in range(AXES):
         actual, set_, speed, lag, torque, flags, fault, power = _AXIS.unpack_from(data, _HEAD.size + number * _AXIS.size)
         state.axes[number] = AxisState(actual, set_, speed, lag, torque, AxisFlag(flags), fault, power)

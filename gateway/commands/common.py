@@ -1,0 +1,30 @@
+"""What the commands share: exit codes, the banner, loading a cell with its faults told."""
+
+import sys
+
+from gateway.cell import Cell
+from gateway.config import load_cell
+from gateway.faults import CellFaults
+from gateway.files import ConfigNotFound, find_config
+
+DONE, FINDING, USAGE, ENVIRONMENT = 0, 1, 2, 3
+BANNER = (
+    "axisgate is not a safety device. It has no safety function, no performance level and no certificate. Emergency stop, safe torque off,\n"
+    "guards, enabling devices and speed monitoring must be realised in certified hardware that works without axisgate.\n"
+    "axisgate ist keine Sicherheitseinrichtung: Not-Halt, STO, Schutztueren, Zustimmung und sichere Geschwindigkeit gehoeren in\n"
+    "zertifizierte Hardware, die ohne axisgate wirkt."
+)
+
+
+def load(name: str) -> Cell | int:
+    """The checked cell, or the exit code after its faults were printed."""
+    try:
+        return load_cell(str(find_config(name, "cells")))
+    except ConfigNotFound as error:
+        print(f"axisgate: {error}", file=sys.stderr)
+        return USAGE
+    except CellFaults as faults:
+        for fault in faults.faults:
+            print(fault, file=sys.stderr)
+        print(f"axisgate: {len(faults.faults)} faults; axisgate check {name} explains them", file=sys.stderr)
+        return USAGE

@@ -1,0 +1,90 @@
+"""Run a cell: drives on the bus, PLCs on their lines (--sim: the same file with everything simulated)."""
+
+import argparse
+import json
+import pathlib
+import sys
+
+from drivers.ports.base import PortError
+from gateway.assembly import RunPlan, plan_run
+from gateway.cell import Cell
+from gateway.commands.common import BANNER, DONE, ENVIRONMENT, USAGE, load
+from gateway.processes.supervisor import Supervisor
+
+EXAMPLES = """examples:
+  axisgate run demo --sim                       the demo's cell, everything simulated
+  axisgate run cell.toml --sim                  your cell without metal
+  axisgate run cell.toml                        your cell on its real ports
+"""
+
+
+def main(argv: list[str]) -> int:
+    parser = argparse.ArgumentParser(
+        prog="axisgate run", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("cell", help="cell file, or the name of a shipped one")
+    parser.add_argument("--sim", action="store_true", help="simulate drives, bus and serial lines")
+    parser.add_argument("--bus", help="CAN port in place of the cell's, e.g. socketcan:vcan0")
+    parser.add_argument("--p5", type=int, help="clock in ms (2..32) in place of the cell's")
+    parser.add_argument("--modbus-port", type=int, help="TCP port in place of the cell's")
+    parser.add_argument("--name", help="name of this run for `axisgate var` (default: the file's)")
+    parser.add_argument("--record", type=pathlib.Path, help="folder for bus log, line and emulator records")
+    parser.add_argument("--json", action="store_true", help="print the plan of the run as JSON and do not start it")
+    arguments = parser.parse_args(argv)
+    cell = load(arguments.cell)
+    if isinstance(cell, int):
+        return cell
+    refusal = why_not(cell, simulated=arguments.sim, p5=arguments.p5)
+    if refusal:
+        print(f"axisgate run: {refusal}", file=sys.stderr)
+        return USAGE if refusal.startswith("--p5") else ENVIRONMENT
+    if arguments.record:
+        arguments.record.mkdir(parents=True, exist_ok=True)
+    try:
+        plan = plan_run(
+            cell,
+            simulated=arguments.sim or cell.cell.target == "simulation",
+            slug=arguments.name,
+            bus=arguments.bus,
+            p5_ms=arguments.p5,
+            modbus_port=arguments.modbus_port,
+            record=arguments.record,
+        )
+        if arguments.json:
+            print(json.dumps(describe(plan), indent=1))
+            return DONE
+        print(BANNER)
+        return Supervisor(plan).run()
+    except PortError as error:
+        print(f"axisgate run: {error}", file=sys.stderr)
+        return ENVIRONMENT
+
+
+def why_not(cell: Cell, *, simulated: bool, p5: int | None) -> str:
+    """Empty, or why this cell cannot be played here."""
+    if p5 is not None and not 2 <= p5 <= 32:
+        return f"--p5 {p5}: the clock is 2..32 ms (drives on CAN, rho3 P5)"
+    missing = cell.not_playable()
+    if missing:
+        return "this version cannot play: " + "; ".join(missing)
+    if not cell.axis:
+        return "the cell has no [[axis]]: nothing to run"
+    if simulated or cell.cell.target == "simulation":
+        return ""
+    blind = [bus.name for bus in cell.bus if bus.protocol == "servodyn" and not bus.simulated and not bus.layout_evidence]
+    if blind:
+        return f"bus {', '.join(blind)}: no layout_evidence: the SERVODYN layout is axisgate's own; drives are not enabled on a real bus without it"
+    return ""
+
+
+def describe(plan: RunPlan) -> dict[str, object]:
+    """What would run, for scripts."""
+    return {
+        "name": plan.slug,
+        "p5_ms": plan.p5_ms,
+        "buses": dict(plan.buses),
+        "lines": dict(plan.lines),
+        "modbus": {name: f"{host}:{port}" for name, (host, port) in plan.modbus.items()},
+        "doors": [{"number": door.number, "name": door.name, "kind": door.kind} for door in plan.doors],
+        "processes": [{"name": child.name, "module": child.module, "arguments": list(child.arguments)} for child in plan.children],
+    }

@@ -1,0 +1,86 @@
+"""Read or set one value of a running cell by any address: DB10.DW2, E 1.0, RC 7.3, K01_A_MN_RCI, 40001, axis.A1.actual."""
+
+import argparse
+import json
+import socket
+import sys
+import time
+
+from drivers.ports.base import runtime_dir
+from gateway.commands.common import DONE, ENVIRONMENT, FINDING
+
+EXAMPLES = """examples:
+  axisgate var axis.A1.actual                   actual position of axis A1 in mm
+  axisgate var DB10.DW2 --set 1200              as if the PLC had sent it (simulated cells only)
+  axisgate var DB11.DW2 --watch                 until Ctrl-C
+"""
+
+
+def main(argv: list[str]) -> int:
+    parser = argparse.ArgumentParser(
+        prog="axisgate var", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("address", nargs="?", help="address or name; without one: all names")
+    parser.add_argument("--set", dest="value", help="number to write (DW -32768..65535, bit 0 or 1)")
+    parser.add_argument("--watch", action="store_true", help="print again whenever it changes")
+    parser.add_argument("--name", help="which run, when several are up")
+    parser.add_argument("--json", action="store_true")
+    arguments = parser.parse_args(argv)
+    runs = [path.name.removesuffix("-services.sock") for path in sorted(runtime_dir().glob("*-services.sock"))]
+    runs = [run for run in runs if arguments.name in (None, run)]
+    if len(runs) != 1:
+        known = ", ".join(runs) or "none"
+        print(f"axisgate var: which run? up are: {known}; start one with: axisgate run demo --sim", file=sys.stderr)
+        return ENVIRONMENT
+    request = {"op": "names"} if not arguments.address else {"op": "get", "address": arguments.address}
+    if arguments.value is not None and arguments.address:
+        request = {"op": "set", "address": arguments.address, "value": arguments.value}
+    try:
+        with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as link:
+            link.settimeout(2.0)
+            link.connect(str(runtime_dir() / f"{runs[0]}-services.sock"))
+            return converse(link, request, watch=arguments.watch, as_json=arguments.json)
+    except OSError as error:
+        print(f"axisgate var: run {runs[0]!r} does not answer ({error}); its services may be starting again", file=sys.stderr)
+        return ENVIRONMENT
+    except KeyboardInterrupt:
+        return DONE
+
+
+def converse(link: socket.socket, request: dict[str, str], *, watch: bool, as_json: bool) -> int:
+    """One question, or the same one ten times a second."""
+    last = ""
+    while True:
+        link.sendall(json.dumps(request).encode() + b"\n")
+        answer = json.loads(receive_line(link))
+        if "error" in answer:
+            print(f"axisgate var: {answer['error']}", file=sys.stderr)
+            return FINDING
+        shown = json.dumps(answer) if as_json else sentence(answer)
+        if shown != last:
+            print(shown, flush=True)
+            last = shown
+        if not watch:
+            return DONE
+        time.sleep(0.1)
+
+
+def receive_line(link: socket.socket) -> bytes:
+    data = b""
+    while not data.endswith(b"\n"):
+        part = link.recv(65536)
+        if not part:
+            raise ConnectionError("closed")
+        data += part
+    return data
+
+
+def sentence(answer: dict[str, object]) -> str:
+    """The answer as one line; names as a list."""
+    names = answer.get("names")
+    if isinstance(names, list):
+        return "\n".join(map(str, names))
+    columns = [f"{key} {value}" for key, value in answer.items() if key in ("KF", "DH", "KH", "KM", "KG", "REAL")]
+    value = answer["value"]
+    text = f"{value:.4f}".rstrip("0").rstrip(".") if isinstance(value, float) else str(value)
+    return f"{answer['place']} = {text}" + (f"   ({', '.join(columns)})" if columns else "")

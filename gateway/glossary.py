@@ -1,0 +1,40 @@
+"""Words of three trades in one sentence each, with the other trades' word for the same thing (users.md 3.2)."""
+
+from collections.abc import Mapping
+
+WORDS: Mapping[str, tuple[str, str]] = {  # word -> (meaning, key of the cell that sets it)
+    "QVZ": ("acknowledgement delay, Quittungsverzugszeit (Siemens: ADT): longest wait for the partner's DLE or NAK", "line.NAME.profile"),
+    "ZVZ": ("character delay, Zeichenverzugszeit (Siemens: CDT): longest gap between two characters of a block", "line.NAME.profile"),
+    "BWZ": ("block wait time, Blockwartezeit: longest wait for a repeat of a refused block", "line.NAME.profile"),
+    "KF": ("STEP 5 fixed point, 16 bits, -32768..32767", "db.NUMBER[AT].type"),
+    "KH": ("STEP 5 hexadecimal word, 0..FFFF; at DL or DR one byte", "db.NUMBER[AT].type"),
+    "KG": ("STEP 5 float, 32 bits, exponent first: not IEEE; only CPUs 135U and 155U have it", "db.NUMBER[AT].type"),
+    "DH": ("STEP 5 double word, 32 bits fixed point", "db.NUMBER[AT].type"),
+    "REAL": ("IEEE float, 32 bits, high word first", "db.NUMBER[AT].type"),
+    "KV": ("gain of the position loop in 1/s: steady lag = speed / Kv", "plant.axis.NAME.kv_per_s"),
+    "SYNC": ("CAN telegram (identifier 100) at which drives latch positions and take set values over", "bus.NAME.cycle_ms"),
+}
+ALIASES = {"ADT": "QVZ", "CDT": "ZVZ"}
+PARAMETERS: Mapping[str, tuple[str, str]] = {  # P number -> (meaning, unit); rho3 section 8
+    "P2": ("machine configuration code, RC outputs 124..127", ""),
+    "P3": ("number of timers and counters", ""),
+    "P5": ("clock: interpolation, transformation and set-value cycle; 2..32 ms with CAN axes", "ms"),
+    "P9": ("strobe time of coded outputs", "ms"),
+    "P15": ("servo board types; 3 = CAN module", ""),
+    "P20": ("I/O module configuration", ""),
+    "P21": ("PLC bit-coupling ranges I.START, I.END, O.START, O.END", "byte"),
+    "P24": ("user outputs cleared at control reset", ""),
+    "P30": ("CAN buses: input blocks, output blocks, baud 0..3", ""),
+    "P31": ("CAN input blocks: start byte, length, identifier 541..550", ""),
+    "P32": ("CAN output blocks: start byte, length, identifier 471..480", ""),
+    "P103": ("largest axis speed, automatic", "deg/s or mm/s"),
+    "P104": ("PTP slope acceleration", "deg/s^2 or mm/s^2"),
+    "P108": ("referencing speed", "deg/s or mm/s"),
+    "P109": ("first reduced referencing speed", "deg/s or mm/s"),
+    "P204": ("positive software limit", "deg or mm"),
+    "P205": ("negative software limit, printed as a magnitude (AX-124)", "deg or mm"),
+    "P207": ("actual value at the reference point", "deg or mm"),
+    "P208": ("way moved after the reference point", "deg or mm"),
+    "P401": ("measuring systems: module, referencing mode, gear factor, pulses, evaluation, output", ""),
+    "P601": ("download of drive parameters at start", ""),
+}
