@@ -28,7 +28,7 @@ __all__ = ["CellFaults", "Fault", "load_cell"]
 
 DEFAULTS_TAKEN = ("mode", "stop_on_bus_loss", "brake", "following_error", "home", "first_enable")
 JERK_PER_ACCEL = 10.0  # 1/s: full acceleration is reached in 0.1 s (AX-123)
-PLANT_KEYS = frozenset(RANGES) | {name for name in ServoSettings.__dataclass_fields__}
+PLANT_KEYS = frozenset(RANGES) | set(ServoSettings.__dataclass_fields__)
 PLANT_OWN = frozenset(name for name in PLANT_KEYS if name.startswith(("start", "reference_switch", "hard_limit", "following_error")))
 
 
@@ -67,7 +67,7 @@ class _Loader:
         if model is not None:
             cell = self._cell(model, sources)
             known = self._known_names(merged.raw)
-            crossed += cross_faults(cell, known, from_tables(read_signals()), lambda key: self._line(key))
+            crossed += cross_faults(cell, known, from_tables(read_signals()), self._line)
             if not faults and not crossed:
                 return self._noted(cell)
         raise CellFaults([*faults, *sorted(crossed, key=lambda fault: fault.line or 0)])

@@ -85,7 +85,7 @@ def field_of(parts: Sequence[str]) -> tuple[str, str]:
 def _fault(file: str, raw: Mapping[str, Any], places: dict[Path, int], detail: ErrorDetails) -> Fault:
     path: Path = tuple(part for part in detail["loc"] if part != "[key]")
     kind, value = detail["type"], detail["input"]
-    model, info = _walk(path)
+    _, info = _walk(path)
     span, unit = allowed(info)
     shown = "" if kind == "missing" or isinstance(value, dict | list) else _show(value)
     hint = ""

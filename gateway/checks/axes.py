@@ -106,7 +106,8 @@ def _plant_axis(check: Context, axis: Axis, values: PlantAxis) -> None:
     if switch and axis.home.by == "gateway" and switch.from_ < switch.to:
         away = values.start < switch.from_ if axis.home.direction == "-" else values.start > switch.to
         if away:
-            hint = f'the search goes in direction "{axis.home.direction}" and never meets the switch {number(switch.from_)}..{number(switch.to)}'
+            ends = f"{number(switch.from_)}..{number(switch.to)}"
+            hint = f'the search goes in direction "{axis.home.direction}" and never meets the switch {ends}'
             check.fault(f"{key}.start", number(values.start), hint, "", axis.unit)
     limit = values.settings.get("speed_limit_rad_s")
     speed = axis.limits.speed / axis.mechanics.feed_per_turn * axis.mechanics.ratio * 6.283185307179586

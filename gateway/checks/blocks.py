@@ -204,7 +204,8 @@ def _travel(check: Context, block: Db, entry: Entry, axis: Axis, unit: tuple[flo
     low, high = counts[0] * unit[0], counts[1] * unit[0]
     if low > axis.limits.min or high < axis.limits.max:
         travel = f"{number(axis.limits.min)}..{number(axis.limits.max)}"
-        hint = f"{entry.type} at {entry.unit} reaches {number(low)}..{number(high)} {axis.unit}; axis {axis.name} goes {travel} {axis.unit}: use a coarser unit or DH"
+        reach = f"{entry.type} at {entry.unit} reaches {number(low)}..{number(high)} {axis.unit}"
+        hint = f"{reach}; axis {axis.name} goes {travel} {axis.unit}: use a coarser unit or DH"
         check.fault(_key(block, entry), entry.unit, hint)
 
 

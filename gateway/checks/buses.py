@@ -89,7 +89,8 @@ def io_blocks(check: Context) -> None:
                 hint = f"P30 announces {count} {what} blocks on bus {number} (system error 151 on the rho 3)"
                 check.fault(f"rho3.{name}", f"{len(here)} blocks", hint)
             if count * BLOCK_BYTES > FREE_BYTES[min(axes, MODULES)][index]:
-                hint = f"{axes} axes on bus {number} leave {FREE_BYTES[min(axes, MODULES)][index]} bytes of {what}s: {_table(index)}; use the other bus"
+                left = f"{FREE_BYTES[min(axes, MODULES)][index]} bytes of {what}s"
+                hint = f"{axes} axes on bus {number} leave {left}: {_table(index)}; use the other bus"
                 check.fault("rho3.P30", f"{count} {what} blocks", hint)
         if axes and announced.baud:
             check.fault(

@@ -96,7 +96,8 @@ def polling(cell: Cell) -> Iterator[Notice]:
         else:
             yield Notice("note", f"line {line.name}", f"{listed} at {line.baud} Bd: {expect} for one round")
         if line.supervision.max_silence_ms < 3 * MARGIN * total:
-            text = f"max_silence_ms = {line.supervision.max_silence_ms} is less than three rounds of {_tens(MARGIN * total):.0f} ms: one repeat stops the axes"
+            rounds = f"three rounds of {_tens(MARGIN * total):.0f} ms"
+            text = f"max_silence_ms = {line.supervision.max_silence_ms} is less than {rounds}: one repeat stops the axes"
             yield Notice("warning", f"line {line.name}", text)
 
 
@@ -126,7 +127,8 @@ def lag(cell: Cell) -> Iterator[Notice]:
         values = cell.plant.axis.get(axis.name) if cell.plant else None
         kv = values.settings.get("kv_per_s") if values else None
         if kv and axis.following_error and axis.following_error.warn < axis.limits.speed / kv:
-            text = f"lag at full speed is speed / Kv = {number(axis.limits.speed / kv)} {axis.unit}; following_error.warn = {number(axis.following_error.warn)}"
+            needed = f"speed / Kv = {number(axis.limits.speed / kv)} {axis.unit}"
+            text = f"lag at full speed is {needed}; following_error.warn = {number(axis.following_error.warn)}"
             yield Notice("warning", f"axis {axis.name}", text)
 
 

@@ -65,7 +65,8 @@ def read_real_time() -> RealTime:
         refused = os.strerror(error.errno or 0)
     throttle = pathlib.Path("/proc/sys/kernel/sched_rt_runtime_us")
     limit = int(throttle.read_text()) if throttle.is_file() else None
-    return RealTime(refused, resource.getrlimit(resource.RLIMIT_RTPRIO)[0], resource.getrlimit(resource.RLIMIT_MEMLOCK)[0], limit)
+    memlock = -1 if os.geteuid() == 0 else resource.getrlimit(resource.RLIMIT_MEMLOCK)[0]  # no limit binds root
+    return RealTime(refused, resource.getrlimit(resource.RLIMIT_RTPRIO)[0], memlock, limit)
 
 
 def ports(named: list[str]) -> list[Finding]:

@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 DIALOUT = "dialout"
-RTPRIO_NEEDED = 40  # cycle 40, broker 30, emulator 20 below it
 LATENCY_GOOD_MS = 1
 
 
@@ -89,7 +88,9 @@ def real_time(state: RealTime) -> list[Finding]:
     amount = "unlimited" if state.memlock_bytes < 0 else f"{state.memlock_bytes >> 20} MiB"
     findings.append(Finding("memory lock", "ok" if locked else "warn", f"limit {amount}", "" if locked else limits))
     if state.rt_runtime_us is not None and state.rt_runtime_us >= 0:
-        findings.append(Finding("RT throttling", "ok", f"{state.rt_runtime_us} us of each second's period for real-time tasks"))
+        findings.append(
+            Finding("RT throttling", "ok", f"real-time tasks get {state.rt_runtime_us} us of each period (kernel.sched_rt_runtime_us)")
+        )
     return findings
 
 
@@ -101,7 +102,8 @@ def can_interface(can: CanState) -> list[Finding]:
         return [Finding(what, "ok" if can.up else "warn", f"vcan, {'up' if can.up else 'down'}: no bit rate, no errors, no limit", todo)]
     if can.kind != "can":
         return [Finding(what, "missing", f"is no CAN interface (kind {can.kind or 'unknown'})", "ip -details link shows which are")]
-    set_up = f"sudo ip link set {can.name} down; sudo ip link set {can.name} type can bitrate 1000000 restart-ms 0; sudo ip link set {can.name} up"
+    link = f"sudo ip link set {can.name}"
+    set_up = f"{link} down; {link} type can bitrate 1000000 restart-ms 0; {link} up"
     findings = [Finding(what, "ok" if can.up else "warn", "up" if can.up else "down", "" if can.up else set_up)]
     if can.bitrate != 1_000_000:
         text = f"bit rate {can.bitrate}: drives talk at 1 Mbit/s" if can.bitrate else "no bit rate set"
