@@ -185,13 +185,14 @@ def _step(here: Any, part: str) -> tuple[str, Any] | None:
     if isinstance(here, Mapping):
         found = next((key for key in here if str(key) == part), None)
         return None if found is None else (part, here[found])
-    if dataclasses.is_dataclass(here):
+    if dataclasses.is_dataclass(here) and not isinstance(here, type):
+        fields = {each.name for each in dataclasses.fields(here)}
         if part.startswith("[") and hasattr(here, "entries"):
             return _step(here.entries, part)
         for name in (part, f"{part}_"):
-            if name in type(here).__dataclass_fields__:
+            if name in fields:
                 return part, getattr(here, name)
-        if "settings" in type(here).__dataclass_fields__:
+        if "settings" in fields:
             return _step(here.settings, part)
     return None
 

@@ -159,7 +159,7 @@ class _Mapped:
 
     @property
     def writer_pid(self) -> int:
-        """Pid of the present or last writer; 0: never had one."""
+        """Pid of the present writer, or of one that died as such; 0: never had one, or it closed."""
         return self._words[WRITER] & 0xFFFFFFFF
 
     @property
@@ -181,7 +181,7 @@ class _Writer(_Mapped):
         super().__init__(fd, kind, name, layout, writable=True)
         before, me = self._words[WRITER], _identity()
         if before not in (0, me) and _start_ticks(before & 0xFFFFFFFF) == before >> 32:
-            self.close()
+            super().close()
             raise ImageError(f"{self.name}: has a living writer, pid {before & 0xFFFFFFFF}; this is pid {me & 0xFFFFFFFF}")
         self._store(self._words, WRITER, me)
 
@@ -199,6 +199,12 @@ class _Writer(_Mapped):
         self._store(self._words, LIFE_STAMP + (count & 1), stamp_ns)
         _fence()
         self._store(self._words, LIFE, count)
+
+    def close(self) -> None:
+        """Give the writing up, so that another living process may take over; unmap."""
+        if self._words[WRITER] == _identity():
+            self._store(self._words, WRITER, 0)
+        super().close()
 
     def _sized(self, octets: bytes | bytearray | memoryview) -> None:
         if len(octets) != self.size:

@@ -32,6 +32,7 @@ from motion.stepper import State, Stepper
 from protocols.base.machine import Ns, ms
 from protocols.servodyn.codec import ActualValue, SetValue
 
+ARRIVAL_S = 2.0  # after the set values: an axis that is not in its window by then has not arrived
 AT_REST_S = 0.02  # in position: inside the window for this long
 TOO_MANY_SKIPPED = 3  # SYNCs skipped in a row: stop on the path
 SERVICES_LIMIT = ms(250)  # life counter of services older than this: dead
@@ -82,7 +83,9 @@ class _Axis:
     referenced: bool = False
     run: Referencing | None = None
     set: float = 0.0  # set position sent for the next SYNC
-    active_inc: int = 0  # the one the drive activated at this SYNC
+    active_inc: int = 0  # where the drive is asked to be at this SYNC: sent two bursts ago, activated by the last SYNC (AX-144)
+    received_inc: int = 0  # sent with the burst before this one: the drive activated it at this SYNC
+    sent_inc: int = 0  # sent with this SYNC's burst
     epoch: int = 0  # of the drive's increments; another one voids the reference (AX-110)
     speed: float = 0.0
     quiet: int = 0  # cycles inside the window
@@ -114,6 +117,7 @@ class Core:
         self._override = 0.0
         self._job_masks: dict[int, int] = {}
         self._running = 0  # job of the piece under way
+        self._arriving = 0  # cycles since the set values of the running job arrived
         self._homing = 0  # job of the reference run
         self._enabling: tuple[int, int] = (0, 0)  # job, mask
         self._reset = False
@@ -256,7 +260,7 @@ class Core:
         except MotionError:
             self._fail(record.job, Reason.NOT_READY)
             return
-        self._running = record.job
+        self._running, self._arriving = record.job, 0
         self.state.stop_cause = 0
 
     def _stop(self, reason: Reason) -> None:
@@ -306,7 +310,8 @@ class Core:
     def _drive(self, actuals: Sequence[ActualValue | None]) -> list[SetValue]:
         sample = self._stepper.step()
         for n, axis in enumerate(self._axes):
-            axis.active_inc, axis.speed = axis.drive.set_inc, 0.0
+            axis.active_inc, axis.received_inc, axis.sent_inc = axis.received_inc, axis.sent_inc, axis.drive.set_inc
+            axis.speed = 0.0
             if axis.run is not None:
                 self._step_homing(axis, actuals[n])
             elif axis.drive.power is Power.ENABLED:
@@ -314,9 +319,19 @@ class Core:
         values = [axis.drive.step(actual, self._demand(axis)) for axis, actual in zip(self._axes, actuals, strict=True)]
         self._accept_positions()
         if self._running and sample.done_id == self._running:
-            self.state.done_job, self._running = self._running, 0
+            self._arrive()
         self.state.progress = sample.s
         return values
+
+    def _arrive(self) -> None:
+        """The set values have arrived; the move has when the axes have, too."""
+        late = [axis for axis in self._axes if abs(axis.set - axis.scaling.to_si(axis.drive.position_inc)) > axis.plan.window]
+        self._arriving += 1
+        if not late:
+            self.state.done_job, self._running, self._arriving = self._running, 0, 0
+        elif self._arriving * self._period > ARRIVAL_S:
+            self._fail(self._running, Reason.FOLLOWING_ERROR)
+            self._running, self._arriving = 0, 0
 
     def _demand(self, axis: _Axis) -> Demand:
         scaling = axis.scaling
@@ -403,6 +418,8 @@ class Core:
                 State.STOPPING: Motion.STOPPING,
                 State.STOPPED: Motion.STOPPED,
             }[stepper]
+        if state.motion is Motion.IDLE and self._running:
+            state.motion = Motion.RUNNING  # the axes are still on their last increments
         state.override = self._override
         state.job = self._homing or self._running
         for n, axis in enumerate(self._axes):

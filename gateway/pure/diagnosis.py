@@ -80,7 +80,7 @@ def real_time(state: RealTime) -> list[Finding]:
     limits = "put into /etc/security/limits.d/axisgate.conf: '* - rtprio 40' and '* - memlock unlimited', then log in again"
     findings = []
     if state.fifo_error:
-        text = f"SCHED_FIFO refused ({state.fifo_error}; rtprio limit {state.rtprio}): demo and rig run at P5 = 10 ms, `run` is late under load"
+        text = f"SCHED_FIFO refused ({state.fifo_error}; rtprio limit {state.rtprio}): demo and rig run at P5 = 10 ms"
         findings.append(Finding("real time", "warn", text, limits))
     else:
         findings.append(Finding("real time", "ok", f"SCHED_FIFO allowed (rtprio limit {state.rtprio})"))
