@@ -8,7 +8,7 @@ import collections
 import os
 import pathlib
 import shutil
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping
 
 import pytest
 
@@ -72,7 +72,9 @@ class Lanes:
         rank = ("passed", "skipped", "failed")
         self._worst[report.nodeid] = max(self._worst.get(report.nodeid, "passed"), report.outcome, key=rank.index)
 
-    def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:
+    @pytest.hookimpl(wrapper=True, tryfirst=True)
+    def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> Generator[None, None, None]:
+        yield  # everything else first: the lanes stand right above the closing line
         terminalreporter.section("lanes")
         for line in self.lines():
             terminalreporter.write_line(line)

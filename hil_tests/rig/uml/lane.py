@@ -4,6 +4,7 @@ Each guest test counts as a test of this session: the guest's pytest writes its 
 under the same test ids.  A guest that dies fails every test it did not report.
 """
 
+import contextlib
 import json
 import os
 import pathlib
@@ -33,8 +34,9 @@ class Reporter:
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         data = self._config.hook.pytest_report_to_serializable(config=self._config, report=report)
-        with self._path.open("a", encoding="utf-8") as file:  # closed at once: a guest that dies has told all it knew
-            print(json.dumps(data), file=file)
+        with self._path.open("a", encoding="utf-8") as file:
+            print(json.dumps(data), file=file, flush=True)
+            os.fsync(file.fileno())  # through to the host: a guest that dies has told all it knew
 
 
 class GuestLane:
@@ -80,8 +82,9 @@ class GuestLane:
     def _read(self, path: pathlib.Path) -> dict[str, list[pytest.TestReport]]:
         results: dict[str, list[pytest.TestReport]] = {}
         for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else ():
-            report = self._config.hook.pytest_report_from_serializable(config=self._config, data=json.loads(line))
-            results.setdefault(report.nodeid, []).append(report)
+            with contextlib.suppress(json.JSONDecodeError):  # the half line of a guest that died
+                report = self._config.hook.pytest_report_from_serializable(config=self._config, data=json.loads(line))
+                results.setdefault(report.nodeid, []).append(report)
         return results
 
     def _told(self, item: pytest.Item) -> Iterator[pytest.TestReport]:
