@@ -186,14 +186,14 @@ def _step(here: Any, part: str) -> tuple[str, Any] | None:
         found = next((key for key in here if str(key) == part), None)
         return None if found is None else (part, here[found])
     if dataclasses.is_dataclass(here) and not isinstance(here, type):
-        fields = {each.name for each in dataclasses.fields(here)}
+        fields = {each.name: getattr(here, each.name) for each in dataclasses.fields(here)}
         if part.startswith("[") and hasattr(here, "entries"):
             return _step(here.entries, part)
         for name in (part, f"{part}_"):
             if name in fields:
-                return part, getattr(here, name)
+                return part, fields[name]
         if "settings" in fields:
-            return _step(here.settings, part)
+            return _step(fields["settings"], part)
     return None
 
 
