@@ -1,0 +1,1 @@
+"""Rig tests of the process image: regions and rings between real processes."""
