@@ -14,6 +14,7 @@ import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 REFERENCES = ROOT / "build"  # C references: hil_tests/bench/NAME.c becomes build/NAME
+DEBIAN = pathlib.Path("/etc/debian_version")
 
 
 def _vcan() -> str | None:
@@ -42,7 +43,7 @@ def missing(lane: str) -> str | None:
 
 def required(environment: Mapping[str, str] = os.environ) -> bool:
     """Whether a lane that cannot run is a failure here."""
-    return environment.get("CI", "").lower() in ("true", "1") or (os.geteuid() == 0 and pathlib.Path("/etc/debian_version").exists())
+    return environment.get("CI", "").lower() in ("true", "1") or (os.geteuid() == 0 and DEBIAN.exists())
 
 
 def lane_of(nodeid: str, keywords: Mapping[str, object]) -> str:
