@@ -115,6 +115,15 @@ class Bench(Generic[M]):
             assert told == list(expected), f"{self._who(twin)}: reports {told}, expected {list(expected)}"
         return self
 
+    def told(self) -> list[object]:
+        """What was reported since last asked, for a caller who compares it in his own way."""
+        lists = []
+        for twin in self._twins:
+            lists.append(twin.told)
+            twin.told = []
+        assert lists[0] == lists[1], f"at {self._now / 1e6:.3f} ms: fed whole {lists[0]}, byte by byte {lists[1]}"
+        return lists[0]
+
     # ---- one twin
     def _give(self, twin: _Twin[M], piece: bytes) -> None:
         twin.note(f"receive({piece.hex(' ')})", lambda: twin.machine.receive(piece, self._now))
