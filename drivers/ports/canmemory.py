@@ -1,5 +1,6 @@
 """Two CAN ports joined in memory, for tests and tools inside one process."""
 
+import contextlib
 import os
 import time
 from collections import deque
@@ -55,11 +56,10 @@ class MemoryCanPort:
         """Everything that waits; PortError when nothing waits and the other end is closed."""
         frames = list(self._waiting)
         self._waiting.clear()
-        try:
+        with contextlib.suppress(BlockingIOError):
             os.eventfd_read(self._readable)
-        except BlockingIOError:
-            if self.other is None:
-                raise PortError(f"{self.name}: the other end is closed") from None
+        if not frames and self.other is None:
+            raise PortError(f"{self.name}: the other end is closed")
         self.counters.received += len(frames)
         return frames
 

@@ -1,0 +1,1 @@
+"""Rig tests of the local bus: broker, client port, python-can plug-in, log."""
