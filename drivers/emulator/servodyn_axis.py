@@ -38,8 +38,8 @@ class Fault(IntEnum):
     """Codes in byte 1 of the actual value: axisgate's own (AX-082); 0 = none."""
 
     NONE = 0
-    SYNC_LOST = 1  # no SYNC for 2 x P5
-    LIFE_LOST = 2  # life counter unchanged for 2 x P5
+    SYNC_LOST = 1  # no SYNC for 2 x P5 and its tolerance (AX-081)
+    LIFE_LOST = 2  # life counter unchanged for as long
     FOLLOWING_ERROR = 3
     SET_JUMP = 4  # set position jumped by more than the following error window
     SOFTWARE_LIMIT = 5

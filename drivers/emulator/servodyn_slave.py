@@ -72,6 +72,7 @@ class ServodynSlave:
         self.settings, self.counters = settings, Counters()
         self._codec = codec
         self.cycle_ns = round(settings.cycle_ms * 1e6)
+        self.supervision_ns = 2 * self.cycle_ns + self.cycle_ns // 4  # one SYNC may be skipped, with jitter (AX-081)
         self.grace_ns = max(ms(1), self.cycle_ns // 4)
         seeds = {number: settings.seed * 7919 + number for number in settings.axes}
         self._seats = [
@@ -314,7 +315,7 @@ class ServodynSlave:
         self.counters.set_values += 1
         seat.pending = value
         if value.life != seat.life:
-            seat.life, seat.life_due = value.life, stamp + 2 * self.cycle_ns
+            seat.life, seat.life_due = value.life, stamp + self.supervision_ns
 
     def _sync(self, stamp: Ns) -> None:
         self.counters.syncs += 1
@@ -325,14 +326,14 @@ class ServodynSlave:
             rows.append(axis.sync(rest, seat.pending))
             seat.pending = None
             if axis.supervised and not before:
-                seat.life_due = stamp + 2 * self.cycle_ns
+                seat.life_due = stamp + self.supervision_ns
             for _, value in axis.faulted_at:  # found by activating: the telegram below says it
                 self._events.append(FaultRaised(seat.number, value.fault_code, stamp))
             axis.faulted_at.clear()
             self._send(seat, axis.actual())
         self._row(stamp, rows)
         self._last_sync = stamp
-        self._sync_due, self._row_due, self._idle_due = stamp + 2 * self.cycle_ns, NEVER, NEVER
+        self._sync_due, self._row_due, self._idle_due = stamp + self.supervision_ns, NEVER, NEVER
         self._soonest = self._next_due()
 
     def _send(self, seat: _Seat, value: ActualValue) -> None:

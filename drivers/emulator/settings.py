@@ -102,7 +102,7 @@ class ServoSettings:
 class BusSettings:
     """The drives of one bus."""
 
-    cycle_ms: float = 4.0  # P5: nominal SYNC period; supervision is 2 x P5 (AX-001)
+    cycle_ms: float = 4.0  # P5: nominal SYNC period; supervision is 2 x P5 (AX-001, AX-081)
     seed: int = 1
     axes: Mapping[int, ServoSettings] = field(default_factory=lambda: {module: ServoSettings() for module in range(1, 7)})
 
