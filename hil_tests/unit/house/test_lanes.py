@@ -45,7 +45,7 @@ Phase = Literal["setup", "call", "teardown"]
 PHASES: tuple[Phase, ...] = ("setup", "call", "teardown")
 
 
-def report(nodeid: str, outcome: Outcome, when: Phase, keywords: dict[str, int]) -> pytest.TestReport:
+def report(nodeid: str, outcome: Outcome, when: Phase, keywords: dict[str, Literal[1]]) -> pytest.TestReport:
     return pytest.TestReport(nodeid, ("", 0, ""), keywords, outcome, None, when)
 
 
