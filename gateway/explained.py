@@ -11,7 +11,7 @@ from gateway.checks.blocks import place_of
 from gateway.fieldfaults import field_of
 from gateway.files import find_config, read_signals, read_text
 from gateway.glossary import ALIASES, PARAMETERS, WORDS
-from gateway.places import line_of, written
+from gateway.places import line_of, steps_of, written
 from gateway.pure.addresses import AddressFault, CellName, DataBit, DataWord, RcBit, cl300, parse, pic, rc
 from gateway.pure.signals import from_tables
 from gateway.pure.tomllines import lines_of
@@ -89,7 +89,7 @@ class Explainer:
         return lines + [Line(key, _shown(_value(self.cell, key)), self._unit(key), f"from {source.text}") for key, source in own.items()]
 
     def _unit(self, key: str) -> str:
-        parts = key.replace("[", ".").replace("]", "").split(".")
+        parts = [part.strip("[]") for part in steps_of(key)]
         unit = field_of(parts)[1]
         if "{u}" in unit:
             axis = next((axis for axis in self.cell.axis if axis.name in parts), None)
@@ -162,7 +162,7 @@ def _find(cell: Cell, key: str) -> tuple[str, Any] | None:
     """The value a key points at, and the key spelled in full (axis.1 may be the first axis)."""
     here: Any = cell
     spelled: list[str] = []
-    for part in key.replace("[", ".[").split("."):
+    for part in steps_of(key):
         step = _step(here, part)
         if step is None:
             return None

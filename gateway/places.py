@@ -1,16 +1,22 @@
 """Finds a key written as people write it (axis.X.limits.min, db.10[DW 2]) in the tables of a file, and its line."""
 
+import re
 from collections.abc import Mapping
 from typing import Any
 
 from gateway.pure.tomllines import Path, nearest
 
 
+def steps_of(key: str) -> list[str]:
+    """The parts of a written key; what stands in brackets is one part, dots and all: db.10[D 0.8] -> db, 10, [D 0.8]."""
+    return re.findall(r"\[[^\]]*\]|[^.\[]+", key)
+
+
 def resolve(raw: Any, key: str) -> Path:
     """The path of as much of the key as exists; elements of lists are found by name, number or place."""
     path: list[str | int] = []
     here = raw
-    for part in key.replace("[", ".[").split("."):
+    for part in steps_of(key):
         steps = _locate(here, part)
         if steps is None:
             break
@@ -28,7 +34,7 @@ def line_of(raw: Any, places: Mapping[Path, int], key: str) -> int | None:
 def written(raw: Any, key: str) -> bool:
     """Does the file itself hold this key?"""
     here = raw
-    for part in key.replace("[", ".[").split("."):
+    for part in steps_of(key):
         steps = _locate(here, part)
         if steps is None:
             return False

@@ -22,7 +22,8 @@ def lines_of(text: str) -> dict[Path, int]:
         end = position
         if found := _HEADER.match(text, position):
             prefix = _open(found[1] == "[[", _split(found[2]), counts)
-            places[prefix] = _line(text, found.start(2))
+            for end in range(1, len(prefix) + 1):
+                places.setdefault(prefix[:end], _line(text, found.start(2)))
             end = found.end()
         elif found := _KEY.match(text, position):
             end = _value(text, found.end(), (*prefix, *_split(found[1])), places, _line(text, found.start(1)))
@@ -71,6 +72,8 @@ def _value(text: str, position: int, path: Path, places: dict[Path, int], line: 
     while position < len(text):
         char = text[position]
         if found := _STRING.match(text, position):
+            if stack and array[-1]:
+                places.setdefault(stack[-1], _line(text, position))
             position = found.end()
             continue
         if char == "#":
@@ -81,7 +84,8 @@ def _value(text: str, position: int, path: Path, places: dict[Path, int], line: 
             stack.append((*here, 0) if char == "[" else here)
             array.append(char == "[")
             here = stack[-1]
-            places.setdefault(here, _line(text, position))
+            if char == "{":
+                places[here] = _line(text, position)
         elif char in "]}" and stack:
             stack.pop()
             array.pop()
@@ -97,7 +101,7 @@ def _value(text: str, position: int, path: Path, places: dict[Path, int], line: 
             position = found.end()
             continue
         elif stack and array[-1] and not char.isspace():
-            places[stack[-1]] = max(places.get(stack[-1], 0), _line(text, position))
+            places.setdefault(stack[-1], _line(text, position))
         position += 1
     return position
 

@@ -67,8 +67,6 @@ def both_ways(row: dict[str, str]) -> list[object]:
     return told + list(found)
 
 
-
-
 @pytest.mark.requirement("RHO-PLC-01", by="gateway.pure.addresses:_shifted")
 def test_0_2_rc_inputs_in_all_four_worlds() -> None:
     for row in (row for row in printed() if row["direction"] == "input"):
@@ -91,7 +89,12 @@ def test_0_2_addresses_are_read_as_they_are_written() -> None:
     for row in printed():
         bit = place(row)
         side = "in" if bit.direction is IN else "out"
-        for text in (row["pic"], f"CL300 {row['cl300']}", f"RC {side} {row['rc']}", f"{'RCI' if bit.direction is IN else 'RCO'} {row['bit']}"):
+        for text in (
+            row["pic"],
+            f"CL300 {row['cl300']}",
+            f"RC {side} {row['rc']}",
+            f"{'RCI' if bit.direction is IN else 'RCO'} {row['bit']}",
+        ):
             assert said(parse, text) == bit, (text, row)
 
 
