@@ -92,7 +92,8 @@ def test_without_power_a_lost_sync_is_a_warning_only() -> None:
     assert bus.axis().warning and state(bus) is State.READY
     bus.now += 2_000_000_000
     bus.cycle(2)
-    assert not bus.actual[1].warning and not bus.actual[1].fault
+    assert not bus.actual[1].warning
+    assert not bus.actual[1].fault
 
 
 def test_after_a_lost_sync_nothing_moves_until_reset_and_a_new_command() -> None:
@@ -102,7 +103,8 @@ def test_after_a_lost_sync_nothing_moves_until_reset_and_a_new_command() -> None
     assert bus.actual[1].fault and bus.axis().servo.speed_rad_s == 0.0
     bus.want[1].reset = True
     bus.run(0.5)
-    assert not bus.actual[1].fault and not bus.actual[1].power_on
+    assert not bus.actual[1].fault
+    assert not bus.actual[1].power_on
 
 
 def test_actual_values_follow_sync_in_axis_order_and_carry_the_latched_position() -> None:
