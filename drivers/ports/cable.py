@@ -52,7 +52,6 @@ class Direction:
         self._pending = bytearray()
         self._start: Ns = 0
         self._left = 0  # characters of this burst that have left
-        self._free_at: Ns = 0  # end of the last character
         self._planned: dict[int, Fault] = {}  # number of the character (counted over all) -> what happens to it
         self._chance: Chance | None = None
         self._random = 1
@@ -71,7 +70,7 @@ class Direction:
     def offer(self, data: bytes, now: Ns) -> None:
         """The sender wrote `data` at `now`."""
         if not self._pending:
-            self._start, self._left = max(now, self._free_at), 0
+            self._start, self._left = now, 0
         self._pending += data
 
     def due(self) -> Ns | None:
@@ -88,7 +87,6 @@ class Direction:
         data = bytes(self._pending[:count])
         del self._pending[:count]
         self._left += count
-        self._free_at = self._end(self._left - 1) if self._baud else now
         first, self.count = self.count + 1, self.count + count
         if self._chance is None and not self._planned:
             return [Delivery(data, escape(data) if self._marks else data, "")]

@@ -160,6 +160,10 @@ class Record:
         """Everything a side sent, delivered or not."""
         return b"".join(run.data for run in self.runs if run.side == side)
 
+    def stamps(self, side: str) -> list[Ns]:
+        """One stamp for each character of a side."""
+        return [run.stamp_ns for run in self.runs if run.side == side for _ in run.data]
+
     def characters(self) -> int:
         """Characters of both sides."""
         return sum(len(run.data) for run in self.runs)

@@ -10,11 +10,13 @@ for programs that are not ours; damage reaches it as a wrong character.  Prints 
 
 import argparse
 import contextlib
+import fcntl
 import os
 import select
 import signal
 import socket
 import sys
+import termios
 import time
 from collections.abc import Callable
 from typing import IO
@@ -30,6 +32,7 @@ from protocols.base.machine import Ns
 PRIORITY = 15  # SCHED_FIFO, below broker (30) and emulator (20)
 RECORD_LINES = 512  # written to the file at the latest
 RECORD_IDLE_S = 0.02
+UNREAD_LIMIT = 2048  # bytes waiting for a reader; the kernel's own 4096 are never full, so that opening can forget all of them
 OTHER = {"A": "B", "B": "A"}
 
 
@@ -55,6 +58,15 @@ class Side:
             os.unlink(fresh)
         os.symlink(os.ttyname(self._slave), fresh)
         os.replace(fresh, self.link)
+
+    def take(self, wire: bytes) -> bool:
+        """Characters for the reader; False: nobody reads, so much waits there already that these are lost, as in a UART."""
+        if int.from_bytes(fcntl.ioctl(self._slave, termios.FIONREAD, bytes(4)), sys.byteorder) > UNREAD_LIMIT:
+            return False
+        try:
+            return os.write(self.master, wire) == len(wire)
+        except BlockingIOError:
+            return False
 
     def remove(self) -> None:
         """Whoever has the pty open is hung up; twice does no harm."""
@@ -196,20 +208,12 @@ class Line:
         elif not receiver.inserted:
             mark = "gone"
             self.lost += len(data)
-        elif wire and not self._write(receiver.master, wire):
+        elif wire and not receiver.take(wire):
             mark = "overflow"
             self.overflow += len(data)
         elif mark:
             self.damaged += 1
         self.recorder.add(Run(now, side, data, mark))
-
-    @staticmethod
-    def _write(master: int, wire: bytes) -> bool:
-        """False: nobody reads there and the kernel's buffer is full."""
-        try:
-            return os.write(master, wire) == len(wire)
-        except BlockingIOError:
-            return False
 
     def _read(self, side: str, now: Ns) -> None:
         try:

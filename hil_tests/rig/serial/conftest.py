@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import statistics
 import subprocess
 import sys
 import time
@@ -74,6 +75,12 @@ def line(runtime: pathlib.Path, tmp_path: pathlib.Path) -> Iterator[Callable[...
     yield start
     for rig in rigs:
         rig.end()
+
+
+def pace_ns(stamps: list[int]) -> float:
+    """Time of one character: the median over stretches of half the length, so that one late wake of the machine does not count."""
+    half = len(stamps) // 2
+    return statistics.median((later - earlier) / half for earlier, later in zip(stamps, stamps[half:], strict=False))
 
 
 def hear(port: BytePort, enough: Callable[[list[bytes | Damage]], bool], limit_s: float = 5.0) -> list[bytes | Damage]:

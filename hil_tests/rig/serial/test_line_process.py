@@ -11,7 +11,7 @@ import pytest
 
 from drivers.ports.base import PortError
 from drivers.ports.linewire import Run
-from hil_tests.rig.serial.conftest import Rig, hear
+from hil_tests.rig.serial.conftest import Rig, hear, pace_ns
 from protocols.base.machine import Damage
 
 CHAR_NS = 11_000_000_000 / 9600
@@ -30,12 +30,11 @@ def test_characters_take_their_time_on_the_line(line: LineStarter) -> None:
     before = time.monotonic_ns()
     assert a.write(text) == 256
     assert said(hear(b, lambda items: len(items) == 256)) == text
-    stamps = [stamp for run in rig.record().runs for stamp in [run.stamp_ns] * len(run.data)]
+    stamps = rig.record().stamps("A")
     assert len(stamps) == 256
     for index, stamp in enumerate(stamps, 1):
         assert stamp - before >= index * CHAR_NS, f"character {index} came before the end of its character time"
-    mean = (stamps[-1] - stamps[0]) / 255
-    assert abs(mean / CHAR_NS - 1) < 0.01
+    assert abs(pace_ns(stamps) / CHAR_NS - 1) < 0.01
 
 
 def test_both_directions_run_at_the_same_time(line: LineStarter) -> None:
@@ -153,9 +152,10 @@ def test_nobody_reading_neither_stops_nor_grows_anything(line: LineStarter) -> N
     push(200)
     before = resident_kb()
     push(1500)
-    assert rig.control.status()["overflow"] > 1_000_000
+    assert rig.control.status()["overflow"] > 500_000
     assert resident_kb() - before < 500
     b.close()
+    time.sleep(0.1)  # the kernel hands over what was written last
     b = rig.port("b")
     assert b.read() == [], "what came before anybody opened is not for us"
     a.write(b"fresh")
