@@ -1,7 +1,7 @@
 """A SERVODYN bus in virtual time: a master that sends SYNC and set values, and the emulated drives, no process and no clock."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from drivers.emulator import record
 from drivers.emulator.servodyn_axis import ServodynAxis
@@ -32,7 +32,6 @@ class Want:
     since: Ns = 0
     silent: bool = False  # no set value at all
     life_stands: bool = False
-    follows: bool = field(default=True)
 
 
 class DriveBus:
@@ -66,12 +65,16 @@ class DriveBus:
         """SYNC at `now`, answers, set values; then now += P5."""
         for _ in range(count):
             self.hand(Frame(100, b"", self.now))
-            self._life = (self._life + 1) & 0xFF
-            frames = [self._set(number, want) for number, want in self.want.items() if not want.silent]
+            frames = self.set_values()
             if frames:
                 self.hand(*frames)
             self.slave.prepare()
             self.now += self.p5
+
+    def set_values(self) -> list[Frame]:
+        """The set values of this cycle, the life counter one further."""
+        self._life = (self._life + 1) & 0xFF
+        return [self._set(number, want) for number, want in self.want.items() if not want.silent]
 
     def run(self, seconds: float) -> None:
         self.cycle(round(seconds * 1e9 / self.p5))
@@ -110,7 +113,10 @@ class DriveBus:
         return CODEC.encode_set(number, value)._replace(stamp_ns=self.now + SET_DELAY)
 
     def _listen(self) -> list[Frame]:
-        frames = self.slave.take_output()
+        return self.hear(self.slave.take_output())
+
+    def hear(self, frames: list[Frame]) -> list[Frame]:
+        """The drives said this."""
         self.said += frames
         for frame in frames:
             number, value = CODEC.decode_actual(frame)
