@@ -17,6 +17,7 @@ import os
 import select
 import socket
 from collections.abc import Callable, Mapping
+from typing import Any
 
 from drivers.emulator.servodyn_slave import ServodynSlave
 from drivers.ports.base import PortError, runtime_dir
@@ -24,7 +25,7 @@ from drivers.ports.base import PortError, runtime_dir
 CLIENTS = 8
 LONGEST = 16384  # bytes of a command
 Command = Mapping[str, object]
-Answer = dict[str, object]
+Answer = dict[str, Any]
 
 
 def socket_path(name: str) -> str:
