@@ -24,7 +24,7 @@ from gateway.pure.tomllines import Path, lines_of, nearest
 from gateway.rho3params import merge
 from gateway.tomlhints import syntax_fault
 
-__all__ = ["CellFaults", "Fault", "load_cell"]
+__all__ = ["CellFaults", "Fault", "load_cell", "load_tables"]
 
 DEFAULTS_TAKEN = ("mode", "stop_on_bus_loss", "brake", "following_error", "home", "first_enable")
 JERK_PER_ACCEL = 10.0  # 1/s: full acceleration is reached in 0.1 s (AX-123)
@@ -41,7 +41,12 @@ def load_cell(path: str, text: str | None = None) -> Cell:
         raw = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise CellFaults([syntax_fault(path, text, error)]) from None
-    return _Loader(path, raw, lines_of(text)).load()
+    return load_tables(path, raw, lines_of(text))
+
+
+def load_tables(path: str, raw: dict[str, Any], places: dict[Path, int] | None = None) -> Cell:
+    """The checked cell of tables already parsed; `places` has the lines of their keys.  Raises CellFaults."""
+    return _Loader(path, raw, places or {}).load()
 
 
 def _decoded(path: str) -> str:

@@ -5,12 +5,13 @@ Source of the numbers: rho3 8 (list), 2.3 (P401), 2.9 (direction), users.md 3.5 
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeVar
 
 from gateway.cell import Source
 from gateway.faults import Fault
 from gateway.pure.tomllines import Path, nearest
 
+V = TypeVar("V")
 LEGAL = frozenset(
     "P2 P3 P5 P9 P11 P13 P14 P15 P16 P18 P20 P21 P24 P25 P26 P27 P28 P29 P30 P31 P32 P33 P34 P35 P36 P103 P104 P105 P108 P109 P110 "
     "P111 P112 P113 P114 P117 P122 P128 P129 P130 P201 P202 P203 P204 P205 P207 P208 P212 P213 P214 P301 P303 P304 P305 P306 P310 "
@@ -73,7 +74,7 @@ class _Work:
             if "P5" in self.params and bus.get("protocol") == "servodyn":
                 self.put(bus, "cycle_ms", self.params["P5"], "P5", f"{name}.cycle_ms", ("rho3", "P5"))
             if bus.get("protocol") == "rho3-io" and isinstance(blocks, list) and number < len(blocks) and isinstance(blocks[number], dict):
-                rate = BITRATE.get(blocks[number].get("baud", 0))
+                rate = _row(BITRATE, blocks[number].get("baud", 0))
                 if rate:
                     self.put(bus, "bitrate", rate, f"P30[{number + 1}].baud", f"{name}.bitrate", ("rho3", "P30", number))
 
@@ -118,9 +119,9 @@ class _Work:
         name = f"axis.{axis.get('name')}"
         label, place = f"P401[{system.get('axis')}]", ("rho3", "P401", index)
         module = system.get("module")
-        if isinstance(module, int):
+        if isinstance(module, int) and not isinstance(module, bool):
             self.drive_of(drive, module, f"{label}.module", name, place)
-        gear, pulses = system.get("gear_factor"), PULSES.get(system.get("pulses", 1))
+        gear, pulses = system.get("gear_factor"), _row(PULSES, system.get("pulses", 1))
         reversed_ = isinstance(system.get("evaluation"), float | int) and system["evaluation"] < 0
         if isinstance(gear, int | float):
             self.put(mechanics, "gear", f"{gear}:1", f"{label}.gear_factor", f"{name}.mechanics.gear", place)
@@ -148,6 +149,11 @@ class _Work:
             self.merged.faults.append(Fault(self.file, where, str(table[key]), "", "", hint, line, "cross"))
         table[key] = value
         self.merged.sources[where] = Source(f"rho3.{label}", nearest(self.places, place))
+
+
+def _row(table: Mapping[int, V], key: object) -> V | None:
+    """The row of a number; None for anything else."""
+    return table.get(key) if isinstance(key, int) else None
 
 
 def _tables(value: Any) -> list[dict[str, Any]]:

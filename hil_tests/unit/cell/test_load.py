@@ -55,6 +55,24 @@ def test_the_demo_cell_plays_and_the_examples_say_what_does_not() -> None:
     assert {"robot.kinematics = 6R", "telegram.ORDER", "retain.values"} <= set(load_cell("rho3-servodyn").not_playable())
 
 
+@pytest.mark.parametrize(
+    ("edit", "reason"),
+    [
+        (('role     = "passive"', 'role     = "both"'), "line.plc1.role = both"),
+        (('port     = "sim"                     # a simulated', 'port     = "COM5" #'), "line.plc1.port = COM5"),
+        (('pattern  = "start-busy-done"', 'pattern  = "toggle"'), "handshake.move.pattern = toggle"),
+        (("mode = 0, speed = 100.0", "mode = 2, speed = 100.0"), "axis.A1.home.mode = 2"),
+        (('to = "cell.reset", ', 'to = "USER_1_RCI", '), "db.10[D 0.2] = USER_1_RCI"),
+        (('to = "axis.*.reference",', 'to = "axis.A1.reference",'), "db.10[D 0.3] = axis.A1.reference"),
+        (('view           = "rho3"', 'float = "CDAB"'), "modbus.plc2.float = CDAB"),
+    ],
+)
+def test_what_the_shape_allows_but_nothing_plays_is_named(edit: tuple[str, str], reason: str) -> None:
+    cell = load_cell("c", edited("demo", edit))
+    assert cell.not_playable() == [reason]
+    assert cell.notes[-1].text == f"not playable yet: {reason}"
+
+
 def test_the_s5_example_is_told_as_written_in_the_users_chapter() -> None:
     said = [f"{notice.level:<9}{notice.where}: {notice.text}" for notice in load_cell("s5-rk512").notices]
     assert said[:4] == [
