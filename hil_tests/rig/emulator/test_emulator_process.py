@@ -130,9 +130,10 @@ def test_drives_switch_on_move_and_keep_a_record(rig: Rig) -> None:
     assert cycles[-3:] == [610, 620, 660]
     assert rig.control.ask("flush")["record_lost"] == 0
     kept = record.read(rig.record_file.read_bytes())
-    assert kept.axes == DRIVES and len(kept.rows) > 60
-    assert kept.rows[-1].axes[0].position_inc == pytest.approx(rig.goals[1], abs=3)
-    assert [row.sync for row in kept.rows] == list(range(1, len(kept.rows) + 1))
+    rows = [row for row in kept.rows if not row.axes[0].flags & record.Flag.NO_SYNC]  # the master has stopped by now
+    assert kept.axes == DRIVES and len(rows) > 60
+    assert rows[-1].axes[0].position_inc == pytest.approx(rig.goals[1], abs=3)
+    assert [row.sync for row in rows] == list(range(1, len(rows) + 1))
     assert end(rig.emulator) == 0
     assert not (rig.record_file.parent / "run" / "emulator-rig.sock").exists()
 
