@@ -105,6 +105,7 @@ class CellValues:
         self.state = CellState()
         self.life = 0
         self.errors: list[tuple[int, str]] = []  # standing, first one first
+        self.refusals: dict[int, tuple[int, str, int]] = {}  # door -> reason, words, stamp: what that door was last refused
 
     def names(self) -> list[str]:
         """Every name that can be read."""
@@ -119,7 +120,7 @@ class CellValues:
             case ["cell", key]:
                 return self._cell(key, door)
             case ["error", "first", "code"]:
-                return float(self.errors[0][0]) if self.errors else 0.0
+                return float(next((code for code, *_ in self._seen_by(door)), 0))
             case ["axis", "*", key]:
                 flag = _FLAGS[key]
                 return float(all(axis.flags & flag for axis in self.state.axes[: self._count]))
@@ -139,7 +140,7 @@ class CellValues:
             case "emergency_stop":
                 return float(state.emergency)
             case "error":
-                return float(bool(self.errors))
+                return float(bool(self._seen_by(door)))
             case "life":
                 return float(self.life & 0x7FFF)
             case "override":
@@ -149,6 +150,11 @@ class CellValues:
             case "control" if door is not None:
                 return float(door.office.owner == door.number)
         raise KeyError(f"cell.{key}")
+
+    def _seen_by(self, door: "BaseDoor | None") -> list[tuple[int, str]]:
+        """Standing errors, and what this very door was refused last; another door's mistakes are not its business."""
+        own = self.refusals.get(door.number) if door is not None else None
+        return self.errors + ([own[:2]] if own is not None else [])
 
     def _axis(self, name: str, key: str) -> float:
         if name not in self._axes:

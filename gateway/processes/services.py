@@ -69,7 +69,6 @@ class Services:
         self.owned = {octet: plan.door(name).number for octet, name in cell.rc_inputs.owner.items()}
         self.office = Office(axis_facts(cell), make_planner(cell), first_job)
         self.doors = [self._door(number, fds) for number in range(len(plan.doors))]
-        self.refusal: tuple[int, str, int] | None = None
         self.timer = Timerfd()
         self.variables = Variables(self)
         self._state_index = -1
@@ -193,8 +192,9 @@ class Services:
                 errors.append((Reason.DRIVE_LOST, text(Reason.DRIVE_LOST, detail=axis.name)))
         if state.stop_cause and state.stop_cause not in (e[0] for e in errors):
             errors.append((state.stop_cause, text(Reason(state.stop_cause))))
-        if self.refusal is not None and now - self.refusal[2] < REFUSALS_KEPT_NS:
-            errors.append(self.refusal[:2])
+        for door, refusal in list(self.values.refusals.items()):
+            if now - refusal[2] > REFUSALS_KEPT_NS:
+                del self.values.refusals[door]
         self.values.errors = errors
 
     # ---- orders ------------------------------------------------------------------------------------------------------
@@ -203,9 +203,10 @@ class Services:
         for event in self.office.take_events():
             self.journal.write("command", event.sentence(), door=event.door, code=event.code, what=event.what, reason=int(event.reason))
             if event.what in ("refused", "aborted"):
-                self.refusal = (int(event.reason), event.sentence(self.cell.cell.language), time.monotonic_ns())
+                refusal = (int(event.reason), event.sentence(self.cell.cell.language), time.monotonic_ns())
+                self.values.refusals[event.door] = refusal
             elif event.what == "accepted":
-                self.refusal = None
+                self.values.refusals.pop(event.door, None)
         payload = pack_inputs(self.inputs)
         if payload != self._inputs_written:
             self._inputs_written = payload

@@ -229,11 +229,32 @@ class Supervisor:
             case "regions":
                 with contextlib.suppress(ImageError):
                     send_fds(connection, self.fds)
+            case "hold" | "release" as op:
+                held = self._hold(str(request.get("process")), hold=op == "hold")
+                connection.sendall(json.dumps({"ok": held}).encode() + b"\n")
             case "stop":
                 self._stop = True
                 connection.sendall(b'{"ok": true}\n')
             case other:
-                connection.sendall(json.dumps({"error": f"op {other!r}; status, regions, stop are known"}).encode() + b"\n")
+                connection.sendall(json.dumps({"error": f"op {other!r}; status, regions, hold, release, stop are known"}).encode() + b"\n")
+
+    def _hold(self, name: str, *, hold: bool) -> bool:
+        """Take one process out of the run on purpose (a bench, a repair), or start it again; False: no such process."""
+        for running in self._running:
+            if running.child.name != name:
+                continue
+            process = running.process
+            if hold and process is not None:
+                process.terminate()
+                with contextlib.suppress(subprocess.TimeoutExpired):
+                    process.wait(2)
+                process.kill()
+                process.wait()
+                self._buried(running, "was held")
+                running.deaths.clear()
+            running.start_at, running.down = (None, True) if hold else (now_ns(), False)
+            return True
+        return False
 
     def status(self) -> dict[str, object]:
         """Processes with pid, restarts and life for `axisgate` tools."""
@@ -259,14 +280,14 @@ def _how(code: int) -> str:
     return f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
 
 
-def ask(slug: str, op: str, timeout_s: float = 2.0) -> socket.socket:
+def ask(slug: str, op: str, timeout_s: float = 5.0, **more: str) -> socket.socket:
     """Open connection with the request sent; the caller reads the answer.  PortError when no such run is up."""
     path = runtime_dir() / f"{slug}.sock"
     connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     connection.settimeout(timeout_s)
     try:
         connection.connect(str(path))
-        connection.sendall(json.dumps({"op": op}).encode())
+        connection.sendall(json.dumps({"op": op, **more}).encode())
     except OSError as error:
         connection.close()
         raise PortError(f"{path}: no run of {slug!r} answers ({error.strerror}); start one: axisgate run CELL --sim") from error

@@ -223,8 +223,8 @@ class Scenario:
         plc.bit(0, 8, False)
         plc.wait(lambda s: not s.bit(0, 9), 10, "done off")
         before = time.monotonic_ns()
-        plc.send(12, 0, KG_1200_5)
-        plc.send(10, 0, (plc.word_value(0) | 0x0100).to_bytes(2, "big"))  # the start bit alone: targets stay as they stand
+        start = (plc.word_value(0) | 0x0100).to_bytes(2, "big")
+        plc.send((12, 0, KG_1200_5), (10, 0, start))  # the start bit alone: the targets stay as they stand
         plc.wait(lambda s: s.bit(0, 15), 10, "refused")
         self._facts["format reason"] = plc.status.word(1)
         self._events["format"], self._events["format end"] = before, time.monotonic_ns()

@@ -1,0 +1,106 @@
+"""Measure: cycle, 3964r, emulator, motion, or all (all rewrites docs/benchmarks.md)."""
+
+import argparse
+import datetime
+import json
+import os
+import pathlib
+import platform
+import subprocess
+import sys
+from collections.abc import Callable
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PAGE = ROOT / "docs/benchmarks.md"
+Figure = dict[str, object]
+EXAMPLES = """examples:
+  axisgate bench cycle --json                   the cycle against its twin in C, 6 blocks of 10 s each
+  axisgate bench cycle --blocks 1 --seconds 2   a short look
+  axisgate bench all                            everything; rewrites docs/benchmarks.md
+"""
+
+
+def cycle(arguments: argparse.Namespace) -> list[Figure]:
+    from hil_tests.bench.cycle_bench import figures
+
+    return figures(arguments.blocks, arguments.seconds)
+
+
+def p3964r(arguments: argparse.Namespace) -> list[Figure]:
+    from hil_tests.bench import p3964r_line, p3964r_pure
+
+    return [p3964r_line.wire_ratio(), p3964r_line.blocks_per_s(), p3964r_pure.decode_mbps(), p3964r_pure.sim_telegrams_per_s()]
+
+
+def emulator(arguments: argparse.Namespace) -> list[Figure]:
+    from hil_tests.bench.emulator_bench import figures
+
+    return figures()
+
+
+def motion(arguments: argparse.Namespace) -> list[Figure]:
+    from hil_tests.bench.motion_bench import run
+
+    return run()
+
+
+BENCHES: dict[str, Callable[[argparse.Namespace], list[Figure]]] = {"cycle": cycle, "3964r": p3964r, "emulator": emulator, "motion": motion}
+
+
+def main(argv: list[str]) -> int:
+    parser = argparse.ArgumentParser(
+        prog="axisgate bench", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("name", choices=[*BENCHES, "all"])
+    parser.add_argument("--json", action="store_true", help="list of {figure, value, unit, reference, reference_value, ratio, goal, met}")
+    parser.add_argument("--blocks", type=int, default=6, help="of each side in bench cycle (default 6)")
+    parser.add_argument("--seconds", type=float, default=10.0, help="of each block in bench cycle (default 10)")
+    arguments = parser.parse_args(argv)
+    missing = [name for name in ("cycle_ref", "modbus_load", "servo_ref") if not (ROOT / "build" / name).exists()]
+    if missing:
+        print(f"axisgate bench: {', '.join(missing)} not built; run: make references", file=sys.stderr)
+        return 3
+    found: list[Figure] = []
+    for name in BENCHES if arguments.name == "all" else [arguments.name]:
+        found += BENCHES[name](arguments)
+        if not arguments.json:
+            print("\n".join(map(sentence, found[-8:] if arguments.name == "all" else found)), flush=True)
+    if arguments.json:
+        print(json.dumps(found, indent=1))
+    if arguments.name == "all":
+        PAGE.write_text(page(found))
+    return 0 if all(figure["met"] for figure in found) else 1
+
+
+def sentence(figure: Figure) -> str:
+    """One line of the table a person reads."""
+    met = "met " if figure["met"] else "MISS"
+    return f"{met}  {figure['figure']}: {figure['value']} {figure['unit']}  (goal {figure['goal']}; {figure['reference']}: {figure['reference_value']})"
+
+
+def page(found: list[Figure]) -> str:
+    """docs/benchmarks.md as a whole."""
+    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip()  # noqa: S607
+    head = [
+        "# Benchmarks",
+        "",
+        "Written by `make bench`; measured at the bus or line by a third process, in blocks that alternate with the reference under the same load.",
+        "The machine is shared with other work: compare the ratios within one run, never single absolute times with another machine's.",
+        "",
+        f"Measured {datetime.date.today().isoformat()} on {os.cpu_count()} cores of {machine()}, Linux {platform.release()}, "
+        f"Python {platform.python_version()}, commit {commit or 'unknown'}.",
+        "",
+        "| figure | value | unit | reference | its value | ratio | goal | met |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    keys = ("figure", "value", "unit", "reference", "reference_value", "ratio", "goal")
+    rows = ["| " + " | ".join(str(figure.get(key, "")) for key in keys) + f" | {'yes' if figure['met'] else '**no**'} |" for figure in found]
+    return "\n".join([*head, *rows, ""])
+
+
+def machine() -> str:
+    """The processor's name as the kernel tells it."""
+    for line in pathlib.Path("/proc/cpuinfo").read_text().splitlines():
+        if line.startswith("model name"):
+            return line.partition(":")[2].strip()
+    return platform.machine()

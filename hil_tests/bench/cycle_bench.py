@@ -1,0 +1,199 @@
+"""The cycle against its twin in C: same broker, same emulated drives, same priority, same waiting, 8 Modbus clients polling meanwhile.
+
+Blocks alternate; what counts is read from the broker's log by its stamps (cycle_judge).  Only the time of computing comes from the
+cycle's own trace, because nobody outside can see it.
+"""
+
+import contextlib
+import json
+import pathlib
+import statistics
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from gateway.image import RingReader, recv_fds
+from gateway.processes.supervisor import ask, wait_up
+from gateway.pure.records import unpack_trace
+from gateway.realtime import die_with_parent
+from hil_tests.bench.cycle_judge import Verdict, judge, percentile
+from hil_tests.lab import plc2 as modbus
+from hil_tests.lab.plc2 import ModbusPlc
+from hil_tests.lab.scenario import free_port
+
+Figure = dict[str, object]
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+P5_MS, PERIOD_NS = 4, 4_000_000
+SPIN_US, PRIORITY = 100, 40
+SETTLE_S = 0.5  # of each block left out of the judgement: start-up is not the matter
+CLIENTS, RATE_GOAL = 8, 10_000
+NAME = "bench-cycle"
+
+
+@dataclass(slots=True)
+class Side:
+    """What was seen of one side over all its blocks."""
+
+    verdicts: list[Verdict] = field(default_factory=list)
+
+    def total(self, name: str) -> int:
+        return sum(getattr(verdict, name) for verdict in self.verdicts)
+
+    def per_15000(self, name: str) -> float:
+        cycles = self.total("cycles")
+        return 15_000 * self.total(name) / cycles if cycles else float("nan")
+
+    def median(self, name: str) -> float:
+        """Over the blocks: one block with a guest from elsewhere on the machine does not decide."""
+        return statistics.median(getattr(verdict, name) for verdict in self.verdicts) if self.verdicts else float("nan")
+
+
+def figures(blocks: int = 6, seconds: float = 10.0) -> list[Figure]:
+    """The six figures of the bench; `blocks` of `seconds` for each side."""
+    ours, theirs = Side(), Side()
+    repeated = 0
+    with tempfile.TemporaryDirectory(prefix="axisgate-bench-") as folder, running(pathlib.Path(folder)) as bench:
+        while len(ours.verdicts) < blocks:
+            reference = bench.c_block(seconds)
+            if reference is None or reference.incomplete > reference.cycles // 50:
+                repeated += 1  # the reference itself failed: this stretch says nothing about anybody
+                if repeated > blocks:
+                    break
+                continue
+            theirs.verdicts.append(reference)
+            mine = bench.our_block(seconds)
+            if mine is not None:
+                ours.verdicts.append(mine)
+        compute, rates = sorted(bench.compute_ns), bench.rates
+    return report(ours, theirs, compute, rates, repeated)
+
+
+def report(ours: Side, theirs: Side, compute: list[int], rates: list[float], repeated: int) -> list[Figure]:
+    """Figures with their goals (issue: benchmarks, cycle)."""
+    reference = f"the same cycle in C, {len(theirs.verdicts)} blocks in turn ({repeated} repeated)"
+
+    def row(name: str, value: float, unit: str, other: float, goal: str, met: bool) -> Figure:
+        ratio = round(value / other, 3) if other else None
+        return {
+            "figure": f"cycle.{name}", "value": round(value, 3), "unit": unit, "reference": reference,
+            "reference_value": round(other, 3), "ratio": ratio, "goal": goal, "met": met,
+        }  # fmt: skip
+
+    found = []
+    for name in ("skipped", "incomplete"):
+        mine, other = ours.per_15000(name), theirs.per_15000(name)
+        found.append(row(name, mine, "per 15,000 cycles", other, "<= C + 1 per 15,000 cycles", mine <= other + 1.0))
+    p99, c99 = ours.median("sync_error_p99"), theirs.median("sync_error_p99")
+    found.append(row("sync_error_p99", p99, "us", c99, "<= C + 30 us", p99 <= c99 + 30.0))
+    p999, c999 = ours.median("sync_error_p999"), theirs.median("sync_error_p999")
+    found.append(row("sync_error_p999", p999, "us", c999, "<= max(2 x C, 150 us)", p999 <= max(2 * c999, 150.0)))
+    busy = percentile(compute, 0.999) / 1000
+    limit = 0.25 * PERIOD_NS / 1000
+    found.append(row("compute_p999", busy, "us", limit, "<= 25 % of P5", busy <= limit) | {"reference": "a quarter of P5"})
+    rate = min(rates, default=0.0)
+    found.append(row("modbus_rate", rate, "requests/s", RATE_GOAL, f">= {RATE_GOAL}", rate >= RATE_GOAL) | {"reference": "the goal"})
+    return found
+
+
+@dataclass(slots=True)
+class Bench:
+    """Broker, drives, services and load stay up; the two cycles take turns."""
+
+    log: pathlib.Path
+    port: int
+    plc: ModbusPlc
+    compute_ns: list[int] = field(default_factory=list)
+    rates: list[float] = field(default_factory=list)
+
+    def our_block(self, seconds: float) -> Verdict | None:
+        """axisgate's cycle with drives on and a move under way."""
+        request("release", "cycle")
+        if not wait_up(NAME, 20):
+            return None
+        self._switch_on()
+        with ask(NAME, "regions") as connection:
+            fds = recv_fds(connection)
+        trace = RingReader(fds["trace"], "trace")
+        start = time.monotonic_ns()
+        stop = threading.Event()
+        mover = threading.Thread(target=self._keep_moving, args=(stop,))
+        mover.start()
+        self._load(seconds)
+        end = time.monotonic_ns()
+        stop.set()
+        mover.join()
+        for _, record in trace.take(1 << 20):
+            cycle = unpack_trace(record)
+            if start + SETTLE_S * 1e9 < cycle.due < end:
+                self.compute_ns.append(cycle.ready - cycle.answered)
+        request("hold", "cycle")
+        return self._judge(start, end)
+
+    def _switch_on(self) -> None:
+        self.plc.wait(lambda s: True, 10)
+        self.plc.synchronise()
+        for code, mask in ((modbus.REQUEST, 0), (modbus.OVERRIDE, 0), (modbus.RESET, 0), (modbus.ENABLE, 0x3F), (modbus.REFERENCE, 0x3F)):
+            self.plc.command(code, mask)
+
+    def _keep_moving(self, stop: threading.Event) -> None:
+        way = 100.0
+        while not stop.is_set():
+            with contextlib.suppress(TimeoutError):
+                self.plc.command(modbus.PTP_RELATIVE, 0x3F, 0.5, [way, way, way / 2, way / 5, way / 5, way / 3], timeout_s=5)
+            way = -way
+
+    def c_block(self, seconds: float) -> Verdict | None:
+        """The twin, same load."""
+        cycles = int(seconds * 1000 / P5_MS) + 250
+        command = [str(ROOT / "build/cycle_ref"), "--name", f"{NAME}-drives", "--period-us", str(P5_MS * 1000), "--cycles", str(cycles)]
+        command += ["--spin-us", str(SPIN_US), "--priority", str(PRIORITY), "--enable"]
+        with subprocess.Popen(command, stdout=subprocess.DEVNULL, preexec_fn=die_with_parent) as twin:  # noqa: S603
+            time.sleep(0.4)
+            start = time.monotonic_ns()
+            self._load(seconds)
+            end = time.monotonic_ns()
+            twin.terminate()
+        return self._judge(start, end)
+
+    def _load(self, seconds: float) -> None:
+        command = [str(ROOT / "build/modbus_load"), "-p", str(self.port), "-n", str(CLIENTS), "-f", "4", "-a", "1000", "-c", "10", "-t", str(int(seconds))]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603
+        with contextlib.suppress(ValueError, KeyError):
+            result = json.loads(done.stdout)
+            self.rates.append(result["requests"] / result["seconds"])
+
+    def _judge(self, start: int, end: int) -> Verdict | None:
+        time.sleep(0.6)  # the broker writes its log in batches
+        with self.log.open() as lines:
+            found = judge(lines, PERIOD_NS, start + int(SETTLE_S * 1e9), end)
+        return max(found, key=lambda verdict: verdict.cycles, default=None)
+
+
+def request(op: str, process: str) -> None:
+    """Ask the supervisor to hold or release a process."""
+    with ask(NAME, op, process=process) as connection:
+        connection.recv(4096)
+
+
+@contextlib.contextmanager
+def running(folder: pathlib.Path) -> Iterator[Bench]:
+    """The run both sides share; everything ended and removed afterwards."""
+    port = free_port(1502)
+    command = [sys.executable, "-m", "gateway", "run", "demo", "--sim", "--name", NAME, "--p5", str(P5_MS)]
+    command += ["--modbus-port", str(port), "--record", str(folder)]
+    run = subprocess.Popen(command, stdout=subprocess.DEVNULL, start_new_session=True, preexec_fn=die_with_parent)  # noqa: S603
+    plc = ModbusPlc("127.0.0.1", port)
+    try:
+        if not wait_up(NAME, 60):
+            raise RuntimeError("the run for the bench did not come up")
+        plc.start()
+        request("hold", "cycle")
+        yield Bench(folder / "bus-drives.log", port, plc)
+    finally:
+        plc.stop()
+        run.terminate()
+        run.wait(20)
