@@ -164,7 +164,7 @@ def test_forms(text: str, address: Address) -> None:
     ],
 )
 def test_refusals_say_what_was_expected(text: str, expected: str) -> None:
-    with pytest.raises(AddressFault, match="(?s).*") as refused:
+    with pytest.raises(AddressFault) as refused:
         parse(text)
     assert expected in str(refused.value)
 

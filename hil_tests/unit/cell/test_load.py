@@ -79,7 +79,8 @@ def test_the_s5_example_is_told_as_written_in_the_users_chapter() -> None:
         "note     db 10, DW 2 (KF, 0.1 mm): largest value 3276.7 mm; axis X goes to 2405.0 mm: fits",
         "warning  line plc: profile QVZ 2000 ms x 6 attempts = 12 s; on_loss acts after 1.0 s by life word: good, but wire feed hold",
         "note     bus can0: 745 us of 4000 us worst case (19 %); + 1 SDO pair 25 %; node 20 I/O event-driven",
-        "warning  line plc: SEND 32 words 103 ms + FETCH 32 words 103 ms at 9600 Bd: your 100 ms polling is not reachable; expect 210..260 ms",
+        "warning  line plc: SEND 32 words 103 ms + FETCH 32 words 103 ms at 9600 Bd: "
+        "your 100 ms polling is not reachable; expect 210..260 ms",
     ]
     assert said[4].startswith("note     run: not playable yet: ") and len(said) == 5
 
