@@ -66,6 +66,7 @@ class PtyPort:
 
     def write(self, data: bytes) -> int:
         """How many bytes were taken."""
+        before = time.monotonic_ns()  # not afterwards: who is read may run at once and leave us standing, and the line is never that late
         try:
             count = os.write(self._fd, data)
         except BlockingIOError:
@@ -73,7 +74,7 @@ class PtyPort:
         except OSError as error:
             raise self._gone(error) from error
         if self.char_ns:
-            self._drain.took(count, time.monotonic_ns())
+            self._drain.took(count, before)
         return count
 
     def unsent(self) -> int:

@@ -112,13 +112,14 @@ class SerialPort:
 
     def write(self, data: bytes) -> int:
         """How many bytes were taken."""
+        before = time.monotonic_ns()
         try:
             count = os.write(self._fd, data)
         except BlockingIOError:
             return 0
         except OSError as error:
             raise self._gone(error) from error
-        self._drain.took(count, time.monotonic_ns())
+        self._drain.took(count, before)
         return count
 
     def unsent(self) -> int:

@@ -58,6 +58,7 @@ class TcpPort:
 
     def write(self, data: bytes) -> int:
         """How many bytes were taken."""
+        before = time.monotonic_ns()
         try:
             count = self._socket.send(data)
         except BlockingIOError:
@@ -65,7 +66,7 @@ class TcpPort:
         except OSError as error:
             raise self._gone(error) from error
         if self.char_ns:
-            self._drain.took(count, time.monotonic_ns())
+            self._drain.took(count, before)
         return count
 
     def unsent(self) -> int:

@@ -50,6 +50,11 @@ async def pair(rig: Rig) -> AsyncIterator[tuple[Station, Station]]:
     try:
         await until(lambda: a.runner.state.connected and b.runner.state.connected)
         yield a, b
+    except AssertionError:
+        for station in (a, b):
+            print(station.events, station.runner.state, station.link.deadline(), time.monotonic_ns())
+        print(*rig.record().notes, *rig.record().runs, sep="\n")
+        raise
     finally:
         a.runner.close()
         b.runner.close()
@@ -96,7 +101,7 @@ def test_both_at_once_and_both_arrive(line: LineStarter) -> None:
         async with pair(rig) as (a, b):
 
             def arrived(count: int) -> bool:
-                return len(a.blocks) == len(b.blocks) == count
+                return all(len(one.blocks) == len(one.told(BlockSent)) == count for one in (a, b))
 
             for index in range(3):
                 a.send(b"high%d" % index)
