@@ -77,6 +77,30 @@ def test_a_standing_life_counter_is_a_fault() -> None:
     assert stamps == [bus.now - 6 * bus.p5 + 700_000 + 2 * bus.p5 + bus.p5 // 4]
 
 
+def test_a_life_counter_that_never_ran_is_found_after_switching_on() -> None:
+    bus = DriveBus(PLAIN)
+    bus.want[1].life_stands = True
+    bus.run(0.1)
+    assert not bus.events, "without power nobody watches it"
+    bus.want[1].on = True
+    bus.cycle()
+    switched_on = bus.now
+    bus.cycle(10)
+    assert bus.events == [FaultRaised(1, Fault.LIFE_LOST, switched_on + 2 * bus.p5 + bus.p5 // 4)]
+
+
+def test_faults_between_two_syncs_are_said_in_order_of_time_not_of_axes() -> None:
+    bus = DriveBus(PLAIN, PLAIN, p5_ms=32.0)
+    bus.enable()
+    bus.slave.load_torque(1, 28.0)
+    bus.slave.load_torque(2, 36.0)
+    said = len(bus.said)
+    bus.cycle(3)
+    assert [frame.identifier for frame in bus.said[said:]] == [610, 620, 620, 610, 610, 620, 610, 620]
+    first, second = [event for event in bus.events if isinstance(event, FaultRaised)]
+    assert (first.axis, second.axis) == (2, 1) and first.stamp_ns < second.stamp_ns
+
+
 def test_silence_towards_one_axis_stops_that_axis_only() -> None:
     bus = moving(PLAIN, PLAIN, PLAIN)
     bus.want[3].silent = True

@@ -1,7 +1,7 @@
 """The servo model against closed forms: acceleration, run-out, brake, stiction, the step itself, the encoder."""
 
 from dataclasses import replace
-from math import cos, log, pi, sin
+from math import cos, exp, log, pi, sin
 
 import pytest
 
@@ -36,6 +36,45 @@ def test_acceleration_at_the_torque_limit_is_torque_minus_friction_over_inertia(
     assert servo.torque_nm == pytest.approx(settings.torque_limit_nm, rel=1e-6)
     expected = (settings.torque_limit_nm - settings.coulomb_nm - gravity) / settings.inertia_kgm2
     assert (servo.speed_rad_s - begin) / 0.020 == pytest.approx(expected, rel=0.02)
+
+
+def test_the_current_loop_is_first_order_exactly() -> None:
+    """Torque demanded from the position tick at step 4: w = T/J (t - tau (1 - exp(-t/tau)))."""
+    tau = 0.002
+    settings = replace(WIDE, coulomb_nm=0.0, stiction_nm=0.0, viscous_nms_per_rad=0.0, current_time_constant_s=tau)
+    servo = driven(settings, 1e7, 4 * STEP_NS * 1e-9)
+    for count in (1, 5, 40):
+        servo.run_to(4 + count)
+        t = count * STEP_NS * 1e-9
+        assert servo.torque_nm == pytest.approx(18.0 * (1.0 - exp(-t / tau)), rel=1e-9)
+        assert servo.speed_rad_s == pytest.approx(18.0 / settings.inertia_kgm2 * (t - tau * (1.0 - exp(-t / tau))), rel=1e-9)
+
+
+def test_within_one_increment_the_position_loop_does_nothing() -> None:
+    settings = ServoSettings(start_rad=0.7 / INC_PER_RAD, coulomb_nm=0.0, stiction_nm=0.0)
+    servo = Servo(settings)
+    servo.open_brake()
+    servo.hold()
+    servo.run_to(steps(0.1))
+    assert servo.position_rad == settings.start_rad and servo.torque_nm == 0.0
+
+
+@pytest.mark.parametrize("step", [64, 65, 66, 67])
+def test_the_interpolator_is_continuous_and_reaches_the_goal_one_cycle_later(step: int) -> None:
+    servo = Servo(WIDE)
+    servo.open_brake()
+    servo.hold()
+    servo.follow(100.0, 0, P5, 0.0)
+    servo.run_to(step)
+    before = servo.demand_inc(20_000)
+    servo.follow(500.0, 20_000, P5, 0.0)
+    assert servo.demand_inc(20_000) == pytest.approx(before)
+    servo.run_to(step + 32)
+    assert servo.demand_inc(20_000) == pytest.approx((before + 500.0) / 2.0)
+    servo.run_to(step + 63)
+    assert servo.demand_inc(20_000) < 500.0
+    servo.run_to(step + 64)
+    assert servo.demand_inc(20_001) == 500.0
 
 
 @pytest.mark.parametrize("viscous", [0.0, 0.0008, 0.004])

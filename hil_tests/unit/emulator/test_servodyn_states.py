@@ -276,7 +276,8 @@ def test_reset_waits_until_the_winding_is_cool() -> None:
     bus = enabled(settings)
     bus.slave.load_torque(1, 12.0)
     until(bus, lambda actual: actual.fault, 5.0)
-    bus.run(0.05)
+    bus.run(0.12)
+    assert 100.0 < bus.axis().servo.winding_c < 120.0, "it would not trip again, it is only not cool"
     bus.slave.load_torque(1, 0.0)
     bus.want[1] = replace(bus.want[1], on=False, enable=False, reset=True)
     bus.cycle(3)
@@ -361,15 +362,16 @@ def test_the_zero_of_the_encoder_lies_where_the_resolver_reads_zero() -> None:
 SOFT = replace(PLAIN, soft_limit_min_inc=-20_000, soft_limit_max_inc=30_000)
 
 
-def test_enable_limit_switch_takes_the_next_resolver_zero_as_zero_of_the_software_limits() -> None:
+@pytest.mark.parametrize(("direction", "limit_at"), [(1, INC_PER_TURN + 30_000), (-1, -20_000)])
+def test_enable_limit_switch_takes_the_next_resolver_zero_as_zero_of_the_software_limits(direction: int, limit_at: int) -> None:
     bus = enabled(replace(SOFT, start_rad=0.5 * TURN))
     bus.want[1].limit_switch = True
     bus.cycle(2)
-    bus.move(lambda t: 20_000.0 * t)
+    bus.move(lambda t: direction * 20_000.0 * t)
     until(bus, lambda actual: actual.fault, 5.0)
     assert bus.actual[1].fault_code == Fault.SOFTWARE_LIMIT and bus.actual[1].limit_active
     trip = next(row.axes[0].position_inc for row in bus.rows() if row.axes[0].fault)
-    assert trip == pytest.approx(INC_PER_TURN + 30_000, abs=200), "the zero was the end of the first turn"
+    assert trip == pytest.approx(limit_at, abs=200), "the zero is the end of the first turn, whichever was passed"
 
 
 def test_software_limits_are_not_active_before_the_bit_and_only_its_first_edge_counts() -> None:
@@ -423,6 +425,11 @@ def test_power_loss_is_silence_and_after_its_return_the_position_is_within_one_t
     bus.run(0.2)
     assert state(bus) is State.READY, "drive on and ENABLE LIMIT SWITCH stood all the time: no command"
     assert bus.actual[1].position_inc == int(shaft / TURN * INC_PER_TURN) % INC_PER_TURN
+    bus.want[1] = replace(bus.want[1], on=False, enable=False, path=None)
+    bus.enable()
+    bus.move(lambda t: 60_000.0 * t)
+    bus.run(2.0)
+    assert not fault(bus), "software limits wait for a new edge after a new referencing"
 
 
 def test_dropped_actual_values_are_missing_once_and_dropped_set_values_hold_the_position() -> None:
