@@ -23,6 +23,7 @@ from drivers.ports.canwire import CONTROL, COUNT, EFF_FLAG, ERR_FLAG, RECORD, RE
 PIPE_BYTES = 1 << 20
 WAITING_RECORDS = 65_536
 BATCH_BYTES = 128 * RECORD_BYTES
+WRITE_BYTES = 1 << 16
 
 
 class LogPipe:
@@ -77,19 +78,23 @@ class LogPipe:
 
     def flush(self) -> None:
         """Hand over what the pipe takes now."""
-        if not self._waiting:
+        parts: list[bytes] = []
+        size = 0
+        while self._waiting and size < WRITE_BYTES:  # not all of a long queue: joining it again and again would cost bus time
+            parts.append(self._waiting.popleft())
+            size += len(parts[-1])
+        if not parts:
             return
-        octets = b"".join(self._waiting)
+        octets = b"".join(parts)
         try:
             taken = os.write(self._fd, octets)
         except BlockingIOError:
             taken = 0
         except OSError:
-            self._gone, taken = True, len(octets)  # the child died; the bus goes on
-        self._waiting.clear()
-        self._bytes = len(octets) - taken
-        if taken < len(octets):
-            self._waiting.append(octets[taken:])
+            self._gone, taken = True, size  # the child died; the bus goes on
+        self._bytes -= taken
+        if taken < size:
+            self._waiting.appendleft(octets[taken:])
 
     def close(self, limit_s: float = 5.0) -> None:
         """Everything to the file, then the child's end; a child that cannot write for `limit_s` is ended."""

@@ -1,0 +1,98 @@
+"""Real-time habits: sleeping to an absolute instant, timer descriptors, dying with the parent, scheduling class and its refusal."""
+
+import os
+import select
+import signal
+import subprocess
+import sys
+import time
+
+from gateway.realtime import Timerfd, die_with_parent, go_realtime, sleep_until
+
+MS = 1_000_000
+
+
+def test_sleep_until_never_returns_early_and_not_at_all_late_for_a_past_instant() -> None:
+    for spin_ns in (0, 200_000, 50 * MS):
+        due = time.monotonic_ns() + 5 * MS
+        now = sleep_until(due, spin_ns)
+        assert due <= now <= time.monotonic_ns() < due + 500 * MS
+    start = time.monotonic_ns()
+    assert sleep_until(start - MS) >= start
+    assert time.monotonic_ns() < start + 500 * MS
+
+
+def test_a_signal_does_not_shorten_the_sleep() -> None:
+    caught: list[int] = []
+    before = signal.signal(signal.SIGALRM, lambda number, _: caught.append(number))
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.02)
+        due = time.monotonic_ns() + 60 * MS
+        assert sleep_until(due) >= due
+    finally:
+        signal.signal(signal.SIGALRM, before)
+    assert caught == [signal.SIGALRM]
+
+
+def test_a_timer_descriptor_is_readable_at_its_instant_once_or_periodically() -> None:
+    timer = Timerfd()
+    assert timer.expired() == 0 and not select.select([timer], [], [], 0)[0]
+    due = time.monotonic_ns() + 10 * MS
+    timer.set(due)
+    assert select.select([timer], [], [], 5)[0] and time.monotonic_ns() >= due
+    assert timer.expired() == 1 and timer.expired() == 0
+    timer.set(0)
+    assert select.select([timer], [], [], 5)[0], "the past: at once"
+    timer.set(None)
+    assert not select.select([timer], [], [], 0.02)[0]
+    start = time.monotonic_ns()
+    timer.set(start + 5 * MS, 5 * MS)
+    sleep_until(start + 27 * MS)
+    assert timer.expired() >= 5
+    timer.close()
+    timer.close()
+
+
+def test_a_process_dies_with_its_parent() -> None:
+    program = (
+        "import os, time\n"
+        "from gateway.realtime import die_with_parent\n"
+        "inside, outside = os.pipe()\n"
+        "child = os.fork()\n"
+        "if child == 0:\n"
+        "    die_with_parent(os.getppid())\n"
+        "    os.write(outside, b'x')\n"
+        "    time.sleep(60)\n"
+        "os.read(inside, 1)\n"
+        "os.kill(os.getpid(), 9)\n"
+    )
+    start = time.monotonic()
+    # the pipe ends only when the child, which inherited it, is gone too
+    subprocess.run([sys.executable, "-c", program], stdout=subprocess.PIPE, check=False, timeout=30)
+    assert time.monotonic() - start < 20
+
+
+def test_a_parent_that_is_already_gone_ends_the_process_at_once() -> None:
+    child = os.fork()
+    if not child:
+        die_with_parent(os.getppid() + 1, signal.SIGKILL)
+        os._exit(0)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == -signal.SIGKILL
+
+
+def test_real_time_is_taken_or_its_refusal_said_and_children_start_without() -> None:
+    child = os.fork()
+    if not child:
+        code = 9
+        try:
+            warnings = go_realtime(7)
+            fifo = os.sched_getscheduler(0) & ~os.SCHED_RESET_ON_FORK == os.SCHED_FIFO and os.sched_getparam(0).sched_priority == 7
+            told = any("rtprio 7" in text for text in warnings)
+            inside = os.fork()
+            if not inside:
+                os._exit(os.sched_getscheduler(0) != os.SCHED_OTHER)
+            normal = os.waitpid(inside, 0)[1] == 0
+            code = 0 if fifo != told and normal else 1
+        finally:
+            os._exit(code)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
