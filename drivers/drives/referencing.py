@@ -96,7 +96,6 @@ class Leg(Enum):
     """Part of the run."""
 
     LEAVE = auto()  # the switch was actuated at the start: away from it
-    TURN = auto()  # free again: to rest
     SEEK = auto()  # towards the switch
     ZERO = auto()  # switch seen: slowly on to the encoder zero
     OFFSET = auto()  # zero passed: to the reference point
@@ -148,9 +147,7 @@ class Referencing:
             case None:
                 self._run(Leg.LEAVE if switch else Leg.SEEK, -settings.speed_inc_s if switch else settings.speed_inc_s)
             case Leg.LEAVE if not switch:
-                self._run(Leg.TURN, 0.0)
-            case Leg.TURN if self._ramp.at_rest:  # a switch that came back meanwhile is left again
-                self._run(Leg.LEAVE if switch else Leg.SEEK, -settings.speed_inc_s if switch else settings.speed_inc_s)
+                self._run(Leg.SEEK, settings.speed_inc_s)  # the ramp turns the axis round beyond the edge
             case Leg.SEEK if switch:
                 self._zero = self._next_zero(position_inc)
                 self.switch_to_zero_inc = abs(self._zero - position_inc)

@@ -197,7 +197,6 @@ class Drive:
 
     def _go(self, phase: Phase, event: Event | None = None) -> None:
         self._phase, self._cycles, self._refused = phase, 0, False
-        self._following = self._following or phase not in IN_CONTROL
         if event is not None:
             self.events.append(event)
         if phase in ON_REACHING:
