@@ -68,14 +68,14 @@ def reference_of(axis: Axis, scaling: Scaling) -> ReferenceSettings | None:
     )
 
 
-def core_axes(cell: Cell) -> list[CoreAxis]:
+def core_axes(cell: Cell, p5_ms: float) -> list[CoreAxis]:
     """The axes as the cycle's core takes them, in the order of the file."""
     found = []
     for axis in cell.axis:
         scaling = scaling_of(axis)
-        per_cycle = axis.limits.speed * cell.cycle_ms / 1000.0
+        per_cycle = axis.limits.speed * p5_ms / 1000.0
         step = 4 * abs(scaling.inc_per_unit) * to_si(per_cycle, axis.unit)
-        drive = DriveSettings(step_inc=max(1024, round(step)), timeout_cycles=round(5000 / cell.cycle_ms), brake=axis.brake != "none")
+        drive = DriveSettings(step_inc=max(1024, round(step)), timeout_cycles=round(5000 / p5_ms), brake=axis.brake != "none")
         lag = axis.following_error
         warn, trip = (to_si(lag.warn, axis.unit), to_si(lag.trip, axis.unit)) if lag else (float("inf"), float("inf"))
         window = WINDOW_TURNS * axis.drive.inc_per_turn / abs(scaling.inc_per_unit)

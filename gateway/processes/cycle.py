@@ -119,7 +119,7 @@ class Cycle:
     def __init__(self, plan: RunPlan, fds: dict[str, int]) -> None:
         cell = plan.cell
         self.period_ns = plan.p5_ms * 1_000_000
-        axes = core_axes(cell)
+        axes = core_axes(cell, plan.p5_ms)
         self.core = Core(
             axes,
             plan.p5_ms / 1000.0,

@@ -140,6 +140,7 @@ class DataDoor:
         self._handshake = handshake
         self._command, self._value, self._bad, self._level = command, value, bad_number, level
         self._levels: dict[str, float] = {}
+        self._told: dict[Slot, str] = {}  # what was said of a bad number that still stands
         self._primed: set[str] = set()
         self._targets: dict[str, float] = {}
         self._speed = 1.0
@@ -167,15 +168,19 @@ class DataDoor:
         self._act({name: value for name, value in levels.items() if not name.endswith((".target", ".life"))})
 
     def _read(self, block: DataBlock, slot: Slot) -> float | None:
+        """The slot's value; None when it is none or out of its range, which is told once until it changes."""
         try:
             value = block.get(slot)
+            words = ""
         except ProtocolError as error:
-            self._bad(slot.name, f"DB {block.number} DW {slot.word}: {error}")
-            return None
-        if (slot.low is not None and value < slot.low) or (slot.high is not None and value > slot.high):
-            self._bad(slot.name, f"DB {block.number} DW {slot.word}: {slot.name} {value:g}; {slot.low:g}..{slot.high:g}")
-            return None
-        return value
+            words = str(error)
+        else:
+            if (slot.low is not None and value < slot.low) or (slot.high is not None and value > slot.high):
+                words = f"{slot.name} {value:g}; {slot.low:g}..{slot.high:g}"
+        if words and self._told.get(slot) != words:
+            self._bad(slot.name, f"DB {block.number} DW {slot.word}: {words}")
+        self._told[slot] = words
+        return None if words else value
 
     def _act(self, levels: Mapping[str, float]) -> None:
         """Edges in a fixed order: stop before everything that might start something, start last (AX-142)."""

@@ -43,7 +43,7 @@ class CellBench:
         self.permit(*ENABLING)
 
     def _new_core(self) -> Core:
-        return Core(core_axes(DEMO), self.period_ns / 1e9, self.generation, finish_without_services=self.finish)
+        return Core(core_axes(DEMO, self.period_ns / 1e6), self.period_ns / 1e9, self.generation, finish_without_services=self.finish)
 
     def permit(self, *bits: int, value: bool = True) -> None:
         """RC inputs as a living door writes them."""

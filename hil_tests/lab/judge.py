@@ -2,13 +2,15 @@
 
 import bisect
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from drivers.emulator.record import Record, Row
-from drivers.ports.linewire import Note, Run
+from drivers.ports.linewire import Run
 from gateway.cell import Axis, Cell
 from gateway.plant import motor_rad
+from hil_tests.lab.buslog import Logged
+from protocols.servodyn.plan import SYNC_ID
 
 INC = 16384
 STX = 0x02
@@ -43,7 +45,7 @@ class Judge:
 
     def __init__(self, cell: Cell, record: Record) -> None:
         self._axes = cell.axis
-        self._kv = [cell.plant.axis[axis.name].kv if cell.plant else 60.0 for axis in cell.axis]
+        self._kv = [_kv(record, axis.drive.module or 0) for axis in cell.axis]
         self.rows = record.rows
         self._stamps = [row.stamp_ns for row in record.rows]
 
@@ -70,28 +72,6 @@ class Judge:
                 worst = error if worst is None else max(worst, error)
         return worst
 
-    def off_path(self, move: Move) -> float:
-        """Largest distance (increments) of any axis' set value from the straight line start..target, by the longest axis' own progress."""
-        start, target = (self._motor(values) for values in (move.start, move.target))
-        travel = [b - a for a, b in zip(start, target, strict=True)]
-        longest = max(range(len(travel)), key=lambda n: abs(travel[n]))
-        rows = self.between(move.start_ns, move.end_ns)
-        offset = self._turns_offset(rows, target)
-        worst = 0.0
-        for row in rows:
-            progress = (row.axes[longest].set_inc - offset[longest] - start[longest]) / travel[longest]
-            for n, way in enumerate(travel):
-                worst = max(worst, abs(row.axes[n].set_inc - offset[n] - start[n] - progress * way))
-        return worst
-
-    def _motor(self, values: Sequence[float]) -> list[float]:
-        return [_inc(motor_rad(axis, value)) for axis, value in zip(self._axes, values, strict=True)]
-
-    @staticmethod
-    def _turns_offset(rows: Sequence[Row], target: Sequence[float]) -> list[int]:
-        """The drives count whole turns from power-up: the difference to the mechanical position is a whole number of turns."""
-        return [round((rows[-1].axes[n].set_inc - value) / INC) * INC for n, value in enumerate(target)]
-
     def moved(self, start_ns: int, end_ns: int) -> float:
         """Largest way (increments) any axis' mechanics made in that time."""
         rows = self.between(start_ns, end_ns)
@@ -107,6 +87,50 @@ class Judge:
             if any(a.set_inc != b.set_inc for a, b in zip(rows[index].axes, rows[index - 1].axes, strict=True)):
                 return (rows[index].stamp_ns - stamp_ns) / 1e9 if index < len(rows) - 1 else None
         return 0.0
+
+
+class SetPath:
+    """Set values as they stood on the bus, by the bus' own log; nobody of ours wrote it."""
+
+    def __init__(self, cell: Cell, frames: Iterable[Logged]) -> None:
+        self._axes = cell.axis
+        self._stamps: list[int] = []
+        self._bursts: list[dict[int, int]] = []
+        for frame in frames:
+            if frame.identifier == SYNC_ID:
+                self._stamps.append(frame.stamp_ns)
+                self._bursts.append({})
+            elif self._bursts and 210 <= frame.identifier <= 260 and len(frame.data) == 8:
+                self._bursts[-1][(frame.identifier - 200) // 10] = int.from_bytes(frame.data[2:6], "little", signed=True)
+
+    def off_line(self, move: Move) -> float:
+        """Largest distance (increments) of any axis' set value from the straight line start..target, by the longest axis' own progress."""
+        modules = [axis.drive.module or 0 for axis in self._axes]
+        start, target = (
+            [_inc(motor_rad(axis, v)) for axis, v in zip(self._axes, values, strict=True)] for values in (move.start, move.target)
+        )
+        travel = [b - a for a, b in zip(start, target, strict=True)]
+        longest = max(range(len(travel)), key=lambda n: abs(travel[n]))
+        first, last = bisect.bisect_left(self._stamps, move.start_ns), bisect.bisect_right(self._stamps, move.end_ns)
+        bursts = [[burst[m] for m in modules] for burst in self._bursts[first:last] if all(m in burst for m in modules)]
+        if not bursts:
+            return math.inf
+        turns = [
+            round((end - value) / INC) * INC for end, value in zip(bursts[-1], target, strict=True)
+        ]  # drives count turns from power-up
+        worst = 0.0
+        for burst in bursts:
+            progress = (burst[longest] - turns[longest] - start[longest]) / travel[longest]
+            off = (abs(burst[n] - turns[n] - start[n] - progress * way) for n, way in enumerate(travel))
+            worst = max(worst, *off)
+        return worst
+
+
+def _kv(record: Record, module: int) -> float:
+    """Position loop gain (1/s) the emulated drive says it ran with."""
+    settings = record.header["settings"]
+    assert isinstance(settings, dict)
+    return float(settings["axes"][str(module)]["kv_per_s"])
 
 
 def _inc(rad: float) -> float:
@@ -132,20 +156,17 @@ def _steady(rows: Sequence[Row], n: int) -> list[tuple[float, float]]:
     return found
 
 
-def repeats_while_unplugged(items: Sequence[Run | Note], unplugged_ns: int, plugged_ns: int) -> int:
-    """STX the PLC sent again into the broken cable; the first one of the outage is the attempt, not a repeat."""
-    tries = 0
-    for item in items:
-        if isinstance(item, Run) and item.sender == "A" and unplugged_ns < item.stamp_ns < plugged_ns and item.data == bytes((STX,)):
-            tries += 1
-    return max(tries - 1, 0)
+def repeats_while_unplugged(items: Sequence[Run], unplugged_ns: int, plugged_ns: int) -> int:
+    """STX sent again into the broken cable, by whichever side had something to say; the first one is the attempt, not a repeat."""
+    lost = [item.side for item in items if unplugged_ns < item.stamp_ns < plugged_ns and item.data == bytes((STX,))]
+    return max(lost.count("A") - 1, lost.count("B") - 1, 0)
 
 
-def recovery_s(items: Sequence[Run | Note], plugged_ns: int) -> float:
+def recovery_s(items: Sequence[Run], plugged_ns: int) -> float:
     """From the plug to the first whole reaction telegram of the gateway: 00 00 00 00, DLE ETX, check character."""
     heard = b""
     for item in items:
-        if isinstance(item, Run) and item.sender == "B" and item.stamp_ns > plugged_ns:
+        if item.side == "B" and item.stamp_ns > plugged_ns:
             heard += item.data
             if b"\x00\x00\x00\x00" in heard and b"\x10\x03" in heard:
                 return (item.stamp_ns - plugged_ns) / 1e9

@@ -6,14 +6,16 @@ Its program knows nothing of axisgate's own blocks: it sets bits and KF words in
 import threading
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 from drivers.ports.open import open_bytes
-from hil_tests.lab.rk512_active import Active, Done, Failed
+from hil_tests.lab.rk512_active import ActiveStation, Done, Event, Unasked
 from hil_tests.lab.sync_line import SyncLine
-from protocols.p3964r.link import Link
+from protocols.base.machine import ms
 from protocols.p3964r.profiles import SIEMENS_CP525, Priority
 
 COMMAND_DB, STATUS_DB, WORDS, LIFE = 10, 11, 32, 31
+PROFILE = replace(SIEMENS_CP525, name="cp525, QVZ 550 ms", ack_delay=ms(550))  # set to the rho 3's QVZ, as both ends must have the same
 PATIENCE_S = 30.0  # six attempts of 2 s each and the reaction: then the job has failed
 
 
@@ -83,7 +85,9 @@ class S5Plc:
                 return status
             time.sleep(0.005)
         words = " ".join(f"{self.status.word(n) & 0xFFFF:04X}" for n in range(9))
-        raise TimeoutError(f"PLC 1 waited {timeout_s:g} s in vain for {what}; DB 11: {words}, {self.cycles} cycles, {self.failures} failed jobs")
+        raise TimeoutError(
+            f"PLC 1 waited {timeout_s:g} s in vain for {what}; DB 11: {words}, {self.cycles} cycles, {self.failures} failed jobs"
+        )
 
     def wait_cycles(self, count: int) -> None:
         """So many whole cycles from now: what was set before has been sent."""
@@ -100,12 +104,12 @@ class S5Plc:
             self._thread.join(5)
 
     def _run(self) -> None:
-        active = Active(Link(SIEMENS_CP525, Priority.HIGH))
+        active = ActiveStation(9600, PROFILE, Priority.HIGH)
         with SyncLine(lambda: open_bytes(f"pty:{self._port}", "9600 8E1"), active) as line:
             while not self._stop.is_set():
                 self._cycle(line, active)
 
-    def _cycle(self, line: "SyncLine[Done | Failed]", active: Active) -> None:
+    def _cycle(self, line: SyncLine[Event], active: ActiveStation) -> None:
         with self._lock:
             self._words[LIFE] = (self._words[LIFE] + 1) & 0x7FFF
             image = b"".join(word.to_bytes(2, "big") for word in self._words)
@@ -120,12 +124,12 @@ class S5Plc:
             self.status = Block(fetched.data)
             self.cycles += done is not None
 
-    def _job(self, line: "SyncLine[Done | Failed]", job: int) -> Done | None:
+    def _job(self, line: SyncLine[Event], job: int) -> Done | None:
         """Serve the line until this job has an outcome."""
-        found: list[Done | Failed] = []
+        found: list[Event] = []
 
         def over() -> bool:
-            found.extend(event for _, event in line.events if event.job == job)
+            found.extend(event for _, event in line.events if not isinstance(event, Unasked) and event.job == job)
             line.events.clear()
             return bool(found) or self._stop.is_set()
 

@@ -1,5 +1,6 @@
 """PLC 2 of the demo: a newer program on Modbus TCP with the command block.  Its client is pymodbus, not ours."""
 
+import logging
 import struct
 import threading
 import time
@@ -51,6 +52,7 @@ class ModbusPlc:
     reconnects: int = 0
 
     def __post_init__(self) -> None:
+        logging.getLogger("pymodbus").setLevel(logging.CRITICAL)  # it would report every refused connection of a restart
         self._client = ModbusTcpClient(self.host, port=self.port, timeout=1.0, retries=0)
         self._lock = threading.Lock()
         self._toggle = False
@@ -88,7 +90,9 @@ class ModbusPlc:
         self.cycles += 1
 
     # ---- what its program does ---------------------------------------------------------------------------------------
-    def send(self, code: int, mask: int = 0, velocity: float = 1.0, targets: Sequence[float] | bytes = (), acceleration: float = 1.0) -> None:
+    def send(
+        self, code: int, mask: int = 0, velocity: float = 1.0, targets: Sequence[float] | bytes = (), acceleration: float = 1.0
+    ) -> None:
         """Write the command block in one FC16, toggle changed.  `targets` as bytes: raw words, for numbers in a wrong format."""
         raw = targets if isinstance(targets, bytes) else struct.pack(f">{len(targets)}f", *targets)
         raw = raw.ljust(4 * AXES, b"\0")
@@ -100,7 +104,9 @@ class ModbusPlc:
                 raise ModbusIOException(str(answer))
             self.status = None
 
-    def command(self, code: int, mask: int = 0, velocity: float = 1.0, targets: Sequence[float] | bytes = (), timeout_s: float = 20.0) -> Status:
+    def command(
+        self, code: int, mask: int = 0, velocity: float = 1.0, targets: Sequence[float] | bytes = (), timeout_s: float = 20.0
+    ) -> Status:
         """send, then wait for the outcome of that very command."""
         self.send(code, mask, velocity, targets)
         return self.wait(lambda s: s.toggle == self._toggle and s.state in (DONE, REFUSED, ABORTED), timeout_s)

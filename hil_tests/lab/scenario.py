@@ -5,14 +5,18 @@ import json
 import os
 import pathlib
 import random
+import shutil
 import signal
 import socket
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 
+from drivers.emulator.record import Flag
 from drivers.emulator.record import read as read_record
+from drivers.emulator.servodyn_axis import Fault
 from drivers.ports.base import PortError
 from drivers.ports.linewire import parse_record
 from gateway.cell import Cell
@@ -21,11 +25,13 @@ from gateway.config import load_cell
 from gateway.processes.line_control import LineControl
 from gateway.processes.supervisor import ask, wait_up
 from gateway.realtime import die_with_parent
+from hil_tests.lab import buslog
 from hil_tests.lab import plc2 as modbus
-from hil_tests.lab.judge import Judge, Move, Verdict, recovery_s, repeats_while_unplugged
+from hil_tests.lab.judge import Judge, Move, SetPath, Verdict, recovery_s, repeats_while_unplugged
 from hil_tests.lab.plc1 import S5Plc
 from hil_tests.lab.plc2 import ModbusPlc
 from hil_tests.lab.show import Show
+from protocols.base.errors import DecodeError
 
 ALL = 0x3F
 SETTLE_S = 0.4  # ten time constants of the position loops: what "at the target" means
@@ -36,9 +42,10 @@ NOT_OWNER, FORMAT = 1, 5  # reason numbers (AX-140)
 class ScenarioFailed(Exception):
     """The scenario could not be played to its end."""
 
-    def __init__(self, text: str, code: int = 1) -> None:
+    def __init__(self, text: str, code: int = 1, sync_gap_ms: float = 0.0) -> None:
         super().__init__(text)
         self.code = code
+        self.sync_gap_ms = sync_gap_ms  # longest time the drives were without SYNC, where that is what stopped them
 
 
 class Scenario:
@@ -56,6 +63,8 @@ class Scenario:
         self._facts: dict[str, float] = {}
         self._at = [axis.home.position + axis.home.offset for axis in self.cell.axis]
         self.show = Show(quiet=quiet)
+        self._bus_clock_ns = 0  # add it to the bus log's stamps to get the monotonic clock
+        self._candump: subprocess.Popen[bytes] | None = None
         self.plc1: S5Plc | None = None
         self.plc2: ModbusPlc | None = None
 
@@ -75,7 +84,7 @@ class Scenario:
         except (TimeoutError, PortError, OSError, KeyError) as error:
             self.failed = True
             self._stop()
-            raise ScenarioFailed(f"{self.show.title}: {error}\n{self._last_words()}") from error
+            raise ScenarioFailed(f"{self.show.title}: {error}\n{self._last_words()}", sync_gap_ms=self._sync_gap_ms()) from error
         self.show.step("the records are judged")
         self._stop()
         verdicts = self._judge()
@@ -88,7 +97,19 @@ class Scenario:
         self._stop()
         self.show.close()
 
+    def _record_bus(self) -> None:
+        """On a kernel bus there is no broker to keep a log: Debian's candump does (wall-clock stamps)."""
+        if self.bus is None or not self.bus.startswith("socketcan:"):
+            return
+        if shutil.which("candump") is None:
+            raise ScenarioFailed("candump is missing: install can-utils (make test and make demo do it as root)", 3)
+        self._bus_clock_ns = time.monotonic_ns() - time.time_ns()
+        self._log = (self.folder / "bus-drives.log").open("wb")
+        command = ["candump", "-L", self.bus.partition(":")[2]]
+        self._candump = subprocess.Popen(command, stdout=self._log, start_new_session=True, preexec_fn=die_with_parent)  # noqa: S603
+
     def _start(self) -> None:
+        self._record_bus()
         command = [sys.executable, "-m", "gateway", "run", "demo", "--sim", "--name", self.name, "--p5", str(self.p5_ms)]
         command += ["--modbus-port", str(self.port), "--record", str(self.folder), *(("--bus", self.bus) if self.bus else ())]
         with (self.folder / "run.log").open("wb") as log:
@@ -109,6 +130,11 @@ class Scenario:
             if plc is not None:
                 plc.stop()
         self.show.unwatch()
+        dump, self._candump = self._candump, None
+        if dump is not None:
+            dump.terminate()
+            dump.wait()
+            self._log.close()
         run, self._run = self._run, None
         if run is None or run.poll() is not None:
             return
@@ -118,6 +144,16 @@ class Scenario:
         except subprocess.TimeoutExpired:
             run.kill()
             run.wait()
+
+    def _sync_gap_ms(self) -> float:
+        """By the emulator's record: how long the drives were without SYNC when they said so; 0 when they never did."""
+        with contextlib.suppress(OSError, DecodeError):
+            rows = read_record((self.folder / "emulator-drives.rec").read_bytes()).rows
+            losses = [row for row in rows if any(axis.fault in (Fault.SYNC_LOST, Fault.LIFE_LOST) for axis in row.axes)]
+            syncs = [row.stamp_ns for row in rows if not row.axes[0].flags & Flag.NO_SYNC]
+            gaps = [b - a for a, b in zip(syncs, syncs[1:], strict=False)]
+            return max(gaps, default=0) / 1e6 if losses else 0.0
+        return 0.0
 
     def _last_words(self) -> str:
         with contextlib.suppress(OSError):
@@ -155,6 +191,7 @@ class Scenario:
         self._two.wait(lambda s: True, 10)
         self._two.synchronise()
         self._one.word(1, 100)  # override 100 %
+        self._one.word(8, 100)  # speed 100 %
         self._one.wait(lambda s: s.bit(0, 0), 10, "cell ready")
         self._one.wait_cycles(2)
 
@@ -183,6 +220,7 @@ class Scenario:
     def _begin_1(self, target: list[float], speed: int) -> None:
         plc = self._one
         plc.bit(0, 8, False)
+        plc.wait_cycles(2)  # the falling edge has to be on the line before the next rising one
         plc.wait(lambda s: not s.bit(0, 9) and not s.bit(0, 8), 10, "done and busy off")
         for n, value in enumerate(target):
             plc.word(2 + n, round(value * 10))
@@ -341,7 +379,9 @@ class Scenario:
         line = parse_record((self.folder / "line-plc1.rec").read_text().splitlines(keepends=True))
         events, facts, moves = self._events, self._facts, [move for _, move in self._moves]
         lags = [lag for move in moves if (lag := judge.lag_error(move)) is not None]
-        off = {who: max(judge.off_path(move) for name, move in self._moves if name == who) for who in ("plc1", "stop", "override")}
+        with (self.folder / "bus-drives.log").open() as log:
+            path = SetPath(self.cell, shifted(buslog.frames(log), self._bus_clock_ns))
+        off = {who: max(path.off_line(move) for name, move in self._moves if name == who) for who in ("plc1", "stop", "override")}
         recovery = recovery_s(line.runs, events["plug"])
         repeats = repeats_while_unplugged(line.runs, events["unplug"], events["plug"])
         rest = judge.rest_after(events["unplug"], events["plug"])
@@ -363,6 +403,12 @@ class Scenario:
             Verdict("services back after SIGKILL, s", facts["services back"], "<= 3.0", facts["services back"] <= 3.0),
             Verdict("moved by the standing start bit, increments", stood := judge.moved(events["kill"], events["kill end"]), "<= 2", stood <= 2.0),
         ]  # fmt: skip
+
+
+def shifted(frames: Iterable[buslog.Logged], by_ns: int) -> Iterator[buslog.Logged]:
+    """The same frames on the monotonic clock."""
+    for frame in frames:
+        yield replace(frame, stamp_ns=frame.stamp_ns + by_ns) if by_ns else frame
 
 
 def free_port(preferred: int) -> int:

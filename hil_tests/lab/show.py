@@ -30,7 +30,7 @@ class Show:
 
     def say(self, text: str) -> None:
         """A line that stays."""
-        self._console.print(text)
+        self._console.print(text, soft_wrap=True)
 
     def step(self, title: str) -> None:
         """The next act."""
@@ -67,7 +67,9 @@ class Show:
         for verdict in verdicts:
             self._console.print(Text(verdict.line(), style="green" if verdict.ok else "bold red"))
         good = sum(verdict.ok for verdict in verdicts)
-        self._console.print(f"{good} of {len(verdicts)} hold; judged by the emulator's record and the line record, evidence level: emulator")
+        self._console.print(
+            f"{good} of {len(verdicts)} hold; judged by the emulator's record and the line record, evidence level: emulator"
+        )
 
     def close(self) -> None:
         self.unwatch()
@@ -84,5 +86,9 @@ def picture(cell: Cell, one: S5Plc, two: ModbusPlc, title: str) -> Group:
         marks = ["x" if mask >> n & 1 else "" for mask in (status.enabled, status.referenced, status.in_position)]
         table.add_row(axis.name, f"{status.actual[n]:9.3f} {axis.unit}", f"{status.lag[n]:7.3f}", *marks, str(one.status.word(2 + n)))
     line = f"PLC 1: {one.cycles} cycles, {one.failures} failed jobs   PLC 2: {two.cycles} cycles"
-    owner = "" if status is None else f"   owner: door {status.owner}   override {status.override:.0%}   PLC 2's command: {STATES.get(status.state)}"
+    owner = (
+        ""
+        if status is None
+        else f"   owner: door {status.owner}   override {status.override:.0%}   PLC 2's command: {STATES.get(status.state)}"
+    )
     return Group(table, Text(line + owner))
