@@ -174,7 +174,7 @@ def _characters(value: Value) -> bytes:
 
 def _finite(kind: Step5Type, value: Value, largest: float) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float) or not -largest <= value <= largest:
-        raise EncodeError(f"{kind.value} = {value!r}, range {-largest:g}..{largest:g}, number")
+        raise EncodeError(f"{kind.value} = {value!r}, range {-largest:.9g}..{largest:.9g}, number")
     return float(value)
 
 
