@@ -1,6 +1,7 @@
 """The door of a serial line: 3964R below, RK512 above, and either the cell's own data blocks or the standard command block.
 
-Where the cell declares no blocks, DB 10 is the command block, DB 11 the status block; DB 20 and DB 21 are the RC inputs and outputs (AX-012).
+Where the cell declares no blocks, DB 10 is the command block, DB 11 the status block; DB 20 and DB 21 are the RC inputs and outputs
+(AX-012).
 """
 
 import struct
@@ -82,7 +83,10 @@ class LineDoor(BaseDoor):
                 services.inputs.quality[octet], services.inputs.stamps[octet] = Quality.GOOD, time.monotonic_ns()
 
         names = [axis.name for axis in services.cell.axis]
-        value = lambda name: services.values.get(name, self)  # noqa: E731
+
+        def value(name: str) -> float:
+            return services.values.get(name, self)
+
         return DataDoor(blocks, names, compile_handshake(handshake) if handshake else None, command, value, bad_number, level)
 
     # ---- life --------------------------------------------------------------------------------------------------------

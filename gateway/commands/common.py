@@ -9,8 +9,8 @@ from gateway.files import ConfigNotFound, find_config
 
 DONE, FINDING, USAGE, ENVIRONMENT = 0, 1, 2, 3
 BANNER = (
-    "axisgate is not a safety device. It has no safety function, no performance level and no certificate. Emergency stop, safe torque off,\n"
-    "guards, enabling devices and speed monitoring must be realised in certified hardware that works without axisgate.\n"
+    "axisgate is not a safety device. It has no safety function, no performance level and no certificate. Emergency stop, safe torque\n"
+    "off, guards, enabling devices and speed monitoring must be realised in certified hardware that works without axisgate.\n"
     "axisgate ist keine Sicherheitseinrichtung: Not-Halt, STO, Schutztueren, Zustimmung und sichere Geschwindigkeit gehoeren in\n"
     "zertifizierte Hardware, die ohne axisgate wirkt."
 )

@@ -10,6 +10,7 @@ from gateway.assembly import RunPlan, plan_run
 from gateway.cell import Cell
 from gateway.commands.common import BANNER, DONE, ENVIRONMENT, USAGE, load
 from gateway.processes.supervisor import Supervisor
+from gateway.realtime import die_with_parent
 
 EXAMPLES = """examples:
   axisgate run demo --sim                       the demo's cell, everything simulated
@@ -30,7 +31,10 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--name", help="name of this run for `axisgate var` (default: the file's)")
     parser.add_argument("--record", type=pathlib.Path, help="folder for bus log, line and emulator records")
     parser.add_argument("--json", action="store_true", help="print the plan of the run as JSON and do not start it")
+    parser.add_argument("--die-with-parent", action="store_true", help=argparse.SUPPRESS)  # for tests: no run outlives its starter
     arguments = parser.parse_args(argv)
+    if arguments.die_with_parent:
+        die_with_parent()
     cell = load(arguments.cell)
     if isinstance(cell, int):
         return cell
@@ -73,7 +77,8 @@ def why_not(cell: Cell, *, simulated: bool, p5: int | None) -> str:
         return ""
     blind = [bus.name for bus in cell.bus if bus.protocol == "servodyn" and not bus.simulated and not bus.layout_evidence]
     if blind:
-        return f"bus {', '.join(blind)}: no layout_evidence: the SERVODYN layout is axisgate's own; drives are not enabled on a real bus without it"
+        why = "the SERVODYN layout is axisgate's own; drives are not enabled on a real bus without layout_evidence"
+        return f"bus {', '.join(blind)}: {why}"
     return ""
 
 

@@ -1,7 +1,7 @@
 """The cycle: one thread, one absolute grid.  SYNC and set values leave only from here, and only from a completed cycle.
 
-Order of one cycle (AX-001): at the grid instant SYNC and the set values for the next SYNC in one burst; drives answer with what they latched;
-then the core thinks, and what it decided is published.  A grid instant that was missed is counted and never made up for.
+Order of one cycle (AX-001): at the grid instant SYNC and the set values for the next SYNC in one burst; drives answer with what they
+latched; then the core thinks, and what it decided is published.  A grid instant that was missed is counted and never made up for.
 """
 
 import argparse
@@ -18,7 +18,7 @@ from gateway.dbcfile import load_servodyn
 from gateway.files import beside
 from gateway.image import RegionReader, RegionWriter, RingReader, RingWriter, fds_from_text
 from gateway.pure.core import Core
-from gateway.pure.records import TRACE_LAYOUT, InputImage, OrderRecord, pack_trace, pack_cell_state, unpack_inputs, unpack_order
+from gateway.pure.records import TRACE_LAYOUT, InputImage, OrderRecord, pack_cell_state, pack_trace, unpack_inputs, unpack_order
 from gateway.realtime import die_with_parent, go_realtime, sleep_until
 from protocols.base.errors import DecodeError
 from protocols.base.machine import Frame

@@ -163,9 +163,9 @@ class Services:
         image = self.inputs
         for octet, number in self.owned.items():
             door = self.doors[number - 1]
-            if image.quality[octet] == Quality.GOOD and not door.watch.alive:
-                image.quality[octet] = Quality.BAD
-            elif image.quality[octet] == Quality.STALE and now - self.started_ns > INHERITED_NS:
+            if (image.quality[octet] == Quality.GOOD and not door.watch.alive) or (
+                image.quality[octet] == Quality.STALE and now - self.started_ns > INHERITED_NS
+            ):
                 image.quality[octet] = Quality.BAD
 
     def _refresh(self, now: int) -> None:

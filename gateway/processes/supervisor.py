@@ -105,7 +105,7 @@ class Supervisor:
         fds = {name: self.fds[name] for name in child.regions}
         command = [*command_line(child), *(("--plan", str(self._plan_fd), "--fds", fds_to_text(fds)) if child.regions else ())]
         keep = (self._plan_fd, *fds.values()) if child.regions else ()
-        running.process = subprocess.Popen(  # noqa: S603
+        running.process = subprocess.Popen(
             command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, pass_fds=keep, start_new_session=True
         )
         running.started_ns, running.start_at, running.ready, running.output = now_ns(), None, False, b""

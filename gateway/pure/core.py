@@ -39,6 +39,9 @@ SERVICES_LIMIT = ms(250)  # life counter of services older than this: dead
 INPUTS_HOLD = ms(4_000)  # enabling inputs outlive a services restart by this much (AX-143)
 
 
+NO_PERMIT = Permit(0)
+
+
 @dataclass(frozen=True, slots=True)
 class RcNumbers:
     """AX-002: bit numbers of the signals without a number in the manual; movable in the cell."""
@@ -100,8 +103,8 @@ class Core:
         period_s: float,
         generation: int,
         *,
-        numbers: RcNumbers = RcNumbers(),  # noqa: B008
-        assumed: Permit = Permit(0),  # noqa: B008
+        numbers: RcNumbers = RcNumbers(),
+        assumed: Permit = NO_PERMIT,
         finish_without_services: bool = False,
     ) -> None:
         self.state = CellState(generation=generation)

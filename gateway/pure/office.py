@@ -159,22 +159,26 @@ class Office:
             if cell.failed_job == job.watch:
                 return Reason(cell.failed_reason)
             return None
-        enabled = self.enabled_mask()
+        if job.code == Code.ENABLE and cell.failed_job == job.id:
+            return Reason(cell.failed_reason)
+        return Reason.NONE if self._reached(job, cell) else None
+
+    def _reached(self, job: Job, cell: CellState) -> bool:
+        """Whether what the command asks for stands."""
+        enabled = self.enabled_mask() & job.mask
         match job.code:
             case Code.ENABLE:
-                if cell.failed_job == job.id:
-                    return Reason(cell.failed_reason)
-                return Reason.NONE if enabled & job.mask == job.mask else None
+                return enabled == job.mask
             case Code.DISABLE:
-                return Reason.NONE if not enabled & job.mask else None
+                return not enabled
             case Code.STOP:
-                return Reason.NONE if cell.motion in (Motion.IDLE, Motion.STOPPED) else None
+                return cell.motion in (Motion.IDLE, Motion.STOPPED)
             case Code.ABANDON:
-                return Reason.NONE if cell.motion is Motion.IDLE else None
+                return cell.motion is Motion.IDLE
             case Code.FAULT_RESET:
-                return Reason.NONE if not cell.emergency and not self.enabled_mask(AxisFlag.FAULT | AxisFlag.LOST) else None
+                return not cell.emergency and not self.enabled_mask(AxisFlag.FAULT | AxisFlag.LOST)
             case _:
-                return Reason.NONE
+                return True
 
     def _why_not(self, job: Job, cell: CellState) -> tuple[Reason, str]:
         if cell.emergency:

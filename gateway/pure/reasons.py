@@ -65,6 +65,7 @@ class Refusal(Exception):
         return text(self.reason, "en", self.detail)
 
 
+# fmt: off
 _TEXTS: dict[Reason, tuple[str, str]] = {
     Reason.NONE: ("", ""),
     Reason.NOT_OWNER: ("another door has control: {0}", "eine andere Tuer hat die Steuerung: {0}"),
@@ -74,10 +75,16 @@ _TEXTS: dict[Reason, tuple[str, str]] = {
     Reason.FORMAT_SUSPICION: ("number format: {0}", "Zahlenformat: {0}"),
     Reason.FEED_NOT_ALLOWED: ("feed is not allowed (RC input 26 feed allow): {0}", "Vorschub nicht freigegeben (RC-Eingang 26): {0}"),
     Reason.BUSY: ("a move is running: {0}", "eine Bewegung laeuft: {0}"),
-    Reason.EMERGENCY_STOP: ("emergency stop is latched: close the chain (RC input 24), then fault reset", "Not-Halt gespeichert: Kette schliessen (RC-Eingang 24), dann quittieren"),
+    Reason.EMERGENCY_STOP: (
+        "emergency stop is latched: close the chain (RC input 24), then fault reset",
+        "Not-Halt gespeichert: Kette schliessen (RC-Eingang 24), dann quittieren",
+    ),
     Reason.UNKNOWN_CODE: ("command code {0} is unknown; 1..12 are known", "Kommandocode {0} unbekannt; 1..12 sind bekannt"),
     Reason.MASK: ("axis mask {0}", "Achsmaske {0}"),
-    Reason.RATE: ("velocity, acceleration or override out of range: {0}", "Geschwindigkeit, Beschleunigung oder Override ausserhalb: {0}"),
+    Reason.RATE: (
+        "velocity, acceleration or override out of range: {0}",
+        "Geschwindigkeit, Beschleunigung oder Override ausserhalb: {0}",
+    ),
     Reason.NOT_AT_REST: ("axes are not at rest", "Achsen stehen nicht"),
     Reason.NOTHING_TO_RESUME: ("there is no stopped move to resume or abandon", "keine angehaltene Bewegung vorhanden"),
     Reason.CONTROL_NOT_ALLOWED: ("control is not allowed (RC input 25 control allow)", "Steuerung nicht freigegeben (RC-Eingang 25)"),
@@ -86,18 +93,25 @@ _TEXTS: dict[Reason, tuple[str, str]] = {
     Reason.DRIVE_LOST: ("no telegram from a drive: {0}", "kein Telegramm vom Antrieb: {0}"),
     Reason.FOLLOWING_ERROR: ("following error: {0}", "Schleppfehler: {0}"),
     Reason.STOPPED_BY_DOOR: ("stopped on the path by door {0}", "auf der Bahn angehalten durch Tuer {0}"),
-    Reason.RESYNCHRONISED: ("first telegram after a start or a lost link: not carried out, send it again with the toggle changed", "erstes Telegramm nach Start oder Verbindungsverlust: nicht ausgefuehrt, mit gewechseltem Toggle neu senden"),
+    Reason.RESYNCHRONISED: (
+        "first telegram after a start or a lost link: not carried out, send it again with the toggle changed",
+        "erstes Telegramm nach Start oder Verbindungsverlust: nicht ausgefuehrt, mit gewechseltem Toggle neu senden",
+    ),
     Reason.LINK_LOST: ("the link of the door in control is silent: {0}", "Verbindung der fuehrenden Tuer ist stumm: {0}"),
     Reason.SERVICES_LOST: ("the services process died; stopped on the path", "Dienste-Prozess ausgefallen; auf der Bahn angehalten"),
     Reason.CYCLE_RESTARTED: ("the cycle process was restarted; drives are off", "Zyklus-Prozess neu gestartet; Antriebe sind aus"),
     Reason.REFERENCE_FAILED: ("referencing failed: {0}", "Referenzieren fehlgeschlagen: {0}"),
     Reason.TIME_OUT: ("not reached in time: {0}", "nicht rechtzeitig erreicht: {0}"),
     Reason.INPUT_LOST: ("an enabling input is lost: {0}", "ein Freigabeeingang ist ausgefallen: {0}"),
-    Reason.OVERRUN: ("the cycle skipped too many SYNCs in a row; stopped on the path", "zu viele SYNC in Folge ausgelassen; auf der Bahn angehalten"),
+    Reason.OVERRUN: (
+        "the cycle skipped too many SYNCs in a row; stopped on the path",
+        "zu viele SYNC in Folge ausgelassen; auf der Bahn angehalten",
+    ),
     Reason.ABANDONED: ("the rest of the move was abandoned", "Restweg verworfen"),
     Reason.OVERRIDE_ZERO: ("override is 0 %: nothing would move", "Override ist 0 %: nichts wuerde sich bewegen"),
     Reason.NOT_READY: ("the cell is not ready: {0}", "Zelle nicht bereit: {0}"),
-}  # fmt: skip
+}
+# fmt: on
 
 
 def text(reason: Reason, language: str = "en", detail: str = "") -> str:

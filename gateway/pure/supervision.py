@@ -1,4 +1,7 @@
-"""Is the partner alive?  Judged by silence and by its life word, never by the link layer's own patience (users: a stop over the line is not a stop)."""
+"""Is the partner alive?  Judged by silence and by its life word, never by the link layer's own patience.
+
+Source: users.md, "A stop over the line is not a stop".
+"""
 
 from dataclasses import dataclass
 from enum import Enum, auto

@@ -41,7 +41,7 @@ def emulator(arguments: argparse.Namespace) -> list[Figure]:
 def motion(arguments: argparse.Namespace) -> list[Figure]:
     from hil_tests.bench.motion_bench import run
 
-    return run()
+    return [dict(figure) for figure in run()]
 
 
 BENCHES: dict[str, Callable[[argparse.Namespace], list[Figure]]] = {"cycle": cycle, "3964r": p3964r, "emulator": emulator, "motion": motion}
@@ -75,17 +75,19 @@ def main(argv: list[str]) -> int:
 def sentence(figure: Figure) -> str:
     """One line of the table a person reads."""
     met = "met " if figure["met"] else "MISS"
-    return f"{met}  {figure['figure']}: {figure['value']} {figure['unit']}  (goal {figure['goal']}; {figure['reference']}: {figure['reference_value']})"
+    beside = f"goal {figure['goal']}; {figure['reference']}: {figure['reference_value']}"
+    return f"{met}  {figure['figure']}: {figure['value']} {figure['unit']}  ({beside})"
 
 
 def page(found: list[Figure]) -> str:
     """docs/benchmarks.md as a whole."""
-    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip()  # noqa: S607
+    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip()
     head = [
         "# Benchmarks",
         "",
-        "Written by `make bench`; measured at the bus or line by a third process, in blocks that alternate with the reference under the same load.",
-        "The machine is shared with other work: compare the ratios within one run, never single absolute times with another machine's.",
+        "Written by `make bench`; measured at the bus or line by a third process, in blocks that alternate with the reference under",
+        "the same load.",
+        "The machine is shared with other work: compare ratios within one run, never single absolute times with another machine's.",
         "",
         f"Measured {datetime.date.today().isoformat()} on {os.cpu_count()} cores of {machine()}, Linux {platform.release()}, "
         f"Python {platform.python_version()}, commit {commit or 'unknown'}.",
@@ -94,7 +96,9 @@ def page(found: list[Figure]) -> str:
         "|---|---|---|---|---|---|---|---|",
     ]
     keys = ("figure", "value", "unit", "reference", "reference_value", "ratio", "goal")
-    rows = ["| " + " | ".join(str(figure.get(key, "")) for key in keys) + f" | {'yes' if figure['met'] else '**no**'} |" for figure in found]
+    rows = [
+        "| " + " | ".join(str(figure.get(key, "")) for key in keys) + f" | {'yes' if figure['met'] else '**no**'} |" for figure in found
+    ]
     return "\n".join([*head, *rows, ""])
 
 

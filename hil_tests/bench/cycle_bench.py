@@ -19,7 +19,6 @@ from dataclasses import dataclass, field
 from gateway.image import RingReader, recv_fds
 from gateway.processes.supervisor import ask, wait_up
 from gateway.pure.records import unpack_trace
-from gateway.realtime import die_with_parent
 from hil_tests.bench.cycle_judge import Verdict, judge, percentile
 from hil_tests.lab import plc2 as modbus
 from hil_tests.lab.plc2 import ModbusPlc
@@ -151,7 +150,7 @@ class Bench:
         cycles = int(seconds * 1000 / P5_MS) + 250
         command = [str(ROOT / "build/cycle_ref"), "--name", f"{NAME}-drives", "--period-us", str(P5_MS * 1000), "--cycles", str(cycles)]
         command += ["--spin-us", str(SPIN_US), "--priority", str(PRIORITY), "--enable"]
-        with subprocess.Popen(command, stdout=subprocess.DEVNULL, preexec_fn=die_with_parent) as twin:  # noqa: S603
+        with subprocess.Popen(command, stdout=subprocess.DEVNULL) as twin:
             time.sleep(0.4)
             start = time.monotonic_ns()
             self._load(seconds)
@@ -160,8 +159,22 @@ class Bench:
         return self._judge(start, end)
 
     def _load(self, seconds: float) -> None:
-        command = [str(ROOT / "build/modbus_load"), "-p", str(self.port), "-n", str(CLIENTS), "-f", "4", "-a", "1000", "-c", "10", "-t", str(int(seconds))]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603
+        command = [
+            str(ROOT / "build/modbus_load"),
+            "-p",
+            str(self.port),
+            "-n",
+            str(CLIENTS),
+            "-f",
+            "4",
+            "-a",
+            "1000",
+            "-c",
+            "10",
+            "-t",
+            str(int(seconds)),
+        ]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
         with contextlib.suppress(ValueError, KeyError):
             result = json.loads(done.stdout)
             self.rates.append(result["requests"] / result["seconds"])
@@ -183,9 +196,9 @@ def request(op: str, process: str) -> None:
 def running(folder: pathlib.Path) -> Iterator[Bench]:
     """The run both sides share; everything ended and removed afterwards."""
     port = free_port(1502)
-    command = [sys.executable, "-m", "gateway", "run", "demo", "--sim", "--name", NAME, "--p5", str(P5_MS)]
+    command = [sys.executable, "-m", "gateway", "run", "demo", "--sim", "--die-with-parent", "--name", NAME, "--p5", str(P5_MS)]
     command += ["--modbus-port", str(port), "--record", str(folder)]
-    run = subprocess.Popen(command, stdout=subprocess.DEVNULL, start_new_session=True, preexec_fn=die_with_parent)  # noqa: S603
+    run = subprocess.Popen(command, stdout=subprocess.DEVNULL, start_new_session=True)
     plc = ModbusPlc("127.0.0.1", port)
     try:
         if not wait_up(NAME, 60):

@@ -6,6 +6,7 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 from pymodbus.client import ModbusTcpClient
 from pymodbus.exceptions import ConnectionException, ModbusIOException
@@ -37,7 +38,21 @@ class Status:
     @classmethod
     def of(cls, words: Sequence[int]) -> "Status":
         reals = struct.unpack(f">{2 * AXES}f", struct.pack(f">{4 * AXES}H", *words[10 : 10 + 4 * AXES]))
-        return cls(bool(words[0] & 0x8000), words[0] & 0xFF, *words[1:6], words[6] / 10_000, *words[7:9], reals[0::2], reals[1::2])
+        head = [int(word) for word in words[:9]]
+        return cls(
+            toggle=bool(head[0] & 0x8000),
+            state=head[0] & 0xFF,
+            reason=head[1],
+            enabled=head[2],
+            in_position=head[3],
+            referenced=head[4],
+            fault=head[5],
+            override=head[6] / 10_000,
+            life=head[7],
+            owner=head[8],
+            actual=reals[0::2],
+            lag=reals[1::2],
+        )
 
 
 @dataclass
@@ -53,7 +68,7 @@ class ModbusPlc:
 
     def __post_init__(self) -> None:
         logging.getLogger("pymodbus").setLevel(logging.CRITICAL)  # it would report every refused connection of a restart
-        self._client = ModbusTcpClient(self.host, port=self.port, timeout=1.0, retries=0)
+        self._client: Any = ModbusTcpClient(self.host, port=self.port, timeout=1.0, retries=0)  # its annotations are not whole
         self._lock = threading.Lock()
         self._toggle = False
         self._stop = threading.Event()

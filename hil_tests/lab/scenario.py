@@ -1,6 +1,7 @@
 """The scenario of `axisgate demo`: what both PLC programs do, in order, and when they did it; the verdicts come from elsewhere."""
 
 import contextlib
+import itertools
 import json
 import os
 import pathlib
@@ -11,32 +12,29 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import replace
+from collections.abc import Callable
+from typing import Any
 
 from drivers.emulator.record import Flag
 from drivers.emulator.record import read as read_record
 from drivers.emulator.servodyn_axis import Fault
 from drivers.ports.base import PortError
-from drivers.ports.linewire import parse_record
 from gateway.cell import Cell
 from gateway.commands.common import BANNER
 from gateway.config import load_cell
 from gateway.processes.line_control import LineControl
 from gateway.processes.supervisor import ask, wait_up
-from gateway.realtime import die_with_parent
-from hil_tests.lab import buslog
 from hil_tests.lab import plc2 as modbus
-from hil_tests.lab.judge import Judge, Move, SetPath, Verdict, recovery_s, repeats_while_unplugged
+from hil_tests.lab.judge import Move, Verdict
 from hil_tests.lab.plc1 import S5Plc
 from hil_tests.lab.plc2 import ModbusPlc
 from hil_tests.lab.show import Show
+from hil_tests.lab.verdicts import Story, verdicts_of
 from protocols.base.errors import DecodeError
 
 ALL = 0x3F
 SETTLE_S = 0.4  # ten time constants of the position loops: what "at the target" means
 KG_1200_5 = bytes.fromhex("0B4B0800")  # 1200.5 as S5 float
-NOT_OWNER, FORMAT = 1, 5  # reason numbers (AX-140)
 
 
 class ScenarioFailed(Exception):
@@ -56,11 +54,9 @@ class Scenario:
         self.cell: Cell = load_cell("demo")
         self.port = port or free_port(self.cell.modbus[0].port)
         self.failed = False
-        self._random = random.Random(seed)  # noqa: S311 targets, not secrets
+        self._random = random.Random(seed)
         self._run: subprocess.Popen[bytes] | None = None
-        self._moves: list[tuple[str, Move]] = []
-        self._events: dict[str, int] = {}
-        self._facts: dict[str, float] = {}
+        self.story = Story()
         self._at = [axis.home.position + axis.home.offset for axis in self.cell.axis]
         self.show = Show(quiet=quiet)
         self._bus_clock_ns = 0  # add it to the bus log's stamps to get the monotonic clock
@@ -87,7 +83,7 @@ class Scenario:
             raise ScenarioFailed(f"{self.show.title}: {error}\n{self._last_words()}", sync_gap_ms=self._sync_gap_ms()) from error
         self.show.step("the records are judged")
         self._stop()
-        verdicts = self._judge()
+        verdicts = verdicts_of(self.cell, self.folder, self.story, self._bus_clock_ns)
         self.failed = not all(verdict.ok for verdict in verdicts)
         self.show.summary(verdicts)
         return verdicts
@@ -106,16 +102,26 @@ class Scenario:
         self._bus_clock_ns = time.monotonic_ns() - time.time_ns()
         self._log = (self.folder / "bus-drives.log").open("wb")
         command = ["candump", "-L", self.bus.partition(":")[2]]
-        self._candump = subprocess.Popen(command, stdout=self._log, start_new_session=True, preexec_fn=die_with_parent)  # noqa: S603
+        self._candump = subprocess.Popen(command, stdout=self._log, start_new_session=True)
 
     def _start(self) -> None:
         self._record_bus()
-        command = [sys.executable, "-m", "gateway", "run", "demo", "--sim", "--name", self.name, "--p5", str(self.p5_ms)]
+        command = [
+            sys.executable,
+            "-m",
+            "gateway",
+            "run",
+            "demo",
+            "--sim",
+            "--die-with-parent",
+            "--name",
+            self.name,
+            "--p5",
+            str(self.p5_ms),
+        ]
         command += ["--modbus-port", str(self.port), "--record", str(self.folder), *(("--bus", self.bus) if self.bus else ())]
         with (self.folder / "run.log").open("wb") as log:
-            self._run = subprocess.Popen(  # noqa: S603
-                command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True, preexec_fn=die_with_parent
-            )
+            self._run = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True)
         if not wait_up(self.name, 60.0):
             code = 3 if self._run.poll() is not None else 1
             raise ScenarioFailed("the run did not come up:\n" + self._last_words(), code)
@@ -151,7 +157,7 @@ class Scenario:
             rows = read_record((self.folder / "emulator-drives.rec").read_bytes()).rows
             losses = [row for row in rows if any(axis.fault in (Fault.SYNC_LOST, Fault.LIFE_LOST) for axis in row.axes)]
             syncs = [row.stamp_ns for row in rows if not row.axes[0].flags & Flag.NO_SYNC]
-            gaps = [b - a for a, b in zip(syncs, syncs[1:], strict=False)]
+            gaps = [b - a for a, b in itertools.pairwise(syncs)]
             return max(gaps, default=0) / 1e6 if losses else 0.0
         return 0.0
 
@@ -199,7 +205,7 @@ class Scenario:
         self._one.bit(0, 0, True)
         self._one.wait(lambda s: s.bit(0, 4), 10, "control")
         refused = self._two.command(modbus.REQUEST)
-        self._facts["refused reason"], self._facts["owner"] = refused.reason, refused.owner
+        self.story.facts["refused reason"], self.story.facts["owner"] = refused.reason, refused.owner
         self._one.wait(lambda s: s.bit(0, 3), 10, "drives on")
 
     def _reference(self) -> None:
@@ -237,7 +243,7 @@ class Scenario:
 
     def _arrived(self, who: str, target: list[float]) -> None:
         time.sleep(SETTLE_S)
-        self._moves.append((who, Move(self._start_ns, time.monotonic_ns(), tuple(self._at), tuple(target))))
+        self.story.moves.append((who, Move(self._start_ns, time.monotonic_ns(), tuple(self._at), tuple(target))))
         self._at = list(target)
 
     def _unplug(self) -> None:
@@ -245,13 +251,13 @@ class Scenario:
         self._begin_1(target, 15)
         time.sleep(0.6)
         with LineControl(f"{self.name}-plc1") as cable:
-            self._events["unplug"] = cable.unplug()
+            self.story.events["unplug"] = cable.unplug()
             time.sleep(4.0)
-            self._events["plug"] = cable.plug()
+            self.story.events["plug"] = cable.plug()
             cycles = self._one.cycles
             self._one.wait(lambda s: self._one.cycles >= cycles + 3, 10, "the line to work again")
             time.sleep(1.0)
-            self._events["resume"] = time.monotonic_ns()
+            self.story.events["resume"] = time.monotonic_ns()
             cable.status()
         self._one.pulse(0, 5)
         self._end_1(target)
@@ -264,10 +270,10 @@ class Scenario:
         start = (plc.word_value(0) | 0x0100).to_bytes(2, "big")
         plc.send((12, 0, KG_1200_5), (10, 0, start))  # the start bit alone: the targets stay as they stand
         plc.wait(lambda s: s.bit(0, 15), 10, "refused")
-        self._facts["format reason"] = plc.status.word(1)
-        self._events["format"], self._events["format end"] = before, time.monotonic_ns()
+        self.story.facts["format reason"] = plc.status.word(1)
+        self.story.events["format"], self.story.events["format end"] = before, time.monotonic_ns()
         journal = (pathlib.Path(self._status()["folder"]) / "journal.jsonl").read_text()
-        self._facts["format words"] = float("looks like KG read as IEEE" in journal)
+        self.story.facts["format words"] = float("looks like KG read as IEEE" in journal)
         plc.bit(0, 8, False)
         plc.wait_cycles(2)
 
@@ -300,7 +306,7 @@ class Scenario:
         self._two.send(modbus.PTP, ALL, 0.8, target)
         time.sleep(0.7)
         self._must(self._two.command(modbus.STOP))
-        self._events["stopped"] = time.monotonic_ns()
+        self.story.events["stopped"] = time.monotonic_ns()
         time.sleep(0.5)
         self._must(self._two.command(modbus.RESUME))
         self._arrived("stop", target)
@@ -329,13 +335,13 @@ class Scenario:
         self._at = list(target)
         pid = self._pid("services")
         cycles = one.cycles
-        self._events["kill"] = time.monotonic_ns()
+        self.story.events["kill"] = time.monotonic_ns()
         os.kill(pid, signal.SIGKILL)
         one.wait(lambda s: one.cycles >= cycles + 2 and self._pid("services") not in (pid, None), 20, "services to be back")
         two.wait(lambda s: True, 10)
-        self._facts["services back"] = (time.monotonic_ns() - self._events["kill"]) / 1e9
+        self.story.facts["services back"] = (time.monotonic_ns() - self.story.events["kill"]) / 1e9
         time.sleep(1.5)
-        self._events["kill end"] = time.monotonic_ns()
+        self.story.events["kill end"] = time.monotonic_ns()
 
     def _again(self) -> None:
         one = self._one
@@ -363,52 +369,15 @@ class Scenario:
         if status.state != modbus.DONE:
             raise TimeoutError(f"PLC 2's command ended with state {status.state}, reason {status.reason}")
 
-    def _status(self) -> dict[str, str]:
+    def _status(self) -> dict[str, Any]:
         connection = ask(self.name, "status")
         with connection:
-            answer: dict[str, str] = json.loads(connection.makefile().readline())
+            answer: dict[str, Any] = json.loads(connection.makefile().readline())
         return answer
 
     def _pid(self, process: str) -> int:
-        found = [p["pid"] for p in self._status()["processes"] if p["name"] == process]  # type: ignore[index]  # JSON of our own
-        return found[0] or 0
-
-    # ---- judgement ---------------------------------------------------------------------------------------------------
-    def _judge(self) -> list[Verdict]:
-        judge = Judge(self.cell, read_record((self.folder / "emulator-drives.rec").read_bytes()))
-        line = parse_record((self.folder / "line-plc1.rec").read_text().splitlines(keepends=True))
-        events, facts, moves = self._events, self._facts, [move for _, move in self._moves]
-        lags = [lag for move in moves if (lag := judge.lag_error(move)) is not None]
-        with (self.folder / "bus-drives.log").open() as log:
-            path = SetPath(self.cell, shifted(buslog.frames(log), self._bus_clock_ns))
-        off = {who: max(path.off_line(move) for name, move in self._moves if name == who) for who in ("plc1", "stop", "override")}
-        recovery = recovery_s(line.runs, events["plug"])
-        repeats = repeats_while_unplugged(line.runs, events["unplug"], events["plug"])
-        rest = judge.rest_after(events["unplug"], events["plug"])
-        words = facts["format reason"] == FORMAT and facts["format words"] == 1.0
-        missed = max(judge.missed_by(move) for move in moves)
-        return [
-            Verdict("PLC 2 refused while PLC 1 has control, reason", facts["refused reason"], "1, owner 1", (facts["refused reason"], facts["owner"]) == (NOT_OWNER, 1)),
-            Verdict(f"{len(moves)} targets missed by at most, increments", missed, "<= 2", missed <= 2.0),
-            Verdict("lag against speed / Kv, worst, %", 100 * max(lags, default=float("nan")), "<= 5", bool(lags) and max(lags) <= 0.05),
-            Verdict("path deviation over stop and resume, increments", off["stop"], "<= 1", off["stop"] <= 1.0),
-            Verdict("path deviation over override changes, increments", off["override"], "<= 1", off["override"] <= 1.0),
-            Verdict("path deviation over the broken line, increments", off["plc1"], "<= 1", off["plc1"] <= 1.0),
-            Verdict("axes at rest after the cable was pulled, s", rest if rest is not None else float("inf"), "1.0 .. 2.0", rest is not None and 0.9 <= rest <= 2.0),
-            Verdict("repeats seen while unplugged", repeats, ">= 1", repeats >= 1),
-            Verdict("line recovered after plugging, s", recovery, "<= 2.0", recovery <= 2.0),
-            Verdict("moved between plugging and the new command, increments", still := judge.moved(events["plug"], events["resume"]), "<= 2", still <= 2.0),
-            Verdict("KG where REAL stands refused in words, reason", facts["format reason"], "5", words),
-            Verdict("moved by the wrong number, increments", wrong := judge.moved(events["format"], events["format end"]), "<= 2", wrong <= 2.0),
-            Verdict("services back after SIGKILL, s", facts["services back"], "<= 3.0", facts["services back"] <= 3.0),
-            Verdict("moved by the standing start bit, increments", stood := judge.moved(events["kill"], events["kill end"]), "<= 2", stood <= 2.0),
-        ]  # fmt: skip
-
-
-def shifted(frames: Iterable[buslog.Logged], by_ns: int) -> Iterator[buslog.Logged]:
-    """The same frames on the monotonic clock."""
-    for frame in frames:
-        yield replace(frame, stamp_ns=frame.stamp_ns + by_ns) if by_ns else frame
+        found = [p["pid"] for p in self._status()["processes"] if p["name"] == process]
+        return int(found[0] or 0)
 
 
 def free_port(preferred: int) -> int:

@@ -31,6 +31,7 @@ class Faults:
 
 
 NO_FAULTS = Faults()
+NEVER = 1 << 62
 
 
 @dataclass(slots=True)
@@ -90,14 +91,24 @@ class VirtualLine(Generic[E]):
     def run(self, until: Ns) -> None:
         """Everything that happens up to and including this moment."""
         while (moment := self._next()) <= until:
-            self.now = max(self.now, moment)
-            for side in (0, 1):
-                self._serve(side)
+            self._play(moment)
         self.now = max(self.now, until)
 
+    def step(self) -> None:
+        """The next moment at which something happens; RuntimeError when nothing ever will."""
+        moment = self._next()
+        if moment == NEVER:
+            raise RuntimeError("neither side waits for anything")
+        self._play(moment)
+
     # ---- inside
+    def _play(self, moment: Ns) -> None:
+        self.now = max(self.now, moment)
+        for side in (0, 1):
+            self._serve(side)
+
     def _next(self) -> Ns:
-        moment = 1 << 62
+        moment = NEVER
         for side in (0, 1):
             way, due = self._ways[side], self.machines[side].deadline()
             if due is not None and due < moment:
@@ -170,4 +181,4 @@ class VirtualLine(Generic[E]):
 
     def _gap(self, way: _Way) -> int:
         """Good characters before the next fault."""
-        return int(way.random.expovariate(self._faults.any)) if self._faults.any > 0 else 1 << 62
+        return int(way.random.expovariate(self._faults.any)) if self._faults.any > 0 else NEVER

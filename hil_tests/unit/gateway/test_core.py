@@ -56,9 +56,9 @@ def test_stop_leaves_a_rest_and_resume_ends_the_move_on_the_same_line() -> None:
     rest = cell.set()
     cell.run(0.5)
     assert cell.set() == rest
-    assert move.state is CommandState.RUNNING
-    assert cell.settle(cell.give(Code.RESUME)).state is CommandState.DONE
-    assert move.state is CommandState.DONE
+    assert move.open
+    resume = cell.settle(cell.give(Code.RESUME))
+    assert (resume.state, move.state) == (CommandState.DONE, CommandState.DONE)
     assert off_line < 1e-6
 
 
@@ -107,7 +107,7 @@ def test_a_lost_enabling_input_stops_and_its_return_starts_nothing() -> None:
     cell = CellBench().ready()
     move = cell.give(Code.PTP_ABSOLUTE, targets=FAR)
     cell.run(0.5)
-    cell.core._assumed |= Permit.CHAIN | Permit.CONTROL | Permit.TRAVEL  # the other inputs are wired elsewhere: only feed allow and feed hold are lost
+    cell.core._assumed |= Permit.CHAIN | Permit.CONTROL | Permit.TRAVEL  # wired elsewhere: only feed allow and feed hold are lost
     cell.inputs.quality[3] = Quality.BAD
     cell.run(1.0)
     assert cell.core.state.motion is Motion.STOPPED

@@ -132,11 +132,12 @@ class TestOffice:
         assert (move.state, move.reason) == (CommandState.RUNNING, Reason.LINK_LOST)
         cell.settle(cell.give(Code.REQUEST_CONTROL, door=2))
         cell.run(0.1)
-        assert cell.core.state.motion is Motion.IDLE
-        assert move.state is CommandState.ABORTED
+        assert (cell.core.state.motion, move.state) == (Motion.IDLE, CommandState.ABORTED)
         assert cell.give(Code.RESUME, door=2).reason is Reason.NOTHING_TO_RESUME
 
-    @pytest.mark.parametrize(("on_loss", "motion"), [(OnLoss.STOP, Motion.STOPPED), (OnLoss.HOLD, Motion.STOPPED), (OnLoss.FINISH, Motion.IDLE)])
+    @pytest.mark.parametrize(
+        ("on_loss", "motion"), [(OnLoss.STOP, Motion.STOPPED), (OnLoss.HOLD, Motion.STOPPED), (OnLoss.FINISH, Motion.IDLE)]
+    )
     def test_what_a_dead_link_does_to_the_move(self, on_loss: OnLoss, motion: Motion) -> None:
         cell = CellBench().ready()
         cell.give(Code.PTP_ABSOLUTE, targets=FAR)
