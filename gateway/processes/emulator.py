@@ -50,7 +50,8 @@ class Recorder:
         return self._due if self._rows else None
 
     def add(self, rows: bytes, now: Ns) -> None:
-        if self._file is None or not rows:
+        """Call it without rows too: what waits is written when its time has come."""
+        if self._file is None or not (rows or self._rows):
             return
         if not self._rows:
             self._due = now + RECORD_NS
@@ -94,11 +95,16 @@ class Emulator:
         """Another descriptor that ends the wait of a turn; its owner reads it."""
         self._epoll.register(fd, select.EPOLLIN)
 
-    def turn(self) -> None:
-        """Waits for a frame, a command or a deadline, then does everything that is to be done."""
+    def open(self) -> None:
+        """Opens the port when it is time to; a quiet bus would keep the next turn waiting."""
         now = time.monotonic_ns()
         if self._port is None and now >= self._reopen:
             self._connect(now)
+
+    def turn(self) -> None:
+        """Waits for a frame, a command or a deadline, then does everything that is to be done."""
+        self.open()
+        now = time.monotonic_ns()
         ready = self._epoll.poll(self._timeout_s(now))
         now = time.monotonic_ns()  # before the port is drained: what was stamped by now minus the grace is then in our hands
         synced = self._drain(now)
@@ -218,10 +224,11 @@ def run(emulator: Emulator) -> None:
     emulator.watch(inside)
     announced = False
     while not emulator.stopping:
-        emulator.turn()
+        emulator.open()
         if emulator.connected and not announced:
             announced = True
             print("ready", flush=True)
+        emulator.turn()
 
 
 def main(argv: list[str] | None = None) -> int:
