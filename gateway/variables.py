@@ -5,6 +5,7 @@ get NAME|ADDRESS, set ADDRESS VALUE (only where everything is simulated), names,
 
 import asyncio
 import contextlib
+import difflib
 import json
 import pathlib
 from typing import TYPE_CHECKING
@@ -12,7 +13,7 @@ from typing import TYPE_CHECKING
 from gateway.files import read_signals
 from gateway.linedoor import LineDoor
 from gateway.modbusdoor import ModbusDoor
-from gateway.pure.addresses import AddressFault, CellName, DataBit, DataWord, Direction, Part, RcBit, Register, Table, parse
+from gateway.pure.addresses import AddressFault, CellName, DataBit, DataWord, Direction, Part, RcBit, Register, Table, parse, pic
 from gateway.pure.records import get_bit
 from gateway.pure.signals import from_tables
 from protocols.modbus.view import ExceptionCode, Kind
@@ -34,7 +35,8 @@ class Variables:
 
     def __init__(self, services: "Services") -> None:
         self._services = services
-        self._symbols = from_tables(read_signals()).symbols()
+        self._signals = from_tables(read_signals())
+        self._symbols = self._signals.symbols()
 
     async def listen(self, path: pathlib.Path) -> asyncio.Server:
         """Start answering; a stale socket of a predecessor is replaced."""
@@ -73,7 +75,7 @@ class Variables:
         place = parse(text, self._symbols)
         match place:
             case RcBit():
-                return {"address": text, "place": str(place), "value": self._bit(place)}
+                return {"address": text, "place": self._name_of(place), "value": self._bit(place)}
             case DataBit():
                 door, data = self._block(place.db)
                 word = int.from_bytes(data[2 * place.word : 2 * place.word + 2], "big")
@@ -86,7 +88,7 @@ class Variables:
                     return {"error": f"{place}: the block has {len(data) // 2} words"}
                 return {"address": text, "place": str(place), "door": door.name, **_columns(raw, place.part)}
             case CellName(name):
-                return {"address": text, "place": name, "value": self._services.values.get(name)}
+                return self._named(text, name)
             case Register():
                 return self._register(text, place)
 
@@ -103,6 +105,20 @@ class Variables:
         value = int(found[0])
         columns: dict[str, object] = {"KH": f"{value:04X}"} if not bits else {}
         return {"address": text, "place": f"{place.table.name.lower()} {place.address}", "value": value, **columns}
+
+    def _named(self, text: str, name: str) -> dict[str, object]:
+        values = self._services.values
+        try:
+            return {"address": text, "place": name, "value": values.get(name)}
+        except KeyError:
+            close = difflib.get_close_matches(name, values.names(), n=1)
+            hint = f", did you mean {close[0]}?" if close else ""
+            return {"error": f"{name}: no such name{hint}; axisgate var lists them"}
+
+    def _name_of(self, place: RcBit) -> str:
+        """RC output 64 (E8.0, READY_RCO): the number, the PLC's address and the signal's name if it has one."""
+        signal = self._signals.at(place)
+        return f"{place.direction.value} {place.number} ({pic(place)}{', ' + signal.name if signal else ''})"
 
     def _bit(self, place: RcBit) -> int:
         if place.direction is Direction.INPUT:

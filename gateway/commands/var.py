@@ -9,6 +9,7 @@ import time
 from drivers.ports.base import runtime_dir
 from gateway.commands.common import DONE, ENVIRONMENT, FINDING
 
+SUFFIX = "-services.sock"
 EXAMPLES = """examples:
   axisgate var axis.A1.actual                   actual position of axis A1 in mm
   axisgate var DB10.DW2 --set 1200              as if the PLC had sent it (simulated cells only)
@@ -26,8 +27,7 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--name", help="which run, when several are up")
     parser.add_argument("--json", action="store_true")
     arguments = parser.parse_args(argv)
-    runs = [path.name.removesuffix("-services.sock") for path in sorted(runtime_dir().glob("*-services.sock"))]
-    runs = [run for run in runs if arguments.name in (None, run)]
+    runs = [run for run in runs_up() if arguments.name in (None, run)]
     if len(runs) != 1:
         known = ", ".join(runs) or "none"
         print(f"axisgate var: which run? up are: {known}; start one with: axisgate run demo --sim", file=sys.stderr)
@@ -38,13 +38,23 @@ def main(argv: list[str]) -> int:
     try:
         with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as link:
             link.settimeout(2.0)
-            link.connect(str(runtime_dir() / f"{runs[0]}-services.sock"))
+            link.connect(str(runtime_dir() / f"{runs[0]}{SUFFIX}"))
             return converse(link, request, watch=arguments.watch, as_json=arguments.json)
     except OSError as error:
         print(f"axisgate var: run {runs[0]!r} does not answer ({error}); its services may be starting again", file=sys.stderr)
         return ENVIRONMENT
     except KeyboardInterrupt:
         return DONE
+
+
+def runs_up() -> list[str]:
+    """Names of the runs whose services answer; a socket nobody listens on is what a killed run left."""
+    found = []
+    for path in sorted(runtime_dir().glob(f"*{SUFFIX}")):
+        with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as probe:
+            if probe.connect_ex(str(path)) == 0:
+                found.append(path.name.removesuffix(SUFFIX))
+    return found
 
 
 def converse(link: socket.socket, request: dict[str, str], *, watch: bool, as_json: bool) -> int:

@@ -188,7 +188,8 @@ class Supervisor:
                 process.kill()
                 process.wait()
         self._socket.close()
-        self.path.unlink(missing_ok=True)
+        for left in (self.path, runtime_dir() / f"{self.plan.slug}-services.sock"):
+            left.unlink(missing_ok=True)  # services that were killed could not take theirs away
         self._selector.close()
         for fd in (*self.fds.values(), self._plan_fd):
             os.close(fd)
