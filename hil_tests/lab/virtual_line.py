@@ -1,7 +1,8 @@
 """Two byte machines over a faulty line in virtual time.  One seed gives one run, bit for bit; an hour takes seconds.
 
 A character takes `char_time` on the line.  Characters are handed over in bursts of at most `burst` of them, when the last of a burst has
-come in, as a UART with a FIFO does; `sent` is called when the last character given out has left.  Knows no protocol.
+come in, as a UART with a FIFO does; `sent` is called when the last character given out has left.  Knows no protocol; an exception inside a
+machine is a failed assertion.
 """
 
 from collections import deque
@@ -32,6 +33,7 @@ class Faults:
 
 NO_FAULTS = Faults()
 NEVER = 1 << 62
+MOST_REPEATS = 1000  # moments without time passing
 
 
 @dataclass(slots=True)
@@ -74,6 +76,7 @@ class VirtualLine(Generic[E]):
     ) -> None:
         self.machines = (left, right)
         self.now: Ns = 0
+        self._repeats = 0
         self._on_event = on_event
         self._faults, self._char_time, self._burst = faults, char_time, burst
         self._ways = (_Way(Random(2 * seed)), _Way(Random(2 * seed + 1)))
@@ -103,9 +106,16 @@ class VirtualLine(Generic[E]):
 
     # ---- inside
     def _play(self, moment: Ns) -> None:
+        self._repeats = self._repeats + 1 if moment <= self.now else 0
+        assert self._repeats < MOST_REPEATS, f"at {self.now / 1e6:.3f} ms: a deadline stands still"
         self.now = max(self.now, moment)
-        for side in (0, 1):
-            self._serve(side)
+        try:
+            self._serve(0)
+            self._serve(1)
+        except AssertionError:
+            raise
+        except Exception as error:
+            raise AssertionError(f"at {self.now / 1e6:.3f} ms: a machine raised {error!r}") from error
 
     def _next(self) -> Ns:
         moment = NEVER

@@ -6,7 +6,7 @@ Source: rho 3 Releases part 1, section 7.1 (below: 7.1); what it leaves open: AX
 from protocols.base.errors import EncodeError
 from protocols.base.machine import Damage, Ns
 from protocols.p3964r.characters import Char
-from protocols.p3964r.events import BlockReceived, Event, Outbox, SamePriority
+from protocols.p3964r.events import BlockReceived, BlockRefused, Event, Outbox, SamePriority
 from protocols.p3964r.profiles import Priority, Profile
 from protocols.p3964r.receiver import Receiver
 from protocols.p3964r.sender import Sender
@@ -114,7 +114,7 @@ class Link:
         at = self._receiver.hear(data, at, now)
         if not self._receiver.busy:
             self._gave_way = False
-            if any(isinstance(event, BlockReceived) for event in self._box.events[told:]):
+            if any(isinstance(event, BlockReceived | BlockRefused) for event in self._box.events[told:]):
                 self._sender.forget_attempts()
         return at
 

@@ -73,7 +73,7 @@ class Sender:
             self._connect()
 
     def forget_attempts(self) -> None:
-        """A block came in after we gave way: the job starts anew."""
+        """The partner sent a block, good or bad, to its end: the job that gave way to it starts anew."""
         self._connects, self._blocks = 0, 0
 
     # ---- the table
