@@ -1,6 +1,7 @@
 """From [[axis]] of a cell to what core, office and planner need: the one place where units of the file become SI."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from drivers.drives.referencing import ReferenceSettings, settings_from
 from drivers.drives.scaling import Scaling
@@ -26,6 +27,15 @@ INPUT_SIGNALS = {  # names of the enabling inputs (AX-002) -> RcNumbers field
     "FEED_ALLOW_RCI": "feed",
     "FEED_HOLD_N_RCI": "run",
     "TRAVEL_ALLOW_RCI": "travel",
+}
+
+OUTPUT_SIGNALS = {
+    "READY_RCO": "ready",
+    "READY2_RCO": "ready2",
+    "DRIVES_ON_RCO": "drives_on",
+    "EMSTOP_RCO": "emergency",
+    "INPOS_1_RCO": "in_position",
+    "REF_1_RCO": "referenced",
 }
 
 
@@ -102,8 +112,9 @@ def make_planner(cell: Cell) -> Planner:
 
 
 def rc_numbers(cell: Cell) -> RcNumbers:
-    """AX-002's numbers as this cell has them."""
-    return RcNumbers()
+    """AX-002's numbers as this cell has them; moving the first axis' bit moves the row."""
+    moved = {name.upper(): bit for name, bit in cell.signals.items()}
+    return replace(RcNumbers(), **{field: moved[name] for name, field in {**INPUT_SIGNALS, **OUTPUT_SIGNALS}.items() if name in moved})
 
 
 def assumed_permits(cell: Cell) -> Permit:

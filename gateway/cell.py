@@ -451,6 +451,7 @@ class Cell:
     format: int = 1
     safety: Safety | None = None
     rc_inputs: RcInputs = RcInputs()
+    signals: Mapping[str, int] = field(default_factory=dict)  # [signals]: axisgate's own signals on other bit numbers (AX-002)
     rho3: Rho3 | None = None
     line: tuple[Line, ...] = ()
     db: tuple[Db, ...] = ()

@@ -348,6 +348,7 @@ class CellFile(Table):
     cell: CellHead
     safety: Safety | None = None
     rc_inputs: RcInputs = RcInputs()
+    signals: dict[Name, Annotated[int, Field(ge=0, le=1023)]] = {}
     rho3: Rho3 | None = None
     line: list[Line] = []
     db: list[Db] = []

@@ -36,7 +36,9 @@ class Variables:
     def __init__(self, services: "Services") -> None:
         self._services = services
         self._signals = from_tables(read_signals())
-        self._symbols = self._signals.symbols()
+        moved = services.cell.signals.items()
+        symbols = self._signals.symbols()
+        self._symbols = {**symbols, **{name.upper(): RcBit(symbols[name.upper()].direction, bit) for name, bit in moved}}
 
     async def listen(self, path: pathlib.Path) -> asyncio.Server:
         """Start answering; a stale socket of a predecessor is replaced."""
@@ -68,7 +70,7 @@ class Variables:
         except AddressFault as fault:
             return {"error": str(fault)}
         except (KeyError, ValueError, TypeError, AttributeError) as fault:
-            return {"error": f"{line[:80]!r}: {fault}"}
+            return {"error": str(fault.args[0]) if fault.args else repr(fault)}
 
     # ---- reading -----------------------------------------------------------------------------------------------------
     def _get(self, text: str) -> dict[str, object]:

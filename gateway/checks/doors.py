@@ -2,10 +2,14 @@
 
 from gateway.cell import Line
 from gateway.checks.context import Context, near, twice
-from gateway.pure.addresses import AddressFault, DataWord, Direction, parse
+from gateway.pure.addresses import AddressFault, DataWord, Direction, RcBit, parse
 from protocols.p3964r.profiles import PROFILES
 
 FREE_PORTS = ("sim",)
+MOVABLE = (
+    *("EMSTOP_OK_RCI", "CTRL_ALLOW_RCI", "FEED_ALLOW_RCI", "FEED_HOLD_N_RCI", "TRAVEL_ALLOW_RCI"),
+    *("READY_RCO", "READY2_RCO", "DRIVES_ON_RCO", "EMSTOP_RCO", "INPOS_1_RCO", "REF_1_RCO"),
+)
 ENABLING = ("EMSTOP_OK_RCI", "CTRL_ALLOW_RCI", "FEED_ALLOW_RCI", "FEED_HOLD_N_RCI", "TRAVEL_ALLOW_RCI")  # AX-002, bits 24..28
 
 
@@ -118,4 +122,21 @@ def rc_inputs(check: Context) -> None:
             )
 
 
-CHECKS = (safety, names, lines, modbus, rc_inputs)
+def signals(check: Context) -> None:
+    """Only axisgate's own numbers can be moved, to places the manual has not given away, and not two to one place."""
+    moved = {name.upper(): bit for name, bit in check.cell.signals.items()}
+    taken = {signal.at: signal.name for signal in check.signals.all if signal.name not in moved and not signal.until}
+    for name, bit in moved.items():
+        signal = check.signals.named(name)
+        if signal is None or signal.source != "axisgate":
+            check.fault(
+                f"signals.{name}", bit, "only axisgate's own signals can be moved (AX-002); the manual's numbers stay", " | ".join(MOVABLE)
+            )
+            continue
+        place = RcBit(signal.at.direction, bit)
+        if place in taken:
+            check.fault(f"signals.{name}", bit, f"{taken[place]} stands there already")
+        taken[place] = name
+
+
+CHECKS = (safety, names, lines, modbus, rc_inputs, signals)
