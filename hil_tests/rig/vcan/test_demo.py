@@ -1,0 +1,97 @@
+"""`axisgate demo` on a real vcan0 at P5 = 20 ms: its own verdicts, and what Debian's candump wrote down beside it.
+
+The frames are counted from candump's log alone.  A cycle goes from one SYNC to the next.  All of them are judged, from the first SYNC on the
+bus (the drives are up before the cycle starts) to the last but one; the last one may be cut off by the end of the recording.
+"""
+
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+
+import pytest
+
+from hil_tests.rig.vcan.candump import Recorded, read
+
+pytestmark = [pytest.mark.vcan, pytest.mark.timeout(240)]  # the demo lasts a minute
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+KEPT = ROOT / "build" / "uml" / "demo"  # what the last run left, on the host: records, summary, what it said
+P5_MS = 20
+DRIVES = range(1, 7)
+SETS, ACTUALS = [200 + 10 * n for n in DRIVES], [600 + 10 * n for n in DRIVES]
+THE_13 = [100, *SETS, *ACTUALS]
+VERDICTS = 14
+
+
+@dataclass(frozen=True, slots=True)
+class Played:
+    """One demo: exit code, summary, what it said, candump's frames, one list for each cycle."""
+
+    code: int
+    verdicts: list[dict[str, object]]
+    said: str
+    cycles: list[list[Recorded]]
+
+
+@pytest.fixture(scope="module")
+def played(tmp_path_factory: pytest.TempPathFactory) -> Played:
+    """Played once, recorded in the guest's memory, kept on the host."""
+    records = tmp_path_factory.mktemp("demo")
+    command = [sys.executable, "-m", "gateway", "demo", "--bus", "socketcan:vcan0", "--p5", str(P5_MS), "--records", str(records), "--json"]
+    environment = {**os.environ, "AXISGATE_RUNTIME": str(tmp_path_factory.mktemp("run"))}
+    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=220, check=False)
+    (records / "said.txt").write_text(done.stderr)
+    (records / "summary.json").write_text(done.stdout)
+    shutil.rmtree(KEPT, ignore_errors=True)
+    shutil.copytree(records, KEPT)
+    return Played(done.returncode, json.loads(done.stdout or "[]"), done.stderr, cycles_of(read(records / "bus-drives.log")))
+
+
+def cycles_of(frames: list[Recorded]) -> list[list[Recorded]]:
+    """From each SYNC to the next; what comes before the first SYNC and after the last is left out."""
+    cycles: list[list[Recorded]] = []
+    for frame in frames:
+        if frame.identifier == 100:
+            cycles.append([])
+        if cycles:
+            cycles[-1].append(frame)
+    return cycles[:-1]
+
+
+def test_the_whole_scenario_is_played_and_every_verdict_holds(played: Played) -> None:
+    bad = [verdict for verdict in played.verdicts if not verdict["ok"]]
+    assert (played.code, bad) == (0, []), played.said
+    assert len(played.verdicts) >= VERDICTS
+
+
+def test_every_cycle_of_candumps_log_holds_the_13_frames_once_each(played: Played) -> None:
+    wrong = [(n, [frame.identifier for frame in cycle]) for n, cycle in enumerate(played.cycles) if not whole(cycle)]
+    assert wrong == [], f"of {len(played.cycles)} cycles"
+    assert len(played.cycles) > 30_000 // P5_MS, "half a minute at least"
+
+
+def whole(cycle: list[Recorded]) -> bool:
+    """SYNC first and without data, then twelve telegrams of eight bytes."""
+    lengths = {len(frame.data) for frame in cycle[1:]}
+    return cycle[0].data == b"" and lengths == {8} and sorted(frame.identifier for frame in cycle) == sorted(THE_13)
+
+
+def test_no_cycle_is_missing_from_the_log(played: Played) -> None:
+    """The life counter (byte 1 of a set value) tells: one more in every cycle, the same for all drives."""
+    lives = [{frame.data[1] for frame in cycle if frame.identifier in SETS} for cycle in played.cycles]
+    assert all(len(life) == 1 for life in lives)
+    steps = {(later - earlier) % 256 for (earlier,), (later,) in zip(lives, lives[1:], strict=False)}
+    assert steps == {1}
+
+
+def test_the_drives_were_in_control_and_moved_most_of_that_time(played: Played) -> None:
+    """So the 13 frames were no idle chatter: bit 2 of an actual value is `enabled`, bytes 2..5 are the latched position."""
+    actuals = [[frame.data for frame in cycle if frame.identifier in ACTUALS] for cycle in played.cycles]
+    assert sum(all(data[0] & 4 for data in cycle) for cycle in actuals) > len(actuals) / 2
+    for n, _ in enumerate(DRIVES):
+        positions = [int.from_bytes(cycle[n][2:6], "little", signed=True) for cycle in actuals]
+        assert max(positions) - min(positions) > 10 * 16384
