@@ -1,0 +1,82 @@
+"""Raw blocks as plain tables: what to recognise and read, what to build.  Source: users.md 3.5, `[[telegram]]`."""
+
+from dataclasses import dataclass
+
+from protocols.telegrams.fields import Field, Value
+
+MAX_BLOCK = 138  # bytes of a block, a doubled DLE counted once (rho 3 Releases part 1, 7.1)
+
+
+@dataclass(frozen=True, slots=True)
+class Match:
+    """These bytes stand at `byte`."""
+
+    byte: int
+    data: bytes
+
+    @property
+    def end(self) -> int:
+        return self.byte + len(self.data)
+
+
+@dataclass(frozen=True, slots=True)
+class Incoming:
+    """A block the partner sends: recognised by `matches` (and its length, where given), read field by field, then `signal` is given."""
+
+    name: str
+    matches: tuple[Match, ...]
+    fields: tuple[Field, ...] = ()
+    length: int | None = None  # None: any length that holds matches and fields
+    signal: str = ""
+
+    @property
+    def needed(self) -> int:
+        """Least length in bytes."""
+        return max([0, *(match.end for match in self.matches), *(field.end for field in self.fields)])
+
+    def recognises(self, data: bytes) -> bool:
+        """All match bytes stand where they should; the length is judged apart."""
+        return all(data[match.byte : match.end] == match.data for match in self.matches)
+
+    def fits(self, data: bytes) -> bool:
+        """The length is right."""
+        return len(data) >= self.needed if self.length is None else len(data) == self.length
+
+
+@dataclass(frozen=True, slots=True)
+class Outgoing:
+    """A block we build: fixed bytes and values, one behind the other (a Field's `byte` is where it comes to stand)."""
+
+    name: str
+    parts: tuple[bytes | Field, ...]
+
+    @property
+    def length(self) -> int:
+        return sum(len(part) if isinstance(part, bytes) else part.size for part in self.parts)
+
+
+@dataclass(frozen=True, slots=True)
+class Received:
+    """A block was recognised and read whole."""
+
+    name: str
+    values: tuple[tuple[str, Value], ...]
+    signal: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Refused:
+    """A block was recognised, but something in it is wrong: nothing of it is taken."""
+
+    name: str
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
+class Unknown:
+    """No telegram has these bytes."""
+
+    data: bytes
+
+
+Event = Received | Refused | Unknown
