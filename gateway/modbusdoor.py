@@ -10,12 +10,15 @@ from gateway.pure.modbus_view import RhoView
 from gateway.pure.records import InputImage, Quality
 from protocols.modbus.view import View
 
+WRITES = (5, 6, 15, 16)
+
 
 class ModbusDoor(BaseDoor):
     """One Modbus TCP server."""
 
     view: RhoView
     server: ModbusServer
+    _writer = ""  # host:port of the client that wrote last
 
     def listen(
         self, settings: Modbus, bind: tuple[str, int], inputs: InputImage, owned: Collection[int], flush: Callable[[], None]
@@ -43,5 +46,12 @@ class ModbusDoor(BaseDoor):
             *bind,
             unit=settings.unit,
             allow=settings.allow or None,
-            on_request=lambda address, function: self.heard(time.monotonic_ns()),
+            on_request=self._answered,
         )
+
+    def _answered(self, address: str, function: int) -> None:
+        """Life of this door: requests of the client that writes; until somebody has written, of any (AX-148)."""
+        if function in WRITES:
+            self._writer = address
+        if self._writer in ("", address):
+            self.heard(time.monotonic_ns())

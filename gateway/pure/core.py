@@ -34,6 +34,7 @@ from protocols.servodyn.codec import ActualValue, SetValue
 
 ARRIVAL_S = 2.0  # after the set values: an axis that is not in its window by then has not arrived
 AT_REST_S = 0.02  # in position: inside the window for this long
+LOST_STOP_S = 2.0  # an axis still moving so long after its chain or control input was lost is switched off
 TOO_MANY_SKIPPED = 3  # SYNCs skipped in a row: stop on the path
 SERVICES_LIMIT = ms(250)  # life counter of services older than this: dead
 INPUTS_HOLD = ms(4_000)  # enabling inputs outlive a services restart by this much (AX-143)
@@ -127,6 +128,7 @@ class Core:
         self._reset_bit = True  # a standing control reset at start is no edge
         self._services_alive = False
         self._settled = False
+        self._lost_cycles = 0  # since chain or control was lost
 
     # ---- one cycle ---------------------------------------------------------------------------------------------------
     def step(
@@ -158,13 +160,13 @@ class Core:
             elif inputs.bit(number):
                 permits |= permit
         before, state.permits = Permit(state.permits), permits
-        if not permits & Permit.CHAIN and self._settled:
+        taken = ~permits & ~lost  # a living door says 0
+        if taken & Permit.CHAIN and self._settled:
             self._emergency()
-        if not permits & Permit.CONTROL:
+        if taken & Permit.CONTROL:
             self._off(Reason.CONTROL_NOT_ALLOWED)
-        if before & ~permits & lost & (Permit.FEED | Permit.RUN | Permit.TRAVEL):
-            self._stop(Reason.INPUT_LOST)  # lost, not taken away: nothing goes on by itself when it is back
-        if not permits & Permit.TRAVEL:
+        self._judge_lost(before & ~permits & lost, lost)
+        if taken & Permit.TRAVEL:
             self._stop(Reason.TRAVEL_NOT_ALLOWED)
         if permits & Permit.CHAIN:
             self._settled = True  # before the chain was seen closed once there is nothing to latch
@@ -174,6 +176,18 @@ class Core:
         if self._reset:
             self._acknowledge()
         self._apply_override()
+
+    def _judge_lost(self, just_lost: Permit, lost: Permit) -> None:
+        """Inputs that are lost, not taken away: stop on the path, nothing goes on by itself; without chain or control off at rest (AX-143)."""
+        if just_lost:
+            self._stop(Reason.INPUT_LOST)
+        if not lost & (Permit.CHAIN | Permit.CONTROL):
+            self._lost_cycles = 0
+            return
+        self._lost_cycles += 1
+        moving = self._homing or self._stepper.state in (State.RUNNING, State.STOPPING)
+        if not moving or self._lost_cycles * self._period > LOST_STOP_S:
+            self._off(Reason.INPUT_LOST)
 
     def _judge_services(self, services_ns: Ns, now: Ns) -> None:
         alive = services_ns != 0 and now - services_ns < SERVICES_LIMIT
@@ -394,6 +408,9 @@ class Core:
                 self._off(reason)  # the axes move together or not at all
         if any(axis.wanted and (Event.DROPPED in axis.drive.events or Event.TIMEOUT in axis.drive.events) for axis in self._axes):
             self._off(Reason.DRIVE_FAULT)  # a drive that left control by itself: only a fresh command brings it back
+        if any(axis.wanted and (Event.JUMP in axis.drive.events or Event.RANGE in axis.drive.events) for axis in self._axes):
+            self.state.stop_cause = Reason.SET_VALUE
+            self._off(Reason.SET_VALUE)  # a set value the drive object would not send: the axis no longer follows its path
         job, mask = self._enabling
         if job and self._all_enabled(mask):
             self._enabling = (0, 0)

@@ -2,6 +2,7 @@
 
 import pytest
 
+from drivers.drives.servodyn import DriveSettings
 from gateway.pure.command_block import Code
 from gateway.pure.core import SERVICES_LIMIT
 from gateway.pure.reasons import CommandState, Reason
@@ -116,6 +117,32 @@ def test_a_lost_enabling_input_stops_and_its_return_starts_nothing() -> None:
     cell.run(1.0)
     assert cell.set() == rest
     assert move.open
+
+
+def test_a_lost_chain_stops_on_the_path_and_then_drops_the_drives_without_a_latch() -> None:
+    cell = CellBench().ready()
+    move = cell.give(Code.PTP_ABSOLUTE, targets=FAR)
+    cell.run(0.5)
+    cell.inputs.quality[3] = Quality.BAD
+    cell.cycle(5)
+    assert cell.core.state.motion is Motion.STOPPING
+    assert all(axis.flags & AxisFlag.ENABLED for axis in cell.core.state.axes[:6]), "first to rest, then off"
+    cell.run(1.0)
+    assert not any(axis.flags & AxisFlag.ENABLED for axis in cell.core.state.axes[:6])
+    assert (move.state, move.reason, cell.core.state.emergency) == (CommandState.ABORTED, Reason.INPUT_LOST, False)
+    cell.inputs.quality[3] = Quality.GOOD
+    cell.run(0.5)
+    assert not any(axis.flags & AxisFlag.ENABLED for axis in cell.core.state.axes[:6]), "nothing comes back by itself"
+    assert cell.settle(cell.give(Code.ENABLE)).state is CommandState.DONE
+
+
+def test_a_refused_set_value_takes_the_drives_off() -> None:
+    cell = CellBench().ready()
+    move = cell.give(Code.PTP_ABSOLUTE, targets=FAR)
+    cell.run(0.3)
+    cell.core._axes[0].drive._settings = DriveSettings(step_inc=1)
+    cell.run(0.1)
+    assert (move.state, move.reason) == (CommandState.ABORTED, Reason.SET_VALUE)
 
 
 def test_dead_services_stop_the_axes_on_the_path() -> None:

@@ -1,0 +1,49 @@
+"""The life of a Modbus door hangs on the client that commands, not on a panel that reads (AX-148)."""
+
+import os
+from collections.abc import Iterator
+
+import pytest
+
+from gateway.assembly import DOOR_BYTES, Door
+from gateway.axes import axis_facts, make_planner
+from gateway.image import RegionWriter, create_region
+from gateway.modbusdoor import ModbusDoor
+from gateway.pure.office import Office, OnLoss
+from gateway.pure.supervision import LinkWatch
+from hil_tests.lab.cellbench import DEMO
+from protocols.base.machine import ms
+
+READ, WRITE = 4, 15
+
+
+@pytest.fixture
+def door() -> Iterator[ModbusDoor]:
+    fd = create_region("door-2", DOOR_BYTES)
+    office = Office(axis_facts(DEMO), make_planner(DEMO), 1)
+    yield ModbusDoor(Door(2, "plc2", "modbus"), office, LinkWatch(ms(500), False), OnLoss.STOP, RegionWriter(fd), lambda *_, **__: None)
+    os.close(fd)
+
+
+def heard_at(door: ModbusDoor, address: str, function: int) -> bool:
+    """Whether this request counted as life."""
+    before = door.watch.last_ns
+    door._answered(address, function)
+    return door.watch.last_ns != before
+
+
+def test_any_client_is_life_until_somebody_has_written(door: ModbusDoor) -> None:
+    assert heard_at(door, "10.0.0.9:4000", READ)
+    assert heard_at(door, "10.0.0.5:4001", READ)
+
+
+def test_a_reading_panel_does_not_keep_a_dead_plc_alive(door: ModbusDoor) -> None:
+    assert heard_at(door, "10.0.0.5:4001", WRITE)
+    assert not heard_at(door, "10.0.0.9:4000", READ)
+    assert heard_at(door, "10.0.0.5:4001", READ)
+
+
+def test_the_next_writer_takes_its_place(door: ModbusDoor) -> None:
+    heard_at(door, "10.0.0.5:4001", WRITE)
+    assert heard_at(door, "10.0.0.5:4007", WRITE), "the PLC came back on another port"
+    assert not heard_at(door, "10.0.0.5:4001", READ)
