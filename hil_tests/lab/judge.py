@@ -1,7 +1,9 @@
 """Verdicts of the demo, out of what the gateway cannot write: the emulator's own record, the broker's log, the line process' record."""
 
 import bisect
+import itertools
 import math
+import statistics
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
@@ -14,6 +16,8 @@ from protocols.servodyn.plan import SYNC_ID
 
 INC = 16384
 STX = 0x02
+EVEN = 0.1  # of the period
+SLOWEST_INC = 50  # per SYNC: below it an increment of rounding is more than a percent
 SETTLED_S = 0.25  # ten time constants of the position loop at constant speed: the lag is steady
 
 
@@ -138,21 +142,20 @@ def _inc(rad: float) -> float:
 
 
 def _steady(rows: Sequence[Row], n: int) -> list[tuple[float, float]]:
-    """(speed inc/s, lag inc) of every row that ends a stretch of constant set speed."""
-    found = []
+    """(speed inc/s, lag inc) of every row that ends a stretch of constant set speed on an even grid of SYNC."""
+    found: list[tuple[float, float]] = []
+    period = statistics.median(b.stamp_ns - a.stamp_ns for a, b in itertools.pairwise(rows)) if len(rows) > 2 else 0.0
     begin = 0
     for index in range(2, len(rows)):
-        before = rows[index - 1].axes[n].set_inc - rows[index - 2].axes[n].set_inc
-        step = rows[index].axes[n].set_inc - rows[index - 1].axes[n].set_inc
-        if abs(step - before) > max(1.0, 0.002 * abs(step)) or abs(step) < 50:
+        now, last, before = rows[index], rows[index - 1], rows[index - 2]
+        step, step_before = now.axes[n].set_inc - last.axes[n].set_inc, last.axes[n].set_inc - before.axes[n].set_inc
+        uneven = abs(now.stamp_ns - last.stamp_ns - period) > EVEN * period  # a late SYNC slows the axis itself
+        if uneven or abs(step - step_before) > max(1.0, 0.002 * abs(step)) or abs(step) < SLOWEST_INC:
             begin = index
-            continue
-        span = (rows[index].stamp_ns - rows[begin].stamp_ns) / 1e9
-        if span > SETTLED_S:
+        elif now.stamp_ns - rows[begin].stamp_ns > SETTLED_S * 1e9:
             first = rows[index - 10]
-            speed = (rows[index].axes[n].set_inc - first.axes[n].set_inc) / ((rows[index].stamp_ns - first.stamp_ns) / 1e9)
-            axis = rows[index].axes[n]
-            found.append((speed, float(axis.set_inc - axis.position_inc)))
+            speed = (now.axes[n].set_inc - first.axes[n].set_inc) / ((now.stamp_ns - first.stamp_ns) / 1e9)
+            found.append((speed, float(now.axes[n].set_inc - now.axes[n].position_inc)))
     return found
 
 
