@@ -5,6 +5,7 @@ It answers on runtime_dir()/SLUG.sock (Unix stream, one JSON line a request): st
 """
 
 import contextlib
+import functools
 import json
 import os
 import pathlib
@@ -21,11 +22,15 @@ from gateway.assembly import Child, RunPlan, command_line, make_regions
 from gateway.clock import now_ns
 from gateway.image import ImageError, RegionReader, fds_to_text, send_fds
 from gateway.journal import Journal, rotate
+from gateway.realtime import die_with_parent
 
 WAITS_NS = (0, 1_000_000_000, 2_000_000_000, 5_000_000_000)
 WINDOW_NS = 60_000_000_000
 TOO_MANY = 6
 READY_NS = 20_000_000_000  # patience until a process shows its first sign of life
+REQUEST_NS = 2_000_000_000  # patience with a tool that has connected and says nothing
+REQUEST_BYTES = 4096
+TOOLS = 32  # connected at once; more wait
 POLL_S = 0.01
 
 
@@ -38,7 +43,8 @@ class Running:
     deaths: list[int] = field(default_factory=list)
     restarts: int = 0
     start_at: int | None = None  # when to start it again; None: running, not yet started, or down
-    down: bool = False  # died too often: it stays down
+    down: bool = False  # died too often, or held: it stays down
+    alarm: str = ""  # why it stays down
     started_ns: int = 0
     ready: bool = False
     reader: RegionReader | None = None
@@ -62,6 +68,7 @@ class Supervisor:
                 running.reader = RegionReader(self.fds[running.child.life], running.child.life)
         self._selector = selectors.DefaultSelector()
         self._stop = False
+        self._tools: dict[socket.socket, tuple[int, bytearray]] = {}  # since when it is there, what it said so far
         self._socket = self._listen()
 
     # ---- life --------------------------------------------------------------------------------------------------------
@@ -85,6 +92,8 @@ class Supervisor:
             key.data(key.fileobj)
         for running in self._running:
             self._look_after(running)
+        if self._tools:
+            self._send_away()
 
     def _start_all(self) -> int:
         """In order; each announcing process is waited for, because the next one needs it."""
@@ -106,7 +115,13 @@ class Supervisor:
         command = [*command_line(child), *(("--plan", str(self._plan_fd), "--fds", fds_to_text(fds)) if child.regions else ())]
         keep = (self._plan_fd, *fds.values()) if child.regions else ()
         running.process = subprocess.Popen(
-            command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, pass_fds=keep, start_new_session=True
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            pass_fds=keep,
+            start_new_session=True,
+            preexec_fn=functools.partial(die_with_parent, os.getpid()),  # noqa: PLW1509 no thread here; our death is theirs, from their first moment on
         )
         running.started_ns, running.start_at, running.ready, running.output = now_ns(), None, False, b""
         running.last_life = running.reader.life[0] if running.reader else 0
@@ -117,7 +132,8 @@ class Supervisor:
 
     def _hear(self, running: Running) -> None:
         """Take what a child prints into the journal."""
-        assert running.process is not None and running.process.stdout is not None
+        if running.process is None or running.process.stdout is None or running.process.stdout.closed:
+            return  # buried in this very turn
         data = os.read(running.process.stdout.fileno(), 65536)
         if not data:
             self._selector.unregister(running.process.stdout)
@@ -168,7 +184,8 @@ class Supervisor:
         deaths = len(running.deaths)
         if deaths >= TOO_MANY:
             running.start_at, running.down = None, True
-            self.journal.write("alarm", f"{running.child.name} {how}; {deaths} deaths in a minute: it stays down", child=running.child.name)
+            running.alarm = f"{running.child.name} {how}; {deaths} deaths in a minute: it stays down"
+            self.journal.write("alarm", running.alarm, child=running.child.name)
             return
         wait = WAITS_NS[min(deaths - 1, len(WAITS_NS) - 1)]
         running.start_at = now + wait
@@ -187,6 +204,9 @@ class Supervisor:
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()
+        for tool in list(self._tools):
+            self._forget(tool)
+            tool.close()
         self._socket.close()
         for left in (self.path, runtime_dir() / f"{self.plan.slug}-services.sock"):
             left.unlink(missing_ok=True)  # services that were killed could not take theirs away
@@ -216,12 +236,46 @@ class Supervisor:
         return listener
 
     def _accept(self, listener: socket.socket) -> None:
+        """A tool came; it is heard when it says something, and nobody waits for it meanwhile."""
         with contextlib.suppress(OSError):
             connection, _ = listener.accept()
-            connection.settimeout(0.05)  # a tool that stalls costs at most this once; no process waits for the supervisor
-            with connection:
-                request = json.loads(connection.recv(4096) or b"{}")
-                self._answer(connection, request)
+            if len(self._tools) >= TOOLS:
+                connection.close()
+                return
+            connection.setblocking(False)
+            self._tools[connection] = (now_ns(), bytearray())
+            self._selector.register(connection, selectors.EVENT_READ, lambda _: self._listen_to(connection))
+
+    def _listen_to(self, tool: socket.socket) -> None:
+        """One request: a JSON object, its end marked by a newline or by being whole."""
+        heard = self._tools[tool][1]
+        try:
+            data = tool.recv(REQUEST_BYTES)
+        except BlockingIOError:
+            return
+        except OSError:
+            data = b""
+        heard += data
+        request = _request(bytes(heard))
+        if request is None and data and b"\n" not in heard and len(heard) < REQUEST_BYTES:
+            return
+        self._forget(tool)
+        with tool, contextlib.suppress(OSError):
+            if request is not None:
+                self._answer(tool, request)
+            elif heard:
+                tool.sendall(b'{"error": "a JSON object with the key op is expected"}\n')
+
+    def _forget(self, tool: socket.socket) -> None:
+        del self._tools[tool]
+        self._selector.unregister(tool)
+
+    def _send_away(self) -> None:
+        """Tools that connected and say nothing."""
+        now = now_ns()
+        for tool in [tool for tool, (since, _) in self._tools.items() if now - since > REQUEST_NS]:
+            self._forget(tool)
+            tool.close()
 
     def _answer(self, connection: socket.socket, request: dict[str, object]) -> None:
         match request.get("op"):
@@ -240,7 +294,7 @@ class Supervisor:
                 connection.sendall(json.dumps({"error": f"op {other!r}; status, regions, hold, release, stop are known"}).encode() + b"\n")
 
     def _hold(self, name: str, *, hold: bool) -> bool:
-        """Take one process out of the run on purpose (a bench, a repair), or start it again; False: no such process."""
+        """Take one process out of the run on purpose (a bench, a repair), or start it again with its deaths forgotten; False: unknown."""
         for running in self._running:
             if running.child.name != name:
                 continue
@@ -252,8 +306,9 @@ class Supervisor:
                 process.kill()
                 process.wait()
                 self._buried(running, "was held")
-                running.deaths.clear()
-            running.start_at, running.down = (None, True) if hold else (now_ns(), False)
+            running.deaths.clear()
+            running.alarm = ""
+            running.start_at, running.down = (None, True) if hold else (now_ns() if running.process is None else None, False)
             return True
         return False
 
@@ -264,6 +319,7 @@ class Supervisor:
             "cell": self.plan.cell.cell.name,
             "folder": str(self.plan.folder),
             "simulated": self.plan.simulated,
+            "alarms": [running.alarm for running in self._running if running.alarm],
             "processes": [
                 {
                     "name": r.child.name,
@@ -275,6 +331,15 @@ class Supervisor:
                 for r in self._running
             ],
         }
+
+
+def _request(heard: bytes) -> dict[str, object] | None:
+    """What the tool asked for; None: no whole JSON object yet."""
+    try:
+        request = json.loads(heard)
+    except ValueError:  # also what is not UTF-8
+        return None
+    return request if isinstance(request, dict) else None
 
 
 def _how(code: int) -> str:

@@ -1,0 +1,275 @@
+"""A whole run as real processes: `axisgate run CELL --sim` in a runtime folder of its own, PLC 2 that commands it, and its witnesses."""
+
+import contextlib
+import json
+import os
+import pathlib
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+from drivers.emulator.record import Record
+from drivers.emulator.record import read as read_record
+from drivers.ports.base import PortError
+from gateway.config import load_cell
+from gateway.image import RegionReader, recv_fds
+from gateway.processes.emulator_control import EmulatorControl
+from gateway.processes.supervisor import ask, wait_up
+from gateway.pure.records import CellState, unpack_cell_state
+from hil_tests.demo import realtime_allowed
+from hil_tests.lab import buslog
+from hil_tests.lab.judge import Judge, Move
+from hil_tests.lab.plc2 import AXES, COMMAND_AT, DONE, ENABLE, OVERRIDE, PTP, REFERENCE, REQUEST, RESET, ModbusPlc, Status
+
+ALL = 0x3F
+P5_MS = 4 if realtime_allowed() else 10  # without real-time priority the local bus cannot promise more
+P5_NS = P5_MS * 1_000_000
+HOME = (10.0, 10.0, 5.0, 0.0, 0.0, 0.0)  # mm and deg: where referencing ends
+TARGET = (70.0, 80.0, 45.0, 8.0, 8.0, 8.0)  # near it, so that referencing again is short
+SETTLE_S = 0.3  # ten time constants of the position loops and more
+SPARE = 4  # repetitions of one test that the machine may spoil
+STOLEN = (16, 17, 18, 27)  # reasons: drive fault, drive lost, following error, overrun
+
+
+class Disturbed(Exception):
+    """The machine took the processor away before the test did anything: this repetition proves nothing and is played again."""
+
+
+class CyclicPlc(ModbusPlc):
+    """Writes its whole command block in every cycle, as a PLC with a cyclic image does: whatever it commanded last goes on standing."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._standing: list[int] = []
+        self.polls = threading.Event()
+        self.polls.set()
+        self.running = False
+
+    @property
+    def toggle(self) -> bool:
+        """Of the last command sent."""
+        return self._toggle
+
+    def start(self) -> None:
+        self.running = True
+        super().start()
+
+    def _cycle(self) -> None:
+        if not self.polls.wait(0.1):
+            self.status = None
+            return
+        if self._standing and self._client.connected:
+            self._client.write_registers(COMMAND_AT, self._standing)
+        super()._cycle()
+
+    def send(
+        self, code: int, mask: int = 0, velocity: float = 1.0, targets: Sequence[float] | bytes = (), acceleration: float = 1.0
+    ) -> None:
+        self._standing = []  # or the old block, its toggle now the other one, would be a fresh command
+        super().send(code, mask, velocity, targets, acceleration)
+        with self._lock:
+            answer = self._client.read_holding_registers(COMMAND_AT, count=4 + 2 * AXES)
+        if not answer.isError():
+            self._standing = list(answer.registers)
+
+
+def free_port() -> int:
+    """A TCP port of loopback that nobody has now."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        number: int = probe.getsockname()[1]
+        return number
+
+
+class CellRun:
+    """One run; made by `running_cell`."""
+
+    def __init__(self, folder: pathlib.Path, cell: str, name: str) -> None:
+        self.folder, self.cell, self.name = folder, cell, name
+        self.demo = load_cell(cell)
+        self.port = free_port()
+        self.process = self._start()
+        self._log_at = 0
+        self._log: list[buslog.Logged | buslog.Remark] = []
+        self.plc = CyclicPlc("127.0.0.1", self.port)
+        self.disturbed = 0
+
+    def _start(self) -> "subprocess.Popen[bytes]":
+        command = [sys.executable, "-m", "gateway", "run", self.cell, "--sim", "--name", self.name, "--p5", str(P5_MS)]
+        command += ["--modbus-port", str(self.port), "--record", str(self.folder), "--die-with-parent"]
+        with (self.folder / "run.log").open("ab") as log:
+            process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True)
+        if not wait_up(self.name, 60.0):
+            process.kill()
+            process.wait()
+            raise AssertionError(f"the run did not come up:\n{self.words()}")
+        return process
+
+    def stop(self, number: int = signal.SIGTERM) -> int:
+        """Orderly; its exit code."""
+        if self.plc.running:
+            self.plc.running = False
+            self.plc.stop()
+        if self.process.poll() is None:
+            self.process.send_signal(number)
+            try:
+                self.process.wait(15)
+            except subprocess.TimeoutExpired:
+                self.process.kill()
+                self.process.wait()
+                raise AssertionError(f"the run did not end:\n{self.words()}") from None
+        return self.process.returncode
+
+    # ---- what its tools see ------------------------------------------------------------------------------------------
+    def words(self) -> str:
+        """The last lines it printed."""
+        return "\n".join((self.folder / "run.log").read_text(errors="replace").splitlines()[-25:])
+
+    def status(self) -> dict[str, Any]:
+        with ask(self.name, "status") as connection:
+            found: dict[str, Any] = json.loads(connection.makefile().readline())
+            return found
+
+    def processes(self) -> dict[str, dict[str, Any]]:
+        """Name -> pid, state, restarts, life_age_ms."""
+        return {process["name"]: process for process in self.status()["processes"]}
+
+    def pid(self, process: str) -> int:
+        pid = self.processes()[process]["pid"]
+        assert isinstance(pid, int), f"{process} is not up\n{self.words()}"
+        return pid
+
+    def journal(self, kind: str | None = None) -> list[dict[str, Any]]:
+        lines = pathlib.Path(self.status()["folder"], "journal.jsonl").read_text().splitlines()
+        entries = [json.loads(line) for line in lines]
+        return [entry for entry in entries if kind in (None, entry["kind"])]
+
+    def state(self) -> CellState:
+        """What the cycle published last."""
+        fds: dict[str, int] = {}
+        try:
+            with ask(self.name, "regions") as connection:
+                fds = recv_fds(connection)
+            payload = RegionReader(fds["axes"], "axes").read()
+            assert payload is not None
+            return unpack_cell_state(payload)
+        finally:
+            for fd in fds.values():
+                os.close(fd)
+
+    # ---- deaths ------------------------------------------------------------------------------------------------------
+    def kill(self, process: str, number: int = signal.SIGKILL) -> tuple[int, int]:
+        """(pid, stamp just before)."""
+        pid, stamp = self.pid(process), time.monotonic_ns()
+        os.kill(pid, number)
+        return pid, stamp
+
+    def back(self, process: str, dead: int, timeout_s: float = 10.0) -> int:
+        """Stamp when it is up again with another pid and, if it has one, a fresh life."""
+        until = time.monotonic() + timeout_s
+        while time.monotonic() < until:
+            found = self.processes()[process]
+            age = found["life_age_ms"]
+            if found["state"] == "up" and found["pid"] != dead and (age is None or age < 100):
+                return time.monotonic_ns()
+            time.sleep(0.02)
+        raise AssertionError(f"{process} did not come back within {timeout_s} s\n{self.words()}")
+
+    def forgive(self, process: str) -> None:
+        """Its deaths are forgotten, as after a repair: the next one is the first one again."""
+        with ask(self.name, "release", process=process) as connection:
+            assert json.loads(connection.makefile().readline()) == {"ok": True}
+
+    # ---- witnesses ---------------------------------------------------------------------------------------------------
+    def record(self) -> Record:
+        """What the emulated axes really did, up to now."""
+        with contextlib.suppress(PortError):  # it is not up: then nothing waits
+            control = EmulatorControl(f"{self.name}-drives")
+            control.ask("flush")
+            control.close()
+        return read_record((self.folder / "emulator-drives.rec").read_bytes())
+
+    def bus(self) -> list[buslog.Logged | buslog.Remark]:
+        """The broker's log, as far as it is written (it hands over batches: some frames may be on their way)."""
+        data = (self.folder / "bus-drives.log").read_bytes()[self._log_at :]
+        whole = data[: data.rfind(b"\n") + 1]
+        self._log_at += len(whole)
+        self._log += buslog.read(whole.decode().splitlines(keepends=True))
+        return self._log
+
+    # ---- PLC 2 -------------------------------------------------------------------------------------------------------
+    def command(self, code: int, mask: int = 0, velocity: float = 1.0, targets: Sequence[float] = ()) -> Status:
+        """A command that is to be done; Disturbed when a drive or the clock gave up by itself meanwhile."""
+        status = self.plc.command(code, mask, velocity, targets)
+        if status.state != DONE and status.reason in STOLEN:
+            raise Disturbed(f"code {code}: reason {status.reason}")
+        assert status.state == DONE, f"code {code}: {status}\n{self.words()}"
+        return status
+
+    def ready(self) -> None:
+        """From whatever stands: control, drives on, referenced, override 100 %."""
+        for code, mask in ((REQUEST, 0), (RESET, 0), (ENABLE, ALL), (REFERENCE, ALL), (OVERRIDE, 0)):
+            self.command(code, mask)
+        self.plc.wait(lambda s: s.in_position == ALL, 10)
+
+    def home_again(self) -> None:
+        """A fresh move works, and it ends where it should: by the emulator's record."""
+        self.command(PTP, ALL, 0.3, HOME)
+        self.arrived(HOME)
+
+    def arrived(self, target: tuple[float, ...]) -> None:
+        """The mechanics stand at the target."""
+        time.sleep(SETTLE_S)
+        now = time.monotonic_ns()
+        missed = Judge(self.demo, self.record()).missed_by(Move(now, now, target, target))
+        assert missed <= 2.0, f"{missed} increments beside the target"
+
+    def repeat(self, times: int, body: Callable[[int], None], again: Callable[[], None]) -> None:
+        """`times` repetitions that count; `again` brings the cell back to where body begins."""
+        counted = 0
+        while counted < times:
+            try:
+                body(counted)
+                counted += 1
+            except Disturbed as why:
+                self.disturbed += 1
+                if self.disturbed > SPARE:
+                    raise AssertionError(f"{self.disturbed} repetitions were spoilt by a busy machine, the last one by: {why}") from why
+                again()
+
+
+@contextlib.contextmanager
+def runtime_folder() -> Iterator[pathlib.Path]:
+    """$AXISGATE_RUNTIME in a short temporary folder (a socket's path has 107 bytes), so that no two runs ever meet."""
+    before = os.environ.get("AXISGATE_RUNTIME")
+    with tempfile.TemporaryDirectory(prefix="axg-", dir="/tmp") as folder:
+        os.environ["AXISGATE_RUNTIME"] = f"{folder}/run"
+        try:
+            yield pathlib.Path(folder)
+        finally:
+            if before is None:
+                del os.environ["AXISGATE_RUNTIME"]
+            else:
+                os.environ["AXISGATE_RUNTIME"] = before
+
+
+@contextlib.contextmanager
+def running_cell(cell: str = "demo", name: str = "death", *, plc: bool = True) -> Iterator[CellRun]:
+    """A run with PLC 2 polling (and synchronised); ended in order afterwards."""
+    with runtime_folder() as folder:
+        run = CellRun(folder, cell, name)
+        try:
+            if plc:
+                run.plc.start()
+                run.plc.wait(lambda status: True, 10)
+                run.plc.synchronise()
+            yield run
+        finally:
+            code = run.stop()
+        assert code in (0, -signal.SIGKILL), f"exit code {code}:\n{run.words()}"
