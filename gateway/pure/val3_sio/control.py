@@ -3,9 +3,11 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import IntEnum
+from typing import Generic, TypeVar
 
 from gateway.pure.val3_sio.channel import ANY, SOCKETS, TCP, Channel, Kind, is_ipv4, timeout_is_legal
 
+V = TypeVar("V", float, str, bool)
 Value = float | str | bool  # VAL 3 num, string, bool
 
 
@@ -21,69 +23,66 @@ class Code(IntEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Parameter:
+class Row(Generic[V]):
     """One row of the manual's table."""
 
-    field: str  # of Channel
     kinds: frozenset[Kind]
-    type: type[float] | type[str] | type[bool]
-    takes: Callable[[float], bool] | Callable[[str], bool] | None = None  # None: every value of the type
-    whole: bool = True  # a num that must be an integer
+    takes: Callable[[V], bool]
+    put: Callable[[Channel, V], Channel]
     stopped: bool = False  # only while the channel rests
 
 
 SERIAL = frozenset({Kind.SERIAL})
-EVERY = SOCKETS | SERIAL
+CLIENT, SERVER = frozenset({Kind.TCP_CLIENT}), frozenset({Kind.TCP_SERVER})
+EVERY = SOCKETS | SERIAL  # endOfString and timeout on UDP too: doubt D38, AX-182
+
+
+def _integer(low: int, high: int) -> Callable[[float], bool]:
+    return lambda number: low <= number <= high and float(number).is_integer()
 
 
 def _one_of(*words: str) -> Callable[[str], bool]:
     return lambda text: text in words
 
 
-def _from_to(low: int, high: int) -> Callable[[float], bool]:
-    return lambda number: low <= number <= high
-
-
-PARAMETERS = {
-    "port": Parameter("port", TCP, float, _from_to(1, 65535), stopped=True),
-    "target": Parameter("address", frozenset({Kind.TCP_CLIENT}), str, lambda text: is_ipv4(text) and text != ANY, stopped=True),
-    "clients": Parameter("clients", frozenset({Kind.TCP_SERVER}), float, _from_to(1, 64), stopped=True),
-    "endOfString": Parameter("end_of_string", EVERY, float, _from_to(0, 255)),  # UDP too: doubt D38, AX-182
-    "timeout": Parameter("timeout_s", EVERY, float, timeout_is_legal, whole=False),
-    "baudRate": Parameter("baud_rate", SERIAL, float, _from_to(50, 4_000_000), stopped=True),
-    "parity": Parameter("parity", SERIAL, str, _one_of("none", "even", "odd"), stopped=True),
-    "bits": Parameter("bits", SERIAL, float, _from_to(5, 8), stopped=True),
-    "stopBits": Parameter("stop_bits", SERIAL, float, _from_to(1, 2), stopped=True),
-    "mode": Parameter("mode", SERIAL, str, _one_of("rs232"), stopped=True),
-    "flowControl": Parameter("flow_control", SERIAL, str, _one_of("none", "hardware"), stopped=True),
-    "nagle": Parameter("nagle", TCP, bool),
+NUMS: dict[str, Row[float]] = {
+    "port": Row(TCP, _integer(1, 65535), lambda channel, number: replace(channel, port=int(number)), stopped=True),
+    "clients": Row(SERVER, _integer(1, 64), lambda channel, number: replace(channel, clients=int(number)), stopped=True),
+    "endOfString": Row(EVERY, _integer(0, 255), lambda channel, number: replace(channel, end_of_string=int(number))),
+    "timeout": Row(EVERY, timeout_is_legal, lambda channel, number: replace(channel, timeout_s=float(number))),
+    "baudRate": Row(SERIAL, _integer(50, 4_000_000), lambda channel, number: replace(channel, baud_rate=int(number)), stopped=True),
+    "bits": Row(SERIAL, _integer(5, 8), lambda channel, number: replace(channel, bits=int(number)), stopped=True),
+    "stopBits": Row(SERIAL, _integer(1, 2), lambda channel, number: replace(channel, stop_bits=int(number)), stopped=True),
 }
+STRINGS: dict[str, Row[str]] = {
+    "target": Row(CLIENT, lambda text: is_ipv4(text) and text != ANY, lambda channel, text: replace(channel, address=text), stopped=True),
+    "parity": Row(SERIAL, _one_of("none", "even", "odd"), lambda channel, text: replace(channel, parity=text), stopped=True),
+    "mode": Row(SERIAL, _one_of("rs232"), lambda channel, text: replace(channel, mode=text), stopped=True),
+    "flowControl": Row(SERIAL, _one_of("none", "hardware"), lambda channel, text: replace(channel, flow_control=text), stopped=True),
+}
+BOOLS: dict[str, Row[bool]] = {"nagle": Row(TCP, lambda on: True, lambda channel, on: replace(channel, nagle=on))}
 
 
 def judge(channel: Channel, name: str, value: Value, busy: bool) -> tuple[Code, Channel]:
-    """The code sioCtrl returns, and the channel as it is afterwards; asked in the order unknown, not here, type, value, busy (AX-183)."""
-    row = PARAMETERS.get(name)
-    if row is None:
-        return Code.UNKNOWN, channel
+    """The code sioCtrl returns, and the channel as it is afterwards; order of checks: AX-183."""
+    if name in NUMS:
+        number = value if isinstance(value, (int, float)) and not isinstance(value, bool) else None
+        return _apply(channel, NUMS[name], number, busy)
+    if name in STRINGS:
+        return _apply(channel, STRINGS[name], value if isinstance(value, str) else None, busy)
+    if name in BOOLS:
+        return _apply(channel, BOOLS[name], value if isinstance(value, bool) else None, busy)
+    return Code.UNKNOWN, channel
+
+
+def _apply(channel: Channel, row: Row[V], value: V | None, busy: bool) -> tuple[Code, Channel]:
+    """`value` None: not of the row's type."""
     if channel.kind not in row.kinds:
         return Code.NOT_HERE, channel
-    if not _fits_type(row, value):
+    if value is None:
         return Code.WRONG_TYPE, channel
-    if not _fits_range(row, value):
+    if not row.takes(value):
         return Code.UNSUPPORTED, channel
     if row.stopped and busy:
         return Code.BUSY, channel
-    kept = int(value) if row.type is float and row.whole else value
-    return Code.CHANGED, replace(channel, **{row.field: kept})  # type: ignore[arg-type]  # the table pairs field and type
-
-
-def _fits_type(row: Parameter, value: Value) -> bool:
-    if row.type is float:
-        return isinstance(value, (int, float)) and not isinstance(value, bool)
-    return isinstance(value, row.type)
-
-
-def _fits_range(row: Parameter, value: Value) -> bool:
-    if row.type is float and row.whole and not float(value).is_integer():
-        return False
-    return row.takes is None or row.takes(value)  # type: ignore[arg-type]  # the type has been looked at
+    return Code.CHANGED, row.put(channel, value)

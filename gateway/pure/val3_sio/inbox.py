@@ -77,8 +77,8 @@ class Inbox:
             if not self.room:
                 self._squeeze(scan)
             return None
-        damaged = any(place < scan.used or (place == 0) for place, mark in self._marks if mark is Mark.DAMAGED)
-        self._marks = [(place, mark) for place, mark in self._marks if mark is Mark.ENDED or place >= max(1, scan.used)]
+        outside = [(place, mark) for place, mark in self._marks if place >= scan.used]
+        damaged, self._marks = len(outside) < len(self._marks), outside  # the end of the connection is never inside
         self._forget(scan.used)
         return Line(scan.text.decode(), damaged)
 
