@@ -117,7 +117,7 @@ class Rk512:
 class Supervision:
     """[line.supervision]: when the partner counts as silent and what the axes do then."""
 
-    max_silence_ms: int = 1000
+    max_silence_ms: int = 1000  # 0 (telegrams only): a quiet partner is no loss; the loader's default there (AX-195)
     life_word: str | None = None  # e.g. DB10.DW31: counts up in every SEND of the PLC
     on_loss: str = "stop_on_path"  # hold | finish_move | stop_on_path | quick_stop
     restart: str = "new_command"
@@ -376,17 +376,57 @@ class CheckPosition:
 
 
 @dataclass(frozen=True, slots=True)
+class TelegramMatch:
+    """One entry of `match`: exactly one of hex and text stands at `byte`."""
+
+    byte: int
+    hex: str = ""
+    text: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class TelegramField:
+    """One entry of `fields`: `count` values of `type` from `byte` on, written to a named value."""
+
+    byte: int
+    type: str  # BINARY CHARACTER BYTE WORD KF INTEGER REAL POINT JC_POINT TEXT
+    to: str
+    count: int = 1
+    unit: str = ""  # "mm", or "0.1 mm": one count is 0.1 mm
+    scale: float = 1.0  # value = count x scale
+    byte_order: str | None = None  # little | big; None: as the line
+    min: float | None = None
+    max: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class TelegramPart:
+    """One entry of `build`: fixed bytes (hex or text) or a value (type and from)."""
+
+    hex: str = ""
+    text: str = ""
+    type: str = ""
+    from_: str = ""
+    count: int = 1
+    unit: str = ""
+    scale: float = 1.0
+    byte_order: str | None = None
+    min: float | None = None
+    max: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Telegram:
-    """[[telegram]]: a raw 3964R block (not played yet); its tables are kept as typed."""
+    """[[telegram]]: a raw 3964R block; match, fields, then: the partner sends it; when, build: we do."""
 
     line: str
     name: str
-    match: tuple[Mapping[str, ParamValue], ...] = ()
-    length: int | None = None
-    fields: tuple[Mapping[str, ParamValue], ...] = ()
-    then: str = ""
-    when: str = ""
-    build: tuple[Mapping[str, ParamValue], ...] = ()
+    match: tuple[TelegramMatch, ...] = ()
+    length: int | None = None  # bytes; None: any length that holds matches and fields
+    fields: tuple[TelegramField, ...] = ()
+    then: str = ""  # "signal order.new"
+    when: str = ""  # "rising order.done"
+    build: tuple[TelegramPart, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -488,7 +528,6 @@ class Cell:
         reasons = [f"{key} = {value}" for key, value, played in self._choices() if value not in played]
         reasons += [f"io.{io.name}.device.type = {io.device.type}" for io in self.io]
         reasons += [f"db.{db.number}[{entry.at}] = {entry.signal}" for db in self.db for entry in db.entries if not _served(entry.signal)]
-        reasons += [f"telegram.{telegram.name}" for telegram in self.telegram]
         reasons += [f"modbus.{door.name}.registers" for door in self.modbus if door.registers]
         reasons += [] if self.robot is None else [f"robot.kinematics = {self.robot.kinematics}"]
         reasons += [] if self.retain is None else ["retain.values"]
@@ -497,7 +536,7 @@ class Cell:
     def _choices(self) -> Iterator[tuple[str, str | int, tuple[str | int, ...]]]:
         """(key, chosen value, values this version plays) wherever the file's shape allows more than runs."""
         for line in self.line:
-            yield f"line.{line.name}.layer", line.layer, ("rk512",)
+            yield f"line.{line.name}.layer", line.layer, ("rk512", "telegrams")
             yield f"line.{line.name}.role", line.role, ("passive",)
             yield (
                 f"line.{line.name}.port",

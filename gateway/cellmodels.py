@@ -113,7 +113,7 @@ class Rk512(Table):
 
 
 class Supervision(Table):
-    max_silence_ms: int = Field(default=1000, ge=50, le=60000, json_schema_extra=unit("ms"))
+    max_silence_ms: int = Field(default=1000, ge=0, le=60000, json_schema_extra=unit("ms"))
     life_word: str | None = None
     on_loss: OnLoss = "stop_on_path"
     restart: Literal["new_command"] = "new_command"
@@ -309,15 +309,57 @@ class CheckPosition(Table):
     joints: list[float] = []
 
 
+Hex = Annotated[str, Field(pattern=r"^\s*([0-9A-Fa-f]{2}\s*)+$", json_schema_extra={"allowed": '"00 4F", two hex digits a byte'})]
+Text = Annotated[str, Field(pattern=r"^[\x00-\xff]+$", json_schema_extra={"allowed": "characters 00h..FFh (Latin-1)"})]
+TelegramType = Literal["BINARY", "CHARACTER", "BYTE", "WORD", "KF", "INTEGER", "REAL", "POINT", "JC_POINT", "TEXT"]
+TelegramUnit = Annotated[
+    str, Field(pattern=r"^(\d+(\.\d+)? )?[^\s\d]\S*$", json_schema_extra={"allowed": '"mm" or "0.1 mm" (one count is 0.1 mm)'})
+]
+OwnName = r"[A-Za-z_][\w-]*(\.[\w*-]+)+"
+
+
+class TelegramMatch(Table):
+    byte: int = Field(ge=0, le=137)
+    hex: Hex = ""
+    text: Text = ""
+
+
+class TelegramField(Table):
+    byte: int = Field(ge=0, le=137)
+    type: TelegramType
+    to: str = Field(pattern=rf"^{OwnName}$", json_schema_extra={"allowed": "a name of the cell's own, as order.number"})
+    count: int = Field(default=1, ge=1, le=138)
+    unit: TelegramUnit = ""
+    scale: float = 1.0
+    byte_order: Literal["big", "little"] | None = None
+    min: float | None = None
+    max: float | None = None
+
+
+class TelegramPart(Table):
+    hex: Hex = ""
+    text: Text = ""
+    type: TelegramType | Literal[""] = ""
+    from_: str = Field(default="", alias="from")
+    count: int = Field(default=1, ge=1, le=138)
+    unit: TelegramUnit = ""
+    scale: float = 1.0
+    byte_order: Literal["big", "little"] | None = None
+    min: float | None = None
+    max: float | None = None
+
+
 class Telegram(Table):
     line: str
     name: Name
-    match: list[dict[str, Any]] = []
+    match: list[TelegramMatch] = []
     length: int | None = Field(default=None, ge=1, le=138, json_schema_extra=unit("bytes"))
-    fields: list[dict[str, Any]] = []
-    then: str = ""
-    when: str = ""
-    build: list[dict[str, Any]] = []
+    fields: list[TelegramField] = []
+    then: str = Field(default="", pattern=rf"^signal +{OwnName}$", json_schema_extra={"allowed": '"signal order.new"'})
+    when: str = Field(
+        default="", pattern=r"^(rising|falling|change) +\S+$", json_schema_extra={"allowed": '"rising order.done", falling, change'}
+    )
+    build: list[TelegramPart] = []
 
 
 class Retain(Table):

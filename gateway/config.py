@@ -109,6 +109,9 @@ class _Loader:
                 line["priority"] = "low" if timeout == -1 else "high"
                 place = self._line(f"line.{line.get('name')}.output_timeout")
                 sources[f"line.{line.get('name')}.priority"] = Source(f"output_timeout = {timeout}", place)
+            if line.get("layer") == "telegrams" and "supervision" not in line:  # such a partner speaks when it has something to say
+                line["supervision"] = {"max_silence_ms": 0}
+                sources[f"line.{line.get('name')}.supervision.max_silence_ms"] = Source("default of telegrams: no supervision (AX-195)")
         served = [line.get("name") for line in _tables(raw.get("line")) if line.get("layer", "rk512") == "rk512"]
         for block in _tables(raw.get("db")):
             if "line" not in block and len(served) == 1 and isinstance(served[0], str):

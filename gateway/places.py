@@ -50,6 +50,8 @@ def _locate(here: Any, part: str) -> list[str | int] | None:
             return None if inner is None else ["entries", *inner]
         return [part] if part in here else None
     for index, each in enumerate(here if isinstance(here, list) else ()):
+        if part == f"[{index}]":  # telegram.ORDER.fields[2]: counted, where entries have no name
+            return [index]
         if isinstance(each, dict) and part.strip("[]") in {str(each[name]) for name in ("name", "number", "at", "axis") if name in each}:
             return [index]
     return None
