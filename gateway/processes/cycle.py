@@ -141,6 +141,7 @@ class Cycle:
         self.trace = RingWriter(fds["trace"], "trace", TRACE_LAYOUT)
         self._image = InputImage()
         self._image_index = -1
+        self._services_pid = self.links.writer_pid
         self._stop = False
 
     def run(self) -> None:
@@ -175,6 +176,7 @@ class Cycle:
         missing = self._collect(up, actuals, due + int(self.period_ns * ANSWER_SHARE))
         got = time.monotonic_ns()
         core.state.incomplete += missing > 0
+        self._watch_services()
         values = core.step(actuals, self._inputs(), self._take_orders(), self.links.life[1], now)
         self._prepare(values)
         ready = time.monotonic_ns()
@@ -199,6 +201,14 @@ class Cycle:
             missing -= sum(bus.receive(actuals) for bus in up)
             ports = [bus.port for bus in up if bus.port is not None]
         return missing
+
+    def _watch_services(self) -> None:
+        """A successor may be quicker than the life counter's limit: then only the writer's pid tells of the death."""
+        pid = self.links.writer_pid
+        if pid != self._services_pid and pid:
+            if self._services_pid:
+                self.core.services_lost()
+            self._services_pid = pid
 
     def _inputs(self) -> InputImage:
         payload = self.inputs.read()

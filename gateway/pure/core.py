@@ -191,11 +191,18 @@ class Core:
 
     def _judge_services(self, services_ns: Ns, now: Ns) -> None:
         alive = services_ns != 0 and now - services_ns < SERVICES_LIMIT
-        if self._services_alive and not alive:
-            self.state.services_lost += 1
-            if not self._finish:
-                self._stop(Reason.SERVICES_LOST)
+        if not alive:
+            self.services_lost()
         self._services_alive = alive
+
+    def services_lost(self) -> None:
+        """They are silent, or a successor is there already: it knows nothing of the move that runs, so the move ends as configured."""
+        if not self._services_alive:
+            return  # noticed before
+        self._services_alive = False
+        self.state.services_lost += 1
+        if not self._finish:
+            self._stop(Reason.SERVICES_LOST)
 
     def _apply_override(self) -> None:
         """Feed hold and a missing feed allow hold on the path; the move goes on when they are back (as the old feed hold)."""

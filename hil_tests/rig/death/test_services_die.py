@@ -16,7 +16,8 @@ from hil_tests.lab.plc2 import PTP, REQUEST
 REPETITIONS = 5
 BACK_S = 3.0
 RESYNCHRONISED = 20
-SPEED = 0.1
+SETTLED_NS = 300_000_000
+SPEED = 0.06  # 1.3 s, of which the cycle needs 0.25 s to notice
 DEMO = pathlib.Path(__file__).parents[3] / "configs" / "cells" / "demo.toml"
 
 
@@ -57,7 +58,7 @@ def death(run: CellRun, *, finishes: bool) -> None:
     assert run.plc.reconnects == connects + 1, "the Modbus link came back by itself, once"
     assert (back - at) / 1e9 <= BACK_S
     assert status.owner == 0, "nobody has control after a start"
-    time.sleep(0.8)  # in which nothing may happen
+    time.sleep(1.2)  # in which nothing may begin
     now = time.monotonic_ns()
     judge = Judge(run.demo, run.record())
     if run.pid("cycle") != cycle or any(axis.state != State.ENABLED for row in judge.between(start, now) for axis in row.axes):
@@ -70,7 +71,7 @@ def death(run: CellRun, *, finishes: bool) -> None:
         assert missed <= 2.0, f"the move was to be finished; {missed} increments are missing"
     else:
         assert missed > 1000.0 and rest < 1.0, "the move was to be stopped on its path, long before its target"
-    assert judge.moved(at + round(rest * 1e9) + 300_000_000, now) <= 2.0
+    assert judge.moved(at + round(rest * 1e9) + SETTLED_NS, now) <= 2.0
     run.forgive("services")
     run.command(REQUEST)
     run.command(PTP, ALL, SPEED, TARGET)  # the same words with the toggle changed: now they are taken
