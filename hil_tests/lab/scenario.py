@@ -1,7 +1,6 @@
 """The scenario of `axisgate demo`: what both PLC programs do, in order, and when they did it; the verdicts come from elsewhere."""
 
 import contextlib
-import itertools
 import json
 import os
 import pathlib
@@ -15,9 +14,6 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from drivers.emulator.record import Flag
-from drivers.emulator.record import read as read_record
-from drivers.emulator.servodyn_axis import Fault
 from drivers.ports.base import PortError
 from gateway.cell import Cell
 from gateway.commands.common import BANNER
@@ -29,8 +25,7 @@ from hil_tests.lab.judge import Move, Verdict
 from hil_tests.lab.plc1 import S5Plc
 from hil_tests.lab.plc2 import ModbusPlc
 from hil_tests.lab.show import Show
-from hil_tests.lab.verdicts import Story, verdicts_of
-from protocols.base.errors import DecodeError
+from hil_tests.lab.verdicts import Story, machine_late, verdicts_of
 
 ALL = 0x3F
 SETTLE_S = 0.4  # ten time constants of the position loops: what "at the target" means
@@ -40,10 +35,10 @@ KG_1200_5 = bytes.fromhex("0B4B0800")  # 1200.5 as S5 float
 class ScenarioFailed(Exception):
     """The scenario could not be played to its end."""
 
-    def __init__(self, text: str, code: int = 1, sync_gap_ms: float = 0.0) -> None:
+    def __init__(self, text: str, code: int = 1, late: str = "") -> None:
         super().__init__(text)
         self.code = code
-        self.sync_gap_ms = sync_gap_ms  # longest time the drives were without SYNC, where that is what stopped them
+        self.late = late  # by the bus log: how the machine let the bus down, "" when it did not
 
 
 class Scenario:
@@ -80,7 +75,9 @@ class Scenario:
         except (TimeoutError, PortError, OSError, KeyError) as error:
             self.failed = True
             self._stop()
-            raise ScenarioFailed(f"{self.show.title}: {error}\n{self._last_words()}", sync_gap_ms=self._sync_gap_ms()) from error
+            raise ScenarioFailed(
+                f"{self.show.title}: {error}\n{self._last_words()}", late=machine_late(self.folder / "bus-drives.log", self.p5_ms)
+            ) from error
         self.show.step("the records are judged")
         self._stop()
         verdicts = verdicts_of(self.cell, self.folder, self.story, self._bus_clock_ns)
@@ -150,16 +147,6 @@ class Scenario:
         except subprocess.TimeoutExpired:
             run.kill()
             run.wait()
-
-    def _sync_gap_ms(self) -> float:
-        """By the emulator's record: how long the drives were without SYNC when they said so; 0 when they never did."""
-        with contextlib.suppress(OSError, DecodeError):
-            rows = read_record((self.folder / "emulator-drives.rec").read_bytes()).rows
-            losses = [row for row in rows if any(axis.fault in (Fault.SYNC_LOST, Fault.LIFE_LOST) for axis in row.axes)]
-            syncs = [row.stamp_ns for row in rows if not row.axes[0].flags & Flag.NO_SYNC]
-            gaps = [b - a for a, b in itertools.pairwise(syncs)]
-            return max(gaps, default=0) / 1e6 if losses else 0.0
-        return 0.0
 
     def _last_words(self) -> str:
         with contextlib.suppress(OSError):

@@ -9,7 +9,9 @@ from drivers.ports.linewire import Run, parse_record
 from gateway.cell import Cell
 from hil_tests.lab import buslog
 from hil_tests.lab.judge import Judge, Move, SetPath, Verdict, recovery_s, repeats_while_unplugged
+from protocols.servodyn.plan import SYNC_ID
 
+DRIVES, ANSWER_SHARE = 6, 0.6  # the cycle waits for answers for this share of P5
 NOT_OWNER, FORMAT = 1, 5  # reason numbers (AX-140)
 
 
@@ -20,6 +22,28 @@ class Story:
     moves: list[tuple[str, Move]] = field(default_factory=list)
     events: dict[str, int] = field(default_factory=dict)  # ns
     facts: dict[str, float] = field(default_factory=dict)
+
+
+def machine_late(log: pathlib.Path, p5_ms: int) -> str:
+    """By the bus log: SYNC away for more than two periods, or answers missing two cycles in a row, in words; "" when neither happened."""
+    try:
+        with log.open() as lines:
+            frames = buslog.frames(lines)
+    except OSError:
+        return ""
+    period, last_sync, late_before = p5_ms * 1_000_000, 0, False
+    answered: list[int] = []
+    for frame in frames:
+        if frame.identifier != SYNC_ID:
+            answered += [frame.stamp_ns] if 610 <= frame.identifier <= 660 else []
+            continue
+        if last_sync and frame.stamp_ns - last_sync > 2 * period:
+            return f"{(frame.stamp_ns - last_sync) / 1e6:.0f} ms without SYNC"
+        late = bool(last_sync) and (len(answered) < DRIVES or max(answered) - last_sync > ANSWER_SHARE * period)
+        if late and late_before:
+            return "answers of the drives late two cycles in a row"
+        last_sync, late_before, answered = frame.stamp_ns, late, []
+    return ""
 
 
 def at_most(name: str, value: float, limit: float) -> Verdict:

@@ -1,0 +1,36 @@
+"""Short forms of the benchmarks: every figure is there and was measured; whether it meets its goal is for `make bench`, not for a timer."""
+
+import json
+import math
+import pathlib
+import subprocess
+import sys
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+KEYS = {"figure", "value", "unit", "reference", "reference_value", "ratio", "goal", "met"}
+FIGURES = {
+    "cycle": {"skipped", "incomplete", "sync_error_p99", "sync_error_p999", "compute_p999", "modbus_rate"},
+    "3964r": {"wire_ratio", "blocks_per_s", "decode_MBps", "sim_telegrams_per_s"},
+    "emulator": {"six_axes_cpu"},
+}
+
+
+@pytest.mark.cref
+@pytest.mark.timeout(240)
+@pytest.mark.parametrize("name", FIGURES)
+def test_every_figure_is_measured(name: str) -> None:
+    command = [sys.executable, "-m", "gateway", "bench", name, "--json", "--blocks", "1", "--seconds", "2"]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, check=False)
+    assert done.returncode in (0, 1), done.stderr[-2000:]
+    figures = json.loads(done.stdout)
+    assert {figure["figure"] for figure in figures} == {f"{name}.{figure}" for figure in FIGURES[name]}
+    for figure in figures:
+        assert figure.keys() == KEYS
+        assert math.isfinite(figure["value"])
+
+
+def test_an_unknown_bench_is_a_usage_error() -> None:
+    done = subprocess.run([sys.executable, "-m", "gateway", "bench", "speed"], capture_output=True, text=True, cwd=ROOT, check=False)
+    assert done.returncode == 2
