@@ -11,6 +11,8 @@ import subprocess
 
 import pytest
 
+from hil_tests.lab import mbpoll as client
+from hil_tests.lab.mbpoll import values_of
 from hil_tests.lab.modbus_running import Running
 from hil_tests.lab.modbus_view import MemoryView
 from hil_tests.lanes import REFERENCES, required
@@ -21,15 +23,7 @@ TABLES = {"0": Kind.COILS, "1": Kind.DISCRETE_INPUTS, "3": Kind.INPUT_REGISTERS,
 
 
 def mbpoll(running: Running, *options: str, values: tuple[int, ...] = (), unit: int = 1) -> tuple[int, str]:
-    command = ["mbpoll", "-m", "tcp", "-p", str(running.port), "-a", str(unit), "-1", "-q", "-o", "5", *options, "127.0.0.1"]
-    done = subprocess.run([*command, *map(str, values)], capture_output=True, text=True, timeout=30, check=False)
-    return done.returncode, done.stdout + done.stderr
-
-
-def values_of(text: str) -> dict[int, int]:
-    """`[1]:  65535 (-1)` -> {1: 65535}"""
-    rows = (line.split(":", 1) for line in text.splitlines() if line.startswith("["))
-    return {int(reference[1:-1]): int(value.split()[0]) for reference, value in rows}
+    return client.mbpoll(running.port, *options, values=values, unit=unit)
 
 
 def patterned() -> MemoryView:
