@@ -1,4 +1,4 @@
-"""mbpoll at the running product, `axisgate run demo --sim`: RC signals by their numbers, who may write, and the command block (AX-011, AX-012)."""
+"""mbpoll at the running product, `axisgate run demo --sim`: RC signals by number, who may write, the command block (AX-011, AX-012)."""
 
 import time
 from collections.abc import Callable, Iterator

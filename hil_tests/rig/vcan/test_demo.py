@@ -1,9 +1,10 @@
 """`axisgate demo` on a real vcan0 at P5 = 20 ms: its own verdicts, and what Debian's candump wrote down beside it.
 
-The frames are counted from candump's log alone.  A cycle goes from one SYNC to the next.  All of them are judged, from the first SYNC on the
-bus (the drives are up before the cycle starts) to the last but one; the last one may be cut off by the end of the recording.
+The frames are counted from candump's log alone.  A cycle goes from one SYNC to the next.  All of them are judged, from the first SYNC on
+the bus (the drives are up before the cycle process starts) to the last but one; the last may be cut off by the end of the recording.
 """
 
+import itertools
 import json
 import os
 import pathlib
@@ -84,7 +85,7 @@ def test_no_cycle_is_missing_from_the_log(played: Played) -> None:
     """The life counter (byte 1 of a set value) tells: one more in every cycle, the same for all drives."""
     lives = [{frame.data[1] for frame in cycle if frame.identifier in SETS} for cycle in played.cycles]
     assert all(len(life) == 1 for life in lives)
-    steps = {(later - earlier) % 256 for (earlier,), (later,) in zip(lives, lives[1:], strict=False)}
+    steps = {(later - earlier) % 256 for (earlier,), (later,) in itertools.pairwise(lives)}
     assert steps == {1}
 
 

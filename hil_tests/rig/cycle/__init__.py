@@ -1,0 +1,1 @@
+"""The cycle process itself on a bus."""

@@ -1,0 +1,33 @@
+"""The cycle process on a real vcan0: the identifiers of one cycle, by candump and by what it takes as actual values."""
+
+import itertools
+import pathlib
+
+import pytest
+
+from drivers.ports.can import open_can
+from hil_tests.lab.cycle_running import Drives, running_cycle, serve
+from hil_tests.rig.vcan.candump import candump, read
+
+pytestmark = pytest.mark.vcan
+
+CYCLES = 20
+TURN = 16384
+
+
+@pytest.mark.requirement("RHO-CAN-01", by=("gateway.processes.cycle:BusLink.prepare", "gateway.processes.cycle:BusLink.receive"))
+def test_one_cycle_on_vcan0(tmp_path: pathlib.Path) -> None:
+    log = tmp_path / "log"
+    with candump(log), running_cycle("demo", {"drives": "socketcan:vcan0"}) as run:
+        port = open_can("socketcan:vcan0")
+        drives = Drives(port, [TURN * n for n in range(1, 7)])
+        serve([drives], CYCLES, 30.0)
+        actual = run.actual()
+        port.close()
+    identifiers = [frame.identifier for frame in read(log)]
+    starts = [n for n, identifier in enumerate(identifiers) if identifier == 100]
+    assert len(starts) > CYCLES, "SYNC did not come"
+    cycles = [identifiers[a:b] for a, b in itertools.pairwise(starts[:CYCLES])]
+    assert all(cycle[:7] == [100, 210, 220, 230, 240, 250, 260] for cycle in cycles)
+    assert all(cycle[7:] == [610, 620, 630, 640, 650, 660] for cycle in cycles[1:])
+    assert actual[:3] == pytest.approx([0.02, 0.04, 0.03], abs=1e-12)
