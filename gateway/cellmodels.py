@@ -315,7 +315,7 @@ TelegramType = Literal["BINARY", "CHARACTER", "BYTE", "WORD", "KF", "INTEGER", "
 TelegramUnit = Annotated[
     str, Field(pattern=r"^(\d+(\.\d+)? )?[^\s\d]\S*$", json_schema_extra={"allowed": '"mm" or "0.1 mm" (one count is 0.1 mm)'})
 ]
-OwnName = r"[A-Za-z_][\w-]*(\.[\w*-]+)+"
+OwnName = r"[a-z]\w*(\.\w+)+"  # as gateway.pure.addresses reads it
 
 
 class TelegramMatch(Table):

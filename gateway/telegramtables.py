@@ -51,7 +51,7 @@ def factor_of(unit: str) -> float | None:
 
 def named_values(cell: Cell) -> Values:
     """The store with every name the cell's telegrams use and axisgate does not already know."""
-    return Values(written(cell.telegram) | set(watched(cell.telegram)), signals(cell.telegram))
+    return Values(written(cell.telegram) | set(watched(cell.telegram)), signals(cell.telegram) | outcomes(cell.telegram))
 
 
 def written(telegrams: Iterable[Telegram]) -> set[str]:
@@ -62,6 +62,12 @@ def written(telegrams: Iterable[Telegram]) -> set[str]:
 def signals(telegrams: Iterable[Telegram]) -> set[str]:
     """Names of signals."""
     return {signal for telegram in telegrams if (signal := signal_of(telegram))}
+
+
+def outcomes(telegrams: Iterable[Telegram]) -> set[str]:
+    """Signals every telegram gives by itself: telegram.ORDER.received, .refused; telegram.DONE.sent, .failed."""
+    ends = {True: ("received", "refused"), False: ("sent", "failed")}
+    return {f"telegram.{telegram.name}.{end}" for telegram in telegrams for end in ends[is_incoming(telegram)]}
 
 
 def watched(telegrams: Iterable[Telegram]) -> Iterator[str]:

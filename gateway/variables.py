@@ -8,8 +8,10 @@ import contextlib
 import difflib
 import json
 import pathlib
+import time
 from typing import TYPE_CHECKING
 
+from gateway.doors import BaseDoor
 from gateway.files import read_signals
 from gateway.linedoor import LineDoor
 from gateway.modbusdoor import ModbusDoor
@@ -63,7 +65,7 @@ class Variables:
                 case "set":
                     return self._set(str(request["address"]), str(request["value"]))
                 case "names":
-                    return {"names": self._services.values.names()}
+                    return {"names": [*self._services.values.names(), *self._services.named.names()]}
                 case "status":
                     return self._services.status()
             return {"error": f"op {request.get('op')!r}; get, set, names, status are known"}
@@ -108,12 +110,29 @@ class Variables:
         columns: dict[str, object] = {"KH": f"{value:04X}"} if not bits else {}
         return {"address": text, "place": f"{place.table.name.lower()} {place.address}", "value": value, **columns}
 
+    def value_of(self, name: str, door: BaseDoor) -> float:
+        """What a telegram may be built of beside the cell's own names: axisgate's names and the signals.  KeyError: unknown."""
+        place = self._symbols.get(name.upper())
+        return self._services.values.get(name, door) if place is None else self._bit(place)
+
     def _named(self, text: str, name: str) -> dict[str, object]:
         values = self._services.values
+        if name in self._services.named:
+            sample = self._services.named.sample(name)
+            age_ms = (time.monotonic_ns() - sample.stamp_ns) / 1e6 if sample.stamp_ns else None
+            value = "never written" if sample.value is None else sample.value
+            return {
+                "address": text,
+                "place": name,
+                "value": value,
+                "quality": sample.quality.name,
+                "age_ms": age_ms,
+                "source": sample.source,
+            }
         try:
             return {"address": text, "place": name, "value": values.get(name)}
         except KeyError:
-            close = difflib.get_close_matches(name, values.names(), n=1)
+            close = difflib.get_close_matches(name, [*values.names(), *self._services.named.names()], n=1)
             hint = f", did you mean {close[0]}?" if close else ""
             return {"error": f"{name}: no such name{hint}; axisgate var lists them"}
 
@@ -140,6 +159,10 @@ class Variables:
         if not services.plan.simulated:
             return {"error": f"{text}: values are set only in a simulated run (axisgate run CELL --sim); here the PLC writes them"}
         place = parse(text, self._symbols)
+        if isinstance(place, CellName) and place.name in services.named:
+            services.named.put(place.name, _typed(value), time.monotonic_ns(), "var")
+            services.settle()
+            return self._get(text)
         if not isinstance(place, DataWord | DataBit):
             return {"error": f"{text}: a data word or bit a PLC writes is expected, e.g. DB10.DW2 or DB10.D0.8"}
         door, data = self._block(place.db)
@@ -150,6 +173,16 @@ class Variables:
             return {"error": f"{text} = {value}: a DW takes -32768..65535, a DD -2147483648..4294967295, DL and DR 0..255, a bit 0 or 1"}
         refused = door.write_as_plc(place.db, place.word, raw)
         return {"error": refused} if refused else self._get(text)
+
+
+def _typed(text: str) -> bool | int | float | str:
+    """A number where it reads like one, else the text."""
+    if text in ("true", "false"):
+        return text == "true"
+    for kind in (int, float):
+        with contextlib.suppress(ValueError):
+            return kind(text)
+    return text
 
 
 def _put(place: DataWord | DataBit, word: int, number: int) -> bytes | None:

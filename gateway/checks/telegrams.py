@@ -5,11 +5,13 @@ from collections.abc import Iterable, Iterator
 from gateway.cell import Cell, Line, Notice, Telegram, TelegramMatch, TelegramPart
 from gateway.checks.context import Context, near
 from gateway.pure.names import lookup, spelled
-from gateway.telegramtables import factor_of, incoming, is_incoming, outgoing, signals, watched, written
-from protocols.telegrams.builder import parse_when
+from gateway.telegramtables import factor_of, incoming, is_incoming, outcomes, outgoing, signals, watched, written
+from protocols.telegrams.builder import Edge, parse_when
 from protocols.telegrams.fields import TEXTS, Field, Kind
 from protocols.telegrams.judge import Finding, incoming_faults, outgoing_faults, same_block
 from protocols.telegrams.layout import Incoming
+
+RESERVED = ("cell", "axis", "line", "move", "telegram")  # first words of axisgate's own names
 
 
 def _key(telegram: Telegram, key: str = "", index: int | None = None) -> str:
@@ -119,13 +121,14 @@ def _incoming(telegrams: Iterable[Telegram], line: Line) -> Iterator[tuple[Teleg
 
 def names(check: Context) -> None:
     """`to` and `then` are the cell's own names, each written by one line; `from` and `when` are names that exist."""
-    own = written(check.cell.telegram) | signals(check.cell.telegram) | set(watched(check.cell.telegram))
+    counting = signals(check.cell.telegram) | outcomes(check.cell.telegram)
+    own = written(check.cell.telegram) | counting | set(watched(check.cell.telegram))
     writers: dict[str, str] = {}
     for telegram in check.cell.telegram:
         targets = [(_key(telegram, "fields", index), field.to) for index, field in enumerate(telegram.fields)]
         targets += [(_key(telegram, "then"), signal) for signal in signals([telegram])]
         for key, name in targets:
-            if lookup(name) is not None or check.signals.named(name) is not None or name.split(".")[0] in ("cell", "axis", "line", "move"):
+            if lookup(name) is not None or check.signals.named(name) is not None or name.split(".")[0] in RESERVED:
                 check.fault(key, name, "that is axisgate's name; a telegram writes names of the cell's own, as order.number")
             elif writers.setdefault(name, telegram.line) != telegram.line:
                 check.fault(key, name, f"line {writers[name]} writes it already")
@@ -134,6 +137,8 @@ def names(check: Context) -> None:
         when = parse_when(telegram.when)
         if when is not None:
             _readable(check, _key(telegram, "when"), when.name, own)
+            if when.edge is Edge.FALLING and when.name in counting:
+                check.fault(_key(telegram, "when"), telegram.when, "a signal only comes: rising")
         for index, part in enumerate(telegram.build):
             if part.from_:
                 _readable(check, _key(telegram, "build", index), part.from_, own)
@@ -180,7 +185,7 @@ def silence(check: Context) -> None:
 
 def unwritten(cell: Cell) -> Iterator[Notice]:
     """Values that send a telegram and that nothing in the file writes; a line that takes nothing."""
-    given = written(cell.telegram) | signals(cell.telegram)
+    given = written(cell.telegram) | signals(cell.telegram) | outcomes(cell.telegram)
     for telegram in cell.telegram:
         for name in watched([telegram]):
             if name not in given:

@@ -93,4 +93,6 @@ def sentence(answer: dict[str, object]) -> str:
     columns = [f"{key} {value}" for key, value in answer.items() if key in ("KF", "DH", "KH", "KM", "KG", "REAL")]
     value = answer["value"]
     text = f"{value:.4f}".rstrip("0").rstrip(".") if isinstance(value, float) else str(value)
+    quality = str(answer.get("quality", "GOOD"))
+    columns += [] if quality == "GOOD" else [quality.lower()]  # an old value is marked old
     return f"{answer['place']} = {text}" + (f"   ({', '.join(columns)})" if columns else "")

@@ -54,7 +54,9 @@ class Values:
         if name in self.signals:
             self.give(name, now, source)
             return
-        self._samples[name] = Sample(value, Quality.GOOD, now, _known(self._samples, name, source))
+        if name not in self._samples:
+            raise KeyError(name)
+        self._samples[name] = Sample(value, Quality.GOOD, now, source)
 
     def give(self, signal: str, now: Ns, source: str) -> None:
         """The signal, once."""
@@ -66,9 +68,3 @@ class Values:
         for name, sample in self._samples.items():
             if sample.source.partition("/")[0] == source and sample.quality is Quality.GOOD and name not in self.signals:
                 self._samples[name] = replace(sample, quality=Quality.STALE)
-
-
-def _known(samples: dict[str, Sample], name: str, source: str) -> str:
-    if name not in samples:
-        raise KeyError(name)
-    return source

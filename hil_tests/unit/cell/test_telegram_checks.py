@@ -91,6 +91,8 @@ SECOND = '\n[[telegram]]\nline = "V24_1"\nname = "{name}"\n{rest}\n'
         (replaced('"order.height"', '"order.new"'), "telegram.ORDER.then", "a signal has a name of its own"),
         (replaced('"signal order.new"', '"order.new"'), "telegram.ORDER.then", '"signal order.new"'),
         (replaced('"rising order.done"', '"order.done"'), "telegram.DONE.when", '"rising order.done"'),
+        (replaced("rising order.done", "falling order.new"), "telegram.DONE.when", "a signal only comes: rising"),
+        (replaced('"order.height"', '"telegram.DONE.sent"'), "telegram.ORDER.fields[2]", "that is axisgate's name"),
         (replaced('from = "order.number"', 'from = "order.numbr"'), "telegram.DONE.build[2]", "did you mean order.number?"),
         (replaced('from = "error.first.code"', 'from = "axis.Q.actual"'), "telegram.DONE.build[3]", "no such axis"),
         (

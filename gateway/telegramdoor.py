@@ -1,0 +1,160 @@
+"""The door of a serial line with layer = "telegrams": 3964R below, raw blocks declared by [[telegram]] above, named values behind.
+
+It commands no axes: values and signals are what a program (or another door) acts on.  Blocks that fit nothing are counted and told.
+"""
+
+import time
+from collections import Counter
+from typing import TYPE_CHECKING
+
+from drivers.ports.open import open_bytes
+from gateway.assembly import Door
+from gateway.cell import Line
+from gateway.doors import BaseDoor, Tell
+from gateway.image import RegionWriter
+from gateway.lineloop import LineRunner
+from gateway.pure.office import Office, OnLoss
+from gateway.pure.supervision import LinkWatch
+from gateway.telegramtables import incoming, is_incoming, outgoing
+from protocols.base.errors import EncodeError
+from protocols.base.machine import Ns
+from protocols.p3964r.events import BlockReceived, BlockSent, SendFailed
+from protocols.p3964r.link import Link
+from protocols.p3964r.profiles import PROFILES, Priority
+from protocols.telegrams.builder import Edge, EdgeWatch, When, build, parse_when
+from protocols.telegrams.fields import Value
+from protocols.telegrams.layout import Outgoing, Received, Refused
+from protocols.telegrams.reader import Reader
+
+if TYPE_CHECKING:
+    from gateway.processes.services import Services
+
+
+class TelegramDoor(BaseDoor):
+    """One serial line to a host computer."""
+
+    def __init__(
+        self,
+        door: Door,
+        office: Office,
+        watch: LinkWatch,
+        on_loss: OnLoss,
+        region: RegionWriter,
+        tell: Tell,
+        line: Line,
+        services: "Services",
+    ) -> None:
+        super().__init__(door, office, watch, on_loss, region, tell)
+        self.line = line
+        self._services, self._named = services, services.named
+        mine = [telegram for telegram in services.cell.telegram if telegram.line == line.name]
+        self.reader = Reader([incoming(telegram, line) for telegram in mine if is_incoming(telegram)])
+        self._rules = [(self._watch(telegram.when), outgoing(telegram, line)) for telegram in mine if not is_incoming(telegram)]
+        self.link = Link(PROFILES[line.profile], Priority.HIGH if line.priority == "high" else Priority.LOW)
+        self._jobs: dict[int, str] = {}
+        self._partner: Counter[str] = Counter(
+            dict.fromkeys(("received", "refused", "unknown", "bad_blocks", "sent", "failed", "unbuilt"), 0)
+        )
+        self._runner: LineRunner[object] | None = None
+        self._journal_next: Ns = 0
+        tell("link", f"door {self.number} {self.name}: {line.profile} telegrams on {services.plan.lines[line.name]}", door=self.number)
+
+    def _watch(self, text: str) -> EdgeWatch:
+        when = parse_when(text)
+        assert when is not None  # the cell's checks have seen to it
+        return EdgeWatch(When(Edge.CHANGE, when.name) if when.name in self._named.signals else when)  # a signal counts: each one is an edge
+
+    # ---- life --------------------------------------------------------------------------------------------------------
+    def open(self, url: str) -> None:
+        """Start the line; inside the running loop."""
+        self._runner = LineRunner(lambda: open_bytes(url, self.line.format), self.link, self._on_event)
+
+    def close(self) -> None:
+        if self._runner is not None:
+            self._runner.close()
+
+    def wake(self, now: Ns) -> None:
+        """A host may be quiet for hours: without max_silence_ms only a port that is gone is a loss (AX-195)."""
+        was = self.watch.alive
+        if self.watch.max_silence:
+            super().wake(now)
+        elif self.watch.alive and (self._runner is None or not self._runner.state.connected):
+            self.watch.alive, self.watch.losses = False, self.watch.losses + 1
+            self.office.link(self.number, self.on_loss, alive=False)
+            self._tell("link", f"door {self.number} {self.name}: the port is gone", door=self.number)
+        if was and not self.watch.alive:
+            self._named.source_gone(self.name)
+
+    def settle(self) -> None:
+        """At each tick and after each written value: what has an edge is built and queued."""
+        for watch, telegram in self._rules:
+            try:
+                value: Value | None = self._value(watch.when.name)
+            except KeyError:
+                value = None
+            if watch.fires(value):
+                self._send(telegram, time.monotonic_ns())
+
+    # ---- out ---------------------------------------------------------------------------------------------------------
+    def _value(self, name: str) -> Value:
+        if name in self._named:
+            return self._named.get(name)
+        return self._services.variables.value_of(name, self)
+
+    def _send(self, telegram: Outgoing, now: Ns) -> None:
+        try:
+            block = build(telegram, self._value)
+        except EncodeError as error:
+            self._named.give(f"telegram.{telegram.name}.failed", now, self.name)
+            self._fault("unbuilt", str(error), now)
+            return
+        self._jobs[self.link.send(block, now)] = telegram.name
+        if self._runner is not None:
+            self._runner.kick()
+
+    # ---- in ----------------------------------------------------------------------------------------------------------
+    def _on_event(self, event: object, now: Ns) -> None:
+        match event:
+            case BlockReceived(data):
+                self._block(data, now)
+            case BlockSent(job):
+                self._named.give(f"telegram.{self._jobs.pop(job)}.sent", now, self.name)
+                self._partner["sent"] += 1
+                self.heard(now)  # it was acknowledged: the partner is there
+            case SendFailed(job):
+                name = self._jobs.pop(job)
+                self._named.give(f"telegram.{name}.failed", now, self.name)
+                self._fault("failed", f"{name} not delivered: {event}", now)
+            case _:
+                self._fault("bad_blocks", str(event), now)
+        self._services.settle()
+        self._services.flush()
+
+    def _block(self, data: bytes, now: Ns) -> None:
+        self.heard(now)
+        event = self.reader.block(data)
+        if isinstance(event, Received):
+            source = f"{self.name}/{event.name}"
+            for name, value in event.values:
+                self._named.put(name, value, now, source)
+            if event.signal:
+                self._named.give(event.signal, now, source)
+            self._named.give(f"telegram.{event.name}.received", now, self.name)
+            self._partner["received"] += 1
+        elif isinstance(event, Refused):
+            self._named.give(f"telegram.{event.name}.refused", now, self.name)
+            self._fault("refused", f"{event.name}: {event.why}: {data.hex(' ')}", now)
+        else:
+            self._fault("unknown", f"no telegram has these {len(data)} bytes: {data.hex(' ')}", now)
+
+    def _fault(self, counter: str, words: str, now: Ns) -> None:
+        """Faults are counted; the journal hears of them at most once a second."""
+        self._partner[counter] += 1
+        if now >= self._journal_next:
+            self._journal_next = now + 1_000_000_000
+            self._tell("line", f"{self.name}: {words}", door=self.number)
+
+    def counters(self) -> dict[str, object]:
+        """For tools."""
+        state = self._runner.state if self._runner is not None else None
+        return {**self._partner, "connected": state.connected if state else False, "why": state.why if state else ""}
