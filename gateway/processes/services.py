@@ -35,6 +35,8 @@ from gateway.pure.records import (
 )
 from gateway.pure.supervision import LinkWatch
 from gateway.realtime import Timerfd, die_with_parent
+from gateway.telegramdoor import TelegramDoor
+from gateway.telegramtables import named_values
 from gateway.variables import Variables
 from motion.pieces import RECORD_SIZE
 from protocols.base.machine import ms
@@ -43,6 +45,7 @@ TICK_NS = ms(5)
 INHERITED_NS = ms(3_000)  # inputs a predecessor left stand this long, then they are bad (AX-143)
 LINKS_EVERY = 20  # ticks
 REFUSALS_KEPT_NS = ms(60_000)
+SERIAL = (LineDoor, TelegramDoor)
 
 
 class Services:
@@ -63,6 +66,7 @@ class Services:
         for octet in range(RC_BYTES):
             self.inputs.quality[octet] = Quality.STALE if self.inputs.quality[octet] else Quality.BAD
         self.values = CellValues(cell)
+        self.named = named_values(cell)
         standing = self.axes.read()
         first_job = 1 if standing is None else unpack_cell_state(standing).taken + 1000
         self.numbers = rc_numbers(cell)
@@ -88,7 +92,8 @@ class Services:
             return made
         line = next(x for x in self.cell.line if x.name == door.name)
         watch = LinkWatch(ms(line.supervision.max_silence_ms), has_life_word=line.supervision.life_word is not None)
-        return LineDoor(door, self.office, watch, on_loss_of(line.supervision.on_loss), region, self.journal.write, line, self)
+        kind = TelegramDoor if line.layer == "telegrams" else LineDoor
+        return kind(door, self.office, watch, on_loss_of(line.supervision.on_loss), region, self.journal.write, line, self)
 
     # ---- life --------------------------------------------------------------------------------------------------------
     async def run(self) -> None:
@@ -101,7 +106,7 @@ class Services:
         for door in self.doors:
             if isinstance(door, ModbusDoor):
                 await self._start_server(door)
-            elif isinstance(door, LineDoor):
+            elif isinstance(door, SERIAL):
                 door.open(self.plan.lines[door.name])
         variables = await self.variables.listen(runtime_dir() / f"{self.plan.slug}-services.sock")
         await self._done.wait()
@@ -109,7 +114,7 @@ class Services:
         for door in self.doors:
             if isinstance(door, ModbusDoor):
                 await door.server.close()
-            elif isinstance(door, LineDoor):
+            elif isinstance(door, SERIAL):
                 door.close()
         self.timer.close()
         self.journal.close()
@@ -139,7 +144,7 @@ class Services:
         self._observe(now)
         for door in self.doors:
             door.wake(now)
-            if isinstance(door, LineDoor):
+            if isinstance(door, SERIAL):
                 door.settle()
         self._age_inputs(now)
         self._refresh(now)
@@ -147,6 +152,12 @@ class Services:
         self.links.beat(now)
         if self._ticks % LINKS_EVERY == 1:
             self.links.write(json.dumps(self.status()).encode().ljust(self.links.size)[: self.links.size], now)
+
+    def settle(self) -> None:
+        """A named value may have changed: telegrams that wait for its edge."""
+        for door in self.doors:
+            if isinstance(door, TelegramDoor):
+                door.settle()
 
     def _observe(self, now: int) -> None:
         payload = self.axes.read()
@@ -227,7 +238,7 @@ class Services:
                     "losses": d.watch.losses,
                     "state": CommandState(d.status.state).name,
                     "reason": Reason(d.status.reason).name,
-                    **(d.counters() if isinstance(d, LineDoor) else {}),
+                    **(d.counters() if isinstance(d, SERIAL) else {}),
                     **({"requests": d.server.counters.requests} if isinstance(d, ModbusDoor) else {}),
                 }
                 for d in self.doors
