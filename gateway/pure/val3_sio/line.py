@@ -165,14 +165,16 @@ class Line:
         if self._opening:
             return connection.number, self._give(connection, self._opening[0].sio)
         self._pool.append(connection)
-        old = [one for one in self._pool if one.inbox.ended] if len(self._pool) > self.channel.clients else []
-        return connection.number, [call for one in old[:1] for call in self._close(one, "made room for a new client")]
+        return connection.number, []
 
     def serve(self, connection: Connection) -> list[AnyCall]:
         """After any change: what can end, ends; an error closes the socket (3.7.1.3)."""
         done, broken = connection.serve()
-        left_unasked = connection in self._pool and connection.inbox.ended and not len(connection.inbox)
-        return done + self._close(connection, "read or write error, or closed by the partner") if broken or left_unasked else done
+        if broken:
+            return done + self._close(connection, "read or write error, or closed by the partner")
+        if connection in self._pool and connection.inbox.ended:
+            self._forget_dead()
+        return done
 
     def lost(self, connection: Connection, now: Ns) -> list[AnyCall]:
         """Sockets: read what came, then error.  Serial: the gap is told once, the port comes back by itself."""
@@ -218,6 +220,14 @@ class Line:
         """A server's variable gets its client."""
         self._own[sio] = connection
         return self._settle(connection, [call for call in self._opening if call.sio is sio])
+
+    def _forget_dead(self) -> None:
+        """Clients that left unasked: without a word at once, with one as many as there are places for clients."""
+        dead = [connection for connection in self._pool if connection.inbox.ended]
+        spoken = [connection for connection in dead if len(connection.inbox)]
+        for connection in dead:
+            if connection not in spoken[-self.channel.clients :]:
+                self._close(connection, "left unasked")
 
     def _settle(self, connection: Connection, calls: list[AnyCall]) -> list[AnyCall]:
         """They waited for a connection and wait on it now."""
