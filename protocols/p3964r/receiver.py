@@ -13,7 +13,7 @@ from protocols.p3964r.events import (
     Refusal,
     StrayCharacters,
 )
-from protocols.p3964r.profiles import Profile, Stray
+from protocols.p3964r.profiles import BrokenPair, Profile, Stray, TooLong
 
 
 class State(Enum):
@@ -41,6 +41,7 @@ class Receiver:
         self._refusals, self._first_why = 0, Refusal.GAP
         self._awaits_repeat = False
         self._free = True
+        self._asked_at: Ns = 0  # when STX found no buffer
         self._stored: bytes | None = None
 
     @property
@@ -62,8 +63,8 @@ class Receiver:
             else:
                 self._step(data[at], now)
                 at += 1
-                if self._state is State.IDLE:
-                    return at
+            if self._state is State.IDLE:
+                return at
         if self._state is not State.NO_BUFFER and not self._untouched:
             self._due = now + self._profile.char_delay
         return at
@@ -90,8 +91,7 @@ class Receiver:
                 if not self._profile.block_check:
                     self._judge(self._check)
             case State.ESCAPED, _:
-                self._blame(Refusal.ORDER)
-                self._state = State.DATA
+                self._broken_pair(byte)
             case State.CHECK, _:
                 self._judge(byte)
         self._untouched = False
@@ -100,6 +100,8 @@ class Receiver:
         """A run of plain characters up to the next DLE, taken at once; the same as one step for each."""
         end = data.find(DLE_BYTE, at)
         run = data[at:] if end < 0 else data[at:end]
+        if self._profile.too_long is TooLong.NAK_AT_ONCE:
+            run = run[: self._profile.max_data + 1 - self._count]  # the first one too many ends the block
         self._check ^= check_of(run)
         self._store(run)
         self._untouched = False
@@ -107,10 +109,24 @@ class Receiver:
 
     def _store(self, run: bytes) -> None:
         self._count += len(run)
-        if self._count > self._profile.max_data:
-            self._blame(Refusal.LENGTH)
-        else:
+        if self._count <= self._profile.max_data:
             self._data += run
+        elif self._profile.too_long is TooLong.NAK_AT_ONCE:
+            self._refuse(self._why or Refusal.LENGTH)
+        else:
+            self._blame(Refusal.LENGTH)
+
+    def _broken_pair(self, byte: int) -> None:
+        """A DLE followed by neither DLE nor the end."""
+        self._state = State.DATA
+        match self._profile.broken_pair:
+            case BrokenPair.NAK_AT_END:
+                self._blame(Refusal.ORDER)
+            case BrokenPair.NAK_AT_ONCE:
+                self._refuse(self._why or Refusal.ORDER)
+            case BrokenPair.DROP_DLE:
+                self._check ^= Char.DLE ^ byte
+                self._store(bytes((byte,)))
 
     def _blame(self, why: Refusal) -> None:
         self._why = self._why or why
@@ -178,7 +194,8 @@ class Receiver:
         if self._free:
             self._admit(now)
         elif self._profile.no_buffer_wait:
-            self._state, self._due = State.NO_BUFFER, now + self._profile.no_buffer_wait
+            self._state, self._asked_at = State.NO_BUFFER, now
+            self._due = now + self._profile.no_buffer_wait
         else:
             self._turn_away()
 
@@ -227,7 +244,7 @@ class Receiver:
                 if self._profile.stray is Stray.NAK_AFTER_QUIET:
                     self._box.say(Char.NAK)
             case State.NO_BUFFER:
-                self._turn_away()
+                self._look_for_room(now)
             case _:
                 self._refuse(self._why or Refusal.GAP)
 
@@ -235,7 +252,21 @@ class Receiver:
     def set_free(self, free: bool, now: Ns) -> None:
         self._free = free
         if free and self._state is State.NO_BUFFER:
+            poll, last = self._profile.no_buffer_poll, self._asked_at + self._profile.no_buffer_wait
+            if poll == 0:
+                self._admit(now)
+            else:
+                self._due = min(last, self._asked_at - (self._asked_at - now) // poll * poll)  # the next step, this moment included
+
+    def _look_for_room(self, now: Ns) -> None:
+        """A polling step, or the end of the wait for a buffer."""
+        last = self._asked_at + self._profile.no_buffer_wait
+        if self._free:
             self._admit(now)
+        elif now < last:
+            self._due = last
+        else:
+            self._turn_away()
 
     def take_block(self, now: Ns) -> bytes | None:
         block, self._stored = self._stored, None

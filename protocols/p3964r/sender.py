@@ -7,7 +7,7 @@ from enum import Enum, auto
 from protocols.base.machine import Damage, Ns
 from protocols.p3964r.characters import Char, wire_block
 from protocols.p3964r.events import BlockSent, Failure, Outbox, SamePriority, SendFailed, SendRepeated, Stage
-from protocols.p3964r.profiles import ConnectCounter, Priority, Profile
+from protocols.p3964r.profiles import ConnectCounter, Interruption, Priority, Profile
 
 MOST_JOBS = 64  # waiting ones; nothing grows while a partner is away
 
@@ -19,6 +19,7 @@ class State(Enum):
     PAUSED = auto()  # before a repeat
     CONNECT = auto()  # STX given out; waits for DLE
     SENDING = auto()  # block given out, has not yet left
+    BACKING_OFF = auto()  # interrupted in the block; waits for a quiet line
     ANSWER = auto()  # block has left; waits for DLE
 
 
@@ -41,6 +42,7 @@ class Sender:
         self._number = 0
         self._connects, self._blocks = 0, 0  # failed attempts of the first job
         self._conflict = False  # the partner's STX was heard and ignored
+        self._conflicts = 0  # attempts of the first job that met the partner's STX
         self._early: Ns | None = None  # a DLE heard before the port said that the block had left
 
     @property
@@ -74,7 +76,7 @@ class Sender:
 
     def forget_attempts(self) -> None:
         """The partner sent a block, good or bad, to its end: the job that gave way to it starts anew."""
-        self._connects, self._blocks = 0, 0
+        self._connects, self._blocks, self._conflicts = 0, 0, 0
 
     # ---- the table
     def hear(self, byte: int, now: Ns) -> bool:
@@ -92,7 +94,9 @@ class Sender:
             case State.SENDING, Char.DLE:
                 self._early = None if self._box.output else now
             case State.SENDING, _:
-                self._early = None  # no manual names a reaction
+                self._interrupted(now)
+            case State.BACKING_OFF, _:
+                self._due = now + self._profile.char_delay
             case State.ANSWER, Char.DLE:
                 self._succeed()
             case State.ANSWER, _:
@@ -115,12 +119,20 @@ class Sender:
 
     def _meet(self) -> bool:
         """Both stations sent STX: with priority go on, without keep the job and listen (7.1)."""
-        if self._priority is Priority.HIGH:
+        again = self._conflicts and self._profile.yields_to_second_conflict and not self._conflict
+        if self._priority is Priority.HIGH and not again:
+            self._conflicts += not self._conflict
             self._conflict = True
             return True
         self._connects += 1
         self._state, self._due = State.IDLE, None
         return False
+
+    def _interrupted(self, now: Ns) -> None:
+        self._early = None
+        if self._profile.interruption is Interruption.BACK_OFF:
+            self._box.output.clear()
+            self._state, self._due = State.BACKING_OFF, now + self._profile.char_delay
 
     # ---- what the rows do
     def _connect(self) -> None:
@@ -135,7 +147,10 @@ class Sender:
         if self._conflict and why is Failure.SILENT:
             self._box.tell(SamePriority(Priority.HIGH))
         self._connects += 1
-        self._again(why, Stage.CONNECT, now)
+        if self._profile.silence_ends and why is Failure.SILENT:
+            self._give_up(why, Stage.CONNECT)
+        else:
+            self._again(why, Stage.CONNECT, now)
 
     def _block_failed(self, why: Failure, now: Ns) -> None:
         self._blocks += 1
@@ -170,11 +185,11 @@ class Sender:
     def _finish(self, event: BlockSent | SendFailed) -> None:
         self._box.tell(event)
         self._jobs.popleft()
-        self._connects, self._blocks = 0, 0
+        self._connects, self._blocks, self._conflicts = 0, 0, 0
         self._state, self._due = State.IDLE, None
 
     def _stage(self) -> Stage:
-        return Stage.BLOCK if self._state in (State.SENDING, State.ANSWER) else Stage.CONNECT
+        return Stage.BLOCK if self._state in (State.SENDING, State.BACKING_OFF, State.ANSWER) else Stage.CONNECT
 
     # ---- time
     def deadline(self) -> Ns | None:
@@ -196,6 +211,9 @@ class Sender:
                 self._connect_failed(Failure.SILENT, now)
             case State.ANSWER:
                 self._block_failed(Failure.SILENT, now)
+            case State.BACKING_OFF:
+                self._box.say(Char.NAK)
+                self._block_failed(Failure.WRONG, now)
             case _:
                 self._connect()
 
@@ -206,7 +224,7 @@ class Sender:
             self._box.tell(SendFailed(job.number, Failure.LOST, stage))
             stage = Stage.WAITING
         self._jobs.clear()
-        self._connects, self._blocks = 0, 0
+        self._connects, self._blocks, self._conflicts = 0, 0, 0
         self._state, self._due = State.IDLE, None
 
 

@@ -30,7 +30,10 @@ def wishing(profile: Profile) -> Bench[Link]:
 
 
 def test_the_profiles_of_this_release() -> None:
-    assert set(PROFILES) == {"rho3", "siemens-cp525", "siemens-cp341"}
+    siemens = {f"siemens-cp{number}" for number in (340, 341, 440, 524, 525)}
+    bosch = {"rho3", "bosch-buep64", "bosch-system350-rk512", "bosch-system350-3964r", "rexroth-vcp"}
+    others = {"vipa-cp240", "vipa-21x", "wago", "beckhoff", "linux", "euchner-hbas", "aeg-fx22z"}
+    assert set(PROFILES) == siemens | bosch | others
     assert all(profile.name == name and profile.source for name, profile in PROFILES.items())
 
 
