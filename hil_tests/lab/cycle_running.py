@@ -81,10 +81,10 @@ class Drives:
                 self.cycles[-1].append(frame)
 
 
-def serve(buses: Sequence[Drives], cycles: int, limit_s: float = 10.0) -> None:
-    """Until each bus saw so many whole cycles (the one that runs is not counted), or the time is over: the test asserts what it got."""
+def serve(run: CycleRun, buses: Sequence[Drives], cycles: int, limit_s: float = 8.0) -> None:
+    """Until each bus saw so many whole cycles (the one that runs is not counted), the process or the time ended: the test asserts what came."""
     until = time.monotonic() + limit_s
-    while time.monotonic() < until and any(len(bus.cycles) <= cycles for bus in buses):
+    while time.monotonic() < until and run.process.poll() is None and any(len(bus.cycles) <= cycles for bus in buses):
         select.select([bus.port for bus in buses], [], [], 0.1)
         for bus in buses:
             bus.serve()

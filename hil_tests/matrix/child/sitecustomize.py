@@ -1,9 +1,11 @@
 """Read by every Python process started while a mutant is on: breaks the same function there, right after its module loads."""
 
+import importlib
 import importlib.abc
 import importlib.machinery
 import importlib.util
 import os
+import runpy
 import sys
 import types
 from collections.abc import Sequence
@@ -38,6 +40,17 @@ class Breaker(importlib.abc.MetaPathFinder):
         return spec
 
 
+run_as_main = runpy._run_module_as_main  # type: ignore[attr-defined]  # what `python -m` calls; there is no public one
+
+
+def run_broken(module: str, alter_argv: bool = True) -> object:
+    """`python -m MODULE` runs a second copy of the module, which no finder meets: of the broken one its main() is called instead."""
+    if module != name.partition(":")[0]:
+        return run_as_main(module, alter_argv)
+    sys.exit(importlib.import_module(module).main())
+
+
 variant, _, name = os.environ.get("AXISGATE_MUTANT", "").partition(" ")
 if name:
     sys.meta_path.insert(0, Breaker(variant, name))
+    runpy._run_module_as_main = run_broken  # type: ignore[attr-defined]

@@ -1,4 +1,4 @@
-"""rho 3 Releases part 1, L11024-11026, L7250, L7276: what the cycle process sends in one cycle and takes as actual values, one bus and two."""
+"""rho 3 Releases part 1, L11024-11026, L7250, L7276: what the cycle process sends and takes in one cycle, on one bus and on two."""
 
 import contextlib
 import math
@@ -36,9 +36,9 @@ def positions(cycle: list[Frame]) -> list[int]:
 
 @pytest.mark.requirement("RHO-CAN-01", by="gateway.processes.cycle:BusLink.prepare")
 def test_one_cycle_sends_100_and_210_to_260(bus: Bus) -> None:
-    with running_cycle("demo", {"drives": f"broker:{bus.name}"}):
+    with running_cycle("demo", {"drives": f"broker:{bus.name}"}) as run:
         drives = Drives(bus.port(), [0] * 6)
-        serve([drives], CYCLES)
+        serve(run, [drives], CYCLES)
     assert len(drives.cycles) > CYCLES, "SYNC did not come"
     assert [identifiers(cycle) for cycle in drives.cycles[:CYCLES]] == [ONE_CYCLE] * CYCLES
     assert all(len(frame.data) == (0 if frame.identifier == 100 else 8) for cycle in drives.cycles for frame in cycle)
@@ -50,7 +50,7 @@ def test_610_to_660_are_taken_as_the_actual_values_of_axes_1_to_6(bus: Bus) -> N
     turns = [1, -2, 3, -4, 5, -6]
     with running_cycle("demo", {"drives": f"broker:{bus.name}"}) as run:
         drives = Drives(bus.port(), [TURN * turn for turn in turns])
-        serve([drives], CYCLES)
+        serve(run, [drives], CYCLES)
         actual = run.actual()
     assert actual[:6] == pytest.approx([turn * feed for turn, feed in zip(turns, FEEDS, strict=True)], abs=1e-12)
     assert actual[6:] == [0.0] * 6
@@ -64,7 +64,7 @@ def test_axis_7_on_bus_2_speaks_under_the_identifiers_of_axis_1_on_bus_1(bus: Bu
         other = stack.enter_context(running_bus_beside(tmp_path))
         run = stack.enter_context(running_cycle(twelve_axes(tmp_path), {"drives": f"broker:{bus.name}", "more": f"broker:{other.name}"}))
         buses = [Drives(bus.port(), first), Drives(other.port(), second)]
-        serve(buses, CYCLES)
+        serve(run, buses, CYCLES)
         actual = run.actual()
     for drives in buses:
         assert len(drives.cycles) > CYCLES, "SYNC did not come"

@@ -36,6 +36,15 @@ def test_a_child_process_meets_the_same_mutant(variant: str, printed: str) -> No
     assert output.strip() == printed
 
 
+def test_a_child_that_runs_the_module_itself_meets_it_too() -> None:
+    """As our processes are started: python -m gateway.processes.NAME."""
+    command = [sys.executable, "-m", "gateway.processes.broker", "--help"]
+    with mutated("gateway.processes.broker:main", "raise"):
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (1, "") and "MutantError" in done.stderr
+    assert "usage" in subprocess.run(command, capture_output=True, text=True, check=True).stdout
+
+
 class Sample:
     def method(self) -> bool:
         return True

@@ -21,7 +21,7 @@ def test_one_cycle_on_vcan0(tmp_path: pathlib.Path) -> None:
     with candump(log), running_cycle("demo", {"drives": "socketcan:vcan0"}) as run:
         port = open_can("socketcan:vcan0")
         drives = Drives(port, [TURN * n for n in range(1, 7)])
-        serve([drives], CYCLES, 30.0)
+        serve(run, [drives], CYCLES)
         actual = run.actual()
         port.close()
     identifiers = [frame.identifier for frame in read(log)]
