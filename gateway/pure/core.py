@@ -12,6 +12,7 @@ from drivers.drives.limits import LagMonitor, LagState
 from drivers.drives.referencing import ReferenceSettings, Referencing, RunState
 from drivers.drives.scaling import Scaling
 from drivers.drives.servodyn import Demand, Drive, DriveSettings, Event, Power
+from gateway.pure.permits import AS_SHIPPED, NO_PERMIT, EnablingInputs, RcNumbers
 from gateway.pure.reasons import Reason
 from gateway.pure.records import (
     RC_BYTES,
@@ -23,7 +24,6 @@ from gateway.pure.records import (
     Order,
     OrderRecord,
     Permit,
-    Quality,
     set_bit,
 )
 from motion.errors import MotionError
@@ -37,31 +37,6 @@ AT_REST_S = 0.02  # in position: inside the window for this long
 LOST_STOP_S = 2.0  # an axis still moving so long after its chain or control input was lost is switched off
 TOO_MANY_SKIPPED = 3  # SYNCs skipped in a row: stop on the path
 SERVICES_LIMIT = ms(250)  # life counter of services older than this: dead
-INPUTS_HOLD = ms(4_000)  # enabling inputs outlive a services restart by this much (AX-143)
-
-
-NO_PERMIT = Permit(0)
-
-
-@dataclass(frozen=True, slots=True)
-class RcNumbers:
-    """AX-002: bit numbers of the signals without a number in the manual; movable in the cell."""
-
-    chain: int = 24
-    control: int = 25
-    feed: int = 26
-    run: int = 27
-    travel: int = 28
-    reset: int = 19  # Control reset (rho3 3.1)
-    ready: int = 64
-    ready2: int = 65
-    drives_on: int = 66
-    emergency: int = 67
-    in_position: int = 192  # + n-1
-    referenced: int = 216  # + n-1
-
-
-PERMITS = (("chain", Permit.CHAIN), ("control", Permit.CONTROL), ("feed", Permit.FEED), ("run", Permit.RUN), ("travel", Permit.TRAVEL))
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +79,7 @@ class Core:
         period_s: float,
         generation: int,
         *,
-        numbers: RcNumbers = RcNumbers(),
+        numbers: RcNumbers = AS_SHIPPED,
         assumed: Permit = NO_PERMIT,
         finish_without_services: bool = False,
     ) -> None:
@@ -117,7 +92,8 @@ class Core:
             axis.referenced = axis.plan.reference is None
         self._stepper = Stepper(len(axes), period_s)
         self._stepper.set_override(0.0)
-        self._numbers, self._assumed, self._finish = numbers, assumed, finish_without_services
+        self._numbers, self._finish = numbers, finish_without_services
+        self._enabling_inputs = EnablingInputs(numbers, assumed)
         self._override = 0.0
         self._job_masks: dict[int, int] = {}
         self._running = 0  # job of the piece under way
@@ -125,7 +101,6 @@ class Core:
         self._homing = 0  # job of the reference run
         self._enabling: tuple[int, int] = (0, 0)  # job, mask
         self._reset = False
-        self._reset_bit = True  # a standing control reset at start is no edge
         self._services_alive = False
         self._settled = False
         self._lost_cycles = 0  # since chain or control was lost
@@ -148,37 +123,24 @@ class Core:
 
     # ---- inputs ------------------------------------------------------------------------------------------------------
     def _judge_inputs(self, inputs: InputImage, services_ns: Ns, now: Ns) -> None:
-        state = self.state
-        held = services_ns != 0 and now - services_ns < INPUTS_HOLD
-        permits, lost = self._assumed, Permit(0)
-        for name, permit in PERMITS:
-            if permit & self._assumed:
-                continue
-            number: int = getattr(self._numbers, name)
-            if not held or inputs.quality[number >> 3] == Quality.BAD:
-                lost |= permit
-            elif inputs.bit(number):
-                permits |= permit
-        before, state.permits = Permit(state.permits), permits
-        taken = ~permits & ~lost  # a living door says 0
-        if taken & Permit.CHAIN and self._settled:
+        view = self._enabling_inputs.judge(inputs, services_ns, now)
+        self.state.permits = view.permits
+        if view.taken & Permit.CHAIN and self._settled:
             self._emergency()
-        if taken & Permit.CONTROL:
+        if view.taken & Permit.CONTROL:
             self._off(Reason.CONTROL_NOT_ALLOWED)
-        self._judge_lost(before & ~permits & lost, lost)
-        if taken & Permit.TRAVEL:
+        self._judge_lost(view.just_lost, view.lost)
+        if view.taken & Permit.TRAVEL:
             self._stop(Reason.TRAVEL_NOT_ALLOWED)
-        if permits & Permit.CHAIN:
+        if view.permits & Permit.CHAIN:
             self._settled = True  # before the chain was seen closed once there is nothing to latch
-        bit = inputs.bit(self._numbers.reset) and inputs.quality[self._numbers.reset >> 3] != Quality.BAD
-        self._reset = bit and not self._reset_bit
-        self._reset_bit = bit
+        self._reset = view.reset
         if self._reset:
             self._acknowledge()
         self._apply_override()
 
     def _judge_lost(self, just_lost: Permit, lost: Permit) -> None:
-        """Inputs that are lost, not taken away: stop on the path, nothing goes on by itself; without chain or control off at rest (AX-143)."""
+        """Inputs that are lost, not taken away: stop on the path, and without chain or control off at rest (AX-143)."""
         if just_lost:
             self._stop(Reason.INPUT_LOST)
         if not lost & (Permit.CHAIN | Permit.CONTROL):

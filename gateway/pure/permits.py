@@ -1,0 +1,75 @@
+"""Enabling inputs as the cycle judges them: standing, taken away by a living door, or lost with it (AX-002, AX-143)."""
+
+from dataclasses import dataclass
+
+from gateway.pure.records import InputImage, Permit, Quality
+from protocols.base.machine import Ns, ms
+
+INPUTS_HOLD = ms(4_000)  # enabling inputs outlive a services restart by this much (AX-143)
+NO_PERMIT = Permit(0)
+
+
+@dataclass(frozen=True, slots=True)
+class RcNumbers:
+    """AX-002: bit numbers of the signals without a number in the manual; movable in the cell."""
+
+    chain: int = 24
+    control: int = 25
+    feed: int = 26
+    run: int = 27
+    travel: int = 28
+    reset: int = 19  # Control reset (rho3 3.1)
+    ready: int = 64
+    ready2: int = 65
+    drives_on: int = 66
+    emergency: int = 67
+    in_position: int = 192  # + n-1
+    referenced: int = 216  # + n-1
+
+
+AS_SHIPPED = RcNumbers()
+PERMITS = (("chain", Permit.CHAIN), ("control", Permit.CONTROL), ("feed", Permit.FEED), ("run", Permit.RUN), ("travel", Permit.TRAVEL))
+
+
+@dataclass(frozen=True, slots=True)
+class PermitView:
+    """One cycle's judgement."""
+
+    permits: Permit  # stand
+    taken: Permit  # a living door says 0
+    lost: Permit  # nobody says anything any more
+    just_lost: Permit  # stood in the cycle before
+    reset: bool  # rising edge of Control reset
+
+
+class EnablingInputs:
+    """Remembers only what stood in the cycle before."""
+
+    def __init__(self, numbers: RcNumbers, assumed: Permit) -> None:
+        """`assumed`: inputs that are not wired here and count as 1 ([rc_inputs] assume)."""
+        self.assumed = assumed
+        self._numbers = numbers
+        self._before = NO_PERMIT
+        self._reset_bit = True  # a control reset that stands at start is no edge
+
+    def judge(self, inputs: InputImage, services_ns: Ns, now: Ns) -> PermitView:
+        """`services_ns`: last sign of life of whoever writes the inputs."""
+        held = services_ns != 0 and now - services_ns < INPUTS_HOLD
+        permits, lost = self.assumed, NO_PERMIT
+        for name, permit in PERMITS:
+            if permit & self.assumed:
+                continue
+            number: int = getattr(self._numbers, name)
+            if not held or inputs.quality[number >> 3] == Quality.BAD:
+                lost |= permit
+            elif inputs.bit(number):
+                permits |= permit
+        just_lost, self._before = self._before & ~permits & lost, permits
+        return PermitView(permits, ~permits & ~lost, lost, just_lost, self._reset_edge(inputs))
+
+    def _reset_edge(self, inputs: InputImage) -> bool:
+        number = self._numbers.reset
+        bit = inputs.bit(number) and inputs.quality[number >> 3] != Quality.BAD
+        rising = bit and not self._reset_bit
+        self._reset_bit = bit
+        return rising
