@@ -82,7 +82,7 @@ class Drives:
 
 
 def serve(run: CycleRun, buses: Sequence[Drives], cycles: int, limit_s: float = 8.0) -> None:
-    """Until each bus saw so many whole cycles (the one that runs is not counted), the process or the time ended: the test asserts what came."""
+    """Until each bus saw so many whole cycles (the running one not counted), or process or time ended: the test asserts what came."""
     until = time.monotonic() + limit_s
     while time.monotonic() < until and run.process.poll() is None and any(len(bus.cycles) <= cycles for bus in buses):
         select.select([bus.port for bus in buses], [], [], 0.1)
