@@ -69,6 +69,10 @@ class SioRunner:
         """ioStatus: state, description, physical path."""
         return self.core.status(sio)
 
+    def descriptors(self, sio: Sio) -> list[int]:
+        """Of the open connections of its channel, for somebody who looks at the sockets from outside."""
+        return [wire.fileno() for wire in self._wires.values() if wire.channel.name == sio.link]
+
     def end_application(self) -> None:
         """Closes every socket and deletes every variable."""
         self._settle(self.core.end_application())

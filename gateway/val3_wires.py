@@ -67,11 +67,6 @@ class TcpWire(SocketWire):
         self.channel = channel
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 0 if channel.nagle else 1)
 
-    @property
-    def nodelay(self) -> bool:
-        """What the kernel says."""
-        return self._socket.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY) != 0
-
     def read(self, room: int) -> list[Heard]:
         """Not more than there is room for: the rest waits at the sender."""
         try:
@@ -173,7 +168,7 @@ class SerialWire:
 
 
 def set_hardware_flow(fd: int) -> None:
-    """RTS/CTS on; ValueError-free twin of pyserial's rtscts for ports that are open already."""
+    """RTS/CTS on, for a port that is open already.  Raises termios.error."""
     settings = termios.tcgetattr(fd)
     settings[2] |= termios.CRTSCTS
     termios.tcsetattr(fd, termios.TCSANOW, settings)

@@ -1,5 +1,6 @@
 """`Desk`: a program's view of sio in virtual time, with the network played by hand.  An unexpected exception is a failed assertion."""
 
+import functools
 from collections.abc import Callable
 from typing import TypeVar
 
@@ -50,7 +51,7 @@ class Desk:
     def begin(self, start: Callable[[Ns], C]) -> C:
         """Starts an instruction as an interpreter does: orders are carried out, output leaves, then the clock is looked at."""
         call = self.act(lambda: start(self.now))
-        assert isinstance(call.done, bool)
+        assert call is not None
         self.settle()
         self.act(lambda: self.core.wake(self.now))
         self.settle()
@@ -75,9 +76,10 @@ class Desk:
         return self.begin(lambda now: self.core.write_num(sio, value, now))
 
     def clear(self, sio: Sio) -> int:
-        dropped, _done = self.act(lambda: self.core.clear_buffer(sio))
+        answer = self.act(lambda: self.core.clear_buffer(sio))
+        assert answer
         self.settle()
-        return dropped
+        return answer[0]
 
     def control(self, sio: Sio, name: str, value: Value) -> int:
         code = self.act(lambda: self.core.control(sio, name, value))
@@ -128,7 +130,7 @@ class Desk:
 
     def client_comes(self, name: str, peer: str = "127.0.0.1") -> int | None:
         answer = self.act(lambda: self.core.accepted(name, peer, self.now))
-        assert answer is not None
+        assert answer
         if answer[0] is not None:
             self.opened.append(answer[0])
         self.settle()
@@ -160,11 +162,11 @@ class Desk:
 
     def _take_output(self, number: int) -> None:
         while self.capacity and (output := self.act(lambda: self.core.output(number))):
-            count = min(len(output), self.capacity)
-            self.capacity -= count
-            self.sent.setdefault(number, bytearray()).extend(output[:count])
-            self.datagrams.append(output[:count])
-            self.act(lambda: self.core.taken(number, count, self.now))
+            taken = output[: self.capacity]
+            self.capacity -= len(taken)
+            self.sent.setdefault(number, bytearray()).extend(taken)
+            self.datagrams.append(taken)
+            self.act(functools.partial(self.core.taken, number, len(taken), self.now))
 
     def _carry_out(self, order: Order) -> None:
         match order:

@@ -139,7 +139,7 @@ class SioCore:
             self.change(channel)
         return code
 
-    def cancel(self, call: Call[T]) -> list[AnyCall]:
+    def cancel(self, call: AnyCall | Call[T]) -> list[AnyCall]:
         """The task that waited is killed; what its write has given away is gone, what its read would have taken stays."""
         line = self._lines.get(call.sio.link or "")
         return [] if line is None or call.done else line.cancel(call)

@@ -24,10 +24,10 @@ def test_sockets_open_with_the_first_instruction_and_close_with_the_application(
     assert (desk.numbers, desk.listening) == ([1], [])
     waiting = desk.get(server, [0.0])
     assert (desk.numbers, desk.listening) == ([1], [SERVER.name])
-    desk.read_num(udp)
+    reading = desk.read_num(udp)
     assert desk.numbers == [1, 2]
     done = desk.act(desk.core.end_application)
-    assert isinstance(done, list) and len(done) == 2
+    assert list(done) == [waiting, reading]
     desk.settle()
     assert (desk.closed, desk.listening, desk.outcome(waiting)) == ([1, 2], [], -1)
     assert desk.code(lambda: desk.core.get(client, [0.0], 0)) == 123

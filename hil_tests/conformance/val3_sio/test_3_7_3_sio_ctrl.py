@@ -77,7 +77,11 @@ def test_what_is_refused_changes_nothing(channel: Channel, name: str, value: Val
 
 @pytest.mark.requirement("VAL-SIO-18", by=(APPLY, CONTROL))
 def test_a_socket_must_be_closed_before_its_port_changes() -> None:
-    for channel, changes in ((CLIENT, {"port": 5000, "target": "10.0.0.1"}), (SERVER, {"port": 5000, "clients": 3})):
+    cases: tuple[tuple[Channel, dict[str, Value]], ...] = (
+        (CLIENT, {"port": 5000, "target": "10.0.0.1"}),
+        (SERVER, {"port": 5000, "clients": 3}),
+    )
+    for channel, changes in cases:
         desk = Desk(channel)
         sio = desk.variable(channel.name)
         desk.get(sio, [0.0])
