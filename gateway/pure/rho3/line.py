@@ -215,7 +215,9 @@ class Line:
             if self.owner is None:
                 if not self.waiting:
                     break
-                self._begin(first(self.waiting), now)
+                self.owner = first(self.waiting)
+                self.waiting.remove(self.owner)
+                self._begin(self.owner, now)
             if not self._advance(now):
                 break
         if self._stopped and not (self.owner is not None and self._needs_panel(self.owner)):
@@ -226,8 +228,7 @@ class Line:
         return self._assignment(job).protocol == Procedure.PHG and job.function is not Function.COUPLING
 
     def _begin(self, job: Job, now: Ns) -> None:
-        self.waiting.remove(job)
-        self.owner = job
+        """The new owner's first step; an output of nothing is over with it."""
         wanted = self._assignment(job).format
         if wanted != self.format:
             self.format, self._reopening = wanted, True

@@ -41,7 +41,7 @@ EVERY: tuple[tuple[BapsType, Value, bytes], ...] = (
 @pytest.mark.parametrize(
     "kind, value, width",
     [(BINARY, True, 1), (CHARACTER, 65, 1), (INTEGER, 1, 4), (REAL, 1.0, 4), (TEXT, b"A", 80)],
-    ids=lambda one: str(one),
+    ids=str,
 )
 def test_each_type_has_its_width_on_the_line(kind: BapsType, value: Value, width: int) -> None:
     desk = Desk(LINK).write(ONE, "V24_1", (kind, value)).says(STX).hears(b"\x10")

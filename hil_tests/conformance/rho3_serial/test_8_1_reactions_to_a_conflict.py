@@ -97,7 +97,8 @@ def test_a_change_of_the_rate_opens_the_port_anew_before_anything_is_said() -> N
     fast = Assignment(Function.V24_2, "SER_1", 5, "19200 8E1")
     desk = Desk(Setup((v24_1(5), fast))).hears(b"noise").write(ONE, "V24_2", (TEXT, b"x"))
     desk.says(b"").finds(FormatWanted("SER_1", "19200 8E1")).loses_the_port().finds()
-    desk.does(lambda line, now: line.manager.lines["SER_1"].reopened(now)).says(b"x").finds(done(1))
+    desk.does(lambda line, now: line.manager.lines["SER_1"].reopened(now))
+    desk.says(b"x").finds(done(1))
     desk.read(ONE, "V24_2", CHARACTER).finds().hears(b"y").finds(done(2, ord("y")))
 
 

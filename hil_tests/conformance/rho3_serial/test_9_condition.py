@@ -22,9 +22,7 @@ def test_a_read_without_characters_is_a_time_out_minus_3() -> None:
 
 
 @pytest.mark.requirement("RHO-SER-31", by=("gateway.pure.rho3.line:Line.damaged", "gateway.pure.rho3.line:Line._read_failed"))
-@pytest.mark.parametrize(
-    "damage, code", [(Damage.PARITY, -4), (Damage.OVERRUN, -5), (Damage.FRAMING, -6), (Damage.BREAK, -6)], ids=lambda one: str(one)
-)
+@pytest.mark.parametrize("damage, code", [(Damage.PARITY, -4), (Damage.OVERRUN, -5), (Damage.FRAMING, -6), (Damage.BREAK, -6)], ids=str)
 def test_a_spoiled_character_has_its_code(damage: Damage, code: int) -> None:
     desk = Desk(LINE).at(0).read(ONE, "V24_1", INTEGER).hears(b"1").damaged(damage).finds(failed(1, Condition(code)))
     assert desk.condition(ONE, "V24_1") == code
