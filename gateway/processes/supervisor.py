@@ -121,7 +121,7 @@ class Supervisor:
             stderr=subprocess.STDOUT,
             pass_fds=keep,
             start_new_session=True,
-            preexec_fn=functools.partial(die_with_parent, os.getpid()),  # noqa: PLW1509 no thread here; our death is theirs, from their first moment on
+            preexec_fn=functools.partial(die_with_parent, os.getpid(), signal.SIGKILL),  # noqa: PLW1509 no thread here; a hung child dies, too
         )
         running.started_ns, running.start_at, running.ready, running.output = now_ns(), None, False, b""
         running.last_life = running.reader.life[0] if running.reader else 0

@@ -25,7 +25,22 @@ from gateway.pure.records import CellState, unpack_cell_state
 from hil_tests.demo import realtime_allowed
 from hil_tests.lab import buslog
 from hil_tests.lab.judge import Judge, Move
-from hil_tests.lab.plc2 import AXES, COMMAND_AT, DONE, ENABLE, OVERRIDE, PTP, REFERENCE, REQUEST, RESET, ModbusPlc, Status
+from hil_tests.lab.plc2 import (
+    ABORTED,
+    ACCEPTED,
+    AXES,
+    COMMAND_AT,
+    DONE,
+    ENABLE,
+    OVERRIDE,
+    PTP,
+    REFERENCE,
+    REQUEST,
+    RESET,
+    RUNNING,
+    ModbusPlc,
+    Status,
+)
 
 ALL = 0x3F
 P5_MS = 4 if realtime_allowed() else 10  # without real-time priority the local bus cannot promise more
@@ -33,7 +48,7 @@ P5_NS = P5_MS * 1_000_000
 HOME = (10.0, 10.0, 5.0, 0.0, 0.0, 0.0)  # mm and deg: where referencing ends
 TARGET = (70.0, 70.0, 33.0, 8.0, 8.0, 8.0)  # near it, so that referencing again is short
 SETTLE_S = 0.3  # ten time constants of the position loops and more
-SPARE = 4  # repetitions of one test that the machine may spoil
+SPARE = 6  # repetitions of one run that a busy machine may spoil
 STOLEN = (16, 17, 18, 27)  # reasons: drive fault, drive lost, following error, overrun
 
 
@@ -224,6 +239,17 @@ class CellRun:
             else:
                 return
 
+    def under_way(self, velocity: float) -> int:
+        """In the middle of the move from HOME to TARGET; stamp of its beginning."""
+        start = time.monotonic_ns()
+        self.plc.send(PTP, ALL, velocity, TARGET)
+        time.sleep(0.4)
+        status = self.plc.wait(lambda s: True, 2)
+        if status.state == ABORTED and status.reason in STOLEN:
+            raise Disturbed(f"the move ended by itself, reason {status.reason}")
+        assert status.state in (ACCEPTED, RUNNING), status
+        return start
+
     def home_again(self) -> None:
         """A fresh move works, and it ends where it should: by the emulator's record."""
         self.command(PTP, ALL, 0.3, HOME)
@@ -251,6 +277,30 @@ class CellRun:
         self.disturbed += 1
         if self.disturbed > SPARE:
             raise AssertionError(f"{self.disturbed} repetitions were spoilt by a busy machine, the last one by: {why}") from why
+
+
+def left_over(folder: pathlib.Path) -> dict[int, str]:
+    """Processes whose runtime folder lies in `folder`: pid -> command line.  Zombies and whoever asks are none."""
+    wanted = f"AXISGATE_RUNTIME={folder}/run".encode()
+    found = {}
+    for process in pathlib.Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(OSError):
+            if wanted in (process / "environ").read_bytes().split(b"\0"):
+                found[int(process.name)] = (process / "cmdline").read_bytes().replace(b"\0", b" ").decode(errors="replace")
+    return found
+
+
+def gone(folder: pathlib.Path, timeout_s: float = 3.0) -> None:
+    """No process of the run is left within that time, and with them no memory: a memfd lives as long as somebody holds it."""
+    until = time.monotonic() + timeout_s
+    while left := left_over(folder):
+        assert time.monotonic() < until, f"left behind: {left}"
+        time.sleep(0.02)
+
+
+def special_files(folder: pathlib.Path) -> list[str]:
+    """Sockets and links in the runtime folder."""
+    return [path.name for path in sorted((folder / "run").rglob("*")) if path.is_socket() or path.is_symlink()]
 
 
 @contextlib.contextmanager

@@ -9,9 +9,9 @@ import pytest
 from drivers.emulator.record import Flag
 from drivers.emulator.servodyn_axis import State
 from hil_tests.lab import buslog
-from hil_tests.lab.cell_running import ALL, P5_NS, TARGET, CellRun, Disturbed, running_cell
+from hil_tests.lab.cell_running import P5_NS, CellRun, Disturbed, running_cell
 from hil_tests.lab.judge import Judge
-from hil_tests.lab.plc2 import ABORTED, PTP
+from hil_tests.lab.plc2 import ABORTED
 
 REPETITIONS = 5
 SUPERVISION_NS = 2 * P5_NS  # of the drives (AX-001)
@@ -40,11 +40,7 @@ def test_drives_stop_by_themselves_and_nothing_moves_until_a_fresh_command(numbe
 
 def death(run: CellRun, number: signal.Signals) -> None:
     """In the middle of a move; then everything the rules say about the time after it."""
-    start = time.monotonic_ns()
-    run.plc.send(PTP, ALL, 0.1, TARGET)
-    time.sleep(0.45)
-    if run.plc.status is not None and run.plc.status.fault:
-        raise Disturbed("a drive gave up before anything was killed")
+    start = run.under_way(0.1)
     dead, at = run.kill("cycle", number)
     run.back("cycle", dead)
     buried(run, number, at)

@@ -48,9 +48,7 @@ def test_motion_ends_as_configured_and_services_come_back_without_moving_anythin
 
 def death(run: CellRun, *, finishes: bool) -> None:
     """In the middle of a move; the cycle lives on, so drives stay on and references stand."""
-    start = time.monotonic_ns()
-    run.plc.send(PTP, ALL, SPEED, TARGET)
-    time.sleep(0.4)
+    start = run.under_way(SPEED)
     connects, cycle = run.plc.reconnects, run.pid("cycle")
     dead, at = run.kill("services")
     back = run.back("services", dead)
