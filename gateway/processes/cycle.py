@@ -26,8 +26,13 @@ from protocols.servodyn.codec import SYNC, ActualValue, Codec, SetValue
 
 PRIORITY = 40  # broker 30, emulator 20, line process 15: all below the cycle
 SPIN_NS = 100_000
-ANSWER_SHARE = 0.6  # of P5: actual values that are not here by then are missing
+THINKING_NS, THINKING_SHARE = 3_000_000, 0.4  # kept free for the core at the end of a cycle: the smaller of both (AX-149)
 REOPEN_NS = 200_000_000
+
+
+def patience_ns(period_ns: int) -> int:
+    """How long after the grid instant an actual value is waited for; what is not here by then is missing (AX-149)."""
+    return period_ns - min(THINKING_NS, int(THINKING_SHARE * period_ns))
 
 
 class BusLink:
@@ -173,7 +178,7 @@ class Cycle:
         sent = time.monotonic_ns()
         if len(up) < len(self.buses):
             core.drives_lost()
-        missing = self._collect(up, actuals, due + int(self.period_ns * ANSWER_SHARE))
+        missing = self._collect(up, actuals, due + patience_ns(self.period_ns))
         got = time.monotonic_ns()
         core.state.incomplete += missing > 0
         self._watch_services()

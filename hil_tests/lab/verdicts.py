@@ -11,7 +11,8 @@ from hil_tests.lab import buslog
 from hil_tests.lab.judge import Judge, Move, SetPath, Verdict, recovery_s, repeats_while_unplugged
 from protocols.servodyn.plan import SYNC_ID
 
-DRIVES, ANSWER_SHARE = 6, 0.6  # the cycle waits for answers for this share of P5
+DRIVES = 6
+THINKING_NS, THINKING_SHARE = 3_000_000, 0.4  # at the end of P5 the cycle waits for no answer any more: the smaller of both (AX-149)
 NOT_OWNER, FORMAT = 1, 5  # reason numbers (AX-140)
 
 
@@ -32,6 +33,7 @@ def machine_late(log: pathlib.Path, p5_ms: int) -> str:
     except OSError:
         return ""
     period, last_sync, late_before = p5_ms * 1_000_000, 0, False
+    patience = period - min(THINKING_NS, THINKING_SHARE * period)
     answered: list[int] = []
     for frame in frames:
         if frame.identifier != SYNC_ID:
@@ -39,7 +41,7 @@ def machine_late(log: pathlib.Path, p5_ms: int) -> str:
             continue
         if last_sync and frame.stamp_ns - last_sync > 2 * period:
             return f"{(frame.stamp_ns - last_sync) / 1e6:.0f} ms without SYNC"
-        late = bool(last_sync) and (len(answered) < DRIVES or max(answered) - last_sync > ANSWER_SHARE * period)
+        late = bool(last_sync) and (len(answered) < DRIVES or max(answered) - last_sync > patience)
         if late and late_before:
             return "answers of the drives late two cycles in a row"
         last_sync, late_before, answered = frame.stamp_ns, late, []

@@ -15,9 +15,10 @@ from dataclasses import dataclass
 
 import pytest
 
+from hil_tests.lab.verdicts import machine_late
 from hil_tests.rig.vcan.candump import Recorded, read
 
-pytestmark = [pytest.mark.vcan, pytest.mark.timeout(240)]  # the demo lasts a minute
+pytestmark = [pytest.mark.vcan, pytest.mark.timeout(400)]  # the demo lasts a minute, and may be spoilt twice
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 KEPT = ROOT / "build" / "uml" / "demo"  # what the last run left, on the host: records, summary, what it said
@@ -40,11 +41,22 @@ class Played:
 
 @pytest.fixture(scope="module")
 def played(tmp_path_factory: pytest.TempPathFactory) -> Played:
-    """Played once, recorded in the guest's memory, kept on the host."""
+    """Played once; once more, at most twice, when candump's log says that the host left the guest without its processor."""
+    for spare in (2, 1, 0):
+        found = play(tmp_path_factory)
+        stolen = "" if found.code == 0 else machine_late(KEPT / "bus-drives.log", P5_MS)
+        if not (stolen and spare):
+            break
+        print(f"the demo is played once more: {stolen}")
+    return found
+
+
+def play(tmp_path_factory: pytest.TempPathFactory) -> Played:
+    """Recorded in the guest's memory, kept on the host."""
     records = tmp_path_factory.mktemp("demo")
     command = [sys.executable, "-m", "gateway", "demo", "--bus", "socketcan:vcan0", "--p5", str(P5_MS), "--records", str(records), "--json"]
     environment = {**os.environ, "AXISGATE_RUNTIME": str(tmp_path_factory.mktemp("run"))}
-    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=220, check=False)
+    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=120, check=False)
     (records / "said.txt").write_text(done.stderr)
     (records / "summary.json").write_text(done.stdout)
     shutil.rmtree(KEPT, ignore_errors=True)
