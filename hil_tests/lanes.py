@@ -32,7 +32,11 @@ def _cref() -> str | None:
     return f"build/{', build/'.join(unbuilt)} not built (make references)" if unbuilt else None
 
 
-NEEDS: dict[str, Callable[[], str | None]] = {"vcan": _vcan, "mbpoll": _mbpoll, "cref": _cref}  # marker = lane
+def _tshark() -> str | None:
+    return None if shutil.which("tshark") else "tshark not found (Debian: apt-get install tshark)"
+
+
+NEEDS: dict[str, Callable[[], str | None]] = {"vcan": _vcan, "mbpoll": _mbpoll, "cref": _cref, "tshark": _tshark}  # marker = lane
 FOLDERS = {"unit": "pure", "conformance": "pure", "properties": "pure", "rig": "rig", "matrix": "rig"}
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from hil_tests.lab.bench import Bench
-from hil_tests.lab.dialogue import Dialogue, Entry, describe, line_of, parse
+from protocols.base.dialogue import Dialogue, Entry, describe, line_of, parse
 from protocols.base.errors import DecodeError
 from protocols.base.machine import Damage, Ns, ms
 from protocols.p3964r.link import Link

@@ -1,4 +1,4 @@
-"""Dialogues as text: what one station of a byte protocol hears, says and reports, with times.  Also the form of a line journal.
+"""Dialogues as text: what one station of a byte protocol hears, says and reports, with times.  Test vectors and line journals (AX-196).
 
 One entry a line, parted by white space; `#` starts a comment line; empty lines mean nothing:
 
@@ -14,6 +14,7 @@ TIME is in milliseconds with up to six decimals (nanoseconds), from the start of
 stand in the order in which they happened.  All that is said and reported stands there: silence in between is part of the dialogue.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field, fields, is_dataclass
 from enum import Enum
 
@@ -78,6 +79,16 @@ def _take(dialogues: list[Dialogue], words: list[str]) -> None:
 def line_of(entry: Entry) -> str:
     """The entry as it stands in a file."""
     return f"{entry.time / 1e6:14.6f}  {entry.verb:8}{entry.what}".rstrip()
+
+
+def write(dialogues: Iterable[Dialogue]) -> str:
+    """The file; `parse` reads the same back."""
+    parts = []
+    for dialogue in dialogues:
+        settings = " ".join(f"{key}={value}" for key, value in dialogue.station.items())
+        head = [f"dialogue {dialogue.name}".rstrip(), *([f"station {settings}"] if settings else [])]
+        parts.append("\n".join([*head, *(line_of(entry) for entry in dialogue.entries)]) + "\n")
+    return "\n".join(parts)
 
 
 def describe(event: object) -> str:
