@@ -16,7 +16,10 @@ LIMIT_S = 6.0
 def play(act: Callable[[SioRunner], Coroutine[object, object, R]], *channels: Channel) -> R:
     """Runs `act(runner)` in a loop of its own, gives everything back."""
 
+    complaints: list[str] = []  # what a callback of the loop raised
+
     async def whole() -> R:
+        asyncio.get_running_loop().set_exception_handler(lambda _loop, context: complaints.append(f"{context}"))
         runner = await SioRunner.start(channels)
         try:
             return await act(runner)
@@ -25,13 +28,15 @@ def play(act: Callable[[SioRunner], Coroutine[object, object, R]], *channels: Ch
             await asyncio.sleep(0)
 
     try:
-        return asyncio.run(asyncio.wait_for(whole(), LIMIT_S))
+        answer = asyncio.run(asyncio.wait_for(whole(), LIMIT_S))
     except AssertionError:
         raise
     except TimeoutError as late:
         raise AssertionError(f"no end after {LIMIT_S:.0f} s") from late
     except Exception as failure:
         raise AssertionError(f"raised {failure!r}") from failure
+    assert not complaints
+    return answer
 
 
 async def code(instruction: Awaitable[object]) -> int:

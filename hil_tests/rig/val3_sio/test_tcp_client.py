@@ -21,7 +21,7 @@ def client(port: int, timeout_s: float = 0.0) -> Channel:
     return Channel(NAME, Kind.TCP_CLIENT, address="127.0.0.1", port=port, timeout_s=timeout_s)
 
 
-@pytest.mark.requirement("VAL-SIO-05", by=(RUNNER + "get", RUNNER + "_open", RUNNER + "_arm"))
+@pytest.mark.requirement("VAL-SIO-05", by=(RUNNER + "get", RUNNER + "_arm"))
 def test_a_closed_port_gives_minus_1_after_the_time_out() -> None:
     async def act(runner: SioRunner) -> None:
         started = time.monotonic()
@@ -29,6 +29,19 @@ def test_a_closed_port_gives_minus_1_after_the_time_out() -> None:
         assert 0.35 <= time.monotonic() - started < 2
 
     play(act, client(free_port(), 0.4))
+
+
+@pytest.mark.requirement("VAL-SIO-05", by=(RUNNER + "_open", "gateway.pure.val3_sio.line:Line.refused"))
+def test_a_server_that_comes_up_in_time_is_found() -> None:
+    port = free_port()
+
+    async def act(runner: SioRunner) -> None:
+        waiting = asyncio.get_running_loop().create_task(runner.set(runner.variable(NAME), [1.0]))
+        await asyncio.sleep(0.1)
+        with listener(port):
+            assert await asyncio.wait_for(waiting, 4) == 1
+
+    play(act, client(port, 3))
 
 
 @pytest.mark.requirement("VAL-SIO-05", by=(RUNNER + "_read", TCP + "read"))
