@@ -24,6 +24,7 @@ from gateway.pure.reasons import CommandState, Reason, text
 from gateway.pure.records import (
     RC_BYTES,
     AxisFlag,
+    AxisState,
     CellState,
     InputImage,
     Quality,
@@ -43,6 +44,7 @@ from protocols.base.machine import ms
 
 TICK_NS = ms(5)
 INHERITED_NS = ms(3_000)  # inputs a predecessor left stand this long, then they are bad (AX-143)
+CYCLE_GONE_NS = ms(250)  # a cycle silent for this long is told to the doors; restarts at once are quicker only on a fast machine
 LINKS_EVERY = 20  # ticks
 REFUSALS_KEPT_NS = ms(60_000)
 SERIAL = (LineDoor, TelegramDoor)
@@ -162,12 +164,20 @@ class Services:
     def _observe(self, now: int) -> None:
         payload = self.axes.read()
         if payload is None or self.axes.index == self._state_index:
+            if self.values.state.generation and now - self.axes.life[1] > CYCLE_GONE_NS:
+                self._cycle_gone(now)
             return
         self._state_index = self.axes.index
         state = unpack_cell_state(payload)
         self.values.state = state
         self.values.life += 1
         self.office.observe(state, now)
+
+    def _cycle_gone(self, now: int) -> None:
+        """Positions stay as last seen (the life word stands still); nothing is enabled, referenced or ready, no command waits for it."""
+        places = [AxisState(axis.actual, axis.set, flags=AxisFlag.LOST) for axis in self.values.state.axes]
+        self.values.state = CellState(axes=places)
+        self.office.observe(self.values.state, now)
 
     def _age_inputs(self, now: int) -> None:
         """Bytes of a silent door are bad; what a predecessor left is stale and then bad."""

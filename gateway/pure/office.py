@@ -128,7 +128,7 @@ class Office:
 
     # ---- time goes on ----------------------------------------------------------------------------------------------------
     def observe(self, cell: CellState, now: Ns) -> None:
-        """Take over what the cycle published and settle the open jobs."""
+        """Take over what the cycle published and settle the open jobs; generation 0: there is no cycle."""
         before, self.cell = self.cell, cell
         if before is not None and before.generation != cell.generation:
             for job in self._open:
@@ -173,7 +173,7 @@ class Office:
                 return not enabled
             case Code.STOP:
                 return cell.motion in (Motion.IDLE, Motion.STOPPED)
-            case Code.ABANDON:
+            case Code.ABANDON | Code.REQUEST_CONTROL:
                 return cell.motion is Motion.IDLE
             case Code.FAULT_RESET:
                 return not cell.emergency and not self.enabled_mask(AxisFlag.FAULT | AxisFlag.LOST)
@@ -212,8 +212,8 @@ class Office:
 
     def _judge(self, job: Job, code: Code, command: Command, now: Ns) -> None:
         cell = self.cell
-        if cell is None:
-            raise Refusal(Reason.NOT_READY, "the cycle has not started")
+        if cell is None or not cell.generation:
+            raise Refusal(Reason.NOT_READY, "the cycle does not run")
         at_rest = cell.motion in (Motion.IDLE, Motion.STOPPED)
         match code:
             case Code.REQUEST_CONTROL:
@@ -232,6 +232,8 @@ class Office:
             self._events.append(OfficeEvent("control", job.door, job.code, Reason.NONE, ""))
             if cell.motion is Motion.STOPPED:  # a rest another door left must not be resumed by this one's first resume
                 self._drop_rest()
+                job.id = self._orders[-1].job  # done when the rest is gone: the next command must not find the axes busy
+                return
         self._done(job)
 
     def _drop_rest(self) -> None:

@@ -8,7 +8,7 @@ from gateway.pure.command_block import COMMAND_WORDS, STATUS_WORDS, TOGGLE, Code
 from gateway.pure.control import NOBODY, Control
 from gateway.pure.office import OnLoss
 from gateway.pure.reasons import CommandState, Reason, Refusal, text
-from gateway.pure.records import Motion
+from gateway.pure.records import CellState, Motion
 from gateway.pure.supervision import LinkEvent, LinkWatch
 from hil_tests.lab.cellbench import ALL, CellBench
 from protocols.base.machine import ms
@@ -131,9 +131,18 @@ class TestOffice:
         assert cell.core.state.motion is Motion.STOPPED
         assert (move.state, move.reason) == (CommandState.RUNNING, Reason.LINK_LOST)
         cell.settle(cell.give(Code.REQUEST_CONTROL, door=2))
-        cell.run(0.1)
         assert (cell.core.state.motion, move.state) == (Motion.IDLE, CommandState.ABORTED)
         assert cell.give(Code.RESUME, door=2).reason is Reason.NOTHING_TO_RESUME
+
+    def test_a_cycle_that_is_not_there_ends_what_was_open_and_is_told(self) -> None:
+        cell = CellBench().ready()
+        move = cell.give(Code.PTP_ABSOLUTE, targets=FAR)
+        cell.run(0.5)
+        cell.office.observe(CellState(), cell.now)
+        assert (move.state, move.reason) == (CommandState.ABORTED, Reason.CYCLE_RESTARTED)
+        assert cell.office.enabled_mask() == 0
+        refused = cell.give(Code.ENABLE)
+        assert (refused.state, refused.reason) == (CommandState.REFUSED, Reason.NOT_READY)
 
     @pytest.mark.parametrize(
         ("on_loss", "motion"), [(OnLoss.STOP, Motion.STOPPED), (OnLoss.HOLD, Motion.STOPPED), (OnLoss.FINISH, Motion.IDLE)]
