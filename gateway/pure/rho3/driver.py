@@ -73,6 +73,11 @@ class DriverLink(Link):
         self._revocable = RevocableSender(profile, priority, self._box)
         self._sender = self._revocable
 
+    @property
+    def untaken(self) -> bool:
+        """Something to say that no port has taken."""
+        return bool(self._box.output)
+
     def revoke(self) -> None:
         """The job under way, if there is one."""
         if self.pending:
@@ -85,6 +90,8 @@ class Driver:
     def __init__(self, assignment: Assignment, setup: Setup, desk: Desk) -> None:
         self._assignment, self._setup, self._desk = assignment, setup, desk
         self.link = DriverLink(PROFILES["rho3"], priority_from_output_timeout(assignment.output_timeout_ms))
+        profile = self.link.profile
+        self._patience: Ns = profile.connect_attempts * profile.ack_delay  # with a port that takes nothing
         self.active = False
         self._writes: list[Job] = []
         self._reads: list[Job] = []
@@ -167,16 +174,22 @@ class Driver:
 
     def wake(self, now: Ns) -> None:
         self._heard(self.link.wake(now), now)
+        if self._current is not None and self._current.due is not None and self._current.due <= now:
+            self._nobody_takes_it(self._current, now)
         for job in [job for job in self._reads if job.due is not None and job.due <= now]:
             if job in self._reads:
                 self._end_read(job, Condition.TIME_OUT, now)
 
     def deadline(self) -> Ns | None:
         waits = self._not_before if self._writes and self._current is None and self.active else None
-        return earliest(self.link.deadline(), waits, *(job.due for job in self._reads))
+        untaken = self._current.due if self._current is not None else None
+        return earliest(self.link.deadline(), waits, untaken, *(job.due for job in self._reads))
 
     def take_output(self) -> bytes:
-        return self.link.take_output()
+        output = self.link.take_output()
+        if output and self._current is not None:
+            self._current.due = None  # the port is there; from here on the link's own times run
+        return output
 
     # ---- inside
     def _heard(self, events: list[Event], now: Ns) -> None:
@@ -212,7 +225,17 @@ class Driver:
         if self.active and self._current is None and self._writes and self._not_before is None:
             self._current = first(self._writes)
             self._writes.remove(self._current)
+            self._current.due = now + self._patience
             self.link.send(self._current.data, now)
+
+    def _nobody_takes_it(self, job: Job, now: Ns) -> None:
+        """The port is away: the same end as with a partner who is silent (AX-169).  Or the partner has the line: then we wait."""
+        if not self.link.untaken:
+            job.due = now + self._patience
+            return
+        self._current = None
+        self._heard(self.link.lost(now), now)
+        self._desk.finish(job, Condition.TIME_OUT, now)
 
     def _serve(self, now: Ns) -> None:
         """Each READ takes one variable, the first by priority; a block may serve several (7.4)."""

@@ -61,10 +61,6 @@ class Line:
             self.drivers[function].suspend(now)
         self._turn(now)
 
-    def claims(self, function: Function) -> bool:
-        """It has the line or waits for it."""
-        return any(job.function is function for job in (*self.waiting, *([self.owner] if self.owner else [])))
-
     def write_begin(self, process: Process, function: Function, now: Ns) -> None:
         """Outputs of this process are deleted, the running one as far as it was not given out (10.3)."""
         if self._writing(process, function) and self.owner is not None:

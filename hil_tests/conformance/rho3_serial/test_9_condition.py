@@ -4,6 +4,7 @@ import pytest
 
 from gateway.pure.rho3.baps import CHARACTER, INTEGER, REAL, TEXT, point
 from gateway.pure.rho3.events import Finished, ProgramAborted
+from gateway.pure.rho3.manager import LineManager
 from gateway.pure.rho3.programs import DirectiveError, FileConditions, ser_io_stop
 from gateway.pure.rho3.setup import Condition, Function, Process, Setup
 from hil_tests.lab.rho3_desk import DLE, NAK, ONE, STX, TWO, Desk, done, failed, guarded, v24_1, wire
@@ -79,6 +80,25 @@ def test_a_port_that_goes_away_is_minus_7() -> None:
         desk.loses_the_port().finds(failed(1, Condition.INTERFACE)).says(b"")
     desk = Desk(LINE).read(ONE, "V24_1", INTEGER).loses_the_port().finds(failed(1, Condition.INTERFACE))
     desk = Desk(LINK).read(ONE, "V24_1", CHARACTER).loses_the_port().finds().gets(b"A").finds(done(1, 65))
+
+
+def test_a_write_by_3964r_to_a_port_that_stays_away_is_a_time_out_too() -> None:
+    control = LineManager(LINK)
+    line = control.lines["SER_1"]
+    for ticket in (1, 2):
+        control.write(ONE, "V24_1", [(CHARACTER, ticket)], ms(0))
+    assert line.deadline() == 6 * ACK
+    assert line.wake(6 * ACK) == [failed(1, Condition.TIME_OUT)]
+    assert line.take_output() == STX  # the port is back: the second is alive
+    line.sent(6 * ACK)
+    assert line.deadline() == 7 * ACK
+
+
+def test_a_write_waits_for_a_block_of_the_partner_however_slowly_it_comes() -> None:
+    desk = Desk(LINK).at(0).hears(STX).says(DLE).write(ONE, "V24_1", (CHARACTER, 1))
+    for tick in range(1, 60):
+        desk.at(ms(200 * tick)).hears(b"A")
+    desk.hears(wire(b"A" * 59)[59:]).says(DLE + STX).hears(DLE).says(wire(b"\x01")).hears(DLE).finds(done(1))
 
 
 def test_the_codes_of_text() -> None:
