@@ -167,7 +167,9 @@ class Variables:
             return {"error": f"{text}: a data word or bit a PLC writes is expected, e.g. DB10.DW2 or DB10.D0.8"}
         door, data = self._block(place.db)
         word = int.from_bytes(data[2 * place.word : 2 * place.word + 2], "big")
-        number = int(value, 0)
+        number = _whole(value)
+        if number is None:
+            return {"error": f"{text} = {value!r}: a whole number is expected, e.g. 1200, -5 or 0x04B0"}
         raw = _put(place, word, number)
         if raw is None:
             return {"error": f"{text} = {value}: a DW takes -32768..65535, a DD -2147483648..4294967295, DL and DR 0..255, a bit 0 or 1"}
@@ -183,6 +185,13 @@ def _typed(text: str) -> bool | int | float | str:
         with contextlib.suppress(ValueError):
             return kind(text)
     return text
+
+
+def _whole(text: str) -> int | None:
+    """Decimal, or hexadecimal with 0x; None: no whole number."""
+    with contextlib.suppress(ValueError):
+        return int(text, 0)
+    return None
 
 
 def _put(place: DataWord | DataBit, word: int, number: int) -> bytes | None:

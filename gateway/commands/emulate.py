@@ -1,13 +1,13 @@
 """Emulate the drives of a cell on a CAN bus, for a gateway (or a real controller) somewhere else on that bus."""
 
 import argparse
-import os
 import pathlib
 import sys
 import tempfile
 
 from gateway.commands.common import BANNER, ENVIRONMENT, load
 from gateway.plant import write_settings
+from gateway.processes import emulator
 
 EXAMPLES = """examples:
   axisgate emulate demo --bus socketcan:vcan0   six drives of the demo cell on vcan0
@@ -36,9 +36,8 @@ def main(argv: list[str]) -> int:
             file=sys.stderr,
         )
         return ENVIRONMENT
-    folder = pathlib.Path(tempfile.mkdtemp(prefix="axisgate-emulate-"))
-    settings = write_settings(cell, buses[0].name, folder, buses[0].cycle_ms)
     print(BANNER, flush=True)
     kept = ["--record", str(arguments.record)] if arguments.record else []
-    command = [sys.executable, "-m", "gateway.processes.emulator", "--settings", str(settings), "--bus", arguments.bus, *kept]
-    os.execv(sys.executable, command)
+    with tempfile.TemporaryDirectory(prefix="axisgate-emulate-") as folder:
+        settings = write_settings(cell, buses[0].name, pathlib.Path(folder), buses[0].cycle_ms)
+        return emulator.main(["--settings", str(settings), "--bus", arguments.bus, *kept])

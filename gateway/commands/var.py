@@ -27,10 +27,11 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--name", help="which run, when several are up")
     parser.add_argument("--json", action="store_true")
     arguments = parser.parse_args(argv)
-    runs = [run for run in runs_up() if arguments.name in (None, run)]
+    up = runs_up()
+    runs = [run for run in up if arguments.name in (None, run)]
     if len(runs) != 1:
-        known = ", ".join(runs) or "none"
-        print(f"axisgate var: which run? up are: {known}; start one with: axisgate run demo --sim", file=sys.stderr)
+        what = "choose one with --name" if len(up) > 1 else "start one with: axisgate run demo --sim"
+        print(f"axisgate var: which run? up are: {', '.join(up) or 'none'}; {what}", file=sys.stderr)
         return ENVIRONMENT
     request = {"op": "names"} if not arguments.address else {"op": "get", "address": arguments.address}
     if arguments.value is not None and arguments.address:
