@@ -38,6 +38,7 @@ class SioRunner:
         self._servers: dict[str, socket.socket] = {}
         self._openers: dict[int, asyncio.Task[None]] = {}
         self._waiting: dict[object, asyncio.Future[None]] = {}
+        self._changing = asyncio.Lock()  # one sioCtrl after the other: a frame is set while others go on
         self._timer: asyncio.TimerHandle | None = None
         self._watched: dict[int, tuple[int, bool, bool]] = {}  # connection -> descriptor, reads, writes
         self._deaf: set[int] = set()  # connections whose partner has ended
@@ -118,13 +119,14 @@ class SioRunner:
 
     async def control(self, sio: Sio, name: str, value: Value) -> Code:
         """sioCtrl; what the hardware then refuses is unsupported and leaves everything as it was."""
-        mine = [number for number, wire in self._wires.items() if wire.channel.name == sio.link]
-        before = None if sio.link is None or not mine else self._wires[mine[0]].channel
-        code = self.core.control(sio, name, value, unsent=any(self._wires[number].unsent() > 0 for number in mine))
-        if code is Code.CHANGED and before is not None and before.kind is Kind.SERIAL:
-            code = await self._reopen(mine[0], before, self.core.channel(before.name))
-        self._settle([])
-        return code
+        async with self._changing:
+            mine = [number for number, wire in self._wires.items() if wire.channel.name == sio.link]
+            before = None if sio.link is None or not mine else self._wires[mine[0]].channel
+            code = self.core.control(sio, name, value, unsent=any(self._wires[number].unsent() > 0 for number in mine))
+            if code is Code.CHANGED and before is not None and before.kind is Kind.SERIAL:
+                code = await self._reopen(mine[0], before, self.core.channel(before.name))
+            self._settle([])
+            return code
 
     def close(self) -> None:
         """Everything back; twice does no harm."""
@@ -190,6 +192,7 @@ class SioRunner:
     async def _open(self, number: int, channel: Channel) -> None:
         try:
             wire = await asyncio.wait_for(self._make(channel), ATTEMPT_S)
+            self._expect_same_frame(wire)
         except (OSError, ValueError):  # ValueError: what only the hardware could know
             self._openers.pop(number, None)
             self._settle(self.core.refused(number, time.monotonic_ns()))
@@ -198,6 +201,13 @@ class SioRunner:
         self._wires[number] = wire
         self._settle(self.core.opened(number, time.monotonic_ns()))
         self._pump(number)
+
+    def _expect_same_frame(self, wire: Wire) -> None:
+        """Raises ValueError when sioCtrl has changed the frame while the line was being opened."""
+        now = self.core.channel(wire.channel.name)
+        if now.kind is Kind.SERIAL and (now.frame, now.flow_control) != (wire.channel.frame, wire.channel.flow_control):
+            wire.close()
+            raise ValueError(f"{now.name}: {now.frame} is wanted by now")
 
     async def _make(self, channel: Channel) -> Wire:
         if channel.kind is Kind.SERIAL:

@@ -121,6 +121,33 @@ def test_the_example_of_the_manual_and_a_frame_the_port_has_not(pair: Pair) -> N
     play(act, pair.channel())
 
 
+def test_two_tasks_that_change_the_frame_at_once_both_have_their_way(pair: Pair) -> None:
+    async def act(runner: SioRunner) -> None:
+        sio = runner.variable(NAME)
+        changes = [runner.control(sio, "baudRate", 19200), runner.control(sio, "parity", "even"), runner.control(sio, "timeout", 0.2)]
+        assert await asyncio.gather(*changes) == [0, 0, 0]
+        assert (runner.core.channel(NAME).frame, runner.core.channel(NAME).timeout_s) == ("19200 8E1", 0.2)
+        pair.say(b"go\r")
+        assert await runner.read_text(sio) == "go"
+
+    play(act, pair.channel())
+
+
+def test_a_frame_changed_while_the_adapter_is_out_holds_when_it_is_back(pair: Pair) -> None:
+    async def act(runner: SioRunner) -> None:
+        sio = runner.variable(NAME)
+        pair.remove()
+        assert await runner.get(sio, [0.0]) == -1
+        assert await runner.control(sio, "flowControl", "hardware") == 0
+        pair.insert()
+        while await runner.set(sio, [120.0]) != 1:
+            await asyncio.sleep(0.05)
+        (descriptor,) = runner.descriptors(sio)
+        assert termios.tcgetattr(descriptor)[2] & termios.CRTSCTS
+
+    play(act, pair.channel(1))
+
+
 @pytest.mark.requirement("VAL-SIO-16", by=(RUNNER + "clear_buffer", "gateway.pure.val3_sio.line:Line.clear"))
 def test_clear_buffer_counts_what_waits_in_the_kernel_too(pair: Pair) -> None:
     async def act(runner: SioRunner) -> None:
