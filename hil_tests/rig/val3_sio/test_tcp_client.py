@@ -66,7 +66,9 @@ def test_the_first_use_opens_and_two_variables_share_it() -> None:
 
         async def act(runner: SioRunner) -> None:
             loop = asyncio.get_running_loop()
-            one, other = runner.variable(NAME), runner.variable(NAME)
+            one, other = runner.variable(NAME), runner.variable()
+            runner.link(other, one)
+            assert runner.status(other) == (0, "", NAME)
             await asyncio.sleep(0.05)
             with pytest.raises(BlockingIOError):
                 server.accept()
