@@ -111,6 +111,8 @@ class Rk512:
     reaction: bool = True
     types: tuple[str, ...] = ("D",)
     unknown_block: int = 0x14  # error number for a block that is not listed
+    coordination_flag: str = "refuse"  # a job that names one: refuse | ignore | serve
+    end_of_follow_on: str = "ETX"  # ETX | ETB, as a switch of BUEP64 has it
 
 
 @dataclass(frozen=True, slots=True)
@@ -536,8 +538,7 @@ class Cell:
     def _choices(self) -> Iterator[tuple[str, str | int, tuple[str | int, ...]]]:
         """(key, chosen value, values this version plays) wherever the file's shape allows more than runs."""
         for line in self.line:
-            yield f"line.{line.name}.layer", line.layer, ("rk512", "telegrams")
-            yield f"line.{line.name}.role", line.role, ("passive",)
+            yield f"line.{line.name}.layer", line.layer, ("rk512", "buep64", "telegrams")
             yield (
                 f"line.{line.name}.port",
                 line.port.split(":")[0],

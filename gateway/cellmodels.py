@@ -110,6 +110,8 @@ class Rk512(Table):
     reaction: bool = True
     types: list[Literal["D", "E", "A", "M", "T", "Z", "X"]] = ["D"]
     unknown_block: int = Field(default=0x14, ge=1, le=255)
+    coordination_flag: Literal["refuse", "ignore", "serve"] = "refuse"
+    end_of_follow_on: Literal["ETX", "ETB"] = "ETX"
 
 
 class Supervision(Table):
@@ -129,7 +131,7 @@ class Line(Table):
         default="9600 8E1", pattern=rf"^({BAUDS}) [78][NEO][12]$", json_schema_extra={"allowed": '"9600 8E1": baud, bits, parity, stop'}
     )
     wiring: str = ""
-    protocol: Literal["3964R"] = "3964R"
+    protocol: Literal["3964R", "3964"] = "3964R"
     profile: str = "rho3"
     priority: Literal["low", "high"] = "low"
     layer: Literal["rk512", "telegrams", "buep64", "program"] = "rk512"

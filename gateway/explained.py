@@ -16,7 +16,7 @@ from gateway.pure.addresses import AddressFault, CellName, DataBit, DataWord, Rc
 from gateway.pure.signals import from_tables
 from gateway.pure.tomllines import lines_of
 from gateway.rho3params import LEGAL
-from protocols.p3964r.profiles import PROFILES
+from protocols.p3964r.profiles import PROFILES, profile_named
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,7 +119,7 @@ def word(text: str, cell: Cell | None) -> list[Line]:
     if name in times:
         lines += [Line(f"profile {each.name}", f"{getattr(each, times[name]) / 1e6:g}", "ms", each.source) for each in PROFILES.values()]
         for line in cell.line if cell else ():
-            profile = PROFILES[line.profile]
+            profile = profile_named(line.profile, line.protocol != "3964")
             lines.append(Line(f"line.{line.name}", f"{getattr(profile, times[name]) / 1e6:g}", "ms", f'profile = "{line.profile}"'))
     return lines
 

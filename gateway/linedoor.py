@@ -16,17 +16,19 @@ from gateway.image import RegionWriter
 from gateway.lineloop import LineRunner
 from gateway.pure.addresses import DataBit, DataWord, Part, parse
 from gateway.pure.command_block import COMMAND_WORDS, STATUS_WORDS, Code, Command
+from gateway.pure.computerlink import ComputerLink
 from gateway.pure.datadoor import RC_NAMES, DataBlock, DataDoor, HandshakeBits, Slot
+from gateway.pure.dialects import BUEP64, buep64_fault, link_profile, rk512_dialect
 from gateway.pure.office import Office, OnLoss
 from gateway.pure.records import RC_BYTES, Motion, Quality, set_bit
 from gateway.pure.supervision import LinkWatch
 from protocols.base.machine import Ns
 from protocols.base.step5 import Step5Type
-from protocols.p3964r.events import BlockReceived, BlockSent
-from protocols.p3964r.link import Link
-from protocols.p3964r.profiles import PROFILES, Priority
+from protocols.p3964r.profiles import Priority
+from protocols.rk512.active import Active, Denied, Done, Failed, Unasked
 from protocols.rk512.header import ErrorNumber
-from protocols.rk512.passive import Fetched, Passive, PassiveSettings, Written
+from protocols.rk512.passive import Continued, Fetched, Refused, UnexpectedReaction, Written
+from protocols.rk512.station import Repeated
 
 if TYPE_CHECKING:
     from gateway.processes.services import Services
@@ -53,12 +55,11 @@ class LineDoor(BaseDoor):
         self._services = services
         blocks = [compile_block(db) for db in services.cell.db if db.line == line.name]
         self.data = self._data_door(blocks) if blocks else None
-        self._partner = dict.fromkeys(("sends", "fetches", "refused", "bad_blocks"), 0)
+        self._partner = dict.fromkeys(("sends", "fetches", "refused", "bad_blocks", "own_jobs", "own_faults"), 0)
         self._life: int | None = None
         self._life_place = _word_of(line.supervision.life_word)
-        self.link = Link(PROFILES[line.profile], Priority.HIGH if line.priority == "high" else Priority.LOW)
-        served = PassiveSettings(line.rk512.db_address_unit, line.rk512.reaction, line.rk512.unknown_block)
-        self.passive = Passive(self, served)
+        priority = Priority.HIGH if line.priority == "high" else Priority.LOW
+        self.machine = ComputerLink(link_profile(line), priority, self, rk512_dialect(line), line.baud)
         self._runner: LineRunner[object] | None = None
         self._journal_next: Ns = 0
         tell(
@@ -92,7 +93,7 @@ class LineDoor(BaseDoor):
     # ---- life --------------------------------------------------------------------------------------------------------
     def open(self, url: str) -> None:
         """Start the line; inside the running loop."""
-        self._runner = LineRunner(lambda: open_bytes(url, self.line.format), self.link, self._on_event)
+        self._runner = LineRunner[object](lambda: open_bytes(url, self.line.format), self.machine, self._on_event)
 
     def close(self) -> None:
         if self._runner is not None:
@@ -114,29 +115,42 @@ class LineDoor(BaseDoor):
         state = self._services.values.state
         self.data.settle(at_rest=state.motion in (Motion.IDLE, Motion.STOPPED))
 
+    @property
+    def active(self) -> Active:
+        """Our own SEND and FETCH jobs (role "both"); call `started` after giving one."""
+        return self.machine.active
+
+    def started(self) -> None:
+        """A job was given to `active`."""
+        self.machine.start(time.monotonic_ns())
+        if self._runner is not None:
+            self._runner.kick()
+
     def _on_event(self, event: object, now: Ns) -> None:
-        if isinstance(event, BlockSent):
-            return
-        if not isinstance(event, BlockReceived):
+        """The store was read or written inside the machine; here it is counted and handed on."""
+        if isinstance(event, Written | Fetched | Continued | Refused | UnexpectedReaction | Repeated):
+            life, self._life = self._life, None
+            self._count(event, now)
+            self.heard(now, life)
+            self._services.flush()
+        elif isinstance(event, Done):
+            self._partner["own_jobs"] += 1
+        elif isinstance(event, Denied | Failed | Unasked):
+            self._fault("own_faults", self._in_words(event), now)
+        else:
             self._fault("bad_blocks", str(event), now)
-            return
-        self._life = None
-        for result in self.passive.telegram(event.data, now):
-            self._count(result, now)
-        self.heard(now, self._life)
-        reaction = self.passive.take_output()
-        if reaction is not None:
-            self.link.send(reaction, now)
-            if self._runner is not None:
-                self._runner.kick()
-        self._services.flush()
+
+    def _in_words(self, event: Denied | Failed | Unasked) -> str:
+        if isinstance(event, Unasked) or self.machine.active.name != BUEP64:
+            return str(event)
+        return f"job {event.job}: {buep64_fault(event)}"
 
     def _count(self, result: object, now: Ns) -> None:
         if isinstance(result, Written):
             self._partner["sends"] += 1
         elif isinstance(result, Fetched):
             self._partner["fetches"] += 1
-        else:
+        elif not isinstance(result, Continued):
             self._fault("refused", str(result), now)
 
     def _fault(self, counter: str, words: str, now: Ns) -> None:

@@ -12,6 +12,7 @@ from gateway.assembly import Door
 from gateway.cell import Line
 from gateway.doors import BaseDoor, Tell
 from gateway.image import RegionWriter
+from gateway.linejournal import journaled
 from gateway.lineloop import LineRunner
 from gateway.pure.office import Office, OnLoss
 from gateway.pure.supervision import LinkWatch
@@ -20,7 +21,7 @@ from protocols.base.errors import EncodeError
 from protocols.base.machine import Ns
 from protocols.p3964r.events import BlockReceived, BlockSent, SendFailed
 from protocols.p3964r.link import Link
-from protocols.p3964r.profiles import PROFILES, Priority
+from protocols.p3964r.profiles import Priority, profile_named
 from protocols.telegrams.builder import Edge, EdgeWatch, When, build, parse_when
 from protocols.telegrams.fields import Value
 from protocols.telegrams.layout import Outgoing, Received, Refused
@@ -50,7 +51,7 @@ class TelegramDoor(BaseDoor):
         mine = [telegram for telegram in services.cell.telegram if telegram.line == line.name]
         self.reader = Reader([incoming(telegram, line) for telegram in mine if is_incoming(telegram)])
         self._rules = [(self._watch(telegram.when), outgoing(telegram, line)) for telegram in mine if not is_incoming(telegram)]
-        self.link = Link(PROFILES[line.profile], Priority.HIGH if line.priority == "high" else Priority.LOW)
+        self.link = Link(profile_named(line.profile, line.protocol != "3964"), Priority.HIGH if line.priority == "high" else Priority.LOW)
         self._jobs: dict[int, str] = {}
         self._partner: Counter[str] = Counter(
             dict.fromkeys(("received", "refused", "unknown", "bad_blocks", "sent", "failed", "unbuilt"), 0)
@@ -67,7 +68,8 @@ class TelegramDoor(BaseDoor):
     # ---- life --------------------------------------------------------------------------------------------------------
     def open(self, url: str) -> None:
         """Start the line; inside the running loop."""
-        self._runner = LineRunner(lambda: open_bytes(url, self.line.format), self.link, self._on_event)
+        machine = journaled(self.link, self._services.plan, self.line)
+        self._runner = LineRunner(lambda: open_bytes(url, self.line.format), machine, self._on_event)
 
     def close(self) -> None:
         if self._runner is not None:

@@ -59,7 +59,7 @@ def block_heads(check: Context) -> None:
                 'which line is it served on? write line = ".." (several lines could)' if lines else "no [[line]] serves it",
             )
         elif (
-            not check.unknown(f"db.{block.number}.line", block.line, "line") and block.line in lines and lines[block.line].layer != "rk512"
+            not check.unknown(f"db.{block.number}.line", block.line, "line") and block.line in lines and lines[block.line].layer not in ("rk512", "buep64")
         ):
             check.fault(f"db.{block.number}.line", block.line, f'layer "{lines[block.line].layer}" serves no data blocks; rk512 does')
 

@@ -3,7 +3,7 @@
 from gateway.cell import Line
 from gateway.checks.context import Context, near, twice
 from gateway.pure.addresses import AddressFault, DataWord, Direction, RcBit, parse
-from protocols.p3964r.profiles import PROFILES
+from protocols.p3964r.profiles import NETWORK, PROFILES
 
 FREE_PORTS = ("sim",)
 MOVABLE = (
@@ -51,8 +51,11 @@ def _unique(check: Context, pairs: list[tuple[str, str]], what: str) -> None:
 def lines(check: Context) -> None:
     """Profile known, layer fits, life word is an entry the PLC counts up."""
     for line in check.cell.line:
-        if line.profile not in PROFILES:
-            check.fault(f"line.{line.name}.profile", line.profile, near(line.profile, PROFILES), " | ".join(sorted(PROFILES)))
+        if line.profile.removesuffix(NETWORK) not in PROFILES:
+            hint = near(line.profile, PROFILES) or f"behind a serial server: with {NETWORK} at the end"
+            check.fault(f"line.{line.name}.profile", line.profile, hint, " | ".join(sorted(PROFILES)))
+        if line.layer == "buep64" and set(line.rk512.types) != {"D"}:
+            check.fault(f"line.{line.name}.rk512.types", " ".join(line.rk512.types), "BUEP64 carries data modules only", "D")
         if line.output_timeout is not None and (line.output_timeout == -1) is not (line.priority == "low"):
             hint = f"output_timeout = {line.output_timeout} says the opposite (-1 = low): keep one of both"
             check.fault(f"line.{line.name}.priority", line.priority, hint)

@@ -156,7 +156,7 @@ def not_playable(cell: Cell) -> Iterator[Notice]:
 
 def _command_lines(cell: Cell) -> list[Line]:
     served = {block.line for block in cell.db}
-    return [line for line in cell.line if line.layer == "rk512" and line.name in served]
+    return [line for line in cell.line if line.layer in ("rk512", "buep64") and line.name in served]
 
 
 def _tens(value: float) -> float:

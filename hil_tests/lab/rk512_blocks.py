@@ -1,6 +1,6 @@
-"""Data blocks in memory, for tests of the passive RK512 station."""
+"""Data blocks and areas in memory, for tests of the passive RK512 station."""
 
-from protocols.rk512.passive import ErrorNumber
+from protocols.rk512.header import ErrorNumber, Kind
 
 
 class Blocks:
@@ -24,3 +24,23 @@ class Blocks:
             return ErrorNumber.NOT_ALLOWED
         block[2 * word : 2 * word + len(data)] = data
         return None
+
+
+class Areas:
+    """Every other area, without an end: a byte tells where it stands; what is written is kept as a list."""
+
+    def __init__(self) -> None:
+        self.written: list[tuple[Kind, int, int, bytes]] = []
+        self.refuse: ErrorNumber | None = None
+
+    @staticmethod
+    def content(kind: int, block: int, address: int, size: int) -> bytes:
+        return bytes((kind + 3 * block + 5 * address + at) % 256 for at in range(size))
+
+    def read_area(self, kind: Kind, block: int, address: int, amount: int) -> bytes | ErrorNumber:
+        return self.refuse or self.content(kind, block, address, amount * kind.unit)
+
+    def write_area(self, kind: Kind, block: int, address: int, data: bytes) -> ErrorNumber | None:
+        if self.refuse is None:
+            self.written.append((kind, block, address, data))
+        return self.refuse

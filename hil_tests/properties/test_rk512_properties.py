@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from hil_tests.lab.rk512_active import ActiveStation
 from hil_tests.lab.rk512_blocks import Blocks
 from protocols.base.machine import ms
-from protocols.rk512.passive import Fetched, Passive, PassiveSettings, Refused, UnexpectedReaction, Written
+from protocols.rk512.passive import Dialect, Fetched, Passive, Refused, UnexpectedReaction, Written
 
 HEADERS = st.tuples(
     st.sampled_from([0, 0, 0, 0xFF, 1]), st.sampled_from([0, 0, 1]), st.sampled_from(b"AAEEO\x00Z"), st.sampled_from(b"DDDDXMQ"),
@@ -15,17 +15,17 @@ HEADERS = st.tuples(
 ).map(bytes)  # fmt: skip
 TELEGRAMS = st.one_of(st.binary(max_size=138), st.tuples(HEADERS, st.binary(max_size=128)).map(b"".join))
 SETTINGS = st.builds(
-    PassiveSettings,
-    st.sampled_from(["word", "byte"]),
-    st.booleans(),
-    st.integers(1, 255),
-    st.sampled_from(["refuse", "ignore"]),
-    st.booleans(),
+    Dialect,
+    db_address_unit=st.sampled_from(["word", "byte"]),
+    reaction=st.booleans(),
+    unknown_block=st.integers(1, 255),
+    coordination_flag=st.sampled_from(["refuse", "ignore", "serve"]),
+    follow_on_reaction=st.booleans(),
 )
 
 
 @given(SETTINGS, st.lists(TELEGRAMS, max_size=10))
-def test_any_block_is_answered_or_known_as_a_reaction(settings: PassiveSettings, telegrams: list[bytes]) -> None:
+def test_any_block_is_answered_or_known_as_a_reaction(settings: Dialect, telegrams: list[bytes]) -> None:
     store = Blocks({5: 100, 10: 64}, locked=(5,))
     passive = Passive(store, settings)
     for telegram in telegrams:

@@ -31,11 +31,14 @@ class Link:
         self._greet()
 
     # ---- for its owner
-    def send(self, block: bytes, now: Ns) -> int:
-        """Queue a block of 1..max_data bytes; returns the job number that BlockSent or SendFailed will name."""
+    def send(self, block: bytes, now: Ns, follow_on: bool = False) -> int:
+        """Queue a block of 1..max_data bytes; returns the job number that BlockSent or SendFailed will name.
+
+        follow_on: it continues the one before; some stations end such blocks with DLE ETB.
+        """
         if not 1 <= len(block) <= self.profile.max_data:
             raise EncodeError(f"block of {len(block)} bytes, limit {self.profile.max_data} (least 1): {block[:16].hex(' ')}")
-        job = self._sender.add(block)
+        job = self._sender.add(block, self.profile.follow_on_end if follow_on else self.profile.end)
         self._told_at = now
         self._start(now)
         return job

@@ -87,6 +87,7 @@ class Profile:
     max_data: int = 138  # characters of a block, a doubled DLE counted once [rho3]
     block_check: bool = True  # False: procedure 3964 without the check character
     end: Char = Char.ETX  # what we send; ETX and ETB are both understood
+    follow_on_end: Char = Char.ETX  # the same at follow-on telegrams of the layer above [BUEP64]
     priority: Priority = Priority.LOW  # the station's own default; axisgate's is low (users.md 3.3)
     stray: Stray = Stray.SILENT
     broken_pair: BrokenPair = BrokenPair.NAK_AT_END

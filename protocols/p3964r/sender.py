@@ -29,6 +29,7 @@ class Job:
 
     number: int
     block: bytes
+    end: Char
 
 
 class Sender:
@@ -55,11 +56,11 @@ class Sender:
         """Jobs not yet sent or given up."""
         return len(self._jobs)
 
-    def add(self, block: bytes) -> int:
+    def add(self, block: bytes, end: Char = Char.ETX) -> int:
         if len(self._jobs) >= MOST_JOBS:
             self._drop_oldest_waiting()
         self._number += 1
-        self._jobs.append(Job(self._number, block))
+        self._jobs.append(Job(self._number, block, end))
         return self._number
 
     def _drop_oldest_waiting(self) -> None:
@@ -140,7 +141,7 @@ class Sender:
         self._state, self._due, self._conflict = State.CONNECT, None, False  # the wait runs from `sent`
 
     def _transmit(self) -> None:
-        self._box.output += wire_block(self._jobs[0].block, self._profile.block_check, self._profile.end)
+        self._box.output += wire_block(self._jobs[0].block, self._profile.block_check, self._jobs[0].end)
         self._state, self._due, self._early = State.SENDING, None, None
 
     def _connect_failed(self, why: Failure, now: Ns) -> None:

@@ -1,7 +1,7 @@
-"""Telegram forms of RK512: command headers, reactions, error numbers.  All values high byte first.
+"""Telegram forms of RK512: command headers, follow-on telegrams, reactions, error numbers.  All values high byte first.
 
 Sources: SIMATIC CP 341 manual 09/2008 (RK512); error numbers: WinCC OA documentation (RK512 driver), WAGO library documentation
-1.6.1.0; choices between them: AX-053.
+1.6.1.0; choices between them: AX-053; data types beside D: AX-223.
 """
 
 from dataclasses import dataclass
@@ -11,7 +11,8 @@ from protocols.base.errors import DecodeError, EncodeError
 
 HEADER_BYTES = 10
 FOLLOW_ON_BYTES = 4
-MOST_WORDS = 64  # 128 data bytes in one telegram
+MOST_BYTES = 128  # data bytes in one telegram
+MOST_WORDS = MOST_BYTES // 2
 REACTION_BYTES = 4
 
 
@@ -21,14 +22,14 @@ class ErrorNumber(IntEnum):
     NONE = 0x00
     NOT_ALLOWED = 0x0A  # access to the area not possible or not allowed
     TYPE_INVALID = 0x0C
-    HEADER = 0x10  # byte 1 or 2 wrong; follow-on telegrams not supported
+    HEADER = 0x10  # byte 1 or 2 wrong; more than this station serves in follow-on telegrams
     TYPE_NOT_SERVED = 0x12
     BLOCK = 0x14  # data block missing or too short, number not allowed
     COMMAND = 0x16  # byte 3 wrong
     STOPPED = 0x2A  # partner in STOP
     LOCKED = 0x32  # locked by coordination flag
     LENGTH = 0x34
-    SEQUENCE = 0x36  # follow-on without a first telegram
+    SEQUENCE = 0x36  # follow-on without a first telegram, or a first one instead of a follow-on
 
     @classmethod
     def _missing_(cls, value: object) -> "ErrorNumber | None":
@@ -48,8 +49,31 @@ class Command(IntEnum):
     FETCH = 0x45  # 'E'
 
 
-BLOCK_TYPE = 0x44  # 'D'
-OTHER_TYPES = b"XEAMTZPBS"  # known to some station, not served here
+class Kind(IntEnum):
+    """Byte 4, what the address means; S7 writes I Q F C for E A M Z."""
+
+    BLOCK = 0x44  # 'D' data block: number, word
+    EXTENDED = 0x58  # 'X' extended data block: number, word
+    INPUTS = 0x45  # 'E' byte
+    OUTPUTS = 0x41  # 'A' byte
+    FLAGS = 0x4D  # 'M' byte
+    TIMERS = 0x54  # 'T' number
+    COUNTERS = 0x5A  # 'Z' number
+
+    @property
+    def unit(self) -> int:
+        """Bytes for one of the amount: words are 2."""
+        return 1 if self in (Kind.INPUTS, Kind.OUTPUTS, Kind.FLAGS) else 2
+
+    @property
+    def in_blocks(self) -> bool:
+        """Byte 5 is a block number, byte 6 a word; otherwise both are one address."""
+        return self in (Kind.BLOCK, Kind.EXTENDED)
+
+
+BLOCK_TYPE = int(Kind.BLOCK)
+KINDS = bytes(Kind)
+OTHER_TYPES = b"PBS"  # peripherals, memory, system: known to older stations only
 FIRST, FOLLOW_ON = 0x00, 0xFF
 NO_FLAG = 0xFF
 
@@ -65,7 +89,7 @@ class Flag:
 
 @dataclass(frozen=True, slots=True)
 class Header:
-    """A command telegram's first ten bytes; `address` and `amount` as they stand there, `flag` None: FF FF."""
+    """A command telegram's first ten bytes; `db` byte 5, `address` byte 6, `amount` as they stand there, `flag` None: FF FF."""
 
     command: int
     kind: int
@@ -99,6 +123,11 @@ def decode_header(data: bytes) -> Header:
         raise DecodeError(f"{HEADER_BYTES} bytes expected, {len(data)} received: {data.hex(' ')}")
     flag = None if data[8] == NO_FLAG else Flag(data[8], data[9] & 0x0F, data[9] >> 4)
     return Header(data[2], data[3], data[4], data[5], int.from_bytes(data[6:8], "big"), flag)
+
+
+def encode_follow_on(command: int, kind: int, data: bytes = b"") -> bytes:
+    """The next piece of a SEND, or the wish for the next piece of a FETCH."""
+    return bytes((FOLLOW_ON, 0, command, kind)) + data
 
 
 def encode_reaction(number: int, data: bytes = b"", follow_on: bool = False) -> bytes:

@@ -10,7 +10,7 @@ from protocols.base.machine import Ns, ms
 from protocols.p3964r.events import BlockReceived
 from protocols.p3964r.link import Link
 from protocols.p3964r.profiles import RHO3, Priority
-from protocols.rk512.passive import Passive, PassiveSettings
+from protocols.rk512.passive import Dialect, Passive
 
 CHAR = 11_000_000_000 // 9600
 
@@ -18,7 +18,7 @@ CHAR = 11_000_000_000 // 9600
 class Cell:
     """PLC on the left, gateway's side on the right."""
 
-    def __init__(self, settings: PassiveSettings | None = None, seed: int = 0, faults: Faults = NO_FAULTS) -> None:
+    def __init__(self, settings: Dialect | None = None, seed: int = 0, faults: Faults = NO_FAULTS) -> None:
         self.plc, self.link = ActiveStation(), Link(RHO3, Priority.LOW)
         self.blocks = Blocks({10: 64, 11: 64})
         self.passive = Passive(self.blocks, settings)
@@ -62,7 +62,7 @@ def test_a_full_send_takes_its_characters_and_nothing_more() -> None:
 
 
 def test_no_reaction_in_time() -> None:
-    cell = Cell(PassiveSettings(reaction=False))
+    cell = Cell(Dialect(reaction=False))
     cell.plc.send(10, 0, b"\x00\x01", 0)
     assert cell.wait(ms(5000)) == []
     assert cell.wait(ms(50)) == [Failed(1, Trouble.NO_REACTION)]

@@ -5,7 +5,7 @@ import pytest
 from hil_tests.lab.rk512_blocks import Blocks
 from protocols.base.errors import DecodeError, EncodeError
 from protocols.rk512.header import ErrorNumber, Flag, Header, decode_header, encode_reaction
-from protocols.rk512.passive import Event, Fetched, Passive, PassiveSettings, Refused, UnexpectedReaction, Written
+from protocols.rk512.passive import Dialect, Event, Fetched, Passive, Refused, UnexpectedReaction, Written
 
 OK = b"\x00\x00\x00\x00"
 
@@ -13,7 +13,7 @@ OK = b"\x00\x00\x00\x00"
 class Line:
     """The passive station with DB 5 (100 words, counting 00 01 02 ..), DB 10 (64 words, zero) and DB 11 (read only)."""
 
-    def __init__(self, settings: PassiveSettings | None = None) -> None:
+    def __init__(self, settings: Dialect | None = None) -> None:
         self.blocks = Blocks({5: 100, 10: 64, 11: 8}, locked=(11,))
         self.blocks.blocks[5][:] = bytes(range(200))
         self.passive = Passive(self.blocks, settings)
@@ -94,9 +94,9 @@ def test_no_coordination_flag_whatever_stands_in_byte_10() -> None:
         ("00 00 41 44 0A 00 00 01 FF FF 01 02 03", 0x34),
         ("00 00 41 44 0A 00 00 02 FF", 0x34),  # header too short
         ("00 00 45", 0x34),
-        ("00 00 45 44 05 00 00 41 FF FF", 0x10),  # 65 words need a follow-on
-        ("00 00 45 44 05 00 01 01 FF FF", 0x10),  # byte 7 counts
-        ("00 00 41 44 0A 00 00 80 FF FF", 0x10),
+        ("00 00 45 44 05 00 01 01 FF FF", 0x14),  # byte 7 counts: 257 words are more than DB 5 has
+        ("00 00 45 44 05 00 08 01 FF FF", 0x10),  # 4098 bytes
+        ("00 00 41 44 0A 00 00 80 FF FF", 0x34),
         ("00 00 45 44 05 00 00 01 06 04", 0x32),  # coordination flag 6.4
         ("00 00 41 44 0A 00 00 01 06 14 01 02", 0x32),
     ],
@@ -108,7 +108,7 @@ def test_refused(telegram: str, number: int) -> None:
 @pytest.mark.parametrize("telegram", ["FF 00 41 44 DE AD BE EF", "FF 00 45 44", "FF"])
 def test_a_follow_on_telegram_without_a_first_one(telegram: str) -> None:
     Line().hears(telegram).refuses(0x36, first=0xFF)
-    Line(PassiveSettings(follow_on_reaction=False)).hears(telegram).refuses(0x36)
+    Line(Dialect(follow_on_reaction=False)).hears(telegram).refuses(0x36)
 
 
 @pytest.mark.parametrize("telegram", ["00 00 00 00", "00 00 00 14", "FF 00 00 00", "00 00 00 00 12 34", "00 00 00 44 05 00 00 01 FF FF"])
@@ -126,21 +126,21 @@ def test_a_reaction_that_nobody_took_is_replaced() -> None:
 
 # ---- settings
 def test_without_reaction_telegrams() -> None:
-    line = Line(PassiveSettings(reaction=False)).hears("00 00 41 44 0A 00 00 01 FF FF 12 34").says(None)
+    line = Line(Dialect(reaction=False)).hears("00 00 41 44 0A 00 00 01 FF FF 12 34").says(None)
     line.reports(Written(10, 0, b"\x12\x34")).hears("00 00 45").says(None)
 
 
 def test_a_partner_that_counts_bytes() -> None:
-    line = Line(PassiveSettings(db_address_unit="byte")).hears("00 00 45 44 05 14 00 01 FF FF").says(OK + bytes((20, 21)))
+    line = Line(Dialect(db_address_unit="byte")).hears("00 00 45 44 05 14 00 01 FF FF").says(OK + bytes((20, 21)))
     line.reports(Fetched(5, 10, 1)).hears("00 00 45 44 05 15 00 01 FF FF").refuses(0x14)
 
 
 def test_the_number_for_an_unknown_block_is_a_setting() -> None:
-    Line(PassiveSettings(unknown_block=0x0A)).hears("00 00 45 44 63 00 00 01 FF FF").refuses(0x0A)
+    Line(Dialect(unknown_block=0x0A)).hears("00 00 45 44 63 00 00 01 FF FF").refuses(0x0A)
 
 
 def test_coordination_flags_can_be_ignored() -> None:
-    Line(PassiveSettings(coordination_flag="ignore")).hears("00 00 45 44 05 00 00 01 06 04").says(OK + b"\x00\x01")
+    Line(Dialect(coordination_flag="ignore")).hears("00 00 45 44 05 00 00 01 06 04").says(OK + b"\x00\x01")
 
 
 # ---- the codec

@@ -58,7 +58,6 @@ def test_the_demo_cell_plays_and_the_examples_say_what_does_not() -> None:
 @pytest.mark.parametrize(
     ("edit", "reason"),
     [
-        (('role     = "passive"', 'role     = "both"'), "line.plc1.role = both"),
         (('port     = "sim"                     # a simulated', 'port     = "COM5" #'), "line.plc1.port = COM5"),
         (('pattern  = "start-busy-done"', 'pattern  = "toggle"'), "handshake.move.pattern = toggle"),
         (("mode = 0, speed = 100.0", "mode = 2, speed = 100.0"), "axis.A1.home.mode = 2"),
@@ -149,7 +148,7 @@ max_silence_ms = 5
 [[line]]
 name = "plc"
 port = "sim"
-profile = "siemens-cp524"
+profile = "siemens-cp526"
 [line.supervision]
 life_word = "DB10.DW40"
 [[db]]

@@ -1,0 +1,94 @@
+"""Both roles on one link: which block is whose, and which telegram may leave.
+
+Knows no link: `block` takes what it delivered, `take_block` gives what it is to send, `block_sent` and `block_failed` tell in the same
+order what became of it.  Order of jobs: serial-protocols 2.6; repeated commands: AX-225.
+"""
+
+from collections import deque
+from dataclasses import dataclass
+from enum import Enum, auto
+
+from protocols.base.machine import Ns
+from protocols.rk512.active import Active, Trouble
+from protocols.rk512.active import Event as ActiveEvent
+from protocols.rk512.dialects import Dialect
+from protocols.rk512.header import HEADER_BYTES, is_reaction
+from protocols.rk512.passive import Event as PassiveEvent
+from protocols.rk512.passive import Passive
+
+
+@dataclass(frozen=True, slots=True)
+class Repeated:
+    """The same command again while its reaction is still on its way: the link repeated it; the one reaction answers both."""
+
+    head: bytes
+
+
+Event = ActiveEvent | PassiveEvent | Repeated
+
+
+class _Out(Enum):
+    COMMAND = auto()
+    REACTION = auto()
+
+
+class Station:
+    """Hand it blocks; give jobs to `active`."""
+
+    def __init__(self, passive: Passive, active: Active, dialect: Dialect) -> None:
+        self.passive, self.active, self._dialect = passive, active, dialect
+        self._under_way: deque[_Out] = deque()
+        self._last = b""  # the command whose reaction has not left
+
+    def block(self, data: bytes, now: Ns) -> list[Event]:
+        """A block of the link."""
+        if is_reaction(data):
+            return [*self.active.reaction(data, now)]
+        events: list[Event] = []
+        if self.active.awaiting and not self._looks_like_command(data):
+            return [*self.active.reaction(data, now)]  # names the fault
+        if not self._dialect.nesting:
+            events += self.active.interrupted(now)
+        if data and data == self._last:
+            return [*events, Repeated(data[:HEADER_BYTES])]
+        events += self.passive.telegram(data, now)
+        self._last = data
+        return events
+
+    def take_block(self) -> bytes | None:
+        """The next block for the link; a reaction goes before a command of ours."""
+        for out, output in ((_Out.REACTION, self.passive.take_output), (_Out.COMMAND, self.active.take_output)):
+            block = output()
+            if block is not None:
+                self._under_way.append(out)
+                return block
+        if _Out.REACTION not in self._under_way:
+            self._last = b""  # nothing was to be said
+        return None
+
+    def block_sent(self, now: Ns) -> list[Event]:
+        """The oldest block taken is acknowledged."""
+        if self._under_way.popleft() is _Out.COMMAND:
+            return [*self.active.acknowledged(now)]
+        self._last = b""
+        return []
+
+    def block_failed(self, now: Ns) -> list[Event]:
+        """The oldest block taken is given up."""
+        if self._under_way.popleft() is _Out.COMMAND:
+            return [*self.active.unsent(now)]
+        self._last = b""
+        return []
+
+    def lost(self) -> list[Event]:
+        """The port is gone."""
+        self.passive.lost()
+        self._under_way.clear()
+        self._last = b""
+        return [*self.active.lost()]
+
+    def _looks_like_command(self, data: bytes) -> bool:
+        return len(data) > 2 and data[0] in (0x00, 0xFF) and data[2] in b"AEO"
+
+
+__all__ = ["Event", "Repeated", "Station", "Trouble"]
