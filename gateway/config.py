@@ -152,7 +152,7 @@ class _Loader:
     def _known_names(self, raw: Mapping[str, Any]) -> Mapping[str, frozenset[str]]:
         """Names of all parts, also of those with field faults: a reference to them is no second fault."""
         known = {
-            kind: frozenset(str(each.get("name")) for each in _tables(self.raw.get(kind))) for kind in ("line", "bus", "axis", "modbus")
+            kind: frozenset(str(each.get("name")) for each in _tables(self.raw.get(kind))) for kind in ("line", "bus", "axis", "modbus", "telegram")
         }
         blocks = frozenset(str(each.get("number")) for each in _tables(self.raw.get("db")))
         return {**known, "db": blocks, "axis": known["axis"] | {str(each.get("name")) for each in _tables(raw.get("axis"))}}
@@ -189,6 +189,8 @@ def _part(where: tuple[str | int, ...], kind: str) -> Path:
     """What has to be cut out so that the rest can be judged: an unknown key alone, else the list element or table around it."""
     if kind == "extra_forbidden":
         return where
+    if where[0] == "telegram":  # its entries are counted: none may leave the row
+        return where[:2]
     for end in range(len(where) - 1, 0, -1):
         if isinstance(where[end], int) and where[0] != "rho3":
             return where[: end + 1]

@@ -149,6 +149,8 @@ def _readable(check: Context, key: str, name: str, own: set[str]) -> None:
     if name in own or check.signals.named(name) is not None:
         return
     found = lookup(name)
+    if found is None and check.known["telegram"] - {telegram.name for telegram in check.cell.telegram}:
+        return  # a telegram with a fault of its own may write it
     if found is None or not found.name.from_ or name.startswith("move."):
         hint = near(name, {*own, *spelled(sorted(check.known["axis"]), [])}) or f"known are {', '.join(sorted(own)) or 'no own names'}"
         check.fault(key, name, f"no such value to read; {hint}")

@@ -1,4 +1,7 @@
-"""`axisgate line export TRACE -o FILE`: a line record or journal as pcapng for Wireshark, or as a journal (form of the test vectors)."""
+"""`axisgate line export TRACE -o FILE`: a line record or journal as pcapng for Wireshark, or as a journal (form of the test vectors).
+
+`main` takes what follows the word export; gateway.commands.line hands it on.
+"""
 
 import argparse
 import datetime

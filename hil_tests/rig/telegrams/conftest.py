@@ -21,33 +21,13 @@ from gateway.processes.supervisor import wait_up
 from hil_tests.lab.by_hand_partner import ByHandPartner, Gave, Got
 from hil_tests.lab.sync_line import SyncLine
 
-HEAD = """format = 1
-[cell]
-name = "Host line of users.md 3.5"
-replaces = "rho3.1"
 
-[[bus]]
-name = "drives"
-port = "sim"
-protocol = "servodyn"
-cycle_ms = 10
-axes = "1"
-
-[[axis]]
-name = "A1"
-unit = "mm"
-drive = { type = "servodyn", bus = "drives", module = 1, inc_per_turn = 16384 }
-mechanics = { feed_per_turn = 100.0, gear = "5:1", direction = "+" }
-limits = { min = -5.0, max = 1500.0, speed = 800.0, accel = 3000.0, jerk = 30000.0 }
-home = { by = "gateway", mode = 0, speed = 100.0, slow_speed = 20.0, direction = "-" }
-
-"""
+def host_cell() -> str:
+    """The shipped cell; its [[line]] and [[telegram]] tables are the example of users.md 3.5, word for word."""
+    return find_config("host-telegrams", "cells").read_text(encoding="utf-8")
 
 
-def host_tables() -> str:
-    """[[line]] V24_1 with [[telegram]] ORDER and DONE as the shipped cell has them (the example of users.md 3.5, word for word)."""
-    text = find_config("rho3-servodyn", "cells").read_text(encoding="utf-8")
-    return text[text.index("# ---- host computer") : text.index("# ---- PLC on Modbus")]
+Running = Callable[[str], str]
 
 
 class HostRun:
@@ -99,27 +79,44 @@ class HostRun:
 
 
 @contextlib.contextmanager
-def host_run(tables: str, folder: pathlib.Path, name: str = "tg") -> Iterator[HostRun]:
+def cell_run(cell: str, name: str, record: pathlib.Path) -> Iterator[None]:
     """`axisgate run CELL --sim --record FOLDER` as a process."""
-    cell = folder / "cell.toml"
-    cell.write_text(HEAD + tables, encoding="utf-8")
-    record = folder / "record"
-    command = [sys.executable, "-m", "gateway", "run", str(cell), "--sim", "--name", name, "--record", str(record), "--die-with-parent"]
+    command = [sys.executable, "-m", "gateway", "run", cell, "--sim", "--name", name, "--record", str(record), "--die-with-parent"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     try:
         assert wait_up(name, 20.0), process.communicate(timeout=5)[0] if process.poll() is not None else "not up in 20 s"
-        run = HostRun(name, record)
-        yield run
-        run.line.close()
+        yield
     finally:
         process.terminate()
         process.communicate(timeout=15)
 
 
 @pytest.fixture
-def start(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[str], HostRun]]:
-    """start(tables) runs a cell with these line and telegram tables."""
+def running(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Running]:
+    """running(CELL) runs a cell file or shipped cell under its own name, in a runtime folder of this test."""
     with contextlib.ExitStack() as stack:
         short = stack.enter_context(tempfile.TemporaryDirectory(prefix="ag"))  # a socket's path has 107 bytes
         monkeypatch.setitem(os.environ, "AXISGATE_RUNTIME", f"{short}/run")
-        yield lambda tables: stack.enter_context(host_run(tables, tmp_path))
+
+        def start(cell: str) -> str:
+            name = pathlib.Path(cell).stem
+            stack.enter_context(cell_run(cell, name, tmp_path / "record"))
+            return name
+
+        yield start
+
+
+@pytest.fixture
+def start(tmp_path: pathlib.Path, running: Running) -> Iterator[Callable[[str], HostRun]]:
+    """start(text of a cell file) runs it and gives the host's hands."""
+    runs: list[HostRun] = []
+
+    def begin(text: str) -> HostRun:
+        cell = tmp_path / "tg.toml"
+        cell.write_text(text, encoding="utf-8")
+        runs.append(HostRun(running(str(cell)), tmp_path / "record"))
+        return runs[-1]
+
+    yield begin
+    for run in runs:
+        run.line.close()

@@ -3,14 +3,14 @@
 import time
 from collections.abc import Callable
 
-from hil_tests.rig.telegrams.conftest import HostRun, host_tables
+from hil_tests.rig.telegrams.conftest import HostRun, host_cell
 
 ORDER = bytes.fromhex("00 00 4f 52  39 30 00 00  07 00 00 00  00 00 c0 3f  41 31")  # 12345, 7, 1.5 mm, "A1"
 DONE = bytes.fromhex("00 00 44 4e  39 30 00 00  00 00 00 00")  # 12345, no error
 
 
 def test_the_order_of_users_md_becomes_values_and_done_goes_back(start: Callable[[str], HostRun]) -> None:
-    run = start(host_tables())
+    run = start(host_cell())
     assert run.var("order.number")["quality"] == "BAD"
     assert run.gives(ORDER)
     new = run.until("order.new", "value", 1)

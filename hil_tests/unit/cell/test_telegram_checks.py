@@ -170,3 +170,8 @@ def test_a_rk512_line_keeps_its_supervision_and_a_line_without_telegrams_is_warn
     faults = faults_of(HEAD.replace('layer = "telegrams"', 'layer = "rk512"') + "[line.supervision]\nmax_silence_ms = 0\n")
     assert [fault.hint for fault in faults] == ['0 (no supervision) only with layer = "telegrams"']
     assert any("every block is counted and dropped" in notice.text for notice in cell_of(HEAD).warnings)
+
+
+def test_a_faulty_telegram_is_left_out_whole_and_the_names_it_writes_are_no_second_fault() -> None:
+    faults = faults_of(replaced('"INTEGER", to = "order.number"', '"INTEGRE", to = "order.number"'))
+    assert [fault.key for fault in faults] == ["telegram.ORDER.fields[0].type"]
