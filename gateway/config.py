@@ -152,7 +152,8 @@ class _Loader:
     def _known_names(self, raw: Mapping[str, Any]) -> Mapping[str, frozenset[str]]:
         """Names of all parts, also of those with field faults: a reference to them is no second fault."""
         known = {
-            kind: frozenset(str(each.get("name")) for each in _tables(self.raw.get(kind))) for kind in ("line", "bus", "axis", "modbus", "telegram")
+            kind: frozenset(str(each.get("name")) for each in _tables(self.raw.get(kind)))
+            for kind in ("line", "bus", "axis", "modbus", "telegram")
         }
         blocks = frozenset(str(each.get("number")) for each in _tables(self.raw.get("db")))
         return {**known, "db": blocks, "axis": known["axis"] | {str(each.get("name")) for each in _tables(raw.get("axis"))}}

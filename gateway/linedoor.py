@@ -13,6 +13,7 @@ from gateway.assembly import Door
 from gateway.cell import Db, Entry, Handshake, Line
 from gateway.doors import BaseDoor, Tell
 from gateway.image import RegionWriter
+from gateway.linejournal import journaled
 from gateway.lineloop import LineRunner
 from gateway.pure.addresses import DataBit, DataWord, Part, parse
 from gateway.pure.command_block import COMMAND_WORDS, STATUS_WORDS, Code, Command
@@ -93,7 +94,8 @@ class LineDoor(BaseDoor):
     # ---- life --------------------------------------------------------------------------------------------------------
     def open(self, url: str) -> None:
         """Start the line; inside the running loop."""
-        self._runner = LineRunner[object](lambda: open_bytes(url, self.line.format), self.machine, self._on_event)
+        machine = journaled(self.machine, self._services.plan, self.line)
+        self._runner = LineRunner[object](lambda: open_bytes(url, self.line.format), machine, self._on_event)
 
     def close(self) -> None:
         if self._runner is not None:

@@ -73,7 +73,7 @@ class Journaled(Generic[E]):
 
 def journaled(machine: Machine[E], plan: RunPlan, line: Line) -> Machine[E]:
     """The machine itself, or with a journal where the run is recorded and the line is a real one.  A journal is continued."""
-    if plan.record is None or plan.simulated or line.port == "sim":
+    if plan.record is None or plan.lines[line.name] != line.port:
         return machine
     out = (plan.record / f"line-{line.name}.txt").open("a", encoding="ascii", buffering=1)
     return Journaled(machine, out, line.name, {"profile": line.profile, "priority": line.priority})

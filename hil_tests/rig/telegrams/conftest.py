@@ -79,9 +79,9 @@ class HostRun:
 
 
 @contextlib.contextmanager
-def cell_run(cell: str, name: str, record: pathlib.Path) -> Iterator[None]:
+def cell_run(cell: str, name: str, record: pathlib.Path, sim: tuple[str, ...] = ("--sim",)) -> Iterator[None]:
     """`axisgate run CELL --sim --record FOLDER` as a process."""
-    command = [sys.executable, "-m", "gateway", "run", cell, "--sim", "--name", name, "--record", str(record), "--die-with-parent"]
+    command = [sys.executable, "-m", "gateway", "run", cell, *sim, "--name", name, "--record", str(record), "--die-with-parent"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     try:
         assert wait_up(name, 20.0), process.communicate(timeout=5)[0] if process.poll() is not None else "not up in 20 s"
