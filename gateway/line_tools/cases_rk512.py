@@ -1,0 +1,206 @@
+"""RK512 on the link: FETCH, SEND, follow-on telegrams and every error number a passive station must show (serial-protocols 2 and 6).
+
+Writing happens only where --write allows it, and writes back what was read there.  A number another source has for the same fault is a
+WARN, not a FAIL: the tables of the makers differ (AX-053).
+"""
+
+from dataclasses import dataclass
+
+from gateway.line_tools.bench import Bench, Fail, NotRun, Warn, named
+from gateway.line_tools.cases import Case, Cases
+from protocols.base.machine import Ns, ms
+from protocols.p3964r.characters import Char
+from protocols.rk512.header import ErrorNumber
+
+SEND, FETCH, DX_SEND = 0x41, 0x45, 0x4F
+TYPE_DB = 0x44
+NO_FLAG = b"\xff\xff"
+WORDS_OF_A_TELEGRAM = 64
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """What may be touched: a data block that exists, from which word on, how many words; missing: one that does not exist."""
+
+    db: int = 10
+    word: int = 0
+    words: int = 128
+    missing: int = 99
+    write: bool = False
+    reaction: Ns = ms(5000)
+
+
+def header(command: int, kind: int, db: int, word: int, amount: int, flag: bytes = NO_FLAG) -> bytes:
+    """A command telegram's ten bytes, right or wrong."""
+    return bytes((0, 0, command, kind, db, word)) + amount.to_bytes(2, "big") + flag
+
+
+def ask(bench: Bench, place: Place, telegram: bytes) -> bytes:
+    """The reaction telegram to a command."""
+    bench.give_good(telegram, "a command telegram")
+    start, got = bench.mark, bench.answer(place.reaction)
+    if got is None:
+        raise Fail(f"no reaction telegram within {place.reaction / 1e9:.0f} s")
+    if got != Char.STX:
+        raise Fail(f"after a command telegram: {named(got)}, expected the STX of the reaction")
+    bench.measured("STX of the reaction", bench.mark - start, None)
+    reaction = bench.take()
+    if len(reaction) < 4 or reaction[0] not in (0x00, 0xFF) or reaction[1:3] != b"\x00\x00":
+        raise Fail(f"reaction {reaction.hex(' ')}: 00 (or FF) 00 00 and an error number expected")
+    return reaction
+
+
+def number_expected(bench: Bench, place: Place, telegram: bytes, number: int, others: tuple[int, ...] = ()) -> None:
+    """The command is refused with this number."""
+    reaction = ask(bench, place, telegram)
+    told = reaction[3]
+    if told == 0:
+        raise Fail(f"executed (00h), expected refusal {number:02X}h")
+    if len(reaction) > 4:
+        raise Fail(f"error {told:02X}h with {len(reaction) - 4} data bytes behind it, none may follow")
+    if told != number:
+        text = f"refused with {told:02X}h ({words_of(told)}), expected {number:02X}h ({words_of(number)})"
+        raise Warn(text) if told in others or told in known_numbers() else Fail(f"{text}; {told:02X}h stands in no table")
+
+
+def known_numbers() -> tuple[int, ...]:
+    """Numbers some maker's table has."""
+    return tuple(number.value for number in list(ErrorNumber) if number)
+
+
+def words_of(number: int) -> str:
+    """An error number in words."""
+    return ERROR_WORDS.get(number, "a number of its own")
+
+
+ERROR_WORDS = {
+    0x00: "no error",
+    0x0A: "access to the area not possible or not allowed",
+    0x0C: "data type not valid",
+    0x10: "header error, or follow-on telegrams not supported",
+    0x12: "type not supported",
+    0x14: "block missing or too short",
+    0x16: "command (byte 3) wrong",
+    0x2A: "partner CPU in STOP",
+    0x32: "locked by coordination flag",
+    0x34: "length wrong",
+    0x36: "sequence: follow-on without a first telegram",
+}
+
+
+def cases(place: Place) -> list[Case]:
+    """The list for a station at which `place` may be touched."""
+    found = Cases("rk512")
+    _jobs(found, place)
+    _refusals(found, place)
+    _amounts(found, place)
+    return found.all
+
+
+def _fetch(place: Place, words: int) -> bytes:
+    return header(FETCH, TYPE_DB, place.db, place.word, words)
+
+
+def _jobs(found: Cases, place: Place) -> None:
+    @found.case("fetch", "FETCH of one word and of 64 words (128 bytes): error number 00 and as many bytes")
+    def fetch(bench: Bench) -> None:
+        for words in sorted({1, min(place.words, WORDS_OF_A_TELEGRAM)}):
+            reaction = ask(bench, place, _fetch(place, words))
+            if reaction[3]:
+                raise Fail(f"FETCH DB {place.db} DW {place.word}, {words} words: {reaction[3]:02X}h ({words_of(reaction[3])})")
+            if len(reaction) != 4 + 2 * words:
+                raise Fail(f"FETCH of {words} words brought {len(reaction) - 4} bytes, expected {2 * words}")
+
+    @found.case("send", "SEND writes back what FETCH read; the reaction is 4 bytes with 00")
+    def send(bench: Bench) -> None:
+        _need_write(place)
+        words = min(place.words, WORDS_OF_A_TELEGRAM)
+        content = ask(bench, place, _fetch(place, words))[4:]
+        reaction = ask(bench, place, header(SEND, TYPE_DB, place.db, place.word, words) + content)
+        if reaction[3] or len(reaction) != 4:
+            raise Fail(f"SEND of {words} words: reaction {reaction.hex(' ')}, expected 00 00 00 00")
+
+    @found.case("header-with-10h", "a header that holds 10h three times (FETCH DB 16 DW 16, 16 words)")
+    def header_with_dle(bench: Bench) -> None:
+        reaction = ask(bench, place, header(FETCH, TYPE_DB, 16, 16, 16))
+        if reaction[3] == 0 and len(reaction) != 4 + 32:
+            raise Fail(f"{len(reaction) - 4} bytes, expected 32")
+        if reaction[3] not in (0, ErrorNumber.BLOCK, ErrorNumber.NOT_ALLOWED):
+            raise Fail(f"{reaction[3]:02X}h ({words_of(reaction[3])}): the header was not read as it was sent")
+
+    @found.case("flag", "a coordination flag in bytes 9 and 10")
+    def flag(bench: Bench) -> None:
+        reaction = ask(bench, place, header(FETCH, TYPE_DB, place.db, place.word, 1, b"\x06\x04"))
+        if reaction[3] not in (0, ErrorNumber.LOCKED):
+            raise Warn(f"{reaction[3]:02X}h ({words_of(reaction[3])}), expected 00h or 32h")
+        bench.remark("executed: the flag was free or is not looked at" if not reaction[3] else "32h: locked, or flags are not served")
+
+
+def _need_write(place: Place) -> None:
+    if not place.write:
+        raise NotRun("writes into the station; allowed with --write")
+
+
+def _refusals(found: Cases, place: Place) -> None:
+    numbers = (
+        ("missing-block", "a block that does not exist", header(FETCH, TYPE_DB, place.missing, 0, 1), 0x14, (0x0A,)),
+        ("missing-block-send", "SEND to a block that does not exist", header(SEND, TYPE_DB, place.missing, 0, 1) + b"\0\0", 0x14, (0x0A,)),
+        ("behind-the-end", "words behind the end of the block", header(FETCH, TYPE_DB, place.db, 255, 2), 0x14, (0x0A, 0x34)),
+        ("wrong-command", "byte 3 is none of A, O, E", header(0x51, TYPE_DB, place.db, 0, 1), 0x16, (0x10,)),
+        ("wrong-type", "byte 4 names no type", header(FETCH, 0x71, place.db, 0, 1), 0x0C, (0x10, 0x12)),
+        ("wrong-byte-1", "byte 1 is neither 00 nor FF", b"\x55" + header(FETCH, TYPE_DB, place.db, 0, 1)[1:], 0x10, (0x36,)),
+        ("follow-on-alone", "a follow-on telegram without a first one", b"\xff\x00\x45\x44", 0x36, (0x10,)),
+        ("short-header", "a header of 9 bytes", header(FETCH, TYPE_DB, place.db, 0, 1)[:9], 0x34, (0x10,)),
+        ("data-behind-fetch", "FETCH with data behind the header", header(FETCH, TYPE_DB, place.db, 0, 1) + b"\0\0", 0x34, (0x10,)),
+        ("send-too-short", "SEND that brings less than it announces", header(SEND, TYPE_DB, place.missing, 0, 2) + b"\0\0", 0x34, (0x14,)),
+        ("send-too-long", "SEND that brings more than it announces", header(SEND, TYPE_DB, place.missing, 0, 1) + bytes(4), 0x34, (0x14,)),
+        ("send-odd", "SEND with an odd number of bytes", header(SEND, TYPE_DB, place.missing, 0, 1) + b"\0", 0x34, (0x14,)),
+        ("amount-0", "an amount of 0", header(FETCH, TYPE_DB, place.db, 0, 0), 0x34, (0x10, 0x14)),
+    )
+    for name, title, telegram, number, others in numbers:
+        _refusal(found, place, name, f"{title}: {number:02X}h", telegram, number, others)
+
+
+def _refusal(found: Cases, place: Place, name: str, title: str, telegram: bytes, number: int, others: tuple[int, ...]) -> None:
+    found.add(name, title, lambda bench: number_expected(bench, place, telegram, number, others))
+
+
+def _amounts(found: Cases, place: Place) -> None:
+    for words in (65, 128, 129):
+        _follow_on(found, place, words)
+    for kind in b"EAMTZX":
+        _other_type(found, place, kind)
+
+
+def _follow_on(found: Cases, place: Place, words: int) -> None:
+    def run(bench: Bench) -> None:
+        if words > place.words:
+            raise NotRun(f"DB {place.db} has {place.words} words for the probe (--words)")
+        reaction = ask(bench, place, _fetch(place, words))
+        if reaction[3] in (ErrorNumber.HEADER, ErrorNumber.LENGTH, ErrorNumber.TYPE_NOT_SERVED) and len(reaction) == 4:
+            bench.remark(f"refused with {reaction[3]:02X}h: no follow-on telegrams here, at most 128 bytes in a job")
+            return
+        content = reaction[4:]
+        while not reaction[3] and len(content) < 2 * words:
+            if len(reaction) - 4 not in (min(128, 2 * words - len(content) + len(reaction) - 4),):
+                raise Fail(f"a piece of {len(reaction) - 4} bytes, expected 128")
+            reaction = ask(bench, place, bytes((0xFF, 0, FETCH, TYPE_DB)))
+            content += reaction[4:]
+        if reaction[3] or len(content) != 2 * words:
+            raise Fail(f"{len(content)} of {2 * words} bytes, last reaction {reaction[:4].hex(' ')}")
+
+    found.add(f"follow-on-{2 * words}", f"FETCH of {2 * words} bytes: follow-on telegrams, or refused as a whole", run)
+
+
+def _other_type(found: Cases, place: Place, kind: int) -> None:
+    def run(bench: Bench) -> None:
+        amount = 1 if kind in b"TZX" else 3  # bytes: an odd count
+        reaction = ask(bench, place, header(FETCH, kind, 0, 1, amount))
+        expected = 4 + (2 * amount if kind in b"TZX" else amount)
+        if reaction[3] == 0 and len(reaction) != expected:
+            raise Fail(f"{len(reaction) - 4} bytes, expected {expected - 4}")
+        if reaction[3] and (len(reaction) != 4 or reaction[3] not in known_numbers()):
+            raise Fail(f"refused with {reaction[3]:02X}h and {len(reaction) - 4} data bytes")
+        bench.remark("served" if not reaction[3] else f"not served: {reaction[3]:02X}h ({words_of(reaction[3])})")
+
+    found.add(f"type-{chr(kind)}", f"FETCH of type {chr(kind)}: served, or refused with a number", run)

@@ -1,0 +1,216 @@
+"""What a tool has of a line: say characters, hear the next one until a moment, spoil one.  Real ports and virtual time look the same.
+
+A stamp is the moment at which a character had come in.  Virtual time: a station of ours is the other end, time passes only while the tool
+waits, so a probe that waits four seconds for a block takes none.
+"""
+
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from drivers.ports.base import PortError
+from protocols.base.machine import Damage, Machine, Ns, ms
+
+STEPS = 100_000  # of a partner at one moment: more is a deadline that stands still
+SLICE = ms(20)
+
+
+@dataclass(frozen=True, slots=True)
+class Heard:
+    """One character, or a spoiled one."""
+
+    stamp: Ns
+    what: int | Damage
+
+
+class Wire(Protocol):
+    """One end of a line."""
+
+    name: str
+    char_ns: Ns
+    simulated: bool
+    late_ns: Ns  # worst lateness of this program since it was set to 0
+
+    def now(self) -> Ns: ...
+    def write(self, data: bytes) -> None: ...  # behind what is still leaving
+    def spoil(self) -> bool: ...  # one character with a wrong parity bit; False: this port cannot
+    def send_break(self) -> bool: ...
+    def drained(self) -> Ns: ...  # moment at which all written so far has left (or will have)
+    def hear(self, until: Ns) -> Heard | None: ...  # the next character, at the latest at `until`; None: that moment has come
+    def close(self) -> None: ...
+
+
+class ToolPort(Protocol):
+    """What RealWire needs of a port."""
+
+    name: str
+    char_ns: Ns
+
+    def read(self) -> list[bytes | Damage]: ...
+    def write(self, data: bytes) -> int: ...
+    def wait(self, seconds: float) -> None: ...  # until something can be read, at most so long
+    def spoil(self) -> bool: ...
+    def send_break(self) -> bool: ...
+    def close(self) -> None: ...
+
+
+class RealWire:
+    """A port in real time.  `late_ns` says by how much this program itself was held up: times it measured meanwhile are worth nothing."""
+
+    simulated = False
+
+    def __init__(self, port: ToolPort) -> None:
+        self.name, self.char_ns = port.name, port.char_ns
+        self.late_ns: Ns = 0
+        self._port = port
+        self._inbox: deque[Heard] = deque()
+        self._drained: Ns = 0
+
+    def now(self) -> Ns:
+        return time.monotonic_ns()
+
+    def write(self, data: bytes) -> None:
+        start, left = self.now(), data
+        while left:
+            left = left[self._port.write(left) :]
+            if left:
+                time.sleep(0.001)
+                if self.now() - start > 5_000 * 1_000_000:
+                    raise PortError(f"{self.name}: takes nothing any more, {len(left)} characters wait")
+        self._drained = max(self._drained, start) + len(data) * self.char_ns
+
+    def spoil(self) -> bool:
+        return self._count(self._port.spoil())
+
+    def send_break(self) -> bool:
+        return self._count(self._port.send_break())
+
+    def _count(self, done: bool) -> bool:
+        if done:
+            self._drained = max(self._drained, self.now()) + self.char_ns
+        return done
+
+    def drained(self) -> Ns:
+        return self._drained
+
+    def hear(self, until: Ns) -> Heard | None:
+        while not self._inbox:
+            now = self.now()
+            asked = min(until - now, SLICE)
+            if asked > 0:
+                self._port.wait(asked / 1e9)
+            self._take()
+            after = self.now()
+            self.late_ns = max(self.late_ns, after - now - max(asked, 0))
+            if not self._inbox and after >= until:
+                return None
+        return self._inbox.popleft()
+
+    def _take(self) -> None:
+        now = self.now()
+        for item in self._port.read():
+            for what in item if isinstance(item, bytes) else (item,):
+                self._inbox.append(Heard(now, what))
+
+    def close(self) -> None:
+        self._port.close()
+
+
+class VirtualWire:
+    """A machine of ours at the other end, characters at their time, no clock."""
+
+    simulated = True
+
+    def __init__(
+        self, station: Machine[object], char_ns: Ns, name: str = "sim", on_event: Callable[[object, Ns], None] | None = None
+    ) -> None:
+        self.name, self.char_ns, self.station = name, char_ns, station
+        self.late_ns: Ns = 0
+        self._on_event = on_event or (lambda event, now: None)
+        self._now: Ns = 0
+        self._to_station: deque[tuple[Ns, int | Damage]] = deque()
+        self._free_at: Ns = 0
+        self._inbox: deque[Heard] = deque()
+        self._station_free: Ns = 0
+        self._sent_at: Ns | None = None
+        self._speak()
+
+    def now(self) -> Ns:
+        return self._now
+
+    def write(self, data: bytes) -> None:
+        for byte in data:
+            self._put(byte)
+
+    def spoil(self) -> bool:
+        self._put(Damage.PARITY)
+        return True
+
+    def send_break(self) -> bool:
+        self._put(Damage.BREAK)
+        return True
+
+    def drained(self) -> Ns:
+        return self._free_at
+
+    def act(self, action: Callable[[Ns], None]) -> None:
+        """The station's owner does something at this moment."""
+        action(self._now)
+        self._speak()
+
+    def hear(self, until: Ns) -> Heard | None:
+        for _ in range(STEPS):
+            moment = self._next()
+            if self._inbox and (moment is None or self._inbox[0].stamp <= moment) and self._inbox[0].stamp <= until:
+                heard = self._inbox.popleft()
+                self._now = max(self._now, heard.stamp)
+                return heard
+            if moment is None or moment > until:
+                self._now = max(self._now, until)
+                return None
+            self._now = max(self._now, moment)
+            self._serve()
+        raise AssertionError(f"{self.name}: a deadline of the simulated station stands still at {self._now / 1e6:.3f} ms")
+
+    def close(self) -> None:
+        """Nothing is held."""
+
+    # ---- inside
+    def _put(self, what: int | Damage) -> None:
+        self._free_at = max(self._free_at, self._now) + self.char_ns
+        self._to_station.append((self._free_at, what))
+
+    def _next(self) -> Ns | None:
+        moments = [moment for moment in (self.station.deadline(), self._sent_at) if moment is not None]
+        if self._to_station:
+            moments.append(self._to_station[0][0])
+        return min(moments) if moments else None
+
+    def _serve(self) -> None:
+        now = self._now
+        if self._sent_at is not None and self._sent_at <= now:
+            self._sent_at = None
+            self._tell(self.station.sent(now))
+        while self._to_station and self._to_station[0][0] <= now:
+            what = self._to_station.popleft()[1]
+            self._tell(self.station.damaged(what, now) if isinstance(what, Damage) else self.station.receive(bytes((what,)), now))
+        due = self.station.deadline()
+        if due is not None and due <= now:
+            self._tell(self.station.wake(now))
+
+    def _tell(self, events: Sequence[object]) -> None:
+        self._speak()
+        for event in events:
+            self._on_event(event, self._now)
+        self._speak()
+
+    def _speak(self) -> None:
+        data = self.station.take_output()
+        if not data:
+            return
+        start = max(self._now, self._station_free)
+        for at, byte in enumerate(data, 1):
+            self._inbox.append(Heard(start + at * self.char_ns, byte))
+        self._station_free = self._sent_at = start + len(data) * self.char_ns
