@@ -97,6 +97,7 @@ def of_the_line(judge: Judge, story: Story, runs: list[Run]) -> Iterator[Verdict
 def of_the_restart(judge: Judge, story: Story) -> Iterator[Verdict]:
     """Services killed under a standing start bit."""
     yield at_most("services back after SIGKILL, s", story.facts["services back"], 3)
+    yield at_most("both links at work after that, s", story.facts["links back"], 2)
     yield at_most("moved by the standing start bit, increments", judge.moved(story.events["kill"], story.events["kill end"]), 2)
 
 

@@ -8,7 +8,7 @@ import sys
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-VERDICTS = 14
+VERDICTS = 15
 
 
 def demo(folder: pathlib.Path, *options: str) -> subprocess.CompletedProcess[str]:

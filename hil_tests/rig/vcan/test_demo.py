@@ -26,7 +26,7 @@ P5_MS = 20
 DRIVES = range(1, 7)
 SETS, ACTUALS = [200 + 10 * n for n in DRIVES], [600 + 10 * n for n in DRIVES]
 THE_13 = [100, *SETS, *ACTUALS]
-VERDICTS = 14
+VERDICTS = 15
 
 
 @dataclass(frozen=True, slots=True)
