@@ -1,6 +1,6 @@
 """RK512 on 3964R: one byte machine out of a link and a station, which know nothing of each other."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from protocols.base.machine import Damage, Ns
 from protocols.p3964r.events import BlockReceived, BlockSent, SendFailed
@@ -28,7 +28,10 @@ class ComputerLink:
         dialect: Dialect = STANDARD,
         baud: int = 9600,
         areas: Areas | None = None,
+        tap: Callable[[LinkEvent, Ns], None] | None = None,
     ) -> None:
+        """`tap` hears every event of the link, blocks too, before they are handled: for monitors and judges."""
+        self._tap = tap
         self.link = Link(profile, priority)
         self.active, self.passive = Active(dialect, baud), Passive(store, dialect, areas)
         self._station = Station(self.passive, self.active, dialect)
@@ -67,6 +70,8 @@ class ComputerLink:
     def _handle(self, link_events: list[LinkEvent], now: Ns) -> list[Event]:
         events: list[Event] = []
         for event in link_events:
+            if self._tap is not None:
+                self._tap(event, now)
             match event:
                 case BlockReceived(data):
                     events += self._station.block(data, now)

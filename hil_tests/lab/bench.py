@@ -78,6 +78,12 @@ class Bench(Generic[M]):
                 self._give(twin, piece)
         return self
 
+    def hears_apart(self, data: bytes) -> "Bench[M]":
+        """One character after another, a microsecond between them: what follows is not in the same burst."""
+        for at in range(len(data)):
+            self.hears(data[at : at + 1]).at(self._now + 1000)
+        return self
+
     def damaged(self, kind: Damage) -> "Bench[M]":
         for twin in self._twins:
             self._spoil(twin, kind)

@@ -45,6 +45,7 @@ _RANGES = {
     Step5Type.BCD: (0, 9999),
 }
 _KG_ZERO = b"\x80\x00\x00\x00"
+_KG_SMALLEST = 2.0**-129
 _KG_LARGEST = (2**23 - 1) * 2.0**104
 _REAL_LARGEST = (2**24 - 1) * 2.0**104
 
@@ -195,8 +196,10 @@ def _encode_kg(value: float) -> bytes:
     mantissa = round(fraction * 2**23)
     if abs(mantissa) == 2**23:  # rounded up to 1.0: KG has it as 0.5 x 2
         mantissa, exponent = mantissa // 2, exponent + 1
-    if mantissa == 0 or exponent < -128:  # nearer to zero than the smallest number: zero
+    if mantissa == 0 or abs(value) <= _KG_SMALLEST / 2:
         return _KG_ZERO
+    if exponent < -128:  # nearer to the smallest number than to zero
+        mantissa, exponent = int(math.copysign(2**22, value)), -128
     return struct.pack(">b", exponent) + mantissa.to_bytes(3, "big", signed=True)
 
 

@@ -24,6 +24,7 @@ class State(Enum):
     DATA = auto()  # inside the block
     ESCAPED = auto()  # one DLE seen; the next character says what it meant
     CHECK = auto()  # end seen; the block check comes next, whatever its value
+    DEAF = auto()  # BREAK inside a block: its tail must not look like a new one, so a quiet line is waited for (AX-228)
 
 
 class Receiver:
@@ -78,8 +79,8 @@ class Receiver:
                 pass  # the partner gave up or started; never answered, so two stations cannot loop
             case State.IDLE, _:
                 self._stray(now)
-            case State.NO_BUFFER, _:
-                pass  # still the same wish to send (AX-006)
+            case State.NO_BUFFER | State.DEAF, _:
+                pass  # still the same wish to send (AX-006); the tail of a broken block
             case State.DATA, Char.DLE:
                 self._state = State.ESCAPED
             case State.ESCAPED, Char.DLE:
@@ -133,9 +134,11 @@ class Receiver:
 
     def damaged(self, kind: Damage, now: Ns) -> None:
         if kind is Damage.BREAK:
-            self._break()
+            self._break(now)
         elif self._state is State.IDLE:
             self._stray(now)
+        elif self._state is State.DEAF:
+            self._due = now + self._profile.char_delay
         elif self._state is not State.NO_BUFFER:
             self._blame(Refusal.DAMAGED)
             self._untouched = False
@@ -178,10 +181,14 @@ class Receiver:
         self._box.tell(ReceptionFailed(self._first_why, self._refusals))
         self._refusals, self._awaits_repeat, self._repeat_due = 0, False, None
 
-    def _break(self) -> None:
-        """BREAK: back to idle at once, no answer."""
-        self._box.tell(BlockRefused(Refusal.BREAK, self._count) if self.busy else LineBreak())
+    def _break(self, now: Ns) -> None:
+        """BREAK: no answer, and back to idle; from inside a block once the line is quiet (AX-228)."""
+        inside = self._state in (State.DATA, State.ESCAPED, State.CHECK, State.DEAF)
+        if self._state is not State.DEAF:
+            self._box.tell(BlockRefused(Refusal.BREAK, self._count) if self.busy else LineBreak())
         self._rest()
+        if inside:
+            self._state, self._due, self._untouched = State.DEAF, now + self._profile.char_delay, False
 
     def _rest(self) -> None:
         self._state, self._due = State.IDLE, None
@@ -245,6 +252,8 @@ class Receiver:
                     self._box.say(Char.NAK)
             case State.NO_BUFFER:
                 self._look_for_room(now)
+            case State.DEAF:
+                self._rest()
             case _:
                 self._refuse(self._why or Refusal.GAP)
 

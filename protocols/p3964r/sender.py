@@ -44,6 +44,7 @@ class Sender:
         self._connects, self._blocks = 0, 0  # failed attempts of the first job
         self._conflict = False  # the partner's STX was heard and ignored
         self._conflicts = 0  # attempts of the first job that met the partner's STX
+        self._repeated_at: Ns | None = None  # when STX was given out again
         self._early: Ns | None = None  # a DLE heard before the port said that the block had left
 
     @property
@@ -83,6 +84,8 @@ class Sender:
     def hear(self, byte: int, now: Ns) -> bool:
         """Take one character; False: it is not for us, the partner has the line now."""
         match self._state, byte:
+            case State.CONNECT, _ if now == self._repeated_at:
+                pass  # came together with what made us repeat STX: no answer to that one (AX-228)
             case State.CONNECT, Char.DLE:
                 self._transmit()
             case State.CONNECT, Char.STX:
@@ -137,6 +140,7 @@ class Sender:
 
     # ---- what the rows do
     def _connect(self) -> None:
+        self._repeated_at = None
         self._box.say(Char.STX)
         self._state, self._due, self._conflict = State.CONNECT, None, False  # the wait runs from `sent`
 
@@ -174,6 +178,7 @@ class Sender:
             self._state, self._due = State.PAUSED, now + self._profile.retry_pause
         else:
             self._connect()
+            self._repeated_at = now
 
     def _give_up(self, why: Failure, stage: Stage) -> None:
         if self._profile.nak_when_giving_up:

@@ -64,7 +64,13 @@ def test_any_answer_but_dle_to_stx_repeats_it_at_once_six_in_all(answer: bytes, 
 
 def test_a_damaged_answer_to_stx_repeats_it() -> None:
     line = wishing().damaged(Damage.PARITY).says(STX).reports(SendRepeated(1, Failure.DAMAGED, Stage.CONNECT))
-    line.hears(DLE).says(BLOCK_A)
+    line.at(1000).hears(DLE).says(BLOCK_A)
+
+
+def test_what_came_in_one_burst_with_a_refused_stx_is_no_answer_to_the_next_one() -> None:
+    """Else two of our STX and the block would leave in one breath (AX-228)."""
+    line = wishing().hears(NAK + DLE + NAK).says(STX).reports(SendRepeated(1, Failure.NAK, Stage.CONNECT))
+    line.at(1000).hears(DLE).says(BLOCK_A)
 
 
 def test_the_wait_runs_from_when_stx_has_left() -> None:

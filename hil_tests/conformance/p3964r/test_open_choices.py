@@ -186,7 +186,8 @@ def test_procedure_3964_has_its_own_acknowledgement_delay_and_no_check() -> None
     plain = profile_named("siemens-cp341", block_check=False)
     assert plain.name == "siemens-cp341-3964" and not plain.block_check
     line = Bench(Link(plain, Priority.LOW)).says(NAK).does(lambda link, now: link.send(b"A", now)).says(STX)
-    line.at(ms(550) - 1).says(b"").at(ms(550)).says(STX).hears(DLE).says(b"A\x10\x03").hears(DLE)
+    line.at(ms(550) - 1).says(b"").at(ms(550)).says(STX)
+    line.at(ms(551)).hears(DLE).says(b"A\x10\x03").hears(DLE)
     assert line.told()[-1] == BlockSent(1)
 
 

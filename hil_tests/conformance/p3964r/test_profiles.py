@@ -73,15 +73,15 @@ def test_etb_is_sent_where_the_partner_wants_it() -> None:
 
 
 def test_a_fresh_set_of_connection_attempts_for_every_block_attempt() -> None:
-    line = wishing(replace(RHO3, connect_counter=ConnectCounter.PER_BLOCK)).hears(NAK * 5).says(STX * 5)
-    line.at(ms(1)).hears(DLE).says(BLOCK_A).hears(NAK).says(STX).hears(NAK * 5).says(STX * 5)
+    line = wishing(replace(RHO3, connect_counter=ConnectCounter.PER_BLOCK)).hears_apart(NAK * 5).says(STX * 5)
+    line.at(ms(1)).hears(DLE).says(BLOCK_A).hears_apart(NAK).says(STX).hears_apart(NAK * 5).says(STX * 5)
     line.at(ms(2)).hears(NAK).says(NAK)
     assert line.told()[-1] == SendFailed(1, Failure.NAK, Stage.CONNECT)
 
 
 def test_one_counter_for_both_kinds_of_attempts() -> None:
-    line = wishing(replace(RHO3, connect_counter=ConnectCounter.SHARED)).hears(NAK * 3).says(STX * 3)
-    line.hears(DLE).says(BLOCK_A).hears(NAK).says(STX).hears(DLE).says(BLOCK_A).hears(NAK).says(STX)
+    line = wishing(replace(RHO3, connect_counter=ConnectCounter.SHARED)).hears_apart(NAK * 3).says(STX * 3)
+    line.hears(DLE).says(BLOCK_A).hears_apart(NAK).says(STX).hears(DLE).says(BLOCK_A).hears_apart(NAK).says(STX)
     line.hears(NAK).says(NAK)
     assert line.told()[-1] == SendFailed(1, Failure.NAK, Stage.CONNECT)
 
@@ -93,7 +93,7 @@ def test_a_pause_before_a_repeat_in_which_the_partner_may_send() -> None:
 
 
 def test_no_nak_when_giving_up() -> None:
-    wishing(replace(RHO3, nak_when_giving_up=False)).hears(NAK * 5).says(STX * 5).hears(NAK).says(b"")
+    wishing(replace(RHO3, nak_when_giving_up=False)).hears_apart(NAK * 5).says(STX * 5).hears(NAK).says(b"")
 
 
 @pytest.mark.parametrize("name", list(PROFILES))

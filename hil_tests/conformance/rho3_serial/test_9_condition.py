@@ -51,10 +51,13 @@ def naks(desk: Desk) -> Desk:
 def test_a_write_by_3964r_without_answer_is_minus_3_and_refused_minus_9() -> None:
     desk = Desk(LINK).at(0).write(ONE, "V24_1", (CHARACTER, 1)).at(6 * ACK).says(STX * 6 + NAK).finds(failed(1, Condition.TIME_OUT))
     assert desk.condition(ONE, "V24_1") == -3
-    desk.write(ONE, "V24_1", (CHARACTER, 1)).hears(NAK * 6).says(STX * 6 + NAK).finds(failed(2, Condition.PROTOCOL))
+    desk.write(ONE, "V24_1", (CHARACTER, 1))
+    for turn in range(6):
+        desk.at(6 * ACK + turn).hears(NAK)
+    desk.says(STX * 6 + NAK).finds(failed(2, Condition.PROTOCOL))
     desk.write(ONE, "V24_1", (CHARACTER, 1)).says(STX)
-    for _ in range(5):
-        desk.damaged(Damage.PARITY).says(STX)
+    for turn in range(5):
+        desk.at(6 * ACK + 10 + turn).damaged(Damage.PARITY).says(STX)
     desk.damaged(Damage.FRAMING).says(NAK).finds(failed(3, Condition.FRAMING))
 
 
