@@ -76,13 +76,14 @@ def test_a_block_that_cannot_be_built_names_telegram_value_and_range(values: dic
 @pytest.mark.parametrize("length, fits", [(0, False), (1, True), (138, True), (139, False)])
 def test_a_block_has_1_to_138_bytes(length: int, fits: bool) -> None:
     telegram = Outgoing("BIG", (bytes(length),) if length else ())
+    nothing: dict[str, Value] = {}
     assert telegram.length == length
     assert [finding.key for finding in outgoing_faults(telegram)] == ([] if fits else ["build"])
     if fits:
-        assert len(build(telegram, {}.__getitem__)) == length
+        assert len(build(telegram, nothing.__getitem__)) == length
     else:
         with pytest.raises(EncodeError, match=r"BIG: .* bytes, range 1\.\.138"):
-            build(telegram, {}.__getitem__)
+            build(telegram, nothing.__getitem__)
 
 
 @pytest.mark.parametrize(
