@@ -1,6 +1,6 @@
 """An active RK512 station on a wire for send and fetch: one command, its reaction, told in words when it fails.
 
-The link is the product's own (protocols.p3964r.link); the telegrams are written here.  Faults carry both vocabularies: QVZ/ADT, ZVZ/CDT, BWZ.
+The link is the product's own (protocols.p3964r.link).  Faults carry both vocabularies: QVZ/ADT, ZVZ/CDT, BWZ.
 """
 
 from collections.abc import Callable, Sequence
@@ -129,10 +129,9 @@ class Client:
             if self._sent_owed and now >= self.wire.drained():
                 self._sent_owed = False
                 self._handle(self.link.sent(now), now)
-            if heard is not None and isinstance(heard.what, Damage):
-                self._handle(self.link.damaged(heard.what, now), now)
-            elif heard is not None:
-                self._handle(self.link.receive(bytes((heard.what,)), now), now)
+            if heard is not None:
+                what = heard.what
+                self._handle(self.link.damaged(what, now) if isinstance(what, Damage) else self.link.receive(bytes((what,)), now), now)
             due = self.link.deadline()
             if due is not None and now >= due:
                 self._handle(self.link.wake(now), now)

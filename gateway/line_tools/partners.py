@@ -9,8 +9,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from drivers.ports.linewire import LineFormat
-from gateway.line_tools.wire import VirtualWire
-from protocols.base.machine import Damage, Machine, Ns, ms
+from gateway.line_tools.faulty_lines import FAULTY
+from gateway.line_tools.wire import VirtualWire, Wire
+from protocols.base.machine import Damage, Ns, ms
 from protocols.p3964r.characters import Char, check_of
 from protocols.p3964r.events import BlockReceived
 from protocols.p3964r.link import Link
@@ -292,16 +293,19 @@ PARTNERS: dict[str, Partner] = {
 def make(name: str, profile: Profile = RHO3, priority: Priority = Priority.LOW) -> Station:
     """The partner of that name; ValueError lists the names."""
     if name not in PARTNERS:
-        raise ValueError(f'port "sim:{name}": partners are {", ".join(PARTNERS)}; sim:NAME,PROFILE,high|low sets profile and priority')
+        raise ValueError(
+            f'port "sim:{name}": partners are {", ".join((*PARTNERS, *FAULTY))}; sim:NAME,PROFILE,high|low sets profile and priority'
+        )
     return PARTNERS[name].make(profile, priority)
 
 
-def simulated(text: str, line_format: LineFormat) -> VirtualWire:
-    """`NAME[,PROFILE[,high|low]]` at the other end of a virtual line."""
+def simulated(text: str, line_format: LineFormat) -> Wire:
+    """`NAME[,PROFILE[,high|low]]` at the other end of a virtual line; NAME is a partner, or a line with a fault and a good partner."""
     name, *rest = text.split(",")
     profile = PROFILES.get(rest[0]) if rest else RHO3
     if profile is None:
         raise ValueError(f'port "sim:{text}": profile {rest[0]!r} is unknown; there are {", ".join(PROFILES)}')
     priority = Priority.HIGH if rest[1:] == ["high"] else Priority.LOW
-    station: Machine[object] = make(name, profile, priority)
-    return VirtualWire(station, line_format.char_ns, f"sim:{text}")
+    station = make("good" if name in FAULTY else name, profile, priority)
+    wire = VirtualWire(station, line_format.char_ns, f"sim:{text}")
+    return FAULTY[name](wire, line_format) if name in FAULTY else wire
