@@ -43,7 +43,8 @@ from hil_tests.lab.plc2 import (
 )
 
 ALL = 0x3F
-P5_MS = 4 if realtime_allowed() else 10  # without real-time priority the local bus cannot promise more
+REALTIME = realtime_allowed()
+P5_MS = 8 if REALTIME else 10  # every rule under test counts in P5; a shared machine steals 5 ms now and then, which two of these forgive
 P5_NS = P5_MS * 1_000_000
 HOME = (10.0, 10.0, 5.0, 0.0, 0.0, 0.0)  # mm and deg: where referencing ends
 TARGET = (70.0, 70.0, 33.0, 8.0, 8.0, 8.0)  # near it, so that referencing again is short
@@ -105,8 +106,8 @@ def free_port() -> int:
 class CellRun:
     """One run; made by `running_cell`."""
 
-    def __init__(self, folder: pathlib.Path, cell: str, name: str) -> None:
-        self.folder, self.cell, self.name = folder, cell, name
+    def __init__(self, folder: pathlib.Path, cell: str, name: str, p5_ms: int = P5_MS) -> None:
+        self.folder, self.cell, self.name, self.p5_ms = folder, cell, name, p5_ms
         self.demo = load_cell(cell)
         self.port = free_port()
         self.process = self._start()
@@ -116,15 +117,22 @@ class CellRun:
         self.disturbed = 0
 
     def _start(self) -> "subprocess.Popen[bytes]":
-        command = [sys.executable, "-m", "gateway", "run", self.cell, "--sim", "--name", self.name, "--p5", str(P5_MS)]
+        command = [sys.executable, "-m", "gateway", "run", self.cell, "--sim", "--name", self.name, "--p5", str(self.p5_ms)]
         command += ["--modbus-port", str(self.port), "--record", str(self.folder), "--die-with-parent"]
         with (self.folder / "run.log").open("ab") as log:
             process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True)
-        if not wait_up(self.name, 60.0):
-            process.kill()
-            process.wait()
-            raise AssertionError(f"the run did not come up:\n{self.words()}")
+        until = time.monotonic() + 60.0
+        while not wait_up(self.name, 1.0):
+            if process.poll() is not None or time.monotonic() > until or self._dies_again():
+                process.kill()
+                process.wait()
+                raise AssertionError(f"the run did not come up:\n{self.words()}")
         return process
+
+    def _dies_again(self) -> bool:
+        with contextlib.suppress(PortError):
+            return any(process["restarts"] > 1 for process in self.processes().values())
+        return False
 
     def stop(self, number: int = signal.SIGTERM) -> int:
         """Orderly; its exit code."""
@@ -187,12 +195,15 @@ class CellRun:
 
     def back(self, process: str, dead: int, timeout_s: float = 10.0) -> int:
         """Stamp when it is up again with another pid and, if it has one, a fresh life."""
-        until = time.monotonic() + timeout_s
+        until, seen = time.monotonic() + timeout_s, 0
         while time.monotonic() < until:
             found = self.processes()[process]
             age = found["life_age_ms"]
-            if found["state"] == "up" and found["pid"] != dead and (age is None or age < 100):
-                return time.monotonic_ns()
+            if found["state"] == "up" and found["pid"] != dead:
+                now = time.monotonic_ns()
+                seen = seen or now
+                if age is None or now - age * 1e6 > seen:  # a beat of the new one, not the last of the old
+                    return now
             time.sleep(0.02)
         raise AssertionError(f"{process} did not come back within {timeout_s} s\n{self.words()}")
 
@@ -252,7 +263,7 @@ class CellRun:
 
     def home_again(self) -> None:
         """A fresh move works, and it ends where it should: by the emulator's record."""
-        self.command(PTP, ALL, 0.3, HOME)
+        self.command(PTP, ALL, 0.5, HOME)
         self.arrived(HOME)
 
     def arrived(self, target: tuple[float, ...]) -> None:
@@ -319,10 +330,10 @@ def runtime_folder() -> Iterator[pathlib.Path]:
 
 
 @contextlib.contextmanager
-def running_cell(cell: str = "demo", name: str = "death", *, plc: bool = True) -> Iterator[CellRun]:
+def running_cell(cell: str = "demo", name: str = "death", *, plc: bool = True, p5_ms: int = P5_MS) -> Iterator[CellRun]:
     """A run with PLC 2 polling (and synchronised); ended in order afterwards."""
     with runtime_folder() as folder:
-        run = CellRun(folder, cell, name)
+        run = CellRun(folder, cell, name, p5_ms)
         try:
             if plc:
                 run.plc.start()
