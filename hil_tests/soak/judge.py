@@ -1,7 +1,9 @@
 """The independent judge of the soak: reads what was said and heard on the line, never asks a receiver of ours.
 
-Written from serial-protocols 1.2 to 1.4 and 2.1 to 2.3; imports nothing of protocols.p3964r or protocols.rk512.
+Written from serial-protocols 1.2 to 1.4; imports nothing of protocols.p3964r or protocols.rk512.
 """
+
+from collections.abc import Sequence
 
 from hil_tests.soak.faulted_line import Item, Record
 from protocols.base.machine import Ns
@@ -23,7 +25,7 @@ def payload_of(wire: bytes) -> bytes | None:
     return None
 
 
-def framed(heard: list[Item], start: int, longest_gap: Ns) -> tuple[bytes, int] | None:
+def framed(heard: Sequence[Item], start: int, longest_gap: Ns) -> tuple[bytes, int] | None:
     """The block whose first character stands at `start`, when nothing about it is wrong: its data and the index behind its check."""
     data, check, at, before = bytearray(), 0, start, -1
     escaped = False
@@ -61,18 +63,3 @@ def could_be_taken(speaker: Record, listener: Record, data: bytes, longest_gap: 
             if found is not None and found[0] == data and found[1] > len(heard) - FIFO:
                 return True
     return False
-
-
-def right_form(block: bytes, first: bytes) -> bool:
-    """What RK512 can see of a command or reaction by itself: header, and length against it (`first`: the job's first telegram as said)."""
-    if len(block) < 4 or block[0] not in (0x00, 0xFF) or block[1] != 0:
-        return False
-    if block[2] == 0:
-        return True  # reactions: the length is for the asking side to judge
-    if block[0] == 0xFF:
-        return block[2:4] == first[2:4]
-    if len(block) < 10 or block[2] not in b"AEO":
-        return False
-    unit = 1 if block[3] in b"EAM" else 2
-    announced = int.from_bytes(block[6:8], "big") * unit
-    return announced > 0 and len(block) - 10 == (0 if block[2] == 0x45 else min(announced, 128))

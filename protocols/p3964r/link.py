@@ -11,8 +11,6 @@ from protocols.p3964r.profiles import Priority, Profile
 from protocols.p3964r.receiver import Receiver
 from protocols.p3964r.sender import Sender
 
-MOST_TIMERS = 4  # three timers exist, none is started twice without something being sent or heard
-
 
 class Link:
     """A 3964R station: a byte machine that also takes blocks to send.  Never raises on what the partner sends.
@@ -134,10 +132,7 @@ class Link:
         return min(sender, receiver)
 
     def _expire(self, now: Ns) -> None:
-        for _ in range(MOST_TIMERS):
-            due = self._next_due()
-            if due is None or due > now:
-                return
+        while (due := self._next_due()) is not None and due <= now:  # each timer ends or moves on: none starts without a character
             if due == self._sender.deadline():
                 self._sender.expire(now)
             else:

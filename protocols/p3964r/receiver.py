@@ -93,7 +93,7 @@ class Receiver:
                     self._judge(self._check)
             case State.ESCAPED, _:
                 self._broken_pair(byte)
-            case State.CHECK, _:
+            case _:  # CHECK
                 self._judge(byte)
         self._untouched = False
 
@@ -125,7 +125,7 @@ class Receiver:
                 self._blame(Refusal.ORDER)
             case BrokenPair.NAK_AT_ONCE:
                 self._refuse(self._why or Refusal.ORDER)
-            case BrokenPair.DROP_DLE:
+            case _:  # DROP_DLE
                 self._check ^= Char.DLE ^ byte
                 self._store(bytes((byte,)))
 

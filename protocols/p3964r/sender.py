@@ -84,7 +84,7 @@ class Sender:
     def hear(self, byte: int, now: Ns) -> bool:
         """Take one character; False: it is not for us, the partner has the line now."""
         match self._state, byte:
-            case State.CONNECT, _ if now == self._repeated_at:
+            case State.CONNECT, _ if now == self._repeated_at and byte != Char.STX:
                 pass  # came together with what made us repeat STX: no answer to that one (AX-228)
             case State.CONNECT, Char.DLE:
                 self._transmit()

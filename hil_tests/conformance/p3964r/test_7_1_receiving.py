@@ -227,3 +227,10 @@ def test_the_port_lost_inside_a_block_keeps_the_stored_one() -> None:
     line = driver().does(lambda link, now: link.set_buffer_free(True, now)).hears(STX + b"A").says(DLE)
     line.loses_the_port().says(b"").reports(BlockRefused(Refusal.LOST, 1))
     line.at(ms(9000)).says(b"").reports().does(lambda link, now: check(link.take_block(now), b"AB"))
+
+
+def test_a_break_inside_a_block_is_told_at_once_and_the_tail_never_starts_a_new_one() -> None:
+    """AX-228: until the line was quiet for one ZVZ."""
+    line = connected().hears(b"A").damaged(Damage.BREAK).says(b"").reports(BlockRefused(Refusal.BREAK, 1))
+    line.hears(b"\x02EVIL\x10\x03\x00").damaged(Damage.BREAK).damaged(Damage.PARITY).says(b"").reports()
+    line.at(ms(220) - 1).hears(b"x").says(b"").at(ms(440)).hears(STX).says(DLE).hears(GOOD_AB).says(DLE).reports(BlockReceived(b"AB"))

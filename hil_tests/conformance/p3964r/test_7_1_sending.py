@@ -73,6 +73,12 @@ def test_what_came_in_one_burst_with_a_refused_stx_is_no_answer_to_the_next_one(
     line.at(1000).hears(DLE).says(BLOCK_A)
 
 
+def test_a_late_report_of_what_left_before_starts_no_wait() -> None:
+    link = Link(RHO3, Priority.HIGH)
+    link.send(b"A", 0)
+    assert link.sent(ms(1)) == [] and link.deadline() is None and link.take_output() == STX
+
+
 def test_the_wait_runs_from_when_stx_has_left() -> None:
     line = Bench(Link(RHO3, Priority.HIGH), leaves_at_once=False)
     line.does(lambda link, now: link.send(b"A", now)).says(STX)

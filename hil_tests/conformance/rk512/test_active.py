@@ -76,6 +76,7 @@ def test_fetch() -> None:
 
 
 def test_send() -> None:
+    assert given().active.name == "rk512"
     given().hears(OK).reports(Done(1, b"")).says(None)
 
 

@@ -1,0 +1,59 @@
+"""Both RK512 roles on one link: whose block is it, what leaves first, and the link's repeats (AX-225)."""
+
+from hil_tests.lab.rk512_blocks import Blocks
+from protocols.rk512.active import Active, Failed, Trouble, Unasked
+from protocols.rk512.dialects import STANDARD, Dialect
+from protocols.rk512.passive import Fetched, Passive
+from protocols.rk512.station import Repeated, Station
+
+FETCH = bytes.fromhex("00004544050000 01FFFF")
+
+
+def station(dialect: Dialect = STANDARD) -> Station:
+    return Station(Passive(Blocks({5: 8}), dialect), Active(dialect), dialect)
+
+
+def test_a_command_heard_twice_is_answered_once() -> None:
+    both = station()
+    assert both.block(FETCH, 0) == [Fetched(5, 0, 1)] and both.take_block() == bytes(6)
+    assert both.block(FETCH, 0) == [Repeated(FETCH)] and both.take_block() is None
+    assert both.block_sent(0) == [] and both.block(FETCH, 0) == [Fetched(5, 0, 1)]
+
+
+def test_a_reaction_the_link_gave_up_is_given_again() -> None:
+    both = station()
+    both.block(FETCH, 0)
+    assert both.take_block() is not None and both.block_failed(0) == []
+    assert both.block(FETCH, 0) == [Fetched(5, 0, 1)]
+
+
+def test_without_reactions_every_telegram_counts() -> None:
+    both = station(Dialect(reaction=False))
+    for _ in range(2):
+        assert both.block(FETCH, 0) == [Fetched(5, 0, 1)] and both.take_block() is None
+
+
+def test_a_reaction_goes_before_a_command_and_each_outcome_finds_its_own() -> None:
+    both = station()
+    both.active.fetch(0, 1, 7)
+    both.block(FETCH, 0)
+    assert both.take_block() == bytes(6) and (both.take_block() or b"")[4] == 7 and both.take_block() is None
+    assert both.block_sent(0) == [] and not both.active.awaiting
+    assert both.block_failed(0) == [Failed(1, Trouble.LINK)]
+
+
+def test_garbage_instead_of_a_reaction_is_named() -> None:
+    for garbage, why in ((b"\x00", Trouble.TOO_SHORT), (b"\x05\x00\x41\x00", Trouble.FIRST_BYTE)):
+        both = station()
+        both.active.fetch(0, 1, 7)
+        both.take_block()
+        both.block_sent(0)
+        assert both.block(garbage, 0) == [Failed(1, why)]
+
+
+def test_nothing_awaited_and_a_lost_port() -> None:
+    both = station()
+    assert both.block(bytes(4), 0) == [Unasked(bytes(4))]
+    both.active.fetch(0, 1, 7)
+    both.take_block()
+    assert both.lost() == [Failed(1, Trouble.LOST)] and both.take_block() is None
