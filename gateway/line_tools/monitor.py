@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 from gateway.line_tools.wire import ToolPort
 from gateway.pure.line_decoder import LineDecoder, Told, telegram_of
-from protocols.base.machine import Ns, ms
+from protocols.base.machine import Damage, Ns, ms
 
 TURN = 0.002  # seconds at one of two taps: the order of the characters is known so exactly
 IDLE = 0.02
@@ -67,12 +67,12 @@ class Printer:
         self._write(json.dumps(record))
 
 
-def replay(characters: Iterator[tuple[Ns, str, int]], tell: Callable[[Told], None]) -> None:
+def replay(characters: Iterator[tuple[Ns, str, int | Damage]], tell: Callable[[Told], None]) -> None:
     """A recording instead of a line."""
     decoder, last = LineDecoder(), 0
-    for stamp, side, byte in characters:
+    for stamp, side, what in characters:
         last = stamp
-        for told in decoder.take(stamp, side, byte):
+        for told in decoder.take(stamp, side, what):
             tell(told)
     for told in decoder.flush(last + ms(1000)):
         tell(told)

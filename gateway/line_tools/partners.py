@@ -305,7 +305,7 @@ def simulated(text: str, line_format: LineFormat) -> Wire:
     profile = PROFILES.get(rest[0]) if rest else RHO3
     if profile is None:
         raise ValueError(f'port "sim:{text}": profile {rest[0]!r} is unknown; there are {", ".join(PROFILES)}')
-    priority = Priority.HIGH if rest[1:] == ["high"] else Priority.LOW
+    priority = Priority.LOW if rest[1:] == ["low"] else Priority.HIGH  # as old processors are set
     station = make("good" if name in FAULTY else name, profile, priority)
     wire = VirtualWire(station, line_format.char_ns, f"sim:{text}")
     return FAULTY[name](wire, line_format) if name in FAULTY else wire

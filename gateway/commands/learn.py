@@ -1,0 +1,18 @@
+"""Draft of a cell out of what was heard: `axisgate learn line TRACE` (the same as `axisgate line learn TRACE`)."""
+
+import sys
+
+from gateway.commands import line
+
+USAGE = "usage: axisgate learn line TRACE [-o FILE]"
+
+
+def main(argv: list[str]) -> int:
+    if argv[:1] == ["line"]:
+        return line.main(["learn", *argv[1:]])
+    wanted = argv[:1] in (["-h"], ["--help"])
+    print(
+        USAGE if wanted or not argv else f"axisgate learn: {argv[0]!r} is not in this version\n{USAGE}",
+        file=sys.stdout if wanted else sys.stderr,
+    )
+    return 0 if wanted else 2
