@@ -542,7 +542,7 @@ class Cell:
             yield (
                 f"line.{line.name}.port",
                 line.port.split(":")[0],
-                ("sim", "pty", "tcp", line.port if line.port.startswith("/") else "sim"),
+                ("sim", "pty", "tcp", "rfc2217", line.port if line.port.startswith("/") else "sim"),
             )
             yield from ((f"line.{line.name}.rk512.types", kind, ("D",)) for kind in line.rk512.types)
         for name, handshake in self.handshake.items():

@@ -3,7 +3,7 @@
 from drivers.ports.base import BytePort
 from drivers.ports.linewire import parse_format
 
-KINDS = '"/dev/ttyUSB0", "pty:/path", "tcp://host:port"'
+KINDS = '"/dev/ttyUSB0", "pty:/path", "tcp://host:port", "rfc2217://host:port"'
 
 
 def open_bytes(url: str, format: str = "9600 8E1") -> BytePort:
@@ -18,6 +18,10 @@ def open_bytes(url: str, format: str = "9600 8E1") -> BytePort:
 
         host, port = tcp_address(url)
         return TcpPort(host, port, line_format)
+    if url.startswith("rfc2217://"):
+        from drivers.ports.rfc2217 import Rfc2217Port
+
+        return Rfc2217Port(url, line_format)
     if url.startswith("/"):
         from drivers.ports.serial import SerialPort
 

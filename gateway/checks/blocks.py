@@ -5,6 +5,7 @@ from gateway.checks.context import Context, near, number
 from gateway.pure.addresses import AddressFault, DataBit, DataWord, Direction, Part, bits_of, parse
 from gateway.pure.names import Found, Kind, lookup, spelled
 
+SERVING = ("rk512", "buep64")  # layers
 DOUBLE = ("DH", "KG", "REAL")
 BYTE = ("KH", "KM", "KF", "KC")
 COUNTS = {  # type -> smallest and largest count of a whole number (STEP 5)
@@ -59,7 +60,9 @@ def block_heads(check: Context) -> None:
                 'which line is it served on? write line = ".." (several lines could)' if lines else "no [[line]] serves it",
             )
         elif (
-            not check.unknown(f"db.{block.number}.line", block.line, "line") and block.line in lines and lines[block.line].layer not in ("rk512", "buep64")
+            not check.unknown(f"db.{block.number}.line", block.line, "line")
+            and block.line in lines
+            and lines[block.line].layer not in SERVING
         ):
             check.fault(f"db.{block.number}.line", block.line, f'layer "{lines[block.line].layer}" serves no data blocks; rk512 does')
 

@@ -10,6 +10,7 @@ from gateway.checks.context import number
 from gateway.checks.figures import cycle_us, job_ms, sdo_us, silence_s
 from gateway.pure.addresses import DataWord
 from gateway.pure.names import Kind, lookup
+from protocols.p3964r.profiles import NETWORK, profile_named
 
 EVERY = re.compile(r"(?:every|alle) (\d+) ms")
 MARGIN = 1.25  # turnaround of both stations and doubled DLE on top of the bare characters
@@ -61,6 +62,26 @@ def line_silence(cell: Cell) -> Iterator[Notice]:
             f"on_loss acts after {watch.max_silence_ms / 1000:.1f} s {by}"
         )
         yield Notice("note" if line.port == "sim" else "warning", f"line {line.name}", text)
+
+
+def network(cell: Cell) -> Iterator[Notice]:
+    """3964R through a serial server: its times hold only with room for the network, and packets must not be cut at a character (AX-224)."""
+    for line in cell.line:
+        if not line.port.startswith(("tcp://", "rfc2217://")):
+            continue
+        profile = profile_named(line.profile, line.protocol != "3964")
+        advice = "server: raw mode, packing at once or by a gap of 2..10 ms, no delimiter character (every value occurs in a block)"
+        if line.profile.endswith(NETWORK):
+            yield Notice(
+                "note",
+                f"line {line.name}",
+                f"behind a network: QVZ {profile.ack_delay / 1e6:g} ms, ZVZ {profile.char_delay / 1e6:g} ms; {advice}",
+            )
+            continue
+        times = f"ZVZ {profile.char_delay / 1e6:g} ms leaves one stall of 200 ms"
+        yield Notice(
+            "warning", f"line {line.name}", f'{times} and no second one: profile = "{line.profile}{NETWORK}" adds 500 ms; {advice}'
+        )
 
 
 def bus_load(cell: Cell) -> Iterator[Notice]:
@@ -163,4 +184,4 @@ def _tens(value: float) -> float:
     return 10.0 * math.ceil(value / 10.0)
 
 
-NOTES = (tightest_range, line_silence, bus_load, polling, evidence, lag, enabling, not_playable)
+NOTES = (tightest_range, line_silence, network, bus_load, polling, evidence, lag, enabling, not_playable)

@@ -372,3 +372,17 @@ def test_a_full_bus_and_a_short_silence_are_told() -> None:
     cell = load_cell("c", text)
     assert any("(84 %): too full" in said for said in levels(cell, "bus drives"))
     assert any("three rounds" in said for said in levels(cell, "line plc1"))
+
+
+@pytest.mark.parametrize(
+    ("profile", "kind", "words"),
+    [("rho3", "warning", 'profile = "rho3-tcp" adds 500 ms'), ("rho3-tcp", "note", "QVZ 1050 ms, ZVZ 720 ms")],
+)
+def test_a_line_behind_a_serial_server_is_told_its_times_and_how_to_pack(profile: str, kind: str, words: str) -> None:
+    edits = (
+        ('port     = "sim"                     # a simulated', 'port     = "rfc2217://10.0.0.7:4001" #'),
+        ('profile  = "rho3"', f'profile = "{profile}"'),
+    )
+    cell = load_cell("c", edited("demo", *edits))
+    (found,) = [note for note in (*cell.warnings, *cell.notes) if "no delimiter character" in note.text]
+    assert found.level == kind and words in found.text and cell.not_playable() == []
