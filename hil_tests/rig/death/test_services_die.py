@@ -72,7 +72,7 @@ def death(run: CellRun, *, finishes: bool) -> None:
     assert judge.moved(at + round(rest * 1e9) + SETTLED_NS, now) <= 2.0
     run.forgive("services")
     run.command(REQUEST)
-    run.command(PTP, ALL, 0.3, TARGET)  # nearly the same words with the toggle changed: now they are taken
+    run.command(PTP, ALL, 0.3, TARGET)  # sent afresh, it is taken
     run.arrived(TARGET)
     path = SetPath(run.demo, [e for e in run.bus() if isinstance(e, buslog.Logged) and e.stamp_ns > start])
     assert path.off_line(Move(start, time.monotonic_ns(), HOME, TARGET)) <= 1.0, "increments beside the path"
