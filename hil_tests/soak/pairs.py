@@ -135,9 +135,13 @@ class Pair:
         back = self.line.records[1 - side]
         spoiled = any(each.fault for each in back.said[-12:])
         data = sum(moment == back.heard[-1][0] for moment, _ in back.heard[-FIFO:]) > 3  # not a control character: a block out of its turn
+        mine = self.line.records[side]
+        block = next(each.data for each in reversed(mine.said) if len(each.data) > 3)
+        answers = [each.heard_at for each in back.said if len(each.data) <= 3 and 0x10 in each.data]
+        stale = bool(answers) and answers[-1] <= len(mine.heard) - len(block) // 2  # said before the block was heard: for something else
         if self._missed:
             return
-        if spoiled or data:
+        if spoiled or data or stale:
             self.tally.link_ack += 1
         else:
             self.tally.lost.append(f"{self.name}: a block acknowledged and not delivered")
