@@ -132,7 +132,7 @@ def _partner(seen: Evidence) -> list[Finding]:
 
 
 def _wrong_format(ours: str, theirs: str) -> Finding:
-    baud, other = ours.split()[0], theirs.split()[0]
+    baud, other = ours.split(maxsplit=1)[0], theirs.split(maxsplit=1)[0]
     what = "wrong speed" if baud != other else "wrong parity or frame"
     return Finding(what, "fault", f"the partner answers at {theirs}, not at {ours}", f'set format = "{theirs}"')
 
