@@ -137,8 +137,9 @@ class Pair:
         data = sum(moment == back.heard[-1][0] for moment, _ in back.heard[-FIFO:]) > 3  # not a control character: a block out of its turn
         mine = self.line.records[side]
         block = next(each.data for each in reversed(mine.said) if len(each.data) > 3)
-        answers = [each.heard_at for each in back.said if len(each.data) <= 3 and 0x10 in each.data]
-        stale = bool(answers) and answers[-1] <= len(mine.heard) - len(block) // 2  # said before the block was heard: for something else
+        answers = [each for each in back.said if len(each.data) <= 3 and 0x10 in each.data]
+        before = bool(answers) and answers[-1].heard_at <= len(mine.heard) - len(block) // 2  # said before the block was heard
+        stale = before or (bool(answers) and answers[-1].data[:2] == b"\x02\x10")  # or giving way to a STX it heard
         if self._missed:
             return
         if spoiled or data or stale:

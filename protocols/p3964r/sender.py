@@ -44,7 +44,8 @@ class Sender:
         self._connects, self._blocks = 0, 0  # failed attempts of the first job
         self._conflict = False  # the partner's STX was heard and ignored
         self._conflicts = 0  # attempts of the first job that met the partner's STX
-        self._repeated_at: Ns | None = None  # when STX was given out again
+        self._repeated_at: Ns | None = None  # when STX was given out in the middle of a burst
+        self._done_at: Ns | None = None  # when a block was acknowledged
         self._early: Ns | None = None  # a DLE heard before the port said that the block had left
 
     @property
@@ -75,6 +76,7 @@ class Sender:
             self._give_up(Failure.CONFLICT, Stage.CONNECT)
         else:
             self._connect()
+            self._repeated_at = now if now == self._done_at else None  # the next job follows in the burst that ended the last one
 
     def forget_attempts(self) -> None:
         """The partner sent a block, good or bad, to its end: the job that gave way to it starts anew."""
@@ -85,7 +87,7 @@ class Sender:
         """Take one character; False: it is not for us, the partner has the line now."""
         match self._state, byte:
             case State.CONNECT, _ if now == self._repeated_at and byte != Char.STX:
-                pass  # came together with what made us repeat STX: no answer to that one (AX-228)
+                pass  # came together with what made us say STX: no answer to that one (AX-228)
             case State.CONNECT, Char.DLE:
                 self._transmit()
             case State.CONNECT, Char.STX:
@@ -103,6 +105,7 @@ class Sender:
                 self._due = now + self._profile.char_delay
             case State.ANSWER, Char.DLE:
                 self._succeed()
+                self._done_at = now
             case State.ANSWER, _:
                 self._block_failed(_kind(byte), now)
             case State.PAUSED, Char.STX:

@@ -39,7 +39,7 @@ def test_stx_then_dle_then_the_block_with_its_check_then_dle() -> None:
 def test_every_block_needs_its_own_connection() -> None:
     line = wishing().does(lambda link, now: link.send(b"B", now)).says(b"")
     line.hears(DLE).says(BLOCK_A).hears(DLE).says(STX).reports(BlockSent(1))
-    line.hears(DLE).says(b"B\x10\x03\x51").hears(DLE).says(b"").reports(BlockSent(2))
+    line.at(ms(1)).hears(DLE).says(b"B\x10\x03\x51").hears(DLE).says(b"").reports(BlockSent(2))
 
 
 @pytest.mark.requirement("RHO-SER-02", by="protocols.p3964r.sender:Sender.expire")

@@ -51,7 +51,7 @@ def test_a_block_on_the_line_is_completed_but_not_repeated_and_prepared_ones_are
 @pytest.mark.requirement("RHO-SER-35", by="gateway.pure.rho3.driver:Driver._written")
 def test_a_block_that_needed_no_repeat_needs_no_allowance() -> None:
     desk = Desk(LINK).at(0).write(ONE, "V24_1", (CHARACTER, 65)).says(STX).hears(DLE).says(wire(b"A")).write_begin(ONE, "V24_1")
-    desk.write(ONE, "V24_1", (CHARACTER, 66)).hears(DLE).finds(deleted(1)).acknowledges(b"B").finds(done(2))
+    desk.write(ONE, "V24_1", (CHARACTER, 66)).hears(DLE).finds(deleted(1)).at(ms(1)).acknowledges(b"B").finds(done(2))
 
 
 @pytest.mark.requirement("RHO-SER-35", by="gateway.pure.rho3.driver:RevocableSender._transmit")
