@@ -27,7 +27,7 @@ from protocols.base.machine import ms
 from protocols.p3964r.profiles import PROFILES, Priority, Profile
 
 DONE, FINDING, USAGE, ENVIRONMENT = 0, 1, 2, 3
-PORTS = "/dev/ttyUSB0, COM5, pty:/path, tcp://host:port, rfc2217://host:port, sim:PARTNER[,PROFILE[,high|low]]"
+PORTS = "/dev/ttyUSB0, COM5, tcp://host:port, rfc2217://host:port, pty:/path, line:RUN-LINE (simulated run), sim:PARTNER[,PROFILE[,high|low]]"
 EXAMPLES = """examples:
   axisgate line probe sim:bad-partner                          a look at a report that has FAILs
   axisgate line fetch /dev/ttyUSB0 DB11.DW0 --count 8 --type KF

@@ -1,4 +1,4 @@
-"""Opens what a tool talks to: sim:NAME, pty:/path, /dev/tty..., COM5, tcp://host:port, rfc2217://host:port.
+"""Opens what a tool talks to: sim:NAME, line:RUN-LINE, pty:/path, /dev/tty..., COM5, tcp://host:port, rfc2217://host:port.
 
 On Linux the ports of the product are used, which mark damaged characters; elsewhere pyserial, which does not.  Modules that exist on Linux
 only are imported when such a port is opened, never before (AX-200).
@@ -9,7 +9,7 @@ import select
 import sys
 import time
 
-from drivers.ports.base import BytePort, PortError
+from drivers.ports.base import BytePort, PortError, runtime_dir
 from drivers.ports.linewire import LineFormat, parse_format
 from gateway.line_tools.wire import RealWire, ToolPort, Wire
 from protocols.base.machine import Damage
@@ -29,6 +29,8 @@ def open_wire(url: str, line_format: str = "9600 8E1") -> Wire:
 def open_port(url: str, line_format: str = "9600 8E1") -> ToolPort:
     """A real port; `sim:` is none."""
     wanted = parse_format(line_format)
+    if url.startswith("line:"):
+        url = _of_a_run(url)
     if sys.platform == "linux" and not url.startswith(PYSERIAL):
         from drivers.ports.open import open_bytes
 
@@ -36,6 +38,12 @@ def open_port(url: str, line_format: str = "9600 8E1") -> ToolPort:
     if url.startswith("tcp://"):
         url = "socket://" + url.removeprefix("tcp://")
     return PyserialPort(url, wanted)
+
+
+def _of_a_run(url: str) -> str:
+    """`line:demo-plc1`: the PLC's end of the simulated cable of a run that is up; `line:demo-plc1-b` the other."""
+    name = url.removeprefix("line:")
+    return f"pty:{runtime_dir() / (name if name.endswith(('-a', '-b')) else f'{name}-a')}"
 
 
 class SelectPort:

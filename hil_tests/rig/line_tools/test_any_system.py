@@ -87,5 +87,5 @@ def test_the_monitor_never_writes() -> None:
         return next(moments)
 
     Monitor([("A", taps[0]), ("B", taps[1])], clock, told.append).run(1_000_000_000)
-    assert [(one.side, one.kind) for one in told] == [("A", "STX"), ("B", "DLE"), ("B", "STX"), ("B", "NAK")]
+    assert [(one.side, one.kind) for one in told] == [("A", "STX"), ("B", "DLE"), ("B", "STX"), ("A", "BROKEN"), ("B", "NAK")]
     assert taps[0].touched == taps[1].touched == []
