@@ -27,6 +27,7 @@ MODULES = pathlib.Path("/usr/lib/uml/modules")
 BEGIN, END = "axisgate guest: begin", "axisgate guest: end"  # between these console lines stands the command's output
 MEMORY_MB = 1024
 HOST_NICE = -18
+ROOT = pathlib.Path(__file__).resolve().parents[3]
 HIDDEN = ("/tmp", "/run", "/dev/shm")  # guest memory is mounted over these; what the command needs below them is mounted again
 
 
@@ -71,7 +72,7 @@ class Guest:
         path.write_text(json.dumps(order, indent=1))
         init = path.with_name("init.sh")
         init.write_text(
-            init_script(path, seen=[pathlib.Path.cwd(), self.folder.absolute(), *map(pathlib.Path, (sys.prefix, sys.base_prefix))])
+            init_script(path, seen=[pathlib.Path.cwd(), ROOT, self.folder.absolute(), *map(pathlib.Path, (sys.prefix, sys.base_prefix))])
         )
         init.chmod(0o755)
         return init
