@@ -27,7 +27,7 @@ from protocols.base.machine import ms
 from protocols.p3964r.profiles import PROFILES, Priority, Profile
 
 DONE, FINDING, USAGE, ENVIRONMENT = 0, 1, 2, 3
-PORTS = "/dev/ttyUSB0, COM5, tcp://host:port, rfc2217://host:port, pty:/path, line:RUN-LINE (simulated run), sim:PARTNER[,PROFILE[,high|low]]"
+PORTS = "/dev/ttyUSB0, COM5, tcp://host:port, rfc2217://host:port, pty:/path, line:RUN-LINE (simulated run), sim:NAME[,PROFILE[,high|low]]"
 EXAMPLES = """examples:
   axisgate line probe sim:bad-partner                          a look at a report that has FAILs
   axisgate line fetch /dev/ttyUSB0 DB11.DW0 --count 8 --type KF
@@ -268,7 +268,8 @@ def _device(arguments: argparse.Namespace) -> dict[str, dict[str, object]]:
         raise BadInput(f"{arguments.device}: link.profile {profile!r} is unknown; there are {', '.join(PROFILES)}")
     arguments.profile = profile
     how = found.get("stimulus", {}).get("how")
-    arguments.stimulus = "operator" if how == "operator" and arguments.stimulus == "auto" else arguments.stimulus
+    if how in ("operator", "none") and arguments.stimulus == "auto":
+        arguments.stimulus = how
     return found
 
 
