@@ -209,40 +209,48 @@ def run_probe(arguments: argparse.Namespace) -> int:
     if not arguments.port:
         raise BadInput(f"PORT is missing: {PORTS}")
     wire = open_wire(arguments.port, arguments.format)
+    results: list[Result] = []
+    gone: PortError | None = None
+
+    def told(result: Result) -> None:
+        results.append(result)
+        if not arguments.json:
+            _tell(result)
+
     try:
         settings = _settings(arguments, wire)
         if not all_cases(settings):
             raise BadInput(f"--only {' '.join(arguments.only)}: no such test; --list shows them")
-        results = probe(wire, settings, lambda: _operator(device), _say_nothing if arguments.json else _tell)
+        probe(wire, settings, lambda: _operator(device), told)
+    except PortError as error:
+        gone = error  # what was seen so far is reported all the same
     finally:
         wire.close()
-    report = as_dict(
-        results,
-        settings,
-        arguments.port,
-        arguments.format,
-        stamp(),
-        wire.simulated,
-        {key: str(value) for key, value in device.get("device", {}).items()},
-    )
+    facts = {key: str(value) for key, value in device.get("device", {}).items()}
+    if gone is not None:
+        facts["Broken off"] = f"after {len(results)} tests: {gone.args[-1]}"
+    report = as_dict(results, settings, arguments.port, arguments.format, stamp(), wire.simulated, facts)
+    _write_report(report, results, arguments)
+    if gone is not None:
+        raise gone
+    return exit_code(results)
+
+
+def _write_report(report: dict[str, object], results: list[Result], arguments: argparse.Namespace) -> None:
+    """Files and the last lines."""
     name = arguments.report or f"probe-{time.strftime('%Y%m%d-%H%M%S')}"
     if not arguments.no_report:
         pathlib.Path(f"{name}.json").write_text(to_json(report), encoding="utf-8")
         pathlib.Path(f"{name}.html").write_text(to_html(report), encoding="utf-8")
     if arguments.json:
         print(to_json(report), end="")
-    else:
-        print(", ".join(f"{count} {word}" for word, count in counted(results).items() if count))
-        print(report["text"] if arguments.no_report else f"report: {name}.html, {name}.json\n{report['text']}")
-    return exit_code(results)
+        return
+    print(", ".join(f"{count} {word}" for word, count in counted(results).items() if count))
+    print(report["text"] if arguments.no_report else f"report: {name}.html, {name}.json\n{report['text']}")
 
 
 def _tell(result: Result) -> None:
     print(f"{result.verdict:12} {result.case.name:26} {result.reason or result.case.title}", flush=True)
-
-
-def _say_nothing(result: Result) -> None:
-    """The report alone goes to standard output."""
 
 
 def _operator(device: dict[str, dict[str, object]]) -> None:

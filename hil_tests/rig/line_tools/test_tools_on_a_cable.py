@@ -147,3 +147,22 @@ def test_a_busy_port_is_a_port_error(cable: Cable) -> None:
             open_port(cable.near)
     finally:
         holder.close()
+
+
+def test_a_port_that_vanishes_is_a_port_fault_and_the_report_says_how_far_it_came(
+    cable: Cable, station: Start, tmp_path: pathlib.Path
+) -> None:
+    station("good")
+
+    def pull() -> None:
+        time.sleep(3.0)
+        with LineControl(cable.name) as control:
+            control.remove("A")
+
+    threading.Thread(target=pull, daemon=True).start()
+    done = axisgate("line", "probe", cable.near, "--report", "gone", folder=tmp_path)
+    assert done.returncode == 3, done.stdout
+    assert "is gone" in done.stderr
+    report = json.loads((tmp_path / "gone.json").read_text())
+    assert report["device"]["Broken off"].startswith(f"after {len(report['tests'])} tests")
+    assert len(report["tests"]) >= 1
