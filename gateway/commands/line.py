@@ -32,6 +32,7 @@ EXAMPLES = """examples:
   axisgate line probe sim:bad-partner                          a look at a report that has FAILs
   axisgate line fetch /dev/ttyUSB0 DB11.DW0 --count 8 --type KF
   axisgate line monitor --tap /dev/ttyUSB0,/dev/ttyUSB1        listens to both wires, never sends
+  axisgate line export line.rec -o line.pcapng                 for Wireshark (axisgate line export -h)
 words: QVZ/ADT acknowledgement delay, ZVZ/CDT character delay, BWZ block wait time; axisgate line TOOL -h tells more"""
 PROBE_EXAMPLES = """examples:
   axisgate line probe sim:bad-partner
@@ -65,6 +66,10 @@ LEARN_EXAMPLES = """examples:
 
 
 def main(argv: list[str]) -> int:
+    if argv[:1] == ["export"]:
+        from gateway.commands.line_export import main as export  # its own options
+
+        return export(argv[1:])
     arguments = parser().parse_args(argv)
     try:
         run: Callable[[argparse.Namespace], int] = arguments.run
