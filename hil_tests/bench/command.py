@@ -62,9 +62,10 @@ def main(argv: list[str]) -> int:
         return 3
     found: list[Figure] = []
     for name in BENCHES if arguments.name == "all" else [arguments.name]:
-        found += BENCHES[name](arguments)
+        fresh = BENCHES[name](arguments)
+        found += fresh
         if not arguments.json:
-            print("\n".join(map(sentence, found[-8:] if arguments.name == "all" else found)), flush=True)
+            print("\n".join(map(sentence, fresh)), flush=True)
     if arguments.json:
         print(json.dumps(found, indent=1))
     if arguments.name == "all":
