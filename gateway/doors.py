@@ -91,11 +91,6 @@ def on_loss_of(word: str) -> OnLoss:
     return OnLoss(word)
 
 
-def values_of(cell: Cell) -> "CellValues":
-    """Names of the cell file (axis.A1.actual, cell.ready, ...) to numbers."""
-    return CellValues(cell)
-
-
 class CellValues:
     """One place that knows what every `from` name means."""
 

@@ -12,7 +12,7 @@ from enum import Enum
 from gateway.pure.command_block import Code, Command
 from gateway.pure.control import NOBODY, Control
 from gateway.pure.reasons import CommandState, Reason, Refusal, text
-from gateway.pure.records import AXES, AxisFlag, CellState, Motion, Order, OrderRecord, Permit
+from gateway.pure.records import AxisFlag, CellState, Motion, Order, OrderRecord, Permit
 from protocols.base.machine import Ns, ms
 
 ENABLE_PATIENCE = ms(5_000)  # brake, power and enabling of six drives take well under 2 s
@@ -372,8 +372,3 @@ class Office:
     def owner(self) -> int:
         """Number of the door in control; 0: nobody."""
         return self.control.owner or NOBODY
-
-
-def axis_places(values: Sequence[float]) -> list[float]:
-    """`values` filled up to the 12 places of the blocks."""
-    return [*values, *[0.0] * AXES][:AXES]

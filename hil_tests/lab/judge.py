@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from drivers.emulator.record import Record, Row
 from drivers.ports.linewire import Run
-from gateway.cell import Axis, Cell
+from gateway.cell import Cell
 from gateway.plant import motor_rad
 from hil_tests.lab.buslog import Logged
 from protocols.servodyn.plan import SYNC_ID
@@ -174,8 +174,3 @@ def recovery_s(items: Sequence[Run], plugged_ns: int) -> float:
             if b"\x00\x00\x00\x00" in heard and b"\x10\x03" in heard:
                 return (item.stamp_ns - plugged_ns) / 1e9
     return math.inf
-
-
-def axis_names(axes: Sequence[Axis]) -> list[str]:
-    """For the table."""
-    return [axis.name for axis in axes]
