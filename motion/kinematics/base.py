@@ -1,0 +1,121 @@
+"""What every kinematics can do, the configurations of an arm, and the ways an inverse can fail.
+
+Configurations and their words are VAL 3's (chapter 9.7, L5266-5281), because of the three controls only VAL 3 writes them down.
+Errors carry the number VAL 3 gives (appendix, L6670-6679) and rho 3's words ("point not reachable", L4768-4844); rho 3 and
+Reis print none of their own for them.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motion.errors import MotionError
+from motion.frames import Pose
+
+Joints = tuple[float, ...]  # m or rad, one an axis
+RHO3_TEXT = "point not reachable"
+
+
+class Shoulder(Enum):
+    RIGHTY, LEFTY, SAME, FREE = "righty", "lefty", "ssame", "sfree"
+
+
+class Elbow(Enum):
+    POSITIVE, NEGATIVE, SAME, FREE = "epositive", "enegative", "esame", "efree"
+
+
+class Wrist(Enum):
+    POSITIVE, NEGATIVE, SAME, FREE = "wpositive", "wnegative", "wsame", "wfree"
+
+
+@dataclass(frozen=True, slots=True)
+class Configuration:
+    """What a point demands of the arm, or what the arm's joints are; FREE everywhere = no demand."""
+
+    shoulder: Shoulder = Shoulder.FREE
+    elbow: Elbow = Elbow.FREE
+    wrist: Wrist = Wrist.FREE
+
+    def admits(self, found: "Configuration", near: "Configuration") -> bool:
+        """True when joints of configuration `found` meet this demand; SAME means as in `near` (L5266-5281)."""
+        return (
+            (self.shoulder is Shoulder.FREE or found.shoulder is (near if self.shoulder is Shoulder.SAME else self).shoulder)
+            and (self.elbow is Elbow.FREE or found.elbow is (near if self.elbow is Elbow.SAME else self).elbow)
+            and (self.wrist is Wrist.FREE or found.wrist is (near if self.wrist is Wrist.SAME else self).wrist)
+        )
+
+
+FREE = Configuration()
+SAME = Configuration(Shoulder.SAME, Elbow.SAME, Wrist.SAME)
+
+Branch = tuple[Joints, Configuration]
+
+
+class KinematicsError(MotionError):
+    """A pose that this robot cannot take; `number` is the VAL 3 run-time error, `axis` the axis to blame where one is."""
+
+    number = 530
+
+    def __init__(self, message: str, axis: str = "", number: int | None = None) -> None:
+        self.axis = axis
+        if number is not None:
+            self.number = number
+        super().__init__(f"{RHO3_TEXT}: {message} (VAL 3 error {self.number})")
+
+
+class Unreachable(KinematicsError):
+    """No joints lead there: 530 out of reach, 532 outside the workspace, 534 orientation impossible with this arm."""
+
+    number = 530
+
+
+class OutOfLimits(KinematicsError):
+    """Joints lead there, all of them beyond a travel limit: 531."""
+
+    number = 531
+
+
+class WrongConfiguration(KinematicsError):
+    """Reachable, but not in the configuration that is demanded: 533."""
+
+    number = 533
+
+
+class SingularPose(KinematicsError):
+    """The robot stands where it cannot move on in every direction: 540."""
+
+    number = 540
+
+
+class Kinematics(Protocol):
+    """axes: how many joints; q and near: (axes,) m or rad; poses are those of the flange in the base of the robot."""
+
+    @property
+    def axes(self) -> int: ...
+
+    def forward(self, q: Sequence[float]) -> Pose:
+        """Where the flange is."""
+        ...
+
+    def inverse(self, pose: Pose, near: Sequence[float], configuration: Configuration | None = None) -> Joints:
+        """The joints inside the limits that are nearest to `near` and meet `configuration` (None: any).
+
+        Raises Unreachable, OutOfLimits or WrongConfiguration.
+        """
+        ...
+
+    def branches(self, pose: Pose) -> list[Branch]:
+        """All ways to reach the pose, rotary axes in -pi .. pi, limits not looked at; empty when there is none."""
+        ...
+
+    def jacobian(self, q: Sequence[float]) -> NDArray[np.float64]:
+        """(6, axes): rows 0-2 m and rows 3-5 rad of the flange, in the base frame, for each m or rad of an axis."""
+        ...
+
+    def configuration(self, q: Sequence[float]) -> Configuration:
+        """The configuration of these joints; FREE in fields this robot does not have."""
+        ...
