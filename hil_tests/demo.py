@@ -40,7 +40,8 @@ def main(argv: list[str]) -> int:
     p5 = arguments.p5 or (4 if realtime_allowed() else SLOW_P5)
     folder = arguments.records or pathlib.Path(tempfile.mkdtemp(prefix="axisgate-demo-"))
     folder.mkdir(parents=True, exist_ok=True)
-    signal.signal(signal.SIGTERM, _interrupt)
+    for number in (signal.SIGINT, signal.SIGTERM):  # SIGINT too: a shell's background job starts with it ignored
+        signal.signal(number, _interrupt)
     if arguments.p5 is None and p5 == SLOW_P5:
         print(f"real-time priority is refused here: P5 = {SLOW_P5} ms instead of 4 ms", file=sys.stderr)
     while True:
