@@ -111,8 +111,50 @@ class Rk512:
     reaction: bool = True
     types: tuple[str, ...] = ("D",)
     unknown_block: int = 0x14  # error number for a block that is not listed
-    coordination_flag: str = "refuse"  # a job that names one: refuse | ignore | serve
+    coordination_flag: str = "refuse"  # a job that names one: refuse | ignore | serve | keep (AX-251)
     end_of_follow_on: str = "ETX"  # ETX | ETB, as a switch of BUEP64 has it
+
+
+@dataclass(frozen=True, slots=True)
+class Times:
+    """[line.times]: single values of the profile overridden, in ms and in either vocabulary; None: as the profile has it (AX-250)."""
+
+    QVZ: int | None = None  # acknowledgement delay
+    ADT: int | None = None  # the same
+    ZVZ: int | None = None  # character delay
+    CDT: int | None = None  # the same
+    BWZ: int | None = None  # block wait time: for the repeat of a refused block
+    reaction: int | None = None  # wait for the reaction telegram (VIPA's BWZ)
+    pause: int | None = None  # before a repeat
+    no_buffer: int | None = None  # STX while no buffer is free: NAK after
+    connect_attempts: int | None = None  # the first one counts
+    block_attempts: int | None = None
+
+    @property
+    def ack_delay(self) -> int | None:
+        """QVZ, whichever way it is called."""
+        return self.ADT if self.QVZ is None else self.QVZ
+
+    @property
+    def char_delay(self) -> int | None:
+        """ZVZ, whichever way it is called."""
+        return self.CDT if self.ZVZ is None else self.ZVZ
+
+
+@dataclass(frozen=True, slots=True)
+class Choices:
+    """[line.choices]: what the manuals leave open, set otherwise than the profile has it; None: as the profile (AX-221, AX-250)."""
+
+    connect_counter: str | None = None  # per_job | per_block | shared
+    stray: str | None = None  # silent | nak_after_quiet | nak_at_once
+    broken_pair: str | None = None  # nak_at_end | nak_at_once | drop_dle
+    too_long: str | None = None  # nak_at_end | nak_at_once
+    interruption: str | None = None  # ignore | back_off
+    silence_ends: bool | None = None
+    yields_to_second_conflict: bool | None = None
+    nak_at_start: bool | None = None
+    nak_when_giving_up: bool | None = None
+    nesting: bool | None = None  # RK512: a command that comes while we wait for a reaction is served
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,10 +179,12 @@ class Line:
     profile: str = "rho3"
     priority: str = "low"
     layer: str = "rk512"  # rk512 | telegrams | buep64 | program
-    role: str = "passive"  # passive | both
+    role: str = "passive"  # passive | active | both
     output_timeout: int | None = None  # the rho 3's name for the priority: -1 = low, all else high (worked into priority)
     byte_order: str = "big"
     rk512: Rk512 = Rk512()
+    times: Times = Times()
+    choices: Choices = Choices()
     supervision: Supervision = Supervision()
 
     @property
@@ -171,12 +215,21 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Db:
-    """[[db]]: a data block of `words` STEP 5 words; `line` is filled in by the loader when the cell has one RK512 line."""
+    """[[db]]: a data block of `words` STEP 5 words; `line` is filled in by the loader when the cell has one RK512 line.
+
+    Other kinds than D are served as their type: X extended block; E A M words of bytes; T Z numbers.  With role active or both a block may
+    be sent (writer axisgate) or fetched (writer plc) by us, every so often or when it changed (AX-250, AX-252).
+    """
 
     number: int
     words: int
     writer: str  # plc | axisgate
+    kind: str = "D"  # D X E A M T Z
     line: str = ""
+    every_ms: int = 0  # our own SEND or FETCH; 0: the partner's business
+    on_change: bool = False  # our own SEND when a word has changed
+    at_partner: str = ""  # "DB20.DW0": where it lies there; "": same number, from its first word on
+    flag: str = ""  # "M 6.4": coordination flag our job names
     comment: str = ""
     entries: tuple[Entry, ...] = ()
 
@@ -544,7 +597,6 @@ class Cell:
                 line.port.split(":")[0],
                 ("sim", "pty", "tcp", "rfc2217", line.port if line.port.startswith("/") else "sim"),
             )
-            yield from ((f"line.{line.name}.rk512.types", kind, ("D",)) for kind in line.rk512.types)
         for name, handshake in self.handshake.items():
             yield f"handshake.{name}.pattern", handshake.pattern, ("start-busy-done",)
         for bus in self.bus:

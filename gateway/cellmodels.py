@@ -110,8 +110,39 @@ class Rk512(Table):
     reaction: bool = True
     types: list[Literal["D", "E", "A", "M", "T", "Z", "X"]] = ["D"]
     unknown_block: int = Field(default=0x14, ge=1, le=255)
-    coordination_flag: Literal["refuse", "ignore", "serve"] = "refuse"
+    coordination_flag: Literal["refuse", "ignore", "serve", "keep"] = "refuse"
     end_of_follow_on: Literal["ETX", "ETB"] = "ETX"
+
+
+def ms_range(low: int = 0, high: int = 65530) -> Any:
+    """An optional time in ms."""
+    return Field(default=None, ge=low, le=high, json_schema_extra=unit("ms"))
+
+
+class Times(Table):
+    QVZ: int | None = ms_range(10)
+    ADT: int | None = ms_range(10)
+    ZVZ: int | None = ms_range(10)
+    CDT: int | None = ms_range(10)
+    BWZ: int | None = ms_range(10)
+    reaction: int | None = ms_range(10)
+    pause: int | None = ms_range()
+    no_buffer: int | None = ms_range()
+    connect_attempts: int | None = Field(default=None, ge=1, le=255)
+    block_attempts: int | None = Field(default=None, ge=1, le=255)
+
+
+class Choices(Table):
+    connect_counter: Literal["per_job", "per_block", "shared"] | None = None
+    stray: Literal["silent", "nak_after_quiet", "nak_at_once"] | None = None
+    broken_pair: Literal["nak_at_end", "nak_at_once", "drop_dle"] | None = None
+    too_long: Literal["nak_at_end", "nak_at_once"] | None = None
+    interruption: Literal["ignore", "back_off"] | None = None
+    silence_ends: bool | None = None
+    yields_to_second_conflict: bool | None = None
+    nak_at_start: bool | None = None
+    nak_when_giving_up: bool | None = None
+    nesting: bool | None = None
 
 
 class Supervision(Table):
@@ -135,10 +166,12 @@ class Line(Table):
     profile: str = "rho3"
     priority: Literal["low", "high"] = "low"
     layer: Literal["rk512", "telegrams", "buep64", "program"] = "rk512"
-    role: Literal["passive", "both"] = "passive"
+    role: Literal["passive", "active", "both"] = "passive"
     output_timeout: int | None = Field(default=None, ge=-1, le=65535)
     byte_order: Literal["big", "little"] = "big"
     rk512: Rk512 = Rk512()
+    times: Times = Times()
+    choices: Choices = Choices()
     supervision: Supervision = Supervision()
 
 
@@ -157,10 +190,15 @@ class Entry(Table):
 
 
 class Db(Table):
-    number: int = Field(ge=1, le=255)
+    number: int = Field(ge=0, le=255)
     words: int = Field(ge=1, le=256, json_schema_extra=unit("words"))
     writer: Literal["plc", "axisgate"]
+    kind: Literal["D", "X", "E", "A", "M", "T", "Z"] = "D"
     line: str = ""
+    every_ms: int = Field(default=0, ge=0, le=3_600_000, json_schema_extra=unit("ms"))
+    on_change: bool = False
+    at_partner: str = Field(default="", pattern=r"^(D[BX]\d{1,3}\.DW\d{1,3})?$", json_schema_extra={"allowed": '"DB20.DW0" or "DX20.DW0"'})
+    flag: str = Field(default="", pattern=r"^(M ?\d{1,3}\.[0-7])?$", json_schema_extra={"allowed": '"M 6.4"'})
     comment: str = ""
     entries: list[Entry] = []
 

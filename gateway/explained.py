@@ -13,10 +13,11 @@ from gateway.files import find_config, read_signals, read_text
 from gateway.glossary import ALIASES, PARAMETERS, WORDS
 from gateway.places import line_of, steps_of, written
 from gateway.pure.addresses import AddressFault, CellName, DataBit, DataWord, RcBit, cl300, parse, pic, rc
+from gateway.pure.dialects import link_profile
 from gateway.pure.signals import from_tables
 from gateway.pure.tomllines import lines_of
 from gateway.rho3params import LEGAL
-from protocols.p3964r.profiles import PROFILES, profile_named
+from protocols.p3964r.profiles import PROFILES
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,7 +120,7 @@ def word(text: str, cell: Cell | None) -> list[Line]:
     if name in times:
         lines += [Line(f"profile {each.name}", f"{getattr(each, times[name]) / 1e6:g}", "ms", each.source) for each in PROFILES.values()]
         for line in cell.line if cell else ():
-            profile = profile_named(line.profile, line.protocol != "3964")
+            profile = link_profile(line)
             lines.append(Line(f"line.{line.name}", f"{getattr(profile, times[name]) / 1e6:g}", "ms", f'profile = "{line.profile}"'))
     return lines
 

@@ -18,7 +18,7 @@ from gateway.pure.tomllines import Path, nearest
 RESERVED: Mapping[str, tuple[str, ...]] = {  # line kinds whose shape is kept free (issue 2, item 8)
     "protocol": ("plain", "raw", "ascii", "3964", "buep19e", "modbus-rtu", "xon-xoff"),
     "layer": ("plain", "raw", "ascii", "lines"),
-    "role": ("active", "client"),
+    "role": ("client",),
     "types": ("DX", "P", "B", "S"),
 }
 _KINDS = {

@@ -8,26 +8,28 @@ import struct
 import time
 from typing import TYPE_CHECKING
 
-from drivers.ports.open import open_bytes
 from gateway.assembly import Door
 from gateway.cell import Db, Entry, Handshake, Line
-from gateway.doors import BaseDoor, Tell
+from gateway.doors import Tell
 from gateway.image import RegionWriter
-from gateway.linejournal import journaled
-from gateway.lineloop import LineRunner
+from gateway.lineareas import LineAreas
 from gateway.pure.addresses import DataBit, DataWord, Part, parse
 from gateway.pure.command_block import COMMAND_WORDS, STATUS_WORDS, Code, Command
 from gateway.pure.computerlink import ComputerLink
 from gateway.pure.datadoor import RC_NAMES, DataBlock, DataDoor, HandshakeBits, Slot
 from gateway.pure.dialects import BUEP64, buep64_fault, link_profile, rk512_dialect
+from gateway.pure.line_blocks import block_key
+from gateway.pure.line_jobs import OwnJob, OwnJobs
 from gateway.pure.office import Office, OnLoss
 from gateway.pure.records import RC_BYTES, Motion, Quality, set_bit
 from gateway.pure.supervision import LinkWatch
-from protocols.base.machine import Ns
+from gateway.serialdoor import SerialDoor
+from protocols.base.errors import EncodeError
+from protocols.base.machine import Ns, ms
 from protocols.base.step5 import Step5Type
 from protocols.p3964r.profiles import Priority
 from protocols.rk512.active import Active, Denied, Done, Failed, Unasked
-from protocols.rk512.header import ErrorNumber
+from protocols.rk512.header import ErrorNumber, Flag, Kind
 from protocols.rk512.passive import Continued, Fetched, Refused, UnexpectedReaction, Written
 from protocols.rk512.station import Repeated
 
@@ -35,10 +37,17 @@ if TYPE_CHECKING:
     from gateway.processes.services import Services
 
 COMMAND_DB, STATUS_DB, INPUTS_DB, OUTPUTS_DB = 10, 11, 20, 21
+ANY_DB = 1  # entries say only where in their block they stand
 
 
-class LineDoor(BaseDoor):
+class NotActive(RuntimeError):
+    """The cell says role = "passive": this line never sends a job of its own."""
+
+
+class LineDoor(SerialDoor):
     """One serial line to a PLC."""
+
+    counted = ("sends", "fetches", "refused", "bad_blocks", "own_jobs", "own_faults")
 
     def __init__(
         self,
@@ -51,21 +60,18 @@ class LineDoor(BaseDoor):
         line: Line,
         services: "Services",
     ) -> None:
-        super().__init__(door, office, watch, on_loss, region, tell)
-        self.line = line
-        self._services = services
-        blocks = [compile_block(db) for db in services.cell.db if db.line == line.name]
-        self.data = self._data_door(blocks) if blocks else None
-        self._partner = dict.fromkeys(("sends", "fetches", "refused", "bad_blocks", "own_jobs", "own_faults"), 0)
+        super().__init__(door, office, watch, on_loss, region, tell, line, services)
+        self.services = services
+        mine = [db for db in services.cell.db if db.line == line.name]
+        self.data = self._data_door([compile_block(db) for db in mine]) if mine else None
+        self._own = OwnJobs(compile_job(db) for db in mine if db.every_ms or db.on_change)
         self._life: int | None = None
         self._life_place = _word_of(line.supervision.life_word)
         priority = Priority.HIGH if line.priority == "high" else Priority.LOW
-        self.machine = ComputerLink(link_profile(line), priority, self, rk512_dialect(line), line.baud)
-        self._runner: LineRunner[object] | None = None
-        self._journal_next: Ns = 0
-        tell(
-            "link", f"door {self.number} {self.name}: {line.protocol} {line.profile} on {services.plan.lines[line.name]}", door=self.number
-        )
+        self._areas = LineAreas(self)
+        link = ComputerLink(link_profile(line), priority, self, rk512_dialect(line), line.baud, self._areas)
+        self._areas.flags = link.passive.flags
+        self._link = self.machine = link
 
     def _data_door(self, blocks: list[DataBlock]) -> DataDoor:
         services = self._services
@@ -92,15 +98,6 @@ class LineDoor(BaseDoor):
         return DataDoor(blocks, names, compile_handshake(handshake) if handshake else None, command, value, bad_number, level)
 
     # ---- life --------------------------------------------------------------------------------------------------------
-    def open(self, url: str) -> None:
-        """Start the line; inside the running loop."""
-        machine = journaled(self.machine, self._services.plan, self.line)
-        self._runner = LineRunner[object](lambda: open_bytes(url, self.line.format), machine, self._on_event)
-
-    def close(self) -> None:
-        if self._runner is not None:
-            self._runner.close()
-
     def restart(self) -> None:
         """Edges and toggle are adopted from the next telegram (AX-141)."""
         super().restart()
@@ -108,25 +105,62 @@ class LineDoor(BaseDoor):
             self.data.restart()
 
     def settle(self) -> None:
-        """At each tick: the handshake's outcome, and control given back at rest."""
-        if self.data is None:
-            return
-        job = self.office.door(self.number).by_code.get(Code.PTP_ABSOLUTE)
-        if job is not None:
-            self.data.move_state(job.state)
-        state = self._services.values.state
-        self.data.settle(at_rest=state.motion in (Motion.IDLE, Motion.STOPPED))
+        """At each tick: our own jobs, coordination flags, the handshake's outcome, and control given back at rest."""
+        self._give_own_jobs(time.monotonic_ns())
+        if self.data is not None:
+            job = self.office.door(self.number).by_code.get(Code.PTP_ABSOLUTE)
+            if job is not None:
+                self.data.move_state(job.state)
+            state = self._services.values.state
+            self.data.settle(at_rest=state.motion in (Motion.IDLE, Motion.STOPPED))
+        if self.line.rk512.coordination_flag == "serve" and not (self.data is not None and self.data.handshake_bit("busy")):
+            self._areas.flags.set.clear()  # what came has been used: edges are taken at once, a move has ended (AX-251)
 
+    # ---- our own jobs ------------------------------------------------------------------------------------------------
     @property
     def active(self) -> Active:
-        """Our own SEND and FETCH jobs (role "both"); call `started` after giving one."""
-        return self.machine.active
+        """For SEND and FETCH of our own; call `started` after giving one.  NotActive where the cell has role = "passive"."""
+        if self.line.role == "passive":
+            raise NotActive(f'line {self.name}: role = "passive": the partner alone sends and fetches; "both" or "active" allows our own jobs')
+        return self._link.active
 
     def started(self) -> None:
         """A job was given to `active`."""
-        self.machine.start(time.monotonic_ns())
-        if self._runner is not None:
-            self._runner.kick()
+        self._link.start(time.monotonic_ns())
+        self.kick()
+
+    def _give_own_jobs(self, now: Ns) -> None:
+        if not self._own.jobs or not self.connected:
+            return
+        before = self.active.pending
+        for job, data in self._own.due(now, self._content):
+            try:
+                number = (
+                    self.active.fetch(job.word, job.words, job.block, job.kind, job.flag)
+                    if job.fetch
+                    else self.active.send(job.word, data, job.block, job.kind, job.flag)
+                )
+            except EncodeError as error:  # the cell's checks have seen to it
+                self._fault("own_faults", str(error), now)
+                continue
+            self._own.given(number, job, data, now)
+        if self.active.pending > before:
+            self.started()
+
+    def _content(self, key: int) -> bytes:
+        assert self.data is not None  # our jobs come from its blocks
+        return self.data.fill(key)
+
+    def _done(self, event: Done, now: Ns) -> None:
+        """Ours is done: what was fetched is taken as if the partner had sent it."""
+        job = self._own.over(event.job)
+        self._partner["own_jobs"] += 1
+        if job is not None and job.fetch and self.data is not None:
+            self.data.written(job.key, 0, event.data, now)
+            self._note_life(job.key, 0, event.data)
+        life, self._life = self._life, None
+        self.heard(now, life)
+        self._services.flush()
 
     def _on_event(self, event: object, now: Ns) -> None:
         """The store was read or written inside the machine; here it is counted and handed on."""
@@ -136,14 +170,16 @@ class LineDoor(BaseDoor):
             self.heard(now, life)
             self._services.flush()
         elif isinstance(event, Done):
-            self._partner["own_jobs"] += 1
+            self._done(event, now)
         elif isinstance(event, Denied | Failed | Unasked):
+            if not isinstance(event, Unasked):
+                self._own.failed(event.job, now)
             self._fault("own_faults", self._in_words(event), now)
         else:
             self._fault("bad_blocks", str(event), now)
 
     def _in_words(self, event: Denied | Failed | Unasked) -> str:
-        if isinstance(event, Unasked) or self.machine.active.name != BUEP64:
+        if isinstance(event, Unasked) or self._link.active.name != BUEP64:
             return str(event)
         return f"job {event.job}: {buep64_fault(event)}"
 
@@ -154,18 +190,6 @@ class LineDoor(BaseDoor):
             self._partner["fetches"] += 1
         elif not isinstance(result, Continued):
             self._fault("refused", str(result), now)
-
-    def _fault(self, counter: str, words: str, now: Ns) -> None:
-        """A partner's faults are counted; the journal hears of them at most once a second."""
-        self._partner[counter] += 1
-        if now >= self._journal_next:
-            self._journal_next = now + 1_000_000_000
-            self._tell("line", f"{self.name}: {words}", door=self.number)
-
-    def counters(self) -> dict[str, object]:
-        """For tools."""
-        state = self._runner.state if self._runner is not None else None
-        return {**self._partner, "connected": state.connected if state else False, "why": state.why if state else ""}
 
     # ---- the store RK512 serves --------------------------------------------------------------------------------------
     def block_bytes(self, db: int) -> bytes | None:
@@ -185,8 +209,17 @@ class LineDoor(BaseDoor):
             return struct.pack(f">{STATUS_WORDS}H", *self.block.status_words(self.status))
         return None
 
+    def refused(self, kind: str) -> ErrorNumber | None:
+        """The number a job to this type gets whatever it wants: the line serves nobody (role active), or not this type."""
+        if self.line.role == "active":
+            return ErrorNumber.NOT_ALLOWED
+        return None if kind in self.line.rk512.types else ErrorNumber.TYPE_NOT_SERVED
+
     def read(self, db: int, word: int, words: int) -> bytes | ErrorNumber:
         """FETCH."""
+        refused = self.refused("D")
+        if refused is not None:
+            return refused
         data = self.block_bytes(db)
         if data is None or 2 * (word + words) > len(data):
             return ErrorNumber.BLOCK
@@ -194,18 +227,14 @@ class LineDoor(BaseDoor):
 
     def write(self, db: int, word: int, data: bytes) -> ErrorNumber | None:
         """SEND: taken whole or not at all."""
+        return self.refused("D") or self._write(db, word, data)
+
+    def _write(self, db: int, word: int, data: bytes) -> ErrorNumber | None:
         now = time.monotonic_ns()
         if self.data is not None and db in self.data.blocks:
-            block = self.data.blocks[db]
-            if not block.from_plc:
-                return ErrorNumber.NOT_ALLOWED
-            if 2 * word + len(data) > len(block.data):
-                return ErrorNumber.BLOCK
-            self.data.written(db, word, data, now)
-            self._note_life(db, word, data)
-            return None
+            return self.write_block(db, word, data, now)
         if db == INPUTS_DB:
-            return self._write_inputs(word, data)
+            return self.write_inputs(2 * word, data)
         if self.data is not None or db != COMMAND_DB:
             return ErrorNumber.BLOCK
         if word + len(data) // 2 > COMMAND_WORDS or len(data) % 2:
@@ -214,8 +243,20 @@ class LineDoor(BaseDoor):
         self._note_life(db, word, data)
         return None
 
-    def _write_inputs(self, word: int, data: bytes) -> ErrorNumber | None:
-        octets = range(2 * word, 2 * word + len(data))
+    def write_block(self, key: int, word: int, data: bytes, now: Ns) -> ErrorNumber | None:
+        """Words into a declared block, known by its line_blocks.block_key."""
+        block = self.data.blocks.get(key) if self.data is not None else None
+        if self.data is None or block is None or 2 * word + len(data) > len(block.data):
+            return ErrorNumber.BLOCK
+        if not block.from_plc:
+            return ErrorNumber.NOT_ALLOWED
+        self.data.written(key, word, data, now)
+        self._note_life(key, word, data)
+        return None
+
+    def write_inputs(self, first: int, data: bytes) -> ErrorNumber | None:
+        """RC input bytes from `first` on; all of them have to be ours."""
+        octets = range(first, first + len(data))
         services = self._services
         if octets.stop > RC_BYTES:
             return ErrorNumber.BLOCK
@@ -226,6 +267,17 @@ class LineDoor(BaseDoor):
             services.inputs.quality[octet], services.inputs.stamps[octet] = Quality.GOOD, time.monotonic_ns()
         return None
 
+    def reset_flag(self, byte: int, bit: int) -> bool:
+        """`axisgate var "M 6.4" --set 0`: a coordination flag is reset, as a program does that has used what came.  False: it was not set."""
+        standing = [flag for flag in self._areas.flags.set if (flag.byte, flag.bit) == (byte, bit)]
+        for flag in standing:
+            self._areas.flags.reset(flag)
+        return bool(standing)
+
+    def flag_bytes(self) -> bytes:
+        """Area M as it stands."""
+        return self._areas.content("M", 0) or b""
+
     def _note_life(self, db: int, word: int, data: bytes) -> None:
         if self._life_place is not None and self._life_place[0] == db and word <= self._life_place[1] < word + len(data) // 2:
             at = 2 * (self._life_place[1] - word)
@@ -233,7 +285,7 @@ class LineDoor(BaseDoor):
 
     def write_as_plc(self, db: int, word: int, data: bytes) -> str:
         """`axisgate var --set`: as if the PLC had sent it; empty when done, else why not."""
-        refused = self.write(db, word, data)
+        refused = self._write(db, word, data)
         self._services.flush()
         return "" if refused is None else f"DB {db} DW {word}: refused with RK512 error {int(refused):02X}h ({refused.name})"
 
@@ -259,19 +311,40 @@ def compile_handshake(handshake: Handshake) -> HandshakeBits:
 
 def compile_block(db: Db) -> DataBlock:
     """[[db]] to places and types."""
-    return DataBlock(db.number, db.words, db.writer == "plc", tuple(compile_slot(db, entry) for entry in db.entries))
+    key = block_key(db.kind, db.number)
+    return DataBlock(key, db.words, db.writer == "plc", tuple(compile_slot(key, entry) for entry in db.entries))
 
 
-def compile_slot(db: Db, entry: Entry) -> Slot:
-    """One entry; the cell's checks have already refused what does not fit."""
-    place = parse(entry.at, db=db.number)
+def compile_job(db: Db) -> OwnJob:
+    """every_ms and on_change of a [[db]]."""
+    kind, block, word = partner_place(db)
+    flag = None
+    if db.flag:
+        byte, _, bit = db.flag.removeprefix("M").strip().partition(".")
+        flag = Flag(int(byte), int(bit))
+    return OwnJob(
+        block_key(db.kind, db.number), db.writer == "plc", kind, block, word, db.words, ms(db.every_ms), db.on_change, flag
+    )  # fmt: skip
+
+
+def partner_place(db: Db) -> tuple[Kind, int, int]:
+    """Type, block and first word of a block at the partner."""
+    if not db.at_partner:
+        return Kind(ord(db.kind)), db.number, 0
+    block, _, word = db.at_partner.partition(".DW")
+    return Kind.BLOCK if block[1] == "B" else Kind.EXTENDED, int(block[2:]), int(word)
+
+
+def compile_slot(key: int, entry: Entry) -> Slot:
+    """One entry of the block with this key; the cell's checks have already refused what does not fit."""
+    place = parse(entry.at, db=ANY_DB)
     factor = float(entry.unit.split()[0]) if entry.unit else 1.0
     rising = entry.edge == "rising"
     if isinstance(place, DataBit):
-        return Slot(db.number, place.word, None, entry.signal, bit=place.bit, rising=rising)
+        return Slot(key, place.word, None, entry.signal, bit=place.bit, rising=rising)
     assert isinstance(place, DataWord)
     half = {Part.LEFT: "L", Part.RIGHT: "R"}.get(place.part, "")
     return Slot(
-        db.number, place.word, Step5Type[entry.type], entry.signal, half=half, factor=factor, low=entry.min, high=entry.max,
+        key, place.word, Step5Type[entry.type], entry.signal, half=half, factor=factor, low=entry.min, high=entry.max,
         rising=rising,
     )  # fmt: skip

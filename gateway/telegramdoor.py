@@ -4,24 +4,22 @@ It commands no axes: values and signals are what a program (or another door) act
 """
 
 import time
-from collections import Counter
 from typing import TYPE_CHECKING
 
-from drivers.ports.open import open_bytes
 from gateway.assembly import Door
 from gateway.cell import Line
-from gateway.doors import BaseDoor, Tell
+from gateway.doors import Tell
 from gateway.image import RegionWriter
-from gateway.linejournal import journaled
-from gateway.lineloop import LineRunner
+from gateway.pure.dialects import link_profile
 from gateway.pure.office import Office, OnLoss
 from gateway.pure.supervision import LinkWatch
+from gateway.serialdoor import SerialDoor
 from gateway.telegramtables import incoming, is_incoming, outgoing
 from protocols.base.errors import EncodeError
 from protocols.base.machine import Ns
 from protocols.p3964r.events import BlockReceived, BlockSent, SendFailed
 from protocols.p3964r.link import Link
-from protocols.p3964r.profiles import Priority, profile_named
+from protocols.p3964r.profiles import Priority
 from protocols.telegrams.builder import Edge, EdgeWatch, When, build, parse_when
 from protocols.telegrams.fields import Value
 from protocols.telegrams.layout import Outgoing, Received, Refused
@@ -31,8 +29,10 @@ if TYPE_CHECKING:
     from gateway.processes.services import Services
 
 
-class TelegramDoor(BaseDoor):
+class TelegramDoor(SerialDoor):
     """One serial line to a host computer."""
+
+    counted = ("received", "refused", "unknown", "bad_blocks", "sent", "failed", "unbuilt")
 
     def __init__(
         self,
@@ -45,20 +45,14 @@ class TelegramDoor(BaseDoor):
         line: Line,
         services: "Services",
     ) -> None:
-        super().__init__(door, office, watch, on_loss, region, tell)
-        self.line = line
-        self._services, self._named = services, services.named
+        super().__init__(door, office, watch, on_loss, region, tell, line, services)
+        self._named = services.named
         mine = [telegram for telegram in services.cell.telegram if telegram.line == line.name]
         self.reader = Reader([incoming(telegram, line) for telegram in mine if is_incoming(telegram)])
         self._rules = [(self._watch(telegram.when), outgoing(telegram, line)) for telegram in mine if not is_incoming(telegram)]
-        self.link = Link(profile_named(line.profile, line.protocol != "3964"), Priority.HIGH if line.priority == "high" else Priority.LOW)
+        self.link = Link(link_profile(line), Priority.HIGH if line.priority == "high" else Priority.LOW)
+        self.machine = self.link
         self._jobs: dict[int, str] = {}
-        self._partner: Counter[str] = Counter(
-            dict.fromkeys(("received", "refused", "unknown", "bad_blocks", "sent", "failed", "unbuilt"), 0)
-        )
-        self._runner: LineRunner[object] | None = None
-        self._journal_next: Ns = 0
-        tell("link", f"door {self.number} {self.name}: {line.profile} telegrams on {services.plan.lines[line.name]}", door=self.number)
 
     def _watch(self, text: str) -> EdgeWatch:
         when = parse_when(text)
@@ -66,21 +60,12 @@ class TelegramDoor(BaseDoor):
         return EdgeWatch(When(Edge.CHANGE, when.name) if when.name in self._named.signals else when)  # a signal counts: each one is an edge
 
     # ---- life --------------------------------------------------------------------------------------------------------
-    def open(self, url: str) -> None:
-        """Start the line; inside the running loop."""
-        machine = journaled(self.link, self._services.plan, self.line)
-        self._runner = LineRunner(lambda: open_bytes(url, self.line.format), machine, self._on_event)
-
-    def close(self) -> None:
-        if self._runner is not None:
-            self._runner.close()
-
     def wake(self, now: Ns) -> None:
         """A host may be quiet for hours: without max_silence_ms only a port that is gone is a loss (AX-195)."""
         was = self.watch.alive
         if self.watch.max_silence:
             super().wake(now)
-        elif self.watch.alive and (self._runner is None or not self._runner.state.connected):
+        elif self.watch.alive and not self.connected:
             self.watch.alive, self.watch.losses = False, self.watch.losses + 1
             self.office.link(self.number, self.on_loss, alive=False)
             self._tell("link", f"door {self.number} {self.name}: the port is gone", door=self.number)
@@ -111,8 +96,7 @@ class TelegramDoor(BaseDoor):
             self._fault("unbuilt", str(error), now)
             return
         self._jobs[self.link.send(block, now)] = telegram.name
-        if self._runner is not None:
-            self._runner.kick()
+        self.kick()
 
     # ---- in ----------------------------------------------------------------------------------------------------------
     def _on_event(self, event: object, now: Ns) -> None:
@@ -148,15 +132,3 @@ class TelegramDoor(BaseDoor):
             self._fault("refused", f"{event.name}: {event.why}: {data.hex(' ')}", now)
         else:
             self._fault("unknown", f"no telegram has these {len(data)} bytes: {data.hex(' ')}", now)
-
-    def _fault(self, counter: str, words: str, now: Ns) -> None:
-        """Faults are counted; the journal hears of them at most once a second."""
-        self._partner[counter] += 1
-        if now >= self._journal_next:
-            self._journal_next = now + 1_000_000_000
-            self._tell("line", f"{self.name}: {words}", door=self.number)
-
-    def counters(self) -> dict[str, object]:
-        """For tools."""
-        state = self._runner.state if self._runner is not None else None
-        return {**self._partner, "connected": state.connected if state else False, "why": state.why if state else ""}

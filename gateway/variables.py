@@ -15,7 +15,7 @@ from gateway.doors import BaseDoor
 from gateway.files import read_signals
 from gateway.linedoor import LineDoor
 from gateway.modbusdoor import ModbusDoor
-from gateway.pure.addresses import AddressFault, CellName, DataBit, DataWord, Direction, Part, RcBit, Register, Table, parse, pic
+from gateway.pure.addresses import AddressFault, CellName, DataBit, DataWord, Direction, FlagBit, Part, RcBit, Register, Table, parse, pic
 from gateway.pure.records import get_bit
 from gateway.pure.signals import from_tables
 from protocols.modbus.view import ExceptionCode, Kind
@@ -95,6 +95,8 @@ class Variables:
                 return self._named(text, name)
             case Register():
                 return self._register(text, place)
+            case FlagBit():
+                return self._flag(text, place)
 
     def _register(self, text: str, place: Register) -> dict[str, object]:
         """As a Modbus client would read it from the first server of the cell."""
@@ -136,6 +138,21 @@ class Variables:
             hint = f", did you mean {close[0]}?" if close else ""
             return {"error": f"{name}: no such name{hint}; axisgate var lists them"}
 
+    def _flag(self, text: str, place: FlagBit) -> dict[str, object]:
+        """A coordination flag, of whichever line has it set; 0 while none has."""
+        lines = [door for door in self._services.doors if isinstance(door, LineDoor)]
+        holders = [door for door in lines if door.flag_bytes()[place.byte] >> place.bit & 1]
+        return {"address": text, "place": str(place), "value": int(bool(holders)), "door": ", ".join(door.name for door in holders)}
+
+    def _reset_flag(self, text: str, place: FlagBit, value: str) -> dict[str, object]:
+        """A program that has used what came; a partner alone sets one."""
+        if value != "0":
+            return {"error": f"{text} = {value}: a coordination flag is set by the partner's job; it is reset with 0"}
+        for door in self._services.doors:
+            if isinstance(door, LineDoor):
+                door.reset_flag(place.byte, place.bit)
+        return self._flag(text, place)
+
     def _name_of(self, place: RcBit) -> str:
         """RC output 64 (E8.0, READY_RCO): the number, the PLC's address and the signal's name if it has one."""
         signal = self._signals.at(place)
@@ -163,6 +180,8 @@ class Variables:
             services.named.put(place.name, _typed(value), time.monotonic_ns(), "var")
             services.settle()
             return self._get(text)
+        if isinstance(place, FlagBit):
+            return self._reset_flag(text, place, value)
         if not isinstance(place, DataWord | DataBit):
             return {"error": f"{text}: a data word or bit a PLC writes is expected, e.g. DB10.DW2 or DB10.D0.8"}
         door, data = self._block(place.db)

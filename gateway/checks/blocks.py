@@ -32,13 +32,23 @@ def counts_of(entry: Entry, address: DataWord | DataBit) -> tuple[float, float] 
     return COUNTS.get(entry.type)
 
 
+def parsed(block: Db, entry: Entry) -> object:
+    """What stands at `at`; an area has no number, its words are counted all the same.  Raises AddressFault."""
+    return parse(entry.at, db=number_of(block))
+
+
+def number_of(block: Db) -> int:
+    """The number its places are written with: 1 where it has none."""
+    return block.number or 1
+
+
 def place_of(block: Db, entry: Entry) -> DataWord | DataBit | None:
     """The parsed place of an entry, None when it is none."""
     try:
-        address = parse(entry.at, db=block.number)
+        address = parsed(block, entry)
     except AddressFault:
         return None
-    return address if isinstance(address, DataWord | DataBit) and address.db == block.number else None
+    return address if isinstance(address, DataWord | DataBit) and address.db == number_of(block) else None
 
 
 def _key(block: Db, entry: Entry) -> str:
@@ -47,11 +57,14 @@ def _key(block: Db, entry: Entry) -> str:
 
 def block_heads(check: Context) -> None:
     """Block numbers stand once; every block belongs to a line that serves blocks."""
-    seen: set[tuple[str, int]] = set()
+    seen: set[tuple[str, str, int]] = set()
     for block in check.cell.db:
-        if (block.line, block.number) in seen:
+        if (block.line, block.kind, block.number) in seen:
             check.fault(f"db.{block.number}.number", block.number, "this block stands twice; put its entries into one table")
-        seen.add((block.line, block.number))
+        seen.add((block.line, block.kind, block.number))
+        if (block.kind in "DX") is (block.number == 0):
+            hint = "a data block has a number" if block.kind in "DX" else f'kind = "{block.kind}" is one area: number = 0'
+            check.fault(f"db.{block.number}.number", block.number, hint, "1..255" if block.kind in "DX" else "0")
         lines = {line.name: line for line in check.cell.line}
         if not block.line:
             check.fault(
@@ -90,11 +103,11 @@ def places(check: Context) -> None:
 
 def _place(check: Context, block: Db, entry: Entry) -> DataWord | DataBit | None:
     try:
-        address = parse(entry.at, db=block.number)
+        address = parsed(block, entry)
     except AddressFault as error:
         check.fault(_key(block, entry), entry.at, str(error).split(": ", 1)[-1])
         return None
-    if not isinstance(address, DataWord | DataBit) or address.db != block.number:
+    if not isinstance(address, DataWord | DataBit) or address.db != number_of(block):
         check.fault(_key(block, entry), entry.at, f'a place in DB {block.number}: "DW 2", "DL 2", "DR 2", "DD 2", "D 0.3"')
         return None
     if isinstance(address, DataBit) is not (entry.type == "bit"):
@@ -239,7 +252,7 @@ def _bit(check: Context, key: str, text: str, writer: str) -> None:
     if not isinstance(address, DataBit):
         check.fault(key, text, "a bit of a data block, as DB10.D0.8")
         return
-    blocks = [block for block in check.cell.db if block.number == address.db]
+    blocks = [block for block in check.cell.db if block.kind == "D" and block.number == address.db]
     if not blocks:
         check.unknown(key, str(address.db), "db")
         return

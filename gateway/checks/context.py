@@ -32,10 +32,10 @@ class Context:
         return True
 
 
-def near(word: str, known: Iterable[str]) -> str:
-    """A hint naming the closest spelling, or nothing."""
-    found = difflib.get_close_matches(word, list(known), n=1, cutoff=0.6)
-    return f"did you mean {found[0]}?" if found else ""
+def near(word: str, known: Iterable[str], most: int = 1) -> str:
+    """A hint naming the closest spellings, at most so many, or nothing."""
+    found = difflib.get_close_matches(word, list(known), n=most, cutoff=0.6)
+    return f"did you mean {' or '.join(found)}?" if found else ""
 
 
 def twice(pairs: Iterable[tuple[object, str]]) -> list[tuple[object, str, str]]:

@@ -52,10 +52,9 @@ def lines(check: Context) -> None:
     """Profile known, layer fits, life word is an entry the PLC counts up."""
     for line in check.cell.line:
         if line.profile.removesuffix(NETWORK) not in PROFILES:
-            hint = near(line.profile, PROFILES) or f"behind a serial server: with {NETWORK} at the end"
+            bare = line.profile.removesuffix(NETWORK)
+            hint = near(bare, PROFILES, most=3) or f"behind a serial server: with {NETWORK} at the end"
             check.fault(f"line.{line.name}.profile", line.profile, hint, " | ".join(sorted(PROFILES)))
-        if line.layer == "buep64" and set(line.rk512.types) != {"D"}:
-            check.fault(f"line.{line.name}.rk512.types", " ".join(line.rk512.types), "BUEP64 carries data modules only", "D")
         if line.output_timeout is not None and (line.output_timeout == -1) is not (line.priority == "low"):
             hint = f"output_timeout = {line.output_timeout} says the opposite (-1 = low): keep one of both"
             check.fault(f"line.{line.name}.priority", line.priority, hint)
@@ -77,7 +76,7 @@ def _life_word(check: Context, line: Line, text: str) -> None:
         return
     if check.unknown(key, str(address.db), "db"):
         return
-    entries = [entry for block in check.cell.db if block.number == address.db for entry in block.entries]
+    entries = [entry for block in check.cell.db if block.kind == "D" and block.number == address.db for entry in block.entries]
     wanted = f"line.{line.name}.life"
     here = [entry for entry in entries if entry.to and _same(entry.at, address)]
     if entries and not any(entry.to == wanted for entry in here):

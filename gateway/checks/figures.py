@@ -3,7 +3,7 @@
 import math
 
 from gateway.cell import Bus, Cell, Line
-from protocols.p3964r.profiles import profile_named
+from gateway.pure.dialects import link_profile
 
 FRAME_CHARS = 6  # STX, DLE, DLE ETX BCC, DLE around every block (serial-protocols 1.3, 1.4)
 HEADER, REACTION = 10, 4  # bytes of an RK512 command header and reaction header (serial-protocols 2.1, 2.2)
@@ -26,7 +26,7 @@ def job_ms(line: Line, words: int) -> float:
 
 def silence_s(line: Line) -> tuple[float, int]:
     """How long the link tries before it reports the partner gone: QVZ in ms, and attempts."""
-    profile = profile_named(line.profile, line.protocol != "3964")
+    profile = link_profile(line)
     return profile.ack_delay / 1e6, profile.connect_attempts
 
 

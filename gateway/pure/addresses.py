@@ -78,6 +78,17 @@ class DataBit:
         return f"DB{self.db}.D{self.word}.{self.bit}"
 
 
+@dataclass(frozen=True, slots=True)
+class FlagBit:
+    """A coordination flag of a line: M byte.bit."""
+
+    byte: int
+    bit: int
+
+    def __str__(self) -> str:
+        return f"M {self.byte}.{self.bit}"
+
+
 class Table(Enum):
     """The four tables of Modbus; the value is the leading digit of a register number."""
 
@@ -102,10 +113,11 @@ class CellName:
     name: str
 
 
-Address = DataWord | DataBit | RcBit | Register | CellName
+Address = DataWord | DataBit | RcBit | Register | CellName | FlagBit
 
 EXPECTED = (
     "expected DB10.DW2 (DL, DR, DD), DB10.D0.8, E/I 8.4, A/O 8.2, CL300 I6.4, RC 7.3, RC out 1.5, a bit number (66, RCO 66), "
+    "a coordination flag M 6.4, "
     "a register number (00001, 10001, 30001, 40001), a signal such as K01_A_MN_RCI or a name such as axis.X.actual"
 )
 _BLOCK = re.compile(r"(?:DB\s*(\d+)\s*[., ]\s*)?(DW|DL|DR|DD)\s*(\d+)")
@@ -115,6 +127,7 @@ _RC = re.compile(r"RC\s*(IN|OUT)?\s*(\d+)\.(\d+)")
 _NUMBER = re.compile(r"(?:(RCI|RCO|IN|OUT)\s*)?(\d{1,4})")
 _REGISTER = re.compile(r"([0134])(\d{4,5})")
 _NAME = re.compile(r"[a-z][\w]*(\.[\w*]+)+")
+_FLAG = re.compile(r"[MF]\s*(\d+)\.(\d+)")
 _NOT_SERVED = re.compile(r"(DX|M|T|Z|C|F)\s*\d+(\.\d+)?.*")
 
 
@@ -130,7 +143,7 @@ def parse(text: str, symbols: Mapping[str, RcBit] | None = None, db: int | None 
     if _NAME.fullmatch(plain):
         return CellName(plain)
     if _NOT_SERVED.fullmatch(upper):
-        raise AddressFault(f"{text!r}: flags, timers, counters and DX blocks are not served; {EXPECTED}")
+        raise AddressFault(f"{text!r}: flag words, timers, counters and DX blocks have no address here; {EXPECTED}")
     raise AddressFault(f"{text!r}: {EXPECTED}")
 
 
@@ -249,4 +262,19 @@ def _register(text: str, found: re.Match[str], db: int | None) -> Address:
     return Register(Table(int(found[1])), number - 1)
 
 
-_FORMS = ((_BLOCK, _block_word), (_BLOCK_BIT, _block_bit), (_PLC, _plc), (_RC, _rc), (_NUMBER, _number), (_REGISTER, _register))
+def _flag(text: str, found: re.Match[str], db: int | None) -> Address:
+    byte, bit = int(found[1]), int(found[2])
+    if byte > 254 or bit > 7:
+        raise AddressFault(f"{text!r}: coordination flags are M 0.0..M 254.7")
+    return FlagBit(byte, bit)
+
+
+_FORMS = (
+    (_BLOCK, _block_word),
+    (_BLOCK_BIT, _block_bit),
+    (_PLC, _plc),
+    (_RC, _rc),
+    (_NUMBER, _number),
+    (_REGISTER, _register),
+    (_FLAG, _flag),
+)

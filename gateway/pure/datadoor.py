@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from gateway.pure.command_block import Code, Command
+from gateway.pure.line_blocks import block_name
 from gateway.pure.reasons import CommandState
 from protocols.base.errors import ProtocolError
 from protocols.base.machine import Ns
@@ -178,7 +179,7 @@ class DataDoor:
             if (slot.low is not None and value < slot.low) or (slot.high is not None and value > slot.high):
                 words = f"{slot.name} {value:g}; {slot.low:g}..{slot.high:g}"
         if words and self._told.get(slot) != words:
-            self._bad(slot.name, f"DB {block.number} DW {slot.word}: {words}")
+            self._bad(slot.name, f"{block_name(block.number)} DW {slot.word}: {words}")
         self._told[slot] = words
         return None if words else value
 

@@ -155,8 +155,8 @@ def test_forms(text: str, address: Address) -> None:
         ("RC 0.1", "RC bytes count from 1"),
         ("1024", "bit numbers are 0..1023"),
         ("40000", "register numbers count from 40001"),
-        ("M 10.3", "flags, timers, counters"),
-        ("T5", "flags, timers, counters"),
+        ("MW 10", "flag words, timers, counters"),
+        ("T5", "flag words, timers, counters"),
         ("K01_A_MN_RCI", "expected DB10.DW2"),  # no symbols handed in
         ("", "expected DB10.DW2"),
         ("DB10", "expected DB10.DW2"),

@@ -1,0 +1,87 @@
+"""What every door of a serial line shares: the machine of its protocols on a port that goes and comes back, counters, journal words."""
+
+from collections import Counter
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from drivers.ports.open import open_bytes
+from gateway.assembly import Door
+from gateway.cell import Line
+from gateway.doors import BaseDoor, Tell
+from gateway.image import RegionWriter
+from gateway.linejournal import journaled
+from gateway.lineloop import LineRunner
+from gateway.pure.office import Office, OnLoss
+from gateway.pure.supervision import LinkWatch
+from protocols.base.machine import Machine, Ns
+
+if TYPE_CHECKING:
+    from gateway.processes.services import Services
+
+TOLD_EVERY: Ns = 1_000_000_000  # a partner's faults reach the journal at most so often; all are counted
+
+
+class SerialDoor(BaseDoor):
+    """One [[line]].  Below it: `machine`, made by the door of its layer."""
+
+    machine: Machine[object]
+    counted: Iterable[str] = ()  # names of its counters
+
+    def __init__(
+        self,
+        door: Door,
+        office: Office,
+        watch: LinkWatch,
+        on_loss: OnLoss,
+        region: RegionWriter,
+        tell: Tell,
+        line: Line,
+        services: "Services",
+    ) -> None:
+        super().__init__(door, office, watch, on_loss, region, tell)
+        self.line = line
+        self._services = services
+        self._partner: Counter[str] = Counter(dict.fromkeys(self.counted, 0))
+        self._runner: LineRunner[object] | None = None
+        self._journal_next: Ns = 0
+        tell(
+            "link", f"door {self.number} {self.name}: {line.protocol} {line.profile} on {services.plan.lines[line.name]}", door=self.number
+        )
+
+    def open(self, url: str) -> None:
+        """Start the line; inside the running loop."""
+        machine = journaled(self.machine, self._services.plan, self.line)
+        self._runner = LineRunner[object](lambda: open_bytes(url, self.line.format), machine, self._on_event)
+
+    def close(self) -> None:
+        """Give the port back."""
+        if self._runner is not None:
+            self._runner.close()
+
+    @property
+    def connected(self) -> bool:
+        """The port is there."""
+        return self._runner is not None and self._runner.state.connected
+
+    def settle(self) -> None:
+        """At each tick."""
+
+    def kick(self) -> None:
+        """The machine was given something to do."""
+        if self._runner is not None:
+            self._runner.kick()
+
+    def counters(self) -> dict[str, object]:
+        """For tools."""
+        state = self._runner.state if self._runner is not None else None
+        return {**self._partner, "connected": state.connected if state else False, "why": state.why if state else ""}
+
+    def _on_event(self, event: object, now: Ns) -> None:
+        raise NotImplementedError
+
+    def _fault(self, counter: str, words: str, now: Ns) -> None:
+        """A partner's faults are counted; the journal hears of them at most once a second."""
+        self._partner[counter] += 1
+        if now >= self._journal_next:
+            self._journal_next = now + TOLD_EVERY
+            self._tell("line", f"{self.name}: {words}", door=self.number)
