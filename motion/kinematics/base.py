@@ -108,6 +108,10 @@ class Kinematics(Protocol):
         """
         ...
 
+    def follow(self, pose: Pose, near: Sequence[float]) -> Joints:
+        """As `inverse` for a path: shoulder and elbow stay as in `near`, the wrist goes the shorter way.  The fast one."""
+        ...
+
     def branches(self, pose: Pose) -> list[Branch]:
         """All ways to reach the pose, rotary axes in -pi .. pi, limits not looked at; empty when there is none."""
         ...
