@@ -4,9 +4,12 @@ from gateway.cell import Axis, Db, Entry, Handshake
 from gateway.checks.context import Context, near, number
 from gateway.pure.addresses import AddressFault, DataBit, DataWord, Direction, Part, bits_of, parse
 from gateway.pure.names import Found, Kind, lookup, spelled
+from gateway.pure.reasons import Reason
 
 SERVING = ("rk512", "buep64")  # layers
 DOUBLE = ("DH", "KG", "REAL")
+FULL = 100.0  # %
+LARGEST = {"cell.life": 0x7FFF, "error.first.code": max(Reason)}  # numbers of ours and their largest value
 BYTE = ("KH", "KM", "KF", "KC")
 COUNTS = {  # type -> smallest and largest count of a whole number (STEP 5)
     "KF": (-32768, 32767),
@@ -194,8 +197,22 @@ def ranges(check: Context) -> None:
             counts = counts_of(entry, address) if address else None
             if counts:
                 _bounds(check, block, entry, factor, counts)
+                _overflow(check, block, entry, found, factor, counts[1])
             if found and found.name.kind is Kind.WAY and found.which in axes:
                 _travel(check, block, entry, axes[found.which], (factor, unit), counts)
+
+
+def _overflow(check: Context, block: Db, entry: Entry, found: Found | None, factor: float, most: float) -> None:
+    """The largest value a name takes, against the largest count."""
+    if found is None:
+        return
+    if found.name.kind is Kind.PERCENT and entry.max is None and most * factor < FULL:
+        text = f"{entry.type} at {entry.unit} ends at {number(most * factor)} %, {entry.signal} goes to {FULL:g} %: use a coarser unit or DH"
+        check.fault(_key(block, entry), entry.unit, text, f">= {number(FULL / most)}", "% a count")
+    largest = LARGEST.get(entry.signal)
+    if largest is not None and most * factor < largest:
+        text = f"{entry.signal} goes to {largest}; {entry.type} at {entry.at} ends at {number(most * factor)} and would stand still there"
+        check.fault(_key(block, entry), entry.type, text)
 
 
 def _bounds(check: Context, block: Db, entry: Entry, factor: float, counts: tuple[float, float]) -> None:

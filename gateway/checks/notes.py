@@ -9,8 +9,9 @@ from gateway.checks.blocks import counts_of, place_of, split_unit
 from gateway.checks.context import number
 from gateway.checks.figures import cycle_us, job_ms, sdo_us, silence_s
 from gateway.pure.addresses import DataWord
+from gateway.pure.dialects import link_profile
 from gateway.pure.names import Kind, lookup
-from protocols.p3964r.profiles import NETWORK, profile_named
+from protocols.p3964r.profiles import NETWORK
 
 EVERY = re.compile(r"(?:every|alle) (\d+) ms")
 MARGIN = 1.25  # turnaround of both stations and doubled DLE on top of the bare characters
@@ -69,7 +70,7 @@ def network(cell: Cell) -> Iterator[Notice]:
     for line in cell.line:
         if not line.port.startswith(("tcp://", "rfc2217://")):
             continue
-        profile = profile_named(line.profile, line.protocol != "3964")
+        profile = link_profile(line)
         advice = "server: raw mode, packing at once or by a gap of 2..10 ms, no delimiter character (every value occurs in a block)"
         if line.profile.endswith(NETWORK):
             yield Notice(
@@ -104,7 +105,7 @@ def polling(cell: Cell) -> Iterator[Notice]:
     """What SEND and FETCH of the declared blocks take, against the interval the comments announce."""
     for line in _command_lines(cell):
         blocks = [block for block in cell.db if block.line == line.name and not _optional(cell, block)]
-        jobs = [("SEND" if block.writer == "plc" else "FETCH", block.words, job_ms(line, block.words)) for block in blocks]
+        jobs = [(_job_of(block), block.words, job_ms(line, block.words)) for block in blocks]
         if not jobs:
             continue
         total = sum(job[2] for job in jobs)
@@ -120,6 +121,11 @@ def polling(cell: Cell) -> Iterator[Notice]:
             rounds = f"three rounds of {_tens(MARGIN * total):.0f} ms"
             text = f"max_silence_ms = {line.supervision.max_silence_ms} is less than {rounds}: one repeat stops the axes"
             yield Notice("warning", f"line {line.name}", text)
+
+
+def _job_of(block: Db) -> str:
+    """Who does what: the partner sends what it writes and fetches the rest; a job of ours goes the other way."""
+    return "SEND" if (block.writer == "plc") is not bool(block.every_ms or block.on_change) else "FETCH"
 
 
 def _optional(cell: Cell, block: Db) -> bool:

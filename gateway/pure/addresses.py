@@ -128,7 +128,7 @@ _NUMBER = re.compile(r"(?:(RCI|RCO|IN|OUT)\s*)?(\d{1,4})")
 _REGISTER = re.compile(r"([0134])(\d{4,5})")
 _NAME = re.compile(r"[a-z][\w]*(\.[\w*]+)+")
 _FLAG = re.compile(r"[MF]\s*(\d+)\.(\d+)")
-_NOT_SERVED = re.compile(r"(DX|M|T|Z|C|F)\s*\d+(\.\d+)?.*")
+_NOT_SERVED = re.compile(r"(DX|M[BWD]?|T|Z|C|F[YWD]?)\s*\d+(\.\d+)?.*")
 
 
 def parse(text: str, symbols: Mapping[str, RcBit] | None = None, db: int | None = None) -> Address:
