@@ -7,17 +7,19 @@ from dataclasses import dataclass
 from typing import Any
 
 from gateway.cell import Cell
+from gateway.cell import Line as CellLine
 from gateway.checks.blocks import place_of
 from gateway.fieldfaults import field_of
 from gateway.files import find_config, read_signals, read_text
-from gateway.glossary import ALIASES, PARAMETERS, WORDS
+from gateway.glossary import ALIASES, ALSO_CALLED, MEANINGS, PARAMETERS, WORDS
 from gateway.places import line_of, steps_of, written
 from gateway.pure.addresses import AddressFault, CellName, DataBit, DataWord, RcBit, cl300, parse, pic, rc
-from gateway.pure.dialects import link_profile
+from gateway.pure.dialects import link_profile, rk512_dialect
 from gateway.pure.signals import from_tables
 from gateway.pure.tomllines import lines_of
 from gateway.rho3params import LEGAL
-from protocols.p3964r.profiles import PROFILES
+from protocols.p3964r.profiles import NETWORK, PROFILES, Profile
+from protocols.rk512.dialects import dialect_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,14 +117,41 @@ def word(text: str, cell: Cell | None) -> list[Line]:
     if name not in WORDS:
         return []
     meaning, key = WORDS[name]
-    lines = [Line(name, meaning, "", f"set by {key}")]
-    times = {"QVZ": "ack_delay", "ZVZ": "char_delay", "BWZ": "block_wait"}
-    if name in times:
-        lines += [Line(f"profile {each.name}", f"{getattr(each, times[name]) / 1e6:g}", "ms", each.source) for each in PROFILES.values()]
-        for line in cell.line if cell else ():
-            profile = link_profile(line)
-            lines.append(Line(f"line.{line.name}", f"{getattr(profile, times[name]) / 1e6:g}", "ms", f'profile = "{line.profile}"'))
+    shown = f"{name} = {ALSO_CALLED[name]}" if name in ALSO_CALLED else name
+    lines = [Line(shown, meaning, "", f"set by {key}")]
+    lines += [Line(f"{shown} also", other, "", source) for other, source in MEANINGS.get(name, ())]
+    if name in TIMES:
+        lines += [_of_profile(name, profile) for profile in PROFILES.values()]
+        lines += [_of_line(name, line) for line in cell.line if line.profile.removesuffix(NETWORK) in PROFILES] if cell else []
     return lines
+
+
+TIMES = {"QVZ": "ack_delay", "ZVZ": "char_delay", "BWZ": "block_wait"}
+
+
+def _of_profile(name: str, profile: Profile) -> Line:
+    """A time as one station has it, in every meaning the word has there."""
+    field = TIMES[name]
+    value = f"{getattr(profile, field) / 1e6:g}"
+    if name == "QVZ":
+        value += f" (3964: {profile.ack_delay_plain / 1e6:g})"
+    if name == "BWZ":
+        waits = dialect_of(profile.name)
+        value += f" (reaction: {waits.waits(9600) / 1e6:g})" if waits.reaction else " (no reaction telegrams)"
+    marks = ["no source names it [open]"] if field in profile.open_fields else []
+    if profile.settable is not None:
+        marks.append(f"settable {profile.settable.least}..{profile.settable.most}, step {profile.settable.step}")
+    return Line(f"profile {profile.name}", value, "ms", "; ".join([profile.source, *marks]))
+
+
+def _of_line(name: str, cell_line: CellLine) -> Line:
+    """The time a line of this cell runs with, and who set it."""
+    given = {"QVZ": ("QVZ", "ADT"), "ZVZ": ("ZVZ", "CDT"), "BWZ": ("BWZ",)}[name]
+    key = next((each for each in given if getattr(cell_line.times, each) is not None), "")
+    value = f"{getattr(link_profile(cell_line), TIMES[name]) / 1e6:g}"
+    if name == "BWZ" and cell_line.layer in ("rk512", "buep64"):
+        value += f" (reaction: {rk512_dialect(cell_line).waits(cell_line.baud) / 1e6:g})"
+    return Line(f"line.{cell_line.name}", value, "ms", f"times.{key}" if key else f'profile = "{cell_line.profile}"')
 
 
 def address(text: str, language: str) -> list[Line]:

@@ -3,9 +3,18 @@
 from collections.abc import Mapping
 
 WORDS: Mapping[str, tuple[str, str]] = {  # word -> (meaning, key of the cell that sets it)
-    "QVZ": ("acknowledgement delay, Quittungsverzugszeit (Siemens: ADT): longest wait for the partner's DLE or NAK", "line.NAME.profile"),
-    "ZVZ": ("character delay, Zeichenverzugszeit (Siemens: CDT): longest gap between two characters of a block", "line.NAME.profile"),
-    "BWZ": ("block wait time, Blockwartezeit: longest wait for a repeat of a refused block", "line.NAME.profile"),
+    "QVZ": (
+        "acknowledgement delay, Quittungsverzugszeit (Siemens: ADT): longest wait for the partner's DLE or NAK, after STX and after the block",
+        "line.NAME.times.QVZ (or ADT), else by line.NAME.profile",
+    ),
+    "ZVZ": (
+        "character delay, Zeichenverzugszeit (Siemens: CDT): longest gap between two characters of a block",
+        "line.NAME.times.ZVZ (or CDT), else by line.NAME.profile",
+    ),
+    "BWZ": (
+        "block wait time, Blockwartezeit: longest wait of a receiver for the repeat of a block it refused (Siemens, Bosch, rho 3)",
+        "line.NAME.times.BWZ, else by line.NAME.profile",
+    ),
     "KF": ("STEP 5 fixed point, 16 bits, -32768..32767", "db.NUMBER[AT].type"),
     "KH": ("STEP 5 hexadecimal word, 0..FFFF; at DL or DR one byte", "db.NUMBER[AT].type"),
     "KG": ("STEP 5 float, 32 bits, exponent first: not IEEE; only CPUs 135U and 155U have it", "db.NUMBER[AT].type"),
@@ -14,7 +23,22 @@ WORDS: Mapping[str, tuple[str, str]] = {  # word -> (meaning, key of the cell th
     "KV": ("gain of the position loop in 1/s: steady lag = speed / Kv", "plant.axis.NAME.kv_per_s"),
     "SYNC": ("CAN telegram (identifier 100) at which drives latch positions and take set values over", "bus.NAME.cycle_ms"),
 }
-ALIASES = {"ADT": "QVZ", "CDT": "ZVZ"}
+ALIASES = {"ADT": "QVZ", "CDT": "ZVZ", "BLOCKWARTEZEIT": "BWZ", "QUITTUNGSVERZUGSZEIT": "QVZ", "ZEICHENVERZUGSZEIT": "ZVZ"}
+ALSO_CALLED = {"QVZ": "ADT", "ZVZ": "CDT"}
+MEANINGS: Mapping[str, tuple[tuple[str, str], ...]] = {  # word -> what else it means, and who says so
+    "QVZ": (
+        ("Quittungsverzug in an S5: a memory or an interface does not acknowledge an access; PAFE 4xh, ISTACK", "STEP 5; not a time of the line"),
+        ("under procedure 3964 (without R) a station has another, mostly shorter value: the one in brackets below", "CP 341, CP 440"),
+    ),
+    "ZVZ": (
+        ("it also runs from our DLE to the first character of the block, and from DLE ETX to the block check", "serial-protocols 1.4"),
+        ("how long the line has to be quiet before a Siemens station answers stray characters with NAK", "CP 340"),
+    ),
+    "BWZ": (
+        ("VIPA: longest wait from the acknowledged command to STX of the reaction telegram; line.NAME.times.reaction", "HB97E-CP, HB103E"),
+        ("CP 341, event (10)05h: monitoring time of the reaction telegram, there by speed or 20 s", "SIMATIC CP 341"),
+    ),
+}
 PARAMETERS: Mapping[str, tuple[str, str]] = {  # P number -> (meaning, unit); rho3 section 8
     "P2": ("machine configuration code, RC outputs 124..127", ""),
     "P3": ("number of timers and counters", ""),
