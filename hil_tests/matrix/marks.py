@@ -1,5 +1,6 @@
 """Requirement marks in a pytest run: a mark that cannot be counted fails its test; --matrix FILE writes what was proved."""
 
+import contextlib
 import json
 import pathlib
 from dataclasses import asdict, dataclass
@@ -39,6 +40,12 @@ class Marks:
         self._target = pathlib.Path(target) if target else None
         self._claims: dict[str, list[Claim]] = {}
         self._outcome: dict[str, str] = {}
+
+    def pytest_itemcollected(self, item: pytest.Item) -> None:
+        """`-k RHO-SER-01` selects by row."""
+        with contextlib.suppress(MarkError):  # told when it is set up
+            for one in claims_of(item):
+                item.extra_keyword_matches.update(one.ids)
 
     @pytest.hookimpl(trylast=True)
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:

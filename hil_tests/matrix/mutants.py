@@ -18,7 +18,9 @@ GUEST_RESULTS = ROOT / "build" / "uml" / "mutants.json"
 
 def main() -> int:
     parser = argparse.ArgumentParser(prog="make mutants")
-    parser.add_argument("-k", default="", metavar="EXPRESSION", help="only these tests, as pytest's -k")
+    parser.add_argument(
+        "-k", default="", metavar="EXPRESSION", help="only these tests, as pytest's -k; ids of rows (RHO-SER-01) count as names"
+    )
     arguments = parser.parse_args()
     verdicts.MUTANTS.unlink(missing_ok=True)
     code = subprocess.run(order("requirement and not vcan", arguments.k, str(verdicts.MUTANTS)), cwd=ROOT, check=False).returncode
