@@ -1,0 +1,168 @@
+"""Neutral blocks: what an interpreter, a position table or the text form hands to the planner.  Frozen data, SI, no control's words.
+
+A block is one move from where the one before it ends.  Its `blend` says how its own end point is passed; `leave` lies before the
+point on this block, `reach` behind it on the next.  What each of the three controls means by its words is decided where those
+words are known (motion.program.passing, motion.program.reis, motion.val3); here everything is a number with a unit.
+"""
+
+from dataclasses import dataclass, field
+from enum import Enum
+
+from motion.frames import IDENTITY, Pose
+from motion.kinematics.base import FREE, Configuration
+
+MAX_JOINTS = 24  # 6 of the arm, additional axes 7 .. 24
+
+
+class Interpolation(Enum):
+    """The way to the target."""
+
+    PTP = "ptp"  # straight in the axes, all end together
+    LINEAR = "linear"
+    CIRCULAR = "circular"  # through `via`
+    SPLINE = "spline"  # one curve through a row of such blocks
+
+
+class Turning(Enum):
+    """How the orientation goes along an arc."""
+
+    LEAST = "least"  # least rotation from start to end: Reis ZIRK_MIN_ORI
+    PATH = "path"  # fixed to the moving frame of the arc: Reis ZIRK_BAHN_ORI
+    VIA = "via"  # start, via, end: VAL 3 movec
+
+
+class Slope(Enum):
+    """rho 3: whether the sequence keeps its speed (program) or each block has its own ramps and starts early (block)."""
+
+    PROGRAM = "program"
+    BLOCK = "block"
+
+
+class Rounding(Enum):
+    """What kind of curve rounds the end point."""
+
+    OFF = "off"  # exact stop
+    CARTESIAN = "cartesian"  # path of the TCP
+    JOINT = "joint"  # path of the axes
+
+
+@dataclass(frozen=True, slots=True)
+class Blend:
+    """How the end of a block is passed.  m; leave and reach 0 with distance 0 and axes empty: exactly through the point."""
+
+    rounding: Rounding = Rounding.OFF
+    leave: float = 0.0  # before the point; rho 3 R and BAHN_RADIUS: leave = reach
+    reach: float = 0.0  # behind the point
+    distance: float = 0.0  # > 0: the corner is missed by this much, leave and reach follow from it (BAHN_DISTANZ has priority)
+    axes: tuple[float, ...] = ()  # PTP by the axis criterion (P213 x R_PTP): m or rad per axis
+    share: float = 0.5  # the most of a block one corner may take: rho 3 0.5, Reis 0.4 (RAPPR_FACT_MAX)
+    flyby: float | None = None  # share of the mean of both path speeds at the middle of the corner (_IV_FLYBY_S)
+
+
+@dataclass(frozen=True, slots=True)
+class Pace:
+    """How fast.  Shares are of each axis' limit and may exceed 1 where a control allows it; the limits themselves are never
+    exceeded.  None: no demand beyond the limits."""
+
+    speed: float = 1.0  # share of the axis speeds
+    accel: float = 1.0  # share of the axis accelerations, speeding up
+    decel: float = 1.0  # slowing down
+    path_speed: float | None = None  # m/s of the TCP
+    turn_speed: float | None = None  # rad/s of the tool
+    path_accel: float | None = None  # m/s2 along the path, speeding up
+    path_decel: float | None = None
+    time: float | None = None  # s for the whole block, wins over every speed (BAHN_ZEIT)
+    ramp: float = 0.25  # share of `time` for speeding up, and again for slowing down (_IACC_TIME)
+    lead: bool = False  # PTP: `speed` is that of the axis with the largest travel (Reis), the others follow
+
+
+@dataclass(frozen=True, slots=True)
+class JointTarget:
+    """Axes themselves: m or rad, additional axes behind those of the arm."""
+
+    q: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class PoseTarget:
+    """Where the tool goes in the block's frame; extra: additional axes (m or rad), empty: they stay."""
+
+    pose: Pose
+    configuration: Configuration = FREE
+    extra: tuple[float, ...] = ()
+
+
+Target = JointTarget | PoseTarget
+
+
+@dataclass(frozen=True, slots=True)
+class Tool:
+    """Flange -> tool centre point."""
+
+    name: str = ""
+    pose: Pose = IDENTITY
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """Base of the robot -> user frame."""
+
+    name: str = ""
+    pose: Pose = IDENTITY
+
+
+@dataclass(frozen=True, slots=True)
+class Output:
+    """A signal that changes with the path: so far before the end of the block (m, or rad where only the orientation turns)."""
+
+    number: int
+    value: float
+    before: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Until:
+    """MOVE UNTIL: the block ends early when this input has the value."""
+
+    number: int
+    value: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Curving:
+    """Spline and orientation weights, 0 .. 1 (Reis _ISPL_TENS, _IORI_TENS, _IORI_WEIGHT, _IORI_CIRCHP)."""
+
+    tension: float = 1.0
+    orientation_tension: float = 1.0
+    weight: float = 1.0
+    via_weight: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """One move; see the module."""
+
+    kind: Interpolation
+    target: Target
+    via: PoseTarget | None = None  # CIRCULAR
+    pace: Pace = Pace()
+    blend: Blend = Blend()
+    tool: Tool = Tool()
+    frame: Frame = Frame()
+    turning: Turning = Turning.VIA
+    slope: Slope = Slope.PROGRAM
+    curving: Curving = Curving()
+    outputs: tuple[Output, ...] = ()
+    until: Until | None = None
+    line: int = field(default=0, compare=False)  # of the program text; 0: none
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """Blocks in order, and where the axes stand before the first one."""
+
+    name: str
+    robot: str  # name of a robot file
+    start: tuple[float, ...]  # m or rad
+    blocks: tuple[Block, ...]
+    units: tuple[str, ...] = ()  # outside units of the axes, "mm" or "deg"; empty: all deg

@@ -1,0 +1,82 @@
+"""The keys of the text form: name, unit, range, where its value goes.  One table for reading, writing and the guide."""
+
+import math
+from dataclasses import dataclass
+from enum import Enum
+
+from motion.program.blocks import Blend, Block, Curving, Pace, Rounding, Slope, Turning
+
+
+@dataclass(frozen=True, slots=True)
+class Key:
+    """A number: outside unit, range outside (both ends legal), factor to SI, part of the block and its field."""
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    si: float
+    part: str
+    field: str
+    says: str
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """One of some words."""
+
+    name: str
+    words: type[Enum]
+    part: str
+    field: str
+    says: str
+
+
+DEG = math.pi / 180
+BIG = 1e6
+_PERCENT = (0.01, 500.0, 0.01)
+KEYS = (
+    Key("speed", "%", *_PERCENT, "pace", "speed", "axis speeds, share of each limit"),
+    Key("accel", "%", *_PERCENT, "pace", "accel", "axis accelerations, speeding up"),
+    Key("decel", "%", *_PERCENT, "pace", "decel", "axis accelerations, slowing down"),
+    Key("path", "mm/s", 1e-3, BIG, 1e-3, "pace", "path_speed", "speed of the tool centre point"),
+    Key("turn", "deg/s", 1e-3, BIG, DEG, "pace", "turn_speed", "speed of turning of the tool"),
+    Key("pathaccel", "mm/s2", 1e-3, 1e9, 1e-3, "pace", "path_accel", "acceleration along the path"),
+    Key("pathdecel", "mm/s2", 1e-3, 1e9, 1e-3, "pace", "path_decel", "deceleration along the path"),
+    Key("time", "s", 1e-3, BIG, 1.0, "pace", "time", "time of the whole block, wins over speeds"),
+    Key("ramp", "%", 0.0, 50.0, 0.01, "pace", "ramp", "share of `time` for each ramp"),
+    Key("leave", "mm", 0.0, BIG, 1e-3, "blend", "leave", "the path is left so far before the end point"),
+    Key("reach", "mm", 0.0, BIG, 1e-3, "blend", "reach", "and reached again so far behind it"),
+    Key("distance", "mm", 0.0, BIG, 1e-3, "blend", "distance", "the end point is missed by this much; wins over leave and reach"),
+    Key("share", "%", 1.0, 50.0, 0.01, "blend", "share", "the most of a block a corner may take"),
+    Key("flyby", "%", 0.0, 100.0, 0.01, "blend", "flyby", "speed in the middle of the corner, share of the mean of both"),
+    Key("tension", "%", 0.0, 100.0, 0.01, "curving", "tension", "spline: 0 straight with corners, 100 full swing"),
+    Key("oritension", "%", 0.0, 100.0, 0.01, "curving", "orientation_tension", "the same for the orientation"),
+    Key("weight", "%", 0.0, 100.0, 0.01, "curving", "weight", "how far the orientation of the target counts"),
+    Key("viaweight", "%", 0.0, 100.0, 0.01, "curving", "via_weight", "how far the orientation of `via` counts"),
+)
+CHOICES = (
+    Choice("blend", Rounding, "blend", "rounding", "how the end point is passed"),
+    Choice("turning", Turning, "", "turning", "orientation along an arc"),
+    Choice("slope", Slope, "", "slope", "one speed over all blocks, or ramps of each block added"),
+)
+OTHERS = {
+    "radius": "mm: leave and reach together",
+    "lead": "yes or no: speed is that of the axis with the longest way",
+    "zone": "one distance for each axis: passing of a PTP point by the axis criterion",
+    "tool": "name of a `tool` line, or - for none",
+    "frame": "name of a `frame` line, or - for none",
+    "config": "righty,epositive,wnegative ..: demanded configuration",
+    "extra": "values of additional axes with their unit: 100mm,30deg",
+    "out": "NUMBER:VALUE or NUMBER:VALUE@MM, with commas: outputs at the end or so far before it",
+    "until": "NUMBER or !NUMBER: the block ends when this input is 1 (0)",
+}
+NUMBERS = {key.name: key for key in KEYS}
+WORDS = {choice.name: choice for choice in CHOICES}
+NAMES = (*NUMBERS, *WORDS, *OTHERS)
+DEFAULT: dict[str, Pace | Blend | Curving] = {"pace": Pace(), "blend": Blend(), "curving": Curving()}
+
+
+def part_of(block: Block, part: str) -> object:
+    """The block itself or one of its parts."""
+    return getattr(block, part) if part else block
