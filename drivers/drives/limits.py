@@ -60,9 +60,9 @@ def booster_limits(
     """(n_RMC_L, p_RMC_L) in inc for ENABLE LIMIT SWITCH, both magnitudes from the resolver zero.
 
     P205, P204, P207, P208, gear factor, RMC zero offset, CPS.  Source: rho3 2.7 (L3724-3731); the lower end goes in as a
-    magnitude (D-17).
+    magnitude (D-17), negative where it lies above 0.
     """
     at_end = reference_deg + offset_deg  # Ref_Pkt_pos: where the axis reads after referencing
     upper = ((upper_deg - at_end) * gear + zero_offset_deg) * inc_per_turn / 360
-    lower = ((abs(lower_deg) + at_end) * gear - zero_offset_deg) * inc_per_turn / 360
+    lower = ((lower_deg + at_end) * gear - zero_offset_deg) * inc_per_turn / 360
     return lower, upper

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 
 from gateway.cell import Cell, Notice
-from gateway.checks import axes, blocks, buses, doors, lines, notes, telegrams
+from gateway.checks import axes, blocks, buses, doors, lines, notes, rho3can, telegrams
 from gateway.checks.context import Context
 from gateway.faults import Fault
 from gateway.pure.signals import SignalList
@@ -14,7 +14,7 @@ __all__ = ["cross_faults", "notices"]
 def cross_faults(cell: Cell, known: Mapping[str, frozenset[str]], signals: SignalList, line_of: Callable[[str], int | None]) -> list[Fault]:
     """All cross faults of the valid parts.  `known` has the names of all parts, also of those left out; `line_of` finds a key's line."""
     context = Context(cell, known, signals, line_of)
-    for check in (*doors.CHECKS, *lines.CHECKS, *blocks.CHECKS, *buses.CHECKS, *axes.CHECKS, *telegrams.CHECKS):
+    for check in (*doors.CHECKS, *lines.CHECKS, *blocks.CHECKS, *buses.CHECKS, *rho3can.CHECKS, *axes.CHECKS, *telegrams.CHECKS):
         check(context)
     return context.faults
 

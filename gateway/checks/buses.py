@@ -1,12 +1,10 @@
-"""CAN buses: bit rate, cycle, layout, modules and nodes, identifiers, and the I/O bytes the axes leave (rho3 2.1 to 2.3)."""
+"""CAN buses: bit rate, cycle, layout, modules and nodes, contacts (rho3 2.1 to 2.3); the P list of a bus: rho3can."""
 
-from gateway.cell import Axis, Bus, IoBlock
+from gateway.cell import Axis
 from gateway.checks.context import Context, twice
 from gateway.files import ConfigNotFound, beside
 
 MODULES = 6  # axes on a bus (rho3 2.1, L7250)
-BLOCK_BYTES = 8  # digital I/O per block (rho3 2.1, L7294)
-FREE_BYTES = {6: (0, 0), 5: (8, 8), 4: (8, 8), 3: (16, 16), 2: (24, 24), 1: (32, 32), 0: (40, 32)}  # axes -> inputs, outputs (L7263-7268)
 
 
 def modules_of(text: str) -> range:
@@ -75,58 +73,6 @@ def buses(check: Context) -> None:
             check.fault(place, cycle, f"one clock for all drives: {cycles[0][1]} = {cycles[0][0]}", "", "ms")
 
 
-def io_blocks(check: Context) -> None:
-    """P30..P32: as many blocks as announced, own identifiers, no overlapping bytes, and not more than the axes leave room for."""
-    params = check.cell.rho3
-    if params is None:
-        return
-    for number, announced in enumerate(params.P30, 1):
-        axes = _axes_on(check, number)
-        for index, (name, blocks, count) in enumerate((("P31", params.P31, announced.inputs), ("P32", params.P32, announced.outputs))):
-            here = [block for block in blocks if block.bus == number]
-            what = "input" if name == "P31" else "output"
-            if len(here) != count:
-                hint = f"P30 announces {count} {what} blocks on bus {number} (system error 151 on the rho 3)"
-                check.fault(f"rho3.{name}", f"{len(here)} blocks", hint)
-            if count * BLOCK_BYTES > FREE_BYTES[min(axes, MODULES)][index]:
-                left = f"{FREE_BYTES[min(axes, MODULES)][index]} bytes of {what}s"
-                hint = f"{axes} axes on bus {number} leave {left}: {_table(index)}; use the other bus"
-                check.fault("rho3.P30", f"{count} {what} blocks", hint)
-        if axes and announced.baud:
-            check.fault(
-                "rho3.P30", f"baud = {announced.baud}", f"bus {number} carries axes: 1 Mbit/s, baud = 0 (system error 150 on the rho 3)"
-            )
-    _identifiers(check, "P31", params.P31)
-    _identifiers(check, "P32", params.P32)
-
-
-def _table(index: int) -> str:
-    return ", ".join(f"{axes} axes {free[index]}" for axes, free in FREE_BYTES.items())
-
-
-def _axes_on(check: Context, number: int) -> int:
-    if number > len(check.cell.bus):
-        return 0
-    bus: Bus = check.cell.bus[number - 1]
-    return sum(axis.drive.bus == bus.name for axis in check.cell.axis)
-
-
-def _identifiers(check: Context, name: str, blocks: tuple[IoBlock, ...]) -> None:
-    for value, _, _ in twice(((block.bus, block.id), f"{number}") for number, block in enumerate(blocks)):
-        check.fault(f"rho3.{name}", f"bus, id = {value}", "this identifier stands twice on its bus")
-    covered: dict[int, int] = {}
-    for number, block in enumerate(blocks, 1):
-        span = range(block.start, block.start + block.length)
-        if span.stop > 128:
-            check.fault(f"rho3.{name}", f"start {block.start}, length {block.length}", "beyond the PIC image", "bytes 0..127")
-        clash = next((byte for byte in span if byte in covered), None)
-        if clash is not None:
-            check.fault(f"rho3.{name}", f"start {block.start}", f"byte {clash} belongs to block {covered[clash]} already")
-        covered.update(dict.fromkeys(span, number))
-        if name == "P31" and 480 < block.id < 541:
-            check.fault("rho3.P31", f"id = {block.id}", "modules send 541..550; 471..480 couples another rho 3", "541..550 or 471..480")
-
-
 def contacts(check: Context) -> None:
     """Contacts name a bus that exists, one direction, and a place of their own."""
     places = []
@@ -141,4 +87,4 @@ def contacts(check: Context) -> None:
         check.fault(place, "", f"{first} is this contact already")
 
 
-CHECKS = (drives, buses, io_blocks, contacts)
+CHECKS = (drives, buses, contacts)

@@ -1,0 +1,154 @@
+"""Digital I/O blocks of one CAN bus: PIC bytes out of frames and into frames, and who is supervised how.
+
+Source: rho 3 Releases part 5, 6.11-6.14 (L7423-7527); coupling of controls: part 8, 11.1 (L10960-10998).  An input under one of
+471..480 comes from another control: it is watched by time (300 ms), from the moment all controls have answered, at the latest 60 s
+after the start; an input of a module is watched by P2 cycles from its second one on.  What the text leaves open: AX-262, AX-263.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from gateway.pure.rho3can.messages import IoError, Trouble
+from gateway.pure.rho3can.rules import Block
+from gateway.pure.rho3can.tables import OUTPUT_IDS
+from protocols.base.machine import Frame, Ns, ms
+
+
+@dataclass(frozen=True, slots=True)
+class IoSettings:
+    """One bus; raises nothing, `rules.judge` has seen it before."""
+
+    bus: int  # 1 or 2, for the messages
+    inputs: tuple[Block, ...] = ()
+    outputs: tuple[Block, ...] = ()
+    coupling_ns: Ns | None = ms(300)  # changed or removed by an option flag (L10989-10991); None: not supervised
+    start_ns: Ns = ms(60_000)
+    zero_on_loss: bool = True  # else a lost input keeps its last bytes
+    give_up: bool = False  # as the manual: after a partner was silent at the start nothing is sent any more (L10993-10996)
+
+
+@dataclass(slots=True)
+class _Input:
+    number: int
+    block: Block
+    coupled: bool
+    came: int = 0  # frames in the running P2 cycle
+    heard: bool = False  # ever
+    last_ns: Ns = 0
+    error: Trouble | None = None
+
+
+class IoBus:
+    """Receive every frame of the bus, call `cycle` once at the end of a P2 cycle, send `frames` with the next burst."""
+
+    def __init__(self, settings: IoSettings, now: Ns) -> None:
+        """`now`: start of this control."""
+        self.settings = settings
+        self.aborted = False
+        self.image = bytearray(128)  # PIC inputs as this bus knows them
+        self._inputs = [_Input(n, block, block.identifier in OUTPUT_IDS) for n, block in enumerate(settings.inputs, 1)]
+        self._by_id = {entry.block.identifier: entry for entry in self._inputs}
+        self._outputs = {block.identifier: number for number, block in enumerate(settings.outputs, 1)}
+        self._start = now
+        self._supervised_from: Ns | None = None  # coupled inputs: all have answered, or the start-up time is over
+        self._cycles = 0
+        self._faulty: set[tuple[Trouble, int]] = set()  # of output blocks
+
+    @property
+    def coupled(self) -> bool:
+        """Another control hangs on this bus: nothing else may (L10966-10968), and nobody is its master."""
+        return any(entry.coupled for entry in self._inputs)
+
+    @property
+    def errors(self) -> list[IoError]:
+        """What stands now."""
+        bus = self.settings.bus
+        standing = [IoError(entry.error, bus, entry.number) for entry in self._inputs if entry.error is not None]
+        return standing + [IoError(trouble, bus, number) for trouble, number in sorted(self._faulty, key=lambda pair: pair[1])]
+
+    def receive(self, frame: Frame, now: Ns) -> list[IoError]:
+        """One frame off the bus; frames of others (drives, SYNC) say nothing here."""
+        entry = self._by_id.get(frame.identifier)
+        if entry is None:
+            return self._foreign(frame.identifier)
+        entry.came += 1
+        if len(frame.data) < entry.block.length or (entry.came > 1 and not entry.coupled):
+            return self._raise(entry, Trouble.INADMISSIBLE)
+        entry.last_ns, entry.heard = now, True
+        for byte, value in zip(entry.block.span, frame.data, strict=False):  # of a longer frame only the block's length
+            self.image[byte] = value
+        return self._clear(entry) if entry.error is Trouble.SILENT or entry.coupled else []
+
+    def cycle(self, now: Ns) -> list[IoError]:
+        """A P2 cycle is over: who was silent, who is well again."""
+        self._cycles += 1
+        self._judge_start(now)
+        found: list[IoError] = []
+        for entry in self._inputs:
+            if entry.coupled:
+                found += self._watch_time(entry, now)
+            elif not entry.came and self._cycles > 1:
+                found += self._raise(entry, Trouble.SILENT)
+            elif entry.came == 1 and entry.error is Trouble.INADMISSIBLE:
+                found += self._clear(entry)
+            entry.came = 0
+        return found
+
+    def frames(self, image: Sequence[int] | bytes) -> list[Frame]:
+        """The output blocks out of the PIC outputs (128 bytes), in the order of P32."""
+        if self.aborted and self.settings.give_up:
+            return []
+        return [Frame(block.identifier, bytes(image[block.start : block.start + block.length])) for block in self.settings.outputs]
+
+    def sent(self, count: int) -> list[IoError]:
+        """The interface took the first `count` of the frames; the others are write access refused (L7513-7518)."""
+        found = []
+        for number in self._outputs.values():
+            entry = (Trouble.WRITE_DISABLED, number)
+            if number > count and entry not in self._faulty:
+                self._faulty.add(entry)
+                found.append(IoError(entry[0], self.settings.bus, number))
+            elif number <= count and entry in self._faulty:
+                self._faulty.remove(entry)
+                found.append(IoError(entry[0], self.settings.bus, number, standing=False))
+        return found
+
+    def _judge_start(self, now: Ns) -> None:
+        if self._supervised_from is not None:
+            return
+        coupled = [entry for entry in self._inputs if entry.coupled]
+        if all(entry.heard for entry in coupled):
+            self._supervised_from = now
+        elif now - self._start >= self.settings.start_ns:
+            self._supervised_from, self.aborted = now, True
+
+    def _watch_time(self, entry: _Input, now: Ns) -> list[IoError]:
+        limit = self.settings.coupling_ns
+        if self._supervised_from is None:
+            return []
+        if not entry.heard:
+            return self._raise(entry, Trouble.SILENT)  # the start-up time is over (also where the 300 ms are switched off)
+        if limit is None or now - entry.last_ns < limit:
+            return []
+        return self._raise(entry, Trouble.SILENT)
+
+    def _raise(self, entry: _Input, trouble: Trouble) -> list[IoError]:
+        if entry.error is trouble:
+            return []
+        entry.error = trouble
+        if trouble is Trouble.SILENT and self.settings.zero_on_loss:
+            for byte in entry.block.span:
+                self.image[byte] = 0
+        return [IoError(trouble, self.settings.bus, entry.number)]
+
+    def _clear(self, entry: _Input) -> list[IoError]:
+        before, entry.error = entry.error, None
+        return [] if before is None else [IoError(before, self.settings.bus, entry.number, standing=False)]
+
+    def _foreign(self, identifier: int) -> list[IoError]:
+        """Our own output identifier from somebody else: two controls send the same one (L10998)."""
+        number = self._outputs.get(identifier)
+        if number is None or (Trouble.SAME_IDENTIFIER, number) in self._faulty:
+            return []
+        self._faulty.add((Trouble.SAME_IDENTIFIER, number))
+        return [IoError(Trouble.SAME_IDENTIFIER, self.settings.bus, number)]
