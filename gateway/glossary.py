@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 WORDS: Mapping[str, tuple[str, str]] = {  # word -> (meaning, key of the cell that sets it)
     "QVZ": (
-        "acknowledgement delay, Quittungsverzugszeit (Siemens: ADT): longest wait for the partner's DLE or NAK, after STX and after the block",
+        "acknowledgement delay, Quittungsverzugszeit (Siemens: ADT): longest wait for DLE or NAK, after STX and after the block",
         "line.NAME.times.QVZ (or ADT), else by line.NAME.profile",
     ),
     "ZVZ": (
@@ -27,7 +27,10 @@ ALIASES = {"ADT": "QVZ", "CDT": "ZVZ", "BLOCKWARTEZEIT": "BWZ", "QUITTUNGSVERZUG
 ALSO_CALLED = {"QVZ": "ADT", "ZVZ": "CDT"}
 MEANINGS: Mapping[str, tuple[tuple[str, str], ...]] = {  # word -> what else it means, and who says so
     "QVZ": (
-        ("Quittungsverzug in an S5: a memory or an interface does not acknowledge an access; PAFE 4xh, ISTACK", "STEP 5; not a time of the line"),
+        (
+            "Quittungsverzug in an S5: a memory or an interface does not acknowledge an access; PAFE 4xh, ISTACK",
+            "STEP 5; not a time of the line",
+        ),
         ("under procedure 3964 (without R) a station has another, mostly shorter value: the one in brackets below", "CP 341, CP 440"),
     ),
     "ZVZ": (

@@ -121,7 +121,9 @@ class LineDoor(SerialDoor):
     def active(self) -> Active:
         """For SEND and FETCH of our own; call `started` after giving one.  NotActive where the cell has role = "passive"."""
         if self.line.role == "passive":
-            raise NotActive(f'line {self.name}: role = "passive": the partner alone sends and fetches; "both" or "active" allows our own jobs')
+            raise NotActive(
+                f'line {self.name}: role = "passive": the partner alone sends and fetches; "both" or "active" allows our own jobs'
+            )
         return self._link.active
 
     def started(self) -> None:
@@ -268,7 +270,7 @@ class LineDoor(SerialDoor):
         return None
 
     def reset_flag(self, byte: int, bit: int) -> bool:
-        """`axisgate var "M 6.4" --set 0`: a coordination flag is reset, as a program does that has used what came.  False: it was not set."""
+        """`axisgate var "M 6.4" --set 0`: a coordination flag is reset, what came has been used.  False: it was not set."""
         standing = [flag for flag in self._areas.flags.set if (flag.byte, flag.bit) == (byte, bit)]
         for flag in standing:
             self._areas.flags.reset(flag)

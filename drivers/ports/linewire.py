@@ -50,10 +50,12 @@ class LineFormat:
 
 def parse_format(text: str) -> LineFormat:
     """ "9600 8E1" or "9600" (8E1, the usual frame of 3964R) or "0" (no pace).  Raises ValueError naming the text and what is possible."""
-    found = re.fullmatch(r"\s*(\d{1,7})(?:\s+([78])([NEO])([12]))?\s*", text, re.IGNORECASE)
+    found = re.fullmatch(r"\s*(\d{1,7})(?:\s+([5-8])([NEO])([12]))?\s*", text, re.IGNORECASE)
     if not found:
-        raise ValueError(f'line format "{text}": baud rate, data bits 7|8, parity N|E|O, stop bits 1|2 expected, e.g. "9600 8E1"')
+        raise ValueError(f'line format "{text}": baud rate, data bits 5..8, parity N|E|O, stop bits 1|2 expected, e.g. "9600 8E1"')
     baud, data, parity, stop = found.groups()
+    if (data, stop) == ("5", "2"):
+        raise ValueError(f'line format "{text}": a UART makes one and a half stop bits of two where there are 5 data bits; 1 expected')
     return LineFormat(int(baud), int(data or 8), (parity or "E").upper(), int(stop or 1))
 
 

@@ -7,13 +7,12 @@ import errno
 import fcntl
 import os
 import termios
-import time
 
 from drivers.ports.base import PortError
-from drivers.ports.linewire import Drain, LineFormat, MarkReader
-from protocols.base.machine import Damage
+from drivers.ports.descriptor import READ_SIZE, DescriptorPort
+from drivers.ports.linewire import LineFormat
 
-READ_SIZE = 4096
+__all__ = ["READ_SIZE", "PtyPort", "set_raw"]
 
 
 def set_raw(fd: int) -> None:
@@ -24,14 +23,13 @@ def set_raw(fd: int) -> None:
     termios.tcsetattr(fd, termios.TCSANOW, settings)
 
 
-class PtyPort:
+class PtyPort(DescriptorPort):
     """The slave end of a pty, locked against a second user."""
 
+    kind, back = "pty", "its line process offers it"
+
     def __init__(self, path: str, line_format: LineFormat, *, marks: bool = True) -> None:
-        self.name = path
-        self.char_ns = line_format.char_ns
-        self._drain = Drain(self.char_ns)
-        self._marks = MarkReader() if marks else None
+        super().__init__(path, line_format, marks=marks)
         try:
             self._fd = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK | os.O_CLOEXEC)
         except OSError as error:
@@ -48,39 +46,6 @@ class PtyPort:
             )
             raise PortError(number, f"pty {path}: {why}") from error
 
-    def fileno(self) -> int:
-        """Readable when read() has something."""
-        return self._fd
-
-    def read(self) -> list[bytes | Damage]:
-        """Good runs and damages in line order; [] when nothing waits."""
-        try:
-            data = os.read(self._fd, READ_SIZE)
-        except BlockingIOError:
-            return []
-        except OSError as error:
-            raise self._gone(error) from error
-        if not data:
-            raise self._gone(OSError(errno.EIO, "hung up"))
-        return self._marks.read(data) if self._marks else [data]
-
-    def write(self, data: bytes) -> int:
-        """How many bytes were taken."""
-        before = time.monotonic_ns()  # not afterwards: who is read may run at once and leave us standing, and the line is never that late
-        try:
-            count = os.write(self._fd, data)
-        except BlockingIOError:
-            return 0
-        except OSError as error:
-            raise self._gone(error) from error
-        if self.char_ns:
-            self._drain.took(count, before)
-        return count
-
-    def unsent(self) -> int:
-        """Characters the line process still has on its way, by count and character time."""
-        return self._drain.left(time.monotonic_ns()) if self.char_ns else 0
-
     def close(self) -> None:
         """Twice does no harm."""
         if self._fd >= 0:
@@ -96,6 +61,3 @@ class PtyPort:
                     return
             except BlockingIOError:
                 return
-
-    def _gone(self, error: OSError) -> PortError:
-        return PortError(error.errno, f"pty {self.name}: is gone ({error.strerror}); it is opened again when its line process offers it")

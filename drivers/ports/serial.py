@@ -7,20 +7,18 @@ only "damaged" or BREAK; where the driver counts (TIOCGICOUNT) its counters tell
 import contextlib
 import errno
 import fcntl
-import os
 import struct
 import termios
-import time
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import serial
 
 from drivers.ports.base import PortError
-from drivers.ports.linewire import Drain, LineFormat, MarkReader
+from drivers.ports.descriptor import DescriptorPort
+from drivers.ports.linewire import LineFormat
 from protocols.base.machine import Damage
 
-READ_SIZE = 4096
 TIOCGICOUNT = 0x545D  # struct serial_icounter_struct: cts dsr rng dcd rx tx frame overrun parity brk buf_overrun, 9 reserved
 TIOCSERGETLSR = 0x5459
 TRANSMITTER_EMPTY = 1
@@ -55,14 +53,13 @@ def told_apart(items: list[bytes | Damage], before: Mapping[Damage, int], now: M
     return [Damage.OVERRUN, *named] if new[Damage.OVERRUN] > 0 else named  # the kernel does not say where characters are missing
 
 
-class SerialPort:
+class SerialPort(DescriptorPort):
     """One UART or USB adapter."""
 
+    kind, back = "serial port", "the adapter is back"
+
     def __init__(self, path: str, line_format: LineFormat) -> None:
-        self.name = path
-        self.char_ns = line_format.char_ns
-        self._drain = Drain(self.char_ns)
-        self._marks = MarkReader()
+        super().__init__(path, line_format)
         if not line_format.baud:
             raise ValueError(f"{path}: a real serial interface needs a baud rate; {line_format} has none")
         try:
@@ -79,7 +76,7 @@ class SerialPort:
         except (serial.SerialException, OSError, ValueError) as error:  # ValueError: a speed the driver refuses
             number = getattr(error, "errno", None) or 0
             raise PortError(number, f"serial port {path}: {HINTS.get(number, f'cannot be opened ({error})')}") from error
-        self._fd: int = self._serial.fileno()
+        self._fd = self._serial.fileno()
         try:
             self._claim(line_format)
         except PortError:
@@ -90,37 +87,11 @@ class SerialPort:
             raise PortError(errno.EIO, f"serial port {path}: refuses parity check or exclusive use ({error})") from error
         self._counts = self._error_counts()
 
-    def fileno(self) -> int:
-        """Readable when read() has something."""
-        return self._fd
-
-    def read(self) -> list[bytes | Damage]:
-        """Good runs and damages in line order; [] when nothing waits."""
-        try:
-            data = os.read(self._fd, READ_SIZE)
-        except BlockingIOError:
-            return []
-        except OSError as error:
-            raise self._gone(error) from error
-        if not data:
-            raise self._gone(OSError(errno.EIO, "hung up"))
-        items = self._marks.read(data)
+    def _named(self, items: list[bytes | Damage]) -> list[bytes | Damage]:
         if self._counts is not None:
             before, self._counts = self._counts, self._error_counts()
-            items = told_apart(items, before, self._counts or before)
+            return told_apart(items, before, self._counts or before)
         return items
-
-    def write(self, data: bytes) -> int:
-        """How many bytes were taken."""
-        before = time.monotonic_ns()
-        try:
-            count = os.write(self._fd, data)
-        except BlockingIOError:
-            return 0
-        except OSError as error:
-            raise self._gone(error) from error
-        self._drain.took(count, before)
-        return count
 
     def unsent(self) -> int:
         """Never less than the kernel says (TIOCOUTQ, transmitter), never less than baud rate and count allow (an adapter's own buffer)."""
@@ -128,7 +99,7 @@ class SerialPort:
             queued = int(struct.unpack("i", fcntl.ioctl(self._fd, termios.TIOCOUTQ, b"\0" * 4))[0])
         except OSError as error:
             raise self._gone(error) from error
-        return max(queued or self._transmitting(), self._drain.left(time.monotonic_ns()))
+        return max(queued or self._transmitting(), super().unsent())
 
     def close(self) -> None:
         """Forgets what has not left (a close that waits for a dead partner would block for half a minute); twice does no harm."""
@@ -166,6 +137,3 @@ class SerialPort:
         except OSError:
             return None
         return {Damage.FRAMING: counts[6], Damage.OVERRUN: counts[7] + counts[10], Damage.PARITY: counts[8], Damage.BREAK: counts[9]}
-
-    def _gone(self, error: OSError) -> PortError:
-        return PortError(error.errno, f"serial port {self.name}: is gone ({error.strerror}); it is opened again when the adapter is back")

@@ -207,7 +207,9 @@ def _overflow(check: Context, block: Db, entry: Entry, found: Found | None, fact
     if found is None:
         return
     if found.name.kind is Kind.PERCENT and entry.max is None and most * factor < FULL:
-        text = f"{entry.type} at {entry.unit} ends at {number(most * factor)} %, {entry.signal} goes to {FULL:g} %: use a coarser unit or DH"
+        text = (
+            f"{entry.type} at {entry.unit} ends at {number(most * factor)} %, {entry.signal} goes to {FULL:g} %: use a coarser unit or DH"
+        )
         check.fault(_key(block, entry), entry.unit, text, f">= {number(FULL / most)}", "% a count")
     largest = LARGEST.get(entry.signal)
     if largest is not None and most * factor < largest:

@@ -86,13 +86,13 @@ def types(check: Context) -> None:
         if line.layer == "buep64" and set(line.rk512.types) != {"D"}:
             check.fault(f"line.{line.name}.rk512.types", " ".join(line.rk512.types), "BUEP64 carries data modules only", "D")
     for block in check.cell.db:
-        line = lines.get(block.line)
-        dialect = None if line is None else dialect_of(line)
-        if line is None or dialect is None:
+        at = lines.get(block.line)
+        dialect = None if at is None else dialect_of(at)
+        if at is None or dialect is None:
             continue
-        if line.role != "active" and block.kind not in line.rk512.types:
-            listed = ", ".join(f'"{kind}"' for kind in line.rk512.types)
-            hint = f'kind = "{block.kind}", and line {line.name} serves types = [{listed}]: nobody could reach it'
+        if at.role != "active" and block.kind not in at.rk512.types:
+            listed = ", ".join(f'"{kind}"' for kind in at.rk512.types)
+            hint = f'kind = "{block.kind}", and line {at.name} serves types = [{listed}]: nobody could reach it'
             check.fault(f"db.{block.number}.kind", block.kind, hint)
         most = dialect.most_word + 1
         if block.kind in "DX" and block.words > most:
@@ -109,10 +109,10 @@ def own_jobs(check: Context) -> None:
             hint = 'no [[db]] of this line has every_ms or on_change: an active line would say nothing; role = "passive" serves the partner'
             check.fault(f"line.{line.name}.role", line.role, hint)
     for block in check.cell.db:
-        line = lines.get(block.line)
-        dialect = None if line is None else dialect_of(line)
-        if line is not None and dialect is not None:
-            _own_job(check, block, line, dialect)
+        at = lines.get(block.line)
+        dialect = None if at is None else dialect_of(at)
+        if at is not None and dialect is not None:
+            _own_job(check, block, at, dialect)
     for line in check.cell.line:
         _reachable(check, line)
 

@@ -1,10 +1,10 @@
-"""Draft of a cell out of what was heard: `axisgate learn line TRACE` (the same as `axisgate line learn TRACE`)."""
+"""Draft of a cell out of what was heard: `axisgate learn line TRACE`, or live `--tap A,B` (the same as `axisgate line learn`)."""
 
 import sys
 
 from gateway.commands import line
 
-USAGE = "usage: axisgate learn line TRACE [-o FILE]"
+USAGE = "usage: axisgate learn line TRACE [-o FILE]\n       axisgate learn line --tap A,B [--seconds S] [--save TRACE] [-o FILE]   (live)"
 
 
 def main(argv: list[str]) -> int:

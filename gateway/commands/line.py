@@ -1,6 +1,7 @@
 """Tools at a 3964R line: probe a station, diagnose a line, send and fetch data words, monitor, learn a cell from a recording."""
 
 import argparse
+import contextlib
 import json
 import pathlib
 import sys
@@ -9,21 +10,24 @@ import tomllib
 from collections.abc import Callable, Iterable
 
 from drivers.ports.base import PortError
+from drivers.ports.linewire import parse_format
 from gateway.line_tools import cases_rk512
 from gateway.line_tools.client import Client
 from gateway.line_tools.client import Refused as JobRefused
 from gateway.line_tools.diagnose import gather
-from gateway.line_tools.learn import NoTrace, characters, learned
-from gateway.line_tools.monitor import Monitor, Printer, replay
+from gateway.line_tools.learn import NoTrace, characters, learned, of_line
+from gateway.line_tools.monitor import Monitor, Printer, Recorder, forget, replay
 from gateway.line_tools.partners import Station
 from gateway.line_tools.ports import open_port, open_wire
 from gateway.line_tools.probe import Result, Settings, all_cases, counted, exit_code, probe, stamp
 from gateway.line_tools.report import as_dict, to_html, to_json
 from gateway.line_tools.transfer import BadInput, decoded, encoded, kinds, place, words_needed
-from gateway.line_tools.wire import VirtualWire, Wire
+from gateway.line_tools.wire import ToolPort, VirtualWire, Wire
+from gateway.pure.line_decoder import Told
 from gateway.pure.line_diagnosis import Finding, anzw, cp341, judge, pafe
+from gateway.pure.line_learning import Learned
 from protocols.base.errors import ProtocolError
-from protocols.base.machine import ms
+from protocols.base.machine import Damage, Ns, ms
 from protocols.p3964r.profiles import PROFILES, Priority, Profile
 
 DONE, FINDING, USAGE, ENVIRONMENT = 0, 1, 2, 3
@@ -58,11 +62,15 @@ exit code: 0 done, 1 refused or no answer, 2 command line, 3 port"""
 MONITOR_EXAMPLES = """examples:
   axisgate line monitor /dev/ttyUSB0                                one wire: what its sender says
   axisgate line monitor --tap /dev/ttyUSB0,/dev/ttyUSB1 --json      both wires, two receive-only adapters
+  axisgate line monitor --tap COM5,COM6 --save line.rec             and keeps what it hears, for learn and export
   axisgate line monitor --record line.rec                           a recording instead of a line"""
 LEARN_EXAMPLES = """examples:
   axisgate line learn line.rec                                      the draft on standard output
-  axisgate line learn line.rec -o cell.toml
-  axisgate learn line line.rec                                      the same"""
+  axisgate learn line line.rec -o cell.toml                         the same command by its other name
+  axisgate learn line --tap /dev/ttyUSB0,/dev/ttyUSB1 --seconds 3600 --save line.rec -o cell.toml
+  axisgate learn line --tap COM5,COM6                               live, until Ctrl-C; listens only
+A is the tap in the wire the PLC sends on, B the one in the other; learn has nothing to send with.
+exit code: 0 done, 2 command line or nothing to learn from, 3 port"""
 
 
 def main(argv: list[str]) -> int:
@@ -194,13 +202,23 @@ def _monitor_arguments(tool: argparse.ArgumentParser) -> None:
     _line_arguments(tool, port_optional=True)
     tool.add_argument("--tap", metavar="A,B", help="two receive-only ports, one in each wire")
     tool.add_argument("--record", type=pathlib.Path, metavar="FILE", help="decode a recording instead")
-    tool.add_argument("--seconds", type=float, help="end after so long (default: until Ctrl-C)")
-    tool.add_argument("--plain", action="store_true", help="procedure 3964: blocks without check")
+    _listening_arguments(tool)
     tool.add_argument("--json", action="store_true", help="one JSON object a line")
 
 
+def _listening_arguments(tool: argparse.ArgumentParser) -> None:
+    tool.add_argument("--seconds", type=float, help="end after so long (default: until Ctrl-C)")
+    tool.add_argument("--plain", action="store_true", help="procedure 3964: blocks without check")
+    tool.add_argument(
+        "--save", type=pathlib.Path, metavar="FILE", help="keep what is heard as a record for learn, export and monitor --record"
+    )
+
+
 def _learn_arguments(tool: argparse.ArgumentParser) -> None:
-    tool.add_argument("trace", type=pathlib.Path, metavar="TRACE", help="record of the line process, or journal")
+    tool.add_argument("trace", type=pathlib.Path, nargs="?", metavar="TRACE", help="record of a line, or journal")
+    tool.add_argument("--tap", metavar="A,B", help="live instead: two receive-only ports, A in the wire the PLC sends on, B in the other")
+    tool.add_argument("--format", default="9600 8E1", metavar='"9600 8E1"', help="of the taps (default 9600 8E1)")
+    _listening_arguments(tool)
     tool.add_argument("-o", "--output", type=pathlib.Path, metavar="FILE", help="write the draft there")
 
 
@@ -398,24 +416,52 @@ def run_monitor(arguments: argparse.Namespace) -> int:
     names = arguments.tap.split(",") if arguments.tap else [arguments.port] if arguments.port else []
     if not names or (arguments.tap and len(names) != 2):
         raise BadInput("PORT, --tap A,B (two ports) or --record FILE expected")
-    ports = [(side, open_port(name, arguments.format)) for side, name in zip("AB", names, strict=False)]
-    try:
-        monitor = Monitor(ports, time.monotonic_ns, printer, not arguments.plain)
-        monitor.run(None if arguments.seconds is None else ms(1000 * arguments.seconds))
-    finally:
-        for _, port in ports:
-            port.close()
+    _listen(arguments, names, printer)
     return DONE
 
 
+def _listen(arguments: argparse.Namespace, names: list[str], tell: Callable[[Told], None]) -> None:
+    """One port or two, read only, for --seconds or until Ctrl-C; kept in --save."""
+    with contextlib.ExitStack() as stack:
+        ports: list[tuple[str, ToolPort]] = []
+        for side, name in zip("AB", names, strict=False):
+            port = open_port(name, arguments.format)
+            stack.callback(port.close)
+            ports.append((side, port))
+        keep: Callable[[Ns, str, int | Damage], None] = forget
+        if arguments.save is not None:
+            out = stack.enter_context(arguments.save.open("w", encoding="ascii", buffering=1))
+            keep = Recorder(out, "tap", parse_format(arguments.format), time.monotonic_ns())
+        monitor = Monitor(ports, time.monotonic_ns, tell, not arguments.plain, keep)
+        monitor.run(None if arguments.seconds is None else ms(1000 * arguments.seconds))
+
+
 def run_learn(arguments: argparse.Namespace) -> int:
-    try:
-        seen, text = learned(arguments.trace)
-    except ProtocolError as error:
-        raise NoTrace(f"{arguments.trace}: {error}") from error
+    if bool(arguments.trace) is bool(arguments.tap):
+        raise BadInput("TRACE, or live --tap A,B (two ports), expected")
+    seen, text = _learned_live(arguments) if arguments.tap else _learned(arguments.trace)
     if arguments.output is None:
         print(text, end="")
     else:
         arguments.output.write_text(text, encoding="utf-8")
         print(f"{arguments.output}: {seen.blocks} blocks, {len(seen.jobs)} kinds of telegrams; next: axisgate check {arguments.output}")
     return DONE
+
+
+def _learned(trace: pathlib.Path) -> tuple[Learned, str]:
+    try:
+        return learned(trace)
+    except ProtocolError as error:
+        raise NoTrace(f"{trace}: {error}") from error
+
+
+def _learned_live(arguments: argparse.Namespace) -> tuple[Learned, str]:
+    """Ctrl-C ends the listening, not the learning."""
+    names = arguments.tap.split(",")
+    if len(names) != 2:
+        raise BadInput("--tap A,B: two ports expected; a cell is learned from both wires")
+    tolds: list[Told] = []
+    print(f"axisgate learn line: listening at {arguments.tap}, Ctrl-C ends it", file=sys.stderr, flush=True)
+    with contextlib.suppress(KeyboardInterrupt):
+        _listen(arguments, names, tolds.append)
+    return of_line(tolds, arguments.tap, parse_format(arguments.format))

@@ -3,7 +3,7 @@
 import pathlib
 from collections.abc import Iterator
 
-from drivers.ports.linewire import parse_record
+from drivers.ports.linewire import LineFormat, parse_record
 from gateway.pure.line_decoder import LineDecoder, Told
 from gateway.pure.line_learning import Learned, draft, learn
 from protocols.base.dialogue import parse as parse_journal
@@ -70,6 +70,15 @@ def line_format(text: str) -> tuple[int, str]:
         elif key == "bits" and value.isdecimal():
             bits = int(value)
     return baud, "8N1" if bits == 10 else "8E1"
+
+
+def of_line(tolds: list[Told], source: str, line_format: LineFormat) -> tuple[Learned, str]:
+    """The same out of what a monitor heard.  NoTrace when there was no block."""
+    seen = learn(tolds)
+    if not seen.blocks:
+        raise NoTrace(f"no block of 3964R was heard at {source} ({len(tolds)} characters and signs); axisgate line diagnose looks further")
+    frame = f"{line_format.data_bits}{line_format.parity}{line_format.stop_bits}"
+    return seen, draft(seen, source, line_format.baud, frame)
 
 
 def learned(path: pathlib.Path) -> tuple[Learned, str]:

@@ -1,24 +1,39 @@
 """`axisgate line monitor`: a line decoded, with times in ms; one port, or two receive-only taps.  Never writes a character."""
 
 import json
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
+from typing import TextIO
 
+from drivers.ports.linewire import LineFormat, Note, Run
 from gateway.line_tools.wire import ToolPort
 from gateway.pure.line_decoder import LineDecoder, Told, telegram_of
 from protocols.base.machine import Damage, Ns, ms
 
-TURN = 0.002  # seconds at one of two taps: the order of the characters is known so exactly
+TURN = 0.002  # seconds at one of two taps
 IDLE = 0.02
+HOLD: Ns = ms(20)  # a character waits so long at most for one of the other tap that belongs before it: adapters hand over late
+
+
+def forget(stamp: Ns, side: str, what: int | Damage) -> None:
+    """Nothing is kept."""
 
 
 class Monitor:
     """Reads ports called by their side; `tell` gets every sentence."""
 
     def __init__(
-        self, ports: Sequence[tuple[str, ToolPort]], clock: Callable[[], Ns], tell: Callable[[Told], None], check: bool = True
+        self,
+        ports: Sequence[tuple[str, ToolPort]],
+        clock: Callable[[], Ns],
+        tell: Callable[[Told], None],
+        check: bool = True,
+        keep: Callable[[Ns, str, int | Damage], None] = forget,
     ) -> None:
-        self._ports, self._clock, self._tell = ports, clock, tell
+        """`keep` gets every character as well."""
+        self._ports, self._clock, self._tell, self._keep = ports, clock, tell, keep
         self._decoder = LineDecoder(both=len(ports) == 2, block_check=check)
+        self._heard: dict[str, deque[tuple[Ns, int | Damage]]] = {side: deque() for side, _ in ports}
         self.characters = 0
 
     def run(self, how_long: Ns | None) -> None:
@@ -28,6 +43,7 @@ class Monitor:
             for _, port in self._ports:
                 port.wait(TURN if len(self._ports) > 1 else IDLE)
             self._take()
+        self._decode(self._clock() + HOLD)
         for told in self._decoder.flush(self._clock() + ms(1000)):
             self._tell(told)
 
@@ -35,12 +51,41 @@ class Monitor:
         now = self._clock()
         for side, port in self._ports:
             for item in port.read():
-                for what in item if isinstance(item, bytes) else (item,):
-                    self.characters += 1
-                    for told in self._decoder.take(now, side, what):
-                        self._tell(told)
-        for told in self._decoder.flush(now):
-            self._tell(told)
+                self._heard[side] += [(now, what) for what in (item if isinstance(item, bytes) else (item,))]
+        self._decode(now)
+        if not any(self._heard.values()):
+            for told in self._decoder.flush(now):
+                self._tell(told)
+
+    def _decode(self, now: Ns) -> None:
+        """In the order of the line: two taps are read one after the other, the protocol says whose turn it was."""
+        while (side := self._next_side(now)) is not None:
+            stamp, what = self._heard[side].popleft()
+            self.characters += 1
+            self._keep(stamp, side, what)
+            for told in self._decoder.take(stamp, side, what):
+                self._tell(told)
+
+    def _next_side(self, now: Ns) -> str | None:
+        waiting = [side for side, heard in self._heard.items() if heard]
+        expected = self._decoder.expected()
+        if not waiting or expected in waiting:
+            return expected if waiting else None
+        first = min(waiting, key=lambda side: self._heard[side][0][0])
+        held = expected and len(self._heard) > 1 and now - self._heard[first][0][0] < HOLD
+        return None if held else first
+
+
+class Recorder:
+    """Writes what is heard as a line record: `learn`, `monitor --record` and `export` read it, also when it broke off."""
+
+    def __init__(self, out: TextIO, name: str, line_format: LineFormat, now: Ns) -> None:
+        self._out = out
+        out.write(Note(now, f"ready name={name} baud={line_format.baud} bits={line_format.char_bits} scheduling=tap").line())
+
+    def __call__(self, stamp: Ns, side: str, what: int | Damage) -> None:
+        run = Run(stamp, side, b"\0", what.name.lower()) if isinstance(what, Damage) else Run(stamp, side, bytes((what,)))
+        self._out.write(run.line())
 
 
 class Printer:

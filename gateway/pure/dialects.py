@@ -5,9 +5,9 @@ from enum import Enum
 from typing import TypeVar
 
 from gateway.cell import Choices, Line, Rk512, Times
+from protocols.base.machine import Ns, ms
 from protocols.buep64.faults import Cause, Fault, fault_of
 from protocols.buep64.form import REACTION_WAIT, Form, Plc
-from protocols.base.machine import Ns, ms
 from protocols.p3964r.characters import Char
 from protocols.p3964r.profiles import BrokenPair, ConnectCounter, Interruption, Profile, Stray, TooLong, profile_named
 from protocols.rk512.active import Denied, Failed, Trouble

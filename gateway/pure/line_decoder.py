@@ -64,6 +64,7 @@ class LineDecoder:
         self._both, self._check = both, block_check
         self._offered: dict[str, Ns] = {}  # side -> moment of its unanswered STX
         self._blocks: dict[str, _Block] = {}
+        self._answer_of = ""  # side that has to answer the block before
 
     def take(self, stamp: Ns, side: str, what: int | Damage) -> list[Told]:
         """The next character of the line, in the order of the stamps."""
@@ -77,6 +78,14 @@ class LineDecoder:
     def flush(self, now: Ns) -> list[Told]:
         """Blocks that pause too long at this moment."""
         return self._expire(now)
+
+    def expected(self) -> str:
+        """Side whose character comes next by the protocol, "" where either may begin: orders the characters of two taps."""
+        if self._blocks:
+            return next(iter(self._blocks))
+        if len(self._offered) == 1:
+            return _other(next(iter(self._offered)))
+        return self._answer_of
 
     # ---- inside
     def _is_repeat(self, stamp: Ns, side: str, what: int | Damage) -> bool:
@@ -92,6 +101,7 @@ class LineDecoder:
         return Told(block.last, side, "BROKEN", text, bytes(block.data), first=block.first)
 
     def _outside(self, stamp: Ns, side: str, what: int | Damage) -> list[Told]:
+        self._answer_of = ""
         if isinstance(what, Damage):
             return [Told(stamp, side, "DAMAGED", f"a spoiled character ({what.name.lower()})", first=stamp)]
         told: list[Told] = []
@@ -144,6 +154,7 @@ class LineDecoder:
 
     def _close(self, block: _Block, side: str, difference: int | None) -> Told:
         del self._blocks[side]
+        self._answer_of = _other(side)
         data = bytes(block.data)
         text = telegram_text(data)
         if block.damaged:
@@ -151,6 +162,10 @@ class LineDecoder:
         if difference:
             text += f"; BCC wrong, off by {difference:02X}h" + (" (the sender includes STX)" if difference == Char.STX else "")
         return Told(block.last, side, "BLOCK", text, data, None if difference is None else not difference, difference or 0, block.first)
+
+
+def _other(side: str) -> str:
+    return "B" if side == "A" else "A"
 
 
 @dataclass(frozen=True, slots=True)

@@ -107,7 +107,11 @@ def test_the_example_of_the_manual_and_a_frame_the_port_has_not(pair: Pair) -> N
         assert [await runner.control(sio, name, value) for name, value in example] == [0] * 6
         before = runner.core.channel(NAME)
         assert before.frame == "115200 8N1"
-        assert await runner.control(sio, "bits", 5) == -3  # the manual has it, the port has not
+        assert await runner.control(sio, "bits", 5) == 0
+        assert runner.core.channel(NAME).frame == "115200 5N1"
+        assert await runner.control(sio, "stopBits", 2) == -3  # the manual has it, no UART has: one and a half there
+        assert runner.core.channel(NAME).frame == "115200 5N1"
+        assert await runner.control(sio, "bits", 8) == 0
         assert runner.core.channel(NAME) == before
         assert await runner.control(sio, "flowControl", "hardware") == 0
         (descriptor,) = runner.descriptors(sio)
