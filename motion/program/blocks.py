@@ -5,8 +5,10 @@ point on this block, `reach` behind it on the next.  What each of the three cont
 words are known (motion.program.passing, motion.program.reis, motion.val3); here everything is a number with a unit.
 """
 
+import copy
 from dataclasses import dataclass, field
 from enum import Enum
+from typing import TypeVar
 
 from motion.frames import IDENTITY, Pose
 from motion.kinematics.base import FREE, Configuration
@@ -166,3 +168,15 @@ class Program:
     start: tuple[float, ...]  # m or rad
     blocks: tuple[Block, ...]
     units: tuple[str, ...] = ()  # outside units of the axes, "mm" or "deg"; empty: all deg
+
+
+Part = TypeVar("Part")
+
+
+def changed(part: Part, name: str, value: object) -> Part:
+    """A copy of a frozen part with one field changed, for callers that know the field only by its name."""
+    if not hasattr(part, name):
+        raise AttributeError(f"{type(part).__name__} has no field {name}")
+    made = copy.copy(part)
+    object.__setattr__(made, name, value)
+    return made

@@ -26,9 +26,7 @@ class Factors:
 
     def times(self, other: "Factors") -> "Factors":
         """Global times kinematic: what acts on a block."""
-        return Factors(
-            self.velocity * other.velocity, self.acceleration * other.acceleration, self.deceleration * other.deceleration
-        )
+        return Factors(self.velocity * other.velocity, self.acceleration * other.acceleration, self.deceleration * other.deceleration)
 
 
 FULL = Factors()

@@ -32,7 +32,9 @@ class JogSpeeds:
             if not 0.0 < slow <= fast:
                 raise MotionError(f"{name}: slow {slow:.6g} and fast {fast:.6g} must be > 0 and slow not above fast")
         if not self.world_fast <= FLANGE_LIMIT + 1e-12:
-            raise MotionError(f"P112: {self.world_fast:.6g} m/s is above {FLANGE_LIMIT} m/s, the most a flange may do in manual mode (VDI 2853)")
+            raise MotionError(
+                f"P112: {self.world_fast:.6g} m/s is above {FLANGE_LIMIT} m/s, the most a flange may do in manual mode (VDI 2853)"
+            )
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ L1962-2041, defaults L2043-2067, path errors L4753-4770; circle rules L308-338. 
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from enum import Enum
 from itertools import pairwise
 
@@ -26,6 +26,7 @@ from motion.program.blocks import (
     Target,
     Tool,
     Turning,
+    changed,
 )
 from motion.program.errors import BlockError
 
@@ -68,7 +69,7 @@ class Parameters:
 DEFAULTS = Parameters()
 NOT_MODAL = {"BAHN_ZEIT": 0.0, "IORI_WEIGHT": 100}  # value they fall back to after one position (L1752, L1908-1926)
 PERCENT = ("IV_FLYBY_S", "IV_FLYBY_O", "IV_CIRCHP_O", "ISPL_TENS", "IORI_TENS", "IORI_WEIGHT", "IORI_CIRCHP")
-RANGES: dict[str, tuple[float, float]] = {name: (0, 100) for name in PERCENT}
+RANGES: dict[str, tuple[float, float]] = dict.fromkeys(PERCENT, (0, 100))
 RANGES |= {"IACC_TIME": (0, 50), "BAHN_RADIUS": (0, math.inf), "BAHN_DISTANZ": (0, math.inf), "BAHN_ZEIT": (0, math.inf)}
 RANGES |= {"BAHN_GESCHW": (1e-6, math.inf), "BAHN_BESCHL": (1e-6, 100), "PTP_GESCHW": (1e-6, 100), "PTP_BESCHL": (1e-6, 100)}
 
@@ -118,13 +119,12 @@ class Path:
     """Commands of a Reis program in their order, blocks out.  Faults the text alone shows are raised where they are written;
     those that need the points are raised by blocks()."""
 
-    def __init__(self, start: Target, data: MachineData = MachineData(), defaults: Parameters = DEFAULTS, tool: Tool = Tool()) -> None:
-        self._start, self._data, self._set, self._tool = start, data, defaults, tool
+    def __init__(self, start: Target, data: MachineData = MachineData(), defaults: Parameters = DEFAULTS, tool: Tool | None = None) -> None:
+        self._start, self._data, self._set, self._tool = start, data, defaults, tool or Tool()
         self._points: list[tuple[Target, Parameters]] = []
         self._auxiliary: Target | None = None  # first of two circle positions
 
-    @property
-    def parameters(self) -> Parameters:
+    def standing(self) -> Parameters:
         """As they stand now."""
         return self._set
 
@@ -136,14 +136,15 @@ class Path:
             low, high = RANGES[name]
             if not low <= float(value if not isinstance(value, Mode) else math.nan) <= high:
                 raise MotionError(f"{name} {value} is outside {low:g} .. {high:g}")
-        self._set = replace(self._set, **{name: value})
+        self._set = changed(self._set, name, value)
 
     def position(self, target: Target) -> None:
         """POSITION: the next point with the parameters as they stand."""
         self._points.append((target, self._set))
         if self._set.BEWEG_ART in CIRCLES:
             self._auxiliary = target if self._auxiliary is None else None
-        self._set = replace(self._set, **NOT_MODAL)
+        for name, fallen_back in NOT_MODAL.items():
+            self._set = changed(self._set, name, fallen_back)
 
     def blocks(self) -> tuple[Block, ...]:
         """All blocks, or BlockError with the path error's number and the block."""
@@ -225,9 +226,7 @@ class Path:
         if not setting.UEBERSCHL or kind is Interpolation.SPLINE:
             return Blend()
         radius, distance = setting.BAHN_RADIUS / 1000, setting.BAHN_DISTANZ / 1000
-        return Blend(
-            Rounding.CARTESIAN, radius, radius, distance, share=self._data.RAPPR_FACT_MAX, flyby=setting.IV_FLYBY_S / 100
-        )
+        return Blend(Rounding.CARTESIAN, radius, radius, distance, share=self._data.RAPPR_FACT_MAX, flyby=setting.IV_FLYBY_S / 100)
 
 
 def check_path(blocks: list[Block], settings: list[Parameters], start: Target, data: MachineData) -> None:
@@ -256,7 +255,9 @@ def _check_alone(number: int, setting: Parameters, here: tuple[bool, bool]) -> N
         if here == (False, True):
             raise BlockError("approximation together with a path without distance", code=621, block=number, source=SOURCE)
         if setting.BAHN_RADIUS == 0 and setting.BAHN_DISTANZ == 0:
-            raise BlockError("BAHN_RADIUS and BAHN_DISTANZ are both 0 mm with activated approximation", code=102, block=number, source=SOURCE)
+            raise BlockError(
+                "BAHN_RADIUS and BAHN_DISTANZ are both 0 mm with activated approximation", code=102, block=number, source=SOURCE
+            )
     if here == (False, True) and not setting.BAHN_ZEIT:
         raise BlockError("BAHN_ZEIT is missing: only the orientation moves", code=622, block=number, source=SOURCE)
 

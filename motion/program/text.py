@@ -32,6 +32,7 @@ from motion.program.blocks import (
     Target,
     Tool,
     Until,
+    changed,
 )
 from motion.program.errors import TextError, TextFaults
 from motion.units import from_si, to_si
@@ -282,7 +283,7 @@ def _yes(key: str, value: str) -> bool:
 
 def _filled(part: Part, values: dict[str, object]) -> Part:
     for name, value in values.items():
-        part = replace(part, **{name: value})
+        part = changed(part, name, value)
     return part
 
 
@@ -295,7 +296,7 @@ def _with(target: Target, keys: dict[str, str]) -> Target:
     flags = dict(_flag(word) for word in keys["config"].split(",")) if "config" in keys else {}
     configuration = target.configuration
     for name, flag in flags.items():
-        configuration = replace(configuration, **{name: flag})
+        configuration = changed(configuration, name, flag)
     return replace(target, configuration=configuration, extra=_extra(keys["extra"]) if "extra" in keys else target.extra)
 
 
@@ -341,7 +342,10 @@ def write(program: Program, angles: str = "val3") -> str:
     units = program.units or ("deg",) * len(program.start)
     lines = [f"program {program.name}" if program.name else "", f"robot {program.robot}" if program.robot else ""]
     lines += [f"angles {angles}", f"axes {' '.join(units)}", f"start {_joints(program.start, units)}"]
-    for word, places in (("tool", _places(block.tool for block in program.blocks)), ("frame", _places(block.frame for block in program.blocks))):
+    for word, places in (
+        ("tool", _places(block.tool for block in program.blocks)),
+        ("frame", _places(block.frame for block in program.blocks)),
+    ):
         lines += [f"{word} {name} {_pose(pose, ways)}" for name, pose in places.items()]
     lines += [_move(block, ways, units) for block in program.blocks]
     return "\n".join(line for line in lines if line) + "\n"

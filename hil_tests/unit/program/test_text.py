@@ -1,0 +1,127 @@
+"""The text form: everything it can say, every fault with line, key and range, and the way back."""
+
+import math
+
+import pytest
+
+from hil_tests.unit.program.close import same_program
+from motion.errors import MotionError
+from motion.frames import Pose
+from motion.kinematics.base import Shoulder, Wrist
+from motion.program import textkeys
+from motion.program.blocks import Interpolation, JointTarget, Output, PoseTarget, Program, Rounding, Slope, Tool, Turning, Until
+from motion.program.errors import TextFaults
+from motion.program.text import read, write
+
+WHOLE = """
+program demo            # a comment
+robot scara
+angles val3
+axes deg deg mm deg
+start 0 90 0 0
+tool grip 0 0 100 0 0 0
+frame table 500 0 0 0 0 90
+point A pose 400 100 50 180 0 30 config=righty,wnegative
+point H joints 0 90 -10 0
+set speed=50 path=200 radius=10
+ptp H blend=off zone=1,1,2,3
+linear A tool=grip frame=table slope=block
+circular via pose 400 200 50 180 0 30 to pose 300 100 50 180 0 30 turning=least out=7:1@20,8:0 until=!5
+spline A extra=100mm,30deg tension=20 weight=0 time=4 ramp=50
+set radius=0
+linear A leave=5 reach=20 distance=3 share=40 flyby=75 lead=no
+"""
+
+
+def faults(text: str) -> list[tuple[int, str, str]]:
+    with pytest.raises(TextFaults) as caught:
+        read(text)
+    return [(fault.line, fault.key, fault.what) for fault in caught.value.faults]
+
+
+def test_everything_the_text_can_say_arrives_in_si() -> None:
+    program = read(WHOLE)
+    ptp, line, arc, curve, last = program.blocks
+    assert (program.name, program.robot, program.units) == ("demo", "scara", ("deg", "deg", "mm", "deg"))
+    assert program.start == (0.0, math.pi / 2, 0.0, 0.0)
+    assert ptp.kind is Interpolation.PTP and ptp.target == JointTarget((0.0, math.pi / 2, -0.01, 0.0))
+    assert ptp.blend.axes == pytest.approx((math.radians(1), math.radians(1), 0.002, math.radians(3)))
+    assert line.blend.leave == line.blend.reach == pytest.approx(0.01) and line.blend.rounding is Rounding.CARTESIAN
+    assert line.slope is Slope.BLOCK and line.tool == Tool("grip", Pose((0.0, 0.0, 0.1), (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)))
+    assert line.pace.path_speed == pytest.approx(0.2) and line.pace.speed == 0.5
+    assert isinstance(line.target, PoseTarget)
+    assert (line.target.configuration.shoulder, line.target.configuration.wrist) == (Shoulder.RIGHTY, Wrist.NEGATIVE)
+    assert arc.via is not None and arc.turning is Turning.LEAST
+    assert arc.outputs == (Output(7, 1.0, 0.02), Output(8, 0.0)) and arc.until == Until(5, False)
+    assert isinstance(curve.target, PoseTarget) and curve.target.extra == pytest.approx((0.1, math.radians(30)))
+    assert (curve.pace.time, curve.pace.ramp, curve.curving.tension, curve.curving.weight) == (4.0, 0.5, 0.2, 0.0)
+    assert (last.blend.leave, last.blend.reach, last.blend.distance) == pytest.approx((0.005, 0.02, 0.003))
+    assert (last.blend.share, last.blend.flyby) == pytest.approx((0.4, 0.75))
+
+
+@pytest.mark.parametrize("angles", ["val3", "rho3", "reis"])
+def test_what_is_written_reads_back_to_the_same_program(angles: str) -> None:
+    program = read(WHOLE)
+    once = read(write(program, angles))
+    assert same_program(once, program)
+    assert write(once, angles) == write(program, angles)
+
+
+def test_each_fault_has_its_line_its_key_and_the_range_and_all_are_told() -> None:
+    wrong = [
+        "linear pose 1 2",
+        "foo",
+        "linear A speed=1000",
+        "linear A bar=3",
+        "ptp joints nan 0 0 0",
+        "set time=3",
+        "linear A flyby=100.1",
+        "linear A blend=round",
+        "linear B",
+        "circular A",
+        "ptp joints 1 2 3",
+        "linear A until=x",
+        "linear A out=7",
+        "ptp H config=righty",
+        "linear A extra=100",
+        "point 7 joints 0 0 0 0",
+        "axes deg turn",
+        "linear A H",
+        "linear A config=up",
+        "linear A speed=",
+        "linear A tool=hand",
+    ]
+    start = len(WHOLE.splitlines()) + 1
+    told = faults(WHOLE + "\n".join(wrong))
+    assert [line for line, _, _ in told] == list(range(start, start + len(wrong)))
+    by_line = {line - start: (key, what) for line, key, what in told}
+    assert by_line[2] == ("speed", "1000 % is outside 0.01 .. 500 %")
+    assert by_line[4][0] == "joints" and "nan deg is outside" in by_line[4][1]
+    assert by_line[6] == ("flyby", "100.1 % is outside 0 .. 100 %")
+    assert by_line[7] == ("blend", "'round'; one of off, cartesian, joint")
+    assert by_line[8][1] == "point 'B' is unknown; A, H are known"
+    assert [by_line[n][0] for n in (3, 11, 12, 13, 14, 18, 20)] == ["bar", "until", "out", "config", "extra", "config", "tool"]
+
+
+@pytest.mark.parametrize("key", textkeys.KEYS, ids=lambda key: str(key.name))
+def test_both_ends_of_every_range_are_legal_and_one_step_beyond_is_not(key: textkeys.Key) -> None:
+    for value in (key.low, key.high):
+        read(f"start 0\nlinear pose 0 0 0 0 0 0 {key.name}={value!r}")
+    for value in (key.low - 1e-6 - abs(key.low) * 1e-9, key.high * (1 + 1e-9) + 1e-6, math.nan, math.inf):
+        assert faults(f"start 0\nlinear pose 0 0 0 0 0 0 {key.name}={value!r}")[0][:2] == (2, key.name)
+
+
+def test_a_text_without_a_start_or_empty_says_so() -> None:
+    assert faults("") == [(0, "start", "is missing: where the axes stand before the first block")]
+    assert read("start 1 2").blocks == ()
+
+
+def test_two_tools_of_one_name_cannot_be_written() -> None:
+    program = read("start 0\ntool a 0 0 1 0 0 0\nlinear pose 0 0 0 0 0 0 tool=a\ntool a 0 0 2 0 0 0\nlinear pose 0 0 0 0 0 0 tool=a")
+    with pytest.raises(MotionError, match="two places"):
+        write(program)
+    nameless = Program(
+        "", "", (0.0,), (program.blocks[0].__class__(Interpolation.PTP, JointTarget((0.0,)), tool=Tool("", program.blocks[0].tool.pose)),)
+    )
+    with pytest.raises(MotionError, match="without a name"):
+        write(nameless)
