@@ -1,7 +1,13 @@
-"""Referencing by the gateway, mode 0: run towards the switch, on to the encoder zero behind it, then move the offset.
+"""Referencing by the gateway: run towards the switch, find the encoder zero as the mode says, then move the offset.
 
-Source: rho3 2.8 row 0 (L3783-3808): "go on in the same direction to the next encoder zero; actual = P207; move P208".
-Ours: a switch that is actuated at the start is left first (AX-111), limits of way and time (AX-112), no stop at the zero (AX-113).
+Mode | when the switch is seen (rho3 2.8, L3783-3891)
+0    | go on in the same direction to the next encoder zero; there actual = P207; move P208
+1    | compute the axis' own zero from resolver and gear factor (orientation.py), go there; actual = P207; move P208
+2    | stop along the ramp; actual = P207 and the way from the encoder zero next to the edge; move P208, without one stay
+3    | as mode 2 with the zero of mode 1
+
+Ours: a switch that is actuated at the start is left first (AX-111), limits of way and time (AX-112), no stop at the zero of mode 0
+(AX-113), speeds and which zero is the next one in modes 1 to 3 (AX-264, AX-265).
 """
 
 import math
@@ -9,8 +15,12 @@ from dataclasses import dataclass
 from enum import Enum, auto
 from typing import NamedTuple
 
+from drivers.drives.orientation import orientation
 from drivers.drives.ramp import Ramp
 from drivers.drives.scaling import Scaling, ScalingError
+
+MODES = range(4)
+ORIENTED, STOPPING = (1, 3), (2, 3)  # the zero out of the gear factor; the axis stops where it is
 
 
 class RunState(Enum):
@@ -53,14 +63,23 @@ class ReferenceSettings:
     offset_inc: float = 0.0  # P208, the same
     way_inc: float = math.inf  # longest way from the start
     timeout_s: float = 60.0
+    mode: int = 0  # 0..3
+    gear: float = 1.0  # gear factor with decimals (modes 1 and 3)
 
     def __post_init__(self) -> None:
-        for name in ("inc_per_turn", "speed_inc_s", "slow_inc_s", "accel_inc_s2", "jerk_inc_s3", "way_inc", "timeout_s"):
+        for name in ("inc_per_turn", "speed_inc_s", "slow_inc_s", "accel_inc_s2", "jerk_inc_s3", "way_inc", "timeout_s", "gear"):
             value: float = getattr(self, name)
             if not value > 0:
                 raise ScalingError(f"referencing: {name} {value} is no number above 0")
         if self.direction not in (1, -1):
             raise ScalingError(f"referencing: direction {self.direction} is neither 1 nor -1")
+        if self.mode not in MODES:
+            raise ScalingError(f"referencing: mode {self.mode} is outside 0..3")
+
+    @property
+    def seek_inc_s(self) -> float:
+        """Towards the switch: P108; where it stops the axis P109, from which it has to come to rest before the limit (L3857)."""
+        return self.slow_inc_s if self.mode in STOPPING else self.speed_inc_s
 
 
 def settings_from(
@@ -75,6 +94,7 @@ def settings_from(
     offset: float = 0.0,
     way: float = math.inf,
     timeout_s: float = 60.0,
+    mode: int = 0,
 ) -> ReferenceSettings:
     """Axis values (m or rad) -> increments; direction: +1, -1 of the axis, on which side the switch is."""
     factor = abs(scaling.inc_per_unit)
@@ -89,6 +109,8 @@ def settings_from(
         offset_inc=offset * scaling.inc_per_unit,
         way_inc=way * factor,
         timeout_s=timeout_s,
+        mode=mode,
+        gear=scaling.gear,
     )
 
 
@@ -97,7 +119,9 @@ class Leg(Enum):
 
     LEAVE = auto()  # the switch was actuated at the start: away from it
     SEEK = auto()  # towards the switch
-    ZERO = auto()  # switch seen: slowly on to the encoder zero
+    ZERO = auto()  # mode 0, switch seen: slowly on to the encoder zero
+    APPROACH = auto()  # mode 1, switch seen: to the axis' own zero, perhaps turns back
+    STOP = auto()  # modes 2 and 3, switch seen: to rest
     OFFSET = auto()  # zero passed: to the reference point
     BRAKE = auto()  # failed: to rest
 
@@ -113,11 +137,11 @@ class Referencing:
         self._leg: Leg | None = None
         self._time = 0.0
         self._target = 0.0  # of OFFSET, turns from the origin
-        self._zero: int | None = None  # encoder zero behind the switch
+        self._zero: float | None = None  # where the actual value is P207
         self._why: Failure | None = None
         self._state = RunState.RUNNING
         self.zero_inc: float | None = None  # where the axis reads 0; known from the encoder zero on
-        self.switch_to_zero_inc: int | None = None  # tells the fitter how safely the switch stands: near 0 or a turn is bad
+        self.switch_to_zero_inc: int | None = None  # tells the fitter how safely the switch stands (margin())
 
     def abort(self) -> None:
         """To rest; FAILED is told there."""
@@ -145,20 +169,43 @@ class Referencing:
         settings = self._settings
         match self._leg:
             case None:
-                self._run(Leg.LEAVE if switch else Leg.SEEK, -settings.speed_inc_s if switch else settings.speed_inc_s)
+                self._run(Leg.LEAVE if switch else Leg.SEEK, -settings.seek_inc_s if switch else settings.seek_inc_s)
             case Leg.LEAVE if not switch:
-                self._run(Leg.SEEK, settings.speed_inc_s)  # the ramp turns the axis round beyond the edge
+                self._run(Leg.SEEK, settings.seek_inc_s)  # the ramp turns the axis round beyond the edge
             case Leg.SEEK if switch:
-                self._zero = self._next_zero(position_inc)
-                self.switch_to_zero_inc = abs(self._zero - position_inc)
-                self._run(Leg.ZERO, settings.slow_inc_s)
+                self._found(position_inc)
             case Leg.ZERO if self._zero is not None and (position_inc - self._zero) * settings.direction >= 0:
-                self.zero_inc = self._zero - settings.position_inc
-                self._target = (self._zero + settings.offset_inc - self._origin) / settings.inc_per_turn
-                self._leg = Leg.OFFSET
-                self._move()
+                self._take_zero(self._zero)
             case _:
                 pass
+
+    def _found(self, position_inc: int) -> None:
+        """The edge: which zero counts, and what the axis does next."""
+        settings = self._settings
+        if settings.mode == 0:
+            self._zero = self._next_zero(position_inc)
+            self.switch_to_zero_inc = round(abs(self._zero - position_inc))
+            self._run(Leg.ZERO, settings.slow_inc_s)
+            return
+        found = orientation(position_inc, settings.inc_per_turn, settings.gear if settings.mode in ORIENTED else 1.0)
+        self._zero, self.switch_to_zero_inc = found.zero_inc, round(abs(found.deviation_inc))
+        if settings.mode == 1:
+            self._target, self._leg = self._turns(found.zero_inc), Leg.APPROACH
+            self._move()
+        else:
+            self._run(Leg.STOP, 0.0)
+
+    def _take_zero(self, zero: float) -> None:
+        """From here on the axis' position is known; what is left is the offset."""
+        settings = self._settings
+        self.zero_inc = zero - settings.position_inc
+        stays = settings.mode in STOPPING and settings.offset_inc == 0.0  # the zero itself is not approached (L3855)
+        self._target = self._ramp.x if stays else self._turns(zero + settings.offset_inc)
+        self._leg = Leg.OFFSET
+        self._move()
+
+    def _turns(self, position_inc: float) -> float:
+        return (position_inc - self._origin) / self._settings.inc_per_turn
 
     def _next_zero(self, position_inc: int) -> int:
         """Position = 0 mod inc_per_turn strictly behind position_inc, in the direction of the run."""
@@ -183,7 +230,9 @@ class Referencing:
             return
         if self._leg is Leg.BRAKE:
             self._state = RunState.FAILED
-        elif self._leg is Leg.OFFSET and abs(self._ramp.x - self._target) > 1e-7:
+        elif self._leg in (Leg.OFFSET, Leg.APPROACH) and abs(self._ramp.x - self._target) > 1e-7:
             self._move()
+        elif self._leg in (Leg.APPROACH, Leg.STOP) and self._zero is not None:
+            self._take_zero(self._zero)
         elif self._leg is Leg.OFFSET:
             self._state = RunState.DONE

@@ -1,7 +1,8 @@
 """Increments at the motor <-> m or rad at the axis.
 
-inc = zero_inc + direction * gear * inc_per_turn * q / feed_per_turn.  The sign of the measuring system and of the set-point
-output belong together and are one `direction` here (rho3 2.9: with only one of them negative the axis never arrives).
+inc = zero_inc + direction * gear * inc_per_turn * q / feed_per_turn.  `direction` is the sign of the measuring system (P401.7), `output`
+that of the set-point output (P401.8); they belong together: with only one of them negative the axis never arrives (rho3 2.9), and
+`axisgate check` refuses it.
 """
 
 import math
@@ -21,6 +22,7 @@ class Scaling:
     feed_per_turn: float = 2 * math.pi  # m or rad of the axis for one turn of the output
     direction: int = 1  # +1, -1: axis positive = increments rising, falling
     zero_inc: float = 0.0  # increments where the axis reads 0; referencing finds it
+    output: int = 0  # +1, -1: sign of what is sent; 0: as direction
 
     def __post_init__(self) -> None:
         for name, value in (("inc_per_turn", self.inc_per_turn), ("gear", self.gear), ("feed_per_turn", self.feed_per_turn)):
@@ -28,6 +30,8 @@ class Scaling:
                 raise ScalingError(f"{name} {value} is no number above 0")
         if self.direction not in (1, -1):
             raise ScalingError(f"direction {self.direction} is neither 1 nor -1")
+        if self.output not in (1, 0, -1):
+            raise ScalingError(f"output {self.output} is neither 1 nor -1 nor 0 (as direction)")
         if not math.isfinite(self.zero_inc):
             raise ScalingError(f"zero_inc {self.zero_inc} is no number")
 
@@ -38,7 +42,7 @@ class Scaling:
 
     def to_inc(self, q: float) -> int:
         """m or rad -> the nearest increment; not limited to int32 (the Drive refuses what does not fit)."""
-        return round(self.zero_inc + q * self.inc_per_unit)
+        return round(self.zero_inc + q * self.inc_per_unit * self._sent)
 
     def to_si(self, inc: float) -> float:
         """Increments -> m or rad."""
@@ -46,7 +50,12 @@ class Scaling:
 
     def to_rpm(self, speed: float) -> float:
         """m/s or rad/s of the axis -> rpm of the motor, signed."""
-        return 60.0 * self.direction * self.gear * speed / self.feed_per_turn
+        return 60.0 * self.direction * self._sent * self.gear * speed / self.feed_per_turn
+
+    @property
+    def _sent(self) -> int:
+        """-1 where the set values go the other way than the measuring system."""
+        return self.output * self.direction or 1
 
     def speed_from_inc(self, inc_per_s: float) -> float:
         """inc/s -> m/s or rad/s of the axis."""
