@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 from gateway.pure.line_blocks import AREA_BYTES, block_key
 from gateway.pure.records import RC_BYTES
-from protocols.rk512.flags import Flags
 from protocols.rk512.header import ErrorNumber, Kind
 
 if TYPE_CHECKING:
@@ -21,7 +20,6 @@ class LineAreas:
 
     def __init__(self, door: "LineDoor") -> None:
         self._door = door
-        self.flags = Flags()  # the station's own; set by the door
 
     def read_area(self, kind: Kind, block: int, address: int, amount: int) -> bytes | ErrorNumber:
         """FETCH; what the types leave out is refused whole."""
@@ -59,7 +57,7 @@ class LineAreas:
 
     def _with_flags(self, data: bytes) -> bytes:
         shown = bytearray(data)
-        for flag in self.flags.set:
+        for flag in self._door.flags.set:
             if flag.cpu <= 1 and flag.byte < len(shown):
                 shown[flag.byte] |= 1 << flag.bit
         return bytes(shown)

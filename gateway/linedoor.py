@@ -70,7 +70,7 @@ class LineDoor(SerialDoor):
         priority = Priority.HIGH if line.priority == "high" else Priority.LOW
         self._areas = LineAreas(self)
         link = ComputerLink(link_profile(line), priority, self, rk512_dialect(line), line.baud, self._areas)
-        self._areas.flags = link.passive.flags
+        self.flags = link.passive.flags
         self._link = self.machine = link
 
     def _data_door(self, blocks: list[DataBlock]) -> DataDoor:
@@ -113,8 +113,12 @@ class LineDoor(SerialDoor):
                 self.data.move_state(job.state)
             state = self._services.values.state
             self.data.settle(at_rest=state.motion in (Motion.IDLE, Motion.STOPPED))
+        self.reset_used_flags()
+
+    def reset_used_flags(self) -> None:
+        """Coordination flags fall when what came has been used: edges are taken at once, a move it started has ended (AX-251)."""
         if self.line.rk512.coordination_flag == "serve" and not (self.data is not None and self.data.handshake_bit("busy")):
-            self._areas.flags.set.clear()  # what came has been used: edges are taken at once, a move has ended (AX-251)
+            self.flags.set.clear()
 
     # ---- our own jobs ------------------------------------------------------------------------------------------------
     @property
@@ -271,9 +275,9 @@ class LineDoor(SerialDoor):
 
     def reset_flag(self, byte: int, bit: int) -> bool:
         """`axisgate var "M 6.4" --set 0`: a coordination flag is reset, what came has been used.  False: it was not set."""
-        standing = [flag for flag in self._areas.flags.set if (flag.byte, flag.bit) == (byte, bit)]
+        standing = [flag for flag in self.flags.set if (flag.byte, flag.bit) == (byte, bit)]
         for flag in standing:
-            self._areas.flags.reset(flag)
+            self.flags.reset(flag)
         return bool(standing)
 
     def flag_bytes(self) -> bytes:

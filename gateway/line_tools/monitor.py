@@ -9,6 +9,7 @@ from drivers.ports.linewire import LineFormat, Note, Run
 from gateway.line_tools.wire import ToolPort
 from gateway.pure.line_decoder import LineDecoder, Told, telegram_of
 from protocols.base.machine import Damage, Ns, ms
+from protocols.p3964r.characters import Char
 
 TURN = 0.002  # seconds at one of two taps
 IDLE = 0.02
@@ -34,6 +35,7 @@ class Monitor:
         self._ports, self._clock, self._tell, self._keep = ports, clock, tell, keep
         self._decoder = LineDecoder(both=len(ports) == 2, block_check=check)
         self._heard: dict[str, deque[tuple[Ns, int | Damage]]] = {side: deque() for side, _ in ports}
+        self._latest: Ns = 0
         self.characters = 0
 
     def run(self, how_long: Ns | None) -> None:
@@ -62,6 +64,7 @@ class Monitor:
         while (side := self._next_side(now)) is not None:
             stamp, what = self._heard[side].popleft()
             self.characters += 1
+            self._latest = stamp = max(stamp, self._latest)  # what was held back came before, whatever its adapter's moment
             self._keep(stamp, side, what)
             for told in self._decoder.take(stamp, side, what):
                 self._tell(told)
@@ -71,7 +74,7 @@ class Monitor:
         expected = self._decoder.expected()
         if not waiting or expected in waiting:
             return expected if waiting else None
-        first = min(waiting, key=lambda side: self._heard[side][0][0])
+        first = min(waiting, key=lambda side: (self._heard[side][0][0], self._heard[side][0][1] != Char.STX))  # STX opens, nothing else
         held = expected and len(self._heard) > 1 and now - self._heard[first][0][0] < HOLD
         return None if held else first
 

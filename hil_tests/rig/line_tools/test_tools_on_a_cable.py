@@ -103,6 +103,41 @@ def test_a_tap_decodes_both_wires_and_never_writes(
         assert parse_record(record.read_text().splitlines(keepends=True)).sent_by("A") == b""  # the monitor's end said nothing
 
 
+def test_a_cell_is_learned_live_from_two_taps_that_only_listen(
+    cable: Cable, station: Start, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    taps = [_tap(tmp_path, name) for name in ("tapa", "tapb")]
+    draft, trace = tmp_path / "cell.toml", tmp_path / "kept.rec"
+    ports = ",".join(port for _, port, _ in taps)
+    try:
+        station("good")
+        threading.Thread(target=_mirror, args=(cable, tmp_path), daemon=True).start()
+        words = ("--tap", ports, "--seconds", "4", "--save", str(trace), "-o", str(draft))
+        done = axisgate("learn", "line", *words, seconds=30)
+        assert done.returncode == 0, done.stderr
+        assert "2 blocks, 1 kinds of telegrams; next: axisgate check" in done.stdout
+    finally:
+        for process, _, _ in taps:
+            end(process)
+    for _, _, record in taps:
+        assert parse_record(record.read_text().splitlines(keepends=True)).sent_by("A") == b""
+    assert "# FETCH DW 0, 1 words: 1 times, once" in draft.read_text()
+    again = axisgate("learn", "line", str(trace))
+    body = draft.read_text().split("\n", 1)[1]
+    assert again.returncode == 0 and again.stdout.split("\n", 1)[1] == body, "the trace that was kept gives the same draft"
+    assert axisgate("check", str(draft)).returncode == 0
+
+
+def test_live_learning_says_what_it_needs(tmp_path: pathlib.Path) -> None:
+    for words, said in (
+        ((), "TRACE, or live --tap A,B"),
+        (("--tap", "COM1"), "two ports expected"),
+        (("x.rec", "--tap", "a,b"), "TRACE, or"),
+    ):
+        done = axisgate("learn", "line", *words, folder=tmp_path)
+        assert (done.returncode, said in done.stderr) == (2, True), done.stderr
+
+
 def _tap(folder: pathlib.Path, name: str) -> "tuple[subprocess.Popen[str], str, pathlib.Path]":
     record = folder / f"{name}.rec"
     process = run("gateway.processes.line", "--name", name, "--baud", "9600", "--record", str(record))

@@ -2,12 +2,15 @@
 
 import pytest
 
-from gateway.cell import Line
+from gateway.cell import Line, Rk512
 from gateway.linedoor import LineDoor, NotActive
 from gateway.pure.line_blocks import block_key, block_name
 from gateway.pure.line_jobs import AGAIN, OwnJob, OwnJobs
+from gateway.pure.reasons import CommandState
+from hil_tests.unit.gateway.test_datadoor import Door as DataDeskDoor
 from protocols.base.machine import Ns, ms
-from protocols.rk512.header import Kind
+from protocols.rk512.flags import Flags
+from protocols.rk512.header import Flag, Kind
 
 SEND = OwnJob(11, False, Kind.BLOCK, 20, 0, 4, every=ms(100))
 FETCH = OwnJob(10, True, Kind.BLOCK, 21, 0, 4, every=ms(250))
@@ -74,6 +77,24 @@ def test_a_passive_line_has_no_jobs_of_its_own() -> None:
     door.name, door.line = "plc", Line("plc", "sim", role="passive")
     with pytest.raises(NotActive, match='role = "passive"'):
         door.active  # noqa: B018
+
+
+def test_a_coordination_flag_falls_when_the_move_it_came_with_has_ended() -> None:
+    door = LineDoor.__new__(LineDoor)
+    door.line, door.flags, door.data = Line("plc", "sim", rk512=Rk512(coordination_flag="serve")), Flags(), DataDeskDoor().door
+    flag = Flag(6, 4)
+    door.flags.take(flag)
+    door.data.move_state(CommandState.RUNNING)
+    door.reset_used_flags()
+    assert door.flags.locks(flag), "the move is under way"
+    door.data.move_state(CommandState.DONE)
+    door.reset_used_flags()
+    assert not door.flags.locks(flag)
+    for kept in ("keep", "ignore", "refuse"):
+        door.line = Line("plc", "sim", rk512=Rk512(coordination_flag=kept))
+        door.flags.take(flag)
+        door.reset_used_flags()
+        assert door.flags.locks(flag), f"{kept}: nobody resets it by himself"
 
 
 def test_blocks_and_areas_have_one_key_each() -> None:
