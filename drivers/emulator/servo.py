@@ -295,6 +295,12 @@ class Servo:
         s = self._touch()
         s[MODE], s[REST], s[FF], s[WR] = Mode.RAMP, 0.0, 0.0, s[W] * s[SG]
 
+    def retune(self, settings: ServoSettings) -> None:
+        """Other settings from the next step on; for a booster without power.  Start position and mechanics stay."""
+        s = self._touch()
+        self.settings, self._constants = settings, constants(settings, self._substeps)
+        s[SMIN], s[SMAX] = -settings.speed_limit_rad_s, settings.speed_limit_rad_s
+
     def arm(self, on: bool) -> None:
         """Trips on following error, overspeed and heat."""
         self._touch()[ARMED] = 1.0 if on else 0.0

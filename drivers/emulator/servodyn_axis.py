@@ -22,8 +22,10 @@ from math import inf, pi
 
 from drivers.emulator.record import AxisRow, Flag
 from drivers.emulator.servo import STEP_NS, STEPS_PER_SLOW, Servo, Trip
+from drivers.emulator.servodyn_parameters import ParameterStore
 from drivers.emulator.settings import INC_PER_TURN, ServoSettings
 from protocols.servodyn.codec import ActualValue, SetValue
+from protocols.servodyn.parameters import Answer, Request, Status
 
 NEVER = 1 << 62
 RPM = 2.0 * pi / 60.0
@@ -73,6 +75,8 @@ class ServodynAxis:
 
     def __init__(self, settings: ServoSettings, cycle_ns: int, seed: int = 1, substeps: int = 1) -> None:
         self.settings, self.servo = settings, Servo(settings, seed, substeps)
+        self.parameters = ParameterStore(settings)
+        self._scale = 1  # resolver increments for one of the telegrams (parameter 21)
         self._cycle_ns = cycle_ns
         self.state, self.fault_code = State.BOOTING, 0
         self.brake_open = False
@@ -240,7 +244,7 @@ class ServodynAxis:
             self.reference_switch,
             self.brake_open,
             self.fault_code,
-            wrap(self._latched),
+            wrap(self._latched // self._scale),
             min(max(torque, -32768), 32767),
         )
 
@@ -301,7 +305,8 @@ class ServodynAxis:
             self._command_brake(False)
 
     def _follow(self, value: SetValue, rest_ns: int) -> None:
-        target = self._target + wrap(value.position_inc - self._target)
+        told = self._target // self._scale
+        target = (told + wrap(value.position_inc - told)) * self._scale
         predicted = 2 * self._target - self._last_target
         window = self.settings.following_error_rad * INC_PER_TURN / (2.0 * pi)
         if abs(target - self._target) > window and abs(target - predicted) > window:
@@ -358,6 +363,22 @@ class ServodynAxis:
             hard = position > s.hard_limit_max_rad or position < s.hard_limit_min_rad
             self._fail(Fault.HARD_LIMIT if hard else Fault.SOFTWARE_LIMIT)
 
+    # -- parameters -----------------------------------------------------------------------------
+
+    def parameter(self, request: Request) -> Answer | None:
+        """A parameter off the bus (AX-266); None: nobody at home."""
+        if self.state is State.OFFLINE:
+            return None
+        answer = self.parameters.take(request, power_on=self.state in _SUPERVISED or self.servo.speed_rad_s != 0.0)
+        if answer.status is Status.TAKEN:
+            self._tune()
+            self._look_around()
+        return answer
+
+    def _tune(self) -> None:
+        self.settings, self._scale = self.parameters.settings(), self.parameters.scale
+        self.servo.retune(self.settings)
+
     # -- to order --------------------------------------------------------------
 
     def encoder(self, factor: int) -> None:
@@ -376,6 +397,8 @@ class ServodynAxis:
             self.servo.power_up()
             self._set, self._may_switch_on = _STANDING, False
             self._zero_wanted, self._zero_inc = False, None
+            self.parameters.restart()
+            self._tune()
             self.servo.block(0)
             self._look_around()
             self.state, self._due = State.BOOTING, self.servo.step + steps(self.settings.boot_s)

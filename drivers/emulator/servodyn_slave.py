@@ -19,6 +19,7 @@ from drivers.emulator.settings import BusSettings, to_dict
 from protocols.base.errors import DecodeError
 from protocols.base.machine import Frame, FrameFault, Ns, ms
 from protocols.servodyn.codec import ActualValue, Codec, SetValue
+from protocols.servodyn.parameters import decode_request, encode_answer, request_id
 from protocols.servodyn.plan import SYNC_ID, set_id
 
 IDLE_NS = ms(100)  # without SYNC the slow states move on at least this often
@@ -79,6 +80,7 @@ class ServodynSlave:
             _Seat(number, ServodynAxis(axis, self.cycle_ns, seeds[number], substeps)) for number, axis in sorted(settings.axes.items())
         ]
         self._by_id = {set_id(seat.number): seat for seat in self._seats}
+        self._parameters = {request_id(seat.number): seat for seat in self._seats}
         self._start: Ns | None = None
         self._time: Ns = 0
         self._sync_due = self._row_due = self._idle_due = self._soonest = NEVER
@@ -92,12 +94,14 @@ class ServodynSlave:
     def receive(self, frames: Sequence[Frame], now: Ns) -> list[Event]:
         for frame in frames:
             mine = frame.identifier == SYNC_ID or frame.identifier in self._by_id
-            if not mine:
+            if not mine and frame.identifier not in self._parameters:
                 continue
             stamp = self._stamp(frame.stamp_ns)
             if stamp >= self._soonest:
                 self._expire(stamp)
-            if frame.identifier != SYNC_ID:
+            if not mine:
+                self._parameter(self._parameters[frame.identifier], frame, stamp)
+            elif frame.identifier != SYNC_ID:
                 self._set_value(self._by_id[frame.identifier], frame, stamp)
             elif not frame.data:
                 self.counters.late += now - stamp > self.cycle_ns
@@ -316,6 +320,17 @@ class ServodynSlave:
         seat.pending = value
         if value.life != seat.life:
             seat.life, seat.life_due = value.life, stamp + self.supervision_ns
+
+    def _parameter(self, seat: _Seat, frame: Frame, stamp: Ns) -> None:
+        self._advance(stamp)
+        try:
+            _, request = decode_request(frame)
+        except DecodeError:
+            self.counters.undecodable += 1
+            return
+        answer = seat.axis.parameter(request)
+        if answer is not None:
+            self._output.append(encode_answer(seat.number, answer))
 
     def _sync(self, stamp: Ns) -> None:
         self.counters.syncs += 1

@@ -2,6 +2,7 @@
 
 from gateway.cell import Cell, IoBlock, IoBus, Rho3
 from gateway.checks.context import Context
+from gateway.pure.rho3can.download import gaps
 from gateway.pure.rho3can.rules import Block, BusSetup, Setup, judge
 
 
@@ -34,4 +35,17 @@ def parameters(check: Context) -> None:
         check.fault(f"rho3.{found.parameter}", found.value, found.hint + number)
 
 
-CHECKS = (parameters,)
+def downloads(check: Context) -> None:
+    """P601 = true sends numbers 1..24 to every booster: all of them have to be there (rho3 2.6)."""
+    params = check.cell.rho3
+    if params is None or not params.P601:
+        return
+    for index, axis in enumerate(check.cell.axis):
+        if axis.drive.type != "servodyn":
+            continue
+        missing = list(gaps(params, axis, index))
+        if missing:
+            check.fault("rho3.P601", "true", f"the download lacks {', '.join(missing)}; give them, or P601 = false")
+
+
+CHECKS = (parameters, downloads)

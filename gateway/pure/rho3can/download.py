@@ -134,7 +134,6 @@ def _computed(params: Rho3, axis: Axis, index: int) -> dict[int, float | bool]:
         8: clockwise,
         9: counter,
         12: axis.limits.speed * _resolver_degrees(axis) / 6.0,
-        21: position_scaling(axis.drive.inc_per_turn),
         23: direction_flag(axis.mechanics.direction),
     }
     jog = _element(params.others.get("P114"), index)
@@ -142,6 +141,8 @@ def _computed(params: Rho3, axis: Axis, index: int) -> dict[int, float | bool]:
         found[13] = jog * _resolver_degrees(axis) / 6.0
     if params.P5 is None:
         del found[4]
+    if axis.drive.inc_per_turn in INC_PER_TURN.values():  # any other the booster cannot be told
+        found[21] = position_scaling(axis.drive.inc_per_turn)
     return found
 
 

@@ -95,6 +95,7 @@ def test_mode_3_stops_like_mode_2_and_computes_the_zero_like_mode_1() -> None:
     sets = [step.set_inc for step in axis.steps]
     assert sets == sorted(sets) and 0 < sets[-1] - edge < TURN  # stopped behind the switch, three turns from its zero
     last = round(axis.position)
+    assert reference.zero_inc is not None
     assert last - reference.zero_inc == pytest.approx(-3 * 4.1 * TURN - 40.0, abs=TURN)  # the axis knows where it is
 
 
