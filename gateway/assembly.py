@@ -11,7 +11,15 @@ from drivers.ports.base import runtime_dir
 from gateway.cell import Cell
 from gateway.image import create_region, create_ring
 from gateway.pure import records
-from gateway.pure.records import TRACE_BYTES, TRACE_LAYOUT, TRACE_RECORDS
+from gateway.pure.records import (
+    ACYCLIC_RECORDS,
+    ASIDE_BYTES,
+    ASIDE_LAYOUT,
+    HEARD_RECORDS,
+    TRACE_BYTES,
+    TRACE_LAYOUT,
+    TRACE_RECORDS,
+)
 from motion.pieces import RECORD_SIZE
 
 ORDERS = 256  # records in the command ring: far more than one door can issue in a cycle
@@ -121,7 +129,7 @@ def plan_run(
             [(x.name, "line") for x in cell.line] + [(x.name, "modbus") for x in cell.modbus if x.role == "server"]
         )
     )
-    regions = ("rc_in", "rc_out", "axes", "links", "orders")
+    regions = ("rc_in", "rc_out", "axes", "links", "orders", "acyclic", "heard")
     core = [
         Child("cycle", "gateway.processes.cycle", (), (*regions, "trace"), "axes", max(5 * period_ms, 50) * MS),
         Child("services", "gateway.processes.services", (), (*regions, *(f"door-{door.number}" for door in doors)), "links", 250 * MS),
@@ -157,6 +165,8 @@ def make_regions(plan: RunPlan) -> dict[str, int]:
         "links": create_region("links", LINKS_BYTES, "links/1 json"),
         "orders": create_ring("orders", records.order_size(RECORD_SIZE), ORDERS, records.order_layout(RECORD_SIZE)),
     }
+    fds["acyclic"] = create_ring("acyclic", ASIDE_BYTES, ACYCLIC_RECORDS, ASIDE_LAYOUT)
+    fds["heard"] = create_ring("heard", ASIDE_BYTES, HEARD_RECORDS, ASIDE_LAYOUT)
     fds["trace"] = create_ring("trace", TRACE_BYTES, TRACE_RECORDS, TRACE_LAYOUT)
     for door in plan.doors:
         fds[f"door-{door.number}"] = create_region(f"door-{door.number}", DOOR_BYTES, f"door/1 {DOOR_BYTES}")

@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
+from drivers.drives.cia402 import Cia402Settings
+from drivers.drives.family import DriveHoming, DriveMaker
 from drivers.drives.referencing import ReferenceSettings, settings_from
 from drivers.drives.scaling import Scaling
 from drivers.drives.servodyn import DriveSettings
@@ -54,9 +56,11 @@ def limits_of(axis: Axis) -> AxisLimits:
     return limits_from(axis.name, axis.unit, lower=limits.min, upper=limits.max, speed=limits.speed, accel=limits.accel, jerk=limits.jerk)
 
 
-def reference_of(axis: Axis, scaling: Scaling) -> ReferenceSettings | None:
-    """Referencing by the gateway, mode 0; None where the axis needs none."""
+def reference_of(axis: Axis, scaling: Scaling) -> ReferenceSettings | DriveHoming | None:
+    """Referencing by the gateway, mode 0, or by the drive; None where the axis needs none."""
     home = axis.home
+    if home.by == "drive":
+        return DriveHoming(to_si(home.position + home.offset, axis.unit))
     if home.by != "gateway":
         return None
     limits = axis.limits
@@ -79,6 +83,19 @@ def reference_of(axis: Axis, scaling: Scaling) -> ReferenceSettings | None:
     )
 
 
+def drive_of(axis: Axis, step_inc: int, p5_ms: float) -> DriveMaker:
+    """Settings of the axis' drive, of whichever family; `step_inc`: the largest set value step of one cycle."""
+    if axis.drive.type == "cia402":
+        return Cia402Settings(
+            jump_inc=axis.drive.inc_per_turn // 2,
+            step_inc=step_inc,
+            timeout_cycles=round(5000 / p5_ms),
+            homing_cycles=round(axis.home.timeout_s * 1000 / p5_ms),
+            mode_cycles=round(2000 / p5_ms),
+        )
+    return DriveSettings(step_inc=step_inc, timeout_cycles=round(5000 / p5_ms), brake=axis.brake != "none")
+
+
 def core_axes(cell: Cell, p5_ms: float) -> list[CoreAxis]:
     """The axes as the cycle's core takes them, in the order of the file."""
     found = []
@@ -86,7 +103,7 @@ def core_axes(cell: Cell, p5_ms: float) -> list[CoreAxis]:
         scaling = scaling_of(axis)
         per_cycle = axis.limits.speed * p5_ms / 1000.0
         step = 4 * abs(scaling.inc_per_unit) * to_si(per_cycle, axis.unit)
-        drive = DriveSettings(step_inc=max(1024, round(step)), timeout_cycles=round(5000 / p5_ms), brake=axis.brake != "none")
+        drive = drive_of(axis, max(1024, round(step)), p5_ms)
         lag = axis.following_error
         warn, trip = (to_si(lag.warn, axis.unit), to_si(lag.trip, axis.unit)) if lag else (float("inf"), float("inf"))
         window = WINDOW_TURNS * axis.drive.inc_per_turn / abs(scaling.inc_per_unit)

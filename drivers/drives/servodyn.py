@@ -6,24 +6,15 @@ actual values of that SYNC: Drive.step.  It never raises on what the drive says.
 
 from dataclasses import dataclass
 from enum import Enum, auto
-from typing import NamedTuple
 
+from drivers.drives.family import Actual, Demand, Event, Homing, Power
 from drivers.drives.limits import fits_int32, saturated_rpm
 from protocols.servodyn.codec import ActualValue, SetValue
 
+__all__ = ["LOST_AFTER", "Demand", "Drive", "DriveSettings", "Event", "Phase", "Power"]
+
 LOST_AFTER = 2  # actual values missing in a row
 RESET_CYCLES = 5  # the reset bit stands so long for one edge of the demand: one lost telegram does not swallow it
-
-
-class Power(Enum):
-    """What the rest of the gateway needs to know."""
-
-    OFF = 0
-    SWITCHING_ON = 1
-    ENABLED = 2
-    SWITCHING_OFF = 3
-    FAULT = 4
-    LOST = 5
 
 
 class Phase(Enum):
@@ -38,21 +29,6 @@ class Phase(Enum):
     UNPOWERING = auto()  # drive on taken back
     FAULT = auto()
     LOST = auto()
-
-
-class Event(Enum):
-    """What happened in the last step."""
-
-    ENABLED = auto()
-    OFF = auto()
-    FAULT = auto()
-    FAULT_CLEARED = auto()
-    LOST = auto()
-    RETURNED = auto()
-    DROPPED = auto()  # the drive left control by itself, without a fault
-    TIMEOUT = auto()  # a phase took too long
-    JUMP = auto()  # a set position too far from the last one was not sent
-    RANGE = auto()  # a set position beyond int32 was not sent
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,15 +67,9 @@ class DriveSettings:
     timeout_cycles: int = 1250  # for one phase (5 s at P5 = 4 ms)
     brake: bool = True  # False: the drive reports no brake
 
-
-class Demand(NamedTuple):
-    """What the cycle wants from the drive."""
-
-    on: bool = False  # counts by its rising edge, goes off by its level
-    reset: bool = False  # rising edge
-    position_inc: int = 0
-    speed_rpm: float = 0.0  # feed-forward
-    limit_switch: bool = False  # ENABLE LIMIT SWITCH (rho3 2.7)
+    def make(self) -> "Drive":
+        """A drive that is off."""
+        return Drive(self)
 
 
 class Drive:
@@ -135,15 +105,34 @@ class Drive:
         """Exactly."""
         return self._phase
 
-    def step(self, actual: ActualValue | None, demand: Demand) -> SetValue:
+    @property
+    def follows(self) -> bool:
+        """Takes the demanded position."""
+        return self._phase is Phase.ENABLED
+
+    @property
+    def homing(self) -> Homing:
+        """A booster never references by itself."""
+        return Homing.NONE
+
+    @property
+    def configured(self) -> bool:
+        """A booster keeps its parameters."""
+        return True
+
+    def idle(self) -> SetValue:
+        """Before the first SYNC: nothing asked for."""
+        return SetValue()
+
+    def step(self, actual: Actual | None, demand: Demand) -> SetValue:
         """actual: of this SYNC, None when none came.  The set value for the next SYNC."""
         self.events = []
         self._note_edges(demand)
-        if actual is None:
-            self._miss()
-        else:
+        if isinstance(actual, ActualValue):
             self._judge(actual, demand)
-        self._place(actual, demand)
+        else:
+            self._miss()
+        self._place(demand)
         return self._set_value(demand)
 
     def _note_edges(self, demand: Demand) -> None:
@@ -202,7 +191,7 @@ class Drive:
         if phase in ON_REACHING:
             self.events.append(ON_REACHING[phase])
 
-    def _place(self, actual: ActualValue | None, demand: Demand) -> None:
+    def _place(self, demand: Demand) -> None:
         """The set position: the actual one until control is reported, then held, then the demanded one if it may be sent."""
         if self._phase not in IN_CONTROL:
             self._following = True

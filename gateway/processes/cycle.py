@@ -2,32 +2,49 @@
 
 Order of one cycle (AX-001): at the grid instant SYNC and the set values for the next SYNC in one burst; drives answer with what they
 latched; then the core thinks, and what it decided is published.  A grid instant that was missed is counted and never made up for.
+
+Buses of any family hang on one core (AX-300).  Frames that are no cyclic data come from the master of the services through the ring
+`acyclic`, at most one a bus and cycle, and what the bus says aside goes back through the ring `heard` (AX-301).
 """
 
 import argparse
 import select
 import signal
 import time
+from collections import deque
 from collections.abc import Sequence
 
+from drivers.drives.family import Actual, BusFamily, SetRecord
 from drivers.ports.base import CanPort, PortError
 from drivers.ports.can import open_can
 from gateway.assembly import RunPlan, load_plan
 from gateway.axes import assumed_permits, core_axes, rc_numbers
-from gateway.dbcfile import load_servodyn
-from gateway.files import beside
+from gateway.families import make_family
 from gateway.image import RegionReader, RegionWriter, RingReader, RingWriter, fds_from_text
 from gateway.pure.core import Core
-from gateway.pure.records import TRACE_LAYOUT, InputImage, OrderRecord, pack_cell_state, pack_trace, unpack_inputs, unpack_order
+from gateway.pure.records import (
+    ASIDE_LAYOUT,
+    TRACE_LAYOUT,
+    Aside,
+    AsideRecord,
+    InputImage,
+    OrderRecord,
+    pack_aside,
+    pack_cell_state,
+    pack_trace,
+    unpack_aside,
+    unpack_inputs,
+    unpack_order,
+)
 from gateway.realtime import die_with_parent, go_realtime, sleep_until
 from protocols.base.errors import DecodeError
 from protocols.base.machine import Frame
-from protocols.servodyn.codec import SYNC, ActualValue, Codec, SetValue
 
 PRIORITY = 40  # broker 30, emulator 20, line process 15: all below the cycle
 SPIN_NS = 100_000
 THINKING_NS, THINKING_SHARE = 3_000_000, 0.4  # kept free for the core at the end of a cycle: the smaller of both (AX-149)
 REOPEN_NS = 200_000_000
+ACYCLIC_AT_ONCE = 8  # records taken from the ring in one cycle; each bus still sends one frame of them a cycle
 
 
 def patience_ns(period_ns: int) -> int:
@@ -36,29 +53,29 @@ def patience_ns(period_ns: int) -> int:
 
 
 class BusLink:
-    """One drive bus: its port, its codec and which axes hang on it."""
+    """One drive bus: its port and the family of drives on it."""
 
-    def __init__(self, url: str, codec: Codec, axes: Sequence[tuple[int, int]]) -> None:
-        """`axes`: (index in the cell, module on this bus)."""
-        self.url, self.codec = url, codec
+    def __init__(self, url: str, family: BusFamily) -> None:
+        self.url, self.family = url, family
         self.port: CanPort | None = None
         self.refused = 0  # frames the port did not take: never silent
         self.foreign = 0
         self.last_error = ""
-        self._modules = {module: index for index, module in axes}
-        self._axes = tuple(axes)
+        self.acyclic: deque[Frame] = deque()  # from the master, one leaves with each burst
         self._retry_ns = 0
-        self._burst: list[Frame] = [SYNC]
+        self._burst: list[Frame] = []
 
-    def prepare(self, values: Sequence[SetValue]) -> None:
-        """Set values for the next burst."""
-        self._burst = [SYNC, *(self.codec.encode_set(module, values[index]) for index, module in self._axes)]
+    def prepare(self, values: Sequence[SetRecord]) -> None:
+        """The next burst; `values` by the index of the cell."""
+        self._burst = self.family.burst(values)
 
     def send(self, now: int) -> bool:
         """The burst; False when the bus is not there."""
         if self.port is None and not self._open(now):
             return False
         assert self.port is not None
+        if self.acyclic:
+            self._burst.append(self.acyclic.popleft())
         try:
             self.refused += len(self._burst) - self.port.send(self._burst)
         except PortError as error:
@@ -66,7 +83,7 @@ class BusLink:
             return False
         return True
 
-    def receive(self, actuals: list[ActualValue | None], *, late: bool = False) -> int:
+    def receive(self, actuals: list[Actual | None], *, late: bool = False) -> int:
         """Take what came; how many axes answered for the first time in this cycle.  `late`: it belongs to a cycle that is over."""
         if self.port is None:
             return 0
@@ -75,16 +92,18 @@ class BusLink:
         except PortError as error:
             self._lose(error)
             return 0
-        fresh = 0
+        fresh, hear = 0, self.family.hear
         for frame in frames:
             try:
-                module, actual = self.codec.decode_actual(frame)
+                heard = hear(frame)
             except DecodeError:
                 self.foreign += 1
                 continue
-            index = self._modules.get(module)
-            if index is None or late:
-                fresh += index is not None
+            if heard is None:
+                continue
+            index, actual = heard
+            if late:
+                fresh += 1
                 continue
             fresh += actuals[index] is None
             actuals[index] = actual
@@ -110,6 +129,7 @@ class BusLink:
 
     def _lose(self, error: PortError) -> None:
         self.close()
+        self.acyclic.clear()  # the master asks again
         self._say(error)
 
     def _say(self, error: PortError) -> None:
@@ -125,6 +145,7 @@ class Cycle:
         cell = plan.cell
         self.period_ns = plan.p5_ms * 1_000_000
         axes = core_axes(cell, plan.p5_ms)
+        drive_buses = [bus for bus in cell.bus if bus.name in plan.buses]
         self.core = Core(
             axes,
             plan.p5_ms / 1000.0,
@@ -133,14 +154,12 @@ class Cycle:
             assumed=assumed_permits(cell),
             finish_without_services=cell.cell.on_services_loss == "finish_move",
         )
-        self.buses = []
-        for bus in cell.bus:
-            if bus.name in plan.buses:
-                places = [(n, a.drive.module) for n, a in enumerate(cell.axis) if a.drive.bus == bus.name and a.drive.module is not None]
-                self.buses.append(BusLink(plan.buses[bus.name], load_servodyn(beside(cell.file, bus.layout, "drives")), places))
+        self.buses = [BusLink(plan.buses[bus.name], make_family(cell, bus, plan.p5_ms)) for bus in drive_buses]
         self.inputs = RegionReader(fds["rc_in"], "rc_in")
         self.links = RegionReader(fds["links"], "links")
         self.orders = RingReader(fds["orders"], "orders")
+        self.acyclic = RingReader(fds["acyclic"], "acyclic", ASIDE_LAYOUT)
+        self.heard = RingWriter(fds["heard"], "heard", ASIDE_LAYOUT)
         self.axes = RegionWriter(fds["axes"], "axes")
         self.outputs = RegionWriter(fds["rc_out"], "rc_out")
         self.trace = RingWriter(fds["trace"], "trace", TRACE_LAYOUT)
@@ -153,8 +172,10 @@ class Cycle:
         """Until SIGTERM."""
         signal.signal(signal.SIGTERM, self._on_signal)
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the supervisor's business
-        self._prepare([SetValue() for _ in self.core.state.axes[: len(self.core.plans)]])
+        self._prepare(self.core.idle())
         due = time.monotonic_ns() + self.period_ns
+        for bus in self.buses:
+            bus.family.began(due)
         while not self._stop:
             now = sleep_until(due, SPIN_NS)
             missed = (now - due) // self.period_ns
@@ -171,9 +192,11 @@ class Cycle:
 
     def _cycle(self, due: int, now: int) -> None:
         core = self.core
-        actuals: list[ActualValue | None] = [None] * len(core.plans)
+        actuals: list[Actual | None] = [None] * len(core.plans)
         for bus in self.buses:
             core.state.late += bus.receive(actuals, late=True)
+        if self.acyclic.published != self.acyclic.position:
+            self._take_acyclic()
         up = [bus for bus in self.buses if bus.send(now)]
         sent = time.monotonic_ns()
         if len(up) < len(self.buses):
@@ -190,14 +213,36 @@ class Cycle:
         self.outputs.write(core.outputs, now)
         self.axes.beat(now)
         self.trace.put(pack_trace(core.state.cycle, due, sent, got, ready, missing))
+        for number, bus in enumerate(self.buses):
+            if bus.family.aside:
+                self._hand_back(number, bus.family.aside)
 
-    def _prepare(self, values: Sequence[SetValue]) -> None:
+    def _prepare(self, values: Sequence[SetRecord]) -> None:
         for bus in self.buses:
             bus.prepare(values)
 
-    def _collect(self, up: Sequence[BusLink], actuals: list[ActualValue | None], until: int) -> int:
+    def _take_acyclic(self) -> None:
+        """What the master hands over; a bus that is not there forgets it, the master asks again."""
+        for _, record in self.acyclic.take(ACYCLIC_AT_ONCE):
+            kind, number, identifier, data, _ = unpack_aside(record)
+            if number >= len(self.buses):
+                continue
+            bus = self.buses[number]
+            if kind is Aside.RELEASE:
+                bus.family.release(identifier, data[0] if data else 0)
+            elif kind is Aside.HOLD:
+                bus.family.hold(identifier)
+            elif bus.port is not None:
+                bus.acyclic.append(Frame(identifier, data))
+
+    def _hand_back(self, number: int, frames: list[Frame]) -> None:
+        for frame in frames:
+            self.heard.put(pack_aside(AsideRecord(Aside.FRAME, number, frame.identifier, frame.data, frame.stamp_ns)))
+        frames.clear()
+
+    def _collect(self, up: Sequence[BusLink], actuals: list[Actual | None], until: int) -> int:
         """Wait for all actual values, at most to `until`; how many are missing."""
-        missing = len(actuals)
+        missing = sum(bus.family.expected for bus in self.buses)
         ports = [bus.port for bus in up if bus.port is not None]
         while missing and ports:
             left = until - time.monotonic_ns()

@@ -8,10 +8,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from drivers.drives.family import Actual, CyclicDrive, Demand, DriveHoming, DriveMaker, Event, Homing, Power, SetRecord
 from drivers.drives.limits import LagMonitor, LagState
 from drivers.drives.referencing import ReferenceSettings, Referencing, RunState
 from drivers.drives.scaling import Scaling
-from drivers.drives.servodyn import Demand, Drive, DriveSettings, Event, Power
 from gateway.pure.permits import AS_SHIPPED, NO_PERMIT, EnablingInputs, RcNumbers
 from gateway.pure.reasons import Reason
 from gateway.pure.records import (
@@ -30,7 +30,6 @@ from motion.errors import MotionError
 from motion.pieces import decode
 from motion.stepper import State, Stepper
 from protocols.base.machine import Ns, ms
-from protocols.servodyn.codec import ActualValue, SetValue
 
 ARRIVAL_S = 2.0  # after the set values: an axis that is not in its window by then has not arrived
 AT_REST_S = 0.02  # in position: inside the window for this long
@@ -45,9 +44,9 @@ class CoreAxis:
 
     name: str
     scaling: Scaling
-    reference: ReferenceSettings | None  # None: absolute, always referenced
+    reference: ReferenceSettings | DriveHoming | None  # None: absolute, always referenced
     window: float  # in position within this distance
-    drive: DriveSettings = DriveSettings()
+    drive: DriveMaker
     lag_warn: float = math.inf
     lag_trip: float = math.inf
 
@@ -55,12 +54,13 @@ class CoreAxis:
 @dataclass(slots=True)
 class _Axis:
     plan: CoreAxis
-    drive: Drive
+    drive: CyclicDrive
     lag: LagMonitor
     scaling: Scaling
     wanted: bool = False  # drives on asked for
     referenced: bool = False
-    run: Referencing | None = None
+    run: Referencing | None = None  # by the gateway
+    by_drive: bool = False  # the drive references by itself
     set: float = 0.0  # set position sent for the next SYNC
     active_inc: int = 0  # where the drive is asked to be at this SYNC: sent two bursts ago, activated by the last SYNC (AX-144)
     received_inc: int = 0  # sent with the burst before this one: the drive activated it at this SYNC
@@ -87,7 +87,7 @@ class Core:
         self.outputs = bytearray(RC_BYTES)
         self._period = period_s
         self.plans = tuple(axes)
-        self._axes = [_Axis(plan, Drive(plan.drive), LagMonitor(plan.lag_warn, plan.lag_trip), plan.scaling) for plan in axes]
+        self._axes = [_Axis(plan, plan.drive.make(), LagMonitor(plan.lag_warn, plan.lag_trip), plan.scaling) for plan in axes]
         for axis in self._axes:
             axis.referenced = axis.plan.reference is None
         self._stepper = Stepper(len(axes), period_s)
@@ -106,9 +106,13 @@ class Core:
         self._lost_cycles = 0  # since chain or control was lost
 
     # ---- one cycle ---------------------------------------------------------------------------------------------------
+    def idle(self) -> list[SetRecord]:
+        """Set values before the first SYNC."""
+        return [axis.drive.idle() for axis in self._axes]
+
     def step(
-        self, actuals: Sequence[ActualValue | None], inputs: InputImage, orders: Sequence[OrderRecord], services_ns: Ns, now: Ns
-    ) -> list[SetValue]:
+        self, actuals: Sequence[Actual | None], inputs: InputImage, orders: Sequence[OrderRecord], services_ns: Ns, now: Ns
+    ) -> list[SetRecord]:
         """actuals: (axes,) of this SYNC, None where the telegram did not come; services_ns: stamp of the services' last beat."""
         self.state.cycle += 1
         self.state.sync_ns = now
@@ -232,9 +236,13 @@ class Core:
             self._fail(record.job, Reason.BUSY if self._homing or self._stepper.state is not State.IDLE else Reason.DRIVES_OFF)
             return
         for n, axis in enumerate(self._axes):
-            if record.mask >> n & 1 and axis.plan.reference is not None:
+            plan = axis.plan.reference
+            if record.mask >> n & 1 and plan is not None:
                 axis.referenced = False
-                axis.run = Referencing(axis.plan.reference, axis.drive.position_inc)
+                if isinstance(plan, DriveHoming):
+                    axis.by_drive = True
+                else:
+                    axis.run = Referencing(plan, axis.drive.position_inc)
         self._homing = record.job
 
     def _move(self, record: OrderRecord) -> None:
@@ -267,7 +275,7 @@ class Core:
         if self._homing:
             self._end_homing(reason)
         for axis in moved:
-            axis.run = None
+            axis.run, axis.by_drive = None, False
         if self._running or self._stepper.state is not State.IDLE:
             self._fail(self._running, reason)
             self._running = 0
@@ -286,23 +294,27 @@ class Core:
         self._fail(self._homing, reason)
         self._homing = 0
         for axis in self._axes:
+            axis.by_drive = False
             if axis.run is not None:
                 axis.run.abort()
 
     def _all_enabled(self, mask: int) -> bool:
-        return all(axis.drive.power is Power.ENABLED for n, axis in enumerate(self._axes) if mask >> n & 1)
+        return all(axis.drive.follows for n, axis in enumerate(self._axes) if mask >> n & 1)
 
     # ---- set values --------------------------------------------------------------------------------------------------
-    def _drive(self, actuals: Sequence[ActualValue | None]) -> list[SetValue]:
+    def _drive(self, actuals: Sequence[Actual | None]) -> list[SetRecord]:
         sample = self._stepper.step()
         for n, axis in enumerate(self._axes):
             axis.active_inc, axis.received_inc, axis.sent_inc = axis.received_inc, axis.sent_inc, axis.drive.set_inc
             axis.speed = 0.0
             if axis.run is not None:
                 self._step_homing(axis, actuals[n])
-            elif axis.drive.power is Power.ENABLED:
+            elif axis.drive.follows and not axis.by_drive:
                 axis.set, axis.speed = sample.q[n], sample.qd[n]
         values = [axis.drive.step(actual, self._demand(axis)) for axis, actual in zip(self._axes, actuals, strict=True)]
+        for axis in self._axes:
+            if axis.by_drive:
+                self._judge_drive_homing(axis)
         self._accept_positions()
         if self._running and sample.done_id == self._running:
             self._arrive()
@@ -327,9 +339,26 @@ class Core:
             position_inc=scaling.to_inc(axis.set),
             speed_rpm=scaling.to_rpm(axis.speed),
             limit_switch=axis.referenced and axis.plan.reference is not None,
+            home=axis.by_drive,
         )
 
-    def _step_homing(self, axis: _Axis, actual: ActualValue | None) -> None:
+    def _judge_drive_homing(self, axis: _Axis) -> None:
+        """The drive stands in its home position: from now on its increments mean what the plan says (AX-306)."""
+        plan, state = axis.plan.reference, axis.drive.homing
+        if state is Homing.DONE and isinstance(plan, DriveHoming):
+            axis.by_drive, axis.referenced = False, True
+            axis.scaling = axis.plan.scaling.with_zero(-plan.position * axis.plan.scaling.inc_per_unit)
+            axis.set = axis.scaling.to_si(axis.drive.set_inc)
+        elif state is Homing.FAILED:
+            self.state.stop_cause = Reason.REFERENCE_FAILED
+            self._end_homing(Reason.REFERENCE_FAILED)
+        self._homing_ended()
+
+    def _homing_ended(self) -> None:
+        if self._homing and not any(axis.run is not None or axis.by_drive for axis in self._axes):
+            self.state.done_job, self._homing = self._homing, 0
+
+    def _step_homing(self, axis: _Axis, actual: Actual | None) -> None:
         run = axis.run
         assert run is not None
         step = run.step(axis.drive.position_inc, actual is not None and actual.reference_switch, self._period)
@@ -346,25 +375,24 @@ class Core:
         elif self._homing:
             self.state.stop_cause = Reason.REFERENCE_FAILED
             self._end_homing(Reason.REFERENCE_FAILED)
-        if self._homing and all(other.run is None for other in self._axes):
-            self.state.done_job, self._homing = self._homing, 0
+        self._homing_ended()
 
     def _accept_positions(self) -> None:
         """Where no set value of ours leads, the set position is the one the drive object holds, so enabling never jumps."""
         for axis in self._axes:
             if axis.drive.epoch != axis.epoch:
-                axis.epoch, axis.run = axis.drive.epoch, None
+                axis.epoch, axis.run, axis.by_drive = axis.drive.epoch, None, False
                 axis.referenced = axis.plan.reference is None
-            if axis.drive.power is not Power.ENABLED and axis.run is None:
+            if axis.run is None and (axis.by_drive or not axis.drive.follows):
                 axis.set = axis.scaling.to_si(axis.drive.set_inc)
         if self._stepper.state is State.IDLE:
             self._stepper.place([axis.set for axis in self._axes])
 
     # ---- supervision -------------------------------------------------------------------------------------------------
-    def _watch(self, actuals: Sequence[ActualValue | None]) -> None:
+    def _watch(self, actuals: Sequence[Actual | None]) -> None:
         self._reset = False
         for axis, actual in zip(self._axes, actuals, strict=True):
-            if actual is None or axis.drive.power is not Power.ENABLED:
+            if actual is None or axis.by_drive or not axis.drive.follows:  # a drive that references leads its position itself
                 axis.lag.clear()
                 continue
             lag = axis.scaling.to_si(axis.active_inc) - axis.scaling.to_si(actual.position_inc)
@@ -398,7 +426,7 @@ class Core:
     # ---- what others see ---------------------------------------------------------------------------------------------
     def _publish(self) -> None:
         state, stepper = self.state, self._stepper.state
-        if self._homing or any(axis.run is not None for axis in self._axes):
+        if self._homing or any(axis.run is not None or axis.by_drive for axis in self._axes):
             state.motion = Motion.REFERENCING
         else:
             state.motion = {
@@ -440,9 +468,10 @@ class Core:
             (axis.quiet * self._period >= AT_REST_S, AxisFlag.IN_POSITION),
             (drive.power is Power.FAULT, AxisFlag.FAULT),
             (drive.power is Power.LOST, AxisFlag.LOST),
-            (axis.run is not None, AxisFlag.HOMING),
+            (axis.run is not None or axis.by_drive, AxisFlag.HOMING),
             (axis.lag.state is LagState.WARNING, AxisFlag.WARNING),
             (axis.wanted, AxisFlag.ON),
+            (not drive.configured, AxisFlag.UNCONFIGURED),
         ):
             if on:
                 flags |= flag

@@ -6,6 +6,7 @@ All plain structs in native byte order: both sides run on one machine, and the l
 import struct
 from dataclasses import dataclass, field
 from enum import IntEnum, IntFlag
+from typing import NamedTuple
 
 AXES = 12  # places in every record; a cell may use fewer
 RC_BYTES = 128  # PIC image: 1024 bits (rho3 0.2)
@@ -46,6 +47,7 @@ class AxisFlag(IntFlag):
     HOMING = 32
     WARNING = 64
     ON = 128  # we ask for it to be on
+    UNCONFIGURED = 256  # the drive has not been started up by the master yet: it cannot be switched on
 
 
 @dataclass(slots=True)
@@ -94,7 +96,7 @@ _HEAD_NAMES = (
     "emergency", "ready", "permits", "stop_cause", "skipped", "incomplete", "late", "services_lost", "compute_ns",
 )  # fmt: skip
 _HEAD = struct.Struct("=QqQBdQdQQHQBBBHQQQQQ")
-_AXIS = struct.Struct("=dddddHBB")
+_AXIS = struct.Struct("=dddddHHB")  # flags, fault code (CiA 402: 16 bits), power
 CELL_STATE_SIZE = _HEAD.size + AXES * _AXIS.size
 CELL_STATE_LAYOUT = f"cell-state/1 {_HEAD.format} {AXES}x{_AXIS.format}"
 
@@ -220,6 +222,41 @@ def set_bit(image: bytearray, number: int, value: bool) -> None:
 def get_bit(image: bytes | bytearray, number: int) -> bool:
     """The reverse of set_bit."""
     return bool(image[number >> 3] >> (number & 7) & 1)
+
+
+class Aside(IntEnum):
+    """Records between the cycle and the master of a bus: frames that are no cyclic data, and what the cycle must know of a node."""
+
+    FRAME = 0
+    RELEASE = 1  # to the cycle: this node is configured; data = the mode it is in (6061h)
+    HOLD = 2  # to the cycle: this node is not, or no longer
+
+
+class AsideRecord(NamedTuple):
+    """One of them; `bus` counts the cell's drive buses from 0, `identifier` is the node for RELEASE and HOLD."""
+
+    kind: Aside
+    bus: int
+    identifier: int
+    data: bytes = b""
+    stamp_ns: int = 0
+
+
+_ASIDE = struct.Struct("=BBHB3x8sq")
+ASIDE_BYTES, ACYCLIC_RECORDS, HEARD_RECORDS = _ASIDE.size, 1024, 8192
+ASIDE_LAYOUT = f"aside/1 {_ASIDE.format}"
+
+
+def pack_aside(record: AsideRecord) -> bytes:
+    """AsideRecord as ASIDE_BYTES bytes; data has at most 8."""
+    kind, bus, identifier, data, stamp = record
+    return _ASIDE.pack(kind, bus, identifier, len(data), data, stamp)
+
+
+def unpack_aside(data: bytes) -> AsideRecord:
+    """The reverse of pack_aside."""
+    kind, bus, identifier, size, octets, stamp = _ASIDE.unpack(data)
+    return AsideRecord(Aside(kind), bus, identifier, octets[:size], stamp)
 
 
 _TRACE = struct.Struct("=Qqqqqq")

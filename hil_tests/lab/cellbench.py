@@ -2,6 +2,8 @@
 
 from collections.abc import Callable
 
+from drivers.drives.family import Actual
+from drivers.drives.servodyn_family import ServodynFamily
 from drivers.emulator.servodyn_slave import ServodynSlave
 from gateway.axes import axis_facts, core_axes, make_planner
 from gateway.cell import Cell
@@ -14,12 +16,12 @@ from gateway.pure.records import InputImage, OrderRecord, Quality, pack_cell_sta
 from hil_tests.lab.servodyn_bus import CODEC
 from motion.pieces import RECORD_SIZE
 from protocols.base.machine import Frame, Ns
-from protocols.servodyn.codec import SYNC, ActualValue, SetValue
 
 START: Ns = 1_000_000_000_000
 ALL = 0x3F
 ENABLING = range(24, 29)
 DEMO: Cell = load_cell("demo")
+FAMILY = ServodynFamily(CODEC, [(n, n + 1) for n in range(6)])
 
 
 class CellBench:
@@ -38,7 +40,7 @@ class CellBench:
         self.services_ns: Ns = START
         self.silent: set[int] = set()
         self.orders: list[OrderRecord] = []
-        self.burst: list[Frame] = [SYNC, *(CODEC.encode_set(n, SetValue()) for n in range(1, 7))]
+        self.burst: list[Frame] = FAMILY.burst(self.core.idle())
         self.each: Callable[[], None] = lambda: None
         self.permit(*ENABLING)
 
@@ -56,7 +58,7 @@ class CellBench:
         for _ in range(count):
             stamped = [frame._replace(stamp_ns=self.now) for frame in self.burst]
             self.slave.receive(stamped, self.now)
-            actuals: list[ActualValue | None] = [None] * 6
+            actuals: list[Actual | None] = [None] * 6
             for frame in self.slave.take_output():
                 axis, actual = CODEC.decode_actual(frame)
                 if axis not in self.silent:
@@ -65,7 +67,7 @@ class CellBench:
                 self.services_ns = self.now
             orders, self.orders = self.orders, []
             values = self.core.step(actuals, self.inputs, orders, self.services_ns, self.now)
-            self.burst = [SYNC, *(CODEC.encode_set(n + 1, value) for n, value in enumerate(values))]
+            self.burst = FAMILY.burst(values)
             if self.services_alive:
                 self.office.observe(unpack_cell_state(pack_cell_state(self.core.state)), self.now)
                 self._hand_over()
@@ -110,7 +112,7 @@ class CellBench:
         self.generation += 1
         self.core = self._new_core()
         self.orders = []
-        self.burst = [SYNC, *(CODEC.encode_set(n, SetValue()) for n in range(1, 7))]
+        self.burst = FAMILY.burst(self.core.idle())
 
     def actual(self) -> list[float]:
         """Positions in mm and deg as published."""

@@ -2,7 +2,7 @@
 
 import pytest
 
-from drivers.drives.servodyn import DriveSettings
+from drivers.drives.servodyn import Drive, DriveSettings
 from gateway.pure.command_block import Code
 from gateway.pure.core import SERVICES_LIMIT
 from gateway.pure.reasons import CommandState, Reason
@@ -142,7 +142,9 @@ def test_a_refused_set_value_takes_the_drives_off() -> None:
     cell = CellBench().ready()
     move = cell.give(Code.PTP_ABSOLUTE, targets=FAR)
     cell.run(0.3)
-    cell.core._axes[0].drive._settings = DriveSettings(step_inc=1)
+    drive = cell.core._axes[0].drive
+    assert isinstance(drive, Drive)
+    drive._settings = DriveSettings(step_inc=1)
     cell.run(0.1)
     assert (move.state, move.reason) == (CommandState.ABORTED, Reason.SET_VALUE)
 

@@ -1,0 +1,155 @@
+"""One bus of CiA 402 drives: SYNC, RPDOs and the gateway's heartbeat out; TPDOs in; everything else aside to the master.
+
+Source: CiA 301, predefined connection set; AX-302 (maps), AX-303 (heartbeat).
+
+    RPDO1 200h+n  6040h controlword u16, 607Ah target i32     every SYNC, to nodes the master released
+    RPDO2 300h+n  6060h mode i8                               while 6061h shows another mode than wanted
+    TPDO1 180h+n  6041h statusword u16, 6064h position i32    every SYNC
+    TPDO2 280h+n  6077h torque i16, 60F4h lag i32             every SYNC where the bus has room, else not mapped
+    TPDO3 380h+n  60FDh inputs u32, 6061h mode i8             on change
+
+A node is spoken to cyclically only between `release` (the master has configured it) and its next boot-up message or `hold`.
+"""
+
+import struct
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from drivers.drives.cia402 import Cia402Actual, Cia402Set
+from drivers.drives.family import Heard, SetRecord
+from protocols.base.errors import DecodeError
+from protocols.base.machine import Frame, Ns
+from protocols.canopen import cobid
+from protocols.canopen.nmt import State, heartbeat
+
+SYNC = Frame(cobid.SYNC)
+GATEWAY_NODE = 127  # produces the heartbeat the drives watch
+BOOT_UP = bytes((State.INITIALISING,))
+TPDO2, TPDO3 = cobid.tpdo(2, 0), cobid.tpdo(3, 0)
+MODE_EVERY = 8  # cycles between two RPDO2 of one node that does not show the wanted mode yet
+
+_SET, _MODE = struct.Struct("<Hi"), struct.Struct("<b")
+_STATUS, _TORQUE, _INPUTS = struct.Struct("<Hi"), struct.Struct("<hi"), struct.Struct("<Ib")
+
+
+@dataclass(slots=True)
+class _Node:
+    index: int  # of the axis in the cell
+    number: int
+    released: bool = False
+    torque: int = 0
+    lag: int = 0
+    inputs: int = 0
+    mode: int = 0
+    error: int = 0
+    wait: int = 0  # cycles until RPDO2 may be sent again
+    set_id: int = field(init=False)
+    mode_id: int = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.set_id, self.mode_id = cobid.rpdo(1, self.number), cobid.rpdo(2, self.number)
+
+
+class Cia402Family:
+    """Nodes of one bus; `axes`: (index in the cell, node)."""
+
+    def __init__(self, axes: Sequence[tuple[int, int]], heartbeat_cycles: int, quiet_cycles: int) -> None:
+        """The heartbeat leaves every `heartbeat_cycles`, first after `quiet_cycles`: by then a predecessor's death was noticed."""
+        self.aside: list[Frame] = []
+        self._nodes = {number: _Node(index, number) for index, number in axes}
+        self._heartbeat_cycles, self._beat = max(1, heartbeat_cycles), max(1, quiet_cycles)
+        self._heartbeat = heartbeat(GATEWAY_NODE, State.OPERATIONAL)
+        self._status = {cobid.tpdo(1, number): node for number, node in self._nodes.items()}
+        self._others = {TPDO2 + number: node for number, node in self._nodes.items()}
+        self._others |= {TPDO3 + number: node for number, node in self._nodes.items()}
+
+    @property
+    def expected(self) -> int:
+        """Released nodes answer every SYNC."""
+        return sum(node.released for node in self._nodes.values())
+
+    def release(self, node: int, mode: int) -> None:
+        """Configured and operational, in this mode."""
+        found = self._nodes.get(node)
+        if found is not None:
+            found.released, found.mode, found.error = True, mode, 0
+
+    def hold(self, node: int) -> None:
+        """No RPDO any more until it is configured again."""
+        found = self._nodes.get(node)
+        if found is not None:
+            found.released = False
+
+    def began(self, now: Ns) -> None:
+        """Nothing depends on it here."""
+
+    def burst(self, values: Sequence[SetRecord]) -> list[Frame]:
+        """SYNC, RPDOs of released nodes, the heartbeat when it is due; TypeError when a drive of another family was put here."""
+        frames, modes = [SYNC], []
+        for node in self._nodes.values():
+            if not node.released:
+                continue
+            value = values[node.index]
+            if not isinstance(value, Cia402Set):
+                raise TypeError(f"axis {node.index + 1}: {type(value).__name__} on a CANopen bus")
+            frames.append(Frame(node.set_id, _SET.pack(value.controlword & 0xFFFF, value.position_inc)))
+            if value.mode != node.mode:
+                modes += self._mode(node, value.mode)
+            else:
+                node.wait = 0
+        frames += modes
+        self._beat -= 1
+        if self._beat <= 0:
+            self._beat = self._heartbeat_cycles
+            frames.append(self._heartbeat)
+        return frames
+
+    def _mode(self, node: _Node, mode: int) -> list[Frame]:
+        node.wait -= 1
+        if node.wait > 0:
+            return []
+        node.wait = MODE_EVERY
+        return [Frame(node.mode_id, _MODE.pack(mode))]
+
+    def hear(self, frame: Frame) -> Heard | None:
+        """The actual value of an axis; None: taken or put aside; raises DecodeError for what no drive or master of this bus sends."""
+        identifier, data = frame.identifier, frame.data
+        node = self._status.get(identifier)
+        if node is not None:
+            if len(data) != 6:
+                raise DecodeError(f"TPDO1 of node {node.number}: 6 bytes expected, {data.hex(' ')}")
+            if not node.released:
+                return None
+            status, position = _STATUS.unpack(data)
+            actual = Cia402Actual(status, position, node.torque, node.lag, node.inputs, node.mode, node.error)
+            return Heard(node.index, actual)
+        node = self._others.get(identifier)
+        if node is not None:
+            _take(node, identifier, data)
+        else:
+            self._put_aside(frame)
+        return None
+
+    def _put_aside(self, frame: Frame) -> None:
+        function, number = frame.identifier & 0x780, frame.identifier & 0x7F
+        node = self._nodes.get(number)
+        if function == cobid.emcy(0) and number:
+            if node is not None and len(frame.data) == 8:
+                node.error = int.from_bytes(frame.data[:2], "little")
+        elif function == cobid.heartbeat(0) and number:
+            if node is not None and frame.data == BOOT_UP:
+                node.released = False  # it was reset: whatever was configured may be gone
+        elif function != cobid.sdo_answer(0) and frame.identifier != cobid.LSS_SLAVE:
+            raise DecodeError(f"identifier {frame.identifier:#x} is nobody's on this bus: {frame.data.hex(' ')}")
+        self.aside.append(frame)
+
+
+def _take(node: _Node, identifier: int, data: bytes) -> None:
+    if identifier == TPDO2 + node.number:
+        if len(data) != _TORQUE.size:
+            raise DecodeError(f"TPDO2 of node {node.number}: {_TORQUE.size} bytes expected, {data.hex(' ')}")
+        node.torque, node.lag = _TORQUE.unpack(data)
+    else:
+        if len(data) != _INPUTS.size:
+            raise DecodeError(f"TPDO3 of node {node.number}: {_INPUTS.size} bytes expected, {data.hex(' ')}")
+        node.inputs, node.mode = _INPUTS.unpack(data)

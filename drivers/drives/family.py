@@ -1,0 +1,135 @@
+"""What every family of drives is to the rest of the gateway: one object for each drive, one for each bus.
+
+The core steps drives and sees neutral records only; the cycle sends what the bus' family makes of them and hands it what comes in.  Which
+bits, identifiers and frames that is, only the family knows (AX-300).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum, auto
+from typing import NamedTuple, Protocol
+
+from protocols.base.machine import Frame, Ns
+
+
+class Power(Enum):
+    """What the rest of the gateway needs to know."""
+
+    OFF = 0
+    SWITCHING_ON = 1
+    ENABLED = 2
+    SWITCHING_OFF = 3
+    FAULT = 4
+    LOST = 5
+
+
+class Event(Enum):
+    """What happened in the last step."""
+
+    ENABLED = auto()
+    OFF = auto()
+    FAULT = auto()
+    FAULT_CLEARED = auto()
+    LOST = auto()
+    RETURNED = auto()
+    DROPPED = auto()  # the drive left control by itself, without a fault
+    TIMEOUT = auto()  # a phase took too long
+    JUMP = auto()  # a set position too far from the last one was not sent
+    RANGE = auto()  # a set position beyond int32 was not sent
+
+
+class Homing(Enum):
+    """A reference run the drive does by itself."""
+
+    NONE = auto()
+    RUNNING = auto()
+    DONE = auto()  # told once the drive follows again
+    FAILED = auto()
+
+
+class Demand(NamedTuple):
+    """What the cycle wants from a drive."""
+
+    on: bool = False  # counts by its rising edge, goes off by its level
+    reset: bool = False  # rising edge
+    position_inc: int = 0
+    speed_rpm: float = 0.0  # feed-forward
+    limit_switch: bool = False  # ENABLE LIMIT SWITCH (rho3 2.7)
+    home: bool = False  # reference by itself: counts by its rising edge, gives up by its level
+
+
+class Actual(Protocol):
+    """What a drive said for this SYNC, as far as the core must know."""
+
+    @property
+    def position_inc(self) -> int: ...  # latched at SYNC
+    @property
+    def reference_switch(self) -> bool: ...
+
+
+class SetRecord(Protocol):
+    """What goes to a drive for the next SYNC."""
+
+    @property
+    def position_inc(self) -> int: ...
+
+
+class CyclicDrive(Protocol):
+    """One drive in the cycle; `step` once per SYNC, after the actual values of that SYNC.  Never raises on what the drive says."""
+
+    position_inc: int  # last actual
+    torque_permille: int
+    fault_code: int
+    warning: bool
+    epoch: int  # +1 whenever increments may have lost their meaning (AX-110)
+    events: list[Event]  # of the last step
+
+    @property
+    def set_inc(self) -> int: ...  # last sent
+    @property
+    def power(self) -> Power: ...
+    @property
+    def follows(self) -> bool: ...  # enabled and taking the demanded position: lag counts
+    @property
+    def homing(self) -> Homing: ...
+    @property
+    def configured(self) -> bool: ...  # nothing has to be told to it before it may be switched on
+    def step(self, actual: Actual | None, demand: Demand) -> SetRecord: ...  # a record of another family counts as none
+    def idle(self) -> SetRecord: ...  # before the first SYNC
+
+
+class DriveMaker(Protocol):
+    """Settings of one drive of some family."""
+
+    def make(self) -> CyclicDrive: ...
+
+
+@dataclass(frozen=True, slots=True)
+class DriveHoming:
+    """The drive references by itself; what the axis reads (m or rad) where it found its home (AX-306)."""
+
+    position: float = 0.0
+
+
+class Heard(NamedTuple):
+    """A frame that was the actual value of an axis."""
+
+    axis: int  # its index in the cell
+    actual: Actual
+
+
+class BusFamily(Protocol):
+    """The language of one bus and the axes on it.
+
+    `aside` collects frames of the bus that are no cyclic data (CANopen: SDO, EMCY, heartbeat); whoever drains it clears it.
+    """
+
+    aside: list[Frame]
+
+    @property
+    def expected(self) -> int: ...  # axes that answer every SYNC
+    def burst(self, values: Sequence[SetRecord]) -> list[Frame]: ...  # SYNC, set values (by index of the cell), what belongs to the cycle
+    def hear(self, frame: Frame) -> Heard | None: ...  # None: taken, no actual value; DecodeError: no frame of this bus
+    def release(self, node: int, mode: int) -> None: ...  # this node is configured: it may be spoken to cyclically
+    def hold(self, node: int) -> None: ...  # it is no longer
+    def began(self, now: Ns) -> None: ...  # the cycle's first instant

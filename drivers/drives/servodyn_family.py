@@ -1,0 +1,50 @@
+"""One bus of SERVODYN-GC drives: SYNC and set values out, actual values in.  Source: rho3 2.2; AX-001."""
+
+from collections.abc import Sequence
+
+from drivers.drives.family import Heard, SetRecord
+from protocols.base.errors import DecodeError
+from protocols.base.machine import Frame, Ns
+from protocols.servodyn.codec import SYNC, Codec, SetValue
+
+
+class ServodynFamily:
+    """Modules of one bus; `axes`: (index in the cell, module on this bus)."""
+
+    def __init__(self, codec: Codec, axes: Sequence[tuple[int, int]]) -> None:
+        self.codec = codec
+        self.aside: list[Frame] = []
+        self._axes = tuple(axes)
+        self._indices = {module: index for index, module in axes}
+
+    @property
+    def expected(self) -> int:
+        """Every drive answers every SYNC."""
+        return len(self._axes)
+
+    def burst(self, values: Sequence[SetRecord]) -> list[Frame]:
+        """SYNC and the set values of this bus; TypeError when a drive of another family was put on it."""
+        frames = [SYNC]
+        for index, module in self._axes:
+            value = values[index]
+            if not isinstance(value, SetValue):
+                raise TypeError(f"axis {index + 1}: {type(value).__name__} on a SERVODYN bus")
+            frames.append(self.codec.encode_set(module, value))
+        return frames
+
+    def hear(self, frame: Frame) -> Heard | None:
+        """The actual value of an axis; raises DecodeError for a frame this bus does not have."""
+        module, actual = self.codec.decode_actual(frame)
+        index = self._indices.get(module)
+        if index is None:
+            raise DecodeError(f"identifier {frame.identifier}: module {module} has no axis in this cell")
+        return Heard(index, actual)
+
+    def release(self, node: int, mode: int) -> None:
+        """Boosters need no start-up."""
+
+    def hold(self, node: int) -> None:
+        """Boosters need no start-up."""
+
+    def began(self, now: Ns) -> None:
+        """Nothing depends on it here."""

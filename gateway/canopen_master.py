@@ -1,0 +1,271 @@
+"""The master of a CANopen bus: starts the nodes up, watches them, says what is wrong with them.  Runs in threads of the services.
+
+What each node is told is the pure plan of drivers.drives.cia402_boot; the `canopen` package carries it out over the python-can plug-in
+`cycle:`.  One node at a time speaks SDO through its own lock; a node that does not answer is tried again after 1, 2, 5 s and never keeps
+another one waiting (AX-309).
+"""
+
+import contextlib
+import functools
+import logging
+import threading
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+
+import can
+import canopen
+from canopen.emcy import EmcyError
+from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError, SdoError
+
+from drivers.drives import cia402_boot as plans
+from drivers.drives.cia402_boot import Answer, Booted, BootRefused, NodePlan, Refused, Silent
+from drivers.ports import cycle_bus
+from gateway.canopen_link import RingLink
+from gateway.edsfile import canopen_dictionary
+from protocols.canopen import cobid
+from protocols.canopen.dictionary import ObjectDictionary
+from protocols.canopen.nmt import State
+
+TICK_S = 0.02
+SDO_S = 0.3  # patience with one answer; the cycle hands one frame on in each cycle
+SDO_TRIES = 3
+BOOT_UP_S = 2.0  # patience with a boot-up message or a state of the heartbeat
+WAITS_S = (1.0, 2.0, 5.0)  # before the next attempt with a node that does not answer
+REFUSED_S = 10.0  # before the next attempt with one that was refused
+LATE = 2  # heartbeats more than the drive's own patience with us before the node counts as lost
+
+logging.getLogger("canopen").setLevel(logging.CRITICAL)  # what fails is reported here, in words
+
+
+class Health(Enum):
+    """How a node stands."""
+
+    WAITING = "waiting for its start-up"
+    BOOTING = "is started up"
+    READY = "ready"
+    DEAD = "does not answer"
+    REFUSED = "is not started"
+
+
+@dataclass
+class Node:
+    """One node and what became of it."""
+
+    plan: NodePlan
+    name: str  # of the axis
+    health: Health = Health.WAITING
+    why: str = ""
+    due: float = 0.0  # next attempt
+    attempts: int = 0
+    seen: float = 0.0  # last heartbeat
+    state: int = -1  # as it said
+    boots: int = 0  # boot-up messages heard
+    booted: Booted | None = None
+    emergency: int = 0  # code of the last EMCY, 0: none or gone
+    emergencies: int = 0
+    adopted: bool = False
+    lock: threading.Lock = field(default_factory=threading.Lock)  # one SDO dialogue at a time
+    news: threading.Event = field(default_factory=threading.Event)  # a heartbeat came
+    thread: threading.Thread | None = None
+
+
+Say = Callable[[str, str, Mapping[str, object]], None]  # kind, sentence, facts
+
+
+class CanopenMaster:
+    """All nodes of one bus."""
+
+    def __init__(
+        self,
+        channel: str,
+        link: RingLink,
+        nodes: Sequence[tuple[str, NodePlan]],
+        say: Say,
+        sheets: Mapping[int, ObjectDictionary] | None = None,
+    ) -> None:
+        """`nodes`: (axis, plan); `sheets`: what their EDS says, by node."""
+        self.nodes = {plan.node: Node(plan, name) for name, plan in nodes}
+        self._channel, self._link, self._say = channel, link, say
+        self._sheets = sheets or {}
+        self._stop = threading.Event()
+        self._network: canopen.Network | None = None
+        self._remote: dict[int, canopen.RemoteNode] = {}
+        self._keeper = threading.Thread(target=self._keep, name=f"canopen {channel}", daemon=True)
+        cycle_bus.attach(channel, link)
+
+    # ---- life --------------------------------------------------------------------------------------------------------
+    def start(self, adopted: Sequence[int] = ()) -> None:
+        """`adopted`: nodes the cycle already speaks to; they are looked at, not configured."""
+        for number in adopted:
+            self.nodes[number].adopted = True
+        self._network = canopen.Network(can.Bus(interface="cycle", channel=self._channel))
+        self._network.NOTIFIER_CYCLE = 0.2
+        self._network.connect()
+        for number, node in self.nodes.items():
+            remote = canopen.RemoteNode(number, canopen_dictionary(self._sheets.get(number), number))
+            self._network.add_node(remote)
+            remote.sdo.RESPONSE_TIMEOUT, remote.sdo.MAX_RETRIES = SDO_S, 1
+            remote.emcy.add_callback(functools.partial(self._on_emergency, node))
+            self._network.subscribe(cobid.heartbeat(number), self._on_heartbeat)
+            self._remote[number] = remote
+        self._keeper.start()
+
+    def stop(self) -> None:
+        """Ends all threads; nodes stay as they are."""
+        self._stop.set()
+        for node in self.nodes.values():
+            node.news.set()
+        self._keeper.join(2.0)
+        if self._network is not None:
+            with contextlib.suppress(can.CanError):
+                self._network.disconnect()
+        cycle_bus.detach(self._channel)
+
+    def again(self, number: int | None = None) -> None:
+        """Start up once more: a new cycle, or somebody asks."""
+        for node in self.nodes.values():
+            if number in (None, node.plan.node) and node.health is not Health.BOOTING:
+                node.health, node.due, node.attempts, node.adopted = Health.WAITING, 0.0, 0, False
+
+    def status(self) -> list[dict[str, object]]:
+        """For tools and pages."""
+        return [
+            {
+                "bus": self._channel, "node": number, "axis": node.name, "health": node.health.name, "why": node.why,
+                "emergency": node.emergency, "emergencies": node.emergencies, "attempts": node.attempts, "boots": node.boots,
+            }
+            for number, node in self.nodes.items()
+        ]  # fmt: skip
+
+    # ---- what the bus says ---------------------------------------------------------------------------------------------
+    def _on_heartbeat(self, identifier: int, data: bytearray, stamp: float) -> None:
+        node = self.nodes.get(identifier & 0x7F)
+        if node is None or not data:
+            return
+        node.seen, node.state = time.monotonic(), data[0] & 0x7F
+        if node.state == State.INITIALISING:
+            node.boots += 1
+            if node.health is Health.READY:
+                self._lost(node, "was reset: it sent its boot-up message")
+            elif node.health in (Health.DEAD, Health.REFUSED):
+                node.due = 0.0
+        node.news.set()
+
+    def _on_emergency(self, node: Node, error: EmcyError) -> None:
+        code, register = error.code, error.register
+        node.emergencies += 1
+        before, node.emergency = node.emergency, code
+        if code != before:
+            from drivers.drives.cia402_words import sentence
+
+            self._say("drive", f"{node.name}: {sentence(code)}", {"node": node.plan.node, "code": code, "register": register})
+
+    # ---- the keeper ------------------------------------------------------------------------------------------------------
+    def _keep(self) -> None:
+        while not self._stop.wait(TICK_S):
+            now = time.monotonic()
+            for node in self.nodes.values():
+                if node.health is Health.READY:
+                    patience = node.plan.heartbeat_ms / 1000.0 * (node.plan.missed + LATE)
+                    if now - node.seen > max(patience, 0.25):
+                        self._lost(node, "its heartbeat stays away")
+                elif node.health is not Health.BOOTING and now >= node.due:
+                    node.health, node.attempts = Health.BOOTING, node.attempts + 1
+                    node.thread = threading.Thread(target=self._boot, args=(node,), name=f"boot {node.name}", daemon=True)
+                    node.thread.start()
+
+    def _lost(self, node: Node, why: str) -> None:
+        self._link.hold(node.plan.node)
+        node.health, node.why, node.due, node.attempts = Health.WAITING, why, 0.0, 0
+        self._say("drive", f"{node.name} (node {node.plan.node}): {why}", {"node": node.plan.node})
+
+    def _boot(self, node: Node) -> None:
+        """One attempt, in a thread of its own: a node that does not answer keeps nobody waiting."""
+        plan = node.plan
+        try:
+            with node.lock:
+                boots = node.boots
+                booted = self._carry(node, plans.adopt(plan) if node.adopted else plans.boot(plan))
+                if node.boots > boots + (not node.adopted):
+                    raise BootRefused("was reset while it was started up", dead=True)
+        except BootRefused as refusal:
+            self._failed(node, refusal)
+        except Exception as error:  # a thread that died in silence would leave the node waiting for ever
+            self._failed(node, BootRefused(f"{type(error).__name__}: {error}"))
+        else:
+            node.seen = time.monotonic()
+            node.booted, node.attempts, node.why = booted, 0, ""
+            if not node.adopted:
+                self._link.release(plan.node, booted.mode)
+            node.health = Health.READY
+            notes = f" ({'; '.join(booted.notes)})" if booted.notes else ""
+            self._say("drive", f"{node.name} (node {plan.node}): ready{notes}", {"node": plan.node, "options": booted.options})
+
+    def _failed(self, node: Node, refusal: BootRefused) -> None:
+        node.adopted = False
+        wait = WAITS_S[min(node.attempts - 1, len(WAITS_S) - 1)] if refusal.dead else REFUSED_S
+        node.due = time.monotonic() + wait
+        node.health = Health.DEAD if refusal.dead else Health.REFUSED
+        if str(refusal) != node.why:
+            node.why = str(refusal)
+            self._say("alarm", f"{node.name} (node {node.plan.node}) {node.health.value}: {refusal}", {"node": node.plan.node})
+
+    def _carry(self, node: Node, plan: plans.Plan) -> Booted:
+        """Carries the steps out; raises BootRefused as the plan does."""
+        try:
+            step = next(plan)
+            while not self._stop.is_set():
+                step = plan.send(self._answer(node, step))
+        except StopIteration as end:
+            booted = end.value
+            assert isinstance(booted, Booted)
+            return booted
+        raise BootRefused("stopped", dead=True)
+
+    def _answer(self, node: Node, step: plans.Step) -> Answer:
+        match step:
+            case plans.Read(index, sub):
+                return self.upload(node.plan.node, index, sub)
+            case plans.Write(index, sub, data):
+                return self.download(node.plan.node, index, sub, data)
+            case plans.Nmt(command, awaits):
+                assert self._network is not None
+                boots = node.boots
+                node.state = -1
+                self._network.send_message(cobid.NMT, bytes((command, node.plan.node)))
+                return self._await(node, awaits, boots)
+            case plans.Pause(ms):
+                self._stop.wait(ms / 1000.0)
+                return b""
+
+    def _await(self, node: Node, state: State | None, boots: int) -> Answer:
+        end = time.monotonic() + BOOT_UP_S
+        while state is not None and not self._stop.is_set():
+            if (state is State.INITIALISING and node.boots > boots) or node.state == state:
+                return b""
+            node.news.clear()
+            if not node.news.wait(max(0.0, end - time.monotonic())):
+                return Silent.YES
+        return b""
+
+    # ---- SDO -------------------------------------------------------------------------------------------------------------
+    def upload(self, number: int, index: int, sub: int) -> Answer:
+        """One object as bytes; the caller holds the node's lock."""
+        return self._sdo(lambda: bytes(self._remote[number].sdo.upload(index, sub)))
+
+    def download(self, number: int, index: int, sub: int, data: bytes) -> Answer:
+        """One object written; b"" when the node took it."""
+        return self._sdo(lambda: self._remote[number].sdo.download(index, sub, data) or b"")
+
+    def _sdo(self, job: Callable[[], bytes]) -> Answer:
+        for _ in range(SDO_TRIES):
+            try:
+                return job()
+            except SdoAbortedError as error:
+                return Refused(error.code)
+            except (SdoCommunicationError, SdoError, can.CanError):
+                if self._stop.is_set():
+                    break
+        return Silent.YES

@@ -1,0 +1,24 @@
+"""Which family of drives speaks on a bus, by its `protocol`: what the cycle sends and hears there.  Nothing big is loaded here."""
+
+from drivers.drives.family import BusFamily
+from gateway.cell import Bus, Cell
+
+DRIVE_PROTOCOLS = ("servodyn", "canopen")  # buses the cycle owns
+MISSED = 3  # heartbeats of the gateway that may stay away (AX-303)
+
+
+def make_family(cell: Cell, bus: Bus, p5_ms: int) -> BusFamily:
+    """The family of one drive bus with the axes of the cell on it."""
+    on_it = [(n, axis) for n, axis in enumerate(cell.axis) if axis.drive.bus == bus.name]
+    if bus.protocol == "canopen":
+        from drivers.drives.cia402_family import Cia402Family
+
+        nodes = [(n, axis.drive.node) for n, axis in on_it if axis.drive.node is not None]
+        beat = max(1, bus.heartbeat_ms // p5_ms)
+        return Cia402Family(nodes, beat, (MISSED + 1) * bus.heartbeat_ms // p5_ms + 1)
+    from drivers.drives.servodyn_family import ServodynFamily
+    from gateway.dbcfile import load_servodyn
+    from gateway.files import beside
+
+    modules = [(n, axis.drive.module) for n, axis in on_it if axis.drive.module is not None]
+    return ServodynFamily(load_servodyn(beside(cell.file, bus.layout, "drives")), modules)
