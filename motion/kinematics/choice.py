@@ -40,7 +40,7 @@ class Chooser:
 
     def fit(self, joints: Joints, near: Sequence[float]) -> tuple[Joints, float] | int:
         """The turns of `joints` nearest to `near` and how far that is (seconds at full speed, squared), or the axis that cannot."""
-        fitted = []
+        fitted: list[float] = []
         far = 0.0
         for value, here, (lower, upper, pace, rotary) in zip(joints, near, self._rows, strict=True):
             step = value - here
