@@ -58,6 +58,7 @@ class Blend:
     distance: float = 0.0  # > 0: the corner is missed by this much, leave and reach follow from it (BAHN_DISTANZ has priority)
     axes: tuple[float, ...] = ()  # PTP by the axis criterion (P213 x R_PTP): m or rad per axis
     share: float = 0.5  # the most of a block one corner may take: rho 3 0.5, Reis 0.4 (RAPPR_FACT_MAX)
+    past_circles: bool = False  # VAL 3 and Reis round corners next to arcs, the rho 3 never does (L1906-1908)
     flyby: float | None = None  # share of the mean of both path speeds at the middle of the corner (_IV_FLYBY_S)
 
 

@@ -226,7 +226,9 @@ class Path:
         if not setting.UEBERSCHL or kind is Interpolation.SPLINE:
             return Blend()
         radius, distance = setting.BAHN_RADIUS / 1000, setting.BAHN_DISTANZ / 1000
-        return Blend(Rounding.CARTESIAN, radius, radius, distance, share=self._data.RAPPR_FACT_MAX, flyby=setting.IV_FLYBY_S / 100)
+        return Blend(
+            Rounding.CARTESIAN, radius, radius, distance, share=self._data.RAPPR_FACT_MAX, flyby=setting.IV_FLYBY_S / 100, past_circles=True
+        )
 
 
 def check_path(blocks: list[Block], settings: list[Parameters], start: Target, data: MachineData) -> None:

@@ -187,6 +187,8 @@ class _Reader:
             blend["rounding"] = Rounding.CARTESIAN
         if "zone" in keys:
             blend |= {"axes": self.joints("zone", keys["zone"].split(",")), "rounding": Rounding.JOINT}
+        if "arcs" in keys:
+            blend["past_circles"] = _yes("arcs", keys["arcs"])
         if "lead" in keys:
             parts["pace"]["lead"] = _yes("lead", keys["lead"])
         made = Block(
@@ -394,6 +396,8 @@ def _keys(block: Block, units: tuple[str, ...]) -> list[str]:
             found.append(f"{choice.name}={word.value}")
     if block.blend.axes:
         found.append(f"zone={','.join(_plain(from_si(v, unit)) for v, unit in zip(block.blend.axes, units, strict=True))}")
+    if block.blend.past_circles:
+        found.append("arcs=yes")
     if block.pace.lead:
         found.append("lead=yes")
     found += [f"{word}={place.name}" for word, place in (("tool", block.tool), ("frame", block.frame)) if place.name]

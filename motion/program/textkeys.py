@@ -62,6 +62,7 @@ CHOICES = (
 )
 OTHERS = {
     "radius": "mm: leave and reach together",
+    "arcs": "yes or no: points next to an arc are rounded, too",
     "lead": "yes or no: speed is that of the axis with the longest way",
     "zone": "one distance for each axis: passing of a PTP point by the axis criterion",
     "tool": "name of a `tool` line, or - for none",

@@ -59,7 +59,7 @@ class Mdesc:
         if self.blend is BlendKind.OFF:
             return Blend()
         kind = Rounding.JOINT if self.blend is BlendKind.JOINT else Rounding.CARTESIAN
-        return Blend(kind, self.leave * unit_m, self.reach * unit_m)
+        return Blend(kind, self.leave * unit_m, self.reach * unit_m, past_circles=True)
 
 
 def matching(vel: float) -> Mdesc:

@@ -1,0 +1,209 @@
+"""One block -> its whole way, uncut: a TCP curve in the base of the robot, or a straight line of the axes.
+
+Everything that can be known of a block before anything moves is found here: numbers that are none, targets out of reach or
+limits, the wrong configuration, circles that are none, zero blocks.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from motion.errors import LimitError, MotionError
+from motion.frames import Pose
+from motion.kinematics.base import FREE, Joints, KinematicsError
+from motion.limits import check_targets
+from motion.paths.arc import arc
+from motion.paths.base import Curve, PathError
+from motion.paths.joints import JointPath, joint_line
+from motion.paths.line import line
+from motion.planner.robot import Machine
+from motion.program.blocks import Block, Interpolation, JointTarget, PoseTarget, Turning
+from motion.program.errors import BlockError
+
+JOINT_LIMIT = 520  # VAL 3: joint position outside the software limits
+CONFIGURATION = 533  # VAL 3: unreachable in the given configuration
+STEP_M, STEP_RAD = 0.02, 0.1  # how densely a block is looked at when it is added
+JUMP = 1.0  # rad or m between neighbouring looks: the arm would have to change its configuration
+
+
+@dataclass(frozen=True)
+class Leg:
+    """start, end: (axes,) where the axes stand; length: of curve or path, the same parameter s."""
+
+    number: int
+    block: Block
+    curve: Curve | None
+    path: JointPath | None  # PTP only
+    length: float
+    start: Joints
+    end: Joints
+
+    def extra(self, arm: int, share: float) -> Joints:
+        """Additional axes at this share of the block: straight between start and end, so they keep step with the path."""
+        return tuple(a + share * (b - a) for a, b in zip(self.start[arm:], self.end[arm:], strict=True))
+
+    def extra_slope(self, arm: int) -> Joints:
+        """Their change by s."""
+        return tuple((b - a) / self.length for a, b in zip(self.start[arm:], self.end[arm:], strict=True))
+
+
+def told(error: MotionError, number: int, machine: Machine) -> BlockError:
+    """Any error of the motion core as BlockError: number of the manual, block, axis."""
+    if isinstance(error, BlockError):
+        return error if error.block else BlockError(error.what, code=error.code, block=number, axis=error.axis, source=error.source)
+    if isinstance(error, LimitError):
+        what = str(error).partition(": ")[2]
+        return BlockError(what, code=JOINT_LIMIT, block=number, axis=error.axis, source="VAL 3")
+    if isinstance(error, KinematicsError):
+        return BlockError(str(error).partition(" (VAL 3")[0], code=error.number, block=number, axis=error.axis, source="VAL 3")
+    if isinstance(error, PathError):
+        source = "Reis path error" if error.number >= 600 or error.number == 102 else "VAL 3"
+        return BlockError(str(error).partition(": ")[2] if error.number else str(error), code=error.number, block=number, source=source)
+    return BlockError(str(error), block=number)
+
+
+def make_leg(number: int, block: Block, standing: Joints, machine: Machine) -> Leg | None:
+    """The block's way from where the axes stand; None: a block without way (the same point again), which is skipped as both VAL 3
+    and the rho 3 do.  Raises what `told` turns into a BlockError."""
+    check_numbers(block)
+    if block.kind is Interpolation.PTP:
+        return _ptp(number, block, standing, machine)
+    target = base_pose(block, standing, machine)
+    start = tcp(standing, block, machine)
+    if block.kind is Interpolation.CIRCULAR:
+        curve: Curve | None = _arc(block, start, target)
+    else:
+        curve = _line(start, target)
+    extra = extra_of(block, standing, machine)
+    if curve is None:
+        return None if extra == tuple(standing[machine.arm :]) else _only_extra(number, block, standing, extra)
+    end = (*follow(curve, block, standing, machine), *extra)
+    _check_configuration(block, standing, end, machine)
+    return Leg(number, block, curve, None, curve.length, standing, end)
+
+
+def _ptp(number: int, block: Block, standing: Joints, machine: Machine) -> Leg | None:
+    if isinstance(block.target, JointTarget):
+        if len(block.target.q) != machine.axes:
+            raise BlockError(f"{len(block.target.q)} joint values, the robot has {machine.axes} axes", code=154, source="VAL 3")
+        end = block.target.q
+    else:
+        flange = base_pose(block, standing, machine) @ block.tool.pose.inverse()
+        configuration = block.target.configuration
+        q = machine.kinematics.inverse(flange, standing[: machine.arm], None if configuration == FREE else configuration)
+        end = (*q, *extra_of(block, standing, machine))
+    check_targets(machine.limits, end)
+    if max(abs(b - a) for a, b in zip(standing, end, strict=True)) < 1e-12:
+        return None
+    path = joint_line(standing, end)
+    return Leg(number, block, None, path, path.length, standing, end)
+
+
+def _only_extra(number: int, block: Block, standing: Joints, extra: Joints) -> Leg:
+    """The tool stands still and only additional axes move."""
+    end = (*standing[: len(standing) - len(extra)], *extra)
+    path = joint_line(standing, end)
+    return Leg(number, block, None, path, path.length, standing, end)
+
+
+def _line(start: Pose, target: Pose) -> Curve | None:
+    try:
+        return line(start, target)
+    except PathError as error:
+        if "same pose" in str(error):
+            return None
+        raise
+
+
+def _arc(block: Block, start: Pose, target: Pose) -> Curve:
+    if block.via is None:
+        raise BlockError("a circle needs a point on the way")
+    via = block.frame.pose @ block.via.pose
+    least = block.turning is Turning.LEAST
+    weight = block.curving.via_weight
+    return arc(
+        start, via, target, moving=block.turning is Turning.PATH, via_weight=weight, halves=not least and block.turning is Turning.VIA
+    )
+
+
+def tcp(standing: Joints, block: Block, machine: Machine) -> Pose:
+    """Where the block's tool is in the base."""
+    return machine.kinematics.forward(standing[: machine.arm]) @ block.tool.pose
+
+
+def base_pose(block: Block, standing: Joints, machine: Machine) -> Pose:
+    """The target as a pose of the tool in the base; joints of a straight block are turned into one."""
+    if isinstance(block.target, PoseTarget):
+        return block.frame.pose @ block.target.pose
+    if len(block.target.q) != machine.axes:
+        raise BlockError(f"{len(block.target.q)} joint values, the robot has {machine.axes} axes", code=154, source="VAL 3")
+    return tcp(block.target.q, block, machine)
+
+
+def extra_of(block: Block, standing: Joints, machine: Machine) -> Joints:
+    """Additional axes at the end of the block; checked against their limits."""
+    count = machine.axes - machine.arm
+    if isinstance(block.target, JointTarget):
+        wanted = block.target.q[machine.arm :]
+    else:
+        wanted = block.target.extra or tuple(standing[machine.arm :])
+    if len(wanted) != count:
+        raise BlockError(f"{len(wanted)} values of additional axes, the robot has {count}", code=154, source="VAL 3")
+    check_targets(machine.limits[machine.arm :], wanted)
+    return tuple(wanted)
+
+
+def follow(curve: Curve, block: Block, standing: Joints, machine: Machine) -> Joints:
+    """Joints of the arm at the end of the curve, on the branch it starts in; every few mm or degrees is looked at."""
+    back = block.tool.pose.inverse()
+    step = STEP_M if any(curve.derivatives(0.0).p1) else STEP_RAD
+    count = max(2, math.ceil(curve.length / step))
+    q = tuple(standing[: machine.arm])
+    for k in range(1, count + 1):
+        at = curve.length * k / count
+        found = machine.kinematics.inverse(curve.at(at) @ back, q)
+        far = max(range(len(q)), key=lambda n: abs(found[n] - q[n]))
+        if abs(found[far] - q[far]) > JUMP:
+            raise KinematicsError(
+                f"the joints would have to jump {at * 1e3:.1f} mm along the path: it crosses a singularity or changes the configuration",
+                machine.name(far),
+                540,
+            )
+        q = tuple(found)
+    return q
+
+
+def _check_configuration(block: Block, standing: Joints, end: Joints, machine: Machine) -> None:
+    """A configuration the target demands and the path does not lead to cannot be forced (VAL 3 L5547-5554)."""
+    if not isinstance(block.target, PoseTarget) or block.target.configuration == FREE:
+        return
+    arm = machine.arm
+    found, before = machine.kinematics.configuration(end[:arm]), machine.kinematics.configuration(standing[:arm])
+    if not block.target.configuration.admits(found, before):
+        raise BlockError(
+            "a straight or circular path cannot change the configuration to the one demanded", code=CONFIGURATION, source="VAL 3"
+        )
+
+
+def check_numbers(block: Block) -> None:
+    """Every number of a block is finite, every speed above 0."""
+    poses = [place.pose for place in (block.target, block.via) if isinstance(place, PoseTarget)]
+    values = [value for pose in (*poses, block.tool.pose, block.frame.pose) for part in pose for value in part]
+    values += block.target.q if isinstance(block.target, JointTarget) else block.target.extra
+    values += (block.blend.leave, block.blend.reach, block.blend.distance, *block.blend.axes)
+    if not all(map(math.isfinite, values)):
+        raise BlockError("a value is no finite number", code=154, source="VAL 3")
+    pace = block.pace
+    for name, wanted in (("speed", pace.speed), ("acceleration", pace.accel), ("deceleration", pace.decel)):
+        if not 0.0 < wanted < math.inf:
+            raise BlockError(f"{name} {wanted:g} is not above 0")
+    for name, given in (("path speed", pace.path_speed), ("turning speed", pace.turn_speed), ("time", pace.time)):
+        if given is not None and not 0.0 < given < math.inf:
+            raise BlockError(f"{name} {given:g} is not above 0")
+    if min(block.blend.leave, block.blend.reach, block.blend.distance, *(block.blend.axes or (0.0,))) < 0.0:
+        raise BlockError("a negative distance of blending")
+
+
+def names_of(machine: Machine, axes: Sequence[int]) -> str:
+    """For messages."""
+    return ", ".join(machine.name(axis) for axis in axes)

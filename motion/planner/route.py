@@ -1,0 +1,342 @@
+"""Blocks -> stretches of path: geometry alone, block by block, as far as it is known.
+
+With only block k the path is known up to the point where its corner may begin (VAL 3 L5591-5608: "A leave"); block k + 1 fixes that
+corner and the path up to its own.  So a route that is fed block by block and one that has the whole program give the same path.
+What cannot be run is refused when its block is added, with the manual's number, the block and the axis; the route then stands
+where it stood before.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from enum import Enum
+
+import numpy as np
+
+from motion.errors import MotionError
+from motion.kinematics.base import Joints
+from motion.limits import TOUCH, check_targets
+from motion.paths.base import PathError
+from motion.paths.corner import clipped, corner, directions, radius_for
+from motion.paths.joints import JointPath, joint_blend, joint_part
+from motion.paths.polynomial import part
+from motion.paths.spline import spline
+from motion.planner.extra import with_extra
+from motion.planner.jointpath import joint_path_of
+from motion.planner.legs import Leg, base_pose, check_numbers, make_leg, tcp, told
+from motion.planner.robot import Machine
+from motion.program.blocks import Block, Interpolation, Rounding, Slope
+from motion.program.passing import passed
+
+EMPTY = 1e-9  # of a block: less is nothing left to run
+SMALLEST = 1e-7  # m or rad: a smaller corner is none
+LOOKS = 8  # at a stretch against the travel limits
+
+
+class Kind(Enum):
+    MAIN = "main"
+    CORNER = "corner"
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """Path of the axes between two places of the route.
+
+    block: number of the block (of a corner: the one before it); share: how much of that block's way lies behind its start, and
+    behind its end (for a corner: of the following block).
+    """
+
+    path: JointPath
+    block: int
+    kind: Kind
+    source: Block
+    share: tuple[float, float]
+    following: Block | None = None  # of a corner
+    stop: bool = False  # the axes rest at its end
+    way: float = 0.0  # whole length of the block (of a corner: of the one before)
+
+
+@dataclass
+class _State:
+    standing: Joints  # end of everything added
+    number: int = 0
+    last: Leg | None = None  # not yet run out to its end
+    known: float = 0.0  # s on the last leg that is out
+    tail: JointPath | None = None  # the last stretch, while no stop follows it
+    splines: tuple[tuple[int, Block], ...] = ()
+    spline_start: Joints = ()
+    out: tuple[Stretch, ...] = ()
+
+
+class Route:
+    """add() blocks, take() stretches."""
+
+    def __init__(self, machine: Machine, start: Sequence[float]) -> None:
+        if len(start) != machine.axes:
+            raise MotionError(f"{len(start)} positions for {machine.axes} axes")
+        self._machine = machine
+        self._now = _State(tuple(start))
+
+    @property
+    def standing(self) -> Joints:
+        """Where the axes will be after everything that was added."""
+        return self._now.standing
+
+    @property
+    def added(self) -> int:
+        """Number of the last block."""
+        return self._now.number
+
+    @property
+    def pending(self) -> bool:
+        """Something is left that only the next block or finish() fixes."""
+        return self._now.last is not None or bool(self._now.splines)
+
+    def add(self, block: Block) -> int:
+        """The next block; its number, counted from 1.  Raises BlockError."""
+        number = self._now.number + 1
+        self._guarded(number, lambda: self._add(number, block))
+        return number
+
+    def finish(self) -> None:
+        """The blending of the last block is cancelled: the axes run to its target and stop there."""
+        self._guarded(self._now.number, self._finish)
+
+    def take(self) -> list[Stretch]:
+        """What became known since the last call, in order."""
+        out, self._now.out = self._now.out, ()
+        return list(out)
+
+    def reset(self, standing: Sequence[float]) -> None:
+        """Forget everything; the axes stand here."""
+        self._now = _State(tuple(standing), self._now.number)
+
+    def _guarded(self, number: int, action: Callable[[], None]) -> None:
+        kept = replace(self._now)
+        try:
+            action()
+        except MotionError as error:
+            self._now = kept
+            raise told(error, number, self._machine) from error
+
+    def _finish(self) -> None:
+        self._end_splines()
+        if self._now.last is not None:
+            self._run_out(self._now.last)
+
+    # ---- blocks ------------------------------------------------------------------------------------------------------
+    def _add(self, number: int, block: Block) -> None:
+        now = self._now
+        now.number = number
+        if block.kind is Interpolation.SPLINE:
+            self._add_spline(number, block)
+            return
+        self._end_splines()
+        leg = make_leg(number, block, now.standing, self._machine)
+        if leg is None:
+            if block.blend.rounding is Rounding.OFF and now.last is not None:
+                self._run_out(now.last)
+            return
+        reach = self._join(now.last, leg) if now.last is not None else 0.0
+        now.standing, now.last, now.known = leg.end, leg, reach
+        leave = self._leave(leg)
+        self._main(leg, leg.length - leave, stop=leave == 0.0)
+        if leave == 0.0:
+            now.last = None
+
+    def _add_spline(self, number: int, block: Block) -> None:
+        now = self._now
+        if now.last is not None:
+            self._run_out(now.last)
+        check_numbers(block)
+        if not now.splines:
+            now.spline_start = now.standing
+        near = now.standing[: self._machine.arm]
+        q = self._machine.kinematics.inverse(base_pose(block, now.standing, self._machine) @ block.tool.pose.inverse(), near)
+        now.standing = (*q, *now.standing[self._machine.arm :])
+        now.splines = (*now.splines, (number, block))
+
+    def _end_splines(self) -> None:
+        """One curve through the row of SPLINE blocks, one stretch for each of them."""
+        now, machine = self._now, self._machine
+        if not now.splines:
+            return
+        row, q, now.splines = now.splines, now.spline_start, ()
+        first = row[0][1]
+        points = [tcp(q, first, machine), *(base_pose(block, q, machine) for _, block in row)]
+        marks = [first.curving, *(block.curving for _, block in row)]
+        weights = [1.0, *(block.curving.weight for _, block in row)]
+        curve = spline(points, [m.tension for m in marks], [m.orientation_tension for m in marks], weights)
+        before = 0.0
+        for (number, block), end in zip(row, (*curve.starts[1:], curve.length), strict=True):
+            leg = Leg(number, block, part(curve, before, end), None, end - before, q, q)
+            now.known = 0.0
+            self._main(leg, leg.length, stop=end == curve.length)
+            before, q = end, now.out[-1].path.q(leg.length)
+        now.standing = q
+
+    # ---- stretches ---------------------------------------------------------------------------------------------------
+    def _main(self, leg: Leg, end: float, *, stop: bool = False) -> None:
+        """The stretch of a leg from what is known to `end`."""
+        now, start = self._now, self._now.known
+        if end - start <= EMPTY * leg.length:
+            if stop and now.out:
+                now.out = (*now.out[:-1], replace(now.out[-1], stop=True))
+                now.tail = None
+            return
+        self._put(
+            Stretch(
+                self._axes_of(leg, start, end),
+                leg.number,
+                Kind.MAIN,
+                leg.block,
+                (start / leg.length, end / leg.length),
+                stop=stop,
+                way=leg.length,
+            )
+        )
+        now.known = end
+
+    def _put(self, stretch: Stretch) -> None:
+        self._check_travel(stretch.path)
+        self._now.out = (*self._now.out, stretch)
+        self._now.tail = None if stretch.stop else stretch.path
+
+    def _axes_of(self, leg: Leg, start: float, end: float, near: Joints | None = None) -> JointPath:
+        """Path of the axes along a leg from s = start to s = end."""
+        if leg.path is not None:
+            return joint_part(leg.path, start, end)
+        assert leg.curve is not None
+        arm, tail = self._machine.arm, self._now.tail
+        if near is None:
+            near = leg.start if start == 0.0 or tail is None else tail.q(tail.length)
+        path = joint_path_of(part(leg.curve, start, end), self._machine.kinematics, tuple(near[:arm]), tool=leg.block.tool.pose)
+        slopes = leg.extra_slope(arm)
+        values = [list(zip(leg.extra(arm, s / leg.length), slopes, strict=True)) for s in (start, end)]
+        return with_extra(path, *values)
+
+    def _run_out(self, leg: Leg) -> None:
+        self._main(leg, leg.length, stop=True)
+        self._now.last = None
+
+    def _check_travel(self, path: JointPath) -> None:
+        """Every axis within its travel all along; looked at densely enough for quintics of a few degrees."""
+        count = LOOKS * len(path.coefficients)
+        q = path.at(np.linspace(0.0, path.length, count + 1))[:, : self._machine.axes]
+        low = np.array([axis.lower - TOUCH for axis in self._machine.limits])
+        high = np.array([axis.upper + TOUCH for axis in self._machine.limits])
+        outside = np.argwhere((q < low) | (q > high))
+        if len(outside):
+            check_targets(self._machine.limits, [float(v) for v in q[outside[0][0]]])
+
+    # ---- corners -----------------------------------------------------------------------------------------------------
+    def _join(self, last: Leg, leg: Leg) -> float:
+        """The corner between the last leg and this one; how much of this one it takes."""
+        block_slope = last.block.slope is Slope.BLOCK
+        if not (last.block.blend.past_circles or passed(last.block.kind, leg.block.kind, block_slope=block_slope)):
+            self._run_out(last)
+            return 0.0
+        leave, reach = self._ranges(last, leg)
+        tail_known = self._now.known
+        if min(leave, reach) <= SMALLEST or last.length - leave < tail_known - EMPTY * last.length:
+            self._run_out(last)
+            return 0.0
+        self._main(last, last.length - leave)
+        rounded = self._corner(last, leg, leave, reach)
+        if rounded is None:
+            self._run_out(last)
+            return 0.0
+        shares = (1.0 - leave / last.length, reach / leg.length)
+        self._put(Stretch(rounded, last.number, Kind.CORNER, last.block, shares, leg.block, way=last.length))
+        return reach
+
+    def _leave(self, leg: Leg) -> float:
+        """The most its corner can take of a leg, known without the next block; 0: it runs to its end and stops."""
+        blend = leg.block.blend
+        if blend.rounding is Rounding.OFF or (leg.block.kind is Interpolation.CIRCULAR and not blend.past_circles):
+            return 0.0
+        if blend.axes and leg.path is not None:
+            wanted = _axis_range(leg, blend.axes)
+        elif blend.distance > 0.0:
+            wanted = leg.length  # the angle is not known yet
+        else:
+            wanted = self._along(leg, blend.leave, from_end=True)
+        return clipped(wanted, leg.length, blend.share)
+
+    def _ranges(self, last: Leg, leg: Leg) -> tuple[float, float]:
+        """leave on the last leg and reach on this one, in s of each."""
+        blend = last.block.blend
+        if blend.axes and last.path is not None and leg.path is not None:
+            both = min(self._leave(last), clipped(_axis_range(leg, blend.axes), leg.length, blend.share))
+            return both, both
+        if blend.distance > 0.0 and last.curve is not None and leg.curve is not None:
+            radius = radius_for(blend.distance, *directions(last.curve, leg.curve))
+            both = min(clipped(radius, length, blend.share) for length in (last.length, leg.length))
+            return both, both
+        leave = clipped(self._along(last, blend.leave, from_end=True), last.length, blend.share)
+        reach = clipped(self._along(leg, blend.reach, from_end=False), leg.length, blend.share)
+        if blend.leave == blend.reach and last.curve is not None and leg.curve is not None:
+            leave = reach = min(leave, reach)  # one sphere: where a neighbour is short, both sides shrink (rho 3 L1801-1811)
+        return leave, reach
+
+    def _along(self, leg: Leg, distance: float, *, from_end: bool) -> float:
+        """s from one end of a leg at which the TCP is `distance` (m) from that end."""
+        if leg.curve is not None or distance <= 0.0:
+            return min(max(distance, 0.0), leg.length)
+        path, arm, tool = leg.path, self._machine.arm, leg.block.tool.pose
+        assert path is not None
+
+        def place(s: float) -> tuple[float, float, float]:
+            q = path.q(path.length - s if from_end else s)
+            return (self._machine.kinematics.forward(q[:arm]) @ tool).position
+
+        here = place(0.0)
+        return _first(lambda s: math.dist(place(s), here), distance, path.length)
+
+    def _corner(self, last: Leg, leg: Leg, leave: float, reach: float) -> JointPath | None:
+        """The rounded corner, or None where nothing can round it."""
+        arm, blend, tail = self._machine.arm, last.block.blend, self._now.tail
+        assert tail is not None
+        here = tail.q(tail.length)
+        try:
+            if last.path is not None and leg.path is not None:
+                return joint_blend(tail, tail.length, leg.path, reach, leave + reach)
+            if (
+                last.curve is not None
+                and leg.curve is not None
+                and blend.rounding is Rounding.CARTESIAN
+                and last.block.tool == leg.block.tool
+            ):
+                curve = corner(last.curve, leg.curve, leave, reach)
+                path = joint_path_of(curve, self._machine.kinematics, here[:arm], tool=last.block.tool.pose)
+                start = zip(last.extra(arm, 1.0 - leave / last.length), last.extra_slope(arm), strict=True)
+                end = zip(leg.extra(arm, reach / leg.length), leg.extra_slope(arm), strict=True)
+                return with_extra(path, list(start), list(end))
+            onward = self._axes_of(leg, 0.0, reach, leg.start)
+            return joint_blend(tail, tail.length, onward, onward.length, leave + reach)
+        except PathError as error:
+            if error.number:
+                raise
+            return None  # the path goes back on itself: it stops there
+
+
+def _axis_range(leg: Leg, ranges: Sequence[float]) -> float:
+    """s at which the first moving axis comes within its range of the point (P213 x R_PTP)."""
+    shares = [abs(b - a) / leg.length for a, b in zip(leg.start, leg.end, strict=True)]
+    return min((r / u for r, u in zip(ranges, shares, strict=False) if u > 0.0), default=0.0)
+
+
+def _first(away: Callable[[float], float], distance: float, length: float) -> float:
+    """The smallest s with away(s) >= distance; length where there is none."""
+    count = 32
+    before = 0.0
+    for k in range(1, count + 1):
+        s = length * k / count
+        if away(s) >= distance:
+            low, high = before, s
+            for _ in range(50):
+                middle = 0.5 * (low + high)
+                low, high = (low, middle) if away(middle) >= distance else (middle, high)
+            return high
+        before = s
+    return length
