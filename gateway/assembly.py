@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 from drivers.ports.base import runtime_dir
 from gateway.cell import Cell
+from gateway.families import DRIVE_PROTOCOLS
 from gateway.image import create_region, create_ring
 from gateway.pure import records
 from gateway.pure.records import (
@@ -24,7 +25,7 @@ from motion.pieces import RECORD_SIZE
 
 ORDERS = 256  # records in the command ring: far more than one door can issue in a cycle
 DOOR_BYTES = 256  # command words (128 bytes at most) and status words (128) of one door
-LINKS_BYTES = 4096
+LINKS_BYTES = 16384
 MS = 1_000_000
 
 
@@ -102,7 +103,7 @@ def plan_run(
     sims: list[Child] = []
     buses: dict[str, str] = {}
     for drive_bus in cell.bus:
-        if drive_bus.protocol != "servodyn":
+        if drive_bus.protocol not in DRIVE_PROTOCOLS:
             continue
         url = bus or drive_bus.port
         if bus is None and (simulated or drive_bus.port == "sim"):
@@ -146,9 +147,16 @@ def emulators(
 ) -> list[Child]:
     """One emulator process for each drive bus, its plant written to a settings file."""
     from gateway.plant import write_settings  # the emulator's settings are only needed where one runs
+    from gateway.rho3_buses import module_arguments
 
     children = []
+    buses_with_io = {
+        bus.name: modules for bus in cell.bus if bus.name in buses and (modules := module_arguments(cell, bus, buses[bus.name]))
+    }
+    children += [Child(f"modules-{name}", "gateway.processes.io_modules", each, announces=True) for name, each in buses_with_io.items()]
     for name, url in buses.items():
+        if not any(axis.drive.bus == name for axis in cell.axis):
+            continue  # digital I/O only
         settings = write_settings(cell, name, folder, p5_ms)
         kept = ("--record", str(record / f"emulator-{name}.rec")) if record else ()
         arguments = ("--settings", str(settings), "--bus", url, "--name", f"{slug}-{name}", *kept)

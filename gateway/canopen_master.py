@@ -171,6 +171,8 @@ class CanopenMaster:
                     patience = node.plan.heartbeat_ms / 1000.0 * (node.plan.missed + LATE)
                     if now - node.seen > max(patience, 0.25):
                         self._lost(node, "its heartbeat stays away")
+                    elif node.state not in (State.OPERATIONAL, -1):
+                        self._lost(node, f"left operational: its heartbeat says {node.state}")
                 elif node.health is not Health.BOOTING and now >= node.due:
                     node.health, node.attempts = Health.BOOTING, node.attempts + 1
                     node.thread = threading.Thread(target=self._boot, args=(node,), name=f"boot {node.name}", daemon=True)

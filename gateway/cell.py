@@ -280,6 +280,7 @@ class Bus:
     layout_evidence: str = ""
     axes: str = ""  # "1..6": module numbers on this bus
     on_loss: str = "zero"
+    coupling_ms: int = 300  # rho3-io: a coupled control silent for so long is an error; 0: not supervised (rho3 2.5)
 
     @property
     def simulated(self) -> bool:
@@ -578,10 +579,13 @@ class Cell:
     def notes(self) -> tuple[Notice, ...]:
         return tuple(notice for notice in self.notices if notice.level == "note")
 
-    def not_playable(self) -> list[str]:
-        """What this file asks for and `run` cannot play yet, each by its key; empty: all of it runs."""
+    def not_playable(self, *, simulated: bool = False) -> list[str]:
+        """What this file asks for and `run` cannot play yet, each by its key; empty: all of it runs.
+
+        `simulated`: contacts of I/O couplers are left out, nothing is wired to them.
+        """
         reasons = [f"{key} = {value}" for key, value, played in self._choices() if value not in played]
-        reasons += [f"io.{io.name}.device.type = {io.device.type}" for io in self.io]
+        reasons += [] if simulated else [f"io.{io.name}.device.type = {io.device.type}" for io in self.io]
         reasons += [f"db.{db.number}[{entry.at}] = {entry.signal}" for db in self.db for entry in db.entries if not _served(entry.signal)]
         reasons += [f"modbus.{door.name}.registers" for door in self.modbus if door.registers]
         reasons += [] if self.robot is None else [f"robot.kinematics = {self.robot.kinematics}"]
@@ -600,15 +604,15 @@ class Cell:
         for name, handshake in self.handshake.items():
             yield f"handshake.{name}.pattern", handshake.pattern, ("start-busy-done",)
         for bus in self.bus:
-            yield f"bus.{bus.name}.protocol", bus.protocol, ("servodyn",)
+            yield f"bus.{bus.name}.protocol", bus.protocol, ("servodyn", "canopen", "rho3-io")
         for axis in self.axis:
-            yield f"axis.{axis.name}.drive.type", axis.drive.type, ("servodyn",)
+            yield f"axis.{axis.name}.drive.type", axis.drive.type, ("servodyn", "cia402")
             yield f"axis.{axis.name}.mode", axis.mode, ("csp",)
             yield f"axis.{axis.name}.brake", axis.brake, ("drive", "none")
-            if axis.drive.type == "servodyn":  # a CiA 402 drive that references itself is no further reason
-                yield f"axis.{axis.name}.home.by", axis.home.by, ("gateway", "none")
+            by = ("gateway", "none") if axis.drive.type == "servodyn" else ("gateway", "drive", "none")  # a booster never references itself
+            yield f"axis.{axis.name}.home.by", axis.home.by, by
             if axis.home.by == "gateway":
-                yield f"axis.{axis.name}.home.mode", axis.home.mode, (0,)
+                yield f"axis.{axis.name}.home.mode", axis.home.mode, (0, 1, 2, 3)
         for door in self.modbus:
             yield f"modbus.{door.name}.float", door.float, ("ABCD",)
 

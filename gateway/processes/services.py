@@ -14,6 +14,7 @@ import time
 from drivers.ports.base import PortError, runtime_dir
 from gateway.assembly import RunPlan, load_plan
 from gateway.axes import axis_facts, make_planner, rc_numbers
+from gateway.canopen_office import CanopenOffice
 from gateway.doors import BaseDoor, CellValues, on_loss_of
 from gateway.image import RegionReader, RegionWriter, RingWriter, fds_from_text
 from gateway.journal import Journal
@@ -75,6 +76,7 @@ class Services:
         self.owned = {octet: plan.door(name).number for octet, name in cell.rc_inputs.owner.items()}
         self.office = Office(axis_facts(cell), make_planner(cell), first_job)
         self.doors = [self._door(number, fds) for number in range(len(plan.doors))]
+        self.canopen = CanopenOffice(plan, fds, self.journal.write)
         self.timer = Timerfd()
         self.variables = Variables(self)
         self._state_index = -1
@@ -113,6 +115,7 @@ class Services:
         variables = await self.variables.listen(runtime_dir() / f"{self.plan.slug}-services.sock")
         await self._done.wait()
         variables.close()
+        self.canopen.stop()
         for door in self.doors:
             if isinstance(door, ModbusDoor):
                 await door.server.close()
@@ -170,6 +173,7 @@ class Services:
         self._state_index = self.axes.index
         state = unpack_cell_state(payload)
         self.values.state = state
+        self.canopen.observe(state)
         self.values.life += 1
         self.office.observe(state, now)
 
@@ -208,8 +212,12 @@ class Services:
         for n, axis in enumerate(self.office.axes):
             flags = state.axes[n].flags
             if flags & AxisFlag.FAULT:
-                errors.append((Reason.DRIVE_FAULT, text(Reason.DRIVE_FAULT, detail=f"{axis.name} code {state.axes[n].fault_code}")))
-            if flags & AxisFlag.LOST:
+                fault = self.canopen.fault(n, state.axes[n].fault_code) or f"code {state.axes[n].fault_code}"
+                errors.append((Reason.DRIVE_FAULT, text(Reason.DRIVE_FAULT, detail=f"{axis.name} {fault}")))
+            why = self.canopen.why_not(n) if flags & AxisFlag.UNCONFIGURED else ""
+            if why:
+                errors.append((Reason.DRIVE_NOT_STARTED, text(Reason.DRIVE_NOT_STARTED, detail=f"{axis.name}: {why}")))
+            elif flags & AxisFlag.LOST:
                 errors.append((Reason.DRIVE_LOST, text(Reason.DRIVE_LOST, detail=axis.name)))
         if state.stop_cause and state.stop_cause not in (e[0] for e in errors):
             errors.append((state.stop_cause, text(Reason(state.stop_cause))))
@@ -254,6 +262,7 @@ class Services:
                 for d in self.doors
             ],
             "owner": self.office.owner,
+            **self.canopen.status(),
             "errors": [{"code": code, "text": words} for code, words in self.values.errors[:8]],
             "inputs": {str(octet): self.inputs.values[octet] for octet in self.owned},
         }

@@ -53,6 +53,7 @@ class Reason(IntEnum):
     OVERRIDE_ZERO = 29
     NOT_READY = 30
     SET_VALUE = 31
+    DRIVE_NOT_STARTED = 32
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,6 +112,7 @@ _TEXTS: dict[Reason, tuple[str, str]] = {
     Reason.ABANDONED: ("the rest of the move was abandoned", "Restweg verworfen"),
     Reason.OVERRIDE_ZERO: ("override is 0 %: nothing would move", "Override ist 0 %: nichts wuerde sich bewegen"),
     Reason.SET_VALUE: ("a set value jumped or left the range of the telegram", "ein Sollwert sprang oder verliess den Telegrammbereich"),
+    Reason.DRIVE_NOT_STARTED: ("drive is not started up: {0}", "Antrieb ist nicht hochgelaufen: {0}"),
     Reason.NOT_READY: ("the cell is not ready: {0}", "Zelle nicht bereit: {0}"),
 }
 # fmt: on

@@ -1,0 +1,85 @@
+"""All CANopen buses of a run as the services see them: their masters, what is wrong with which axis.  Nothing is loaded for a cell without."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from gateway.assembly import RunPlan
+from gateway.pure.records import AxisFlag, CellState
+
+if TYPE_CHECKING:
+    from gateway.canopen_master import CanopenMaster
+
+Write = Callable[..., None]  # Journal.write
+
+
+class CanopenOffice:
+    """Masters by bus; `observe` every state the cycle publishes."""
+
+    def __init__(self, plan: RunPlan, fds: dict[str, int], write: Write) -> None:
+        self.masters: dict[str, CanopenMaster] = {}
+        self._places: dict[int, tuple[str, int]] = {}  # axis -> bus, node
+        self._generation: int | None = None
+        self._language = plan.cell.cell.language
+        buses = [bus for bus in plan.cell.bus if bus.name in plan.buses]
+        if not any(bus.protocol == "canopen" for bus in buses):
+            return
+        from gateway.canopen_link import Rings
+        from gateway.canopen_master import CanopenMaster
+        from gateway.canopen_plans import node_plans, read_eds
+
+        self.rings = Rings(fds["acyclic"], fds["heard"], len(buses))
+        for number, bus in enumerate(buses):
+            if bus.protocol != "canopen":
+                continue
+            here = {axis.drive.node: (n, axis) for n, axis in enumerate(plan.cell.axis) if axis.drive.bus == bus.name and axis.drive.node}
+            sheets = {
+                node: sheet.dictionary for node, (_, axis) in here.items() if (sheet := read_eds(plan.cell, axis, simulated=plan.simulated))
+            }
+            nodes = node_plans(plan.cell, bus, plan.p5_ms, simulated=plan.simulated)
+            self.masters[bus.name] = CanopenMaster(
+                bus.name, self.rings.links[number], nodes, lambda kind, words, facts: write(kind, words, **facts), sheets
+            )
+            self._places |= {n: (bus.name, node) for node, (n, _) in here.items()}
+
+    def stop(self) -> None:
+        """Nodes stay as they are."""
+        if self._generation is not None:
+            for master in self.masters.values():
+                master.stop()
+
+    def observe(self, state: CellState) -> None:
+        """A cycle that is there for the first time: its nodes are adopted; another one than before knows of none: all are started up again."""
+        if not self.masters or state.generation in (0, self._generation):
+            return
+        first, self._generation = self._generation is None, state.generation
+        for bus, master in self.masters.items():
+            if first:
+                spoken = [
+                    node for n, (name, node) in self._places.items() if name == bus and not state.axes[n].flags & AxisFlag.UNCONFIGURED
+                ]
+                master.start(spoken)
+            else:
+                master.again()
+
+    def why_not(self, axis: int) -> str:
+        """Why this axis' drive is not ready; empty: it is, or it is none of ours."""
+        place = self._places.get(axis)
+        if place is None:
+            return ""
+        node = self.masters[place[0]].nodes[place[1]]
+        return node.why or node.health.value if node.health.name != "READY" else ""
+
+    def fault(self, axis: int, code: int) -> str:
+        """A fault in words; empty for a drive of another family."""
+        if axis not in self._places:
+            return ""
+        from drivers.drives.cia402_words import sentence
+
+        return sentence(code, self._language) if code else "(no emergency message came)"
+
+    def status(self) -> dict[str, object]:
+        """For `links`; nothing for a cell without CANopen."""
+        if not self.masters:
+            return {}
+        short = ("node", "axis", "health", "why", "emergency")
+        return {"nodes": [{key: row[key] for key in short} for master in self.masters.values() for row in master.status()]}
