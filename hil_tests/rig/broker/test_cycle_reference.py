@@ -55,7 +55,7 @@ def test_the_reference_sends_its_seven_frames_and_the_judge_counts_the_cycle_wit
     for number, frames in enumerate(syncs, 1):
         assert [frame.identifier for frame in frames] == [100, 210, 220, 230, 240, 250, 260]
         assert {(frame.data[0], frame.data[1]) for frame in frames[1:]} == {(3, number % 256)}
-    assert [int.from_bytes(frame.data[2:6], "little") for frame in syncs[5][1:]] == [1000, 2000, 3000, 4000, 5000, 6000]
+    assert [int.from_bytes(frame.data[2:6], "little") for frame in syncs[-1][1:]] == [1000, 2000, 3000, 4000, 5000, 6000]
 
 
 def cycle(at_ns: int, answers: int = 6, sender: int = 1) -> list[str]:
