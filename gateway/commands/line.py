@@ -3,6 +3,7 @@
 import argparse
 import contextlib
 import json
+import os
 import pathlib
 import sys
 import time
@@ -26,11 +27,14 @@ from gateway.line_tools.wire import ToolPort, VirtualWire, Wire
 from gateway.pure.line_decoder import Told
 from gateway.pure.line_diagnosis import Finding, anzw, cp341, judge, pafe
 from gateway.pure.line_learning import Learned
+from gateway.pure.line_texts import LANGUAGES, in_language, language_of, said
 from protocols.base.errors import ProtocolError
 from protocols.base.machine import Damage, Ns, ms
 from protocols.p3964r.profiles import PROFILES, Priority, Profile
 
 DONE, FINDING, USAGE, ENVIRONMENT = 0, 1, 2, 3
+LEVELS = ("fault", "warn", "ok", "note")  # of a finding
+PLEASE = "Please make the station send now"
 PORTS = "/dev/ttyUSB0, COM5, tcp://host:port, rfc2217://host:port, pty:/path, line:RUN-LINE (simulated run), sim:NAME[,PROFILE[,high|low]]"
 EXAMPLES = """examples:
   axisgate line probe sim:bad-partner                          a look at a report that has FAILs
@@ -143,6 +147,10 @@ def _priority_argument(tool: argparse.ArgumentParser, default: str) -> None:
     )
 
 
+def _language_argument(tool: argparse.ArgumentParser) -> None:
+    tool.add_argument("--language", choices=LANGUAGES, help="of verdicts, findings and report (default: as the system speaks)")
+
+
 def _probe_arguments(tool: argparse.ArgumentParser) -> None:
     _line_arguments(tool, port_optional=True)
     tool.add_argument("--station-priority", choices=("high", "low"), help="of the station under test (default high, as old CPs are set)")
@@ -160,6 +168,7 @@ def _probe_arguments(tool: argparse.ArgumentParser) -> None:
     tool.add_argument("--report", metavar="NAME", default="", help="writes NAME.json and NAME.html (default probe-TIME)")
     tool.add_argument("--no-report", action="store_true", help="writes no files")
     tool.add_argument("--device", type=pathlib.Path, metavar="FILE", help="device file (TOML) with [device], [link], [stimulus]")
+    _language_argument(tool)
     tool.add_argument("--json", action="store_true", help="the report on standard output")
 
 
@@ -167,6 +176,7 @@ def _diagnose_arguments(tool: argparse.ArgumentParser) -> None:
     _line_arguments(tool, port_optional=True)
     _priority_argument(tool, "low")
     tool.add_argument("--no-scan", action="store_true", help="do not try other speeds and parities")
+    _language_argument(tool)
     tool.add_argument("--anzw", metavar="HEX", help="status word an S5 shows")
     tool.add_argument("--pafe", metavar="HEX", help="parameter error byte an S5 shows")
     tool.add_argument("--cp341", nargs=2, metavar=("CLASS", "NUMBER"), help="event class (decimal) and number (hex) of a CP 340, 341, 440")
@@ -227,7 +237,7 @@ def run_probe(arguments: argparse.Namespace) -> int:
     device = _device(arguments)
     if arguments.list:
         for case in all_cases(_settings(arguments, None)):
-            print(f"{case.name:26} {case.title}")
+            print(f"{case.name:26} {in_language(case.title, _language(arguments))}")
         return DONE
     if not arguments.port:
         raise BadInput(f"PORT is missing: {PORTS}")
@@ -238,21 +248,22 @@ def run_probe(arguments: argparse.Namespace) -> int:
     def told(result: Result) -> None:
         results.append(result)
         if not arguments.json:
-            _tell(result)
+            _tell(result, _language(arguments))
 
     try:
         settings = _settings(arguments, wire)
         if not all_cases(settings):
             raise BadInput(f"--only {' '.join(arguments.only)}: no such test; --list shows them")
-        probe(wire, settings, lambda: _operator(device), told)
+        probe(wire, settings, lambda: _operator(device, _language(arguments)), told)
     except PortError as error:
         gone = error  # what was seen so far is reported all the same
     finally:
         wire.close()
     facts = {key: str(value) for key, value in device.get("device", {}).items()}
     if gone is not None:
-        facts["Broken off"] = f"after {len(results)} tests: {gone.args[-1]}"
-    report = as_dict(results, settings, arguments.port, arguments.format, stamp(), wire.simulated, facts)
+        facts["Broken off"] = said("after {} tests: {}", len(results), str(gone.args[-1]))
+    language = _language(arguments)
+    report = as_dict(results, settings, arguments.port, arguments.format, stamp(), wire.simulated, facts, language)
     _write_report(report, results, arguments)
     if gone is not None:
         raise gone
@@ -268,18 +279,26 @@ def _write_report(report: dict[str, object], results: list[Result], arguments: a
     if arguments.json:
         print(to_json(report), end="")
         return
-    print(", ".join(f"{count} {word}" for word, count in counted(results).items() if count))
-    print(report["text"] if arguments.no_report else f"report: {name}.html, {name}.json\n{report['text']}")
+    language = _language(arguments)
+    print(", ".join(f"{count} {in_language(word, language)}" for word, count in counted(results).items() if count))
+    if not arguments.no_report:
+        print(in_language(said("report: {}.html, {}.json", name, name), language))
+    print(report["text"])
 
 
-def _tell(result: Result) -> None:
-    print(f"{result.verdict:12} {result.case.name:26} {result.reason or result.case.title}", flush=True)
+def _tell(result: Result, language: str) -> None:
+    verdict, text = in_language(result.verdict, language), in_language(result.reason or result.case.title, language)
+    print(f"{verdict:12} {result.case.name:26} {text}", flush=True)
 
 
-def _operator(device: dict[str, dict[str, object]]) -> None:
+def _language(arguments: argparse.Namespace) -> str:
+    return language_of(arguments.language, os.environ)
+
+
+def _operator(device: dict[str, dict[str, object]], language: str) -> None:
     prompt = device.get("stimulus", {}).get("prompt", "")
-    text = prompt.get("en", "") if isinstance(prompt, dict) else str(prompt)
-    print(f">>> {text or 'Please make the station send now'}", file=sys.stderr, flush=True)
+    text = prompt.get(language, prompt.get("en", "")) if isinstance(prompt, dict) else str(prompt)
+    print(f">>> {text or in_language(PLEASE, language)}", file=sys.stderr, flush=True)
 
 
 def _device(arguments: argparse.Namespace) -> dict[str, dict[str, object]]:
@@ -328,11 +347,17 @@ def run_diagnose(arguments: argparse.Namespace) -> int:
         found += judge(seen)
     elif not found:
         raise BadInput(f"PORT, --anzw, --pafe or --cp341 expected; ports: {PORTS}")
+    language = _language(arguments)
     if arguments.json:
-        print(json.dumps([{"name": one.name, "level": one.level, "text": one.text, "todo": one.todo} for one in found], indent=1))
+        told = [(one.name, one.level, in_language(one.text, language), in_language(one.todo, language)) for one in found]
+        print(json.dumps([dict(zip(("name", "level", "text", "todo"), one, strict=True)) for one in told], indent=1))
     else:
+        width = max(6, *(len(in_language(level, language)) for level in LEVELS))
         for one in found:
-            print(f"{one.level:6} {one.name}: {one.text}" + (f"\n       do: {one.todo}" if one.todo else ""))
+            level, name, text = (in_language(each, language) for each in (one.level, one.name, one.text))
+            print(f"{level:{width}} {name}: {text}")
+            if one.todo:
+                print(" " * (width + 1) + in_language(said("do: {}", one.todo), language))
     return FINDING if any(one.level == "fault" for one in found) else DONE
 
 

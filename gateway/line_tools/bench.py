@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from gateway.line_tools.wire import Heard, Wire
+from gateway.pure.line_texts import said
 from protocols.base.machine import Damage, Ns, ms
 from protocols.p3964r.characters import Char, wire_block
 from protocols.p3964r.profiles import Priority, Profile
@@ -98,7 +99,7 @@ class Bench:
         """One damaged character; the test is not run where the port cannot."""
         self.pass_time(self.wire.drained())
         if not (self.wire.send_break() if kind is Damage.BREAK else self.wire.spoil()):
-            raise NotRun(f"{self.wire.name} cannot send {'BREAK' if kind is Damage.BREAK else 'a character with wrong parity'}")
+            raise NotRun(said("{} cannot send {}", self.wire.name, "BREAK" if kind is Damage.BREAK else "a character with wrong parity"))
         self.mark = self.wire.drained()
         self.notes.wire.append((self.mark, "us", kind))
 
@@ -125,7 +126,10 @@ class Bench:
         start = self.mark
         got = self.answer(within + self.tolerance)
         if got != char:
-            raise Fail(f"after {after}: {named(got)}, expected {named(char)}" + (f" within {within / 1e6:.0f} ms" if got is None else ""))
+            raise Fail(
+                said("after {}: {}, expected {}", after, named(got), named(char))
+                + (said(" within {:.0f} ms", within / 1e6) if got is None else "")
+            )
         return self.mark - start
 
     def expect_at(self, char: int, due: Ns, after: str) -> None:
@@ -133,20 +137,22 @@ class Bench:
         start = self.mark
         got = self.answer(2 * due + ms(500))
         if got != char:
-            raise Fail(f"after {after}: {named(got)}, expected {named(char)} after {due / 1e6:.0f} ms")
-        self.measured(f"{named(char)} after {after}", self.mark - start, due)
+            raise Fail(said("after {}: {}, expected {} after {:.0f} ms", after, named(got), named(char), due / 1e6))
+        self.measured(said("{} after {}", named(char), after), self.mark - start, due)
 
     def silence(self, how_long: Ns, after: str) -> None:
         """Nothing comes so long."""
         got = self.answer(how_long)
         if got is not None:
-            raise Fail(f"after {after}: {named(got)}, expected silence for {how_long / 1e6:.0f} ms")
+            raise Fail(said("after {}: {}, expected silence for {:.0f} ms", after, named(got), how_long / 1e6))
 
     def measured(self, what: str, took: Ns, expected: Ns | None) -> None:
         """Records a time; a wrong one ends the test."""
         self.notes.times.append(Measured(what, took, expected, self.tolerance))
         if expected is not None and abs(took - expected) > self.tolerance:
-            raise Fail(f"{what}: {took / 1e6:.1f} ms, expected {expected / 1e6:.0f} ms, tolerance {self.tolerance / 1e6:.1f} ms")
+            raise Fail(
+                said("{}: {:.1f} ms, expected {:.0f} ms, tolerance {:.1f} ms", what, took / 1e6, expected / 1e6, self.tolerance / 1e6)
+            )
 
     def remark(self, text: str) -> None:
         self.notes.remarks.append(text)
@@ -167,7 +173,7 @@ class Bench:
         """A whole good block, which must be acknowledged."""
         got = self.give(data)
         if got != Char.DLE:
-            raise Fail(f"after {what}: {named(got)}, expected DLE")
+            raise Fail(said("after {}: {}, expected DLE", what, named(got)))
 
     def make_it_send(self, after: str = "the stimulus") -> None:
         """The station's STX is there."""
@@ -178,9 +184,9 @@ class Bench:
         while got == Char.NAK:
             got = self.answer(self.stimulus.timeout)
         if got is None:
-            raise Inconclusive(f"no STX within {self.stimulus.timeout / 1e9:.0f} s after {after}: it did not send")
+            raise Inconclusive(said("no STX within {:.0f} s after {}: it did not send", self.stimulus.timeout / 1e9, after))
         if got != Char.STX:
-            raise Fail(f"after {after}: {named(got)}, expected STX")
+            raise Fail(said("after {}: {}, expected STX", after, named(got)))
 
     def take(self) -> bytes:
         """The rest of the station's block after its STX, answered DLE; the data."""
@@ -199,12 +205,12 @@ class Bench:
         while True:
             got = self.answer(self.profile.char_delay + self.tolerance)
             if not isinstance(got, int):
-                raise Fail(f"inside the station's block: {named(got)} after {len(data)} data characters")
+                raise Fail(said("inside the station's block: {} after {} data characters", named(got), len(data)))
             check ^= got
             if escaped and got in (Char.ETX, Char.ETB):
                 break
             if escaped and got != Char.DLE:
-                raise Fail(f"the station's block has DLE {named(got)}: a DLE is doubled or followed by ETX")
+                raise Fail(said("the station's block has DLE {}: a DLE is doubled or followed by ETX", named(got)))
             if escaped or got != Char.DLE:
                 data.append(got)
             escaped = got == Char.DLE and not escaped
@@ -216,10 +222,10 @@ class Bench:
         if got == check:
             return
         if isinstance(got, int) and got ^ check == Char.STX:
-            raise Fail(f"block check {got:02X}h, expected {check:02X}h: off by 02h, the station includes STX")
+            raise Fail(said("block check {:02X}h, expected {:02X}h: off by 02h, the station includes STX", got, check))
         if isinstance(got, int) and got ^ check == Char.DLE and data.count(Char.DLE) % 2:
-            raise Fail(f"block check {got:02X}h, expected {check:02X}h: the station counts a doubled DLE once")
-        raise Fail(f"block check {named(got)}, expected {check:02X}h")
+            raise Fail(said("block check {:02X}h, expected {:02X}h: the station counts a doubled DLE once", got, check))
+        raise Fail(said("block check {}, expected {:02X}h", named(got), check))
 
     def settle(self, quiet: Ns | None = None) -> None:
         """Politely takes whatever the station still has to say until it is quiet."""

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from gateway.line_tools.bench import Bench, Fail, NotRun, named
 from gateway.line_tools.cases import Case, Cases
 from gateway.line_tools.cases_rk512 import FETCH, SEND
+from gateway.pure.line_texts import said
 from protocols.base.machine import Ns, ms
 from protocols.p3964r.characters import Char
 
@@ -33,7 +34,7 @@ def cases(reaction_time: Ns) -> list[Case]:
 def right_reaction(command: bytes) -> bytes:
     """What a good passive station would answer, with zeros for data."""
     if len(command) < 10 or command[2] not in (SEND, FETCH):
-        raise NotRun(f"the station's block {command[:10].hex(' ')} is no RK512 command")
+        raise NotRun(said("the station's block {} is no RK512 command", command[:10].hex(" ")))
     words = int.from_bytes(command[6:8], "big") if command[2] == FETCH else 0
     size = words if command[3] in b"EAM" else 2 * words
     return bytes(4 + min(size, 128))
@@ -54,6 +55,6 @@ def _wrong_reaction(found: Cases, name: str, title: str, wrong: Wrong | None, re
         bench.give_good(right_reaction(again), "the right reaction to the next job")
         got = bench.answer(ms(100))
         if got not in (None, Char.STX):
-            raise Fail(f"after the right reaction: {named(got)}")
+            raise Fail(said("after the right reaction: {}", named(got)))
 
     found.add(name, title, run)

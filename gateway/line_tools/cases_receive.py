@@ -5,6 +5,7 @@ Payloads begin with 55h, never with 00 or FF: to an RK512 station they are no te
 
 from gateway.line_tools.bench import Bench, Fail, NotRun, Warn, named
 from gateway.line_tools.cases import Cases
+from gateway.pure.line_texts import said
 from protocols.base.machine import Damage, ms
 from protocols.p3964r.characters import Char, check_of, wire_block
 from protocols.p3964r.profiles import BrokenPair, Priority, Stray
@@ -63,7 +64,7 @@ def fill(bench: Bench) -> None:
         start, got = bench.mark, bench.answer(bench.profile.no_buffer_wait + bench.tolerance + ms(100))
         if got == Char.NAK:
             bench.measured("NAK after STX with a full buffer", bench.mark - start, bench.profile.no_buffer_wait)
-            bench.remark(f"the buffer was full after {count} blocks")
+            bench.remark(said("the buffer was full after {} blocks", count))
             return
         if got == Char.STX and bench.priority is Priority.HIGH:
             bench.take()  # it has something to say first
@@ -71,10 +72,12 @@ def fill(bench: Bench) -> None:
         if got == Char.STX:
             got = bench.answer(bench.profile.ack_delay)
         if got != Char.DLE:
-            raise Fail(f"STX of block {count + 1}: {named(got)}, expected DLE, or NAK after {bench.profile.no_buffer_wait / 1e6:.0f} ms")
+            raise Fail(
+                said("STX of block {}: {}, expected DLE, or NAK after {:.0f} ms", count + 1, named(got), bench.profile.no_buffer_wait / 1e6)
+            )
         bench.say(wire_block(b"U" + bytes((count,)), bench.profile.block_check))
         bench.expect(Char.DLE, bench.profile.ack_delay, "a good block")
-    bench.remark(f"took {FILL_UP} blocks: the buffer cannot be filled from the line")
+    bench.remark(said("took {} blocks: the buffer cannot be filled from the line", FILL_UP))
 
 
 # ---- gaps
@@ -120,10 +123,10 @@ def _refused(bench: Bench, wire: bytes, what: str) -> None:
     bench.say(wire)
     start, got = bench.mark, bench.answer(bench.profile.ack_delay)
     if got is None:
-        raise Fail(f"after {what}: nothing, expected NAK")
+        raise Fail(said("after {}: nothing, expected NAK", what))
     if got != Char.NAK:
-        raise Fail(f"after {what}: {named(got)}, expected NAK")
-    bench.measured(f"NAK after {what}", bench.mark - start, None)
+        raise Fail(said("after {}: {}, expected NAK", what, named(got)))
+    bench.measured(said("NAK after {}", what), bench.mark - start, None)
 
 
 @RECEIVE.case("wrong-check", "a wrong block check: NAK")
@@ -162,9 +165,9 @@ def _check_equals(value: int) -> None:
     def run(bench: Bench) -> None:
         _with_check(bench)
         data = b"U" + bytes((value ^ check_of(b"U\x10\x03"),))
-        bench.give_good(data, f"a block whose check is {value:02X}h")
+        bench.give_good(data, said("a block whose check is {:02X}h", value))
 
-    RECEIVE.add(f"check-{value:02x}", f"the block check is {value:02X}h: sent once, read as it is", run)
+    RECEIVE.add(f"check-{value:02x}", said("the block check is {:02X}h: sent once, read as it is", value), run)
 
 
 for _value in (0x10, 0x15, 0x02, 0x03):
@@ -199,9 +202,9 @@ def _length(name: str, title: str, extra: int | None, fixed: int = 0) -> None:
         size = fixed if extra is None else bench.profile.max_data + extra
         data = (b"U" + bytes(range(0x20, 0x7F)) * 12)[:size]
         if extra is not None and extra > 0:
-            _refused(bench, wire_block(data, bench.profile.block_check), f"a block of {size} characters")
+            _refused(bench, wire_block(data, bench.profile.block_check), said("a block of {} characters", size))
         else:
-            bench.give_good(data, f"a block of {size} characters")
+            bench.give_good(data, said("a block of {} characters", size))
 
     RECEIVE.add(name, title, run)
 
@@ -221,8 +224,8 @@ def all_dle(bench: Bench) -> None:
 def empty(bench: Bench) -> None:
     got = bench.give(b"")
     if got not in (Char.DLE, Char.NAK):
-        raise Fail(f"after an empty block: {named(got)}, expected DLE or NAK")
-    bench.remark(f"answers {named(got)}; no source says which")
+        raise Fail(said("after an empty block: {}, expected DLE or NAK", named(got)))
+    bench.remark(said("answers {}; no source says which", named(got)))
     bench.settle()
     bench.give_good(b"UV", "a good block after an empty one")
 
@@ -235,7 +238,7 @@ def etb(bench: Bench) -> None:
     if got == Char.NAK:
         raise Warn("NAK: this station does not know DLE ETB, which only process computers send")
     if got != Char.DLE:
-        raise Fail(f"after a block that ends with DLE ETB: {named(got)}, expected DLE")
+        raise Fail(said("after a block that ends with DLE ETB: {}, expected DLE", named(got)))
 
 
 # ---- damage

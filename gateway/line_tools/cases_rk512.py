@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from gateway.line_tools.bench import Bench, Fail, NotRun, Warn, named
 from gateway.line_tools.cases import Case, Cases
+from gateway.pure.line_texts import said
 from protocols.base.machine import Ns, ms
 from protocols.p3964r.characters import Char
 from protocols.rk512.header import ErrorNumber
@@ -40,13 +41,13 @@ def ask(bench: Bench, place: Place, telegram: bytes) -> bytes:
     bench.give_good(telegram, "a command telegram")
     start, got = bench.mark, bench.answer(place.reaction)
     if got is None:
-        raise Fail(f"no reaction telegram within {place.reaction / 1e9:.0f} s")
+        raise Fail(said("no reaction telegram within {:.0f} s", place.reaction / 1e9))
     if got != Char.STX:
-        raise Fail(f"after a command telegram: {named(got)}, expected the STX of the reaction")
+        raise Fail(said("after a command telegram: {}, expected the STX of the reaction", named(got)))
     bench.measured("STX of the reaction", bench.mark - start, None)
     reaction = bench.take()
     if len(reaction) < 4 or reaction[0] not in (0x00, 0xFF) or reaction[1:3] != b"\x00\x00":
-        raise Fail(f"reaction {reaction.hex(' ')}: 00 (or FF) 00 00 and an error number expected")
+        raise Fail(said("reaction {}: 00 (or FF) 00 00 and an error number expected", reaction.hex(" ")))
     return reaction
 
 
@@ -55,12 +56,12 @@ def number_expected(bench: Bench, place: Place, telegram: bytes, number: int, ot
     reaction = ask(bench, place, telegram)
     told = reaction[3]
     if told == 0:
-        raise Fail(f"executed (00h), expected refusal {number:02X}h")
+        raise Fail(said("executed (00h), expected refusal {:02X}h", number))
     if len(reaction) > 4:
-        raise Fail(f"error {told:02X}h with {len(reaction) - 4} data bytes behind it, none may follow")
+        raise Fail(said("error {:02X}h with {} data bytes behind it, none may follow", told, len(reaction) - 4))
     if told != number:
-        text = f"refused with {told:02X}h ({words_of(told)}), expected {number:02X}h ({words_of(number)})"
-        raise Warn(text) if told in others or told in known_numbers() else Fail(f"{text}; {told:02X}h stands in no table")
+        text = said("refused with {:02X}h ({}), expected {:02X}h ({})", told, words_of(told), number, words_of(number))
+        raise Warn(text) if told in others or told in known_numbers() else Fail(said("{}; {:02X}h stands in no table", text, told))
 
 
 def known_numbers() -> tuple[int, ...]:
@@ -107,9 +108,11 @@ def _jobs(found: Cases, place: Place) -> None:
         for words in sorted({1, min(place.words, WORDS_OF_A_TELEGRAM)}):
             reaction = ask(bench, place, _fetch(place, words))
             if reaction[3]:
-                raise Fail(f"FETCH DB {place.db} DW {place.word}, {words} words: {reaction[3]:02X}h ({words_of(reaction[3])})")
+                raise Fail(
+                    said("FETCH DB {} DW {}, {} words: {:02X}h ({})", place.db, place.word, words, reaction[3], words_of(reaction[3]))
+                )
             if len(reaction) != 4 + 2 * words:
-                raise Fail(f"FETCH of {words} words brought {len(reaction) - 4} bytes, expected {2 * words}")
+                raise Fail(said("FETCH of {} words brought {} bytes, expected {}", words, len(reaction) - 4, 2 * words))
 
     @found.case("send", "SEND writes back what FETCH read; the reaction is 4 bytes with 00")
     def send(bench: Bench) -> None:
@@ -118,21 +121,21 @@ def _jobs(found: Cases, place: Place) -> None:
         content = ask(bench, place, _fetch(place, words))[4:]
         reaction = ask(bench, place, header(SEND, TYPE_DB, place.db, place.word, words) + content)
         if reaction[3] or len(reaction) != 4:
-            raise Fail(f"SEND of {words} words: reaction {reaction.hex(' ')}, expected 00 00 00 00")
+            raise Fail(said("SEND of {} words: reaction {}, expected 00 00 00 00", words, reaction.hex(" ")))
 
     @found.case("header-with-10h", "a header that holds 10h three times (FETCH DB 16 DW 16, 16 words)")
     def header_with_dle(bench: Bench) -> None:
         reaction = ask(bench, place, header(FETCH, TYPE_DB, 16, 16, 16))
         if reaction[3] == 0 and len(reaction) != 4 + 32:
-            raise Fail(f"{len(reaction) - 4} bytes, expected 32")
+            raise Fail(said("{} bytes, expected 32", len(reaction) - 4))
         if reaction[3] not in (0, ErrorNumber.BLOCK, ErrorNumber.NOT_ALLOWED):
-            raise Fail(f"{reaction[3]:02X}h ({words_of(reaction[3])}): the header was not read as it was sent")
+            raise Fail(said("{:02X}h ({}): the header was not read as it was sent", reaction[3], words_of(reaction[3])))
 
     @found.case("flag", "a coordination flag in bytes 9 and 10")
     def flag(bench: Bench) -> None:
         reaction = ask(bench, place, header(FETCH, TYPE_DB, place.db, place.word, 1, b"\x06\x04"))
         if reaction[3] not in (0, ErrorNumber.LOCKED):
-            raise Warn(f"{reaction[3]:02X}h ({words_of(reaction[3])}), expected 00h or 32h")
+            raise Warn(said("{:02X}h ({}), expected 00h or 32h", reaction[3], words_of(reaction[3])))
         bench.remark("executed: the flag was free or is not looked at" if not reaction[3] else "32h: locked, or flags are not served")
 
 
@@ -158,7 +161,7 @@ def _refusals(found: Cases, place: Place) -> None:
         ("amount-0", "an amount of 0", header(FETCH, TYPE_DB, place.db, 0, 0), 0x34, (0x10, 0x14)),
     )
     for name, title, telegram, number, others in numbers:
-        _refusal(found, place, name, f"{title}: {number:02X}h", telegram, number, others)
+        _refusal(found, place, name, said("{}: {:02X}h", title, number), telegram, number, others)
 
 
 def _refusal(found: Cases, place: Place, name: str, title: str, telegram: bytes, number: int, others: tuple[int, ...]) -> None:
@@ -175,21 +178,21 @@ def _amounts(found: Cases, place: Place) -> None:
 def _follow_on(found: Cases, place: Place, words: int) -> None:
     def run(bench: Bench) -> None:
         if words > place.words:
-            raise NotRun(f"DB {place.db} has {place.words} words for the probe (--words)")
+            raise NotRun(said("DB {} has {} words for the probe (--words)", place.db, place.words))
         reaction = ask(bench, place, _fetch(place, words))
         if reaction[3] in (ErrorNumber.HEADER, ErrorNumber.LENGTH, ErrorNumber.TYPE_NOT_SERVED) and len(reaction) == 4:
-            bench.remark(f"refused with {reaction[3]:02X}h: no follow-on telegrams here, at most 128 bytes in a job")
+            bench.remark(said("refused with {:02X}h: no follow-on telegrams here, at most 128 bytes in a job", reaction[3]))
             return
         content = reaction[4:]
         while not reaction[3] and len(content) < 2 * words:
             if len(reaction) - 4 not in (min(128, 2 * words - len(content) + len(reaction) - 4),):
-                raise Fail(f"a piece of {len(reaction) - 4} bytes, expected 128")
+                raise Fail(said("a piece of {} bytes, expected 128", len(reaction) - 4))
             reaction = ask(bench, place, bytes((0xFF, 0, FETCH, TYPE_DB)))
             content += reaction[4:]
         if reaction[3] or len(content) != 2 * words:
-            raise Fail(f"{len(content)} of {2 * words} bytes, last reaction {reaction[:4].hex(' ')}")
+            raise Fail(said("{} of {} bytes, last reaction {}", len(content), 2 * words, reaction[:4].hex(" ")))
 
-    found.add(f"follow-on-{2 * words}", f"FETCH of {2 * words} bytes: follow-on telegrams, or refused as a whole", run)
+    found.add(f"follow-on-{2 * words}", said("FETCH of {} bytes: follow-on telegrams, or refused as a whole", 2 * words), run)
 
 
 def _other_type(found: Cases, place: Place, kind: int) -> None:
@@ -198,9 +201,9 @@ def _other_type(found: Cases, place: Place, kind: int) -> None:
         reaction = ask(bench, place, header(FETCH, kind, 0, 1, amount))
         expected = 4 + (2 * amount if kind in b"TZX" else amount)
         if reaction[3] == 0 and len(reaction) != expected:
-            raise Fail(f"{len(reaction) - 4} bytes, expected {expected - 4}")
+            raise Fail(said("{} bytes, expected {}", len(reaction) - 4, expected - 4))
         if reaction[3] and (len(reaction) != 4 or reaction[3] not in known_numbers()):
-            raise Fail(f"refused with {reaction[3]:02X}h and {len(reaction) - 4} data bytes")
-        bench.remark("served" if not reaction[3] else f"not served: {reaction[3]:02X}h ({words_of(reaction[3])})")
+            raise Fail(said("refused with {:02X}h and {} data bytes", reaction[3], len(reaction) - 4))
+        bench.remark("served" if not reaction[3] else said("not served: {:02X}h ({})", reaction[3], words_of(reaction[3])))
 
-    found.add(f"type-{chr(kind)}", f"FETCH of type {chr(kind)}: served, or refused with a number", run)
+    found.add(f"type-{chr(kind)}", said("FETCH of type {}: served, or refused with a number", chr(kind)), run)

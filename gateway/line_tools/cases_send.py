@@ -3,6 +3,7 @@
 from gateway.line_tools.bench import Bench, Fail, NotRun, named
 from gateway.line_tools.cases import Cases
 from gateway.line_tools.cases_receive import expect_stray_answer
+from gateway.pure.line_texts import said
 from protocols.base.machine import Damage, Ns, ms
 from protocols.p3964r.characters import Char, wire_block
 from protocols.p3964r.profiles import Interruption, Priority
@@ -20,20 +21,20 @@ def _attempts(bench: Bench, silent: bool = False) -> int:
 
 def _expect_count(what: str, count: int, expected: int) -> None:
     if count != expected:
-        raise Fail(f"{count} {what}, expected {expected}")
+        raise Fail(said("{} {}, expected {}", count, what, expected))
 
 
 def _expect_giving_up(bench: Bench, got: int | Damage | None) -> None:
     wanted = Char.NAK if bench.profile.nak_when_giving_up else None
     if got != wanted:
-        raise Fail(f"after the last attempt: {named(got)}, expected {named(wanted)} when it gives up")
+        raise Fail(said("after the last attempt: {}, expected {} when it gives up", named(got), named(wanted)))
 
 
 @SEND.case("good", "a block of its own: form, doubling, check; nothing follows our DLE")
 def good(bench: Bench) -> None:
     bench.make_it_send()
     data = bench.take()
-    bench.remark(f"{len(data)} characters: {data[:16].hex(' ')}{' ...' if len(data) > 16 else ''}")
+    bench.remark(said("{} characters: {}{}", len(data), data[:16].hex(" "), " ..." if len(data) > 16 else ""))
     bench.silence(bench.tolerance, "the acknowledged block")
 
 
@@ -44,7 +45,7 @@ def silent(bench: Bench) -> None:
     while count < MOST_TRIES:
         start, got = bench.mark, bench.answer(bench.profile.ack_delay + bench.profile.retry_pause + ms(500))
         if got is not None:
-            bench.measured(f"{named(got)} after STX {count} and silence", bench.mark - start, bench.profile.ack_delay)
+            bench.measured(said("{} after STX {} and silence", named(got), count), bench.mark - start, bench.profile.ack_delay)
         if got != Char.STX:
             break
         count += 1
@@ -63,7 +64,7 @@ def _answered_with(bench: Bench, what: str, answer: bytes | None) -> None:
             bench.say(answer)
         found = bench.answer(bench.profile.retry_pause + ms(200))
         got = found if isinstance(found, int) else -1
-    _expect_count(f"connection attempts when STX is answered with {what}", count, _attempts(bench))
+    _expect_count(said("connection attempts when STX is answered with {}", what), count, _attempts(bench))
     _expect_giving_up(bench, found)
 
 
@@ -106,7 +107,7 @@ def nak_in_block(bench: Bench) -> None:
     bench.say(NAK)
     last = _last_before_silence(bench, 0)
     if last != Char.STX:
-        raise Fail(f"after NAK inside the block: {named(last)} at last, expected STX")
+        raise Fail(said("after NAK inside the block: {} at last, expected STX", named(last)))
     bench.take()
 
 
@@ -122,7 +123,7 @@ def _block_answered(bench: Bench, answer: bytes, what: str) -> None:
     bench.make_it_send()
     first = bench.take_unanswered()
     bench.say(answer)
-    bench.expect(Char.STX, bench.profile.retry_pause + ms(200), f"{what} after the block")
+    bench.expect(Char.STX, bench.profile.retry_pause + ms(200), said("{} after the block", what))
     if bench.take() != first:
         raise Fail("the repeated block differs from the first")
 
@@ -188,17 +189,17 @@ def _settle_conflict(bench: Bench) -> None:
     if bench.priority is Priority.LOW:
         got = bench.answer(bench.profile.ack_delay)
         if got != Char.DLE:
-            raise Fail(f"without priority it must withdraw and answer our STX with DLE: {named(got)}{_same(got)}")
+            raise Fail(said("without priority it must withdraw and answer our STX with DLE: {}{}", named(got), _same(got)))
         bench.say(wire_block(bench.harmless, bench.profile.block_check))
         bench.expect(Char.DLE, bench.profile.ack_delay, "our block in a conflict")
         got = bench.answer(bench.profile.char_delay + ms(500))
         if got != Char.STX:
-            raise Fail(f"after our block it must send its own job: {named(got)}, its job is lost")
+            raise Fail(said("after our block it must send its own job: {}, its job is lost", named(got)))
         bench.take()
         return
     got = bench.answer(min(bench.profile.ack_delay // 2, ms(200)))
     if got is not None:
-        raise Fail(f"with priority it must ignore our STX and wait: {named(got)}{_same(got)}")
+        raise Fail(said("with priority it must ignore our STX and wait: {}{}", named(got), _same(got)))
     bench.take()
 
 
@@ -248,7 +249,7 @@ def _both_low(bench: Bench) -> None:
     bench.say(STX)
     got = bench.answer(bench.profile.ack_delay)
     if got != Char.DLE:
-        raise Fail(f"both without priority, after our STX: {named(got)}, expected DLE")
+        raise Fail(said("both without priority, after our STX: {}, expected DLE", named(got)))
     bench.say(DLE)  # taken for the first character of our block
     bench.expect_at(Char.NAK, bench.profile.char_delay, "DLE in place of a block")
 
@@ -260,7 +261,7 @@ def _both_high(bench: Bench) -> None:
         start, got = bench.mark, bench.answer(bench.profile.ack_delay + bench.profile.retry_pause + ms(500))
         if got != Char.STX:
             break
-        bench.measured(f"STX {count + 1} after a conflict nobody gives way in", bench.mark - start, bench.profile.ack_delay)
+        bench.measured(said("STX {} after a conflict nobody gives way in", count + 1), bench.mark - start, bench.profile.ack_delay)
         count += 1
     if bench.profile.yields_to_second_conflict and got == Char.DLE:
         bench.say(wire_block(bench.harmless, bench.profile.block_check))

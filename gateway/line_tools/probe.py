@@ -10,6 +10,7 @@ from gateway.line_tools.cases import Case
 from gateway.line_tools.cases_rk512 import Place, header
 from gateway.line_tools.partners import Station
 from gateway.line_tools.wire import VirtualWire, Wire
+from gateway.pure.line_texts import said
 from protocols.base.machine import Ns, ms
 from protocols.p3964r.profiles import Priority, Profile
 
@@ -105,10 +106,10 @@ def run_case(bench: Bench, case: Case, clean: bool = True) -> Result:
         case.run(bench)
         verdict, reason = "PASS", ""
     except Verdict as ended:
-        verdict, reason = ended.word, str(ended)
+        verdict, reason = ended.word, ended.args[0]
     late = bench.wire.late_ns
     if late > TOLERANCE or (late > LATE and verdict == Fail.word):
-        reason = f"the bench itself was {late / 1e6:.0f} ms late" + (f"; seen: {reason}" if reason else "")
+        reason = said("the bench itself was {:.0f} ms late", late / 1e6) + (said("; seen: {}", reason) if reason else "")
         verdict = Inconclusive.word
     return Result(case, verdict, reason, bench.notes, late, bench.wire.now() - start)
 

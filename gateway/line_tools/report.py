@@ -2,10 +2,11 @@
 
 import html
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from gateway.line_tools.bench import Notes, named
 from gateway.line_tools.probe import Result, Settings, counted
+from gateway.pure.line_texts import in_language, said
 from protocols.base.machine import Damage
 
 TEXT = (
@@ -17,6 +18,7 @@ BANNER = (
     "axisgate is not a safety device. It has no safety function, no performance level and no certificate. Emergency stop, safe torque off, "
     "guards, enabling devices and speed monitoring must be realised in certified hardware that works without axisgate."
 )
+UNCERTAINTY = "one character time and 20 ms; a test in which the bench was later than that is inconclusive"
 COLOURS = {"PASS": "#1a7f37", "FAIL": "#b3261e", "WARN": "#8a5a00", "INCONCLUSIVE": "#5b5b5b", "NOT RUN": "#5b5b5b"}
 STYLE = (
     "body{font:15px/1.45 system-ui,sans-serif;max-width:72rem;margin:2rem auto;padding:0 1rem;color:#1b1b1b;background:#fff}"
@@ -27,18 +29,26 @@ STYLE = (
 
 
 def as_dict(
-    results: Sequence[Result], settings: Settings, port: str, line_format: str, moment: str, simulated: bool, device: Mapping[str, str]
+    results: Sequence[Result],
+    settings: Settings,
+    port: str,
+    line_format: str,
+    moment: str,
+    simulated: bool,
+    device: Mapping[str, str],
+    language: str = "en",
 ) -> dict[str, object]:
-    """Everything the report says; times in ms."""
+    """Everything the report says, sentences in that language, verdicts and keys as they are; times in ms."""
     profile = settings.profile
     return {
         "kind": "axisgate line probe",
         "format": 1,
+        "language": language,
         "at": moment,
-        "device": dict(device),
+        "device": {key: in_language(value, language) for key, value in device.items()},
         "port": port,
         "line_format": line_format,
-        "time": "virtual: the station is simulated in this process" if simulated else "real",
+        "time": in_language("virtual: the station is simulated in this process" if simulated else "real", language),
         "profile": {
             "name": profile.name,
             "source": profile.source,
@@ -51,24 +61,24 @@ def as_dict(
         },
         "priority_of_station": settings.priority.name.lower(),
         "layer": settings.layer,
-        "uncertainty": "one character time and 20 ms; a test in which the bench was later than that is inconclusive",
+        "uncertainty": in_language(UNCERTAINTY, language),
         "counts": counted(results),
-        "tests": [_test(result) for result in results],
-        "text": TEXT,
-        "banner": BANNER,
+        "tests": [_test(result, language) for result in results],
+        "text": in_language(TEXT, language),
+        "banner": in_language(BANNER, language),
     }
 
 
-def _test(result: Result) -> dict[str, object]:
+def _test(result: Result, language: str) -> dict[str, object]:
     return {
         "name": result.case.name,
-        "title": result.case.title,
+        "title": in_language(result.case.title, language),
         "verdict": result.verdict,
-        "reason": result.reason,
-        "remarks": result.notes.remarks,
+        "reason": in_language(result.reason, language),
+        "remarks": [in_language(remark, language) for remark in result.notes.remarks],
         "times": [
             {
-                "what": time.what,
+                "what": in_language(time.what, language),
                 "ms": round(time.ns / 1e6, 3),
                 "expected_ms": None if time.expected_ns is None else time.expected_ns / 1e6,
                 "tolerance_ms": round(time.tolerance_ns / 1e6, 3),
@@ -104,42 +114,60 @@ def to_json(report: Mapping[str, object]) -> str:
 
 
 def to_html(report: Mapping[str, object]) -> str:
-    """The report for a person, one file without anything from elsewhere."""
-    tests = report["tests"]
-    assert isinstance(tests, list)
-    counts, profile, device = report["counts"], report["profile"], report["device"]
-    assert isinstance(counts, dict) and isinstance(profile, dict) and isinstance(device, dict)
-    facts = {**device, "Port": report["port"], "Line": report["line_format"], "Time": report["time"]}
-    facts |= {"Priority of the station": report["priority_of_station"], "Layer": report["layer"], "Uncertainty": report["uncertainty"]}
-    facts |= {f"Profile: {key}": value if not isinstance(value, list) else ", ".join(value) or "-" for key, value in profile.items()}
-    summary = ", ".join(f"{count} {word}" for word, count in counts.items() if count)
+    """The report for a person, in its own language, one file without anything from elsewhere."""
+    language = str(report.get("language", "en"))
+
+    def word(pattern: str, *values: object) -> str:
+        return _e(in_language(said(pattern, *values), language))
+
+    tests, counts = report["tests"], report["counts"]
+    assert isinstance(tests, list) and isinstance(counts, dict)
+    facts = "".join(f"<tr><th>{key}<td>{_e(value)}" for key, value in _facts(report, word))
+    summary = ", ".join(f"{count} {word(verdict)}" for verdict, count in counts.items() if count)
     return (
-        '<!DOCTYPE html><html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width">'
-        f"<title>3964R probe {_e(report['at'])}</title><style>{STYLE}</style>"
-        f"<h1>3964R probe</h1><p>{_e(report['at'])}: <b>{_e(summary)}</b></p>"
-        f"<table>{''.join(f'<tr><th>{_e(key)}<td>{_e(value)}' for key, value in facts.items())}</table>"
-        "<h2>Tests</h2><table><tr><th>Test<th>Verdict<th>Reason, measured times, characters"
-        f"{''.join(_row(test) for test in tests)}</table>"
+        f'<!DOCTYPE html><html lang="{language}"><meta charset="utf-8"><meta name="viewport" content="width=device-width">'
+        f"<title>{word('3964R probe')} {_e(report['at'])}</title><style>{STYLE}</style>"
+        f"<h1>{word('3964R probe')}</h1><p>{_e(report['at'])}: <b>{summary}</b></p>"
+        f"<table>{facts}</table>"
+        f"<h2>{word('Tests')}</h2><table><tr><th>{word('Test')}<th>{word('Verdict')}<th>{word('Reason, measured times, characters')}"
+        f"{''.join(_row(test, word) for test in tests)}</table>"
         f"<p><small>{_e(report['text'])}</small></p><p><small>{_e(report['banner'])}</small></p>"
     )
 
 
-def _row(test: Mapping[str, object]) -> str:
+def _facts(report: Mapping[str, object], word: Callable[..., str]) -> Iterator[tuple[str, object]]:
+    """The table above the tests: label, value."""
+    profile, device = report["profile"], report["device"]
+    assert isinstance(profile, dict) and isinstance(device, dict)
+    yield from ((word(str(key)), value) for key, value in device.items())
+    for label, key in (("Port", "port"), ("Line", "line_format"), ("Time", "time")):
+        yield word(label), report[key]
+    yield word("Priority of the station"), in_language(report["priority_of_station"], str(report.get("language", "en")))
+    yield word("Layer"), report["layer"]
+    yield word("Uncertainty"), report["uncertainty"]
+    for key, value in profile.items():
+        yield word("Profile: {}", key), value if not isinstance(value, list) else ", ".join(value) or "-"
+
+
+def _row(test: Mapping[str, object], word: Callable[..., str]) -> str:
     times, remarks, count = test["times"], test["remarks"], test["characters"]
     assert isinstance(times, list) and isinstance(remarks, list) and isinstance(count, dict)
-    lines = [str(test["reason"])] if test["reason"] else []
-    lines += [_time(time) for time in times] + remarks
-    lines.append(f"{count['us']} characters from us, {count['station']} from the station; bench late {test['bench_late_ms']} ms at most")
+    lines = [_e(test["reason"])] if test["reason"] else []
+    lines += [_time(time, word) for time in times] + [_e(remark) for remark in remarks]
+    figures = count["us"], count["station"], test["bench_late_ms"]
+    lines.append(word("{} characters from us, {} from the station; bench late {} ms at most", *figures))
     verdict = str(test["verdict"])
     return (
-        f"<tr><td><b>{_e(test['name'])}</b><br>{_e(test['title'])}<td class=v style='color:{COLOURS[verdict]}'>{_e(verdict)}"
-        f"<td>{'<br>'.join(_e(line) for line in lines)}<details><summary>on the wire</summary><code>{_e(test['wire'])}</code></details>"
+        f"<tr><td><b>{_e(test['name'])}</b><br>{_e(test['title'])}<td class=v style='color:{COLOURS[verdict]}'>{word(verdict)}"
+        f"<td>{'<br>'.join(lines)}<details><summary>{word('on the wire')}</summary><code>{_e(test['wire'])}</code></details>"
     )
 
 
-def _time(time: Mapping[str, object]) -> str:
-    expected = "" if time["expected_ms"] is None else f" (expected {time['expected_ms']:g} ± {time['tolerance_ms']:.1f} ms)"
-    return f"{time['what']}: {time['ms']} ms{expected}"
+def _time(time: Mapping[str, object], word: Callable[..., str]) -> str:
+    figures = word("{}: {} ms", time["what"], time["ms"])
+    if time["expected_ms"] is None:
+        return figures
+    return figures + word(" (expected {:g} \u00b1 {:.1f} ms)", time["expected_ms"], time["tolerance_ms"])
 
 
 def _e(text: object) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from statistics import median
 
+from gateway.pure.line_texts import said
 from protocols.base.machine import Damage, Ns, ms
 from protocols.p3964r.characters import Char
 
@@ -61,12 +62,12 @@ def judge(seen: Evidence) -> list[Finding]:
 def _idle(seen: Evidence) -> list[Finding]:
     breaks = sum(what in (Damage.BREAK, Damage.FRAMING) or what == 0 for what in seen.idle)
     if breaks and breaks == len(seen.idle):
-        text = f"the idle line reads as BREAK or framing errors ({breaks} of them): its polarity is the wrong way round"
+        text = said("the idle line reads as BREAK or framing errors ({} of them): its polarity is the wrong way round", breaks)
         return [
             Finding("wires crossed", "fault", text, "exchange the two wires of the receiving pair (A and B, or + and -; TTY: RX+ and RX-)")
         ]
     if seen.idle:
-        text = f"{len(seen.idle)} characters came while we were silent"
+        text = said("{} characters came while we were silent", len(seen.idle))
         return [Finding("line in use", "note", text, "is a third station on the line, or is the partner sending by itself?")]
     return []
 
@@ -77,12 +78,14 @@ def _echo(seen: Evidence) -> list[Finding]:
     came = [what for what in seen.returned if what != Char.NAK]
     same = len(_matches(seen.pattern, came))
     if same >= ECHO_WHOLE * len(seen.pattern):
-        text = f"every character comes back ({same} of {len(seen.pattern)}): an echo"
+        text = said("every character comes back ({} of {}): an echo", same, len(seen.pattern))
         todo = "switch the echo of the 2-wire adapter off, or remove the loop-back plug; 3964R needs both directions apart"
         return [Finding("echo", "fault", text, todo)]
     if came:
         damaged = sum(isinstance(what, Damage) for what in came)
-        text = f"of {len(seen.pattern)} characters {same} came back right and {damaged} damaged: cross-talk on an open line, not an echo"
+        text = said(
+            "of {} characters {} came back right and {} damaged: cross-talk on an open line, not an echo", len(seen.pattern), same, damaged
+        )
         return [
             Finding(
                 "cross-talk", "fault", text, "the receiving pair is open: partner off, plug out, wire broken, or TTY loop without current"
@@ -110,7 +113,7 @@ def _good(heard: Sequence[Heard]) -> bool:
 def _partner(seen: Evidence) -> list[Finding]:
     ours = seen.answers.get(seen.our_format, [])
     if _good(ours):
-        return [Finding("3964R", "ok", f"STX is answered with DLE at {seen.our_format}")]
+        return [Finding("3964R", "ok", said("STX is answered with DLE at {}", seen.our_format))]
     others = [name for name, heard in seen.answers.items() if name != seen.our_format and _good(heard)]
     if others:
         return [_wrong_format(seen.our_format, others[0])]
@@ -124,9 +127,10 @@ def _partner(seen: Evidence) -> list[Finding]:
             )
         ]
     if any(seen.answers.values()):
-        text = "something answers, but no DLE: " + "; ".join(f"{name}: {_shown(heard)}" for name, heard in seen.answers.items() if heard)
+        heard = "; ".join(f"{name}: {_shown(what)}" for name, what in seen.answers.items() if what)
+        text = said("something answers, but no DLE: {}", heard)
         return [Finding("no 3964R", "fault", text, "is this the right port, and does the partner speak 3964 or 3964R at all?")]
-    text = f"nothing answers at {', '.join(seen.answers) or seen.our_format}"
+    text = said("nothing answers at {}", ", ".join(seen.answers) or seen.our_format)
     todo = "partner off or its interface not started; TXD and RXD exchanged (cross pins 2 and 3, or TTY sender and receiver); cable"
     return [Finding("partner silent", "fault", text, todo)]
 
@@ -134,7 +138,7 @@ def _partner(seen: Evidence) -> list[Finding]:
 def _wrong_format(ours: str, theirs: str) -> Finding:
     baud, other = ours.split(maxsplit=1)[0], theirs.split(maxsplit=1)[0]
     what = "wrong speed" if baud != other else "wrong parity or frame"
-    return Finding(what, "fault", f"the partner answers at {theirs}, not at {ours}", f'set format = "{theirs}"')
+    return Finding(what, "fault", said("the partner answers at {}, not at {}", theirs, ours), said('set format = "{}"', theirs))
 
 
 def _shown(heard: Sequence[Heard]) -> str:
@@ -144,10 +148,12 @@ def _shown(heard: Sequence[Heard]) -> str:
 def _latency(seen: Evidence) -> list[Finding]:
     found = []
     if seen.latency_timer_ms is not None and seen.latency_timer_ms > LATENCY_GOOD_MS:
-        text = f"the USB adapter's latency timer stands at {seen.latency_timer_ms} ms: every answer waits up to so long in the adapter"
-        found.append(Finding("USB latency timer", "warn", text, f"echo {LATENCY_GOOD_MS} | sudo tee {seen.latency_file}"))
+        text = said(
+            "the USB adapter's latency timer stands at {} ms: every answer waits up to so long in the adapter", seen.latency_timer_ms
+        )
+        found.append(Finding("USB latency timer", "warn", text, said("echo {} | sudo tee {}", LATENCY_GOOD_MS, seen.latency_file)))
     elif seen.answer_times and SLOW_ANSWER[0] <= median(seen.answer_times) <= SLOW_ANSWER[1]:
-        text = f"answers take {median(seen.answer_times) / 1e6:.0f} ms, as through a USB adapter whose latency timer stands at 16 ms"
+        text = said("answers take {:.0f} ms, as through a USB adapter whose latency timer stands at 16 ms", median(seen.answer_times) / 1e6)
         found.append(
             Finding(
                 "USB latency timer",
@@ -188,8 +194,8 @@ def _checks(seen: Evidence) -> list[Finding]:
 # ---- what rides on it
 def _rides(seen: Evidence) -> list[Finding]:
     if seen.reaction or any(_is_rk512(block) for block in seen.blocks):
-        number = f", it answered {seen.reaction[3]:02X}h" if seen.reaction and len(seen.reaction) >= 4 else ""
-        return [Finding("RK512", "ok", f"RK512 rides on 3964R{number}", 'layer = "rk512"')]
+        number = said(", it answered {:02X}h", seen.reaction[3]) if seen.reaction and len(seen.reaction) >= 4 else ""
+        return [Finding("RK512", "ok", said("RK512 rides on 3964R{}", number), 'layer = "rk512"')]
     if seen.reaction == b"" or seen.blocks:
         text = "a FETCH was acknowledged but brought no reaction telegram: raw 3964R blocks, no RK512 (or an active station only)"
         return [Finding("raw 3964R", "ok", text, 'layer = "raw"; describe the blocks with [[telegram]]')]
@@ -215,10 +221,10 @@ def _priority(seen: Evidence) -> list[Finding]:
         ]
     theirs = "low" if seen.conflict == Char.DLE else "high"
     if theirs != seen.our_priority:
-        return [Finding("priority", "ok", f"the partner has priority {theirs}, we {seen.our_priority}")]
+        return [Finding("priority", "ok", said("the partner has priority {}, we {}", theirs, seen.our_priority))]
     other = "low" if theirs == "high" else "high"
-    text = f"both stations have the same priority ({theirs}): whenever both send at once, both jobs wait or fail"
-    return [Finding("same priority", "fault", text, f'set ours to priority = "{other}"')]
+    text = said("both stations have the same priority ({}): whenever both send at once, both jobs wait or fail", theirs)
+    return [Finding("same priority", "fault", text, said('set ours to priority = "{}"', other))]
 
 
 # ---- what the partner shows
@@ -312,27 +318,29 @@ NORMAL_AT_START = ((6, 0x0E), (8, 0x02), (9, 0x08), (9, 0x0D), (10, 0x01))
 def pafe(value: int) -> Finding:
     """The PAFE byte of an S5 handling block in words."""
     if not value & 1:
-        return Finding(f"PAFE {value:02X}h", "ok", "no parameter error")
-    return Finding(f"PAFE {value:02X}h", "fault", PAFE[value >> 4 & 0x0F], "the parameters of the handling block, not the line")
+        return Finding(said("PAFE {:02X}h", value), "ok", "no parameter error")
+    return Finding(said("PAFE {:02X}h", value), "fault", PAFE[value >> 4 & 0x0F], "the parameters of the handling block, not the line")
 
 
 def anzw(value: int) -> list[Finding]:
     """The ANZW (status word) of a job in an S5, bit by bit; its error number belongs to bit 3."""
-    found = [Finding(f"ANZW bit {bit}", "fault" if bit == 3 else "note", text) for bit, text in ANZW_BITS.items() if value >> bit & 1]
+    found = [
+        Finding(said("ANZW bit {}", bit), "fault" if bit == 3 else "note", text) for bit, text in ANZW_BITS.items() if value >> bit & 1
+    ]
     number = value >> 8 & 0x0F
     if value >> 3 & 1:
         text = ANZW_ERRORS.get(
-            number, f"error of the CP, number {number:X}h: its manual names it; on 3964R mostly no connection or a negative reaction"
+            number, said("error of the CP, number {:X}h: its manual names it; on 3964R mostly no connection or a negative reaction", number)
         )
-        found.append(Finding(f"ANZW error {number:X}h", "fault", text))
-    return found or [Finding(f"ANZW {value:04X}h", "note", "no bit is set: the job was never started")]
+        found.append(Finding(said("ANZW error {:X}h", number), "fault", text))
+    return found or [Finding(said("ANZW {:04X}h", value), "note", "no bit is set: the job was never started")]
 
 
 def cp341(event_class: int, number: int) -> Finding:
     """An event class and number of a CP 340, 341 or 440 in words; normal start-up events are named and no fault."""
-    name = f"({event_class:02X}){number:02X}h"
+    name = said("({:02X}){:02X}h", event_class, number)
     group = CP341_CLASSES.get(event_class)
     if group is None:
-        return Finding(name, "note", f"class {event_class} is not in the table; known: {', '.join(map(str, CP341_CLASSES))}")
+        return Finding(name, "note", said("class {} is not in the table; known: {}", event_class, ", ".join(map(str, CP341_CLASSES))))
     text = CP341_EVENTS.get((event_class, number), "this number is not in our table; the CP's manual names it")
-    return Finding(name, "note" if (event_class, number) in NORMAL_AT_START else "fault", f"{group}: {text}")
+    return Finding(name, "note" if (event_class, number) in NORMAL_AT_START else "fault", said("{}: {}", group, text))
