@@ -1,23 +1,33 @@
 """Curves of the tool centre point: geometry alone, no time (design 1: path and time are separate).
 
-A curve runs from s = 0 to s = length.  s is the arc length of the TCP in m where the TCP moves, and the angle in rad where
-only the orientation turns; splines and corners keep |p'| = 1 to the accuracy their module states.  A joint curve is the same
-for axes: q(s), s = travel of the axis that leads.
+A curve runs from s = 0 to s = length.  On lines and arcs s is the arc length of the TCP in m, or the angle in rad where only
+the orientation turns.  Corners and splines have a smooth parameter of the same size that joins its neighbours with |p'| = 1
+and equal second derivatives; inside, |p'| may differ from 1 (corners: less), so speed on the path is sdot |p'|.  `way` gives
+true lengths.  A joint curve is the same for axes: q(s), s = travel of the axis that leads.
 """
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple, Protocol
 
-from motion.frames import Pose
+from motion.errors import MotionError
+from motion.frames import Pose, Vector
 
-Vector = tuple[float, float, float]
 ZERO: Vector = (0.0, 0.0, 0.0)
+
+
+class PathError(MotionError):
+    """Geometry that makes no path; `number` is the manual's number where it has one (VAL 3 550..554, Reis 620..), else 0."""
+
+    def __init__(self, message: str, number: int = 0) -> None:
+        self.number = number
+        super().__init__(f"path error {number}: {message}" if number else message)
 
 
 class Derivatives(NamedTuple):
     """By s, in the frame the curve is given in."""
 
-    p1: Vector  # dp/ds, 1 (m per m) or 0 where only the orientation turns
+    p1: Vector  # dp/ds (m per m); 0 where only the orientation turns
     p2: Vector  # per m
     p3: Vector  # per m2
     w: Vector  # rotation vector rate: rad per unit of s
@@ -94,3 +104,18 @@ def cross(a: Sequence[float], b: Sequence[float]) -> Vector:
 def norm(a: Sequence[float]) -> float:
     """|a|."""
     return float(dot(a, a) ** 0.5)
+
+
+def unit(a: Sequence[float]) -> Vector:
+    """a / |a|; a zero vector is the caller's mistake (ZeroDivisionError)."""
+    return scale(a, 1.0 / norm(a))
+
+
+_GAUSS = ((-math.sqrt(0.6), 5 / 9), (0.0, 8 / 9), (math.sqrt(0.6), 5 / 9))
+
+
+def way(curve: Curve, start: float, end: float, parts: int = 8) -> float:
+    """True TCP way in m between two parameters (Gauss, 3 points a part)."""
+    h = (end - start) / parts
+    middles = (start + (k + 0.5) * h for k in range(parts))
+    return sum(weight * norm(curve.derivatives(m + 0.5 * h * x).p1) for m in middles for x, weight in _GAUSS) * 0.5 * h

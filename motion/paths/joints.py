@@ -1,0 +1,152 @@
+"""Paths of the axes: piecewise quintics q(s), what time laws and pieces are made from.
+
+Columns of a path: the axes (m or rad), then the way of the TCP (m) and its turning (rad), which carry the limits of path and
+orientation speed.  PTP is a straight line in the axes (s = travel of the axis that leads); corners between PTP blocks are the
+quintic of motion.paths.corner in axis space; between unlike blocks a quintic joins value, slope and bend of both.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motion.paths.base import PathError
+from motion.paths.corner import MISS, hermite
+
+Array = NDArray[np.float64]
+DEGREE = 5
+JOIN, JOIN_SLOPE = 1e-8, 1e-5  # steps of value (m, rad) and slope (relative) allowed where paths meet
+NO_WAY = 1e-12
+
+
+@dataclass(frozen=True)
+class JointPath:
+    """knots: (k + 1,) rising from 0; coefficients: (k, 6, axes + 2) lowest power first, in s - knot."""
+
+    knots: Array
+    coefficients: Array
+
+    @property
+    def axes(self) -> int:
+        """How many axes."""
+        return int(self.coefficients.shape[2]) - 2
+
+    @property
+    def length(self) -> float:
+        """End of s."""
+        return float(self.knots[-1])
+
+    def at(self, s: Array, order: int = 0) -> Array:
+        """(n, axes + 2): the columns, or their derivative of this order (0 .. 3) by s."""
+        s = np.clip(s, 0.0, self.length)
+        index = np.clip(np.searchsorted(self.knots, s, side="right") - 1, 0, len(self.coefficients) - 1)
+        u = (s - self.knots[index])[:, None]
+        rows = self.coefficients[index]
+        value = np.zeros((len(s), rows.shape[2]))
+        for k in range(DEGREE, order - 1, -1):
+            factor = float(np.prod(np.arange(k - order + 1, k + 1))) if order else 1.0
+            value = value * u + factor * rows[:, k]
+        return value
+
+    def q(self, s: float) -> tuple[float, ...]:
+        """(axes,) at s."""
+        return tuple(float(v) for v in self.at(np.array([s]))[0, : self.axes])
+
+
+def joint_path(knots: Sequence[float], rows: Sequence[Sequence[Sequence[float]]]) -> JointPath:
+    """rows[interval][column] = coefficients, at most six."""
+    table = np.zeros((len(rows), DEGREE + 1, len(rows[0])))
+    for i, columns in enumerate(rows):
+        for j, row in enumerate(columns):
+            table[i, : len(row), j] = row
+    return JointPath(np.asarray(knots, dtype=np.float64), table)
+
+
+def joint_line(start: Sequence[float], end: Sequence[float]) -> JointPath:
+    """Straight from start to end; PathError where nothing moves or a value is no number."""
+    a, b = np.asarray(start, dtype=np.float64), np.asarray(end, dtype=np.float64)
+    length = float(np.max(np.abs(b - a))) if a.shape == b.shape and a.size else float("nan")
+    if not NO_WAY < length < float("inf"):
+        raise PathError(f"no line leads from {list(start)} to {list(end)}")
+    return joint_path([0.0, length], [[*((x, (y - x) / length) for x, y in zip(a, b, strict=True)), (0.0,), (0.0,)]])
+
+
+def joint_corner(
+    before: JointPath, after: JointPath, ranges: Sequence[float] | None = None, leave: float = 0.0, reach: float = 0.0
+) -> JointPath:
+    """Passing a PTP point.  ranges: (axes,) m or rad, the distance of each axis from the point where passing may begin (P213 x
+    R_PTP, axis criterion); else leave and reach in s of the two lines.  The smallest range of a moving axis decides.
+
+    The result begins at before.length - r and ends at r on after; its length is 2 r.  PathError where no range is left.
+    """
+    u1, u2 = before.at(np.array([before.length]), 1)[0], after.at(np.array([0.0]), 1)[0]
+    if ranges is not None:
+        leave = min((r / abs(float(u)) for r, u in zip(ranges, u1, strict=False) if abs(u) > NO_WAY), default=0.0)
+        reach = min((r / abs(float(u)) for r, u in zip(ranges, u2, strict=False) if abs(u) > NO_WAY), default=0.0)
+    r = min(leave, reach, before.length, after.length)
+    if not r > 0.0:
+        raise PathError("no range is left to pass this point")
+    if float(np.max(np.abs(u1 + u2))) < 1e-9:
+        raise PathError("the axes go back the way they came: nothing rounds this corner")
+    return joint_blend(before, before.length - r, after, r)
+
+
+def joint_miss(u1: Sequence[float], u2: Sequence[float], r: float) -> tuple[float, ...]:
+    """How far each axis passes the point by, at the middle of a corner of range r: 0.1875 r |u2 - u1|."""
+    return tuple(MISS * r * abs(b - a) for a, b in zip(u1, u2, strict=True))
+
+
+def joint_blend(before: JointPath, leave_at: float, after: JointPath, reach_at: float, length: float | None = None) -> JointPath:
+    """A quintic from s = leave_at on `before` to s = reach_at on `after`, joining value, slope and bend."""
+    span = (before.length - leave_at + reach_at) if length is None else length
+    first, last = _state(before, leave_at), _state(after, reach_at)
+    last[0, -2:] += first[0, -2:] - last[0, -2:] + 0.5 * span * (first[1, -2:] + last[1, -2:])  # way and turning go on counting
+    return joint_path([0.0, span], [[hermite(span, list(first[:, j]), list(last[:, j])) for j in range(first.shape[1])]])
+
+
+def _state(path: JointPath, s: float) -> Array:
+    return np.stack([path.at(np.array([s]), order)[0] for order in range(3)])
+
+
+def joint_part(path: JointPath, start: float, end: float) -> JointPath:
+    """The stretch start .. end of a path."""
+    if not -1e-12 <= start < end <= path.length * (1 + 1e-12) + 1e-12:
+        raise PathError(f"{start} .. {end} is no stretch of a path of length {path.length}")
+    inner = path.knots[(path.knots > start + 1e-12) & (path.knots < end - 1e-12)]
+    knots = np.concatenate([[start], inner, [end]])
+    index = np.clip(np.searchsorted(path.knots, 0.5 * (knots[1:] + knots[:-1]), side="right") - 1, 0, len(path.coefficients) - 1)
+    table = np.array([_shifted(path.coefficients[i], float(k - path.knots[i])) for i, k in zip(index, knots[:-1], strict=True)])
+    return JointPath(knots - start, table)
+
+
+def _shifted(rows: Array, u: float) -> Array:
+    """Coefficients of the same polynomial about another point (Horner's scheme, repeated)."""
+    result = rows.copy()
+    for i in range(DEGREE):
+        for k in range(DEGREE - 1, i - 1, -1):
+            result[k] += u * result[k + 1]
+    return result
+
+
+def joined(paths: Sequence[JointPath]) -> JointPath:
+    """One behind the other; way and turning go on counting.  PathError where values or slopes do not fit."""
+    for number, (left, right) in enumerate(pairwise(paths)):
+        end, begin = _state(left, left.length), _state(right, 0.0)
+        n = left.axes
+        if float(np.max(np.abs(end[0, :n] - begin[0, :n]))) > JOIN:
+            raise PathError(f"path {number + 1} does not begin where path {number} ends")
+        if float(np.max(np.abs(end[1, :n] - begin[1, :n]))) > JOIN_SLOPE * (1 + float(np.max(np.abs(end[1, :n])))):
+            raise PathError(f"there is a corner between path {number} and path {number + 1}")
+    knots, tables, offset = [np.zeros(1)], [], 0.0
+    counted = np.zeros(2)
+    for path in paths:
+        table = path.coefficients.copy()
+        shift = counted - table[0, 0, -2:]
+        table[:, 0, -2:] += shift
+        tables.append(table)
+        knots.append(path.knots[1:] + offset)
+        offset += path.length
+        counted = path.at(np.array([path.length]))[0, -2:] + shift
+    return JointPath(np.concatenate(knots), np.concatenate(tables))

@@ -1,0 +1,138 @@
+"""The curve most others are made of: position and rotation vector as polynomials of degree <= 5 in s."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+from motion.frames import Pose, Vector, product, rotate
+from motion.orientation import rotation_by
+from motion.paths.base import Curve, Derivatives, PathError, add, norm, sub
+from motion.paths.turning import rate, rate_change
+
+Row = tuple[float, ...]  # coefficients, lowest power first
+JOIN_M, JOIN_RAD = 1e-9, 1e-9  # largest step where curves of a chain meet
+JOIN_SLOPE = 1e-7  # relative
+
+
+def values(row: Row, u: float) -> tuple[float, float, float, float]:
+    """Value and first three derivatives at u."""
+    f = f1 = f2 = f3 = 0.0
+    for coefficient in reversed(row):
+        f3 = f3 * u + f2
+        f2 = f2 * u + f1
+        f1 = f1 * u + f
+        f = f * u + coefficient
+    return f, f1, 2 * f2, 6 * f3
+
+
+@dataclass(frozen=True, slots=True)
+class Polynomial:
+    """pose(s) = origin shifted by the first three rows (m, outside frame) and turned by exp of the last three (rad, its own frame)."""
+
+    origin: Pose
+    rows: tuple[Row, Row, Row, Row, Row, Row]
+    length: float
+
+    def at(self, s: float) -> Pose:
+        """The pose at s."""
+        u = min(max(s, 0.0), self.length)
+        x, y, z, a, b, c = (values(row, u)[0] for row in self.rows)
+        rotation = self.origin.rotation
+        return Pose(add(self.origin.position, (x, y, z)), product(rotation, rotation_by((a, b, c))) if a or b or c else rotation)
+
+    def derivatives(self, s: float) -> Derivatives:
+        """At s, in the outside frame."""
+        u = min(max(s, 0.0), self.length)
+        table = [values(row, u) for row in self.rows]
+        p1, p2, p3 = (_three(table, 0, k) for k in (1, 2, 3))
+        rho, rho1, rho2 = (_three(table, 3, k) for k in (0, 1, 2))
+        rotation = self.origin.rotation
+        return Derivatives(p1, p2, p3, rotate(rotation, rate(rho, rho1)), rotate(rotation, rate_change(rho, rho1, rho2)))
+
+
+def _three(table: list[tuple[float, float, float, float]], at: int, order: int) -> Vector:
+    return table[at][order], table[at + 1][order], table[at + 2][order]
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A stretch of another curve."""
+
+    whole: Curve
+    start: float
+    length: float
+
+    def at(self, s: float) -> Pose:
+        """The pose at s of this part."""
+        return self.whole.at(self.start + min(max(s, 0.0), self.length))
+
+    def derivatives(self, s: float) -> Derivatives:
+        """At s of this part."""
+        return self.whole.derivatives(self.start + min(max(s, 0.0), self.length))
+
+
+def part(curve: Curve, start: float, end: float) -> Part:
+    """The stretch start .. end; PathError when it is empty or not on the curve."""
+    slack = 1e-9 * curve.length
+    if not -slack <= start < end <= curve.length + slack:
+        raise PathError(f"{start} .. {end} is no stretch of a curve of length {curve.length}")
+    return Part(curve, max(start, 0.0), min(end, curve.length) - max(start, 0.0))
+
+
+def whole(base: Curve) -> tuple[Curve, float, float]:
+    """The curve itself and the stretch of it that `base` is."""
+    if isinstance(base, Part):
+        curve, start, _ = whole(base.whole)
+        return curve, start + base.start, start + base.start + base.length
+    return base, 0.0, base.length
+
+
+@dataclass(frozen=True, slots=True)
+class Chain:
+    """Curves one behind the other, joined without a corner."""
+
+    curves: tuple[Curve, ...]
+    starts: tuple[float, ...]
+    length: float
+
+    def at(self, s: float) -> Pose:
+        """The pose at s."""
+        index = self.index(s)
+        return self.curves[index].at(s - self.starts[index])
+
+    def derivatives(self, s: float) -> Derivatives:
+        """At s."""
+        index = self.index(s)
+        return self.curves[index].derivatives(s - self.starts[index])
+
+    def index(self, s: float) -> int:
+        """Number of the curve s lies on."""
+        low, high = 0, len(self.starts) - 1
+        while low < high:
+            middle = (low + high + 1) // 2
+            low, high = (middle, high) if self.starts[middle] <= s else (low, middle - 1)
+        return low
+
+
+def chain(curves: Sequence[Curve]) -> Chain:
+    """Curves that join with position, orientation, tangent and rate; PathError where they do not."""
+    if not curves:
+        raise PathError("a chain of no curves")
+    starts = [0.0]
+    for number, (left, right) in enumerate(pairwise(curves)):
+        check_join(left, right, number)
+        starts.append(starts[-1] + left.length)
+    return Chain(tuple(curves), tuple(starts), starts[-1] + curves[-1].length)
+
+
+def check_join(left: Curve, right: Curve, number: int = 0) -> None:
+    """PathError unless `right` goes on where and as `left` ends."""
+    end, begin = left.at(left.length), right.at(0.0)
+    if (
+        norm(sub(end.position, begin.position)) > JOIN_M
+        or max(abs(a - b) for a, b in zip(end.rotation, begin.rotation, strict=True)) > JOIN_RAD
+    ):
+        raise PathError(f"curve {number + 1} does not begin where curve {number} ends")
+    out, into = left.derivatives(left.length), right.derivatives(0.0)
+    if norm(sub(out.p1, into.p1)) > JOIN_SLOPE or norm(sub(out.w, into.w)) > JOIN_SLOPE * (1 + norm(out.w)):
+        raise PathError(f"there is a corner between curve {number} and curve {number + 1}")

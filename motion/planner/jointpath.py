@@ -1,0 +1,150 @@
+"""TCP curve + kinematics -> path of the axes: quintic Hermite pieces, halved until they follow the inverse to a tolerance.
+
+Values come from the inverse, slopes from the Jacobian (q' = J^-1 x'), bends from its change along q' (q'' = J^-1 (x'' - J' q')).
+The branch is kept by continuity: every inverse starts from the joints before it, so a path never jumps from one arm
+configuration to another (VAL 3 L5547-5554: a change of configuration cannot be forced on a line).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motion.frames import IDENTITY, Pose
+from motion.kinematics.base import Joints, Kinematics, SingularPose
+from motion.paths.base import Curve, norm, way
+from motion.paths.corner import hermite
+from motion.paths.joints import JointPath, joint_path
+from motion.paths.mounted import Mounted
+from motion.paths.polynomial import Chain, whole
+
+TOLERANCE = 1e-7  # m or rad between path and inverse; 1e-6 is owed
+PROBES = (0.15, 0.35, 0.5, 0.65, 0.85)
+SHORTEST = 1e-6  # of the curve: an interval that has to be halved further does not follow the inverse at all
+JUMP = 0.5  # m or rad between neighbouring knots: another branch
+EPSILON = 1e-5  # rad or m, step for the change of the Jacobian
+
+State = tuple[tuple[float, float, float], ...]  # per column: value, slope, bend
+
+
+class _Knot(NamedTuple):
+    s: float
+    q: Joints
+    state: State
+
+
+def joint_path_of(
+    curve: Curve, kinematics: Kinematics, near: Joints, *, frame: Pose = IDENTITY, tool: Pose = IDENTITY, tolerance: float = TOLERANCE
+) -> JointPath:
+    """Axes along the curve.  near: where the arm stands at its start (chooses the branch).
+
+    Raises what the inverse raises (Unreachable 530, OutOfLimits 531 ..) and SingularPose (540) where the joints would have to
+    jump.
+    """
+    flange = Mounted(curve, frame, tool)
+    knots = [_knot(curve, flange, kinematics, 0.0, near)]
+    edges = _edges(curve)
+    rows: list[list[tuple[float, ...]]] = []
+    for edge in edges[1:]:
+        _follow(curve, flange, kinematics, knots, rows, edge, tolerance)
+    return joint_path([knot.s for knot in knots], rows)
+
+
+def _edges(curve: Curve) -> list[float]:
+    """0, where curves of a chain meet, length."""
+    base, start, end = whole(curve)
+    inner = [s - start for s in base.starts if start < s < end] if isinstance(base, Chain) else []
+    return [0.0, *inner, curve.length]
+
+
+def _follow(
+    curve: Curve,
+    flange: Mounted,
+    kinematics: Kinematics,
+    knots: list[_Knot],
+    rows: list[list[tuple[float, ...]]],
+    edge: float,
+    tolerance: float,
+) -> None:
+    """Intervals up to `edge`, each half as long as the one that failed, and half as long again tried after each that fits."""
+    step = edge - knots[-1].s
+    while knots[-1].s < edge:
+        here = knots[-1]
+        step = min(step, edge - here.s)
+        target = edge if edge - here.s - step < 1e-9 * curve.length else here.s + step
+        there = _knot(curve, flange, kinematics, target, here.q, here.state[-2][0], here.s, here.state[-1][0])
+        columns = [hermite(there.s - here.s, a, b) for a, b in zip(here.state, there.state, strict=True)]
+        if _fits(flange, kinematics, here, there, columns, tolerance):
+            rows.append(columns)
+            knots.append(there)
+            step *= 1.5
+        elif step > SHORTEST * curve.length:
+            step *= 0.5
+        else:
+            raise SingularPose(f"the axes jump at {here.s:.6g} of {curve.length:.6g} on the path")
+
+
+def _fits(flange: Mounted, kinematics: Kinematics, here: _Knot, there: _Knot, columns: list[tuple[float, ...]], tolerance: float) -> bool:
+    """Whether the pieces follow the inverse at the probes."""
+    if max(abs(a - b) for a, b in zip(here.q, there.q, strict=True)) > JUMP:
+        return False
+    h = there.s - here.s
+    for probe in PROBES:
+        u = probe * h
+        guess = tuple(_value(row, u) for row in columns[: kinematics.axes])
+        exact = kinematics.inverse(flange.at(here.s + u), guess)
+        if max(abs(a - b) for a, b in zip(guess, exact, strict=True)) > tolerance:
+            return False
+    return True
+
+
+def _value(row: tuple[float, ...], u: float) -> float:
+    value = 0.0
+    for coefficient in reversed(row):
+        value = value * u + coefficient
+    return value
+
+
+def _knot(
+    curve: Curve,
+    flange: Mounted,
+    kinematics: Kinematics,
+    s: float,
+    near: Joints,
+    passed: float = 0.0,
+    since: float = 0.0,
+    turned: float = 0.0,
+) -> _Knot:
+    q = kinematics.inverse(flange.at(s), near)
+    by_s, tcp = flange.derivatives(s), curve.derivatives(s)
+    first = np.array([*by_s.p1, *by_s.w])
+    second = np.array([*by_s.p2, *by_s.w1])
+    jacobian = kinematics.jacobian(q)
+    q1 = _solved(jacobian, first)
+    largest = float(np.max(np.abs(q1)))
+    if largest > 0.0:
+        e = EPSILON / largest
+        ahead, behind = (kinematics.jacobian([a + k * e * float(b) for a, b in zip(q, q1, strict=True)]) for k in (1, -1))
+        second = second - (ahead - behind) @ q1 / (2 * e)
+    q2 = _solved(jacobian, second)
+    speed, turn = norm(tcp.p1), norm(tcp.w)
+    way_state = (passed + (way(curve, since, s, 4) if s > since else 0.0), speed, _along(tcp.p1, tcp.p2, speed))
+    turn_state = (turned + 0.5 * (s - since) * (turn + norm(curve.derivatives(since).w)), turn, _along(tcp.w, tcp.w1, turn))
+    return _Knot(s, tuple(q), (*((a, float(b), float(c)) for a, b, c in zip(q, q1, q2, strict=True)), way_state, turn_state))
+
+
+def _along(a: tuple[float, float, float], b: tuple[float, float, float], length: float) -> float:
+    return (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / length if length > 0.0 else 0.0
+
+
+def _solved(jacobian: NDArray[np.float64], twist: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Joint rates for a twist; least squares where the robot has not six axes or stands in a singular pose."""
+    if jacobian.shape[1] == 6:
+        try:
+            solution: NDArray[np.float64] = np.linalg.solve(jacobian, twist)
+        except np.linalg.LinAlgError:
+            solution = np.full(6, np.inf)
+        if np.all(np.isfinite(solution)) and float(np.max(np.abs(solution))) < 1e6:
+            return solution
+    least: NDArray[np.float64] = np.linalg.lstsq(jacobian, twist, rcond=1e-9)[0]
+    return least

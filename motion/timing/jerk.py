@@ -1,0 +1,105 @@
+"""Jerk-limited laws along any smooth path, near the time optimum.
+
+The law of the moment, s(t) on an even time grid, is warped by beta(t) = (dt_old / dt_new)^2 > 0.  With the differences of the
+axis positions on that grid (q', q'', q''' by time, what a judge of the set values sees) the rows are
+
+    |q'|^2 beta <= v^2,   |q'' beta + q' beta'/2| <= a,   |(q''' beta + 3/2 q'' beta' + 1/2 q' beta'') sqrt(beta)| <= j
+
+and the time to shorten is sum h / sqrt(beta).  Newton's method on this sum plus a barrier for the rows (relaxed: a parabola
+beyond the limit, so that a law that breaks limits may be the start) needs a five-banded system a step.  After each round the law
+is put on a new even grid, the barrier is lowered, and beta tends to 1: then differences and limits meet as the judge measures them.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motion.paths.joints import JointPath
+from motion.timing import topp
+from motion.timing.interior import Rows, fastest
+from motion.timing.law import Law
+from motion.timing.limits import LawLimits, speed_squares
+
+Array = NDArray[np.float64]
+
+GRID = 1500  # intervals of s for the first guess
+STEP, FEWEST, MOST = 0.7e-3, 300, 3000  # s and number of the intervals in time
+ROUNDS = 6
+WARP = 2.0  # beta lies between 1 / WARP and WARP in one round
+SETTLED = 1e-4  # change of the duration below which no further round is tried
+
+
+def jerk_limited(path: JointPath, limits: LawLimits, start: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Law:
+    """From (s, sdot, sddot) to rest at the end of the path.  MotionError where the path cannot be run at all."""
+    law = _guess(path, limits, start)
+    for _ in range(ROUNDS):
+        law = _improved(path, limits, law)
+    return law
+
+
+def _guess(path: JointPath, limits: LawLimits, start: tuple[float, float, float]) -> Law:
+    """The acceleration-limited law averaged over the time a full ramp takes: breaks limits a little, which the rounds mend."""
+    s = np.linspace(start[0], path.length, GRID + 1)
+    second = topp.solve(path.at(s, 1), path.at(s, 2), float(s[1] - s[0]), limits.at(s)[1], speed_squares(path, s, limits), start[1] ** 2)
+    ramp = _ramp(limits)
+    duration = second.duration + ramp
+    count = int(min(max(duration / STEP, FEWEST), MOST))
+    t = np.linspace(0.0, duration, count + 1)
+    smooth = np.minimum(start[0] + second.smoothed(t, ramp), path.length)
+    smooth[-1] = path.length
+    return Law.sampled(smooth, float(t[1]), start)
+
+
+def _ramp(limits: LawLimits) -> float:
+    """Seconds from no to full acceleration of the slowest column."""
+    finite = np.isfinite(limits.accel) & np.isfinite(limits.jerk)
+    return float(np.max(limits.accel[finite] / limits.jerk[finite])) if np.any(finite) else 0.0
+
+
+def _rows(path: JointPath, limits: LawLimits, law: Law, beta: Array) -> Rows:
+    """What the limits say about beta on the law's grid."""
+    h, known = law.step, beta[:, None]
+    padded = law.padded(2)
+    q = path.at(padded) if law.at_rest else _extended(path, padded)
+    first, second = (q[3:-1] - q[1:-3]) / (2 * h), (q[3:-1] - 2 * q[2:-2] + q[1:-3]) / h**2
+    thirds = np.diff(q, 3, axis=0) / h**3
+    speed, accel, jerk = limits.at(law.s)
+    some = np.any(np.isfinite(limits.speed)[None, :] | np.isfinite(speed), axis=0)
+    none = np.zeros_like(first)
+    blocks = [(none, (first / speed) ** 2, none, 1.0)]
+    a1, a2 = 0.25 * first / accel / h, second / accel
+    blocks += [(-sign * a1, sign * a2, sign * a1, 1.0) for sign in (1.0, -1.0)]
+    side, middle = 0.75 * second / jerk / h, 0.5 * first / jerk / h**2
+    flat, steep = 1.5 / np.sqrt(known), 0.5 / known**1.5  # tangent of 1 / sqrt(beta) at the beta of the round before
+    for third in (thirds[:-1] / jerk, thirds[1:] / jerk):
+        blocks += [(sign * (middle - side), sign * (third - 2 * middle) + steep, sign * (middle + side), flat) for sign in (1.0, -1.0)]
+    minus, centre, plus = (np.concatenate([block[k][:, some] for block in blocks], axis=1) for k in range(3))
+    right = np.concatenate([np.broadcast_to(block[3], first.shape)[:, some] for block in blocks], axis=1)
+    one = np.ones((len(first), 1))
+    minus, plus = (np.concatenate([part, 0 * one], axis=1) for part in (minus, plus))
+    centre = np.concatenate([centre, one], axis=1)
+    right = np.concatenate([right, WARP * known], axis=1)
+    centre[0] += minus[0]
+    centre[-1] += plus[-1]
+    minus[0] = plus[-1] = 0.0
+    return Rows(minus, centre, plus, right)
+
+
+def _extended(path: JointPath, s: Array) -> Array:
+    """Like path.at, and before the path's own start along its tangent."""
+    before = np.minimum(s, 0.0)[:, None]
+    return path.at(s) + before * path.at(np.zeros(1), 1)
+
+
+def _warp(path: JointPath, limits: LawLimits, law: Law, rounds: int) -> Array:
+    """beta on the law's grid."""
+    n = len(law.s)
+    share = np.full(n, 1.0 / (n - 1))
+    share[0] = share[-1] = 0.5 / (n - 1)
+    beta = np.ones(n)
+    value = np.inf
+    for _ in range(rounds):
+        beta = fastest(_rows(path, limits, law, beta), share, beta, 0 if law.at_rest else 2)
+        before, value = value, float(np.sum(share / np.sqrt(beta)))
+        if abs(before - value) < SETTLED * value:
+            break
+    return beta

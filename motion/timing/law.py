@@ -1,0 +1,86 @@
+"""A law s(t): where on the path at which time.  Even time grid, quintic between its points."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Law:
+    """s, speed, accel: (n + 1,) at t = k * step; at rest at the end."""
+
+    s: Array
+    speed: Array
+    accel: Array
+    step: float
+    start: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    @property
+    def duration(self) -> float:
+        """Seconds."""
+        return self.step * (len(self.s) - 1)
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether it begins at rest."""
+        return self.start[1] == 0.0 and self.start[2] == 0.0
+
+    @classmethod
+    def sampled(cls, s: Array, step: float, start: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> "Law":
+        """From positions alone: speed and acceleration are their differences."""
+        law = cls(s, s, s, step, start)
+        p = law.padded(2)
+        speed = (8 * (p[3:-1] - p[1:-3]) - p[4:] + p[:-4]) / (12 * step)
+        accel = (16 * (p[3:-1] + p[1:-3]) - 30 * s - p[4:] - p[:-4]) / (12 * step**2)
+        speed[0], accel[0], speed[-1], accel[-1] = start[1], start[2], 0.0, 0.0
+        return cls(s, speed, accel, step, start)
+
+    def padded(self, count: int) -> Array:
+        """s with `count` points before (rest, or the state it starts from, run back) and behind (rest)."""
+        back = -self.step * np.arange(count, 0, -1)
+        before = self.s[0] + self.start[1] * back + 0.5 * self.start[2] * back**2
+        return np.concatenate([before, self.s, np.full(count, self.s[-1])])
+
+    def warped(self, beta: Array, length: float) -> "Law":
+        """Time runs sqrt(beta) as fast; on an even grid again, with as many points."""
+        root = np.sqrt(beta)
+        times = np.concatenate([[0.0], np.cumsum(2 * self.step / (root[:-1] + root[1:]))])
+        b = np.concatenate([[beta[0]], beta, [beta[-1]]])
+        slope = (b[2:] - b[:-2]) / (2 * self.step)
+        speed, accel = self.speed * root, self.accel * beta + 0.5 * self.speed * slope
+        grid = np.linspace(0.0, float(times[-1]), len(self.s))
+        s = np.clip(_hermite(times, self.s, speed, accel, grid), self.s[0], length)
+        return Law.sampled(s, float(grid[1]), self.start)
+
+    def on_grid(self, count: int) -> "Law":
+        """The same law with `count` intervals."""
+        grid = np.linspace(0.0, self.duration, count + 1)
+        s = _hermite(self.step * np.arange(len(self.s)), self.s, self.speed, self.accel, grid)
+        return Law.sampled(s, float(grid[1]), self.start)
+
+    def at(self, t: Array) -> Array:
+        """s at these times; the ends beyond them."""
+        return _hermite(self.step * np.arange(len(self.s)), self.s, self.speed, self.accel, np.clip(t, 0.0, self.duration))
+
+
+def _hermite(knots: Array, value: Array, slope: Array, bend: Array, at: Array) -> Array:
+    """Quintic Hermite at these places; ends have the slope and bend of rest."""
+    index = np.clip(np.searchsorted(knots, at, side="right") - 1, 0, len(knots) - 2)
+    h = (knots[1:] - knots[:-1])[index]
+    u = (at - knots[index]) / h
+    a, b, c = value[index], slope[index] * h, 0.5 * bend[index] * h * h
+    gap = value[index + 1] - a - b - c
+    lean = slope[index + 1] * h - b - 2 * c
+    curl = bend[index + 1] * h * h - 2 * c
+    return np.asarray(
+        a
+        + u
+        * (
+            b
+            + u
+            * (c + u * ((10 * gap - 4 * lean + 0.5 * curl) + u * ((-15 * gap + 7 * lean - curl) + u * (6 * gap - 3 * lean + 0.5 * curl))))
+        )
+    )

@@ -1,0 +1,68 @@
+"""Limits of a path for its law: one number a column (the axes, then way of the TCP, then its turning), and caps on stretches."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motion.limits import AxisLimits
+from motion.paths.joints import JointPath
+
+Array = NDArray[np.float64]
+FREE = float("inf")
+
+
+@dataclass(frozen=True, slots=True)
+class Cap:
+    """On the stretch start .. end of s a column may not exceed these: block speeds, v_flyby, A factors.  inf: no demand."""
+
+    start: float
+    end: float
+    column: int  # -2: way, -1: turning
+    speed: float = FREE
+    accel: float = FREE
+
+
+@dataclass(frozen=True)
+class LawLimits:
+    """speed, accel, jerk: (axes + 2,); inf where a column has no limit."""
+
+    speed: Array
+    accel: Array
+    jerk: Array
+    caps: tuple[Cap, ...] = ()
+
+    def at(self, s: Array) -> tuple[Array, Array, Array]:
+        """(n, axes + 2) speed, accel, jerk at these s, caps applied."""
+        shape = (len(s), len(self.speed))
+        speed, accel = np.broadcast_to(self.speed, shape).copy(), np.broadcast_to(self.accel, shape).copy()
+        for cap in self.caps:
+            inside = (s >= cap.start) & (s <= cap.end)
+            speed[inside, cap.column] = np.minimum(speed[inside, cap.column], cap.speed)
+            accel[inside, cap.column] = np.minimum(accel[inside, cap.column], cap.accel)
+        return speed, accel, np.broadcast_to(self.jerk, shape)
+
+
+def law_limits(
+    axes: Sequence[AxisLimits],
+    *,
+    speed_factor: float = 1.0,
+    accel_factor: float = 1.0,
+    way: tuple[float, float, float] = (FREE, FREE, FREE),
+    turning: tuple[float, float, float] = (FREE, FREE, FREE),
+    caps: Sequence[Cap] = (),
+) -> LawLimits:
+    """Axis limits with factors (jerk is not scaled, AX-101); way, turning: (speed, acceleration, jerk) in m and rad."""
+    rows = [(axis.speed * speed_factor, axis.accel * accel_factor, axis.jerk) for axis in axes]
+    table = np.array([*rows, way, turning], dtype=np.float64)
+    return LawLimits(table[:, 0], table[:, 1], table[:, 2], tuple(caps))
+
+
+def speed_squares(path: JointPath, s: Array, limits: LawLimits) -> Array:
+    """(n,) largest sdot^2 the speed limits allow."""
+    speed = limits.at(s)[0]
+    first = np.abs(path.at(s, 1))
+    with np.errstate(divide="ignore"):
+        bound = np.where(first > 1e-12, speed / np.maximum(first, 1e-12), np.inf)
+    return np.asarray(np.minimum(np.min(bound, axis=1) ** 2, 1e12))

@@ -1,0 +1,142 @@
+"""Fastest law along a path under limits of speed and acceleration: the TOPP pass of motion.md F, interpolation scheme.
+
+Grid s_i with step h, b = sdot^2, u = sddot.  Rows |q' u + q'' b| <= a at s_i and, with b + 2 h u, at s_(i+1).  Every pair of a
+lower and an upper row gives one bound of b that depends on the path alone: these are taken for all grid points at once in numpy;
+only the few rows against the next point's bound run point by point.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motion.errors import MotionError
+
+Array = NDArray[np.float64]
+BIG = 1e12  # stands for no limit on b
+FLAT = 1e-12  # coefficients of u below it say nothing about u
+
+
+@dataclass(frozen=True)
+class Topp:
+    """b: (n + 1,) sdot^2 on the grid; controllable: the largest b from which the end can still be reached; duration in s."""
+
+    b: Array
+    controllable: Array
+    step: float
+
+    @property
+    def duration(self) -> float:
+        """Seconds from the first to the last grid point."""
+        root = np.sqrt(self.b)
+        return float(np.sum(2 * self.step / (root[:-1] + root[1:])))
+
+    @property
+    def times(self) -> Array:
+        """(n + 1,) s at which each grid point is passed."""
+        root = np.sqrt(self.b)
+        return np.concatenate([[0.0], np.cumsum(2 * self.step / (root[:-1] + root[1:]))])
+
+    def smoothed(self, t: Array, window: float) -> Array:
+        """Grid parameter (from 0) at these times, averaged over the `window` seconds before; at rest before and after."""
+        return np.asarray((self._summed(t) - self._summed(t - window)) / window)
+
+    def _summed(self, t: Array) -> Array:
+        """Integral of the grid parameter over time, from rest at 0: exact, u is constant between grid points."""
+        times, root = self.times, np.sqrt(self.b)
+        u = (self.b[1:] - self.b[:-1]) / (2 * self.step)
+        place = self.step * np.arange(len(u))
+        spans = np.diff(times)
+        whole = np.concatenate([[0.0], np.cumsum(spans * (place + spans * (root[:-1] / 2 + spans * u / 6)))])
+        inside = np.clip(t, 0.0, times[-1])
+        index = np.clip(np.searchsorted(times, inside, side="right") - 1, 0, len(u) - 1)
+        late = inside - times[index]
+        return np.asarray(
+            whole[index]
+            + late * (place[index] + late * (root[index] / 2 + late * u[index] / 6))
+            + np.maximum(t - times[-1], 0.0) * self.step * len(u)
+        )
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """u between low and high: low0 + low1 b <= u <= high0 + high1 b; all (n, 2 m); most: (n,) largest b of the rows alone."""
+
+    low0: Array
+    low1: Array
+    high0: Array
+    high1: Array
+    most: Array
+
+
+def solve(first: Array, second: Array, step: float, accel: Array, most: Array, b_start: float = 0.0, b_end: float = 0.0) -> Topp:
+    """first, second: (n + 1, m) q' and q''; accel: (m,) or (n + 1, m) limits; most: (n + 1,) largest b the speeds allow (see speed_limit).
+
+    Raises MotionError where no law leads from b_start to b_end.
+    """
+    rows = _rows(first, second, step, np.broadcast_to(accel, first.shape))
+    controllable = _backward(rows, np.minimum(most, BIG), step, b_end)
+    if b_start > controllable[0] * (1 + 1e-9) + 1e-15:
+        raise MotionError(f"the path cannot be entered at {b_start**0.5:.6g}: at most {controllable[0] ** 0.5:.6g} can still be braked")
+    return Topp(_forward(rows, controllable, step, b_start), controllable, step)
+
+
+def speed_limit(first: Array, speed: Array) -> Array:
+    """(n,) largest sdot^2: |q' sdot| <= speed in every column; speed: (m,) or (n, m)."""
+    with np.errstate(divide="ignore"):
+        bound = np.where(np.abs(first) > FLAT, np.abs(speed / np.where(first == 0.0, 1.0, first)), np.inf)
+    return np.minimum(np.min(bound, axis=1) ** 2, BIG)
+
+
+def _rows(first: Array, second: Array, h: float, accel: Array) -> _Rows:
+    """Rows at both ends of every interval, solved for u, and what they say about b."""
+    d = np.concatenate([first[:-1], first[1:] + 2 * h * second[1:]], axis=1)
+    c = np.concatenate([second[:-1], second[1:]], axis=1)
+    a = np.concatenate([accel[:-1], accel[1:]], axis=1)
+    a = np.where(np.isfinite(a), a, 1e9)
+    flat = np.abs(d) < FLAT
+    size = np.where(flat, 1.0, np.abs(d))
+    slope = np.where(flat, 0.0, -c / np.where(flat, 1.0, d))
+    width = np.where(flat, BIG, a / size)
+    low0, high0 = -width, width
+    n = d.shape[1]
+    # lower row r against upper row s: low0_r + slope_r b <= high0_s + slope_s b
+    gap = high0[:, None, :] - low0[:, :, None]
+    lean = slope[:, :, None] - slope[:, None, :]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        pairs = np.where(lean > FLAT, gap / lean, BIG).reshape(len(d), n * n).min(axis=1)
+        alone = np.where(flat & (np.abs(c) > FLAT), a / np.abs(c), BIG).min(axis=1)
+        # b at the next point may not become negative: u >= -b / 2h must leave room under every upper row
+        floor = slope + 1 / (2 * h)
+        stays = np.where(floor < -FLAT, high0 / np.maximum(-floor, FLAT), BIG).min(axis=1)
+    return _Rows(low0, slope, high0, slope, np.minimum(np.minimum(pairs, alone), stays))
+
+
+def _backward(rows: _Rows, most: Array, h: float, b_end: float) -> Array:
+    """K_i: the largest b from which some u meets the rows and 0 <= b + 2 h u <= K_(i+1)."""
+    inverse = 1 / (2 * h)
+    tilt = rows.low1 + inverse
+    leaning = tilt > FLAT
+    gain = np.where(leaning, inverse / np.where(leaning, tilt, 1.0), 0.0)
+    base = np.where(leaning, -rows.low0 / np.where(leaning, tilt, 1.0), BIG)
+    limit = np.minimum(most[:-1], rows.most)
+    result = np.empty(len(most))
+    result[-1] = k = min(b_end, float(most[-1]))
+    bounds = limit.tolist()
+    for i in range(len(bounds) - 1, -1, -1):
+        k = max(min(bounds[i], float((gain[i] * k + base[i]).min())), 0.0)
+        result[i] = k
+    return result
+
+
+def _forward(rows: _Rows, controllable: Array, h: float, b_start: float) -> Array:
+    """The largest u at every point."""
+    b = np.empty(len(controllable))
+    b[0] = now = b_start
+    bounds = controllable.tolist()
+    high0, high1 = rows.high0, rows.high1
+    for i in range(len(bounds) - 1):
+        u = float((high0[i] + high1[i] * now).min())
+        now = min(max(now + 2 * h * u, 0.0), bounds[i + 1])
+        b[i + 1] = now
+    return b
