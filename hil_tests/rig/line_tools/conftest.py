@@ -67,6 +67,5 @@ def station(cable: Cable) -> Iterator[Callable[..., None]]:
 
 def axisgate(*words: str, folder: pathlib.Path | None = None, seconds: float = 60) -> "subprocess.CompletedProcess[str]":
     """The command as a user types it."""
-    return subprocess.run(
-        [sys.executable, "-m", "gateway", *words], cwd=folder or ROOT, capture_output=True, text=True, timeout=seconds, check=False
-    )
+    command, environment = [sys.executable, "-m", "gateway", *words], os.environ | {"LC_ALL": "C.UTF-8"}
+    return subprocess.run(command, cwd=folder or ROOT, capture_output=True, text=True, timeout=seconds, check=False, env=environment)
