@@ -4,14 +4,18 @@ A gear, a spindle or an axis direction is the caller's arithmetic: reflect inert
 The defaults are a believable 1.9 kW axis with a resolver of 16384 increments a turn (AX-084); none of them is measured on a machine.
 
 As a plain dict (and so as JSON): {"cycle_ms": 4.0, "seed": 1, "axes": {"1": {field: value, ...}, "3": {}}}; a field that is not named
-has its default, an unknown one is an error.  The keys of "axes" are the modules 1..6 on the bus.
+has its default, an unknown one is an error.  The keys of "axes" are the SERVODYN modules 1..6 on the bus; "nodes" are CiA 402 drives by
+their node numbers 1..127, with the fields of ServoSettings and those of DriveSettings in one table: {"nodes": {"5": {"serial": 17}}}.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, fields
 from math import inf, pi
+from typing import TypeVar
 
 INC_PER_TURN = 16384  # AX-084; P401 "pulses/rotation" 1 = 16384 (rho 3 Releases part 1, L7586)
+
+S = TypeVar("S")
 
 
 class SettingsError(ValueError):
@@ -84,7 +88,7 @@ class ServoSettings:
     winding_trip_c: float = 140.0
 
     def __post_init__(self) -> None:
-        faults = _range_faults(self) + _cross_faults(self)
+        faults = _range_faults(self, RANGES) + _cross_faults(self)
         if faults:
             raise SettingsError(faults)
 
@@ -99,22 +103,50 @@ class ServoSettings:
 
 
 @dataclass(frozen=True, slots=True)
+class DriveSettings:
+    """What a CiA 402 drive has beside its servo: data sheet, SYNC tolerance, answer times, probe inputs, encoder turns."""
+
+    servo: ServoSettings = field(default_factory=ServoSettings)
+    eds: str = "axisgate_402.eds"
+    serial: int = 1  # 1018h:04
+    sync_tolerance_us: float | None = None  # phase error a SYNC may have; None: a quarter of its period (AX-287)
+    sync_faults: int = 3  # SYNCs outside the tolerance in a row that raise 8700h; 0: never
+    tpdo_delay_us: float = 0.0  # from SYNC to the TPDOs
+    tpdo_spread_us: float = 0.0  # up to this much later, different every time, from the seed
+    probe_1_from_rad: float = -inf  # probe input actuated between the two; from = to = -inf: never
+    probe_1_to_rad: float = -inf
+    probe_2_from_rad: float = -inf
+    probe_2_to_rad: float = -inf
+    multiturn_turns: int = 0  # encoder turns kept without power; 0: one turn only, as a resolver
+    dc_link_v: float = 560.0
+
+    def __post_init__(self) -> None:
+        faults = _range_faults(self, DRIVE_RANGES)
+        if faults:
+            raise SettingsError(faults)
+
+
+@dataclass(frozen=True, slots=True)
 class BusSettings:
-    """The drives of one bus."""
+    """The drives of one bus: SERVODYN modules, CiA 402 nodes, or both."""
 
     cycle_ms: float = 4.0  # P5: nominal SYNC period; supervision is 2 x P5 (AX-001, AX-081)
     seed: int = 1
     axes: Mapping[int, ServoSettings] = field(default_factory=lambda: {module: ServoSettings() for module in range(1, 7)})
+    nodes: Mapping[int, DriveSettings] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         faults = _bound("cycle_ms", self.cycle_ms, Range("ms", 1.0, 32.0, "P5 of a CAN bus is 2..32 ms"))
         faults += _bound("seed", self.seed, Range("", 0, 2**31 - 1, "a whole number"))
         faults += [f"axes: module {module} is outside 1..6" for module in self.axes if not 1 <= module <= 6]
-        if not self.axes:
+        faults += [f"nodes: node {node} is outside 1..127" for node in self.nodes if not 1 <= node <= 127]
+        if not self.axes and not self.nodes:
             faults.append("axes: empty; name at least one module 1..6")
         if faults:
             raise SettingsError(faults)
 
+
+F = TypeVar("F", ServoSettings, DriveSettings)
 
 RANGES: Mapping[str, Range] = {
     "motor_inertia_kgm2": Range("kg m2", 1e-6, 10.0, "data sheet of the motor, rotor inertia"),
@@ -161,6 +193,20 @@ RANGES: Mapping[str, Range] = {
     "winding_trip_c": Range("deg C", 0.0, 300.0, ""),
 }
 
+DRIVE_RANGES: Mapping[str, Range] = {
+    "serial": Range("", 0, 2**32 - 1, "1018h:04"),
+    "sync_tolerance_us": Range("us", 1.0, 1e6, "leave out: a quarter of the SYNC period"),
+    "sync_faults": Range("", 0, 255, "0: never a fault"),
+    "tpdo_delay_us": Range("us", 0.0, 1e6, "from SYNC to the TPDOs"),
+    "tpdo_spread_us": Range("us", 0.0, 1e6, ""),
+    "probe_1_from_rad": Range("rad", -inf, inf, "at the motor shaft"),
+    "probe_1_to_rad": Range("rad", -inf, inf, "at the motor shaft"),
+    "probe_2_from_rad": Range("rad", -inf, inf, "at the motor shaft"),
+    "probe_2_to_rad": Range("rad", -inf, inf, "at the motor shaft"),
+    "multiturn_turns": Range("", 0, 65536, "4096 for a 12-bit multi-turn encoder"),
+    "dc_link_v": Range("V", 10.0, 2000.0, ""),
+}
+
 
 def to_dict(settings: BusSettings) -> dict[str, object]:
     """Plain dict for JSON; infinite limits become None."""
@@ -168,30 +214,50 @@ def to_dict(settings: BusSettings) -> dict[str, object]:
     for module, axis in sorted(settings.axes.items()):
         values: dict[str, object] = asdict(axis)
         axes[str(module)] = {name: None if value in (inf, -inf) else value for name, value in values.items()}
-    return {"cycle_ms": settings.cycle_ms, "seed": settings.seed, "axes": axes}
+    whole: dict[str, object] = {"cycle_ms": settings.cycle_ms, "seed": settings.seed, "axes": axes}
+    if settings.nodes:
+        whole["nodes"] = {str(node): _drive_dict(drive) for node, drive in sorted(settings.nodes.items())}
+    return whole
+
+
+def _drive_dict(drive: DriveSettings) -> dict[str, object]:
+    """One table of both classes' fields."""
+    values: dict[str, object] = asdict(drive)
+    values.pop("servo")
+    values |= asdict(drive.servo)
+    return {name: None if value in (inf, -inf) else value for name, value in values.items()}
 
 
 def from_dict(data: Mapping[str, object]) -> BusSettings:
     """The settings a plain dict names.  Raises SettingsError with every fault found, not only the first."""
-    faults = [f"{name}: unknown; known are cycle_ms, seed, axes" for name in data if name not in ("cycle_ms", "seed", "axes")]
-    raw_axes, cycle, seed = data.get("axes", {}), data.get("cycle_ms", 4.0), data.get("seed", 1)
-    axes: dict[int, ServoSettings] = {}
-    if not isinstance(raw_axes, Mapping):
-        raise SettingsError([*faults, "axes: expected a table of modules '1'..'6'"])
-    for name, raw in raw_axes.items():
-        try:
-            axes[int(str(name))] = axis_from_dict(raw)
-        except SettingsError as error:
-            faults += [f"axes.{name}.{fault}" for fault in error.faults]
-        except ValueError:
-            faults.append(f"axes.{name}: the module is a number 1..6")
+    known = ("cycle_ms", "seed", "axes", "nodes")
+    faults = [f"{name}: unknown; known are {', '.join(known)}" for name in data if name not in known]
+    cycle, seed = data.get("cycle_ms", 4.0), data.get("seed", 1)
+    axes: dict[int, ServoSettings] = _each(data.get("axes", {}), "axes", "the module is a number 1..6", axis_from_dict, faults)
+    nodes: dict[int, DriveSettings] = _each(data.get("nodes", {}), "nodes", "the node is a number 1..127", drive_from_dict, faults)
     if not isinstance(cycle, int | float) or isinstance(cycle, bool):
         faults.append(f"cycle_ms: {cycle!r} is no number; range 1..32 ms")
     if not isinstance(seed, int) or isinstance(seed, bool):
         faults.append(f"seed: {seed!r} is no whole number")
     if faults or not isinstance(cycle, int | float) or not isinstance(seed, int):
         raise SettingsError(faults)
-    return BusSettings(float(cycle), seed, axes)
+    return BusSettings(float(cycle), seed, axes, nodes)
+
+
+def _each(raw: object, table: str, hint: str, read: Callable[[object], S], faults: list[str]) -> dict[int, S]:
+    """The numbered entries of a table; what is wrong is added to `faults`."""
+    found: dict[int, S] = {}
+    if not isinstance(raw, Mapping):
+        faults.append(f"{table}: expected a table of numbers")
+        return found
+    for name, values in raw.items():
+        try:
+            found[int(str(name))] = read(values)
+        except SettingsError as error:
+            faults += [f"{table}.{name}.{fault}" for fault in error.faults]
+        except ValueError:
+            faults.append(f"{table}.{name}: {hint}")
+    return found
 
 
 def axis_from_dict(raw: object) -> ServoSettings:
@@ -199,31 +265,55 @@ def axis_from_dict(raw: object) -> ServoSettings:
     if not isinstance(raw, Mapping):
         raise SettingsError(["expected a table of settings"])
     known = {item.name: item.default for item in fields(ServoSettings)}
+    return _filled(ServoSettings(), _checked(raw, known))
+
+
+def drive_from_dict(raw: object) -> DriveSettings:
+    """One CiA 402 drive: the fields of its servo and its own in one table."""
+    if not isinstance(raw, Mapping):
+        raise SettingsError(["expected a table of settings"])
+    own = {item.name: item.default for item in fields(DriveSettings) if item.name != "servo"}
+    servo = axis_from_dict({name: value for name, value in raw.items() if name not in own})
+    values = _checked({name: value for name, value in raw.items() if name in own}, own)
+    drive = DriveSettings(servo)
+    return _filled(drive, values)
+
+
+def _checked(raw: Mapping[object, object], known: Mapping[str, object]) -> dict[str, object]:
+    """Names and kinds by the defaults; raises SettingsError."""
     faults = [f"{name}: unknown setting" for name in raw if name not in known]
-    values: dict[str, float] = {}
-    for name, value in raw.items():
+    values: dict[str, object] = {}
+    for key, value in raw.items():
+        name = str(key)
         if name not in known or value is None:
             continue
-        if not isinstance(value, int | float) or isinstance(value, bool) is not isinstance(known[name], bool):
-            faults.append(
-                f"{name}: {value!r} has the wrong type; expected {'true or false' if isinstance(known[name], bool) else 'a number'}"
-            )
-        elif name.endswith("_inc") and not isinstance(value, int):
-            faults.append(f"{name}: {value!r} is no whole number of increments")
+        default = known[name]
+        if isinstance(default, str):
+            wrong = not isinstance(value, str)
+        else:
+            wrong = not isinstance(value, int | float) or isinstance(value, bool) is not isinstance(default, bool)
+        if wrong:
+            kind = "true or false" if isinstance(default, bool) else "a text" if isinstance(default, str) else "a number"
+            faults.append(f"{name}: {value!r} has the wrong type; expected {kind}")
+        elif not isinstance(value, int | str) and (name.endswith("_inc") or (isinstance(default, int) and not isinstance(default, bool))):
+            faults.append(f"{name}: {value!r} is no whole number{' of increments' if name.endswith('_inc') else ''}")
         else:
             values[name] = value
     if faults:
         raise SettingsError(faults)
-    settings = ServoSettings()
+    return values
+
+
+def _filled(settings: F, values: Mapping[str, object]) -> F:
     for name, value in values.items():
         object.__setattr__(settings, name, value)  # frozen for its users; names and kinds were checked one by one above
     settings.__post_init__()
     return settings
 
 
-def _range_faults(settings: ServoSettings) -> list[str]:
+def _range_faults(settings: ServoSettings | DriveSettings, ranges: Mapping[str, Range]) -> list[str]:
     faults: list[str] = []
-    for name, allowed in RANGES.items():
+    for name, allowed in ranges.items():
         value = getattr(settings, name)
         if value is not None:
             faults += _bound(name, value, allowed)

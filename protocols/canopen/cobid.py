@@ -1,4 +1,4 @@
-"""Which identifier carries what.  Source: CiA 301 (version 4.2), 7.3.5 predefined connection set and restricted CAN-IDs; CiA 305 for LSS."""
+"""Which identifier carries what.  Source: CiA 301 (4.2), 7.3.5 predefined connection set and restricted CAN-IDs; CiA 305 for LSS."""
 
 NMT, SYNC, TIME = 0x000, 0x080, 0x100
 LSS_MASTER, LSS_SLAVE = 0x7E5, 0x7E4  # what the LSS master says, what the slaves answer
@@ -13,7 +13,7 @@ ID_BITS = 0x7FF
 
 REMOTE = 1 << 30  # mark on Frame.identifier of a remote frame, as in struct can_frame; ports that pass remote frames set it
 
-RESTRICTED = ((0x000, 0x000), (0x001, 0x07F), (0x101, 0x180), (0x581, 0x5FF), (0x601, 0x67F), (0x6E0, 0x6FF), (0x701, 0x77F), (0x780, 0x7FF))
+RESTRICTED = ((0x000, 0x07F), (0x101, 0x180), (0x581, 0x5FF), (0x601, 0x67F), (0x6E0, 0x6FF), (0x701, 0x77F), (0x780, 0x7FF))
 
 
 def emcy(node: int) -> int:

@@ -1,4 +1,4 @@
-"""Electronic data sheets (EDS) and device configurations (DCF), read tolerantly: every fault is named with its line, nothing is guessed in silence.
+"""Electronic data sheets (EDS) and device configurations (DCF), read tolerantly: every fault is named with its line.
 
 Source: CiA 306-1.  A file is never refused: what cannot be used is left out, and `Fault.taken` says so.
 """
@@ -184,7 +184,8 @@ class _Reader:
             low = high = None
         entry = Entry(index, sub, name, kind, self._access(section), default, relative, low, high, self._mappable(section))
         if default is not None and not relative and fits(entry, default):
-            self._fault(section.line_of("defaultvalue"), section.name, f"DefaultValue {default} is outside {low}..{high}", "taken all the same")
+            text = f"DefaultValue {default!r} is outside {low}..{high}"
+            self._fault(section.line_of("defaultvalue"), section.name, text, "taken all the same")
         return replace(entry, parameter=parameter, parameter_relative=moved)
 
     # -- fields ---------------------------------------------------------------------------------

@@ -1,6 +1,6 @@
 """PDOs: mapping words, transmission types, where their parameters stand.  Source: CiA 301, 7.5.2.35..7.5.2.38."""
 
-from typing import NamedTuple
+from dataclasses import dataclass
 
 MOST_BITS = 64
 MOST_ENTRIES = 64  # sub-indexes 1..64 of a mapping object
@@ -13,7 +13,8 @@ RTR_SYNC, RTR_EVENT = 252, 253  # sampled with SYNC, at once; sent when asked fo
 EVENT_MANUFACTURER, EVENT_PROFILE = 254, 255
 
 
-class Mapped(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Mapped:
     """One entry of a mapping object."""
 
     index: int

@@ -6,8 +6,8 @@ All messages have 8 bytes.  The functions make whole messages; who asks and who 
 import struct
 from binascii import crc_hqx
 from collections.abc import Mapping
+from dataclasses import dataclass
 from enum import IntEnum
-from typing import NamedTuple
 
 from protocols.canopen.dictionary import Key
 
@@ -113,7 +113,8 @@ BLOCK_END = 0x01  # BLOCK_DOWNLOAD of a client, BLOCK_UPLOAD of a server: end (e
 FINAL_SEGMENT = 0x80  # of a block: no more segments
 
 
-class Aborted(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Aborted:
     index: int
     sub: int
     code: int

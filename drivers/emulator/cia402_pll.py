@@ -1,0 +1,59 @@
+"""How a drive judges SYNC: a phase-locked loop with a tolerance, and a time-out.
+
+Real drives permit from 50 us of jitter (Parker Compax3 manual, p. 323) to a missing SYNC now and then; here both are parameters (AX-287).
+"""
+
+from protocols.base.machine import Ns
+
+LOCK_COUNT = 5  # SYNCs until the loop judges
+GAIN_SHIFT = 2  # a quarter of the phase error is taken over at each SYNC
+
+
+class SyncWatch:
+    """Phase error of each SYNC against the drive's own grid; `period` is what the drive was told."""
+
+    def __init__(self, period: Ns) -> None:
+        self.period = period
+        self.tolerance: Ns = period // 4
+        self.error: Ns = 0
+        self.worst: Ns = 0
+        self.outside = self.in_a_row = self.missing = 0
+        self._seen = 0
+        self._grid: Ns = 0
+
+    @property
+    def locked(self) -> bool:
+        return self._seen >= LOCK_COUNT
+
+    @property
+    def time_out(self) -> Ns:
+        """One SYNC may be missing, with jitter (as AX-081)."""
+        return 2 * self.period + self.period // 4
+
+    def unlock(self) -> None:
+        self._seen = self.in_a_row = 0
+
+    def clear(self) -> None:
+        self.worst = self.outside = self.missing = 0
+
+    def heard(self, stamp: Ns) -> None:
+        """A SYNC; `error` and `in_a_row` tell how it was."""
+        if self._seen == 0:
+            self._grid, self._seen = stamp, 1
+            return
+        cycles = max(1, (stamp - self._grid + self.period // 2) // self.period)
+        expected = self._grid + cycles * self.period
+        error = self.error = stamp - expected
+        self._grid = expected + (error >> GAIN_SHIFT)
+        if self._seen < LOCK_COUNT:
+            self._grid, self._seen = stamp, self._seen + 1
+            return
+        self.missing += cycles - 1
+        size = error if error >= 0 else -error
+        if size > self.worst:
+            self.worst = size
+        if size > self.tolerance:
+            self.outside += 1
+            self.in_a_row += 1
+        else:
+            self.in_a_row = 0
