@@ -57,7 +57,7 @@ def limits_of(axis: Axis) -> AxisLimits:
 
 
 def reference_of(axis: Axis, scaling: Scaling) -> ReferenceSettings | DriveHoming | None:
-    """Referencing by the gateway, mode 0, or by the drive; None where the axis needs none."""
+    """Referencing by the gateway, modes 0 to 3, or by the drive; None where the axis needs none."""
     home = axis.home
     if home.by == "drive":
         return DriveHoming(to_si(home.position + home.offset, axis.unit))
@@ -80,6 +80,7 @@ def reference_of(axis: Axis, scaling: Scaling) -> ReferenceSettings | DriveHomin
         offset=si(home.offset),
         way=si(limits.max - limits.min) * 1.2,
         timeout_s=home.timeout_s,
+        mode=home.mode,
     )
 
 

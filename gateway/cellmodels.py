@@ -240,6 +240,7 @@ class Bus(Table):
     layout_evidence: str = ""
     axes: str = Field(default="", pattern=r"^([1-6](\.\.[1-6])?)?$", json_schema_extra={"allowed": '"1..6"'})
     on_loss: Literal["zero", "hold"] = "zero"
+    coupling_ms: int = Field(default=300, ge=0, le=60000, json_schema_extra=unit("ms"))
 
 
 class Drive(Table):

@@ -3,7 +3,7 @@
 from drivers.drives.family import BusFamily
 from gateway.cell import Bus, Cell
 
-DRIVE_PROTOCOLS = ("servodyn", "canopen")  # buses the cycle owns
+DRIVE_PROTOCOLS = ("servodyn", "canopen", "rho3-io")  # buses the cycle owns
 MISSED = 3  # heartbeats of the gateway that may stay away (AX-303)
 
 
@@ -16,9 +16,13 @@ def make_family(cell: Cell, bus: Bus, p5_ms: int) -> BusFamily:
         nodes = [(n, axis.drive.node) for n, axis in on_it if axis.drive.node is not None]
         beat = max(1, bus.heartbeat_ms // p5_ms)
         return Cia402Family(nodes, beat, (MISSED + 1) * bus.heartbeat_ms // p5_ms + 1)
+    from gateway.rho3_buses import IO_PROTOCOL, with_rho3
+
+    if bus.protocol == IO_PROTOCOL:
+        return with_rho3(cell, bus, None)
     from drivers.drives.servodyn_family import ServodynFamily
     from gateway.dbcfile import load_servodyn
     from gateway.files import beside
 
     modules = [(n, axis.drive.module) for n, axis in on_it if axis.drive.module is not None]
-    return ServodynFamily(load_servodyn(beside(cell.file, bus.layout, "drives")), modules)
+    return with_rho3(cell, bus, ServodynFamily(load_servodyn(beside(cell.file, bus.layout, "drives")), modules))

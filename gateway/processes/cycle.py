@@ -36,6 +36,7 @@ from gateway.pure.records import (
     unpack_inputs,
     unpack_order,
 )
+from gateway.pure.rho3can.family import RhoFamily
 from gateway.realtime import die_with_parent, go_realtime, sleep_until
 from protocols.base.errors import DecodeError
 from protocols.base.machine import Frame
@@ -155,6 +156,7 @@ class Cycle:
             finish_without_services=cell.cell.on_services_loss == "finish_move",
         )
         self.buses = [BusLink(plan.buses[bus.name], make_family(cell, bus, plan.p5_ms)) for bus in drive_buses]
+        self.with_io = [(bus, bus.family) for bus in self.buses if isinstance(bus.family, RhoFamily)]
         self.inputs = RegionReader(fds["rc_in"], "rc_in")
         self.links = RegionReader(fds["links"], "links")
         self.orders = RingReader(fds["orders"], "orders")
@@ -197,9 +199,12 @@ class Cycle:
             core.state.late += bus.receive(actuals, late=True)
         if self.acyclic.published != self.acyclic.position:
             self._take_acyclic()
+        for bus, family in self.with_io:
+            for said in (*family.exchange(self._inputs(), core.outputs, now, up=bus.port is not None), *family.take_news()):
+                print(f"{bus.url}: {said}", flush=True)
         up = [bus for bus in self.buses if bus.send(now)]
         sent = time.monotonic_ns()
-        if len(up) < len(self.buses):
+        if any(bus not in up for bus in self.buses if not (isinstance(bus.family, RhoFamily) and bus.family.drives is None)):
             core.drives_lost()
         missing = self._collect(up, actuals, due + patience_ns(self.period_ns))
         got = time.monotonic_ns()

@@ -1,0 +1,110 @@
+"""A bus of the rho 3 as the cycle sees it: drives, digital I/O blocks and the parameter download in one language (AX-270).
+
+Wraps the family of the drives, or stands alone on a bus with I/O only.  Outputs leave behind the set values, then at most one parameter
+request; what comes in goes to whom it belongs.
+"""
+
+from collections.abc import Mapping, Sequence
+
+from drivers.drives.family import BusFamily, Heard, SetRecord
+from drivers.drives.servodyn_download import Download, DownloadState
+from gateway.pure.records import InputImage, Quality
+from gateway.pure.rho3can.blocks import IoBus
+from gateway.pure.rho3can.messages import IoError
+from protocols.base.errors import DecodeError
+from protocols.base.machine import Frame, Ns
+from protocols.servodyn.codec import SYNC
+from protocols.servodyn.parameters import SLOT_OF_ANSWER, Answer, decode_answer, encode_request
+
+
+class RhoFamily:
+    """A BusFamily.  `exchange` once per cycle, before the burst: what the last SYNC asked for has come by then."""
+
+    def __init__(self, io: IoBus | None, drives: BusFamily | None = None, downloads: Mapping[int, Download] | None = None) -> None:
+        """`downloads`: module on this bus -> its parameters."""
+        self.io, self.drives = io, drives
+        self.aside: list[Frame] = [] if drives is None else drives.aside
+        self._downloads = dict(downloads or {})
+        self._told: set[int] = set()
+        self._answer: Answer | None = None
+        self._mine = frozenset(block.identifier for block in (*io.settings.inputs, *io.settings.outputs)) if io else frozenset[int]()
+        self._outputs = bytearray(128)
+        self._errors: list[IoError] = []
+        self._now: Ns = 0
+
+    @property
+    def expected(self) -> int:
+        """Modules of inputs are not waited for: they are judged by cycles."""
+        return self.drives.expected if self.drives else 0
+
+    def burst(self, values: Sequence[SetRecord]) -> list[Frame]:
+        """Set values and SYNC of the drives (a coupling bus has none), output blocks, one parameter request."""
+        alone = [] if self.io is not None and self.io.coupled else [SYNC]
+        frames = alone if self.drives is None else self.drives.burst(values)
+        return [*frames, *(self.io.frames(self._outputs) if self.io else ()), *self._request()]
+
+    def hear(self, frame: Frame) -> Heard | None:
+        """Raises DecodeError for a frame this bus does not have."""
+        if self.io is not None and frame.identifier in self._mine:
+            self._errors += self.io.receive(frame, self._now)
+            return None
+        if frame.identifier in SLOT_OF_ANSWER and self._downloads:
+            slot, answer = decode_answer(frame)
+            if slot == next(iter(self._downloads)):
+                self._answer = answer
+            return None
+        if self.drives is None:
+            raise DecodeError(f"identifier {frame.identifier} is on no list of this bus")
+        return self.drives.hear(frame)
+
+    def exchange(self, image: InputImage, inputs: bytearray, now: Ns, *, up: bool) -> list[str]:
+        """PIC outputs from `image` (bytes nobody vouches for are 0), PIC inputs into `inputs`; what a person should read.
+
+        `up`: the bus is there.
+        """
+        io, self._now = self.io, now
+        if io is None:
+            return []
+        for block in io.settings.outputs:
+            for byte in block.span:
+                self._outputs[byte] = image.values[byte] if image.quality[byte] != Quality.BAD else 0
+        found = [*self._errors, *io.cycle(now), *io.sent(len(io.settings.outputs) if up else 0)]
+        self._errors = []
+        for block in io.settings.inputs:
+            inputs[block.start : block.span.stop] = io.image[block.start : block.span.stop]
+        return [str(error) for error in found]
+
+    def take_news(self) -> list[str]:
+        """Downloads that ended since the last call, in words."""
+        ended = [(slot, run) for slot, run in self._downloads.items() if run.state is not DownloadState.RUNNING]
+        for slot, _ in ended:
+            del self._downloads[slot]
+        return [_words(slot, run) for slot, run in ended]
+
+    def release(self, node: int, mode: int) -> None:
+        if self.drives is not None:
+            self.drives.release(node, mode)
+
+    def hold(self, node: int) -> None:
+        if self.drives is not None:
+            self.drives.hold(node)
+
+    def began(self, now: Ns) -> None:
+        self._now = now
+        if self.drives is not None:
+            self.drives.began(now)
+
+    def _request(self) -> list[Frame]:
+        """The first drive whose download is not over; the others wait their turn."""
+        for slot, run in self._downloads.items():
+            answer, self._answer = self._answer, None
+            request = run.step(answer)
+            return [] if request is None else [encode_request(slot, request)]
+        return []
+
+
+def _words(slot: int, run: Download) -> str:
+    if run.error is None:
+        return f"module {slot}: {len(run.taken)} parameters taken"
+    number = f"{run.error.number} " if run.error.number else ""
+    return f"module {slot}: parameters not taken: {number}{run.error.english}"
