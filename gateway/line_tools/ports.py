@@ -42,6 +42,8 @@ def open_port(url: str, line_format: str = "9600 8E1") -> ToolPort:
 
 def _of_a_run(url: str) -> str:
     """`line:demo-plc1`: the PLC's end of the simulated cable of a run that is up; `line:demo-plc1-b` the other."""
+    if sys.platform != "linux":
+        raise PortError(0, f"port {url}: runs, and so their simulated cables, are on Linux only; sim:NAME works here")
     name = url.removeprefix("line:")
     return f"pty:{runtime_dir() / (name if name.endswith(('-a', '-b')) else f'{name}-a')}"
 
