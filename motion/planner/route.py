@@ -27,6 +27,7 @@ from motion.planner.legs import Leg, base_pose, check_numbers, make_leg, tcp, to
 from motion.planner.robot import Machine
 from motion.program.blocks import Block, Interpolation, Rounding, Slope
 from motion.program.passing import passed
+from motion.program.slopes import Ramped, earliest, frozen, overlap, ramped
 
 EMPTY = 1e-9  # of a block: less is nothing left to run
 SMALLEST = 1e-7  # m or rad: a smaller corner is none
@@ -237,6 +238,8 @@ class Route:
             self._run_out(last)
             return 0.0
         leave, reach = self._ranges(last, leg)
+        if block_slope:
+            return self._join_slopes(last, leg, leave)
         tail_known = self._now.known
         if min(leave, reach) <= SMALLEST or last.length - leave < tail_known - EMPTY * last.length:
             self._run_out(last)
@@ -249,6 +252,31 @@ class Route:
         shares = (1.0 - leave / last.length, reach / leg.length)
         self._put(Stretch(rounded, last.number, Kind.CORNER, last.block, shares, leg.block, way=last.length))
         return reach
+
+    def _join_slopes(self, last: Leg, leg: Leg, leave: float) -> float:
+        """Block slope: the next block starts while this one still brakes, and both are added (motion.program.slopes)."""
+        limits = self._machine.limits
+        before, after = (self._ramped(one) for one in (last, leg))
+        found = overlap(before, after, earliest(before, leave), limits) if leave > SMALLEST else None
+        curve = frozen(before, after, found) if found is not None else None
+        if found is None or curve is None or last.length - found.leave < self._now.known - EMPTY * last.length:
+            self._run_out(last)
+            return 0.0
+        self._main(last, last.length - found.leave)
+        shares = (1.0 - found.leave / last.length, found.reach / leg.length)
+        self._put(Stretch(curve, last.number, Kind.CORNER, last.block, shares, leg.block, way=last.length))
+        return found.reach
+
+    def _ramped(self, leg: Leg) -> Ramped:
+        pace = leg.block.pace
+        path = leg.path or self._axes_of(leg, 0.0, leg.length, leg.start)
+        return ramped(
+            path,
+            self._machine.limits,
+            speed=min(pace.speed, 1.0),
+            accel=min(pace.accel, pace.decel, 1.0),
+            path_speed=pace.path_speed or math.inf,
+        )
 
     def _leave(self, leg: Leg) -> float:
         """The most its corner can take of a leg, known without the next block; 0: it runs to its end and stops."""

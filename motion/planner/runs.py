@@ -1,0 +1,138 @@
+"""Stretches between two rests -> one path with its limits: what a time law is made from."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import math
+import numpy as np
+
+from motion.paths.joints import JointPath, joined
+from motion.planner.robot import Machine
+from motion.planner.route import Kind, Stretch
+from motion.program.blocks import Block, Interpolation
+from motion.program.factors import FULL, Factors
+from motion.timing.limits import FREE, Cap, LawLimits, law_limits
+
+WAY, TURNING = -2, -1
+FLYBY_STEPS = 8  # of the speed along a corner with v_flyby
+
+
+@dataclass(frozen=True)
+class Run:
+    """A path from rest to rest.  starts: s at which each stretch begins; limits hold over the whole run."""
+
+    path: JointPath
+    stretches: tuple[Stretch, ...]
+    starts: tuple[float, ...]
+    limits: LawLimits
+
+    def place(self, s: float) -> tuple[int, float]:
+        """(block, share of its way that is made) at s; within a corner the block changes in the middle."""
+        index = max(int(np.searchsorted(self.starts, s, side="right")) - 1, 0)
+        return progress(self.stretches[index], s - self.starts[index])
+
+
+def progress(stretch: Stretch, u: float) -> tuple[int, float]:
+    """(block, share of its way that is made) u after the start of a stretch.
+
+    The share is that of the programmed way: in the first half of a corner it goes on to 1, in the second half it comes from 0 to
+    where the next block is joined (AX-414).
+    """
+    part = min(max(u / stretch.path.length, 0.0), 1.0)
+    begin, end = stretch.share
+    if stretch.kind is Kind.MAIN:
+        return stretch.block, begin + (end - begin) * part
+    if part < 0.5:
+        return stretch.block, begin + (1.0 - begin) * 2 * part
+    return stretch.block + 1, end * (2 * part - 1)
+
+
+def runs(stretches: Iterable[Stretch], machine: Machine, factors: Factors = FULL) -> list[Run]:
+    """Whole runs in their order; a last one that does not stop is left out."""
+    found: list[Run] = []
+    row: list[Stretch] = []
+    for stretch in stretches:
+        row.append(stretch)
+        if stretch.stop:
+            found.append(make_run(row, machine, factors))
+            row = []
+    return found
+
+
+def make_run(row: Sequence[Stretch], machine: Machine, factors: Factors = FULL) -> Run:
+    """One run of these stretches."""
+    starts = [0.0]
+    for stretch in row:
+        starts.append(starts[-1] + stretch.path.length)
+    caps = [cap for stretch, start in zip(row, starts, strict=False) for cap in caps_of(stretch, start, machine, factors)]
+    limits = law_limits(
+        machine.limits,
+        way=(machine.path_speed, machine.path_accel, FREE),
+        turning=(machine.turn_speed, machine.turn_accel, FREE),
+        caps=caps,
+    )
+    return Run(joined([stretch.path for stretch in row]), tuple(row), tuple(starts[:-1]), limits)
+
+
+def caps_of(stretch: Stretch, start: float, machine: Machine, factors: Factors) -> list[Cap]:
+    """What the pace of its block demands of a stretch; in a corner the slower of both blocks, unless v_flyby says otherwise."""
+    end = start + stretch.path.length
+    found = _block_caps(stretch, stretch.source, start, end, machine, factors)
+    if stretch.following is not None:
+        middle = 0.5 * (start + end)
+        if stretch.source.blend.flyby is not None and _both_speeds(stretch) is not None:
+            found = [cap for cap in found if cap.column != WAY or not math.isfinite(cap.speed)]
+            found += _flyby(stretch, start, end, factors)
+            found += [cap for cap in _block_caps(stretch, stretch.following, middle, end, machine, factors) if cap.column != WAY]
+        else:
+            found += _block_caps(stretch, stretch.following, middle, end, machine, factors)
+    return found
+
+
+def _block_caps(stretch: Stretch, block: Block, start: float, end: float, machine: Machine, factors: Factors) -> list[Cap]:
+    pace, caps = block.pace, []
+    accel = min(pace.accel * factors.acceleration, pace.decel * factors.deceleration)
+    lead = _lead(stretch, block)
+    for n, axis in enumerate(machine.limits):
+        speed = pace.speed * factors.velocity if lead is None or lead == n else factors.velocity
+        if speed < 1.0 or accel < 1.0:
+            caps.append(Cap(start, end, n, axis.speed * min(speed, 1.0), axis.accel * min(accel, 1.0)))
+    path_accel = min(pace.path_accel or FREE, pace.path_decel or FREE) * min(factors.acceleration, factors.deceleration)
+    if pace.path_speed is not None or math.isfinite(path_accel):
+        caps.append(Cap(start, end, WAY, (pace.path_speed or FREE) * factors.velocity, path_accel))
+    if pace.turn_speed is not None:
+        caps.append(Cap(start, end, TURNING, pace.turn_speed * factors.velocity))
+    return caps
+
+
+def _lead(stretch: Stretch, block: Block) -> int | None:
+    """Reis PTP: the axis with the largest travel goes at the programmed share, the others only have to keep up (L350-352)."""
+    if not block.pace.lead or block.kind is not Interpolation.PTP:
+        return None
+    travel = np.abs(stretch.path.at(np.zeros(1), 1)[0, : stretch.path.axes])
+    return int(np.argmax(travel))
+
+
+def _both_speeds(stretch: Stretch) -> tuple[float, float] | None:
+    following = stretch.following
+    if following is None or Interpolation.PTP in (stretch.source.kind, following.kind):
+        return None
+    one, two = stretch.source.pace.path_speed, following.pace.path_speed
+    return None if one is None or two is None else (one, two)
+
+
+def _flyby(stretch: Stretch, start: float, end: float, factors: Factors) -> list[Cap]:
+    """Reis: (v1 + v2) / 2 * _IV_FLYBY_S / 100 in the middle of the corner, straight to the speeds of both blocks at its ends."""
+    both, share = _both_speeds(stretch), stretch.source.blend.flyby
+    assert both is not None and share is not None
+    middle = max(0.5 * (both[0] + both[1]) * share, 1e-4)  # 0: a standstill would never be left; the law creeps through (AX-415)
+    step = (end - start) / FLYBY_STEPS
+    caps = []
+    for k in range(FLYBY_STEPS):
+        edges = [abs(2 * x / FLYBY_STEPS - 1) for x in (k, k + 1)]
+        side = both[0] if k < FLYBY_STEPS // 2 else both[1]
+        speed = max(middle + (side - middle) * edge for edge in edges)
+        if k in (FLYBY_STEPS // 2 - 1, FLYBY_STEPS // 2):
+            speed = middle
+        caps.append(Cap(start + k * step, start + (k + 1) * step, WAY, speed * factors.velocity))
+    return caps

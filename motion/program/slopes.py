@@ -1,0 +1,188 @@
+"""Block slope of the rho 3: each block has its own ramps; the next one starts early and both are added.
+
+Source: rho 3 Releases part 1, sections 6.2 (L1815-1840): the start is the moment at which every axis (or the TCP) has come within
+its distance of the end; not before the middle of the previous block; an overlapped block ends before the middle of the next one.
+The sum may exceed what the axes can do (sharp corners: up to twice): the start is then delayed until it does not (AX-413).
+
+Time and path are separate here as everywhere: the sum is formed once at 100 %, and the curve it gives is frozen as a path (AX-413).
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motion.errors import MotionError
+from motion.limits import AxisLimits
+from motion.paths.corner import hermite
+from motion.paths.joints import JointPath, joint_path
+from motion.profile import Profile
+
+Array = NDArray[np.float64]
+TRIES = 24  # start times looked at between the earliest one and no overlap
+SAMPLES = 60  # of the overlap, against the limits
+NODES = 16  # of the frozen curve
+ROOM = 1 + 1e-6
+SLOWEST = 0.02  # of the faster block's speed: below it the sum stands nearly still and makes no path
+
+
+@dataclass(frozen=True)
+class Ramped:
+    """One block with its own jerk-limited ramps from rest to rest.  times: s at which it has made each of `ways`."""
+
+    path: JointPath
+    duration: float
+    _profile: Profile
+
+    def s(self, t: float) -> tuple[float, float, float]:
+        """(s, sdot, sddot) t seconds after its start; at rest before and after."""
+        if t <= 0.0:
+            return 0.0, 0.0, 0.0
+        if t >= self.duration:
+            return self.path.length, 0.0, 0.0
+        return self._profile.at(t)
+
+    def time_at(self, s: float) -> float:
+        """When it passes s."""
+        low, high = 0.0, self.duration
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            low, high = (low, middle) if self.s(middle)[0] >= s else (middle, high)
+        return high
+
+    def motion(self, t: Array) -> tuple[Array, Array, Array]:
+        """(n, axes) position against its start, speed and acceleration."""
+        state = np.array([self.s(float(x)) for x in t])
+        s, v, a = state[:, 0], state[:, 1:2], state[:, 2:3]
+        n = self.path.axes
+        q, q1, q2 = (self.path.at(s, order)[:, :n] for order in range(3))
+        return q - self.path.at(np.zeros(1))[:, :n], q1 * v, q1 * a + q2 * v * v
+
+
+def ramped(
+    path: JointPath, limits: Sequence[AxisLimits], *, speed: float = 1.0, accel: float = 1.0, path_speed: float = math.inf
+) -> Ramped:
+    """A block with constant limits along s: the smallest its axes allow anywhere on it; shares of speed and acceleration."""
+    s = np.linspace(0.0, path.length, 33)
+    n = path.axes
+    first, second = np.abs(path.at(s, 1)), np.abs(path.at(s, 2))[:, :n]
+    top, strength, jolt = (np.array([getattr(axis, name) for axis in limits]) for name in ("speed", "accel", "jerk"))
+    largest = np.maximum(np.max(first[:, :n], axis=0), 1e-12)
+    v = float(np.min(top * speed / largest))
+    if math.isfinite(path_speed) and float(np.max(first[:, -2])) > 0.0:
+        v = min(v, path_speed / float(np.max(first[:, -2])))
+    bend = float(np.max(second / (strength * accel)))
+    if bend > 0.0:  # half of the acceleration is left for the ramps
+        v = min(v, math.sqrt(0.5 / bend))
+    left = strength * accel - np.max(second, axis=0) * v * v
+    profile = Profile()
+    profile.configure(path.length, float(np.min(left / largest)), float(np.min(jolt / largest)))
+    if not profile.to_end((0.0, 0.0, 0.0), v):
+        raise MotionError(f"no ramps fit a block of length {path.length:g}")
+    return Ramped(path, profile.duration, profile)
+
+
+def earliest(block: Ramped, leave: float) -> float:
+    """When the next block may start at the earliest, s after this one's start: `leave` (in its s) before its end, and not before
+    its middle (L1822)."""
+    return block.time_at(block.path.length - min(leave, 0.5 * block.path.length))
+
+
+@dataclass(frozen=True)
+class Overlap:
+    """The next block starts `start` s after the first; `shorter`: what that saves; leave: way the first has left then (in its s);
+    reach: way the next has made when the first ends (in its s)."""
+
+    start: float
+    shorter: float
+    leave: float
+    reach: float
+
+
+def overlap(before: Ramped, after: Ramped, start: float, limits: Sequence[AxisLimits]) -> Overlap | None:
+    """The earliest legal overlap not before `start`: the first block ends before the middle of the next one, and no axis
+    exceeds its limits of speed, acceleration and jerk in the sum.  None: there is none."""
+    soonest = max(start, before.duration - after.time_at(0.5 * after.path.length))
+    if soonest >= before.duration * (1 - 1e-9):
+        return None
+    span = before.duration - soonest
+    refused = -1.0
+    for k in range(TRIES):
+        moment = soonest + span * k / TRIES
+        if within(before, after, moment, limits):
+            return _overlap(before, after, _refined(before, after, refused, moment, limits) if k else moment)
+        refused = moment
+    return None
+
+
+def _refined(before: Ramped, after: Ramped, refused: float, good: float, limits: Sequence[AxisLimits]) -> float:
+    for _ in range(6):
+        middle = 0.5 * (refused + good)
+        if within(before, after, middle, limits):
+            good = middle
+        else:
+            refused = middle
+    return good
+
+
+def _overlap(before: Ramped, after: Ramped, start: float) -> Overlap:
+    shorter = before.duration - start
+    return Overlap(start, shorter, before.path.length - before.s(start)[0], after.s(shorter)[0])
+
+
+def within(before: Ramped, after: Ramped, start: float, limits: Sequence[AxisLimits]) -> bool:
+    """Whether the sum keeps all limits while both blocks run."""
+    t = np.linspace(start, before.duration, SAMPLES)
+    _, v1, a1 = before.motion(t)
+    _, v2, a2 = after.motion(t - start)
+    step = float(t[1] - t[0])
+    jerk = np.diff(a1 + a2, axis=0) / step
+    top, strength, jolt = (np.array([getattr(axis, name) for axis in limits]) * ROOM for name in ("speed", "accel", "jerk"))
+    return bool(np.all(np.abs(v1 + v2) <= top) and np.all(np.abs(a1 + a2) <= strength) and np.all(np.abs(jerk) <= jolt))
+
+
+def summed(before: Ramped, after: Ramped, start: float, t: Array) -> Array:
+    """(n, axes) set positions t after the first block's start: both added."""
+    place = before.path.at(np.zeros(1))[0, : before.path.axes]
+    return np.asarray(place + before.motion(t)[0] + after.motion(t - start)[0])
+
+
+def frozen(before: Ramped, after: Ramped, found: Overlap) -> JointPath | None:
+    """The curve of the overlap as a path of the axes (way and turning go on as on the two blocks); None where the sum nearly
+    stands still, so that it makes no path that can be run at any speed."""
+    t = np.linspace(found.start, before.duration, NODES + 1)
+    one, two = before.motion(t), after.motion(t - found.start)
+    place = summed(before, after, found.start, t)
+    v, a = one[1] + two[1], one[2] + two[2]
+    rate = np.sqrt(np.sum(v * v, axis=1))
+    if float(np.min(rate)) < SLOWEST * float(np.max(rate)):
+        return None
+    first = v / rate[:, None]
+    pull = np.sum(v * a, axis=1) / rate
+    second = (a - first * pull[:, None]) / (rate * rate)[:, None]
+    ways, slopes = _ways(before, after, found, t)
+    knots, rows = [0.0], []
+    for k in range(NODES):
+        h = float(t[k + 1] - t[k])
+        length = h * (rate[k] + rate[k + 1]) / 2 + h * h * (pull[k] - pull[k + 1]) / 12  # Hermite's quadrature
+        ends = [
+            [(place[i, n], first[i, n], second[i, n]) for n in range(before.path.axes)]
+            + [(ways[i, c], slopes[i, c] / rate[i], 0.0) for c in range(2)]
+            for i in (k, k + 1)
+        ]
+        rows.append([hermite(length, a, b) for a, b in zip(*ends, strict=True)])
+        knots.append(knots[-1] + length)
+    return joint_path(knots, rows)
+
+
+def _ways(before: Ramped, after: Ramped, found: Overlap, t: Array) -> tuple[Array, Array]:
+    """Way and turning of both blocks added: an upper bound of what the TCP really does."""
+    total, rate = np.zeros((len(t), 2)), np.zeros((len(t), 2))
+    for block, moments in ((before, t), (after, t - found.start)):
+        state = np.array([block.s(float(x)) for x in moments])
+        table = block.path.at(state[:, 0])[:, -2:]
+        total += table - table[0]
+        rate += block.path.at(state[:, 0], 1)[:, -2:] * state[:, 1:2]
+    return total, rate
