@@ -15,6 +15,13 @@ TEXTS = {
     150: "a move asked for earlier could not be finished",
     153: "motion command not supported",
     154: "invalid motion instruction",
+    160: "tool flange coordinates invalid",
+    161: "frame world coordinates invalid",
+    162: "point without reference frame",
+    163: "frame without reference frame",
+    164: "tool without reference tool",
+    165: "invalid reference",
+    250: "no run-time licence",
     520: "joint position outside the software limits",
     530: "no joint solution: point probably out of reach",
     531: "position outside the joint limits",
@@ -30,6 +37,7 @@ TEXTS = {
     552: "arc: points too close",
     553: "arc: orientation changes by exactly 180 degrees",
     554: "Cartesian blend: rotation too large",
+    570: "invalid data for this arm",
 }
 
 

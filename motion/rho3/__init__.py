@@ -1,0 +1,1 @@
+"""Coordinates and limits as the rho 3 means them."""
