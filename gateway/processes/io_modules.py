@@ -8,9 +8,10 @@ import time
 from drivers.emulator.io_modules import IoModules
 from drivers.ports.base import CanPort, PortError
 from drivers.ports.can import open_can
-from gateway.realtime import die_with_parent
+from gateway.realtime import die_with_parent, go_realtime
 
 RETRY_S = 0.2
+PRIORITY = 20  # as the emulated drives
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -25,6 +26,8 @@ def main(argv: list[str] | None = None) -> int:
     pairs = [pair.split(":") for pair in options.inputs.split(",") if pair]
     inputs = {int(identifier): int(length) for identifier, length in pairs}
     modules = IoModules(inputs, [int(each) for each in options.outputs.split(",") if each])
+    for warning in go_realtime(PRIORITY):
+        print(warning, flush=True)
     ready = False
     while True:
         try:

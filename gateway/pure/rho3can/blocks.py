@@ -33,6 +33,7 @@ class _Input:
     block: Block
     coupled: bool
     came: int = 0  # frames in the running P2 cycle
+    due: int = 1  # how many may come in it: a late one of the cycle before counts there already
     heard: bool = False  # ever
     last_ns: Ns = 0
     error: Trouble | None = None
@@ -72,7 +73,7 @@ class IoBus:
         if entry is None:
             return self._foreign(frame.identifier)
         entry.came += 1
-        if len(frame.data) < entry.block.length or (entry.came > 1 and not entry.coupled):
+        if len(frame.data) < entry.block.length or (entry.came > entry.due and not entry.coupled):
             return self._raise(entry, Trouble.INADMISSIBLE)
         entry.last_ns, entry.heard = now, True
         for byte, value in zip(entry.block.span, frame.data, strict=False):  # of a longer frame only the block's length
@@ -91,7 +92,7 @@ class IoBus:
                 found += self._raise(entry, Trouble.SILENT)
             elif entry.came == 1 and entry.error is Trouble.INADMISSIBLE:
                 found += self._clear(entry)
-            entry.came = 0
+            entry.due, entry.came = 1 if entry.came else 2, 0
         return found
 
     def frames(self, image: Sequence[int] | bytes) -> list[Frame]:

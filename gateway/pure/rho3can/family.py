@@ -31,6 +31,7 @@ class RhoFamily:
         self._outputs = bytearray(128)
         self._errors: list[IoError] = []
         self._now: Ns = 0
+        self._met = False
 
     @property
     def expected(self) -> int:
@@ -63,8 +64,9 @@ class RhoFamily:
         `up`: the bus is there.
         """
         io, self._now = self.io, now
-        if io is None:
-            return []
+        self._met = self._met or up
+        if io is None or not self._met:
+            return []  # a bus that was never there has no modules to supervise
         for block in io.settings.outputs:
             for byte in block.span:
                 self._outputs[byte] = image.values[byte] if image.quality[byte] != Quality.BAD else 0
