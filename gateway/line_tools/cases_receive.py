@@ -67,6 +67,9 @@ def fill(bench: Bench) -> None:
             bench.remark(said("the buffer was full after {} blocks", count))
             return
         if got == Char.STX and bench.priority is Priority.HIGH:
+            said_too = bench.answer(bench.tolerance)
+            if said_too is not None:
+                raise Fail(said("with priority it must ignore our STX and wait: {}{}", named(said_too), ""))
             bench.take()  # it has something to say first
             continue
         if got == Char.STX:

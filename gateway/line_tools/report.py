@@ -20,6 +20,17 @@ BANNER = (
 )
 UNCERTAINTY = "one character time and 20 ms; a test in which the bench was later than that is inconclusive"
 COLOURS = {"PASS": "#1a7f37", "FAIL": "#b3261e", "WARN": "#8a5a00", "INCONCLUSIVE": "#5b5b5b", "NOT RUN": "#5b5b5b"}
+LABELS = {  # of the profile in the page; the JSON keeps its keys
+    "name": "name",
+    "source": "source",
+    "ack_delay_ms (QVZ/ADT)": "acknowledgement delay QVZ/ADT, ms",
+    "char_delay_ms (ZVZ/CDT)": "character delay ZVZ/CDT, ms",
+    "block_wait_ms (BWZ)": "block wait time BWZ, ms",
+    "connect_attempts": "connection attempts",
+    "block_attempts": "block attempts",
+    "open": "open (no source names it)",
+}
+FINE = ("PASS", "NOT RUN")
 STYLE = (
     "body{font:15px/1.45 system-ui,sans-serif;max-width:72rem;margin:2rem auto;padding:0 1rem;color:#1b1b1b;background:#fff}"
     "table{border-collapse:collapse;width:100%}td,th{border-bottom:1px solid #ddd;padding:.35rem .5rem;text-align:left;vertical-align:top}"
@@ -128,7 +139,7 @@ def to_html(report: Mapping[str, object]) -> str:
         f'<!DOCTYPE html><html lang="{language}"><meta charset="utf-8"><meta name="viewport" content="width=device-width">'
         f"<title>{word('3964R probe')} {_e(report['at'])}</title><style>{STYLE}</style>"
         f"<h1>{word('3964R probe')}</h1><p>{_e(report['at'])}: <b>{summary}</b></p>"
-        f"<table>{facts}</table>"
+        f"{_faults(tests, word)}<table>{facts}</table>"
         f"<h2>{word('Tests')}</h2><table><tr><th>{word('Test')}<th>{word('Verdict')}<th>{word('Reason, measured times, characters')}"
         f"{''.join(_row(test, word) for test in tests)}</table>"
         f"<p><small>{_e(report['text'])}</small></p><p><small>{_e(report['banner'])}</small></p>"
@@ -146,7 +157,19 @@ def _facts(report: Mapping[str, object], word: Callable[..., str]) -> Iterator[t
     yield word("Layer"), report["layer"]
     yield word("Uncertainty"), report["uncertainty"]
     for key, value in profile.items():
-        yield word("Profile: {}", key), value if not isinstance(value, list) else ", ".join(value) or "-"
+        shown = ", ".join(value) or "-" if isinstance(value, list) else f"{value:g}" if isinstance(value, float) else value
+        yield word("Profile: {}", LABELS.get(str(key), str(key))), shown
+
+
+def _faults(tests: Sequence[Mapping[str, object]], word: Callable[..., str]) -> str:
+    """What a reader looks for first."""
+    lines = [
+        f"<li><b>{_e(test['name'])}</b> <span style='color:{COLOURS[str(test['verdict'])]}'>{word(str(test['verdict']))}</span>: "
+        f"{_e(test['reason'])} <small>({_e(test['title'])})</small>"
+        for test in tests
+        if test["verdict"] not in FINE
+    ]
+    return f"<h2>{word('Findings')}</h2><ul>{''.join(lines)}</ul>" if lines else f"<p>{word('No findings.')}</p>"
 
 
 def _row(test: Mapping[str, object], word: Callable[..., str]) -> str:
