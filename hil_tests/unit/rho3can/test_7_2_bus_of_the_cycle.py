@@ -31,7 +31,7 @@ def test_two_boosters_get_their_parameters_one_after_the_other_at_most_one_reque
         now = START + cycle * ms(4)
         slave.receive([frame._replace(stamp_ns=now) for frame in frames], now)
         heard = [family.hear(frame) for frame in slave.take_output()]
-        assert [each.index for each in heard if each is not None] == [0, 1]
+        assert [each[0] for each in heard if each is not None] == [0, 1]
         said += family.take_news()
     assert requests == [310, 310, 320, 320]
     assert said == ["module 1: 2 parameters taken", "module 2: parameters not taken: the drive does not know parameter 30"]
