@@ -165,6 +165,9 @@ def _latency(seen: Evidence) -> list[Finding]:
     return found
 
 
+SET_OURS = {"high": 'set ours to priority = "low"', "low": 'set ours to priority = "high"'}  # theirs -> what to write into the cell
+
+
 # ---- the block check
 def _checks(seen: Evidence) -> list[Finding]:
     if seen.their_difference == Char.STX or (seen.checks.get("right") == Char.NAK and seen.checks.get("stx") == Char.DLE):
@@ -222,9 +225,8 @@ def _priority(seen: Evidence) -> list[Finding]:
     theirs = "low" if seen.conflict == Char.DLE else "high"
     if theirs != seen.our_priority:
         return [Finding("priority", "ok", said("the partner has priority {}, we {}", theirs, seen.our_priority))]
-    other = "low" if theirs == "high" else "high"
     text = said("both stations have the same priority ({}): whenever both send at once, both jobs wait or fail", theirs)
-    return [Finding("same priority", "fault", text, said('set ours to priority = "{}"', other))]
+    return [Finding("same priority", "fault", text, SET_OURS[theirs])]
 
 
 # ---- what the partner shows

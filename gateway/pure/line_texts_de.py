@@ -343,7 +343,8 @@ DIAGNOSIS = {
     "both stations have the same priority ({}): whenever both send at once, both jobs wait or fail": (
         "beide Stationen haben dieselbe Prioritaet ({}): senden beide zugleich, warten oder scheitern beide Auftraege"
     ),
-    'set ours to priority = "{}"': 'unsere auf priority = "{}" setzen',
+    'set ours to priority = "low"': 'unsere auf priority = "low" setzen',
+    'set ours to priority = "high"': 'unsere auf priority = "high" setzen',
     "priority": "Prioritaet",
     "the partner has priority {}, we {}": "der Partner hat die Prioritaet {}, wir {}",
     "BCC off by 02h": "BCC um 02h falsch",

@@ -49,7 +49,16 @@ def test_tables_and_titles_have_their_german() -> None:
     patterns = [title.pattern if isinstance(title, Text) else title for title in titles]
     tables = [*line_diagnosis.PAFE.values(), *line_diagnosis.ANZW_BITS.values(), *line_diagnosis.ANZW_ERRORS.values()]
     tables += [*line_diagnosis.CP341_CLASSES.values(), *line_diagnosis.CP341_EVENTS.values(), *cases_rk512.ERROR_WORDS.values()]
-    tables += [report.TEXT, report.BANNER, report.UNCERTAINTY, *report.LABELS.values(), *CODES, "nothing", "a damaged character"]
+    tables += [
+        report.TEXT,
+        report.BANNER,
+        report.UNCERTAINTY,
+        *report.LABELS.values(),
+        *line_diagnosis.SET_OURS.values(),
+        *CODES,
+        "nothing",
+        "a damaged character",
+    ]
     assert sorted(text for text in {*patterns, *tables} if text not in GERMAN) == []
 
 
@@ -122,6 +131,7 @@ def test_a_diagnosis_in_german(partner: str) -> None:
     for finding in judge(seen):
         text = in_language(finding.text, "de")
         assert text != finding.text, finding
+        assert "hoch" not in in_language(finding.todo, "de"), "what is typed into a cell is no German"
         assert not {"the", "is", "every", "answers", "partner's"} & set(text.split()), text
 
 
