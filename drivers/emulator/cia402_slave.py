@@ -114,7 +114,7 @@ class Cia402Slave:
             else:
                 for seat, handler in routes:
                     self._hand(seat, handler, frame, stamp)
-                self._after(stamp)
+                    self._handled(seat, stamp)
         return self._take_events()
 
     def error_frame(self, kind: FrameFault, now: Ns) -> list[Event]:
@@ -199,12 +199,20 @@ class Cia402Slave:
         seat.node.expire(due)
         self._collect(seat, due)
 
+    def _handled(self, seat: Seat, stamp: Ns) -> None:
+        """After a frame for one node; what was due before stays noted, so that this costs the same with many nodes."""
+        if seat.node.handlers_changed:
+            self._route()
+        if self._row_due == NEVER:
+            self._row_due = stamp + self.cycle_ns
+        self._soonest = min(self._soonest, self._row_due, seat.node.soonest)
+
     def _after(self, stamp: Ns) -> None:
-        """After a frame was handled."""
+        """After something that concerned many."""
         if any(seat.node.handlers_changed for seat in self.seats):
             self._route()
         if self._row_due == NEVER:
-            self._row_due = stamp + self.cycle_ns if self._last_sync is None else self._last_sync + 3 * self.cycle_ns
+            self._row_due = stamp + self.cycle_ns
         self._replan()
 
     def _idle_row(self, due: Ns) -> None:

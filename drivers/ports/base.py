@@ -9,7 +9,7 @@ import stat
 from collections.abc import Sequence
 from typing import Protocol
 
-from protocols.base.machine import Damage, Frame, Ns
+from protocols.base.machine import Damage, Frame, FrameFault, Ns
 
 
 class PortError(OSError):
@@ -37,6 +37,7 @@ class CanPort(Protocol):
     def fileno(self) -> int: ...
     def send(self, frames: Sequence[Frame]) -> int: ...  # how many were taken (in order); PortError when gone
     def receive(self) -> list[Frame]: ...  # everything that waits, with stamps; PortError when gone
+    def take_faults(self) -> list[tuple[FrameFault, Ns]]: ...  # error frames since the last call, with their stamps; after receive()
     def close(self) -> None: ...
 
 

@@ -2,12 +2,14 @@
 
     python -m gateway.processes.emulator --settings FILE.json --bus broker:NAME [--name NAME] [--record FILE] [--layout FILE.dbc]
 
-Settings: drivers.emulator.settings; record: drivers.emulator.record; commands: gateway.processes.emulator_control.  Prints `ready` when
+Settings: drivers.emulator.settings ("axes": SERVODYN boosters, "nodes": CiA 402 drives, either or both); record: drivers.emulator.record
+(with both families the nodes' is FILE.nodes); commands: gateway.processes.emulator_control, for nodes emulator_nodes.  Prints `ready` when
 it is on the bus.  A bus that goes away is opened again; the plant keeps its state.  Exit codes: 0 told to stop, 2 wrong arguments or
 settings, 3 name taken or record not writable.
 """
 
 import argparse
+import contextlib
 import json
 import os
 import pathlib
@@ -18,19 +20,25 @@ import time
 from collections.abc import Callable
 from typing import IO
 
+from drivers.emulator.both import BothFamilies
+from drivers.emulator.cia402_slave import Cia402Slave
 from drivers.emulator.servodyn_slave import ServodynSlave
-from drivers.emulator.settings import SettingsError, from_dict
+from drivers.emulator.settings import BusSettings, SettingsError, from_dict
 from drivers.ports.base import CanPort, PortError
 from drivers.ports.can import open_can
 from gateway.dbcfile import load_servodyn
 from gateway.files import find_config
 from gateway.processes.emulator_control import Answer, Command, ControlServer, carry_out
+from gateway.processes.emulator_nodes import carry_out_node
 from gateway.realtime import die_with_parent, go_realtime
 from protocols.base.errors import ProtocolError
 from protocols.base.machine import Frame, Ns, ms
+from protocols.canopen import eds
+from protocols.canopen.dictionary import ObjectDictionary
 
 PRIORITY = 20  # SCHED_FIFO, below broker (30)
 LAYOUT = "servodyn_gc.dbc"
+Slave = ServodynSlave | Cia402Slave | BothFamilies
 RECORD_CHUNK = 32_768  # bytes written at once
 RECORD_NS = ms(250)  # at the latest
 REOPEN_NS = ms(50)
@@ -76,8 +84,9 @@ class Recorder:
 class Emulator:
     """One loop around one slave machine and one port; `turn` is one round."""
 
-    def __init__(self, name: str, slave: ServodynSlave, open_port: Callable[[], CanPort], recorder: Recorder) -> None:
-        self.slave, self.recorder, self.stopping = slave, recorder, False
+    def __init__(self, name: str, slave: Slave, open_port: Callable[[], CanPort], *recorders: Recorder) -> None:
+        self.slave, self.stopping = slave, False
+        self._recorded = list(zip(families(slave), recorders, strict=True))
         self._open_port = open_port
         self._port: CanPort | None = None
         self._reopen: Ns = 0
@@ -85,7 +94,8 @@ class Emulator:
         self._said = ""
         self.refused = self.opened = 0
         self.control = ControlServer(name, self._epoll, self._carry)
-        recorder.add(slave.header(), 0)
+        for family, recorder in self._recorded:
+            recorder.add(family.header(), 0)
 
     @property
     def connected(self) -> bool:
@@ -112,20 +122,20 @@ class Emulator:
         self._send(now)
         if synced:
             self.slave.prepare()
-        self.recorder.add(self.slave.take_record(), now)
+        self._record(now)
         for fd, _ in ready:
             self.control.ready(fd)
 
     def close(self) -> None:
-        self.recorder.add(self.slave.take_record(), 0)
-        self.recorder.flush()
+        self._flush()
         self.control.close()
         if self._port is not None:
             self._port.close()
         self._epoll.close()
 
     def _timeout_s(self, now: Ns) -> float:
-        due, deadline = self.recorder.due, self.slave.deadline()
+        dues = [recorder.due for _, recorder in self._recorded if recorder.due is not None]
+        due, deadline = min(dues, default=None), self.slave.deadline()
         if deadline is not None:
             deadline += self.slave.grace_ns
             due = deadline if due is None else min(due, deadline)
@@ -140,6 +150,8 @@ class Emulator:
             while self._port is not None and (frames := self._port.receive()):
                 self.slave.receive(frames, now)
                 heard = True
+            for kind, _ in self._port.take_faults() if self._port is not None else ():
+                self.slave.error_frame(kind, now)
         except PortError as error:
             self._lost(now, error)
         return heard
@@ -184,18 +196,40 @@ class Emulator:
                 self.stopping = True
                 return {}
             case "flush":
-                self.recorder.add(self.slave.take_record(), 0)
-                self.recorder.flush()
-                return {"record_bytes": self.recorder.written, "record_lost": self.recorder.lost}
+                self._flush()
+                written = sum(recorder.written for _, recorder in self._recorded)
+                return {"record_bytes": written, "record_lost": self.record_lost}
             case "state":
-                own = {"connected": self.connected, "opened": self.opened, "refused": self.refused, "record_lost": self.recorder.lost}
-                return {**carry_out(self.slave, command), **own}
+                own = {"connected": self.connected, "opened": self.opened, "refused": self.refused, "record_lost": self.record_lost}
+                return {**self._carry_family(command), **own}
             case _:
-                return carry_out(self.slave, command)
+                return self._carry_family(command)
+
+    def _carry_family(self, command: Command) -> Answer:
+        """To the nodes what names one; of two families the state of both."""
+        slave = self.slave
+        if isinstance(slave, BothFamilies):
+            if command.get("do") == "state":
+                return {**carry_out_node(slave.cia402, command), **carry_out(slave.servodyn, command)}
+            return carry_out_node(slave.cia402, command) if "node" in command else carry_out(slave.servodyn, command)
+        return carry_out_node(slave, command) if isinstance(slave, Cia402Slave) else carry_out(slave, command)
+
+    @property
+    def record_lost(self) -> int:
+        return sum(recorder.lost for _, recorder in self._recorded)
+
+    def _record(self, now: Ns) -> None:
+        for family, recorder in self._recorded:
+            recorder.add(family.take_record(), now)
+
+    def _flush(self) -> None:
+        self._record(0)
+        for _, recorder in self._recorded:
+            recorder.flush()
 
 
 def arguments(argv: list[str] | None) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="python -m gateway.processes.emulator", description="Emulated SERVODYN-GC drives on a bus.")
+    parser = argparse.ArgumentParser(prog="python -m gateway.processes.emulator", description="Emulated drives on a bus.")
     parser.add_argument("--settings", required=True, type=pathlib.Path, help="JSON file, see drivers.emulator.settings")
     parser.add_argument("--bus", required=True, help="broker:NAME or socketcan:INTERFACE")
     parser.add_argument("--name", help="of the control socket (default: the bus' name)")
@@ -206,9 +240,29 @@ def arguments(argv: list[str] | None) -> argparse.Namespace:
     return parser.parse_args(argv)
 
 
-def load(options: argparse.Namespace) -> ServodynSlave:
+def load(options: argparse.Namespace) -> Slave:
     """Raises OSError, ValueError (JSON, SettingsError) or ProtocolError (layout)."""
-    return ServodynSlave(from_dict(json.loads(options.settings.read_text())), load_servodyn(find_config(options.layout, "drives")))
+    settings = from_dict(json.loads(options.settings.read_text()))
+    nodes = Cia402Slave(settings, dictionaries(settings)) if settings.nodes else None
+    if nodes is not None and not settings.axes:
+        return nodes
+    boosters = ServodynSlave(settings, load_servodyn(find_config(options.layout, "drives")))
+    return boosters if nodes is None else BothFamilies(boosters, nodes)
+
+
+def dictionaries(settings: BusSettings) -> dict[int, ObjectDictionary]:
+    """The object dictionary of each node, from the EDS its settings name; what is wrong with a file is told."""
+    read: dict[str, ObjectDictionary] = {}
+    for name in sorted({drive.eds for drive in settings.nodes.values()}):
+        read[name], faults = eds.parse(find_config(name, "drives").read_bytes().decode("utf-8", "replace"))
+        for fault in faults:
+            print(f"emulator: {name}: {fault}", file=sys.stderr)
+    return {number: read[drive.eds] for number, drive in settings.nodes.items()}
+
+
+def families(slave: Slave) -> list[ServodynSlave | Cia402Slave]:
+    """Those that keep a record of their own."""
+    return [slave.servodyn, slave.cia402] if isinstance(slave, BothFamilies) else [slave]
 
 
 def run(emulator: Emulator) -> None:
@@ -244,13 +298,10 @@ def main(argv: list[str] | None = None) -> int:
         print(f"emulator: {error}", file=sys.stderr)
         return 2
     try:
-        with open(options.record or os.devnull, "wb", buffering=0) as file:
-            emulator = Emulator(
-                options.name or options.bus.partition(":")[2],
-                slave,
-                lambda: open_can(options.bus),
-                Recorder(file if options.record else None),
-            )
+        with contextlib.ExitStack() as files:
+            names = [options.record, options.record and options.record.with_name(options.record.name + ".nodes")][: len(families(slave))]
+            recorders = [Recorder(files.enter_context(open(name, "wb", buffering=0)) if name else None) for name in names]
+            emulator = Emulator(options.name or options.bus.partition(":")[2], slave, lambda: open_can(options.bus), *recorders)
             for warning in go_realtime(options.priority) if options.priority else []:
                 print(f"emulator: {warning}", file=sys.stderr, flush=True)
             try:
