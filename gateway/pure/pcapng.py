@@ -1,4 +1,4 @@
-"""pcapng out of turns: one section, one interface, one packet a turn, stamps in nanoseconds.
+"""pcapng out of turns of a line, or of CAN frames: one section, one interface, one packet a turn, stamps in nanoseconds.
 
 Format: draft-ietf-opsawg-pcapng (Section Header, Interface Description, Enhanced Packet Block).  Link type 147 (USER0): every packet
 begins with our pseudo header of 8 bytes, which configs/wireshark/axisgate_3964r.lua reads (AX-197):
@@ -15,9 +15,9 @@ import struct
 from collections.abc import Iterable
 
 from gateway.pure.turns import Turn
-from protocols.base.machine import Ns
+from protocols.base.machine import Frame, Ns
 
-USER0 = 147
+USER0, SOCKETCAN = 147, 227
 VERSION = 1
 _SHB, _IDB, _EPB = 0x0A0D0D0A, 1, 6
 _COMMENT, _SHB_USERAPPL, _IF_NAME, _IF_TSRESOL = 1, 4, 2, 9
@@ -36,6 +36,19 @@ def payload(turn: Turn) -> bytes:
     """Pseudo header and characters."""
     spent_us = min((turn.last_ns - turn.first_ns) // 1000, 0xFFFF_FFFF)
     return struct.pack(">BBBBI", VERSION, turn.side == "B", turn.kind, turn.flags, spent_us) + bytes(turn.data)
+
+
+def can_pcapng(frames: Iterable[Frame], interface: str, offset_ns: Ns = 0) -> bytes:
+    """A recorded CAN bus: link type 227 (CAN_SOCKETCAN), identifier high byte first with bit 31 for extended frames."""
+    head = _block(_SHB, struct.pack("<IHHq", 0x1A2B3C4D, 1, 0, -1), [(_SHB_USERAPPL, b"axisgate")])
+    head += _block(_IDB, struct.pack("<HHI", SOCKETCAN, 0, 0), [(_IF_NAME, interface.encode()), (_IF_TSRESOL, _NANOSECONDS)])
+    return head + b"".join(_can_packet(frame, offset_ns) for frame in frames)
+
+
+def _can_packet(frame: Frame, offset_ns: Ns) -> bytes:
+    data = struct.pack(">IB3x", frame.identifier, len(frame.data)) + frame.data
+    stamp = max(frame.stamp_ns + offset_ns, 0)
+    return _block(_EPB, struct.pack("<IIIII", 0, stamp >> 32, stamp & 0xFFFF_FFFF, len(data), len(data)) + _padded(data), [])
 
 
 def _packet(turn: Turn, offset_ns: Ns) -> bytes:

@@ -1,0 +1,34 @@
+"""Tools at a CAN bus: load before running, monitor, log, replay, and what a recording of an old control tells."""
+
+import importlib
+import sys
+
+TOOLS = {  # name: module with main(argv) -> exit code, what it does
+    "load": ("gateway.bus_tools.load", "does this cell fit its cycle, and what did a recorded bus carry"),
+    "monitor": ("gateway.bus_tools.monitor", "frames of a live bus, decoded"),
+    "log": ("gateway.bus_tools.log", "a live bus into a file: candump, ASC, BLF, TRC, pcapng"),
+    "replay": ("gateway.bus_tools.replay", "a recorded bus again, at its own pace"),
+    "send": ("gateway.bus_tools.send", "one frame, NMT command, PDO or SDO from the shell"),
+    "infer": ("gateway.bus_tools.infer", "layout of an unknown drive bus out of a recording"),
+}
+EXAMPLES = """examples:
+  axisgate bus load demo.toml                       before running: us of the cycle, per cent, shortest cycle
+  axisgate bus monitor socketcan:can0 --dbc servodyn_gc.dbc
+  axisgate bus log socketcan:can0 -o living.blf     then: axisgate bus infer living.blf"""
+
+
+def main(argv: list[str]) -> int:
+    """Exit code of the tool; 2 for an unknown one."""
+    if argv and argv[0] in TOOLS:
+        return int(importlib.import_module(TOOLS[argv[0]][0]).main(argv[1:]))
+    width = max(map(len, TOOLS))
+    text = "\n".join(
+        ["usage: axisgate bus TOOL ...", "", __doc__ or "", "", *(f"  {name:{width}}  {does}" for name, (_, does) in TOOLS.items()), ""]
+    )
+    asked = bool(argv) and argv[0] in ("-h", "--help")
+    if not asked and argv:
+        text = f"axisgate bus: no tool {argv[0]!r}; there are {', '.join(TOOLS)}\n"
+        print(text, end="", file=sys.stderr)
+        return 2
+    print(text + "\n" + EXAMPLES, file=sys.stdout if asked else sys.stderr)
+    return 0 if asked else 2

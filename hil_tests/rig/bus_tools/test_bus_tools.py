@@ -1,0 +1,130 @@
+"""The bus tools on a running local bus and on files; tshark reads our pcapng, the broker's own log is the witness."""
+
+import json
+import pathlib
+import shutil
+import subprocess
+import threading
+import time
+
+import pytest
+
+from gateway.commands.bus import main
+from hil_tests.lab.bus_running import Bus, running_bus
+from protocols.base.canbits import frame_bits
+from protocols.base.machine import Frame
+
+CYCLE = [Frame(100)] + [Frame(200 + 10 * n, bytes([3, n, n, 0, 0, 0, 0, n])) for n in range(1, 7)]
+
+
+def playing(bus: Bus, cycles: int = 40, pause: float = 0.01) -> threading.Thread:
+    def play() -> None:
+        port = bus.port()
+        time.sleep(0.5)
+        for _ in range(cycles):
+            port.send(CYCLE)
+            time.sleep(pause)
+        port.close()
+
+    thread = threading.Thread(target=play)
+    thread.start()
+    return thread
+
+
+@pytest.mark.parametrize("ending", [".log", ".asc", ".blf", ".trc", ".csv"])
+def test_a_bus_is_recorded_and_read_back_frame_by_frame(tmp_path: pathlib.Path, ending: str, capsys: pytest.CaptureFixture[str]) -> None:
+    target = tmp_path / f"bus{ending}"
+    with running_bus(tmp_path) as bus:
+        thread = playing(bus, 10)
+        assert main(["log", f"broker:{bus.name}", "-o", str(target), "--seconds", "1.5"]) == 0
+        thread.join()
+    assert "70 frames" in capsys.readouterr().out
+    assert main(["monitor", "--from", str(target), "--json"]) == 0
+    told = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert [(one["id"], one["data"]) for one in told] == 10 * [(frame.identifier, frame.data.hex()) for frame in CYCLE]
+    assert main(["load", "--log", str(target), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["bits"] == 10 * sum(frame_bits(frame.identifier, frame.data) for frame in CYCLE)
+
+
+def test_monitor_decodes_by_dbc_and_sums_up(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with running_bus(tmp_path) as bus:
+        thread = playing(bus)
+        assert main(["monitor", f"broker:{bus.name}", "--dbc", "servodyn_gc.dbc", "--summary", "--seconds", "1.6"]) == 0
+        thread.join()
+    out = capsys.readouterr().out
+    row = next(line for line in out.splitlines() if "220 (DCh)" in line)
+    assert row.split()[2] == "40" and 9.0 < float(row.split()[3]) < 20.0 and "=" in row, out
+    assert "280 frames" in out
+
+
+@pytest.mark.tshark
+def test_tshark_reads_our_pcapng(tmp_path: pathlib.Path) -> None:
+    target = tmp_path / "bus.pcapng"
+    with running_bus(tmp_path) as bus:
+        thread = playing(bus, 3)
+        assert main(["log", f"broker:{bus.name}", "-o", str(target), "--seconds", "1.2"]) == 0
+        thread.join()
+    fields = ["-T", "fields", "-e", "can.id", "-e", "can.len"]
+    done = subprocess.run([shutil.which("tshark") or "tshark", "-r", str(target), *fields], capture_output=True, text=True, check=True)
+    assert [line.split() for line in done.stdout.splitlines()] == 3 * [[str(f.identifier), str(len(f.data))] for f in CYCLE]
+
+
+def test_replay_keeps_the_pace_and_the_choice(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    source = tmp_path / "old.log"
+    lines = [f"({n * 0.02:.6f}) can0 {identifier:03X}#{n:02X}\n" for n in range(20) for identifier in (100, 210, 610)]
+    source.write_text("".join(lines))
+    with running_bus(tmp_path) as bus:
+        assert main(["replay", str(source), f"broker:{bus.name}", "--only", "100,210"]) == 0
+        bus.stop()
+        heard = [line.split() for line in bus.log_lines() if "#" in line and not line.startswith("#")]
+    assert "40 of 40 frames sent, 0 refused" in capsys.readouterr().out
+    assert [word[2].split("#")[0] for word in heard] == 20 * ["064", "0D2"]
+    stamps = [float(word[0].strip("()")) for word in heard]
+    assert stamps[-1] - stamps[0] == pytest.approx(0.38, abs=0.1)
+
+
+def test_send_puts_one_frame_on_the_bus(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with running_bus(tmp_path) as bus:
+        assert main(["send", f"broker:{bus.name}", "--frame", "201#0600"]) == 0
+        assert main(["send", f"broker:{bus.name}", "--nmt", "start", "--node", "3"]) == 0
+        assert main(["send", f"broker:{bus.name}", "--frame", "9201#0600"]) == 2
+        assert main(["send", f"broker:{bus.name}", "--node", "0", "--read", "1018:1"]) == 2
+        assert main(["send", f"broker:{bus.name}", "--echo", "3"]) == 3, "the local bus does not give own frames back"
+        bus.stop()
+        heard = [line.split()[2] for line in bus.log_lines() if "#" in line and not line.startswith("#")]
+    assert heard == ["201#0600", "000#0103"]
+    assert "0..7FFh" in capsys.readouterr().err
+
+
+def test_load_of_cells_before_running(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["load", "demo.toml"]) == 0
+    out = capsys.readouterr().out
+    assert "1379 .. " in out and "1675 us of 4000 us: worst 42 %" in out and "fits" in out
+    assert main(["load", "s5-rk512.toml", "--json"]) == 0
+    (bus,) = [one for one in json.loads(capsys.readouterr().out) if one["bus"] == "can0"]
+    assert {"RPDO1 X", "TPDO1 Z", "heartbeat gateway", "SDO answer"} <= {one["what"] for one in bus["frames"]}
+    assert bus["fits"] and bus["shortest_cycle_ms"] <= 4
+
+
+def test_bad_input_is_answered_in_words(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    broken = tmp_path / "x.blf"
+    broken.write_bytes(b"not a BLF file at all")
+    answers = {
+        ("load",): "name a cell or --log FILE",
+        ("load", "--log", str(tmp_path / "x.zip")): "a recording ends in .log",
+        ("monitor", "--from", str(broken)): "after 0 frames",
+        ("replay", str(tmp_path / "none.log"), "broker:x"): "No such file",
+        ("log", "broker:x", "-o", str(tmp_path / "x.mf4")): "a recording ends in",
+        ("dance",): "no tool 'dance'",
+    }
+    for arguments, words in answers.items():
+        assert main(list(arguments)) == 2, arguments
+        assert words in capsys.readouterr().err, arguments
+    for url, words in {
+        "broker:nobody-there": "nobody-there",
+        "nosuch:1": "knows no interface 'nosuch'",
+        "can0": "INTERFACE:CHANNEL",
+    }.items():
+        assert main(["monitor", url]) == 3
+        assert words in capsys.readouterr().err, url
+    assert main([]) == 2 and main(["-h"]) == 0
