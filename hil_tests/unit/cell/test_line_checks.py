@@ -1,5 +1,8 @@
 """What `check` says of a line, with figures: single times, roles, types, amounts, our own polling, numbers that overflow (issue 3)."""
 
+import pathlib
+import re
+
 import pytest
 
 from gateway.cell import Cell, Notice
@@ -214,3 +217,13 @@ def test_a_number_that_outgrows_its_place_is_refused(entry: str, said: str) -> N
 def test_numbers_that_fit_are_taken() -> None:
     entries = ['at = "DW 0", type = "KF", from = "cell.life"', 'at = "DR 1", type = "KH", from = "cell.override", unit = "1 %"']
     assert faults("", "", block(more=f"entries = [{{ {entries[0]} }}, {{ {entries[1]} }}]")) == {}
+
+
+def test_the_page_on_lines_is_a_cell_that_check_takes() -> None:
+    page = (pathlib.Path(__file__).resolve().parents[3] / "docs/guide/lines.md").read_text(encoding="utf-8")
+    tables = "\n".join(re.findall(r"```toml\n(.*?)```", page, re.DOTALL))
+    found = load_cell("lines.toml", f'format = 1\n[cell]\nname = "page"\n{tables}')
+    line, sent, fetched = found.line[0], found.db[0], found.db[1]
+    assert (link_profile(line).ack_delay, line.role, line.choices.stray) == (ms(1000), "both", "silent")
+    assert (sent.every_ms, sent.on_change, sent.at_partner, sent.flag) == (500, True, "DB20.DW0", "M 6.4")
+    assert (fetched.writer, fetched.every_ms) == ("plc", 500)
