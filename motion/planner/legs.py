@@ -5,7 +5,6 @@ limits, the wrong configuration, circles that are none, zero blocks.
 """
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from motion.errors import LimitError, MotionError
@@ -55,7 +54,7 @@ def told(error: MotionError, number: int, machine: Machine) -> BlockError:
         what = str(error).partition(": ")[2]
         return BlockError(what, code=JOINT_LIMIT, block=number, axis=error.axis, source="VAL 3")
     if isinstance(error, KinematicsError):
-        return BlockError(str(error).partition(" (VAL 3")[0], code=error.number, block=number, axis=error.axis, source="VAL 3")
+        return BlockError(_words(error), code=error.number, block=number, axis=error.axis, source="VAL 3")
     if isinstance(error, PathError):
         source = "Reis path error" if error.number >= 600 or error.number == 102 else "VAL 3"
         return BlockError(str(error).partition(": ")[2] if error.number else str(error), code=error.number, block=number, source=source)
@@ -161,16 +160,29 @@ def follow(curve: Curve, block: Block, standing: Joints, machine: Machine) -> Jo
     q = tuple(standing[: machine.arm])
     for k in range(1, count + 1):
         at = curve.length * k / count
-        found = machine.kinematics.inverse(curve.at(at) @ back, q)
+        try:
+            found = machine.kinematics.inverse(curve.at(at) @ back, q)
+        except KinematicsError as error:
+            raise BlockError(
+                f"{_words(error)}, {_where(at, step)} along the path", code=error.number, axis=error.axis, source="VAL 3"
+            ) from error
         far = max(range(len(q)), key=lambda n: abs(found[n] - q[n]))
         if abs(found[far] - q[far]) > JUMP:
             raise KinematicsError(
-                f"the joints would have to jump {at * 1e3:.1f} mm along the path: it crosses a singularity or changes the configuration",
+                f"the joints would have to jump {_where(at, step)} along the path: it meets a singularity or another configuration",
                 machine.name(far),
                 540,
             )
         q = tuple(found)
     return q
+
+
+def _words(error: KinematicsError) -> str:
+    return str(error).partition(" (VAL 3")[0]
+
+
+def _where(at: float, step: float) -> str:
+    return f"{at * 1e3:.1f} mm" if step == STEP_M else f"{math.degrees(at):.1f} deg"
 
 
 def _check_configuration(block: Block, standing: Joints, end: Joints, machine: Machine) -> None:
@@ -202,8 +214,3 @@ def check_numbers(block: Block) -> None:
             raise BlockError(f"{name} {given:g} is not above 0")
     if min(block.blend.leave, block.blend.reach, block.blend.distance, *(block.blend.axes or (0.0,))) < 0.0:
         raise BlockError("a negative distance of blending")
-
-
-def names_of(machine: Machine, axes: Sequence[int]) -> str:
-    """For messages."""
-    return ", ".join(machine.name(axis) for axis in axes)

@@ -1,12 +1,14 @@
 """A robot as the planner needs it: kinematics of the arm, limits of every axis, limits of the tool."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 
 from motion.errors import MotionError
 from motion.kinematics.base import Kinematics
+from motion.kinematics.group import Role
 from motion.limits import AxisLimits
 from motion.program.blocks import MAX_JOINTS
+from motion.robot import Robot, kinematics_of
 
 
 @dataclass(frozen=True)
@@ -37,3 +39,12 @@ class Machine:
     def name(self, axis: int) -> str:
         """Of axis 0.."""
         return self.limits[axis].name
+
+
+def machine_of(robot: Robot) -> Machine:
+    """A robot of configs/robots.  Additional axes that carry the robot or the workpiece are not planned yet: MotionError (AX-419)."""
+    moving = [axis.limits.name for axis in robot.axes if axis.role not in (None, Role.FREE)]
+    if moving:
+        raise MotionError(f"robot {robot.name}: axes {', '.join(moving)} carry the robot or the workpiece; programs cannot move those yet")
+    alone = replace(robot, axes=tuple(axis for axis in robot.axes if axis.role is None))
+    return Machine(kinematics_of(alone), robot.limits)

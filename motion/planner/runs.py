@@ -1,9 +1,9 @@
 """Stretches between two rests -> one path with its limits: what a time law is made from."""
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-import math
 import numpy as np
 
 from motion.paths.joints import JointPath, joined

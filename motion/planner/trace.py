@@ -1,0 +1,147 @@
+"""A program run on paper: set values on a grid of 1 ms, what the tool does, loads of the axes, how corners are missed."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motion.frames import Pose
+from motion.planner.robot import Machine
+from motion.planner.route import Kind, Route, Stretch
+from motion.planner.runs import runs
+from motion.program.blocks import Block, PoseTarget, Program
+from motion.program.errors import BlockError
+from motion.program.factors import FULL, Factors
+from motion.timing.jerk import jerk_limited
+
+Array = NDArray[np.float64]
+PERIOD_S = 1e-3
+
+
+@dataclass(frozen=True)
+class CornerReport:
+    """How far the path misses the end point of a block (m)."""
+
+    block: int
+    line: int
+    missed: float
+    begins: float  # m before the point
+    ends: float  # m behind it
+
+
+@dataclass(frozen=True)
+class Trace:
+    """t: (n,) s; q: (n, axes); tool: (n, 3) m; block: (n,) numbers; speeds by central differences on the grid."""
+
+    t: Array
+    q: Array
+    tool: Array
+    block: NDArray[np.int64]
+    period: float
+    corners: tuple[CornerReport, ...]
+    ends: tuple[tuple[int, float], ...]  # (block, s at which it is left)
+
+    def rate(self, values: Array, order: int) -> Array:
+        """Differences by time, at rest before and after; same length."""
+        padded = np.concatenate([np.repeat(values[:1], 2, axis=0), values, np.repeat(values[-1:], 2, axis=0)])
+        h = self.period
+        if order == 1:
+            return np.asarray((padded[3:-1] - padded[1:-3]) / (2 * h))
+        if order == 2:
+            return np.asarray((padded[3:-1] - 2 * padded[2:-2] + padded[1:-3]) / h**2)
+        return np.asarray((padded[4:] - 2 * padded[3:-1] + 2 * padded[1:-3] - padded[:-4]) / (2 * h**3))
+
+    def tool_speed(self) -> Array:
+        """(n,) m/s."""
+        return np.asarray(np.linalg.norm(self.rate(self.tool, 1), axis=1))
+
+    def loads(self, machine: Machine, order: int) -> Array:
+        """(n, axes) share of the limit of speed (1), acceleration (2) or jerk (3)."""
+        name = {1: "speed", 2: "accel", 3: "jerk"}[order]
+        return np.asarray(np.abs(self.rate(self.q, order)) / np.array([getattr(axis, name) for axis in machine.limits]))
+
+
+@dataclass(frozen=True)
+class Findings:
+    """stretches up to the first fault; faults: of every block, each looked at from where the last good one ended."""
+
+    stretches: tuple[Stretch, ...]
+    faults: tuple[BlockError, ...]
+
+
+def route_of(program: Program, machine: Machine) -> Findings:
+    """All blocks, nothing moved."""
+    route, faults, out, good = Route(machine, program.start), [], [], True
+    for number, block in enumerate(program.blocks, 1):
+        try:
+            route.add(block)
+        except BlockError as error:
+            faults.append(_numbered(error, number))
+            good = False
+        if good:
+            out += route.take()
+    try:
+        route.finish()
+    except BlockError as error:
+        faults.append(error)
+    return Findings(tuple(out + (route.take() if good else [])), tuple(faults))
+
+
+def _numbered(error: BlockError, number: int) -> BlockError:
+    return BlockError(error.what, code=error.code, block=number, axis=error.axis, source=error.source)
+
+
+def trace(stretches: Sequence[Stretch], machine: Machine, factors: Factors = FULL, period: float = PERIOD_S) -> Trace:
+    """Runs all whole runs; raises MotionError where a path cannot be run at all."""
+    parts, blocks, ends, clock = [], [], [], 0.0
+    for run in runs(stretches, machine, factors):
+        law = jerk_limited(run.path, run.limits)
+        count = math.ceil(law.duration / period)
+        s = law.at(np.arange(count + 1) * period)
+        parts.append(run.path.at(s)[:, : machine.axes])
+        blocks += [run.place(float(x))[0] for x in s]
+        clock += (count + 1) * period
+        ends.append((run.stretches[-1].block, clock))
+    q = np.concatenate(parts) if parts else np.zeros((1, machine.axes))
+    tools = _tools(stretches)
+    places = [_tool_at(machine, row, tools.get(block)) for row, block in zip(q, blocks or [0], strict=True)]
+    return Trace(
+        np.arange(len(q)) * period,
+        q,
+        np.array(places),
+        np.array(blocks or [0]),
+        period,
+        tuple(corner_report(stretch, machine) for stretch in stretches if stretch.kind is Kind.CORNER),
+        tuple(ends),
+    )
+
+
+def _tools(stretches: Sequence[Stretch]) -> dict[int, Pose]:
+    found = {stretch.block: stretch.source.tool.pose for stretch in stretches}
+    found |= {stretch.block + 1: stretch.following.tool.pose for stretch in stretches if stretch.following is not None}
+    return found
+
+
+def _tool_at(machine: Machine, q: Array, tool: Pose | None) -> tuple[float, float, float]:
+    flange = machine.kinematics.forward([float(v) for v in q[: machine.arm]])
+    return flange.position if tool is None else (flange @ tool).position
+
+
+def corner_report(stretch: Stretch, machine: Machine) -> CornerReport:
+    """Smallest distance of a corner from the point it rounds, on 200 places of it."""
+    block: Block = stretch.source
+    tool = block.tool.pose
+    s = np.linspace(0.0, stretch.path.length, 201)
+    places = np.array([_tool_at(machine, q, tool) for q in stretch.path.at(s)[:, : machine.axes]])
+    point = _point(stretch, machine)
+    away = np.linalg.norm(places - point, axis=1)
+    return CornerReport(stretch.block, block.line, float(np.min(away)), float(away[0]), float(away[-1]))
+
+
+def _point(stretch: Stretch, machine: Machine) -> Array:
+    target = stretch.source.target
+    if isinstance(target, PoseTarget):
+        return np.array((stretch.source.frame.pose @ target.pose).position)
+    return np.array((machine.kinematics.forward(target.q[: machine.arm]) @ stretch.source.tool.pose).position)
