@@ -25,7 +25,8 @@ class CanopenOffice:
             return
         from gateway.canopen_link import Rings
         from gateway.canopen_master import CanopenMaster
-        from gateway.canopen_plans import node_plans, read_eds
+        from gateway.canopen_plans import node_plans
+        from gateway.canopen_sheets import read_eds
 
         self.rings = Rings(fds["acyclic"], fds["heard"], len(buses))
         for number, bus in enumerate(buses):

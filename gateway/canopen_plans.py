@@ -1,44 +1,20 @@
 """From a cell to what each CANopen node is told: maps, heartbeat, homing, parameters of its EDS or DCF."""
 
 import pathlib
-from dataclasses import dataclass
 
 from drivers.drives.cia402_boot import Identity, Loss, NodePlan, Parameter, default_pdos
 from drivers.drives.cia402_family import GATEWAY_NODE
 from gateway.axes import scaling_of
+from gateway.canopen_sheets import read_eds
 from gateway.cell import Axis, Bus, Cell
 from gateway.checks.figures import canopen_room
-from gateway.files import ConfigNotFound, beside
 from motion.units import to_si
 from protocols.canopen import eds
 from protocols.canopen.dictionary import ObjectDictionary
 from protocols.canopen.types import Value, encode
 
-OUR_EDS = "axisgate_402.eds"  # of the emulated drives
 SLOW_SHARE = 0.2  # of the homing speed, where the cell names no slow speed
 OWN = (0x1005, 0x1006, 0x1014, 0x1016, 0x1017, 0x6040, 0x6060, 0x607A, 0x60C2)  # written by the start-up itself
-
-
-@dataclass(frozen=True, slots=True)
-class EdsFile:
-    """A data sheet as read; `faults`: what is wrong with it, each with its line and what was done about it."""
-
-    path: pathlib.Path
-    dictionary: ObjectDictionary
-    faults: tuple[eds.Fault, ...]
-
-
-def read_eds(cell: Cell, axis: Axis, *, simulated: bool) -> EdsFile | None:
-    """The axis' EDS or DCF; under simulation the emulated drive's own where the cell's is not there; None: the cell names none."""
-    names = [name for name in (axis.drive.eds, OUR_EDS if simulated else "") if name]
-    for name in names:
-        try:
-            path = beside(cell.file, name, "drives")
-        except ConfigNotFound:
-            continue
-        dictionary, faults = eds.parse(path.read_bytes().decode("utf-8", "replace"))
-        return EdsFile(path, dictionary, faults)
-    return None
 
 
 def node_plans(cell: Cell, bus: Bus, p5_ms: int, *, simulated: bool) -> list[tuple[str, NodePlan]]:

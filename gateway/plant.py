@@ -4,8 +4,11 @@ import json
 import math
 import pathlib
 
-from drivers.emulator.settings import BusSettings, ServoSettings, axis_from_dict, to_dict
+from drivers.emulator.settings import BusSettings, DriveSettings, ServoSettings, axis_from_dict, to_dict
 from gateway.cell import Axis, Cell, PlantAxis
+
+
+MULTITURN = 4096  # turns an absolute encoder of the emulated drives tells apart
 
 
 def motor_rad(axis: Axis, position: float) -> float:
@@ -31,12 +34,19 @@ def servo_settings(axis: Axis, plant: PlantAxis) -> ServoSettings:
 
 
 def bus_settings(cell: Cell, bus: str, p5_ms: float) -> BusSettings:
-    """All drives of one bus."""
-    axes = {}
+    """All drives of one bus, of whichever family."""
+    axes: dict[int, ServoSettings] = {}
+    nodes: dict[int, DriveSettings] = {}
     for axis in cell.axis:
-        if axis.drive.bus == bus and axis.drive.module is not None:
-            axes[axis.drive.module] = servo_settings(axis, cell.plant.axis.get(axis.name, PlantAxis()) if cell.plant else PlantAxis())
-    return BusSettings(p5_ms, cell.plant.seed if cell.plant else 1, axes)
+        if axis.drive.bus != bus:
+            continue
+        servo = servo_settings(axis, cell.plant.axis.get(axis.name, PlantAxis()) if cell.plant else PlantAxis())
+        if axis.drive.module is not None:
+            axes[axis.drive.module] = servo
+        elif axis.drive.node is not None:
+            absolute = MULTITURN if axis.home.by == "none" else 0
+            nodes[axis.drive.node] = DriveSettings(servo, serial=axis.drive.node, multiturn_turns=absolute)
+    return BusSettings(p5_ms, cell.plant.seed if cell.plant else 1, axes, nodes)
 
 
 def write_settings(cell: Cell, bus: str, folder: pathlib.Path, p5_ms: float) -> pathlib.Path:

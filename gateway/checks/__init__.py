@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 
 from gateway.cell import Cell, Notice
-from gateway.checks import axes, blocks, buses, doors, lines, notes, rho3can, telegrams
+from gateway.checks import axes, blocks, buses, canopen, doors, lines, notes, rho3can, telegrams
 from gateway.checks.context import Context
 from gateway.faults import Fault
 from gateway.pure.signals import SignalList
@@ -14,11 +14,11 @@ __all__ = ["cross_faults", "notices"]
 def cross_faults(cell: Cell, known: Mapping[str, frozenset[str]], signals: SignalList, line_of: Callable[[str], int | None]) -> list[Fault]:
     """All cross faults of the valid parts.  `known` has the names of all parts, also of those left out; `line_of` finds a key's line."""
     context = Context(cell, known, signals, line_of)
-    for check in (*doors.CHECKS, *lines.CHECKS, *blocks.CHECKS, *buses.CHECKS, *rho3can.CHECKS, *axes.CHECKS, *telegrams.CHECKS):
+    for check in (*doors.CHECKS, *lines.CHECKS, *blocks.CHECKS, *buses.CHECKS, *rho3can.CHECKS, *canopen.CHECKS, *axes.CHECKS, *telegrams.CHECKS):
         check(context)
     return context.faults
 
 
 def notices(cell: Cell) -> list[Notice]:
     """Warnings and notes of a cell without faults, in the order of a reader's questions."""
-    return [notice for check in (*telegrams.NOTES, *lines.NOTES, *notes.NOTES) for notice in check(cell)]
+    return [notice for check in (*telegrams.NOTES, *lines.NOTES, *notes.NOTES, *canopen.NOTES) for notice in check(cell)]

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from drivers.drives.family import Actual
+from drivers.drives.family import Actual, BusFamily
 from drivers.drives.servodyn_family import ServodynFamily
 from drivers.emulator.servodyn_slave import ServodynSlave
 from gateway.axes import axis_facts, core_axes, make_planner
@@ -15,7 +15,7 @@ from gateway.pure.office import Job, Office
 from gateway.pure.records import InputImage, OrderRecord, Quality, pack_cell_state, pack_order, set_bit, unpack_cell_state, unpack_order
 from hil_tests.lab.servodyn_bus import CODEC
 from motion.pieces import RECORD_SIZE
-from protocols.base.machine import Frame, Ns
+from protocols.base.machine import Frame, FrameMachine, Ns
 
 START: Ns = 1_000_000_000_000
 ALL = 0x3F
@@ -27,25 +27,30 @@ FAMILY = ServodynFamily(CODEC, [(n, n + 1) for n in range(6)])
 class CellBench:
     """One door (number 1) commands; `silent` axes do not answer; time is `now`."""
 
-    def __init__(self, p5_ms: int = 4, *, finish_without_services: bool = False) -> None:
+    def __init__(self, p5_ms: int = 4, *, finish_without_services: bool = False, cell: Cell = DEMO) -> None:
+        self.cell, self.p5_ms = cell, p5_ms
         self.period_ns: Ns = p5_ms * 1_000_000
         self.now: Ns = START
-        self.slave = ServodynSlave(bus_settings(DEMO, "drives", p5_ms), CODEC)
+        self.slave, self.family = self._drives()
         self.finish = finish_without_services
         self.generation = 1
         self.core = self._new_core()
-        self.office = Office(axis_facts(DEMO), make_planner(DEMO), 1)
+        self.office = Office(axis_facts(cell), make_planner(cell), 1)
         self.inputs = InputImage()
         self.services_alive = True
         self.services_ns: Ns = START
         self.silent: set[int] = set()
         self.orders: list[OrderRecord] = []
-        self.burst: list[Frame] = FAMILY.burst(self.core.idle())
+        self.burst: list[Frame] = self.family.burst(self.core.idle())
         self.each: Callable[[], None] = lambda: None
         self.permit(*ENABLING)
 
+    def _drives(self) -> tuple[FrameMachine[object], BusFamily]:
+        """The emulated drives of the cell's first bus, and our language to them."""
+        return ServodynSlave(bus_settings(self.cell, self.cell.bus[0].name, self.p5_ms), CODEC), FAMILY
+
     def _new_core(self) -> Core:
-        return Core(core_axes(DEMO, self.period_ns / 1e6), self.period_ns / 1e9, self.generation, finish_without_services=self.finish)
+        return Core(core_axes(self.cell, self.period_ns / 1e6), self.period_ns / 1e9, self.generation, finish_without_services=self.finish)
 
     def permit(self, *bits: int, value: bool = True) -> None:
         """RC inputs as a living door writes them."""
@@ -58,16 +63,16 @@ class CellBench:
         for _ in range(count):
             stamped = [frame._replace(stamp_ns=self.now) for frame in self.burst]
             self.slave.receive(stamped, self.now)
-            actuals: list[Actual | None] = [None] * 6
+            actuals: list[Actual | None] = [None] * len(self.cell.axis)
             for frame in self.slave.take_output():
-                axis, actual = CODEC.decode_actual(frame)
-                if axis not in self.silent:
-                    actuals[axis - 1] = actual
+                heard = self.family.hear(frame)
+                if heard is not None and heard.axis + 1 not in self.silent:
+                    actuals[heard.axis] = heard.actual
             if self.services_alive:
                 self.services_ns = self.now
             orders, self.orders = self.orders, []
             values = self.core.step(actuals, self.inputs, orders, self.services_ns, self.now)
-            self.burst = FAMILY.burst(values)
+            self.burst = self.family.burst(values)
             if self.services_alive:
                 self.office.observe(unpack_cell_state(pack_cell_state(self.core.state)), self.now)
                 self._hand_over()
@@ -112,7 +117,7 @@ class CellBench:
         self.generation += 1
         self.core = self._new_core()
         self.orders = []
-        self.burst = FAMILY.burst(self.core.idle())
+        self.burst = self.family.burst(self.core.idle())
 
     def actual(self) -> list[float]:
         """Positions in mm and deg as published."""

@@ -51,7 +51,8 @@ def test_shipped_cells_are_valid(name: str) -> None:
 
 def test_the_demo_cell_plays_and_the_examples_say_what_does_not() -> None:
     assert load_cell("demo").not_playable() == []
-    assert "bus.can0.protocol = canopen" in load_cell("s5-rk512").not_playable()
+    assert load_cell("s5-rk512").not_playable() == [f"io.{name}.device.type = canopen-401" for name in ("ready_contact", "safety_ok")]
+    assert load_cell("s5-rk512").not_playable(simulated=True) == []
     assert {"robot.kinematics = 6R", "retain.values"} <= set(load_cell("rho3-servodyn").not_playable())
 
 

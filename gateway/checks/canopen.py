@@ -1,0 +1,81 @@
+"""CANopen buses: node numbers, data sheets, one controlword, no identifier with two senders (also when two protocols share a port)."""
+
+from collections.abc import Iterator
+
+from drivers.drives.canopen_plan import Used, collisions, dictionary_map_faults, gateway_identifiers, io_pdos, node_identifiers, restricted
+from drivers.drives.cia402_boot import default_pdos
+from drivers.drives.cia402_family import GATEWAY_NODE
+from gateway.canopen_sheets import read_eds
+from gateway.cell import Bus, Cell, Notice
+from gateway.checks.context import Context
+from protocols.servodyn import plan
+
+SHOWN = 3  # faults of a data sheet told one by one
+
+
+def nodes(check: Context) -> None:
+    """The gateway's own number is taken; a data sheet may not map 6040h twice."""
+    for axis in check.cell.axis:
+        if axis.drive.type != "cia402":
+            continue
+        key = f"axis.{axis.name}.drive"
+        if axis.drive.node == GATEWAY_NODE:
+            check.fault(f"{key}.node", axis.drive.node, "the gateway's heartbeat is node 127", "1..126")
+        sheet = read_eds(check.cell, axis, simulated=False)
+        for fault in dictionary_map_faults(sheet.dictionary, axis.drive.node or 1) if sheet is not None else ():
+            check.fault(f"{key}.eds", axis.drive.eds, fault)
+
+
+def identifiers(check: Context) -> None:
+    """Everything that speaks on one CAN port, of whatever protocol."""
+    ports: dict[str, list[Bus]] = {}
+    for bus in check.cell.bus:
+        ports.setdefault(bus.name if bus.port == "sim" else bus.port, []).append(bus)
+    for on_it in ports.values():
+        if not any(bus.protocol == "canopen" for bus in on_it):
+            continue
+        used = [entry for bus in on_it for entry in used_on(check.cell, bus)]
+        for fault in (*collisions(used), *restricted(used)):
+            check.fault(f"bus.{on_it[-1].name}", "", fault)
+
+
+def used_on(cell: Cell, bus: Bus) -> list[Used]:
+    """Identifiers of one bus."""
+    axes = [axis for axis in cell.axis if axis.drive.bus == bus.name]
+    if bus.protocol == "canopen":
+        found = gateway_identifiers(GATEWAY_NODE)
+        for axis in axes:
+            if axis.drive.node is not None:
+                found += node_identifiers(axis.drive.node, f"axis {axis.name}", default_pdos(axis.drive.node, torque=True))
+        for node in sorted({io.device.node for io in cell.io if io.device.bus == bus.name and io.device.node is not None}):
+            found += node_identifiers(node, f"coupler {node}", io_pdos(node))
+        return found
+    found = [Used(plan.SYNC_ID, "SYNC of SERVODYN")]
+    for axis in axes:
+        if axis.drive.module is not None:
+            found += [Used(plan.set_id(axis.drive.module), f"set value of axis {axis.name}")]
+            found += [Used(plan.actual_id(axis.drive.module), f"actual value of axis {axis.name}")]
+    blocks = (*cell.rho3.P31, *cell.rho3.P32) if cell.rho3 is not None else ()
+    number = cell.bus.index(bus) + 1
+    return found + [Used(block.id, f"I/O block {block.id}") for block in blocks if block.bus == number]
+
+
+def sheets(cell: Cell) -> Iterator[Notice]:
+    """Data sheets that are not there, or dirty: what was ignored and why."""
+    for axis in cell.axis:
+        if axis.drive.type != "cia402" or not axis.drive.eds:
+            continue
+        sheet = read_eds(cell, axis, simulated=False)
+        where = f"axis {axis.name}"
+        if sheet is None:
+            text = f"{axis.drive.eds}: no such data sheet; --sim plays the emulated drive's, a real bus needs the maker's"
+            yield Notice("note", where, text)
+            continue
+        for fault in sheet.faults[:SHOWN]:
+            yield Notice("note", where, f"{sheet.path.name} {fault}")
+        if len(sheet.faults) > SHOWN:
+            yield Notice("note", where, f"{sheet.path.name}: {len(sheet.faults) - SHOWN} faults more")
+
+
+CHECKS = (nodes, identifiers)
+NOTES = (sheets,)

@@ -1,0 +1,122 @@
+"""The cell in virtual time with CiA 402 drives: the same core and office, emulated nodes, started up by the real plan without a master's threads."""
+
+from collections.abc import Sequence
+
+from drivers.drives import cia402_boot as plans
+from drivers.drives.cia402_boot import Answer, Booted, Refused, Silent
+from drivers.drives.cia402_family import Cia402Family
+from drivers.drives.family import BusFamily
+from drivers.emulator.cia402_slave import Cia402Slave
+from gateway.canopen_plans import node_plans
+from gateway.canopen_sheets import read_eds
+from gateway.cell import Cell
+from gateway.config import load_cell
+from gateway.families import make_family
+from gateway.plant import bus_settings
+from hil_tests.lab.cellbench import CellBench
+from protocols.base.machine import Frame, FrameMachine, ms
+from protocols.canopen import cobid, nmt, sdo
+from protocols.canopen.nmt import State
+
+DEMO_402: Cell = load_cell("demo-402")
+PATIENCE_MS = 300
+
+
+class Dialogue:
+    """Carries out the steps of a start-up on one emulated node, frame by frame, in bus time."""
+
+    def __init__(self, slave: Cia402Slave, node: int, now: int) -> None:
+        self.slave, self.node, self.now = slave, node, now
+        self.heard: list[Frame] = []
+        self.steps: list[plans.Step] = []
+        self.refuse: dict[tuple[int, int], int] = {}  # (index, sub) of a download -> abort code: a hostile node
+        self.lies: dict[tuple[int, int], bytes] = {}  # what an upload answers instead
+
+    def carry(self, plan: plans.Plan) -> Booted:
+        """To its end; raises BootRefused as the plan does."""
+        step = next(plan)
+        try:
+            while True:
+                self.steps.append(step)
+                step = plan.send(self.answer(step))
+        except StopIteration as end:
+            booted = end.value
+            assert isinstance(booted, Booted)
+            return booted
+
+    def answer(self, step: plans.Step) -> Answer:
+        match step:
+            case plans.Read(index, sub):
+                return self.lies.get((index, sub)) or self.upload(index, sub)
+            case plans.Write(index, sub, data):
+                if (index, sub) in self.refuse:
+                    return Refused(self.refuse[index, sub])
+                return self.download(index, sub, data)
+            case plans.Nmt(command, awaits):
+                self.say(nmt.command(command, self.node))
+                return self.shown(awaits) if awaits is not None else b""
+            case plans.Pause(pause):
+                self.wait(pause)
+                return b""
+
+    def upload(self, index: int, sub: int) -> Answer:
+        return self.asked(sdo.initiate(sdo.Request.INITIATE_UPLOAD, (index, sub)))
+
+    def download(self, index: int, sub: int, data: bytes) -> Answer:
+        answer = self.asked(sdo.expedited(sdo.Request.INITIATE_DOWNLOAD, (index, sub), data))
+        return b"" if isinstance(answer, bytes) else answer
+
+    def asked(self, request: bytes) -> Answer:
+        self.say(Frame(cobid.sdo_request(self.node), request))
+        for _ in range(PATIENCE_MS):
+            for frame in self.heard:
+                if frame.identifier == cobid.sdo_answer(self.node):
+                    if frame.data[0] >> 5 == sdo.Answer.ABORT:
+                        return Refused(sdo.abort_of(frame.data).code)
+                    return sdo.expedited_data(frame.data)
+            self.wait(1)
+        return Silent.YES
+
+    def shown(self, state: State) -> Answer:
+        for _ in range(2000):
+            if any(nmt.heartbeat_of(frame) == (self.node, state) for frame in self.heard):
+                return b""
+            self.wait(1)
+        return Silent.YES
+
+    def say(self, frame: Frame) -> None:
+        self.heard = []
+        self.slave.receive([frame._replace(stamp_ns=self.now)], self.now)
+        self.heard += self.slave.take_output()
+
+    def wait(self, pause_ms: int) -> None:
+        self.now += ms(pause_ms)
+        self.slave.wake(self.now)
+        self.heard += self.slave.take_output()
+
+
+class Cell402Bench(CellBench):
+    """One door commands; the drives are emulated CiA 402 nodes."""
+
+    slave: Cia402Slave
+
+    def __init__(self, p5_ms: int = 4, *, cell: Cell = DEMO_402) -> None:
+        super().__init__(p5_ms, cell=cell)
+        self.booted = self.start_up()
+
+    def _drives(self) -> tuple[FrameMachine[object], BusFamily]:
+        bus = self.cell.bus[0]
+        sheets = {axis.drive.node: read_eds(self.cell, axis, simulated=True) for axis in self.cell.axis if axis.drive.node}
+        dictionaries = {node: sheet.dictionary for node, sheet in sheets.items() if sheet is not None}
+        return Cia402Slave(bus_settings(self.cell, bus.name, self.p5_ms), dictionaries), make_family(self.cell, bus, self.p5_ms)
+
+    def start_up(self, nodes: Sequence[int] = ()) -> list[Booted]:
+        """Every node (or these), one after the other; the cycle may speak to them from now on."""
+        found = []
+        for _, plan in node_plans(self.cell, self.cell.bus[0], self.p5_ms, simulated=True):
+            if not nodes or plan.node in nodes:
+                dialogue = Dialogue(self.slave, plan.node, self.now)
+                found.append(dialogue.carry(plans.boot(plan)))
+                self.now = dialogue.now
+                self.family.release(plan.node, found[-1].mode)
+        return found
