@@ -73,8 +73,8 @@ def fit(points: Sequence[Pose], tolerance: float) -> Chain:
         wide = [i for i, interval in enumerate(curve.curves) if isinstance(interval, Polynomial) and swing(interval) > tolerance]
         if not wide:
             return curve
-        for i in {end for i in wide for end in (i, i + 1)}:
-            tensions[i] *= 0.8
+        for end in {end for i in wide for end in (i, i + 1)}:
+            tensions[end] *= 0.8
         if min(tensions) <= LOOSEST:
             break
     raise PathError(f"no smooth curve stays within {tolerance} m of these chords: round the corner or stop at point {wide[0]}")

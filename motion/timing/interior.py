@@ -29,14 +29,14 @@ class Rows:
 
     def times(self, x: Array) -> Array:
         """A x, (n, m)."""
-        result = self.centre * x[:, None]
+        result: Array = self.centre * x[:, None]
         result[1:] += self.minus[1:] * x[:-1, None]
         result[:-1] += self.plus[:-1] * x[1:, None]
         return result
 
     def transposed(self, z: Array) -> Array:
         """A' z, (n,)."""
-        result = np.einsum("ij,ij->i", self.centre, z)
+        result: Array = np.einsum("ij,ij->i", self.centre, z)
         result[:-1] += np.einsum("ij,ij->i", self.minus, z)[1:]
         result[1:] += np.einsum("ij,ij->i", self.plus, z)[:-1]
         return result
@@ -71,28 +71,37 @@ def fastest(rows: Rows, share: Array, begin: Array, held: int = 0) -> Array:
         system = Banded(diagonal.tolist(), near.tolist(), far.tolist())
         target = weight * lack
 
-        def directions(
-            centred: Array,
-            system: Banded = system,
-            target: Array = target,
-            gradient: Array = gradient,
-            lack: Array = lack,
-            weight: Array = weight,
-        ) -> tuple[Array, Array, Array]:
-            right = -gradient - rows.transposed(centred + target)
-            right[:held] = 0.0
-            dx = np.array(system.solve(right.tolist()))
-            dy = -lack - rows.times(dx)
-            return dx, dy, centred - z - weight * dy
-
-        _, dy, dz = directions(np.zeros_like(y))
+        base = _Base(rows, system, gradient, lack, target, weight, z, held)
+        _, dy, dz = base.directions(np.zeros_like(y))
         far_y, far_z = _room(y, dy, 1.0), _room(z, dz, 1.0)
         after = float(np.vdot(y + far_y * dy, z + far_z * dz)) / y.size
         sigma = min((after / mu) ** 3, 1.0)
-        dx, dy, dz = directions((sigma * mu - dy * dz) / y)
+        dx, dy, dz = base.directions((sigma * mu - dy * dz) / y)
         go, go_z = min(_room(y, dy, BACK), _room(x, dx, 0.9)), _room(z, dz, BACK)
         x, y, z = x + go * dx, y + go * dy, z + go_z * dz
     return x
+
+
+@dataclass(frozen=True)
+class _Base:
+    """One step's equations."""
+
+    rows: Rows
+    system: Banded
+    gradient: Array
+    lack: Array
+    target: Array
+    weight: Array
+    z: Array
+    held: int
+
+    def directions(self, centred: Array) -> tuple[Array, Array, Array]:
+        """(dx, dy, dz) towards slack times multiplier = centred times slack."""
+        right = -self.gradient - self.rows.transposed(centred + self.target)
+        right[: self.held] = 0.0
+        dx = np.array(self.system.solve(right.tolist()))
+        dy = -self.lack - self.rows.times(dx)
+        return dx, dy, centred - self.z - self.weight * dy
 
 
 def _room(value: Array, step: Array, share: float) -> float:

@@ -23,17 +23,71 @@ Array = NDArray[np.float64]
 
 GRID = 1500  # intervals of s for the first guess
 STEP, FEWEST, MOST = 0.7e-3, 300, 3000  # s and number of the intervals in time
-ROUNDS = 6
-WARP = 2.0  # beta lies between 1 / WARP and WARP in one round
+ROUNDS = 3
+TOUCH = 0.9999  # of the speed limit: differences of rounded positions stay below it
+WARP = 2.0  # beta of a round is at most so many times that of the round before
 SETTLED = 1e-4  # change of the duration below which no further round is tried
+JUDGE_S = 1e-3  # period at which the set values are judged
+ACCEL_GOOD, JERK_GOOD = 1.012, 1.035  # shares of the limits at that period; beyond them the place is planned again with less
+REPAIRS = 3
+AROUND = 4  # periods on both sides of such a place
 
 
 def jerk_limited(path: JointPath, limits: LawLimits, start: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Law:
-    """From (s, sdot, sddot) to rest at the end of the path.  MotionError where the path cannot be run at all."""
-    law = _guess(path, limits, start)
-    for _ in range(ROUNDS):
-        law = _improved(path, limits, law)
+    """From (s, sdot, sddot) to rest at the end of the path.  MotionError where the path cannot be run at all.
+
+    The law is judged at 1 ms by the differences of the axis positions; where acceleration or jerk come out too high it is
+    planned again with lower limits there, and if that does not help run a little slower as a whole.
+    """
+    guess = _guess(path, limits, start)
+    tight = np.ones(len(guess.s))
+    law = guess
+    for _ in range(REPAIRS):
+        beta = _warp(path, limits, guess, tight)
+        law = guess.warped(beta, path.length)
+        at, excess = _excess(path, limits, law)
+        if float(np.max(excess)) <= 1.0:
+            return law
+        for s, much in zip(at, excess, strict=True):
+            if much > 1.0:
+                tight[np.abs(guess.s - s[1]) <= s[2] - s[1]] *= 0.97 / much
+    return _slowed(path, limits, law)
+
+
+def _slowed(path: JointPath, limits: LawLimits, law: Law) -> Law:
+    """As a whole, until the set values are good; a moving start cannot be slowed and stays."""
+    for _ in range(REPAIRS):
+        worst = float(np.max(_excess(path, limits, law)[1]))
+        if worst <= 1.0 or not law.at_rest:
+            break
+        law = law.slower(1.002 * worst ** (1 / 3))
     return law
+
+
+def shares(path: JointPath, limits: LawLimits, law: Law, period_s: float = JUDGE_S) -> tuple[float, float, float]:
+    """Largest speed, acceleration and jerk as shares of their limits, from differences of the set values of the axes."""
+    _, parts = _differences(path, limits, law, period_s)
+    speed, accel, jerk = (float(np.max(part)) for part in parts)
+    return speed, accel, jerk
+
+
+def _differences(path: JointPath, limits: LawLimits, law: Law, period_s: float) -> tuple[Array, list[Array]]:
+    """s of the samples and the shares at each; a moving start is not judged before its third sample."""
+    s = law.at(np.arange(0.0, law.duration + 4 * period_s, period_s))
+    s = np.concatenate([np.full(3 if law.at_rest else 0, s[0]), s])
+    q = path.at(s)
+    bounds = limits.at(s)
+    parts = [np.max(np.abs(np.diff(q, order, axis=0)) / period_s**order / bounds[order - 1][order:], axis=1) for order in (1, 2, 3)]
+    return s, parts
+
+
+def _excess(path: JointPath, limits: LawLimits, law: Law) -> tuple[Array, Array]:
+    """Places (from, at, to in s) and how far acceleration or jerk are beyond what is good there."""
+    s, (_, accel, jerk) = _differences(path, limits, law, JUDGE_S)
+    excess = np.maximum(jerk / JERK_GOOD, accel[1:] / ACCEL_GOOD)
+    index = np.arange(len(excess)) + 2
+    places = np.stack([s[np.maximum(index - AROUND, 0)], s[index], s[np.minimum(index + AROUND, len(s) - 1)]], axis=1)
+    return places, excess
 
 
 def _guess(path: JointPath, limits: LawLimits, start: tuple[float, float, float]) -> Law:
@@ -55,7 +109,7 @@ def _ramp(limits: LawLimits) -> float:
     return float(np.max(limits.accel[finite] / limits.jerk[finite])) if np.any(finite) else 0.0
 
 
-def _rows(path: JointPath, limits: LawLimits, law: Law, beta: Array) -> Rows:
+def _rows(path: JointPath, limits: LawLimits, law: Law, beta: Array, tight: Array) -> Rows:
     """What the limits say about beta on the law's grid."""
     h, known = law.step, beta[:, None]
     padded = law.padded(2)
@@ -63,17 +117,18 @@ def _rows(path: JointPath, limits: LawLimits, law: Law, beta: Array) -> Rows:
     first, second = (q[3:-1] - q[1:-3]) / (2 * h), (q[3:-1] - 2 * q[2:-2] + q[1:-3]) / h**2
     thirds = np.diff(q, 3, axis=0) / h**3
     speed, accel, jerk = limits.at(law.s)
+    speed, jerk = TOUCH * speed, jerk * tight[:, None]
     some = np.any(np.isfinite(limits.speed)[None, :] | np.isfinite(speed), axis=0)
     none = np.zeros_like(first)
-    blocks = [(none, (first / speed) ** 2, none, 1.0)]
+    unity = np.ones_like(first)
+    blocks = [(none, (first / speed) ** 2, none, unity)]
     a1, a2 = 0.25 * first / accel / h, second / accel
-    blocks += [(-sign * a1, sign * a2, sign * a1, 1.0) for sign in (1.0, -1.0)]
+    blocks += [(-sign * a1, sign * a2, sign * a1, unity) for sign in (1.0, -1.0)]
     side, middle = 0.75 * second / jerk / h, 0.5 * first / jerk / h**2
-    flat, steep = 1.5 / np.sqrt(known), 0.5 / known**1.5  # tangent of 1 / sqrt(beta) at the beta of the round before
+    flat, steep = 1.5 / np.sqrt(known) * unity, 0.5 / known**1.5  # tangent of 1 / sqrt(beta) at the beta of the round before
     for third in (thirds[:-1] / jerk, thirds[1:] / jerk):
         blocks += [(sign * (middle - side), sign * (third - 2 * middle) + steep, sign * (middle + side), flat) for sign in (1.0, -1.0)]
-    minus, centre, plus = (np.concatenate([block[k][:, some] for block in blocks], axis=1) for k in range(3))
-    right = np.concatenate([np.broadcast_to(block[3], first.shape)[:, some] for block in blocks], axis=1)
+    minus, centre, plus, right = (np.concatenate([block[k][:, some] for block in blocks], axis=1) for k in range(4))
     one = np.ones((len(first), 1))
     minus, plus = (np.concatenate([part, 0 * one], axis=1) for part in (minus, plus))
     centre = np.concatenate([centre, one], axis=1)
@@ -90,15 +145,14 @@ def _extended(path: JointPath, s: Array) -> Array:
     return path.at(s) + before * path.at(np.zeros(1), 1)
 
 
-def _warp(path: JointPath, limits: LawLimits, law: Law, rounds: int) -> Array:
+def _warp(path: JointPath, limits: LawLimits, law: Law, tight: Array) -> Array:
     """beta on the law's grid."""
     n = len(law.s)
     share = np.full(n, 1.0 / (n - 1))
     share[0] = share[-1] = 0.5 / (n - 1)
-    beta = np.ones(n)
-    value = np.inf
-    for _ in range(rounds):
-        beta = fastest(_rows(path, limits, law, beta), share, beta, 0 if law.at_rest else 2)
+    beta, value = np.ones(n), np.inf
+    for _ in range(ROUNDS):
+        beta = fastest(_rows(path, limits, law, beta, tight), share, beta, 0 if law.at_rest else 2)
         before, value = value, float(np.sum(share / np.sqrt(beta)))
         if abs(before - value) < SETTLED * value:
             break

@@ -24,6 +24,10 @@ class Law:
         return self.step * (len(self.s) - 1)
 
     @property
+    def _times(self) -> Array:
+        return np.asarray(self.step * np.arange(len(self.s)), dtype=np.float64)
+
+    @property
     def at_rest(self) -> bool:
         """Whether it begins at rest."""
         return self.start[1] == 0.0 and self.start[2] == 0.0
@@ -51,19 +55,23 @@ class Law:
         b = np.concatenate([[beta[0]], beta, [beta[-1]]])
         slope = (b[2:] - b[:-2]) / (2 * self.step)
         speed, accel = self.speed * root, self.accel * beta + 0.5 * self.speed * slope
-        grid = np.linspace(0.0, float(times[-1]), len(self.s))
+        grid: Array = np.linspace(0.0, float(times[-1]), len(self.s))
         s = np.clip(_hermite(times, self.s, speed, accel, grid), self.s[0], length)
         return Law.sampled(s, float(grid[1]), self.start)
 
     def on_grid(self, count: int) -> "Law":
         """The same law with `count` intervals."""
-        grid = np.linspace(0.0, self.duration, count + 1)
-        s = _hermite(self.step * np.arange(len(self.s)), self.s, self.speed, self.accel, grid)
+        grid: Array = np.linspace(0.0, self.duration, count + 1)
+        s = _hermite(self._times, self.s, self.speed, self.accel, grid)
         return Law.sampled(s, float(grid[1]), self.start)
+
+    def slower(self, factor: float) -> "Law":
+        """The same in `factor` times the time; from rest only."""
+        return Law(self.s, self.speed / factor, self.accel / factor**2, self.step * factor)
 
     def at(self, t: Array) -> Array:
         """s at these times; the ends beyond them."""
-        return _hermite(self.step * np.arange(len(self.s)), self.s, self.speed, self.accel, np.clip(t, 0.0, self.duration))
+        return _hermite(self._times, self.s, self.speed, self.accel, np.clip(t, 0.0, self.duration))
 
 
 def _hermite(knots: Array, value: Array, slope: Array, bend: Array, at: Array) -> Array:

@@ -85,7 +85,7 @@ def speed_limit(first: Array, speed: Array) -> Array:
     """(n,) largest sdot^2: |q' sdot| <= speed in every column; speed: (m,) or (n, m)."""
     with np.errstate(divide="ignore"):
         bound = np.where(np.abs(first) > FLAT, np.abs(speed / np.where(first == 0.0, 1.0, first)), np.inf)
-    return np.minimum(np.min(bound, axis=1) ** 2, BIG)
+    return np.asarray(np.minimum(np.min(bound, axis=1) ** 2, BIG))
 
 
 def _rows(first: Array, second: Array, h: float, accel: Array) -> _Rows:

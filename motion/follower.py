@@ -1,0 +1,357 @@
+"""Runs a chain of timed pieces: time along the path in its hands, forward and back (design 6; motion.md goals 9, 10).
+
+tau is the time at full speed, omega = dtau/dt the share of it that is driven, u = d omega/dt, c = du/dt.  With the pieces' own
+derivatives by tau every axis has the acceleration omega^2 q'' + u q' and the jerk omega^3 q''' + 3 omega u q'' + c q'.  |omega| <= 1 with
+u = 0 is legal anywhere, because full speed is; what needs care is changing it.  So the follower always holds a way back: it takes the
+strongest c for this period from which u can be brought to 0 again, in a straight ramp, with every axis inside its limits all the way,
+and without overshooting the wanted omega.  Retrace is omega < 0: the same path, the same limits.
+"""
+
+from collections import deque
+from collections.abc import Sequence
+from itertools import pairwise
+from math import inf
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motion.errors import PieceError
+from motion.timed import TimedPiece
+
+Array = NDArray[np.float64]
+HISTORY = 1024  # pieces kept behind the present one, for retrace
+WAITING = 1024  # pieces that may wait
+FIT, FIT_SPEED, FIT_ACCEL = 1e-9, 1e-6, 1e-4  # steps allowed where pieces meet: m or rad, shares of 1 + value
+STEPS = (1.0, 0.6, 0.25, 0.0)  # of the strongest c
+RAMPS = (1.05, 1.8, 3.5)  # of the shortest time in which u could come to 0
+PLACES = 24  # where a way back is looked at
+ACCEL_TOP, JERK_TOP = 1.005, 1.04  # shares of the limits allowed while omega changes
+STILL = 1e-9  # share of the limits below which the path itself stands: omega may be anything
+
+
+class Progress(NamedTuple):
+    """Set values of one period."""
+
+    q: dict[int, tuple[float, float]]  # axis -> position, speed
+    piece_id: int
+    block: int
+    way: float  # m along the path, as the pieces count it
+    done_id: int
+    at_end: bool
+    at_start: bool
+    still: bool  # omega and u are 0
+
+
+class _Track:
+    """Derivatives of all columns on an even grid of tau, as shares of the limits; grows at the end, can be cut there."""
+
+    def __init__(self, columns: int, step: float) -> None:
+        self.step, self.count = step, 0
+        self._store = np.zeros((1024, 5, columns))
+
+    def cut(self, tau: float) -> None:
+        """Forget what lies behind tau."""
+        self.count = min(self.count, int(tau / self.step) + 1)
+
+    def append(self, piece: TimedPiece, begin: float, where: Sequence[int]) -> None:
+        """where: column of each of the piece's columns."""
+        last = int((begin + piece.duration) / self.step) + 1
+        grid = np.arange(self.count, last) * self.step - begin
+        if len(grid) == 0:
+            return
+        while last > len(self._store):
+            self._store = np.concatenate([self._store, np.zeros_like(self._store)])
+        accel, jerk = np.array(piece.accel), np.array(piece.jerk)
+        first, second = _derivatives(piece, np.clip(grid + 0.5 * self.step, 0.0, piece.duration))
+        a, b = (_derivatives(piece, np.clip(grid + k * self.step, 0.0, piece.duration))[1] for k in (0.0, 1.0))
+        third = (b - a) / self.step
+        accel = np.maximum(accel, np.abs(second))  # full speed itself is legal, whatever rounding says
+        jerk = np.maximum(jerk, np.abs(third))
+        rows = self._store[self.count : last]
+        rows[:] = 0.0
+        for k, values in enumerate((first / accel, second / accel, first / jerk, second / jerk, third / jerk)):
+            rows[:, k, list(where)] = values
+        self.count = last
+
+    def at(self, tau: Array) -> Array:
+        """(..., 5, columns)."""
+        index = np.clip((tau / self.step).astype(np.int64), 0, max(self.count - 1, 0))
+        found: Array = self._store[index]
+        return found
+
+
+def _derivatives(piece: TimedPiece, tau: Array) -> tuple[Array, Array]:
+    """First and second derivatives of all columns, (n, columns)."""
+    times = np.array(piece.times)
+    index = np.clip(np.searchsorted(times, tau, side="right") - 1, 0, len(times) - 2)
+    rows = np.array(piece.quintics)[index]
+    u = (tau - times[index])[:, None]
+    f, e, d, c, b = (rows[:, :, k] for k in range(5))
+    first = (((5 * f * u + 4 * e) * u + 3 * d) * u + 2 * c) * u + b
+    second = ((20 * f * u + 12 * e) * u + 6 * d) * u + 2 * c
+    return first, second
+
+
+class Follower:
+    """See the module.  Raises PieceError on pieces that cannot follow, never in step()."""
+
+    def __init__(self, axes: int, period_s: float, grid_s: float | None = None) -> None:
+        self._axes, self._h = axes, period_s
+        self._pieces: deque[TimedPiece] = deque()
+        self._begins: deque[float] = deque()
+        self._index = 0  # of the piece under way
+        self._interval = 0
+        self._track = _Track(axes + 1, grid_s or min(max(0.5 * period_s, 1e-3), 2e-3))
+        self._pending: list[TimedPiece] = []
+        self._tau = 0.0
+        self._omega = self._u = 0.0
+        self._ramp = 0.0  # s in which u comes to 0 on the way back that is held
+        self._end = 0.0
+        self._done = 0
+
+    # ---- loading -------------------------------------------------------------------------------------------------------
+    @property
+    def tau(self) -> float:
+        """Time at full speed since the chain began."""
+        return self._tau
+
+    @property
+    def omega(self) -> float:
+        """Share of full speed now; negative: going back."""
+        return self._omega
+
+    @property
+    def waiting(self) -> int:
+        """Pieces behind the one under way."""
+        return max(len(self._pieces) - self._index - 1, 0)
+
+    @property
+    def last(self) -> TimedPiece | None:
+        """The piece everything committed ends with."""
+        return self._pieces[-1] if self._pieces else None
+
+    def load(self, piece: TimedPiece) -> None:
+        """Run this piece when those before it are done.  It counts from the moment the tail it belongs to ends at rest."""
+        if piece.new_tail:
+            self._pending = [piece]
+        else:
+            self._check_join(self._pending[-1] if self._pending else self.last, piece)
+            self._pending.append(piece)
+        if len(self._pending) + self.waiting > WAITING:
+            self._pending = []
+            raise PieceError(f"piece {piece.id}: {WAITING} pieces are waiting already")
+        if piece.ends_at_rest:
+            tail, self._pending = self._pending, []
+            self._commit(tail)
+
+    def _commit(self, tail: list[TimedPiece]) -> None:
+        if tail[0].new_tail:
+            self._cut(tail[0])
+        for piece in tail:
+            self._begins.append(self._end)
+            self._pieces.append(piece)
+            self._track.append(piece, self._end, (*piece.axes, self._axes))
+            self._end += piece.duration
+        while self._index > HISTORY:
+            self._pieces.popleft()
+            self._begins.popleft()
+            self._index -= 1
+
+    def _cut(self, first: TimedPiece) -> None:
+        """Drop the waiting pieces from this id on; they must not have begun."""
+        at = next((k for k, piece in enumerate(self._pieces) if piece.id >= first.id), len(self._pieces))
+        if at < len(self._pieces) and (at < self._index or (at == self._index and self._tau > self._begins[at])):
+            raise PieceError(f"piece {first.id}: comes too late to replace what has begun")
+        self._check_join(self._pieces[at - 1] if at else None, first)
+        while len(self._pieces) > at:
+            self._pieces.pop()
+            self._end = self._begins.pop()
+        self._track.cut(self._end)
+
+    def _check_join(self, before: TimedPiece | None, piece: TimedPiece) -> None:
+        if before is None:
+            states: dict[int, tuple[float, ...]] = {}
+        else:
+            states = {axis: before.nodes[-1][3 * k : 3 * k + 3] for k, axis in enumerate(before.axes)}
+            if piece.id <= before.id:
+                raise PieceError(f"piece {piece.id}: comes behind piece {before.id}, ids must rise")
+        for k, axis in enumerate(piece.axes):
+            q, v, a = piece.nodes[0][3 * k : 3 * k + 3]
+            p, w, b = states.pop(axis, (q, 0.0, 0.0))
+            if abs(q - p) > FIT or abs(v - w) > FIT_SPEED * (1 + abs(w)) or abs(a - b) > FIT_ACCEL * (1 + abs(b)):
+                raise PieceError(f"piece {piece.id}: axis {axis} goes on at {q, v, a}, it was left at {p, w, b}")
+        if any(abs(state[1]) > FIT_SPEED for state in states.values()):
+            raise PieceError(f"piece {piece.id}: an axis that still moves has no part in it")
+
+    # ---- running -------------------------------------------------------------------------------------------------------
+    def step(self, wanted: float) -> Progress:
+        """One period further; wanted: share of full speed, -1 .. 1."""
+        if self._omega != wanted or self._u != 0.0:
+            self._change(wanted)
+        else:
+            self._tau += self._omega * self._h
+        self._tau = min(max(self._tau, 0.0), self._end)
+        return self._progress()
+
+    def _change(self, wanted: float) -> None:
+        """c for this period, towards the wanted omega."""
+        h, w, u = self._h, self._omega, self._u
+        now = self._track.at(np.array([self._tau]))[0]
+        ahead = self._track.at(np.array([self._tau + self._track.step * (1 if wanted >= 0 else -1)]))[0]
+        if max(np.abs(now[:2]).max(), np.abs(ahead[:2]).max()) < STILL or (self._tau in (0.0, self._end) and w == 0.0):
+            self._omega, self._u = wanted, 0.0
+            self._tau += wanted * h
+            return
+        c, ramp = self._strongest(wanted, now)
+        if ramp <= 0.0 and abs(wanted - w) <= abs(u) * h + 1e-12:
+            c = 0.0
+            self._tau += 0.5 * (w + wanted) * h
+            self._omega, self._u = wanted, 0.0
+            return
+        self._tau += h * (w + h * (u / 2 + h * c / 6))
+        self._omega = min(max(w + h * (u + h * c / 2), -1.0), 1.0)
+        self._u = u + h * c
+        self._ramp = ramp
+        if abs(self._u) < 1e-12:
+            self._u = 0.0
+            if abs(self._omega - wanted) < 1e-9:
+                self._omega = wanted
+
+    def _strongest(self, wanted: float, now: Array) -> tuple[float, float]:
+        """(c, seconds u takes to 0 afterwards): the strongest of which the way back is certain; else the least bad one."""
+        h, w, u, back = self._h, self._omega, self._u, self._ramp
+        q1 = float(np.abs(now[2]).max())
+        full = min(JERK_TOP / max(q1, 1e-9), 2.0 / h**2)  # c that would take the whole jerk of the busiest axis
+        towards = 1.0 if wanted > w + 0.5 * u * back else -1.0
+        low, high = self._room(now)
+        edge = min(max((high if towards > 0 else low) * towards, 0.0), full) * towards
+        best, least = (-u / max(back, h), max(back, h) - h), inf
+        for share in (*STEPS, None):
+            choices = self._held(wanted) if share is None else self._ramps(edge * share, wanted, towards, full)
+            if not choices:
+                continue
+            strain = self._strain(choices)
+            for k, choice in enumerate(choices):
+                if strain[k] <= 1.0:
+                    return choice
+            k = int(strain.argmin())
+            if strain[k] < least:
+                best, least = choices[k], float(strain[k])
+        return best
+
+    def _ramps(self, c: float, wanted: float, towards: float, full: float) -> list[tuple[float, float]]:
+        """Ways back after one period with c: none that overshoots the wanted omega, and the one that lands on it."""
+        h, w, u = self._h, self._omega, self._u
+        u1, w1 = u + h * c, w + h * (u + h * c / 2)
+        if u1 == 0.0:
+            return [(c, 0.0)]
+        land = 2 * (wanted - w1) / u1 if u1 * towards > 0 else inf
+        shortest = abs(u1) / full
+        choices = [(c, r) for r in (shortest * k for k in RAMPS) if r <= land]
+        if 0.0 <= land <= shortest * RAMPS[-1] * 2:
+            choices.append((c, land))
+        return choices
+
+    def _held(self, wanted: float) -> list[tuple[float, float]]:
+        """Ways back that begin at once: landing on the wanted omega, and the one held before."""
+        h, u = self._h, self._u
+        if u == 0.0:
+            return [(0.0, 0.0)]
+        landing = 2 * (wanted - self._omega) / u
+        return [(-u / r, r - h) for r in (landing, self._ramp) if r > h]
+
+    def _room(self, now: Array) -> tuple[float, float]:
+        """Bounds of c from the jerk of every axis here."""
+        w, u = self._omega, self._u
+        rest = w**3 * now[4] + 3 * w * u * now[3]
+        slope = now[2]
+        some = np.abs(slope) > 1e-9
+        if not some.any():
+            return -inf, inf
+        one, two = (-JERK_TOP - rest[some]) / slope[some], (JERK_TOP - rest[some]) / slope[some]
+        low, high = float(np.minimum(one, two).max()), float(np.maximum(one, two).min())
+        return min(low, high), max(low, high)
+
+    def _strain(self, choices: Sequence[tuple[float, float]]) -> Array:
+        """For each (c for one period, then u to 0 within the ramp) the largest share of a limit on the whole way; <= 1 is good."""
+        h, w, u, tau = self._h, self._omega, self._u, self._tau
+        c, ramp = np.array(choices).T
+        u1, w1 = u + h * c, w + h * (u + h * c / 2)
+        tau1 = tau + h * (w + h * (u / 2 + h * c / 6))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            fall = np.where(ramp > 0.0, -u1 / ramp, 0.0)
+        t = ramp[:, None] * _SHARES
+        late_u, late_w = u1[:, None] + fall[:, None] * t, w1[:, None] + t * (u1[:, None] + 0.5 * fall[:, None] * t)
+        late_tau = tau1[:, None] + t * (w1[:, None] + t * (u1[:, None] / 2 + t * fall[:, None] / 6))
+        half = 0.5 * h
+        all_u = np.concatenate([(u + half * c)[:, None], u1[:, None], late_u], axis=1)
+        all_w = np.concatenate([(w + half * (u + half * c / 2))[:, None], w1[:, None], late_w], axis=1)
+        all_tau = np.concatenate([np.full((len(c), 1), tau + half * w), tau1[:, None], late_tau], axis=1)
+        all_c = np.concatenate([c[:, None], c[:, None], np.broadcast_to(fall[:, None], t.shape)], axis=1)
+        rows = self._track.at(all_tau)
+        w_, u_, c_ = all_w[:, :, None], all_u[:, :, None], all_c[:, :, None]
+        square = w_ * w_
+        accel = np.abs(square * rows[:, :, 1] + u_ * rows[:, :, 0]).max(axis=(1, 2))
+        jerk = np.abs(w_ * (square * rows[:, :, 4] + 3 * u_ * rows[:, :, 3]) + c_ * rows[:, :, 2]).max(axis=(1, 2))
+        over = np.where(np.abs(w1 + 0.5 * u1 * ramp) <= 1.0 + 1e-9, 0.0, 9.0)
+        return np.asarray(np.maximum(np.maximum(accel / ACCEL_TOP, jerk / JERK_TOP), over))
+
+    # ---- sampling ------------------------------------------------------------------------------------------------------
+    def _progress(self) -> Progress:
+        pieces, begins = self._pieces, self._begins
+        while self._index < len(pieces) - 1 and self._tau >= begins[self._index + 1]:
+            self._done = pieces[self._index].id
+            self._index, self._interval = self._index + 1, 0
+        while self._index > 0 and self._tau < begins[self._index]:
+            self._index -= 1
+            self._interval, self._done = 0, pieces[self._index - 1].id if self._index else 0
+        piece = pieces[self._index]
+        at_end = self._tau >= self._end and self._index == len(pieces) - 1
+        if at_end:
+            self._done, self._u, self._omega = piece.id, 0.0, 0.0
+        u = self._tau - begins[self._index]
+        times, k = piece.times, self._interval
+        while k < len(times) - 2 and u >= times[k + 1]:
+            k += 1
+        while k > 0 and u < times[k]:
+            k -= 1
+        self._interval = k
+        return Progress(
+            *self._values(piece, k, u - times[k]),
+            piece.id,
+            piece.block,
+            self._way,
+            self._done,
+            at_end,
+            self._tau <= 0.0,
+            self._omega == 0.0 and self._u == 0.0,
+        )
+
+    _way = 0.0
+
+    def _values(self, piece: TimedPiece, interval: int, u: float) -> tuple[dict[int, tuple[float, float]]]:
+        rows, omega = piece.quintics[interval], self._omega
+        values: dict[int, tuple[float, float]] = {}
+        for axis, (f, e, d, c, b, a) in zip(piece.axes, rows, strict=False):
+            values[axis] = (
+                ((((f * u + e) * u + d) * u + c) * u + b) * u + a,
+                ((((5 * f * u + 4 * e) * u + 3 * d) * u + 2 * c) * u + b) * omega,
+            )
+        f, e, d, c, b, a = rows[-1]
+        self._way = ((((f * u + e) * u + d) * u + c) * u + b) * u + a
+        return (values,)
+
+
+_SHARES = np.linspace(1.0 / (PLACES - 2), 1.0, PLACES - 2)[None, :]
+
+
+def joined(pieces: Sequence[TimedPiece]) -> bool:
+    """Whether each piece goes on as the one before it ends: what a planner checks before it commits."""
+    probe = Follower(max(max(piece.axes) for piece in pieces) + 1, 1e-3)
+    try:
+        for before, after in pairwise(pieces):
+            probe._check_join(before, after)
+    except PieceError:
+        return False
+    return True

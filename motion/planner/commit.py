@@ -1,0 +1,119 @@
+"""Path and law -> timed pieces for the ring."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motion.errors import MotionError
+from motion.paths.joints import JointPath
+from motion.timed import TimedPiece, most_nodes
+from motion.timing.law import Law
+from motion.timing.limits import LawLimits
+
+Array = NDArray[np.float64]
+SPACING_S = 2e-3  # between nodes
+CLOSE = 2e-7  # m or rad between pieces and path, looked at between the nodes
+NO_LIMIT = 1e9  # a record holds numbers: stands for none
+
+
+def timed_pieces(
+    path: JointPath,
+    limits: LawLimits,
+    law: Law,
+    *,
+    first_id: int = 1,
+    mask: int | None = None,
+    blocks: Sequence[tuple[float, int]] = (),
+    new_tail: bool = False,
+) -> list[TimedPiece]:
+    """Pieces of the whole law, the last one ends at rest.
+
+    mask: which axis of the cell each axis of the path is (bits rising, default the first ones); blocks: (s at its end, block number),
+    rising.  A piece belongs to one block.  Raises MotionError where the path cannot be met to 2e-7 m or rad.
+    """
+    bits = (1 << path.axes) - 1 if mask is None else mask
+    if bits.bit_count() != path.axes:
+        raise MotionError(f"mask {bits:#x} does not name {path.axes} axes")
+    index, states = _nodes(path, law)
+    s = law.s[index]
+    numbers = _numbers(s, blocks)
+    accel, jerk = (_finite([*limit[: path.axes], limit[-2]]) for limit in (limits.accel, limits.jerk))
+    rows = [tuple(float(v) for v in row) for row in states]
+    pieces: list[TimedPiece] = []
+    begin, most = 0, most_nodes(path.axes)
+    while begin < len(index) - 1:
+        end = begin + 1
+        while end < len(index) - 1 and end - begin < most - 1 and numbers[end] == numbers[begin]:
+            end += 1
+        times = tuple(float(k - index[begin]) * law.step for k in index[begin : end + 1])
+        pieces.append(
+            TimedPiece(first_id + len(pieces), bits, numbers[begin], times, tuple(rows[begin : end + 1]), accel, jerk, ends_at_rest=False)
+        )
+        begin = end
+    pieces[-1] = replace(pieces[-1], ends_at_rest=True)
+    if new_tail:
+        pieces[0] = replace(pieces[0], new_tail=True)
+    return pieces
+
+
+def _numbers(s: Array, blocks: Sequence[tuple[float, int]]) -> list[int]:
+    """Block of the interval that begins at each node."""
+    if not blocks:
+        return [0] * len(s)
+    ends = np.array([end for end, _ in blocks])
+    return [blocks[min(int(k), len(blocks) - 1)][1] for k in np.searchsorted(ends, s, side="right")]
+
+
+def _finite(values: Sequence[float]) -> tuple[float, ...]:
+    return tuple(min(float(value), NO_LIMIT) for value in values)
+
+
+def _nodes(path: JointPath, law: Law) -> tuple[list[int], Array]:
+    """Points of the law's grid that become nodes, and (n, 3 x (axes + 1)) position, speed, acceleration there; as far apart as
+    the path allows."""
+    every = max(round(SPACING_S / law.step), 1)
+    while True:
+        index = [*range(0, len(law.s) - 1, every), len(law.s) - 1]
+        states = _states(path, law.s[index], law.speed[index], law.accel[index])
+        if every == 1 or _gap(path, law, index, states) <= CLOSE:
+            return index, states
+        every = max(every // 2, 1)
+
+
+def _states(path: JointPath, s: Array, speed: Array, accel: Array) -> Array:
+    q, first, second = (np.delete(path.at(s, order), -1, axis=1) for order in range(3))
+    v, a = speed[:, None], accel[:, None]
+    return np.stack([q, first * v, second * v * v + first * a], axis=2).reshape(len(s), -1)
+
+
+def _gap(path: JointPath, law: Law, index: list[int], states: Array) -> float:
+    """Largest distance of the quintics from the path, with s as close as it can be: what leaves the path, not what is early or late."""
+    times = law.step * np.array(index)
+    left, right = states[:-1].reshape(len(index) - 1, -1, 3), states[1:].reshape(len(index) - 1, -1, 3)
+    h = np.diff(times)[:, None]
+    worst = 0.0
+    for share in (0.25, 0.5, 0.75):
+        at = _blend(left, right, h, share)
+        s = law.at(times[:-1] + share * h[:, 0])
+        first = path.at(s, 1)[:, : path.axes]
+        error = at[:, : path.axes] - path.at(s)[:, : path.axes]
+        shift = np.sum(error * first, axis=1) / np.maximum(np.sum(first * first, axis=1), 1e-30)
+        worst = max(worst, float(np.max(np.abs(error - shift[:, None] * first))))
+    return worst
+
+
+def _blend(left: Array, right: Array, h: Array, u: float) -> Array:
+    """Value of the quintic between two nodes at share u."""
+    a, b, c = left[:, :, 0], left[:, :, 1] * h, 0.5 * left[:, :, 2] * h * h
+    gap, lean, curl = right[:, :, 0] - a - b - c, right[:, :, 1] * h - b - 2 * c, right[:, :, 2] * h * h - 2 * c
+    return np.asarray(
+        a
+        + u
+        * (
+            b
+            + u
+            * (c + u * ((10 * gap - 4 * lean + 0.5 * curl) + u * ((-15 * gap + 7 * lean - curl) + u * (6 * gap - 3 * lean + 0.5 * curl))))
+        )
+    )
