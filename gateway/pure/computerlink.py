@@ -9,7 +9,7 @@ from protocols.p3964r.link import Link
 from protocols.p3964r.profiles import Priority, Profile
 from protocols.rk512.active import Active
 from protocols.rk512.dialects import STANDARD, Dialect
-from protocols.rk512.header import FOLLOW_ON
+from protocols.rk512.header import FOLLOW_ON, is_reaction
 from protocols.rk512.passive import Areas, DataBlocks, Passive
 from protocols.rk512.station import Event as StationEvent
 from protocols.rk512.station import Station
@@ -35,11 +35,13 @@ class ComputerLink:
         self.link = Link(profile, priority)
         self.active, self.passive = Active(dialect, baud), Passive(store, dialect, areas)
         self._station = Station(self.passive, self.active, dialect)
+        self._command = 0  # the link's job number of the last command
 
     def start(self, now: Ns) -> None:
         """Call after giving `active` a job: it leaves as soon as the line is free."""
         while (block := self._station.take_block()) is not None:
-            self.link.send(block, now, follow_on=block[0] == FOLLOW_ON)
+            job = self.link.send(block, now, follow_on=block[0] == FOLLOW_ON)
+            self._command = self._command if is_reaction(block) else job
 
     # ---- the machine
     def receive(self, data: bytes, now: Ns) -> Sequence[Event]:
@@ -74,7 +76,7 @@ class ComputerLink:
                 self._tap(event, now)
             match event:
                 case BlockReceived(data):
-                    events += self._station.block(data, now)
+                    events += self._station.block(data, now, 0 < self.link.overtaken_by <= self._command)
                 case BlockSent():
                     events += self._station.block_sent(now)
                 case SendFailed():

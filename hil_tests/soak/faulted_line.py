@@ -1,10 +1,10 @@
-"""A virtual line that spoils whole telegrams and writes down, for a judge, what was said and what was heard.
+"""A virtual line that spoils whole telegrams and writes down, for a judge, what was said, what was heard, and which made which.
 
 Each thing a station says at once (a control character, a block) is spoiled by at most one fault.  The record holds the characters as the
 listener got them; nothing in it comes from a receiver of ours.
 """
 
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from random import Random
@@ -14,6 +14,8 @@ from protocols.base.machine import Damage, Machine, Ns, ms
 
 KINDS = ("flip", "drop", "insert", "duplicate", "delay", "cut", "parity", "break")
 Item = tuple[Ns, int | Damage]  # when it was heard, what
+Origin = tuple[int, int]  # number in Record.said, place in its data
+SPOILED = -1  # as place: the fault made it, nobody said it
 
 
 @dataclass(slots=True)
@@ -23,6 +25,11 @@ class Said:
     data: bytes
     fault: str = ""
     heard_at: int = 0  # characters the speaker itself had heard before
+    left: Ns = 0  # its last character is on the line
+
+    @property
+    def is_block(self) -> bool:
+        return len(self.data) > 3
 
 
 @dataclass(slots=True)
@@ -30,7 +37,16 @@ class Record:
     """Of one direction."""
 
     heard: list[Item] = field(default_factory=list)
+    origins: list[Origin] = field(default_factory=list)  # of heard
     said: list[Said] = field(default_factory=list)
+    coming: deque[Origin] = field(default_factory=deque)  # of what is under way
+
+    def clear(self) -> None:
+        """A new round on a quiet line."""
+        assert not self.coming
+        self.heard.clear()
+        self.origins.clear()
+        self.said.clear()
 
 
 class FaultedLine(VirtualLine[object]):
@@ -57,24 +73,27 @@ class FaultedLine(VirtualLine[object]):
         way, record = self._ways[side], self.records[side]
         start = max(self.now, way.free_at)
         way.free_at = way.sent_at = start + len(data) * self._char_time
-        said = Said(data, heard_at=len(self.records[1 - side].heard))
-        record.said.append(said)
+        said = Said(data, heard_at=len(self.records[1 - side].heard), left=way.free_at)
         items: list[int | Damage] = list(data)
+        places = list(range(len(items)))
         delay, at = 0, len(data)
-        if self._chance.random() < (self._share if len(data) > 3 else self._share / 10):
+        if self._chance.random() < (self._share if said.is_block else self._share / 10):
             said.fault = self._chance.choice(KINDS)
             self.faults[said.fault] += 1
-            items, at, delay = self._spoil_one(said.fault, items)
-        moment = max(start, way.last_arrival - self._char_time)
+            at, delay = self._spoil_one(said.fault, items, places)
+        record.coming += [(len(record.said), place) for place in places]
+        record.said.append(said)
+        moment = max(start, way.last_arrival)
         self._arrive(way.under_way, items[:at], moment)
         self._arrive(way.under_way, items[at:], moment + at * self._char_time + delay)
         if way.under_way:
             way.last_arrival = max(way.last_arrival, way.under_way[-1][0])
 
-    def _arrive(self, under_way: "object", items: list[int | Damage], moment: Ns) -> None:
+    def _arrive(self, under_way: deque[tuple[Ns, bytes | Damage]], items: list[int | Damage], moment: Ns) -> None:
         """Good characters in runs as a UART with a FIFO hands them over; a damage stands alone."""
-        assert hasattr(under_way, "append")
         run = bytearray()
+        if items and under_way and isinstance(under_way[-1][1], bytes) and under_way[-1][0] >= moment and len(under_way[-1][1]) < self._burst:
+            run += under_way.pop()[1]  # what comes without a gap is handed over together, whoever said it in how many pieces
         for item in items:
             moment += self._char_time
             if isinstance(item, int):
@@ -87,38 +106,39 @@ class FaultedLine(VirtualLine[object]):
         if run:
             under_way.append((moment, bytes(run)))
 
-    def _spoil_one(self, kind: str, items: list[int | Damage]) -> tuple[list[int | Damage], int, Ns]:
-        """The characters that arrive, where a delay begins, and how long it is."""
+    def _spoil_one(self, kind: str, items: list[int | Damage], places: list[int]) -> tuple[int, Ns]:
+        """Spoils both lists alike; returns where a delay begins, and how long it is."""
         chance = self._chance
         at = chance.randrange(len(items))
         match kind:
             case "flip":
                 byte = items[at]
                 assert isinstance(byte, int)
-                items[at] = byte ^ chance.randrange(1, 256)
+                items[at], places[at] = byte ^ chance.randrange(1, 256), SPOILED
             case "drop":
-                del items[at]
+                del items[at], places[at]
             case "insert":
                 items.insert(at, chance.choice((0x00, 0xFF, 0x10, 0x02, 0x03, 0x15, chance.randrange(256))))
+                places.insert(at, SPOILED)
             case "duplicate":
                 items.insert(at, items[at])
+                places.insert(at, SPOILED)
             case "delay":
-                return items, at, chance.choice((ms(5), ms(100), ms(190), ms(300), ms(700), ms(2500)))
+                return at, chance.choice((ms(5), ms(100), ms(190), ms(300), ms(700), ms(2500)))
             case "cut":
-                del items[at:]
+                del items[at:], places[at:]
             case "parity":
-                items[at] = chance.choice((Damage.PARITY, Damage.FRAMING, Damage.OVERRUN))
+                items[at], places[at] = chance.choice((Damage.PARITY, Damage.FRAMING, Damage.OVERRUN)), SPOILED
             case _:
-                items[at] = Damage.BREAK
-        return items, len(items), 0
+                items[at], places[at] = Damage.BREAK, SPOILED
+        return len(items), 0
 
     def _serve(self, side: int) -> None:
         partners, record = self._ways[1 - side], self.records[1 - side]
         for moment, item in partners.under_way:
             if moment > self.now:
                 break
-            if isinstance(item, Damage):
-                record.heard.append((moment, item))
-            else:
-                record.heard += [(moment, byte) for byte in item]
+            heard = [item] if isinstance(item, Damage) else list(item)
+            record.heard += [(moment, each) for each in heard]
+            record.origins += [record.coming.popleft() for _ in heard]
         super()._serve(side)

@@ -30,6 +30,7 @@ class Failure(Enum):
     BREAK = auto()
     CROWDED = auto()  # too many jobs waiting; the oldest waiting one is dropped
     LOST = auto()  # the port went away
+    REVOKED = auto()  # its owner took it back
 
 
 class Stage(Enum):
@@ -116,6 +117,7 @@ class Outbox:
 
     output: bytearray = field(default_factory=bytearray)
     events: list[Event] = field(default_factory=list)
+    turn: int = 0  # how often output was taken: what was said in this turn has not been given out
 
     def say(self, char: int) -> None:
         self.output.append(char)
@@ -126,6 +128,7 @@ class Outbox:
     def take_output(self) -> bytes:
         output = bytes(self.output)
         self.output.clear()
+        self.turn += bool(output)
         return output
 
     def take_events(self) -> list[Event]:

@@ -11,6 +11,8 @@ from protocols.p3964r.profiles import Priority, Profile
 from protocols.p3964r.receiver import Receiver
 from protocols.p3964r.sender import Sender
 
+ANSWERS = (Char.DLE, Char.NAK, Char.STX)  # what a station that sends may hear
+
 
 class Link:
     """A 3964R station: a byte machine that also takes blocks to send.  Never raises on what the partner sends.
@@ -25,6 +27,7 @@ class Link:
         self._receiver = Receiver(profile, self._box, keep_one)
         self._sender = Sender(profile, priority, self._box)
         self._gave_way = False
+        self.overtaken_by = 0  # the block received last is older than this job of ours and those after it, though it came later (AX-242)
         self._told_at: Ns = 0
         self._greet()
 
@@ -40,6 +43,15 @@ class Link:
         self._told_at = now
         self._start(now)
         return job
+
+    def revoke(self) -> None:
+        """Take the first job back, if there is one: a block on the line is ended but not repeated; it ends with REVOKED, or sent."""
+        self._sender.revoke()
+
+    @property
+    def untaken(self) -> bool:
+        """Something to say that no port has taken."""
+        return bool(self._box.output)
 
     @property
     def pending(self) -> int:
@@ -62,6 +74,8 @@ class Link:
             if not self._sender.busy:
                 at = self._listen(data, at, now)
             elif self._sender.hear(data[at], now):
+                if data[at] not in ANSWERS:
+                    self._receiver.disquiet(now)
                 at += 1
             else:
                 self._gave_way = True
@@ -115,8 +129,11 @@ class Link:
         at = self._receiver.hear(data, at, now)
         if not self._receiver.busy:
             self._gave_way = False
-            if any(isinstance(event, BlockReceived | BlockRefused) for event in self._box.events[told:]):
+            heard = self._box.events[told:]
+            if any(isinstance(event, BlockReceived | BlockRefused) for event in heard):
                 self._sender.forget_attempts()
+            if any(isinstance(event, BlockReceived) for event in heard):
+                self.overtaken_by, self._sender.overtook = self._sender.overtook, 0
         return at
 
     def _start(self, now: Ns) -> None:

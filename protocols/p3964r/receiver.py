@@ -1,4 +1,4 @@
-"""Receiving side of 3964R.  Source: rho 3 Releases part 1, section 7.1 (below: 7.1); refusals: AX-007, AX-008."""
+"""Receiving side of 3964R.  Source: rho 3 Releases part 1, section 7.1 (below: 7.1); refusals: AX-007, AX-008; rests of blocks: AX-240."""
 
 from enum import Enum, auto
 
@@ -24,7 +24,7 @@ class State(Enum):
     DATA = auto()  # inside the block
     ESCAPED = auto()  # one DLE seen; the next character says what it meant
     CHECK = auto()  # end seen; the block check comes next, whatever its value
-    DEAF = auto()  # BREAK inside a block: its tail must not look like a new one, so a quiet line is waited for (AX-228)
+    DEAF = auto()  # the rest of a broken or torn block comes in: nothing in it is a wish to send; a quiet line ends it (AX-228, AX-240)
 
 
 class Receiver:
@@ -38,6 +38,11 @@ class Receiver:
         self._why: Refusal | None = None  # first fault of the running block; it is heard to its end all the same (AX-007)
         self._check, self._data, self._count = 0, bytearray(), 0
         self._untouched = False  # nothing heard since our DLE
+        self._torn = False  # a block was refused without having come to its end: its rest may still come
+        self._restless, self._heard_at = False, 0  # what was heard last had no place, or was refused; and when that was
+        self._doubted = False  # the opening under way came on such a line
+        self._leaving = False  # our DLE to it has not left
+        self._opened_in, self._ended_in = -1, -1  # turns of the box: our answer to STX, to the end of a block
         self._strays = 0
         self._refusals, self._first_why = 0, Refusal.GAP
         self._awaits_repeat = False
@@ -59,28 +64,38 @@ class Receiver:
     def hear(self, data: bytes, at: int, now: Ns) -> int:
         """Take characters from index `at` on until idle again or none are left; returns the index of the next one."""
         while at < len(data):
-            if self._state is State.DATA and data[at] != Char.DLE:
+            if self._untouched and self._doubted and self._before_our_dle():
+                self._close_again()
+            if self._untouched and data[at] in (Char.STX, Char.NAK) and self._box.turn == self._opened_in:
+                self._wish_again(data[at])
+                at += 1
+            elif self._state is State.DATA and data[at] != Char.DLE:
                 at = self._collect(data, at)
             else:
                 self._step(data[at], now)
                 at += 1
             if self._state is State.IDLE:
-                return at
+                break
+        self._heard_at = now
+        if self._state is State.IDLE:
+            return at
         if self._state is not State.NO_BUFFER and not self._untouched:
             self._due = now + self._profile.char_delay
         return at
 
     def _step(self, byte: int, now: Ns) -> None:
         match self._state, byte:
-            case State.IDLE, Char.STX:
+            case State.IDLE, Char.STX if self._box.turn != self._ended_in:  # else in one breath with the end of a block: part of it
                 self._open(now)
                 return
             case State.IDLE, Char.NAK:
                 pass  # the partner gave up or started; never answered, so two stations cannot loop
             case State.IDLE, _:
                 self._stray(now)
-            case State.NO_BUFFER | State.DEAF, _:
-                pass  # still the same wish to send (AX-006); the tail of a broken block
+            case State.NO_BUFFER, _:
+                pass  # still the same wish to send (AX-006)
+            case State.DEAF, _:
+                self._strays += 1
             case State.DATA, Char.DLE:
                 self._state = State.ESCAPED
             case State.ESCAPED, Char.DLE:
@@ -138,6 +153,7 @@ class Receiver:
         elif self._state is State.IDLE:
             self._stray(now)
         elif self._state is State.DEAF:
+            self._strays += 1
             self._due = now + self._profile.char_delay
         elif self._state is not State.NO_BUFFER:
             self._blame(Refusal.DAMAGED)
@@ -150,6 +166,7 @@ class Receiver:
 
     # ---- the ends of a block
     def _judge(self, check: int) -> None:
+        self._ended_in, self._torn = self._box.turn, False
         why = self._why or (None if check == self._check else Refusal.CHECK)
         if why is None:
             self._deliver()
@@ -169,6 +186,7 @@ class Receiver:
         """NAK, once; the repeat is expected within the block wait time, which runs from when the NAK has left."""
         self._box.say(Char.NAK)
         self._box.tell(BlockRefused(why, self._count))
+        self._restless = True
         if self._refusals == 0:
             self._first_why = why
         self._refusals += 1
@@ -197,6 +215,8 @@ class Receiver:
     # ---- idle
     def _open(self, now: Ns) -> None:
         self.settle()
+        self._doubted = self._torn or (self._restless and now - self._heard_at < self._profile.char_delay)
+        self._restless = False
         self._awaits_repeat, self._repeat_due = False, None
         if self._free:
             self._admit(now)
@@ -208,8 +228,27 @@ class Receiver:
 
     def _admit(self, now: Ns) -> None:
         self._box.say(Char.DLE)
+        self._opened_in, self._leaving = self._box.turn, True
         self._state, self._untouched = State.DATA, True
         self._due = now + self._profile.char_delay  # prolonged when the DLE has left
+
+    def _before_our_dle(self) -> bool:
+        """What comes now did not wait for the DLE: in one burst with the STX, or, after a torn block, before the DLE has left."""
+        return self._box.turn == self._opened_in or (self._torn and self._leaving)
+
+    def _wish_again(self, byte: int) -> None:
+        """In one burst with the STX: STX is the same wish once more, NAK takes it back."""
+        if byte == Char.NAK:
+            del self._box.output[-1:]
+            self._untouched = False
+            self._rest()
+
+    def _close_again(self) -> None:
+        """That STX was a character out of the rest of a block: nothing was opened, and nothing is until the line is quiet (AX-240)."""
+        if self._box.turn == self._opened_in:
+            del self._box.output[-1:]
+        self._strays += 1
+        self._state, self._untouched = State.DEAF, False
 
     def _turn_away(self) -> None:
         self._box.say(Char.NAK)
@@ -221,6 +260,11 @@ class Receiver:
             self._box.say(Char.NAK)
         self._strays += 1
         self._due = now + self._profile.char_delay
+        self.disquiet(now)
+
+    def disquiet(self, now: Ns) -> None:
+        """A character without a place was heard, here or by the sender."""
+        self._restless, self._heard_at = True, now
 
     def settle(self) -> None:
         """Something else begins: report the stray characters so far."""
@@ -235,6 +279,7 @@ class Receiver:
         return min(self._due, self._repeat_due)
 
     def sent(self, now: Ns) -> None:
+        self._leaving = False
         if self._untouched and self._state is State.DATA:
             self._due = now + self._profile.char_delay
         if self._awaits_repeat and self._repeat_due is None:
@@ -254,7 +299,10 @@ class Receiver:
                 self._look_for_room(now)
             case State.DEAF:
                 self._rest()
+                self._torn = False
+                self.settle()
             case _:
+                self._torn = True
                 self._refuse(self._why or Refusal.GAP)
 
     # ---- the one-block buffer
@@ -286,6 +334,8 @@ class Receiver:
     def lost(self) -> None:
         """The port is gone.  A block already acknowledged stays in the buffer: the partner will not send it again."""
         self.settle()
+        self._torn = self._restless = False
+        self._opened_in = self._ended_in = -1
         if self.busy:
             self._box.tell(BlockRefused(Refusal.LOST, self._count))
         self._rest()

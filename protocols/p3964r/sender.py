@@ -47,6 +47,10 @@ class Sender:
         self._repeated_at: Ns | None = None  # when STX was given out in the middle of a burst
         self._done_at: Ns | None = None  # when a block was acknowledged
         self._early: Ns | None = None  # a DLE heard before the port said that the block had left
+        self._said, self._block_in = b"", -1  # the block as it was put into the box, and the turn of that
+        self._stx_in = -1  # the turn of STX
+        self._revoked = False  # the first job was taken back by its owner
+        self.overtook = 0  # first job whose block went out although the partner had said STX before it, with priority; 0: none
 
     @property
     def busy(self) -> bool:
@@ -72,11 +76,17 @@ class Sender:
 
     def start(self, now: Ns) -> None:
         """The line is free: begin the first job, or go on with it where a conflict interrupted it."""
-        if self._exhausted():
+        if self._revoked:  # it had given way to the partner: nothing of it is on the line
+            self._finish(SendFailed(self._jobs[0].number, Failure.REVOKED, Stage.WAITING))
+        elif self._exhausted():
             self._give_up(Failure.CONFLICT, Stage.CONNECT)
         else:
             self._connect()
             self._repeated_at = now if now == self._done_at else None  # the next job follows in the burst that ended the last one
+
+    def revoke(self) -> None:
+        """Take the first job back: a block on the line is ended but not repeated, none is begun any more."""
+        self._revoked = bool(self._jobs)
 
     def forget_attempts(self) -> None:
         """The partner sent a block, good or bad, to its end: the job that gave way to it starts anew."""
@@ -85,9 +95,13 @@ class Sender:
     # ---- the table
     def hear(self, byte: int, now: Ns) -> bool:
         """Take one character; False: it is not for us, the partner has the line now."""
+        if self._state is State.SENDING and self._box.turn == self._block_in and byte != Char.NAK:
+            self._take_back(now)
         match self._state, byte:
-            case State.CONNECT, _ if now == self._repeated_at and byte != Char.STX:
+            case State.CONNECT, _ if (now == self._repeated_at or self._box.turn == self._stx_in) and byte != Char.STX:
                 pass  # came together with what made us say STX: no answer to that one (AX-228)
+            case State.CONNECT, _ if self._due is None and byte not in (Char.STX, Char.DLE):
+                pass  # our STX has not left: no answer to it; a DLE may be ahead of the port's report (AX-241)
             case State.CONNECT, Char.DLE:
                 self._transmit()
             case State.CONNECT, Char.STX:
@@ -118,7 +132,8 @@ class Sender:
             self._box.output.clear()
             self._finish(SendFailed(self._jobs[0].number, Failure.BREAK, self._stage()))
         elif self._state is State.CONNECT:
-            self._connect_failed(Failure.DAMAGED, now)
+            if self._due is not None:  # else no answer to it either
+                self._connect_failed(Failure.DAMAGED, now)
         elif self._state is State.ANSWER:
             self._block_failed(Failure.DAMAGED, now)
         else:
@@ -130,6 +145,8 @@ class Sender:
         if self._priority is Priority.HIGH and not again:
             self._conflicts += not self._conflict
             self._conflict = True
+            if not self.overtook and self._blocks == 0:
+                self.overtook = self._jobs[0].number
             return True
         self._connects += 1
         self._state, self._due = State.IDLE, None
@@ -145,11 +162,22 @@ class Sender:
     def _connect(self) -> None:
         self._repeated_at = None
         self._box.say(Char.STX)
+        self._stx_in = self._box.turn
         self._state, self._due, self._conflict = State.CONNECT, None, False  # the wait runs from `sent`
 
     def _transmit(self) -> None:
-        self._box.output += wire_block(self._jobs[0].block, self._profile.block_check, self._jobs[0].end)
+        if self._revoked:  # even after a successful connection
+            self._give_up(Failure.REVOKED, Stage.CONNECT)
+            return
+        self._said = wire_block(self._jobs[0].block, self._profile.block_check, self._jobs[0].end)
+        self._box.output += self._said
+        self._block_in = self._box.turn
         self._state, self._due, self._early = State.SENDING, None, None
+
+    def _take_back(self, now: Ns) -> None:
+        """A partner who said DLE waits for our block: what came with more behind it in one burst was no answer (AX-241)."""
+        del self._box.output[-len(self._said) :]
+        self._connect_failed(Failure.WRONG, now)
 
     def _connect_failed(self, why: Failure, now: Ns) -> None:
         if self._conflict and why is Failure.SILENT:
@@ -170,7 +198,7 @@ class Sender:
         connects = self._connects
         if self._profile.connect_counter is ConnectCounter.SHARED:
             connects += self._blocks
-        return connects >= self._profile.connect_attempts or self._blocks >= self._profile.block_attempts
+        return self._revoked or connects >= self._profile.connect_attempts or self._blocks >= self._profile.block_attempts
 
     def _again(self, why: Failure, stage: Stage, now: Ns) -> None:
         if self._exhausted():
@@ -195,7 +223,7 @@ class Sender:
         self._box.tell(event)
         self._jobs.popleft()
         self._connects, self._blocks, self._conflicts = 0, 0, 0
-        self._state, self._due = State.IDLE, None
+        self._state, self._due, self._revoked = State.IDLE, None, False
 
     def _stage(self) -> Stage:
         return Stage.BLOCK if self._state in (State.SENDING, State.BACKING_OFF, State.ANSWER) else Stage.CONNECT
@@ -233,6 +261,7 @@ class Sender:
             self._box.tell(SendFailed(job.number, Failure.LOST, stage))
             stage = Stage.WAITING
         self._jobs.clear()
+        self._revoked, self.overtook = False, 0
         self._connects, self._blocks, self._conflicts = 0, 0, 0
         self._state, self._due = State.IDLE, None
 

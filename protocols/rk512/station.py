@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from enum import Enum, auto
 
 from protocols.base.machine import Ns
-from protocols.rk512.active import Active, Trouble
+from protocols.rk512.active import Active, Trouble, Unasked
 from protocols.rk512.active import Event as ActiveEvent
 from protocols.rk512.dialects import Dialect
 from protocols.rk512.header import HEADER_BYTES, is_reaction
@@ -40,9 +40,11 @@ class Station:
         self._under_way: deque[_Out] = deque()
         self._last = b""  # the command whose reaction has not left
 
-    def block(self, data: bytes, now: Ns) -> list[Event]:
-        """A block of the link."""
+    def block(self, data: bytes, now: Ns, overtaken: bool = False) -> list[Event]:
+        """A block of the link.  overtaken: the partner wished to send it before it had our last command (AX-242)."""
         if is_reaction(data):
+            if overtaken:
+                return [Unasked(data[:HEADER_BYTES])]  # the repeat of one we have, or too late for its own command
             return [*self.active.reaction(data, now)]
         events: list[Event] = []
         if self.active.awaiting and not self._looks_like_command(data):

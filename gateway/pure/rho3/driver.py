@@ -8,10 +8,9 @@ from gateway.pure.rho3.desk import Desk, Job, earliest, first
 from gateway.pure.rho3.events import LinkReport
 from gateway.pure.rho3.setup import Assignment, Condition, Process, Setup
 from protocols.base.machine import Damage, Ns, ms
-from protocols.p3964r.events import BlockReceived, BlockSent, Event, Failure, Outbox, ReceptionFailed, Refusal, SendFailed, Stage
+from protocols.p3964r.events import BlockReceived, BlockSent, Event, Failure, ReceptionFailed, Refusal, SendFailed
 from protocols.p3964r.link import Link
-from protocols.p3964r.profiles import PROFILES, Priority, Profile, priority_from_output_timeout
-from protocols.p3964r.sender import Sender
+from protocols.p3964r.profiles import PROFILES, priority_from_output_timeout
 
 REPETITION_DELAY: Ns = ms(4000)  # part 2, 10.3
 OF_DAMAGE = {
@@ -25,6 +24,7 @@ OF_FAILURE = {
     Failure.NAK: Condition.PROTOCOL,
     Failure.WRONG: Condition.PROTOCOL,
     Failure.CONFLICT: Condition.PROTOCOL,
+    Failure.REVOKED: Condition.PROTOCOL,
     Failure.BREAK: Condition.FRAMING,
 }
 OF_REFUSAL = {
@@ -35,61 +35,12 @@ OF_REFUSAL = {
 }
 
 
-class RevocableSender(Sender):
-    """A sender whose job can be taken back (10.3): a block on the line is ended but not repeated, none is begun any more."""
-
-    def __init__(self, profile: Profile, priority: Priority, box: Outbox) -> None:
-        super().__init__(profile, priority, box)
-        self._revoked = False
-
-    def revoke(self) -> None:
-        self._revoked = True
-
-    def start(self, now: Ns) -> None:
-        if self._revoked:  # it had given way to the partner: nothing of it is on the line
-            self._finish(SendFailed(self._jobs[0].number, Failure.CONFLICT, Stage.WAITING))
-        else:
-            super().start(now)
-
-    def _exhausted(self) -> bool:
-        return self._revoked or super()._exhausted()
-
-    def _transmit(self) -> None:
-        if self._revoked:  # "transmission is ended, even after a successful connection"
-            self._give_up(Failure.CONFLICT, Stage.CONNECT)
-        else:
-            super()._transmit()
-
-    def _finish(self, event: BlockSent | SendFailed) -> None:
-        self._revoked = False
-        super()._finish(event)
-
-
-class DriverLink(Link):
-    """Link of the rho 3 with the one-block buffer and a job that can be taken back."""
-
-    def __init__(self, profile: Profile, priority: Priority) -> None:
-        super().__init__(profile, priority, keep_one=True)
-        self._revocable = RevocableSender(profile, priority, self._box)
-        self._sender = self._revocable
-
-    @property
-    def untaken(self) -> bool:
-        """Something to say that no port has taken."""
-        return bool(self._box.output)
-
-    def revoke(self) -> None:
-        """The job under way, if there is one."""
-        if self.pending:
-            self._revocable.revoke()
-
-
 class Driver:
     """Serves the READs and WRITEs of one unit; `active` while it has its line."""
 
     def __init__(self, assignment: Assignment, setup: Setup, desk: Desk) -> None:
         self._assignment, self._setup, self._desk = assignment, setup, desk
-        self.link = DriverLink(PROFILES["rho3"], priority_from_output_timeout(assignment.output_timeout_ms))
+        self.link = Link(PROFILES["rho3"], priority_from_output_timeout(assignment.output_timeout_ms), keep_one=True)
         profile = self.link.profile
         self._patience: Ns = profile.connect_attempts * profile.ack_delay  # with a port that takes nothing
         self.active = False

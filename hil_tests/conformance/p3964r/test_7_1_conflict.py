@@ -60,8 +60,8 @@ def test_a_job_that_gave_way_again_and_again_has_all_its_attempts_once_blocks_ca
 def test_a_job_that_gave_way_to_bad_blocks_loses_no_attempt() -> None:
     line = wishing(Priority.LOW)
     for turn in range(5):
-        line.at(ms(turn)).hears(STX + b"B\x10\x03\x00").says(DLE + NAK + STX).reports(BlockRefused(Refusal.CHECK, 1))
-    line.at(ms(10)).hears(STX + b"B\x10\x03\x00").says(DLE + NAK + STX)
+        line.at(ms(turn)).hears(STX).says(DLE).hears(b"B\x10\x03\x00").says(NAK + STX).reports(BlockRefused(Refusal.CHECK, 1))
+    line.at(ms(10)).hears(STX).says(DLE).hears(b"B\x10\x03\x00").says(NAK + STX)
     line.reports(BlockRefused(Refusal.CHECK, 1), ReceptionFailed(Refusal.CHECK, 6))
     line.at(ms(50)).hears(NAK).says(STX).at(ms(51)).hears(DLE).says(BLOCK_A)
 

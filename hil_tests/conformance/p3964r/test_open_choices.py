@@ -166,7 +166,7 @@ def test_linux_interrupted_until_all_attempts_are_used_up() -> None:
 
 
 def test_a_break_while_backing_off_ends_the_job() -> None:
-    wishing(LINUX).hears(DLE + b"x").damaged(Damage.BREAK).reports(SendFailed(1, Failure.BREAK, Stage.BLOCK))
+    wishing(LINUX).hears(DLE).says(BLOCK_A).hears(b"x").damaged(Damage.BREAK).reports(SendFailed(1, Failure.BREAK, Stage.BLOCK))
 
 
 def test_linux_with_priority_receives_in_a_second_conflict() -> None:

@@ -89,7 +89,7 @@ def test_one_counter_for_both_kinds_of_attempts() -> None:
 def test_a_pause_before_a_repeat_in_which_the_partner_may_send() -> None:
     line = wishing(replace(RHO3, retry_pause=ms(50))).at(ms(1)).hears(NAK).says(b"").reports(SendRepeated(1, Failure.NAK, Stage.CONNECT))
     line.at(ms(51)).says(STX).hears(NAK).says(b"").hears(b"x").says(b"")
-    line.at(ms(60)).hears(STX + b"B\x10\x03\x51").says(DLE + DLE + STX)
+    line.at(ms(60)).hears(STX).says(DLE).hears(b"B\x10\x03\x51").says(DLE + STX)
 
 
 def test_no_nak_when_giving_up() -> None:

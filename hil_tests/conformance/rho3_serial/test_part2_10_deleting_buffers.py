@@ -39,7 +39,7 @@ def test_write_begin_sets_status_0() -> None:
 
 
 @pytest.mark.requirement(
-    "RHO-SER-35", by=("gateway.pure.rho3.driver:Driver.write_begin", "gateway.pure.rho3.driver:RevocableSender.revoke")
+    "RHO-SER-35", by=("gateway.pure.rho3.driver:Driver.write_begin", "protocols.p3964r.sender:Sender.revoke")
 )
 def test_a_block_on_the_line_is_completed_but_not_repeated_and_prepared_ones_are_dropped() -> None:
     desk = Desk(LINK).at(0).write(ONE, "V24_1", (CHARACTER, 65)).write(ONE, "V24_1", (CHARACTER, 66)).says(STX).hears(DLE).says(wire(b"A"))
@@ -54,7 +54,7 @@ def test_a_block_that_needed_no_repeat_needs_no_allowance() -> None:
     desk.write(ONE, "V24_1", (CHARACTER, 66)).hears(DLE).finds(deleted(1)).at(ms(1)).acknowledges(b"B").finds(done(2))
 
 
-@pytest.mark.requirement("RHO-SER-35", by="gateway.pure.rho3.driver:RevocableSender._transmit")
+@pytest.mark.requirement("RHO-SER-35", by="protocols.p3964r.sender:Sender._transmit")
 def test_transmission_not_begun_is_ended_even_after_the_connection() -> None:
     desk = Desk(LINK).at(0).write(ONE, "V24_1", (CHARACTER, 65)).says(STX).write_begin(ONE, "V24_1")
     desk.at(ms(100)).hears(DLE).says(NAK).finds(deleted(1))

@@ -1,0 +1,110 @@
+"""The rest of a torn or misread block never becomes a block of its own (AX-240).
+
+Here a burst matters: what a port hands over at once did not wait for our answer.  So no Bench, which also feeds byte by byte.
+"""
+
+import pytest
+
+from protocols.base.machine import Damage, Ns, ms
+from protocols.p3964r.events import BlockReceived, BlockRefused, BlockSent, Event, Refusal, SendRepeated, StrayCharacters
+from protocols.p3964r.link import Link
+from protocols.p3964r.profiles import PROFILES, RHO3, Priority, Profile
+
+STX, DLE, NAK = b"\x02", b"\x10", b"\x15"
+GOOD_AB = b"AB\x10\x03\x10"
+TAIL = b"\x02\x41D\x05\x10\x03\x13"  # of a longer block: from its 02h on it looks like a block (41h ^ 44h ^ 05h = 0: the check fits)
+
+
+class Line:
+    """One link; every `hears` is one burst."""
+
+    def __init__(self, profile: Profile = RHO3, priority: Priority = Priority.LOW) -> None:
+        self.link, self.now, self.told = Link(profile, priority), 0, list[Event]()
+        self.link.take_output()
+
+    def at(self, now: Ns) -> "Line":
+        while (due := self.link.deadline()) is not None and due <= now:
+            self.told += self.link.wake(due)
+        self.now = now
+        return self
+
+    def hears(self, burst: bytes) -> "Line":
+        self.told += self.link.receive(burst, self.now)
+        return self
+
+    def says(self, expected: bytes, leaves: bool = True) -> "Line":
+        assert self.link.take_output() == expected
+        if expected and leaves:
+            self.told += self.link.sent(self.now)
+        return self
+
+    def reports(self, *expected: Event) -> "Line":
+        assert self.told == list(expected)
+        self.told = []
+        return self
+
+
+def torn(profile: Profile = RHO3) -> Line:
+    """A block broke off in its data; the silence was answered at 300 ms."""
+    line = Line(profile).hears(STX).says(DLE).at(ms(5)).hears(b"AB").at(ms(5) + profile.char_delay).says(NAK)
+    return line.reports(BlockRefused(Refusal.GAP, 2))
+
+
+@pytest.mark.parametrize("name", sorted(PROFILES))
+def test_the_rest_of_a_torn_block_that_comes_in_one_burst_is_no_block(name: str) -> None:
+    profile = PROFILES[name]
+    line, quiet = torn(profile).at(ms(1000)).hears(TAIL).says(b"").reports(), profile.char_delay
+    line.at(ms(1000) + quiet - 1).hears(STX).says(b"").reports()  # behind the rest without a pause: may belong to it
+    line.at(ms(1000) + 2 * quiet - 1).says(b"").reports(StrayCharacters(len(TAIL) + 1))
+    line.hears(STX).says(DLE).hears(GOOD_AB).says(DLE).reports(BlockReceived(b"AB"))
+
+
+def test_the_rest_of_a_torn_block_that_comes_one_by_one_does_not_wait_for_our_dle() -> None:
+    line = torn().at(ms(300)).hears(TAIL[:1]).says(DLE, leaves=False).at(ms(301)).hears(TAIL[1:2])
+    line.link.sent(ms(301))
+    line.at(ms(302)).hears(TAIL[2:]).says(b"").reports()
+    line.at(ms(522)).says(b"").reports(StrayCharacters(len(TAIL)))
+    line.hears(STX).says(DLE).hears(GOOD_AB).says(DLE).reports(BlockReceived(b"AB"))
+
+
+def test_after_a_torn_block_a_partner_who_waits_for_our_dle_is_served_at_once() -> None:
+    line = torn().at(ms(226)).hears(STX).says(DLE).reports()
+    line.at(ms(230)).hears(GOOD_AB).says(DLE).reports(BlockReceived(b"AB"))
+    line.at(ms(231)).hears(STX + GOOD_AB).says(DLE + DLE).reports(BlockReceived(b"AB"))  # in doubt no longer
+
+
+def test_a_partner_whose_block_comes_before_a_slow_port_told_that_our_dle_left_loses_one_attempt() -> None:
+    line = torn().at(ms(226)).hears(STX).says(DLE, leaves=False).at(ms(230)).hears(GOOD_AB).says(b"")
+    line.at(ms(780)).reports(StrayCharacters(1 + len(GOOD_AB))).hears(STX).says(DLE, leaves=False)
+    line.at(ms(785)).hears(GOOD_AB).says(DLE).reports(BlockReceived(b"AB"))
+
+
+def test_what_follows_a_wrong_end_is_no_block() -> None:
+    """One of a doubled DLE was hit: the other one made an end in the middle."""
+    line = Line().hears(STX).says(DLE).at(ms(5)).hears(b"AB\x10\x03\x00" + TAIL).says(NAK).reports(BlockRefused(Refusal.CHECK, 2))
+    line.at(ms(10)).hears(TAIL).says(b"").at(ms(230)).says(b"")
+    line.reports(StrayCharacters(len(TAIL)), StrayCharacters(len(TAIL)))
+
+
+def test_a_lone_stx_among_stray_characters_is_a_wish_one_with_company_is_not() -> None:
+    line = Line().hears(b"x").at(ms(1)).hears(STX).says(DLE).hears(GOOD_AB).says(DLE).reports(StrayCharacters(1), BlockReceived(b"AB"))
+    line.at(ms(500)).hears(b"x" + STX + GOOD_AB).says(b"").at(ms(720)).reports(StrayCharacters(1), StrayCharacters(6))
+    line.at(ms(900)).hears(b"x").at(ms(1120)).hears(STX + GOOD_AB).says(DLE + DLE).reports(StrayCharacters(1), BlockReceived(b"AB"))
+
+
+def test_a_damaged_rest_and_a_lost_port_end_the_doubt() -> None:
+    line = torn().at(ms(300)).hears(TAIL)
+    line.told += line.link.damaged(Damage.PARITY, ms(300))
+    line.told += line.link.lost(ms(300))
+    line.says(b"").reports(StrayCharacters(len(TAIL) + 1), BlockRefused(Refusal.LOST, 0))
+    line.hears(STX + GOOD_AB).says(DLE + DLE).reports(BlockReceived(b"AB"))
+
+
+def test_a_sender_that_hears_the_rest_of_a_block_does_not_give_way_to_a_02h_in_it() -> None:
+    line = Line()
+    line.link.send(b"A", 0)
+    line.says(STX).at(ms(1)).hears(b"xy" + TAIL + b"z").says(STX)  # our own wish again, nothing is answered
+    line.at(ms(221)).says(STX)  # quiet again
+    assert [type(event) for event in line.told] == [SendRepeated, StrayCharacters]
+    line.at(ms(222)).hears(DLE).says(b"A\x10\x03\x52").hears(DLE)
+    assert line.told[-1] == BlockSent(1)
