@@ -22,6 +22,7 @@ from typing import IO
 
 from drivers.emulator.both import BothFamilies
 from drivers.emulator.cia402_slave import Cia402Slave
+from drivers.emulator.frame_faults import FrameFaults, Way
 from drivers.emulator.servodyn_slave import ServodynSlave
 from drivers.emulator.settings import BusSettings, SettingsError, from_dict
 from drivers.ports.base import CanPort, PortError
@@ -29,6 +30,7 @@ from drivers.ports.can import open_can
 from gateway.dbcfile import load_servodyn
 from gateway.files import find_config
 from gateway.processes.emulator_control import Answer, Command, ControlServer, carry_out
+from gateway.processes.emulator_frames import ORDERS, carry_out_frames
 from gateway.processes.emulator_nodes import carry_out_node
 from gateway.realtime import die_with_parent, go_realtime
 from protocols.base.errors import ProtocolError
@@ -86,6 +88,7 @@ class Emulator:
 
     def __init__(self, name: str, slave: Slave, open_port: Callable[[], CanPort], *recorders: Recorder) -> None:
         self.slave, self.stopping = slave, False
+        self.faults = FrameFaults()
         self._recorded = list(zip(families(slave), recorders, strict=True))
         self._open_port = open_port
         self._port: CanPort | None = None
@@ -141,6 +144,9 @@ class Emulator:
             due = deadline if due is None else min(due, deadline)
         if self._port is None:
             due = self._reopen if due is None else min(due, self._reopen)
+        late = self.faults.due()
+        if late is not None:
+            due = late if due is None else min(due, late)
         return -1.0 if due is None else max(0, due - now) * 1e-9
 
     def _drain(self, now: Ns) -> bool:
@@ -148,16 +154,23 @@ class Emulator:
         heard = False
         try:
             while self._port is not None and (frames := self._port.receive()):
-                self.slave.receive(frames, now)
+                self._hear(frames, now)
                 heard = True
+            if not self.faults.idle:
+                self._hear([], now)  # those that come late
             for kind, _ in self._port.take_faults() if self._port is not None else ():
                 self.slave.error_frame(kind, now)
         except PortError as error:
             self._lost(now, error)
         return heard
 
+    def _hear(self, frames: list[Frame], now: Ns) -> None:
+        frames = self.faults.through(Way.IN, frames, now)
+        if frames:
+            self.slave.receive(frames, now)
+
     def _send(self, now: Ns) -> None:
-        frames: list[Frame] = self.slave.take_output()
+        frames = self.faults.through(Way.OUT, self.slave.take_output(), now)
         if not frames or self._port is None:
             return
         try:
@@ -201,7 +214,10 @@ class Emulator:
                 return {"record_bytes": written, "record_lost": self.record_lost}
             case "state":
                 own = {"connected": self.connected, "opened": self.opened, "refused": self.refused, "record_lost": self.record_lost}
-                return {**self._carry_family(command), **own}
+                spoilt = {kind.value: count for kind, count in self.faults.spoilt.items()}
+                return {**self._carry_family(command), **own, "frames": {**spoilt, "silenced": self.faults.silenced}}
+            case str() as what if what in ORDERS:
+                return carry_out_frames(self.faults, command, time.monotonic_ns())
             case _:
                 return self._carry_family(command)
 

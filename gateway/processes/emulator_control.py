@@ -178,7 +178,7 @@ class EmulatorControl:
             ) from error
         self._answers = self._link.makefile("rb")
 
-    def ask(self, do: str, **arguments: float) -> Answer:
+    def ask(self, do: str, **arguments: object) -> Answer:
         """One command.  Raises BadCommandError with the emulator's words, PortError when it is gone."""
         try:
             self._link.sendall(json.dumps({"do": do, **arguments}).encode() + b"\n")
