@@ -197,7 +197,7 @@ class Cia402Axis:
     @property
     def demand(self) -> float:
         """6062h; without position control where it is."""
-        return self.servo.demand_inc(self.rest_ns) // 1.0 + self.shift if self.servo.mode == 1 else self.position
+        return (self.servo.demand_inc(self.rest_ns) + 1e-6) // 1.0 + self.shift if self.servo.mode == 1 else self.position
 
     @property
     def period_ns(self) -> int:

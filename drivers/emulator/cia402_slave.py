@@ -182,7 +182,7 @@ class Cia402Slave:
 
     def _expire(self, now: Ns) -> None:
         while (due := self._soonest) <= now:
-            self._time = max(self._time, due)
+            due = self._time = max(self._time, due)  # what was ordered for "at once" (0) acts now, not in the past
             for seat in self.seats:
                 if seat.node.soonest <= due:
                     self._act(seat, due)
