@@ -109,6 +109,7 @@ class Follower:
         self._ramp = 0.0  # s in which u comes to 0 on the way back that is held
         self._end = 0.0
         self._done = 0
+        self._way = 0.0
 
     # ---- loading -------------------------------------------------------------------------------------------------------
     @property
@@ -310,6 +311,8 @@ class Follower:
         at_end = self._tau >= self._end and self._index == len(pieces) - 1
         if at_end:
             self._done, self._u, self._omega = piece.id, 0.0, 0.0
+        if self._tau <= 0.0 and self._omega < 0.0:
+            self._u = self._omega = 0.0
         u = self._tau - begins[self._index]
         times, k = piece.times, self._interval
         while k < len(times) - 2 and u >= times[k + 1]:
@@ -327,8 +330,6 @@ class Follower:
             self._tau <= 0.0,
             self._omega == 0.0 and self._u == 0.0,
         )
-
-    _way = 0.0
 
     def _values(self, piece: TimedPiece, interval: int, u: float) -> tuple[dict[int, tuple[float, float]]]:
         rows, omega = piece.quintics[interval], self._omega

@@ -3,6 +3,9 @@
 It owns (s, sdot, sddot).  A load, an override change, stop, resume and abandon re-plan s(t) from the present state with
 all limits of the piece; between them the plan is only sampled.  Call step() once per SYNC that is sent: a skipped SYNC
 delays the path and never stretches a step.  Pure: period in, samples out.
+
+Pieces of version 1 (one PTP each) run here; chains of timed pieces run in motion.follower, with the same states and orders,
+and can be retraced.  One kind follows the other at rest.
 """
 
 from collections import deque
@@ -13,11 +16,12 @@ from math import inf, sqrt
 from typing import NamedTuple
 
 from motion.errors import MotionError, PieceError
+from motion.follower import FIT, Follower
 from motion.pieces import MAX_AXES, Piece
 from motion.profile import Profile
+from motion.timed import TimedPiece
 
 QUEUE = 8  # pieces that may wait behind the running one
-FIT = 1e-9  # m or rad: a piece starts where the one before it ends
 ARRIVED = 1e-12  # of the length: nothing left to go
 
 
@@ -80,6 +84,8 @@ class Stepper:
         self._state = State.IDLE
         self._abandon = False
         self._done = 0
+        self._follower: Follower | None = None  # of the last chain of timed pieces; kept at its end, for retrace
+        self._direction = 1  # of the chain; -1: retrace
         if len(self._q) != axes:
             raise MotionError(f"{len(self._q)} positions for {axes} axes")
 
@@ -96,7 +102,7 @@ class Stepper:
     @property
     def queued(self) -> int:
         """Pieces that wait behind the running one."""
-        return len(self._queue)
+        return len(self._queue) + (self._follower.waiting if self._follower else 0)
 
     @property
     def remaining(self) -> float:
@@ -109,6 +115,8 @@ class Stepper:
             raise MotionError(f"the position can be set only while idle, the stepper is {self._state.name}")
         if len(position) != len(self._q):
             raise MotionError(f"{len(position)} positions for {len(self._q)} axes")
+        if self._follower and list(position) != self._q:
+            self._follower = None  # the axes were moved by somebody else: there is no way back on this path
         self._q = list(position)
 
     def place_for(self, piece: Piece) -> None:
@@ -118,8 +126,14 @@ class Stepper:
             position[axis] = value
         self.place(position)
 
-    def load(self, piece: Piece) -> None:
+    def load(self, piece: Piece | TimedPiece) -> None:
         """Run this piece next; waits behind the running one.  PieceError when it cannot follow."""
+        if isinstance(piece, TimedPiece):
+            self._load_timed(piece)
+            return
+        if self._follower and self._state is not State.IDLE:
+            raise PieceError(f"piece {piece.id}: a chain of timed pieces is under way, load it at rest")
+        self._follower = None
         if not piece.ends_at_rest:
             raise PieceError(f"piece {piece.id}: does not end at rest, and joining moving pieces is not built yet (AX-103)")
         if self._abandon:
@@ -132,6 +146,24 @@ class Stepper:
         self._queue.append(piece)
         if self._state is State.IDLE:
             self._state = State.RUNNING
+
+    def _load_timed(self, piece: TimedPiece) -> None:
+        if self._abandon or self._piece or self._queue:
+            raise PieceError(f"piece {piece.id}: another piece is under way or being abandoned, load it at rest")
+        if piece.axes[-1] >= len(self._q):
+            raise PieceError(f"piece {piece.id}: axis {piece.axes[-1]} of its mask does not exist, there are {len(self._q)}")
+        if self._follower is None or (self._state is State.IDLE and self._follower.last is not None and piece.id <= self._follower.last.id):
+            self._check_fit(piece)
+            self._follower = Follower(len(self._q), self._period)
+        self._follower.load(piece)
+        if self._state is State.IDLE and piece.ends_at_rest:
+            self._state, self._direction = State.RUNNING, 1
+
+    def retrace(self) -> None:
+        """Go back along the chain of timed pieces, to its start at most; from rest.  resume() goes forward again."""
+        if self._follower is None or self._state not in (State.STOPPED, State.IDLE) or self._abandon:
+            raise MotionError(f"there is no path to retrace, the stepper is {self._state.name}")
+        self._state, self._direction = State.RUNNING, -1
 
     def set_override(self, value: float) -> None:
         """0 .. 1 of the programmed speed; 0 holds on the path."""
@@ -148,7 +180,7 @@ class Stepper:
     def resume(self) -> None:
         """Go on after stop(), also while still stopping; nothing after abandon()."""
         if self._state in (State.STOPPING, State.STOPPED) and not self._abandon:
-            self._state, self._stale = State.RUNNING, True
+            self._state, self._stale, self._direction = State.RUNNING, True, 1
 
     def abandon(self) -> None:
         """Stop on the path, then drop the rest of the piece and everything that waits."""
@@ -161,6 +193,8 @@ class Stepper:
 
     def step(self) -> Sample:
         """The next sample, one period further."""
+        if self._follower and self._state is not State.IDLE:
+            return self._follow(self._follower)
         if self._piece is None and self._state is not State.IDLE:
             self._next_piece()
         if self._piece is None:
@@ -170,7 +204,25 @@ class Stepper:
         self._advance(self._piece)
         return self._sample(self._piece)
 
-    def _check_fit(self, piece: Piece) -> None:
+    def _follow(self, follower: Follower) -> Sample:
+        """One period of the chain."""
+        wanted = self._direction * self._override if self._state is State.RUNNING else 0.0
+        progress = follower.step(wanted)
+        q, qd = self._q, list(self._still)
+        for axis, (position, speed) in progress.q.items():
+            q[axis], qd[axis] = position, speed
+        self._done = progress.done_id or self._done
+        if progress.at_end and self._direction > 0:
+            self._state = State.IDLE
+        elif self._state is State.STOPPING and progress.still:
+            self._state = State.STOPPED
+        elif progress.at_start and self._direction < 0 and self._state is State.RUNNING:
+            self._state, self._direction = State.STOPPED, 1
+        if self._abandon and self._state in (State.STOPPED, State.IDLE):
+            self._drop()
+        return Sample(tuple(q), tuple(qd), progress.piece_id, progress.way, self._state, self._done)
+
+    def _check_fit(self, piece: Piece | TimedPiece) -> None:
         """Each axis of the piece must start where it will stand by then."""
         standing = dict(enumerate(self._q))
         for earlier in (*([self._piece] if self._piece else []), *self._queue):
@@ -298,4 +350,5 @@ class Stepper:
 
     def _drop(self) -> None:
         self._queue.clear()
+        self._follower = None
         self._piece, self._state, self._abandon = None, State.IDLE, False

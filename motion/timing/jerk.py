@@ -24,11 +24,12 @@ Array = NDArray[np.float64]
 GRID = 1500  # intervals of s for the first guess
 STEP, FEWEST, MOST = 0.7e-3, 300, 3000  # s and number of the intervals in time
 ROUNDS = 3
+JERK_USED = 1.02  # of the jerk limit, in the rows: what the differences at 1 ms show stays below JERK_GOOD (AX-386)
 TOUCH = 0.9999  # of the speed limit: differences of rounded positions stay below it
 WARP = 2.0  # beta of a round is at most so many times that of the round before
 SETTLED = 1e-4  # change of the duration below which no further round is tried
 JUDGE_S = 1e-3  # period at which the set values are judged
-ACCEL_GOOD, JERK_GOOD = 1.012, 1.035  # shares of the limits at that period; beyond them the place is planned again with less
+ACCEL_GOOD, JERK_GOOD = 1.012, 1.042  # shares of the limits at that period; beyond them the place is planned again with less
 REPAIRS = 3
 AROUND = 4  # periods on both sides of such a place
 
@@ -117,7 +118,7 @@ def _rows(path: JointPath, limits: LawLimits, law: Law, beta: Array, tight: Arra
     first, second = (q[3:-1] - q[1:-3]) / (2 * h), (q[3:-1] - 2 * q[2:-2] + q[1:-3]) / h**2
     thirds = np.diff(q, 3, axis=0) / h**3
     speed, accel, jerk = limits.at(law.s)
-    speed, jerk = TOUCH * speed, jerk * tight[:, None]
+    speed, jerk = TOUCH * speed, JERK_USED * jerk * tight[:, None]
     some = np.any(np.isfinite(limits.speed)[None, :] | np.isfinite(speed), axis=0)
     none = np.zeros_like(first)
     unity = np.ones_like(first)
