@@ -133,15 +133,16 @@ def _of_profile(name: str, profile: Profile) -> Line:
     """A time as one station has it, in every meaning the word has there."""
     field = TIMES[name]
     value = f"{getattr(profile, field) / 1e6:g}"
+    also = []
     if name == "QVZ":
-        value += f" (3964: {profile.ack_delay_plain / 1e6:g})"
+        also = [f"under 3964: {profile.ack_delay_plain / 1e6:g} ms"]
     if name == "BWZ":
         waits = dialect_of(profile.name)
-        value += f" (reaction: {waits.waits(9600) / 1e6:g})" if waits.reaction else " (no reaction telegrams)"
+        also = [f"reaction: {waits.waits(9600) / 1e6:g} ms" if waits.reaction else "no reaction telegrams"]
     marks = ["no source names it [open]"] if field in profile.open_fields else []
     if profile.settable is not None:
         marks.append(f"settable {profile.settable.least}..{profile.settable.most}, step {profile.settable.step}")
-    return Line(f"profile {profile.name}", value, "ms", "; ".join([profile.source, *marks]))
+    return Line(f"profile {profile.name}", value, "ms", "; ".join([*also, profile.source, *marks]))
 
 
 def _of_line(name: str, cell_line: CellLine) -> Line:
@@ -149,9 +150,10 @@ def _of_line(name: str, cell_line: CellLine) -> Line:
     given = {"QVZ": ("QVZ", "ADT"), "ZVZ": ("ZVZ", "CDT"), "BWZ": ("BWZ",)}[name]
     key = next((each for each in given if getattr(cell_line.times, each) is not None), "")
     value = f"{getattr(link_profile(cell_line), TIMES[name]) / 1e6:g}"
+    source = f"times.{key}" if key else f'profile = "{cell_line.profile}"'
     if name == "BWZ" and cell_line.layer in ("rk512", "buep64"):
-        value += f" (reaction: {rk512_dialect(cell_line).waits(cell_line.baud) / 1e6:g})"
-    return Line(f"line.{cell_line.name}", value, "ms", f"times.{key}" if key else f'profile = "{cell_line.profile}"')
+        source += f"; reaction: {rk512_dialect(cell_line).waits(cell_line.baud) / 1e6:g} ms at {cell_line.baud} Bd"
+    return Line(f"line.{cell_line.name}", value, "ms", source)
 
 
 def address(text: str, language: str) -> list[Line]:

@@ -31,7 +31,7 @@ MEANINGS: Mapping[str, tuple[tuple[str, str], ...]] = {  # word -> what else it 
             "Quittungsverzug in an S5: a memory or an interface does not acknowledge an access; PAFE 4xh, ISTACK",
             "STEP 5; not a time of the line",
         ),
-        ("under procedure 3964 (without R) a station has another, mostly shorter value: the one in brackets below", "CP 341, CP 440"),
+        ("under procedure 3964 (without R) a station has another, mostly shorter value, named below", "CP 341, CP 440"),
     ),
     "ZVZ": (
         ("it also runs from our DLE to the first character of the block, and from DLE ETX to the block check", "serial-protocols 1.4"),

@@ -7,9 +7,10 @@ import pytest
 
 from gateway.cell import Cell, Notice
 from gateway.config import CellFaults, Fault, load_cell
+from gateway.explained import word
 from gateway.pure.dialects import link_profile, rk512_dialect
 from protocols.base.machine import ms
-from protocols.p3964r.profiles import BrokenPair, ConnectCounter, Stray, TooLong
+from protocols.p3964r.profiles import PROFILES, BrokenPair, ConnectCounter, Stray, TooLong
 
 HEAD = """
 format = 1
@@ -227,3 +228,34 @@ def test_the_page_on_lines_is_a_cell_that_check_takes() -> None:
     assert (link_profile(line).ack_delay, line.role, line.choices.stray) == (ms(1000), "both", "silent")
     assert (sent.every_ms, sent.on_change, sent.at_partner, sent.flag) == (500, True, "DB20.DW0", "M 6.4")
     assert (fetched.writer, fetched.every_ms) == ("plc", 500)
+
+
+# ---- explain
+@pytest.mark.parametrize("word_", ["QVZ", "ADT", "zvz", "CDT", "BWZ", "Blockwartezeit"])
+def test_a_time_is_explained_in_both_vocabularies_with_every_meaning_and_every_station(word_: str) -> None:
+    timed = cell('profile = "siemens-cp341"', "[line.times]\nADT = 800\nreaction = 7000")
+    lines = word(word_, timed)
+    pairs = {"Q": ("QVZ", "ADT"), "A": ("QVZ", "ADT"), "Z": ("ZVZ", "CDT"), "C": ("ZVZ", "CDT"), "B": ("BWZ", "")}
+    german, english = pairs[word_[0].upper()]
+        word_[0].upper()
+    ]
+    assert lines[0].key == (f"{german} = {english}" if english else german)
+    assert [line.key for line in lines[1:3]] == [f"{lines[0].key} also"] * 2
+    stations = {line.key.removeprefix("profile "): line for line in lines if line.key.startswith("profile ")}
+    assert set(stations) == set(PROFILES)
+    field = {"QVZ": "ack_delay", "ZVZ": "char_delay", "BWZ": "block_wait"}[german]
+    for name, line in stations.items():
+        assert (float(line.value) * 1e6, line.unit) == (getattr(PROFILES[name], field), "ms")
+        assert ("no source names it [open]" in line.source) is (field in PROFILES[name].open_fields)
+    ours = lines[-1]
+    expected = {"QVZ": ("800", "times.ADT"), "ZVZ": ("220", 'profile = "siemens-cp341"'), "BWZ": ("4000", "reaction: 7000 ms")}[german]
+    assert (ours.key, ours.value) == ("line.plc", expected[0]) and expected[1] in ours.source
+
+
+def test_the_second_meanings_are_those_of_the_sources() -> None:
+    assert any("STX of the reaction telegram" in line.value for line in word("BWZ", None))
+    assert any("does not acknowledge an access" in line.value for line in word("QVZ", None))
+    sources = {line.key: line.source for line in word("BWZ", None)}
+    assert sources["profile vipa-cp240"].startswith("reaction: 2000 ms") and "0..5100, step 20" in sources["profile vipa-cp240"]
+    assert sources["profile bosch-system350-3964r"].startswith("no reaction telegrams")
+    assert word("QVX", None) == []
