@@ -20,7 +20,7 @@ EDS_TEXT = find_config("axisgate_402.eds", "drives").read_text()
 DICTIONARY: ObjectDictionary
 DICTIONARY, _FAULTS = parse(EDS_TEXT)
 assert not _FAULTS, _FAULTS
-QUICK = {"boot_s": 0.01, "charge_s": 0.0}
+QUICK = ServoSettings(boot_s=0.01, charge_s=0.0)
 
 
 class AbortedError(AssertionError):
@@ -35,7 +35,7 @@ class CanopenBus:
     """`said`: every frame of the drives with the time it was said; nodes 1, 2, .. unless named."""
 
     def __init__(self, *drives: DriveSettings, cycle_ms: float = 4.0, seed: int = 1, nodes: dict[int, DriveSettings] | None = None) -> None:
-        chosen = nodes or dict(enumerate(drives or (DriveSettings(ServoSettings(**QUICK)),), 1))
+        chosen = nodes or dict(enumerate(drives or (DriveSettings(QUICK),), 1))
         self.settings = BusSettings(cycle_ms, seed, {}, chosen)
         self.slave = Cia402Slave(self.settings, dict.fromkeys(chosen, DICTIONARY))
         self.cycle_ns = self.slave.cycle_ns
@@ -165,6 +165,10 @@ class Master:
             self.bus.run(step_s)
         return (self.bus.now - begin) * 1e-9
 
+    def until_state(self, bits: int, limit_s: float = 5.0) -> float:
+        """Until bits 0..3, 5, 6 of the statusword are these."""
+        return self.until(lambda: self.status & 0x6F == bits, limit_s)
+
     def enable(self, mode: int) -> None:
         """Boots, chooses the mode, goes to operation enabled by SDO alone."""
         self.until(lambda: bool(self.bus.heard(cobid.heartbeat(self.number))))
@@ -172,7 +176,7 @@ class Master:
         self.set(0x6060, mode)
         for word, expected in ((6, 0x21), (7, 0x23), (15, 0x27)):
             self.control(word)
-            self.until(lambda expected=expected: self.status & 0x6F == expected)
+            self.until_state(expected)
 
     def in_cycle(self, mode: int = 8) -> None:
         """Set values by RPDO1 and actual values by TPDO1, both with SYNC; operation enabled, 607Ah = 6064h."""

@@ -11,6 +11,8 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from itertools import pairwise
+from typing import Any
 
 import canopen
 import pytest
@@ -34,9 +36,10 @@ class Rig:
         settings = folder / "drives.json"
         self.record_file = folder / "drives.rec"
         settings.write_text(json.dumps(to_dict(BusSettings(CYCLE_S * 1000, 5, {}, {NODE: DriveSettings(SERVO)}))))
-        self.network = canopen.Network()
+        self.network: Any = canopen.Network()  # half of the package has no types
         self.network.connect(interface="broker", channel=bus.name)
-        self.node = BaseNode402(NODE, str(find_config("axisgate_402.eds", "drives")))
+        profile: Any = BaseNode402
+        self.node: Any = profile(NODE, str(find_config("axisgate_402.eds", "drives")))
         self.network.add_node(self.node)
         command = [sys.executable, "-m", "gateway.processes.emulator", "--settings", str(settings), "--bus", f"broker:{bus.name}"]
         self.process = subprocess.Popen(
@@ -134,7 +137,7 @@ def test_p402_moves_the_drive_in_csp_by_sync_and_the_record_shows_the_path(rig: 
     moved = [row.axes[0] for row in rows if row.axes[0].flags & record.Flag.ENABLED]
     sets = [row.set_inc - start for row in moved]
     assert abs(sets[0]) <= 1 and abs(sets[-1] - 10000) <= 1 and sets == sorted(sets), "the set values were taken in order, one a SYNC"
-    assert all(later - earlier <= 600 for earlier, later in zip(sets, sets[1:], strict=False))
+    assert all(later - earlier <= 600 for earlier, later in pairwise(sets))
     assert max(abs(row.set_inc - row.position_inc) for row in moved) < 400  # lag = 200 inc / 20 ms / 80 per second
 
 
