@@ -70,10 +70,10 @@ def angles_xyz(rotation: Rotation) -> Angles:
     cosine = math.sqrt(r11 * r11 + r12 * r12)
     ry = math.atan2(r13, cosine)
     if cosine < POLE:
-        return math.atan2(r32, r22), ry, 0.0
+        return _shown(math.atan2(r32, r22)), ry, 0.0
     rx = math.atan2(-r23, r33)
     s, c = math.sin(rx), math.cos(rx)
-    return rx, ry, math.atan2(c * r21 + s * r31, c * r22 + s * r32)  # from rx, so that the two fit together near the pole
+    return _shown(rx), ry, _shown(math.atan2(c * r21 + s * r31, c * r22 + s * r32))  # rz from rx: they fit together near the pole
 
 
 def rotation_zyx(a: float, b: float, c: float) -> Rotation:
@@ -98,10 +98,15 @@ def angles_zyx(rotation: Rotation) -> Angles:
     cosine = math.sqrt(r11 * r11 + r21 * r21)
     b = math.atan2(-r31, cosine)
     if cosine < POLE:
-        return 0.0, b, math.atan2(-r12, r22)
+        return 0.0, b, _shown(math.atan2(-r12, r22))
     c = math.atan2(r21, r11)
     s, k = math.sin(c), math.cos(c)
-    return math.atan2(s * r13 - k * r23, k * r22 - s * r12), b, c
+    return _shown(math.atan2(s * r13 - k * r23, k * r22 - s * r12)), b, _shown(c)
+
+
+def _shown(angle: float) -> float:
+    """180 degrees rather than -180, 0 rather than -0 (doubt D12)."""
+    return math.pi if angle == -math.pi else angle + 0.0
 
 
 RHO3 = Convention("rho 3", "zyx", ("a", "b", "c"), rotation_zyx, angles_zyx)

@@ -27,6 +27,7 @@ from motion.kinematics.choice import Chooser, wrapped
 from motion.limits import AxisLimits
 
 POLE = 5e-10  # sine of j5 (and m from axis 1) below which two axes turn about one line
+NEAR_POLE = 1e-4  # sine of j5 below which j6 is taken from j4, so that their sum keeps its digits
 SLACK = 1e-12  # a stretched arm: how far beyond 1 the cosine of the elbow may stand by rounding
 
 FLAGS = tuple(  # [lefty][epositive][wpositive]
@@ -198,7 +199,7 @@ class Arm6:
             along = arm + reach * bent
             for sign in elbows if sine > 0.0 else (1.0,):
                 across = sign * reach * sine
-                if square > 0.0:
+                if square > POLE * POLE:
                     s2, c2 = (along * over - across * z) / square, (along * z + across * over) / square
                 else:
                     s2, c2 = 0.0, 1.0  # the wrist centre lies on axis 2: any j2 will do
@@ -211,7 +212,12 @@ class Arm6:
                 h = sqrt(xc * xc + ay * ay)
                 t2, flags = atan2(s2, c2), lefty[sign > 0.0]
                 if h > POLE:
-                    t4, t5, t6 = atan2(ay, xc), atan2(h, zc), atan2(s23 * of + c23 * r32, -s23 * nf - c23 * r31)
+                    t4, t5 = atan2(ay, xc), atan2(h, zc)
+                    if h > NEAR_POLE:
+                        t6 = atan2(s23 * of + c23 * r32, -s23 * nf - c23 * r31)
+                    else:  # j4 has lost digits: j6 goes with it
+                        row_n, row_o = c23 * nf - s23 * r31, c23 * of - s23 * r32
+                        t6 = atan2(xc * (c1 * r21 - s1 * r11) - ay * row_n, xc * (c1 * r22 - s1 * r12) - ay * row_o)
                     found.append(((t1, t2, t3, t4, t5, t6), flags[1]))
                     t4 += pi if t4 < 0.0 else -pi
                     t6 += pi if t6 < 0.0 else -pi

@@ -18,7 +18,7 @@ from motion.errors import MotionError
 from motion.frames import NO_ROTATION, Pose, compose
 from motion.kinematics.arm6 import Arm6, ArmGeometry
 from motion.kinematics.base import Branch, Configuration, Joints, Unreachable
-from motion.kinematics.choice import Chooser
+from motion.kinematics.choice import Chooser, wrapped
 from motion.orientation import between
 
 FARTHEST_MM = 10.0  # a measured length further from the default than this is refused (AX-355)
@@ -122,8 +122,11 @@ class MeasuredArm:
         return [(joints, flags) for joints, flags in polished if joints is not None]
 
     def inverse(self, pose: Pose, near: Sequence[float], configuration: Configuration | None = None) -> Joints:
-        """The nearest of them inside the limits."""
+        """The nearest of them inside the limits, and what lies near `near`: an ideal arm cannot always reach as far."""
         found = self.branches(pose)
+        local = self._polished(pose, tuple(near))
+        if local is not None:
+            found.append((tuple(map(wrapped, local)), self.configuration(local)))
         if not found:
             raise Unreachable("the measured arm does not get there")
         return self._chooser.choose(found, near, configuration, self.configuration(near))
