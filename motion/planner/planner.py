@@ -1,0 +1,249 @@
+"""The planner: blocks in, timed pieces out, whatever their number; and where the axes are, told in blocks.
+
+What is known of the path is planned from rest to rest; as more becomes known, the tail that has not begun is planned anew from where
+the committed motion is at full speed (design 6).  Everything handed on ends at rest, so whoever stops hearing from the planner stops
+on the path.  Pure: the caller says how far the follower is (tau, time at full speed since the chain began).
+"""
+
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motion.errors import MotionError
+from motion.kinematics.base import Joints
+from motion.planner.commit import timed_pieces
+from motion.planner.robot import Machine
+from motion.planner.route import Kind, Route, Stretch
+from motion.planner.runs import Run, make_run
+from motion.program.blocks import Block
+from motion.program.factors import FULL, Factors
+from motion.timed import TimedPiece
+from motion.timing.jerk import jerk_limited
+from motion.timing.law import Law
+
+LOOK_AHEAD = 512  # blocks that may wait (owed: 256)
+WINDOW = 256  # stretches one law spans at most
+LEAD_S = 0.15  # a tail that begins sooner is not replaced any more: its replacement might come too late
+HORIZON_S = 1.0  # with more than this ahead (at full speed) the tail is left alone
+SMALLEST = 1e-9
+
+
+@dataclass(frozen=True)
+class _Planned:
+    """One law that was committed.  begin: tau at its start; cuts: (tau, piece id) of its pieces; end: tau at its end, or where a
+    newer law replaced it."""
+
+    run: Run
+    law: Law
+    begin: float
+    end: float
+    cuts: tuple[tuple[float, int], ...]
+    stops: bool  # the path ends at rest here by itself, not for want of more
+
+    def s(self, tau: float) -> float:
+        """On the run's path."""
+        t = min(max(tau - self.begin, 0.0), self.law.duration)
+        return float(self.law.at(_one(t))[0])
+
+    def state(self, tau: float) -> tuple[float, float, float]:
+        """(s, sdot, sddot) at the node nearest to tau: cuts lie on nodes of the law."""
+        k = min(max(round((tau - self.begin) / self.law.step), 0), len(self.law.s) - 1)
+        return float(self.law.s[k]), float(self.law.speed[k]), float(self.law.accel[k])
+
+
+@dataclass
+class Planner:
+    """add() blocks; plan() gives the pieces that are due."""
+
+    machine: Machine
+    start: Sequence[float]
+    mask: int | None = None  # which axes of the cell the machine's are
+    capacity: int = LOOK_AHEAD
+    factors: Factors = FULL
+    next_id: int = 1
+    lead_s: float = LEAD_S
+    horizon_s: float = HORIZON_S
+    window: int = WINDOW
+    _route: Route = field(init=False)
+    _fresh: deque[Stretch] = field(init=False, default_factory=deque)  # known, not planned
+    _planned: deque[_Planned] = field(init=False, default_factory=deque)
+    _done: int = field(init=False, default=0)  # blocks behind the axes
+
+    def __post_init__(self) -> None:
+        self._route = Route(self.machine, self.start)
+
+    # ---- blocks --------------------------------------------------------------------------------------------------------
+    @property
+    def waiting(self) -> int:
+        """Blocks added and not yet done, the one under way among them; as of the last plan() or place()."""
+        return self._route.added - self._done
+
+    @property
+    def room(self) -> int:
+        """Blocks that may be added now."""
+        return max(self.capacity - self.waiting, 0)
+
+    @property
+    def added(self) -> int:
+        """Number of the last block."""
+        return self._route.added
+
+    @property
+    def standing(self) -> Joints:
+        """Where the axes will be after everything that was added."""
+        return self._route.standing
+
+    @property
+    def end(self) -> float:
+        """tau at which everything committed is over."""
+        return self._planned[-1].end if self._planned else 0.0
+
+    @property
+    def open(self) -> bool:
+        """More of the path is known, or will be without another block, than was committed."""
+        return bool(self._fresh) or self._route.pending
+
+    def limit(self, blocks: int) -> None:
+        """The look-ahead from now on: BLOCK_SEARCH (rho 3 L7998-8006), 1 block at least."""
+        if blocks < 1:
+            raise MotionError(f"a look-ahead of {blocks} blocks; at least 1 is needed")
+        self.capacity = blocks
+
+    def add(self, block: Block) -> int:
+        """The next block; its number, counted from 1.  Raises BlockError, or MotionError when there is no room."""
+        if not self.room:
+            raise MotionError(f"{self.waiting} blocks are waiting, {self.capacity} may")
+        number = self._route.add(block)
+        self._fresh.extend(self._route.take())
+        return number
+
+    def finish(self) -> None:
+        """The last block is run to its target and the axes stop there."""
+        self._route.finish()
+        self._fresh.extend(self._route.take())
+
+    def reset(self, standing: Sequence[float]) -> None:
+        """Everything is dropped, a new chain begins (tau 0); the axes stand here."""
+        self._route.reset(standing)
+        self._fresh.clear()
+        self._planned.clear()
+        self._done = self._route.added
+
+    # ---- laws ----------------------------------------------------------------------------------------------------------
+    def plan(self, tau: float, *, hurry: bool = False) -> list[TimedPiece]:
+        """Pieces to hand on now, in order.  hurry: also the tail that could wait (nothing more will come soon)."""
+        self.place(tau)
+        pieces: list[TimedPiece] = []
+        while self._fresh:
+            made = self._next(tau, hurry)
+            if made is None:
+                break
+            pieces += made
+            if self.end - tau > 2 * self.horizon_s:
+                break
+        return pieces
+
+    def _next(self, tau: float, hurry: bool) -> list[TimedPiece] | None:
+        """One more law, or None when it can wait."""
+        ahead = self.end - tau
+        whole = self._fresh[-1].stop or len(self._fresh) >= self.window
+        if ahead > self.horizon_s and not hurry:
+            return None
+        if not self._planned or self._planned[-1].stops:
+            if not (whole or hurry or any(stretch.stop for stretch in self._fresh)):
+                return None
+            return self._commit(self._window(), (0.0, 0.0, 0.0), self.end, None)
+        cut = self._cut(tau)
+        if cut is not None:
+            try:
+                return self._extended(*cut)
+            except MotionError:
+                pass  # a law from a moving start may not exist: the tail stays as it is and goes on from its rest
+        if ahead > self.lead_s and not whole:
+            return None
+        return self._commit(self._window(), (0.0, 0.0, 0.0), self.end, None)
+
+    def _window(self) -> list[Stretch]:
+        """Fresh stretches up to the next stop, or as many as one law spans."""
+        row: list[Stretch] = []
+        while self._fresh and len(row) < self.window:
+            row.append(self._fresh.popleft())
+            if row[-1].stop:
+                break
+        return row
+
+    def _cut(self, tau: float) -> tuple[float, int] | None:
+        """(tau, id) of the first piece of the last law that may still be replaced."""
+        last = self._planned[-1]
+        return next(((at, number) for at, number in last.cuts if at >= tau + self.lead_s), None)
+
+    def _extended(self, at: float, first_id: int) -> list[TimedPiece]:
+        """The last law is replaced from this piece on by one that goes on along what has become known since."""
+        last = self._planned[-1]
+        s, speed, accel = last.state(at)
+        index = max(k for k, start in enumerate(last.run.starts) if start <= s + SMALLEST)
+        kept = list(last.run.stretches[index:])
+        fresh = list(self._fresh)
+        row = [*kept, *self._window()]
+        try:
+            pieces = self._commit(row, (s - last.run.starts[index], speed, accel), at, first_id)
+        except MotionError:
+            self._fresh = deque(fresh)
+            raise
+        place = len(self._planned) - 2
+        self._planned[place] = _Planned(last.run, last.law, last.begin, at, tuple(c for c in last.cuts if c[0] < at), False)
+        return pieces
+
+    def _commit(self, row: list[Stretch], state: tuple[float, float, float], begin: float, first_id: int | None) -> list[TimedPiece]:
+        run = make_run(row, self.machine, self.factors)
+        law = jerk_limited(run.path, run.limits, state)
+        number = self.next_id if first_id is None else first_id
+        pieces = timed_pieces(
+            run.path, run.limits, law, first_id=number, mask=self.mask, blocks=block_ends(run), new_tail=first_id is not None
+        )
+        self.next_id = number + len(pieces)
+        cuts, at = [], begin
+        for piece in pieces:
+            cuts.append((at, piece.id))
+            at += piece.duration
+        self._planned.append(_Planned(run, law, begin, at, tuple(cuts), row[-1].stop))
+        return pieces
+
+    # ---- where the axes are --------------------------------------------------------------------------------------------
+    def place(self, tau: float) -> tuple[int, float]:
+        """(block, share of its way) at tau; (0, 0.0) before the first block.  Laws that are over are forgotten (but for the last)."""
+        while len(self._planned) > 1 and self._planned[0].end <= tau:
+            self._planned.popleft()
+        if not self._planned:
+            return self._done, 1.0 if self._done else 0.0
+        now = self._planned[0]
+        block, share = now.run.place(now.s(tau))
+        if tau >= self.end and now.stops and not self._fresh:
+            block, share = (self._route.added if not self._route.pending else now.run.stretches[-1].block), 1.0
+        self._done = max(self._done, block if share >= 1.0 else block - 1)
+        return block, share
+
+    def states(self, tau: float) -> tuple[float, float, float]:
+        """(s, sdot, sddot) at full speed, for judges."""
+        now = next((one for one in self._planned if one.end >= tau), self._planned[-1])
+        return now.state(tau)
+
+
+def block_ends(run: Run) -> list[tuple[float, int]]:
+    """(s at which it is left, block), rising: a corner belongs to both of its blocks, half and half."""
+    ends: list[tuple[float, int]] = []
+    for stretch, start in zip(run.stretches, run.starts, strict=True):
+        length = stretch.path.length
+        if stretch.kind is Kind.CORNER:
+            ends.append((start + 0.5 * length, stretch.block))
+            ends.append((start + length, stretch.block + 1))
+        else:
+            ends.append((start + length, stretch.block))
+    return ends
+
+
+def _one(t: float) -> NDArray[np.float64]:
+    return np.array([t], dtype=np.float64)
