@@ -16,6 +16,7 @@ from protocols.base.step5 import Step5Type, decode
 
 FEW_BITS = 4  # bits of a word that change at once, at most, for it to be a row of bits
 COUNTED = 0.8  # part of the steps that are +1 for a life word
+MOST_WORDS = 256  # a cell's block has no more
 LEAST = 4  # samples below which nothing is said about types
 FLOAT = (1e-4, 1e7)  # magnitude of a believable float other than 0
 
@@ -274,7 +275,8 @@ def _words(seen: Learned, db: int) -> list[Guess]:
 
 def _db(seen: Learned, number: int, writer: str) -> list[str]:
     jobs = [job for job in seen.jobs if job.db == number]
-    words = max(job.word + job.words for job in jobs)
+    taken = [job for job in jobs if any(told == 0 for told in job.numbers)]  # what was refused says nothing of the size
+    words = min(MOST_WORDS, max(job.word + job.words for job in taken))
     lines = ["[[db]]", f"number  = {number}"]
     for job in jobs:
         period = f"every {job.period / 1e6:.0f} ms" if job.period else "once"

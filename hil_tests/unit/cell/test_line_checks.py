@@ -237,8 +237,6 @@ def test_a_time_is_explained_in_both_vocabularies_with_every_meaning_and_every_s
     lines = word(word_, timed)
     pairs = {"Q": ("QVZ", "ADT"), "A": ("QVZ", "ADT"), "Z": ("ZVZ", "CDT"), "C": ("ZVZ", "CDT"), "B": ("BWZ", "")}
     german, english = pairs[word_[0].upper()]
-        word_[0].upper()
-    ]
     assert lines[0].key == (f"{german} = {english}" if english else german)
     assert [line.key for line in lines[1:3]] == [f"{lines[0].key} also"] * 2
     stations = {line.key.removeprefix("profile "): line for line in lines if line.key.startswith("profile ")}

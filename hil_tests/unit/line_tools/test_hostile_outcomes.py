@@ -15,9 +15,10 @@ from protocols.p3964r.profiles import RHO3, Priority
 ROUNDS = 20
 
 
-def meet(partner: str, rounds: int = ROUNDS, pause: Ns = 0) -> tuple[Counter[str], list[object]]:
+def meet(partner: str, rounds: int = ROUNDS, pause: Ns = 0, ours_is: Priority = Priority.HIGH) -> tuple[Counter[str], list[object]]:
     """Both get a block at the same moment, so many times; what happened on our side, and what the partner took."""
-    ours, theirs = Link(replace(RHO3, retry_pause=pause), Priority.HIGH), make(partner, RHO3, Priority.LOW)
+    theirs_is = Priority.LOW if ours_is is Priority.HIGH else Priority.HIGH
+    ours, theirs = Link(replace(RHO3, retry_pause=pause), ours_is), make(partner, RHO3, theirs_is)
     theirs.passive = None
     counts: Counter[str] = Counter()
     received: list[object] = []
@@ -49,11 +50,30 @@ def meet(partner: str, rounds: int = ROUNDS, pause: Ns = 0) -> tuple[Counter[str
         ("drops-its-job", ROUNDS, 0, {}),  # the partner's own loss; ours lose nothing
         ("slow-21ms", ROUNDS, ROUNDS, {}),
         ("two-attempts", ROUNDS, ROUNDS, {}),
-        ("naks-conflicts", 0, 0, {"SendFailed NAK": ROUNDS, "SendRepeated NAK": 5 * ROUNDS}),  # both repeat in step
+        ("naks-conflicts", ROUNDS, ROUNDS, {"SendRepeated NAK": ROUNDS, "SendFailed NAK": 0}),  # let through, then ours goes (AX-243)
     ],
 )
 def test_each_hostile_partner_has_its_named_outcome(partner: str, sent: int, received: int, noted: dict[str, int]) -> None:
-    counts, blocks = meet(partner)
+    _outcome(Priority.HIGH, partner, sent, received, noted)
+
+
+@pytest.mark.parametrize(
+    "partner, sent, received, noted",
+    [
+        ("silent", 0, 0, {"SendFailed SILENT": ROUNDS, "SendRepeated SILENT": 5 * ROUNDS}),
+        ("no-nak", ROUNDS, ROUNDS, {}),
+        ("drops-its-job", ROUNDS, 0, {"SamePriority": ROUNDS, "ReceptionFailed": ROUNDS}),  # gives way although it has priority
+        ("slow-21ms", ROUNDS, ROUNDS, {}),
+        ("two-attempts", ROUNDS, ROUNDS, {}),
+        ("naks-conflicts", ROUNDS, ROUNDS, {"BlockRefused": ROUNDS}),  # its NAK is the first character after our DLE
+    ],
+)
+def test_each_hostile_partner_with_priority_has_its_named_outcome(partner: str, sent: int, received: int, noted: dict[str, int]) -> None:
+    _outcome(Priority.LOW, partner, sent, received, noted)
+
+
+def _outcome(ours_is: Priority, partner: str, sent: int, received: int, noted: dict[str, int]) -> None:
+    counts, blocks = meet(partner, ours_is=ours_is)
     assert counts["BlockSent"] == sent, counts
     assert len(blocks) == received, counts
     assert len(set(map(str, blocks))) == received  # each once

@@ -82,6 +82,21 @@ def test_the_draft_names_lines_blocks_periods_and_evidence() -> None:
     assert '# { at = "D 0.n", type = "bit", to = "..."' in cell
 
 
+def test_a_refused_job_says_nothing_of_the_size_of_a_block() -> None:
+    lines, now = list[str](), 0
+    for command, number in (("000045440A000002FFFF", 0), ("000045440AFF0002FFFF", 0x14)):
+        reaction = bytes((0, 0, 0, number)) + (bytes(4) if number == 0 else b"")
+        for who, what in (
+            *(("A", b"\x02"), ("B", b"\x10"), ("A", wire_block(bytes.fromhex(command))), ("B", b"\x10")),
+            *(("B", b"\x02"), ("A", b"\x10"), ("B", wire_block(reaction)), ("A", b"\x10")),
+        ):
+            now += ms(5)
+            lines.append(f"{now} {who} {what.hex()}\n")
+    text = draft(learn(decoded("".join(lines))), "x", 9600, "8E1")
+    assert tomllib.loads(text)["db"][0]["words"] == 2
+    assert "# FETCH DW 255, 2 words: 1 times, once, 1 refused" in text
+
+
 def test_a_side_that_includes_stx_and_raw_blocks_are_named() -> None:
     lines = ["1000000 A 02\n", "2000000 B 10\n", f"3000000 A {(b'AB' + bytes((0x10, 0x03, 0x12))).hex()}\n", "4000000 B 15\n"]
     lines += ["5000000 A 02\n", "6000000 B 10\n", f"7000000 A {wire_block(b'HELLO').hex()}\n", "8000000 B 10\n"]
