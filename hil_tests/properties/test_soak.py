@@ -1,48 +1,59 @@
 """Figures of issue 3 in small: 50,000 telegrams over all dialect pairs, every single fault, both stations at once (whole: make soak)."""
 
-from itertools import pairwise
+import pytest
 
-from hil_tests.lab.virtual_line import VirtualLine
+from hil_tests.soak.conflicts import Meeting, by_default
 from hil_tests.soak.exhaustive import exhaust
-from hil_tests.soak.pairs import soak
-from protocols.base.machine import Ns, ms
-from protocols.p3964r.events import BlockReceived, BlockSent, Event
-from protocols.p3964r.link import Link
-from protocols.p3964r.profiles import PROFILES, RHO3, Priority
+from hil_tests.soak.pairs import PAYLOADS, soak
+from protocols.base.machine import ms
+from protocols.p3964r.profiles import PROFILES, Priority, Profile
+
+ROUNDS = 1000
+SPOILED = "a spoiled character reads 10h"  # the one way in which a telegram may be acknowledged and not taken
 
 
-def test_50000_telegrams_over_all_dialect_pairs_nothing_detectable_wrong_or_lost() -> None:
-    tally = soak(50_000)
-    assert tally.telegrams >= 50_000 and tally.faulted >= tally.telegrams / 10 and len(tally.faults) == 8
-    assert tally.wrong == [] and tally.lost == []
-    assert 0 < tally.rk512_missed < tally.jobs / 200 and tally.link_missed < tally.faulted / 8  # counted, not excluded
+def test_50000_telegrams_over_all_dialect_pairs_nothing_detectable_wrong_or_lost(capsys: pytest.CaptureFixture[str]) -> None:
+    checked, plain = soak(50_000)
+    telegrams, faulted = checked.telegrams + plain.telegrams, checked.faulted + plain.faulted
+    with capsys.disabled():
+        print(f"\nsoak: {telegrams} telegrams, {faulted} of them faulted, {checked.link_missed} unseen by the block check")
+    assert telegrams >= 50_000 and faulted >= telegrams / 10
+    for tally in (checked, plain):
+        assert tally.wrong == [] and tally.lost == []
+        assert len(tally.faults) == 8 and set(tally.link_acknowledged) <= {SPOILED}
+        assert len(tally.roles) == 9 and min(tally.roles.values()) > 10
+        assert max(tally.payloads.values()) < 1.2 * min(tally.payloads.values()) and set(tally.payloads) == set(PAYLOADS)
+    assert 0 < checked.link_missed < checked.faulted / 8 and plain.link_missed > plain.faulted / 8  # counted, not excluded
+    assert sum(checked.rk512_missed.values()) < checked.jobs / 200
+    assert all("without reactions" in why for why in checked.rk512_missed)  # RK512's own lengths and sequence show the rest
 
 
-def test_every_single_fault_at_every_place_of_every_golden_telegram() -> None:
+def test_every_single_fault_at_every_place_of_every_golden_telegram(capsys: pytest.CaptureFixture[str]) -> None:
     outcome = exhaust()
+    with capsys.disabled():
+        print(f"\n{outcome.cases} single faults in golden telegrams, {outcome.link} unseen by the block check, {outcome.rk512} by RK512")
     assert outcome.cases == 52_983 and outcome.bad == []
     assert outcome.link == 274 and outcome.rk512 == 0  # a lost, doubled or added 00h; RK512 sees each by its length
 
 
-def test_both_send_at_once_1000_rounds() -> None:
-    names = sorted(PROFILES)
-    for left, right in ((RHO3, RHO3), *((PROFILES[a], PROFILES[b]) for a, b in pairwise(names))):
-        rounds = 1000 if left is right else 60
-        links = Link(left, Priority.HIGH), Link(right, Priority.LOW)
-        got: tuple[list[bytes], list[bytes]] = ([], [])
-        sent = [0, 0]
+@pytest.mark.parametrize("left, right", list(by_default()), ids=lambda profile: profile.name)
+def test_both_send_at_once_1000_rounds(left: Profile, right: Profile) -> None:
+    """Every pair of dialects whose own priorities differ."""
 
-        def note(side: int, event: Event, now: Ns, got: tuple[list[bytes], list[bytes]] = got, sent: list[int] = sent) -> None:
-            if isinstance(event, BlockReceived):
-                got[side].append(event.data)
-            sent[side] += isinstance(event, BlockSent)
+    meeting = Meeting(left, right, (Priority.HIGH, Priority.LOW)).rounds(ROUNDS)
+    assert meeting.complete(ROUNDS), f"{meeting.name}: {meeting.sent} sent, {meeting.failed} failed"
+    assert meeting.named == []
 
-        line = VirtualLine[Event](*links, note)
-        for number in range(rounds):
-            for side in (0, 1):
-                links[side].send(number.to_bytes(2, "big"), line.now)
-            for side in (0, 1):
-                line.kick(side)
-            line.run(line.now + ms(300))
-        wanted = [number.to_bytes(2, "big") for number in range(rounds)]
-        assert got == (wanted, wanted) and sent == [rounds, rounds], f"{left.name} / {right.name}"
+
+@pytest.mark.parametrize("name", sorted(PROFILES))
+def test_both_send_at_once_1000_rounds_same_dialect(name: str) -> None:
+    meeting = Meeting(PROFILES[name], PROFILES[name], (Priority.LOW, Priority.HIGH)).rounds(ROUNDS)
+    assert meeting.complete(ROUNDS), f"{meeting.name}: {meeting.sent} sent, {meeting.failed} failed"
+
+
+@pytest.mark.parametrize("priority", list(Priority))
+def test_the_same_priority_at_both_ends_is_named_and_every_job_ends(priority: Priority) -> None:
+    for left, right in by_default():
+        meeting = Meeting(left, right, (priority, priority)).rounds(3, ms(90_000))
+        assert set(meeting.named) == {priority}, meeting.name
+        assert [sum(each) for each in zip(meeting.sent, meeting.failed, strict=True)] == [3, 3], meeting.name

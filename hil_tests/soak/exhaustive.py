@@ -82,9 +82,10 @@ def _case(outcome: Outcome, golden: bytes, name: str, spoiled: bytes) -> None:
     link, now = Link(RHO3, Priority.LOW), 0
     blocks: list[bytes] = []
     for characters in (spoiled, b"\x02" + wire_block(golden), b"\x02" + wire_block(GOOD)):
-        blocks += [event.data for event in link.receive(characters, now) if isinstance(event, BlockReceived)]
-        link.take_output()
-        link.sent(now)
+        for burst in (characters[:1], characters[1:]):  # a station waits for our DLE
+            blocks += [event.data for event in link.receive(burst, now) if isinstance(event, BlockReceived)]
+            link.take_output()
+            link.sent(now)
         now += ms(600)
         link.wake(now)
         link.take_output()

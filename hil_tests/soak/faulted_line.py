@@ -92,7 +92,13 @@ class FaultedLine(VirtualLine[object]):
     def _arrive(self, under_way: deque[tuple[Ns, bytes | Damage]], items: list[int | Damage], moment: Ns) -> None:
         """Good characters in runs as a UART with a FIFO hands them over; a damage stands alone."""
         run = bytearray()
-        if items and under_way and isinstance(under_way[-1][1], bytes) and under_way[-1][0] >= moment and len(under_way[-1][1]) < self._burst:
+        if (
+            items
+            and under_way
+            and isinstance(under_way[-1][1], bytes)
+            and under_way[-1][0] >= moment
+            and len(under_way[-1][1]) < self._burst
+        ):
             run += under_way.pop()[1]  # what comes without a gap is handed over together, whoever said it in how many pieces
         for item in items:
             moment += self._char_time

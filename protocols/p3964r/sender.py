@@ -148,6 +148,8 @@ class Sender:
             if not self.overtook and self._blocks == 0:
                 self.overtook = self._jobs[0].number
             return True
+        if self._box.turn == self._stx_in:
+            del self._box.output[-1:]  # our STX was not given out yet: now it never is
         self._connects += 1
         self._state, self._due = State.IDLE, None
         return False
@@ -205,8 +207,13 @@ class Sender:
             self._give_up(why, stage)
             return
         self._box.tell(SendRepeated(self._jobs[0].number, why, stage))
-        if self._profile.retry_pause:
-            self._state, self._due = State.PAUSED, now + self._profile.retry_pause
+        pause = self._profile.retry_pause
+        if self._conflict and why is Failure.NAK and stage is Stage.CONNECT:
+            pause = max(
+                pause, self._profile.char_delay
+            )  # a partner who refuses to give way is let through, or both repeat in step (AX-243)
+        if pause:
+            self._state, self._due = State.PAUSED, now + pause
         else:
             self._connect()
             self._repeated_at = now

@@ -103,7 +103,7 @@ def test_a_damaged_rest_and_a_lost_port_end_the_doubt() -> None:
 def test_a_sender_that_hears_the_rest_of_a_block_does_not_give_way_to_a_02h_in_it() -> None:
     line = Line()
     line.link.send(b"A", 0)
-    line.says(STX).at(ms(1)).hears(b"xy" + TAIL + b"z").says(STX)  # our own wish again, nothing is answered
+    line.says(STX).at(ms(1)).hears(b"xy" + TAIL + b"z").says(b"")  # neither an answer nor a wish of ours into the rest
     line.at(ms(221)).says(STX)  # quiet again
     assert [type(event) for event in line.told] == [SendRepeated, StrayCharacters]
     line.at(ms(222)).hears(DLE).says(b"A\x10\x03\x52").hears(DLE)
