@@ -100,17 +100,24 @@ class CanopenMaster:
         """`adopted`: nodes the cycle already speaks to; they are looked at, not configured."""
         for number in adopted:
             self.nodes[number].adopted = True
+        self._keeper.start()
+
+    def _connect(self) -> None:
+        """In the keeper's thread: reading data sheets takes a while, and doors do not wait for it."""
         self._network = canopen.Network(can.Bus(interface="cycle", channel=self._channel))
         self._network.NOTIFIER_CYCLE = 0.2
         self._network.connect()
+        known: dict[int, canopen.ObjectDictionary] = {}  # nodes of one type share what is known of them
         for number, node in self.nodes.items():
-            remote = canopen.RemoteNode(number, canopen_dictionary(self._sheets.get(number), number))
+            sheet = self._sheets.get(number)
+            if id(sheet) not in known:
+                known[id(sheet)] = canopen_dictionary(sheet, number)
+            remote = canopen.RemoteNode(number, known[id(sheet)])
             self._network.add_node(remote)
             remote.sdo.RESPONSE_TIMEOUT, remote.sdo.MAX_RETRIES = SDO_S, 1
             remote.emcy.add_callback(functools.partial(self._on_emergency, node))
             self._network.subscribe(cobid.heartbeat(number), self._on_heartbeat)
             self._remote[number] = remote
-        self._keeper.start()
 
     def stop(self) -> None:
         """Ends all threads; nodes stay as they are."""
@@ -164,6 +171,7 @@ class CanopenMaster:
 
     # ---- the keeper ------------------------------------------------------------------------------------------------------
     def _keep(self) -> None:
+        self._connect()
         while not self._stop.wait(TICK_S):
             now = time.monotonic()
             for node in self.nodes.values():

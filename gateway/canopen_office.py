@@ -33,9 +33,8 @@ class CanopenOffice:
             if bus.protocol != "canopen":
                 continue
             here = {axis.drive.node: (n, axis) for n, axis in enumerate(plan.cell.axis) if axis.drive.bus == bus.name and axis.drive.node}
-            sheets = {
-                node: sheet.dictionary for node, (_, axis) in here.items() if (sheet := read_eds(plan.cell, axis, simulated=plan.simulated))
-            }
+            read = {axis.drive.eds: read_eds(plan.cell, axis, simulated=plan.simulated) for _, axis in here.values()}
+            sheets = {node: sheet.dictionary for node, (_, axis) in here.items() if (sheet := read[axis.drive.eds]) is not None}
             nodes = node_plans(plan.cell, bus, plan.p5_ms, simulated=plan.simulated)
             self.masters[bus.name] = CanopenMaster(
                 bus.name, self.rings.links[number], nodes, lambda kind, words, facts: write(kind, words, **facts), sheets

@@ -6,7 +6,7 @@ from drivers.drives.canopen_plan import Used, collisions, dictionary_map_faults,
 from drivers.drives.cia402_boot import default_pdos
 from drivers.drives.cia402_family import GATEWAY_NODE
 from gateway.canopen_sheets import read_eds
-from gateway.cell import Bus, Cell, Notice
+from gateway.cell import Axis, Bus, Cell, Notice
 from gateway.checks.context import Context
 from protocols.servodyn import plan
 
@@ -62,13 +62,15 @@ def used_on(cell: Cell, bus: Bus) -> list[Used]:
 
 def sheets(cell: Cell) -> Iterator[Notice]:
     """Data sheets that are not there, or dirty: what was ignored and why."""
+    named: dict[str, list[Axis]] = {}
     for axis in cell.axis:
-        if axis.drive.type != "cia402" or not axis.drive.eds:
-            continue
-        sheet = read_eds(cell, axis, simulated=False)
-        where = f"axis {axis.name}"
+        if axis.drive.type == "cia402" and axis.drive.eds:
+            named.setdefault(axis.drive.eds, []).append(axis)
+    for name, axes in named.items():
+        sheet = read_eds(cell, axes[0], simulated=False)
+        where = f"axis {', '.join(axis.name for axis in axes)}"
         if sheet is None:
-            text = f"{axis.drive.eds}: no such data sheet; --sim plays the emulated drive's, a real bus needs the maker's"
+            text = f"{name}: no such data sheet; --sim plays the emulated drive's, a real bus needs the maker's"
             yield Notice("note", where, text)
             continue
         for fault in sheet.faults[:SHOWN]:

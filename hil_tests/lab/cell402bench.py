@@ -1,10 +1,9 @@
-"""The cell in virtual time with CiA 402 drives: the same core and office, emulated nodes, started up by the real plan without a master's threads."""
+"""The cell in virtual time with CiA 402 drives: the same core and office, emulated nodes, the real plan without the threads of a master."""
 
 from collections.abc import Sequence
 
 from drivers.drives import cia402_boot as plans
 from drivers.drives.cia402_boot import Answer, Booted, Refused, Silent
-from drivers.drives.cia402_family import Cia402Family
 from drivers.drives.family import BusFamily
 from drivers.emulator.cia402_slave import Cia402Slave
 from gateway.canopen_plans import node_plans
@@ -14,7 +13,7 @@ from gateway.config import load_cell
 from gateway.families import make_family
 from gateway.plant import bus_settings
 from hil_tests.lab.cellbench import CellBench
-from protocols.base.machine import Frame, FrameMachine, ms
+from protocols.base.machine import Frame, ms
 from protocols.canopen import cobid, nmt, sdo
 from protocols.canopen.nmt import State
 
@@ -104,7 +103,7 @@ class Cell402Bench(CellBench):
         super().__init__(p5_ms, cell=cell)
         self.booted = self.start_up()
 
-    def _drives(self) -> tuple[FrameMachine[object], BusFamily]:
+    def _drives(self) -> tuple[Cia402Slave, BusFamily]:
         bus = self.cell.bus[0]
         sheets = {axis.drive.node: read_eds(self.cell, axis, simulated=True) for axis in self.cell.axis if axis.drive.node}
         dictionaries = {node: sheet.dictionary for node, sheet in sheets.items() if sheet is not None}

@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 from drivers.drives.family import Actual, BusFamily
 from drivers.drives.servodyn_family import ServodynFamily
+from drivers.emulator.cia402_slave import Cia402Slave
 from drivers.emulator.servodyn_slave import ServodynSlave
 from gateway.axes import axis_facts, core_axes, make_planner
 from gateway.cell import Cell
@@ -15,7 +16,7 @@ from gateway.pure.office import Job, Office
 from gateway.pure.records import InputImage, OrderRecord, Quality, pack_cell_state, pack_order, set_bit, unpack_cell_state, unpack_order
 from hil_tests.lab.servodyn_bus import CODEC
 from motion.pieces import RECORD_SIZE
-from protocols.base.machine import Frame, FrameMachine, Ns
+from protocols.base.machine import Frame, Ns
 
 START: Ns = 1_000_000_000_000
 ALL = 0x3F
@@ -45,7 +46,7 @@ class CellBench:
         self.each: Callable[[], None] = lambda: None
         self.permit(*ENABLING)
 
-    def _drives(self) -> tuple[FrameMachine[object], BusFamily]:
+    def _drives(self) -> tuple[ServodynSlave | Cia402Slave, BusFamily]:
         """The emulated drives of the cell's first bus, and our language to them."""
         return ServodynSlave(bus_settings(self.cell, self.cell.bus[0].name, self.p5_ms), CODEC), FAMILY
 

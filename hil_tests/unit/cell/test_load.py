@@ -81,7 +81,9 @@ def test_the_s5_example_is_told_as_written_in_the_users_chapter() -> None:
         "warning  line plc: SEND 32 words 103 ms + FETCH 32 words 103 ms at 9600 Bd: "
         "your 100 ms polling is not reachable; expect 210..260 ms",
     ]
-    assert said[4].startswith("note     run: not playable yet: ") and len(said) == 5
+    assert said[4].startswith("warning  rc_inputs: assumed as 1, not wired here: ")
+    assert said[5].startswith("note     run: not playable yet: ")
+    assert said[6].startswith("note     axis X, Y, Z: drives/maker_x.eds: no such data sheet") and len(said) == 7
 
 
 def test_values_stand_under_their_keys() -> None:
