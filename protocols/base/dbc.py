@@ -87,7 +87,7 @@ def _signal(found: re.Match[str], where: str) -> Signal:
     low, high = float(found[9]), float(found[10])
     if low == high == 0.0:  # DBC for "no range given"
         low, high = lowest, highest
-    if not (low.is_integer() and high.is_integer() and lowest <= low <= high <= highest):
+    if not (float(low).is_integer() and float(high).is_integer() and lowest <= low <= high <= highest):
         raise ValueError(f"{where}: range {found[9]}..{found[10]} does not fit {bits} bits; expected within {lowest}..{highest}")
     return Signal(found[1], start, bits, signed, int(low), int(high), found[11])
 
