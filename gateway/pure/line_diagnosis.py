@@ -201,7 +201,7 @@ def _rides(seen: Evidence) -> list[Finding]:
         return [Finding("RK512", "ok", said("RK512 rides on 3964R{}", number), 'layer = "rk512"')]
     if seen.reaction == b"" or seen.blocks:
         text = "a FETCH was acknowledged but brought no reaction telegram: raw 3964R blocks, no RK512 (or an active station only)"
-        return [Finding("raw 3964R", "ok", text, 'layer = "raw"; describe the blocks with [[telegram]]')]
+        return [Finding("raw 3964R", "ok", text, 'layer = "telegrams"; describe the blocks with [[telegram]]')]
     return []
 
 

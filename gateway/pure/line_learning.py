@@ -208,7 +208,7 @@ def draft(seen: Learned, source: str, baud: int, frame: str) -> str:
 
 
 def _line(seen: Learned, baud: int, frame: str) -> list[str]:
-    layer = "rk512" if seen.jobs else "raw"
+    layer = "rk512" if seen.jobs else "telegrams"
     times = f"reactions after {median(seen.reaction_times) / 1e6:.0f} ms" if seen.reaction_times else "no reaction seen"
     lines = [
         "[[line]]",

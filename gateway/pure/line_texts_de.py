@@ -422,7 +422,7 @@ DIAGNOSIS = {
     ", it answered {:02X}h": ", die Antwort war {:02X}h",
     'layer = "rk512"': 'layer = "rk512"',
     "raw 3964R": "rohes 3964R",
-    'layer = "raw"; describe the blocks with [[telegram]]': 'layer = "raw"; die Bloecke mit [[telegram]] beschreiben',
+    'layer = "telegrams"; describe the blocks with [[telegram]]': 'layer = "telegrams"; die Bloecke mit [[telegram]] beschreiben',
     "refuses conflicts": "lehnt Konflikte ab",
     "the partner answers a conflicting STX with NAK": "der Partner beantwortet ein STX im Konflikt mit NAK",
     "avoid sending at once; leave sending to one side": "nicht zugleich senden; das Senden einer Seite ueberlassen",

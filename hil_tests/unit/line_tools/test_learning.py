@@ -6,6 +6,7 @@ import tomllib
 
 import pytest
 
+from gateway.config import load_cell
 from gateway.line_tools.learn import NoTrace, characters, decoded, line_format
 from gateway.pure.line_learning import draft, guesses, learn
 from protocols.base.machine import ms
@@ -103,7 +104,7 @@ def test_a_side_that_includes_stx_and_raw_blocks_are_named() -> None:
     cell = draft(learn(decoded("".join(lines))), "x", 9600, "8E1")
     assert "1 block checks are off by 02h" in cell
     assert "1 blocks are no RK512, the first: 48 45 4c 4c 4f" in cell
-    assert 'layer    = "raw"' in cell
+    assert 'layer    = "telegrams"' in cell
 
 
 def test_lost_and_spoiled_characters_of_a_record() -> None:
@@ -122,3 +123,10 @@ def test_what_is_no_trace_is_said() -> None:
     for text in ("hello world\n", "1 Q 02\n"):
         with pytest.raises(NoTrace, match="neither a line record nor a journal"):
             decoded(text)
+
+
+def test_a_draft_of_raw_blocks_is_a_cell_as_well() -> None:
+    lines = ["1000000 A 02\n", "2000000 B 10\n", f"3000000 A {wire_block(b'HELLO').hex()}\n", "4000000 B 10\n"]
+    cell = load_cell("draft.toml", draft(learn(decoded("".join(lines))), "x", 9600, "8E1"))
+    assert cell.line[0].layer == "telegrams"
+    assert load_cell("draft.toml", draft(learn(decoded(record())), "x", 9600, "8E1")).line[0].layer == "rk512"
