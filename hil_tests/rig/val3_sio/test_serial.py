@@ -125,6 +125,17 @@ def test_the_example_of_the_manual_and_a_frame_the_port_has_not(pair: Pair) -> N
     play(act, pair.channel())
 
 
+@pytest.mark.parametrize(("bits", "heard"), [(5, b"\x1f\x01"), (6, b"\x3f\x01"), (7, b"\x7f\x41"), (8, b"\xff\x41")])
+def test_characters_of_five_to_eight_bits_leave_as_a_uart_sends_them(pair: Pair, bits: int, heard: bytes) -> None:
+    async def act(runner: SioRunner) -> None:
+        sio = runner.variable(NAME)
+        assert await runner.control(sio, "bits", bits) == 0
+        assert await asyncio.wait_for(runner.set(sio, [255.0, 65.0]), 3) == 2
+        assert await asyncio.to_thread(pair.hear, 2) == heard
+
+    play(act, pair.channel(1))
+
+
 def test_two_tasks_that_change_the_frame_at_once_both_have_their_way(pair: Pair) -> None:
     async def act(runner: SioRunner) -> None:
         sio = runner.variable(NAME)
