@@ -6,13 +6,24 @@ Strict, frozen, unknown keys forbidden. Field names are the keys of the file (`f
 import datetime
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 BAUDS = "300|600|1200|2400|4800|9600|19200|38400|57600|115200"
 STEP5_TYPES = ("bit", "KF", "DH", "KH", "KM", "KY", "KC", "KT", "KZ", "KG", "REAL", "BCD")
 OnLoss = Literal["hold", "finish_move", "stop_on_path", "quick_stop"]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]*$", json_schema_extra={"allowed": "letters, digits, _ and -"})]
 Percent = Annotated[str, Field(pattern=r"^(100|\d{1,2})(\.\d+)? %$", json_schema_extra={"allowed": '"0 %".."100 %"'})]
+
+
+ENGLISH = {"I": "E", "Q": "A", "F": "M", "C": "Z", "DB": "D", "DX": "X"}  # S7 and English STEP 5; users.md 3.2
+
+
+def german(letter: object) -> object:
+    """I Q F C are E A M Z."""
+    return ENGLISH.get(letter, letter) if isinstance(letter, str) else letter
+
+
+AreaLetter = Annotated[Literal["D", "X", "E", "A", "M", "T", "Z"], BeforeValidator(german)]
 
 
 def unit(text: str) -> dict[str, Any]:
@@ -108,7 +119,7 @@ class Rho3(Table):
 class Rk512(Table):
     db_address_unit: Literal["word", "byte"] = "word"
     reaction: bool = True
-    types: list[Literal["D", "E", "A", "M", "T", "Z", "X"]] = ["D"]
+    types: list[AreaLetter] = ["D"]
     unknown_block: int = Field(default=0x14, ge=1, le=255)
     coordination_flag: Literal["refuse", "ignore", "serve", "keep"] = "refuse"
     end_of_follow_on: Literal["ETX", "ETB"] = "ETX"
@@ -193,12 +204,12 @@ class Db(Table):
     number: int = Field(ge=0, le=255)
     words: int = Field(ge=1, le=256, json_schema_extra=unit("words"))
     writer: Literal["plc", "axisgate"]
-    kind: Literal["D", "X", "E", "A", "M", "T", "Z"] = "D"
+    kind: AreaLetter = "D"
     line: str = ""
     every_ms: int = Field(default=0, ge=0, le=3_600_000, json_schema_extra=unit("ms"))
     on_change: bool = False
     at_partner: str = Field(default="", pattern=r"^(D[BX]\d{1,3}\.DW\d{1,3})?$", json_schema_extra={"allowed": '"DB20.DW0" or "DX20.DW0"'})
-    flag: str = Field(default="", pattern=r"^(M ?\d{1,3}\.[0-7])?$", json_schema_extra={"allowed": '"M 6.4"'})
+    flag: str = Field(default="", pattern=r"^([MF] ?\d{1,3}\.[0-7])?$", json_schema_extra={"allowed": '"M 6.4"'})
     comment: str = ""
     entries: list[Entry] = []
 

@@ -19,7 +19,7 @@ RESERVED: Mapping[str, tuple[str, ...]] = {  # line kinds whose shape is kept fr
     "protocol": ("plain", "raw", "ascii", "3964", "buep19e", "modbus-rtu", "xon-xoff"),
     "layer": ("plain", "raw", "ascii", "lines"),
     "role": ("client",),
-    "types": ("DX", "P", "B", "S"),
+    "types": ("P", "B", "S"),
 }
 _KINDS = {
     "int_type": "a whole number", "int_from_float": "a whole number", "float_type": "a number", "bool_type": "true or false",

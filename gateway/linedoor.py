@@ -326,7 +326,7 @@ def compile_job(db: Db) -> OwnJob:
     kind, block, word = partner_place(db)
     flag = None
     if db.flag:
-        byte, _, bit = db.flag.removeprefix("M").strip().partition(".")
+        byte, _, bit = db.flag.lstrip("MF ").partition(".")
         flag = Flag(int(byte), int(bit))
     return OwnJob(
         block_key(db.kind, db.number), db.writer == "plc", kind, block, word, db.words, ms(db.every_ms), db.on_change, flag

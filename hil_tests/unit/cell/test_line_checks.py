@@ -8,9 +8,11 @@ import pytest
 from gateway.cell import Cell, Notice
 from gateway.config import CellFaults, Fault, load_cell
 from gateway.explained import word
+from gateway.linedoor import compile_job
 from gateway.pure.dialects import link_profile, rk512_dialect
 from protocols.base.machine import ms
 from protocols.p3964r.profiles import PROFILES, BrokenPair, ConnectCounter, Stray, TooLong
+from protocols.rk512.header import Flag
 
 HEAD = """
 format = 1
@@ -189,6 +191,15 @@ def test_everything_a_line_can_serve_is_played() -> None:
     played = cell('role = "both"', line, block(more="every_ms = 900"))
     assert played.not_playable() == []
     assert any("stays until" in notice.text for notice in notices(played, "line plc"))
+
+
+def test_the_english_letters_mean_the_same() -> None:
+    found = cell('role = "both"', '[line.rk512]\ntypes = ["DB", "DX", "I", "Q", "F", "T", "C"]', block(more='every_ms = 900\nflag="F6.4"'))
+    assert found.line[0].rk512.types == ("D", "X", "E", "A", "M", "T", "Z")
+    assert compile_job(found.db[0]).flag == Flag(6, 4)
+    assert cell("", '[line.rk512]\ntypes = ["C"]', block(0, more='kind = "C"')).db[0].kind == "Z"
+    said = str(faults("", '[line.rk512]\ntypes = ["P"]')["line.plc.rk512.types[0]"])
+    assert "reserved for a later version" in said and "D | X | E | A | M | T | Z" in said
 
 
 # ---- polling
