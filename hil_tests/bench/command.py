@@ -1,4 +1,4 @@
-"""Measure: cycle, 3964r, emulator, motion, or all (all rewrites docs/benchmarks.md)."""
+"""Measure: cycle, 3964r, emulator, drives, motion, or all (all rewrites docs/benchmarks.md)."""
 
 import argparse
 import datetime
@@ -32,6 +32,12 @@ def p3964r(arguments: argparse.Namespace) -> list[Figure]:
     return [p3964r_line.wire_ratio(), p3964r_line.blocks_per_s(), p3964r_pure.decode_mbps(), p3964r_pure.sim_telegrams_per_s()]
 
 
+def drives(arguments: argparse.Namespace) -> list[Figure]:
+    from hil_tests.bench.drives_bench import figures
+
+    return figures(arguments.blocks, arguments.seconds)
+
+
 def emulator(arguments: argparse.Namespace) -> list[Figure]:
     from hil_tests.bench.emulator_bench import figures
 
@@ -44,7 +50,13 @@ def motion(arguments: argparse.Namespace) -> list[Figure]:
     return [dict(figure) for figure in run()]
 
 
-BENCHES: dict[str, Callable[[argparse.Namespace], list[Figure]]] = {"cycle": cycle, "3964r": p3964r, "emulator": emulator, "motion": motion}
+BENCHES: dict[str, Callable[[argparse.Namespace], list[Figure]]] = {
+    "cycle": cycle,
+    "3964r": p3964r,
+    "emulator": emulator,
+    "drives": drives,
+    "motion": motion,
+}
 
 
 def main(argv: list[str]) -> int:

@@ -20,13 +20,14 @@ from gateway.image import RingReader, recv_fds
 from gateway.processes.supervisor import ask, wait_up
 from gateway.pure.records import unpack_trace
 from hil_tests.bench.cycle_judge import Verdict, judge, percentile
+from hil_tests.bench.emulated_drives import cpu_seconds
 from hil_tests.lab import plc2 as modbus
 from hil_tests.lab.plc2 import ModbusPlc
 from hil_tests.lab.scenario import free_port
 
 Figure = dict[str, object]
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-P5_MS, PERIOD_NS = 4, 4_000_000
+P5_MS = 4
 SPIN_US, PRIORITY = 100, 40
 SETTLE_S = 0.5  # of each block left out of the judgement: start-up is not the matter
 CLIENTS, RATE_GOAL = 8, 10_000
@@ -54,21 +55,25 @@ class Side:
 def figures(blocks: int = 6, seconds: float = 10.0) -> list[Figure]:
     """The six figures of the bench; `blocks` of `seconds` for each side."""
     ours, theirs = Side(), Side()
-    repeated = 0
     with tempfile.TemporaryDirectory(prefix="axisgate-bench-") as folder, running(pathlib.Path(folder)) as bench:
-        while len(ours.verdicts) < blocks:
-            reference = bench.c_block(seconds)
-            if reference is None or reference.incomplete > reference.cycles // 50:
-                repeated += 1  # the reference itself failed: this stretch says nothing about anybody
-                if repeated > blocks:
-                    break
-                continue
-            theirs.verdicts.append(reference)
-            mine = bench.our_block(seconds)
-            if mine is not None:
-                ours.verdicts.append(mine)
+        repeated = alternate(bench, ours, theirs, blocks, seconds)
         compute, rates = sorted(bench.compute_ns), bench.rates
     return report(ours, theirs, compute, rates, repeated)
+
+
+def alternate(bench: "Bench", ours: Side, theirs: Side, blocks: int, seconds: float) -> int:
+    """Blocks in turn until ours has its number; how many of the reference's were repeated."""
+    repeated = 0
+    while len(ours.verdicts) < blocks * len(bench.logs):
+        reference = bench.c_block(seconds)
+        if any(one.incomplete > one.cycles // 50 for one in reference) or len(reference) < len(bench.logs):
+            repeated += 1  # the reference itself failed: this stretch says nothing about anybody
+            if repeated > blocks:
+                break
+            continue
+        theirs.verdicts += reference
+        ours.verdicts += bench.our_block(seconds)
+    return repeated
 
 
 def report(ours: Side, theirs: Side, compute: list[int], rates: list[float], repeated: int) -> list[Figure]:
@@ -91,7 +96,7 @@ def report(ours: Side, theirs: Side, compute: list[int], rates: list[float], rep
     p999, c999 = ours.median("sync_error_p999"), theirs.median("sync_error_p999")
     found.append(row("sync_error_p999", p999, "us", c999, "<= max(2 x C, 150 us)", p999 <= max(2 * c999, 150.0)))
     busy = percentile(compute, 0.999) / 1000
-    limit = 0.25 * PERIOD_NS / 1000
+    limit = 0.25 * P5_MS * 1000
     found.append(row("compute_p999", busy, "us", limit, "<= 25 % of P5", busy <= limit) | {"reference": "a quarter of P5"})
     rate = min(rates, default=0.0)
     found.append(row("modbus_rate", rate, "requests/s", RATE_GOAL, f">= {RATE_GOAL}", rate >= RATE_GOAL) | {"reference": "the goal"})
@@ -102,60 +107,90 @@ def report(ours: Side, theirs: Side, compute: list[int], rates: list[float], rep
 class Bench:
     """Broker, drives, services and load stay up; the two cycles take turns."""
 
-    log: pathlib.Path
+    name: str
+    logs: dict[str, pathlib.Path]  # bus -> the broker's log
     port: int
     plc: ModbusPlc
+    p5_ms: int = P5_MS
+    mask: int = 0x3F  # axes that move
     compute_ns: list[int] = field(default_factory=list)
     rates: list[float] = field(default_factory=list)
+    cpu: list[float] = field(default_factory=list)  # share of a core the cycle took, per block
 
-    def our_block(self, seconds: float) -> Verdict | None:
-        """axisgate's cycle with drives on and a move under way."""
-        request("release", "cycle")
-        if not wait_up(NAME, 20):
-            return None
+    def our_block(self, seconds: float) -> list[Verdict]:
+        """axisgate's cycle with drives on and a move under way; one verdict a bus."""
+        self.request("release")
+        if not wait_up(self.name, 20):
+            return []
         self._switch_on()
-        with ask(NAME, "regions") as connection:
+        with ask(self.name, "regions") as connection:
             fds = recv_fds(connection)
         trace = RingReader(fds["trace"], "trace")
         start = time.monotonic_ns()
         stop = threading.Event()
         mover = threading.Thread(target=self._keep_moving, args=(stop,))
         mover.start()
+        spent = -self._cpu_seconds()
         self._load(seconds)
         end = time.monotonic_ns()
+        self.cpu.append((spent + self._cpu_seconds()) / ((end - start) * 1e-9))
         stop.set()
         mover.join()
         for _, record in trace.take(1 << 20):
             cycle = unpack_trace(record)
             if start + SETTLE_S * 1e9 < cycle.due < end:
                 self.compute_ns.append(cycle.ready - cycle.answered)
-        request("hold", "cycle")
+        self.request("hold")
         return self._judge(start, end)
+
+    def _cpu_seconds(self) -> float:
+        return cpu_seconds(self._pid())
+
+    def _pid(self) -> int:
+        with ask(self.name, "status") as connection:
+            processes = json.loads(connection.makefile().readline())["processes"]
+        return int(next(process["pid"] for process in processes if process["name"] == "cycle"))
+
+    def request(self, op: str) -> None:
+        """Ask the supervisor to hold or release the cycle."""
+        with ask(self.name, op, process="cycle") as connection:
+            connection.recv(4096)
 
     def _switch_on(self) -> None:
         self.plc.wait(lambda s: True, 10)
         self.plc.synchronise()
-        for code, mask in ((modbus.REQUEST, 0), (modbus.OVERRIDE, 0), (modbus.RESET, 0), (modbus.ENABLE, 0x3F), (modbus.REFERENCE, 0x3F)):
+        for code, mask in (
+            (modbus.REQUEST, 0),
+            (modbus.OVERRIDE, 0),
+            (modbus.RESET, 0),
+            (modbus.ENABLE, self.mask),
+            (modbus.REFERENCE, self.mask),
+        ):
             self.plc.command(code, mask)
 
     def _keep_moving(self, stop: threading.Event) -> None:
         way = 100.0
         while not stop.is_set():
             with contextlib.suppress(TimeoutError):
-                self.plc.command(modbus.PTP_RELATIVE, 0x3F, 0.5, [way, way, way / 2, way / 5, way / 5, way / 3], timeout_s=5)
+                ways = [way, way, way / 2, way / 5, way / 5, way / 3] * (self.mask.bit_count() // 6)
+                self.plc.command(modbus.PTP_RELATIVE, self.mask, 0.5, ways, timeout_s=5)
             way = -way
 
-    def c_block(self, seconds: float) -> Verdict | None:
-        """The twin, same load."""
-        cycles = int(seconds * 1000 / P5_MS) + 250
-        command = [str(ROOT / "build/cycle_ref"), "--name", f"{NAME}-drives", "--period-us", str(P5_MS * 1000), "--cycles", str(cycles)]
-        command += ["--spin-us", str(SPIN_US), "--priority", str(PRIORITY), "--enable"]
-        with subprocess.Popen(command, stdout=subprocess.DEVNULL) as twin:
-            time.sleep(0.4)
-            start = time.monotonic_ns()
-            self._load(seconds)
-            end = time.monotonic_ns()
+    def c_block(self, seconds: float) -> list[Verdict]:
+        """The twin (one for each bus), same load."""
+        cycles = int(seconds * 1000 / self.p5_ms) + 1000 // self.p5_ms
+        twins = []
+        for bus in self.logs:
+            command = [str(ROOT / "build/cycle_ref"), "--name", f"{self.name}-{bus}", "--period-us", str(self.p5_ms * 1000)]
+            command += ["--cycles", str(cycles), "--spin-us", str(SPIN_US), "--priority", str(PRIORITY), "--enable"]
+            twins.append(subprocess.Popen(command, stdout=subprocess.DEVNULL))
+        time.sleep(0.4)
+        start = time.monotonic_ns()
+        self._load(seconds)
+        end = time.monotonic_ns()
+        for twin in twins:
             twin.terminate()
+            twin.wait(5)
         return self._judge(start, end)
 
     def _load(self, seconds: float) -> None:
@@ -179,33 +214,34 @@ class Bench:
             result = json.loads(done.stdout)
             self.rates.append(result["requests"] / result["seconds"])
 
-    def _judge(self, start: int, end: int) -> Verdict | None:
+    def _judge(self, start: int, end: int) -> list[Verdict]:
         time.sleep(0.6)  # the broker writes its log in batches
-        with self.log.open() as lines:
-            found = judge(lines, PERIOD_NS, start + int(SETTLE_S * 1e9), end)
-        return max(found, key=lambda verdict: verdict.cycles, default=None)
-
-
-def request(op: str, process: str) -> None:
-    """Ask the supervisor to hold or release a process."""
-    with ask(NAME, op, process=process) as connection:
-        connection.recv(4096)
+        verdicts = []
+        for log in self.logs.values():
+            with log.open() as lines:
+                found = judge(lines, self.p5_ms * 1_000_000, start + int(SETTLE_S * 1e9), end)
+            verdicts += [max(found, key=lambda verdict: verdict.cycles)] if found else []
+        return verdicts
 
 
 @contextlib.contextmanager
-def running(folder: pathlib.Path) -> Iterator[Bench]:
+def running(
+    folder: pathlib.Path, cell: str = "demo", p5_ms: int = P5_MS, name: str = NAME, buses: tuple[str, ...] = ("drives",)
+) -> Iterator[Bench]:
     """The run both sides share; everything ended and removed afterwards."""
     port = free_port(1502)
-    command = [sys.executable, "-m", "gateway", "run", "demo", "--sim", "--die-with-parent", "--name", NAME, "--p5", str(P5_MS)]
+    command = [sys.executable, "-m", "gateway", "run", cell, "--sim", "--die-with-parent", "--name", name, "--p5", str(p5_ms)]
     command += ["--modbus-port", str(port), "--record", str(folder)]
     run = subprocess.Popen(command, stdout=subprocess.DEVNULL, start_new_session=True)
     plc = ModbusPlc("127.0.0.1", port)
     try:
-        if not wait_up(NAME, 60):
+        if not wait_up(name, 60):
             raise RuntimeError("the run for the bench did not come up")
         plc.start()
-        request("hold", "cycle")
-        yield Bench(folder / "bus-drives.log", port, plc)
+        logs = {bus: folder / f"bus-{bus}.log" for bus in buses}
+        bench = Bench(name, logs, port, plc, p5_ms, mask=(1 << 6 * len(buses)) - 1)
+        bench.request("hold")
+        yield bench
     finally:
         plc.stop()
         run.terminate()

@@ -14,6 +14,7 @@ FIGURES = {
     "cycle": {"skipped", "incomplete", "sync_error_p99", "sync_error_p999", "compute_p999", "modbus_rate"},
     "3964r": {"wire_ratio", "blocks_per_s", "decode_MBps", "sim_telegrams_per_s"},
     "emulator": {"six_axes_cpu"},
+    "drives": {"skipped_2ms", "incomplete_2ms", "cycle_cpu", "skipped_2ms_12", "incomplete_2ms_12", "emulated_24"},
 }
 
 
