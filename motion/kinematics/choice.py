@@ -38,8 +38,11 @@ class Chooser:
         self._limits = tuple(limits)
         self._rows = tuple((axis.lower, axis.upper, 1.0 / axis.speed, kind_of(axis.unit) is Kind.ROTARY) for axis in limits)
 
-    def fit(self, joints: Joints, near: Sequence[float]) -> tuple[Joints, float] | int:
-        """The turns of `joints` nearest to `near` and how far that is (seconds at full speed, squared), or the axis that cannot."""
+    def fit(self, joints: Joints, near: Sequence[float], least: float = math.inf) -> tuple[Joints, float] | int:
+        """The turns of `joints` nearest to `near` and how far that is (seconds at full speed, squared), or the axis that cannot.
+
+        Where it is farther than `least` the rest is not looked at.
+        """
         fitted: list[float] = []
         far = 0.0
         for value, here, (lower, upper, pace, rotary) in zip(joints, near, self._rows, strict=True):
@@ -53,6 +56,8 @@ class Chooser:
             fitted.append(value)
             step *= pace
             far += step * step
+            if far > least:
+                break
         return tuple(fitted), far
 
     def choose(self, branches: Sequence[Branch], near: Sequence[float], wanted: Configuration | None, now: Configuration) -> Joints:
@@ -63,7 +68,7 @@ class Chooser:
         least = math.inf
         for joints, found in branches:
             if wanted is None or wanted.admits(found, now):
-                fit = self.fit(joints, near)
+                fit = self.fit(joints, near, least)
                 if not isinstance(fit, int) and fit[1] < least:
                     best, least = fit
         if best is None:
