@@ -73,6 +73,10 @@ class CanopenNode:
     def number(self) -> int:
         return self.lss.active
 
+    @property
+    def sync_identifier(self) -> int:
+        return self.objects.whole((SYNC_ID, 0)) & cobid.ID_BITS
+
     def _hook(self) -> None:
         objects = self.objects
         objects.checks[SYNC_ID, 0] = self._check_sync
@@ -89,7 +93,7 @@ class CanopenNode:
 
     def _replan(self) -> None:
         """Which identifiers reach which handler; PDOs of equal identifier all hear it."""
-        node, objects = self.number, self.objects
+        node = self.number
         self._waiting_rpdos = [item for item in self._rpdos if item.valid and item.synchronous]
         self._sync_tpdos = [item for item in self._tpdos if item.valid and (item.type <= pdo.SYNC_LAST or item.type == pdo.RTR_SYNC)]
         self._event_tpdos = [item for item in self._tpdos if item.valid and (item.by_event or item.type == pdo.SYNC_ACYCLIC)]
@@ -100,7 +104,7 @@ class CanopenNode:
         self.handlers |= {cobid.LSS_MASTER: self._lss, cobid.NMT: self._nmt}
         self.remotes = {item.identifier: self._asked(item) for item in self._tpdos if item.valid and item.rtr}
         if node <= cobid.MAX_NODE:
-            self.handlers |= {cobid.sdo_request(node): self._sdo, objects.whole((SYNC_ID, 0)) & cobid.ID_BITS: self._sync}
+            self.handlers |= {cobid.sdo_request(node): self._sdo, self.sync_identifier: self._sync}
             self.handlers |= {cobid.heartbeat(other): self._heartbeat for other in self.consumer.watched}
             self.remotes[cobid.heartbeat(node)] = self._guarded
         self.handlers_changed = True

@@ -57,7 +57,6 @@ class Seat:
     drop_actual: int = 0
     drop_set: int = 0
     bus_off: bool = False
-    synced: bool = False
 
 
 class Cia402Slave:
@@ -70,6 +69,7 @@ class Cia402Slave:
         self.grace_ns = max(ms(1), self.cycle_ns // 4)
         self.seats = [self._seat_of(number, dictionaries[number], substeps) for number in sorted(settings.nodes)]
         self._routes: dict[int, list[tuple[Seat, Handler]]] = {}
+        self._sync_ids: set[int] = set()
         self._start: Ns | None = None
         self._time: Ns = 0
         self._soonest: Ns = 0
@@ -109,8 +109,8 @@ class Cia402Slave:
             if stamp >= self._soonest:
                 self._expire(stamp)
             self.counters.frames += 1
-            if len(routes) > 1 and identifier not in (cobid.NMT, cobid.LSS_MASTER):
-                self._shared(frame, routes, stamp, now)
+            if identifier in self._sync_ids:
+                self._sync(frame, routes, stamp, now)
             else:
                 for seat, handler in routes:
                     self._hand(seat, handler, frame, stamp)
@@ -226,7 +226,7 @@ class Cia402Slave:
     # -- frames ---------------------------------------------------------------------------------
 
     def _route(self) -> None:
-        self._routes = {}
+        self._routes, self._sync_ids = {}, {seat.node.sync_identifier for seat in self.seats}
         for seat in self.seats:
             seat.node.handlers_changed = False
             for identifier, handler in seat.node.handlers.items():
@@ -234,10 +234,8 @@ class Cia402Slave:
             for identifier, handler in seat.node.remotes.items():
                 self._routes.setdefault(identifier | cobid.REMOTE, []).append((seat, handler))
 
-    def _shared(self, frame: Frame, routes: list[tuple[Seat, Handler]], stamp: Ns, now: Ns) -> None:
-        """SYNC, or a PDO that several nodes consume."""
+    def _sync(self, frame: Frame, routes: list[tuple[Seat, Handler]], stamp: Ns, now: Ns) -> None:
         for seat in self.seats:
-            seat.synced = False
             seat.axis.row = None
         for seat, handler in routes:
             self._hand(seat, handler, frame, stamp)
