@@ -1,0 +1,288 @@
+"""A read list as a cell file, with a report: what was taken, what had to be assumed, what is missing, what was left aside (AX-272)."""
+
+import re
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+
+from gateway.pure.plist.lines import Entry, Unread, Value, read
+
+PER_AXIS = (103, 104, 108, 109, 114, 204, 205, 207, 208)
+NEEDED = (103, 104, 108, 204, 205)  # without them an axis cannot be checked
+DRIVE = tuple(range(602, 616))
+WHOLE_DRIVE = (602, 603, 610, 614)
+SINGLE = (2, 5, 9, 20)  # one whole number
+FIELDS: tuple[tuple[str, str], ...] = (  # label of P401 -> key of [[rho3.P401]]; "" is read and not needed (L3763-3781, L3903-3923)
+    (r"^servo.?b", ""),
+    (r"plug|connector", ""),
+    (r"^module|can module", ""),
+    (r"input", "module"),
+    (r"ref\.? ?mode", "ref_mode"),
+    (r"gear", "gear_factor"),
+    (r"puls", "pulses"),
+    (r"mbewert|evaluation", "evaluation"),
+    (r"set.?point output|set value output", "output"),
+)
+PULSES = {16384: 1, 8192: 2, 4096: 3}  # L7586-7588
+RANGES = ("i.start", "i.end", "o.start", "o.end")
+BLOCK = re.compile(r"block\s*(\d)", re.IGNORECASE)
+
+
+@dataclass
+class Report:
+    """Sentences, each beginning with the line of the list it is about where there is one."""
+
+    taken: list[str] = field(default_factory=list)
+    assumed: list[str] = field(default_factory=list)
+    missing: list[str] = field(default_factory=list)
+    ignored: list[str] = field(default_factory=list)
+
+
+@dataclass
+class Collected:
+    """The list by parameter."""
+
+    single: dict[int, int] = field(default_factory=dict)
+    per_axis: dict[int, dict[int, list[float]]] = field(default_factory=lambda: defaultdict(dict))
+    systems: dict[int, dict[str, float]] = field(default_factory=lambda: defaultdict(dict))
+    boards: list[int] = field(default_factory=list)
+    ranges: dict[str, int] = field(default_factory=dict)
+    buses: dict[int, dict[str, int]] = field(default_factory=lambda: defaultdict(dict))
+    blocks: dict[int, list[dict[str, int]]] = field(default_factory=lambda: defaultdict(list))
+    clear: int | str | None = None  # P24
+    download: bool | None = None  # P601
+
+
+def import_list(text: str, name: str) -> tuple[str, Report]:
+    """Cell file and report of a printed list; `name` is the cell's name."""
+    name = re.sub(r"[^\w .-]", "_", name) or "cell"
+    report, kept = Report(), Collected()
+    for each in read(text):
+        if isinstance(each, Unread):
+            report.ignored.append(f"line {each.line}: {each.text!r}: {each.why}")
+        elif not _take(each, kept):
+            report.ignored.append(f"line {each.line}: P{each.parameter} {each.label!r}: axisgate does not use it")
+        else:
+            report.taken.append(f"line {each.line}: P{each.parameter} {each.label} = {', '.join(map(str, each.values))}".replace("  ", " "))
+    axes = sorted(kept.systems)
+    _complete(kept, axes, report)
+    return "\n".join(_file(kept, axes, name, report)) + "\n", report
+
+
+# ------------------------------------------------------------------------------------------------ into the tables
+
+
+def _take(entry: Entry, kept: Collected) -> bool:
+    number, first = entry.parameter, entry.values[0]
+    takers: dict[int, Callable[[Entry, Collected], bool]] = {15: _boards, 21: _range, 30: _bus, 31: _block, 32: _block, 401: _system}
+    if number in takers:
+        return takers[number](entry, kept)
+    if number in SINGLE and isinstance(first, int) and not isinstance(first, bool):
+        kept.single[number] = first
+    elif number == 24:
+        kept.clear = first if isinstance(first, int) else "all"
+    elif number == 601:
+        kept.download = bool(first)
+    elif number in PER_AXIS or number in DRIVE:
+        numbers = [float(value) for value in entry.values if not isinstance(value, str)]
+        if entry.axis:
+            kept.per_axis[number].setdefault(entry.axis, []).extend(numbers)
+        else:
+            kept.per_axis[number] |= {n: [value] for n, value in enumerate(numbers, 1)}
+    else:
+        return False
+    return True
+
+
+def _boards(entry: Entry, kept: Collected) -> bool:
+    kept.boards += [int(value) for value in entry.values if not isinstance(value, str)]
+    return True
+
+
+def _range(entry: Entry, kept: Collected) -> bool:
+    label = next((each for each in RANGES if each in entry.label.lower().replace(" ", "")), "")
+    if not label and len(entry.values) == 4:
+        kept.ranges |= {each: _whole(value) for each, value in zip(RANGES, entry.values, strict=True)}
+        return True
+    if label:
+        kept.ranges[label] = _whole(entry.values[0])
+    return bool(label)
+
+
+def _bus(entry: Entry, kept: Collected) -> bool:
+    label = entry.label.lower()
+    key = "inputs" if "input" in label else "outputs" if "output" in label else "baud" if "baud" in label else ""
+    if not key:
+        return False
+    bus = entry.bus or next(n for n in range(1, 100) if key not in kept.buses[n])
+    kept.buses[bus][key] = _whole(entry.values[0])
+    return True
+
+
+def _block(entry: Entry, kept: Collected) -> bool:
+    label = entry.label.lower()
+    key = "start" if "address" in label or "start" in label else "length" if "length" in label else "id" if "identifier" in label else ""
+    if not key:
+        return False
+    blocks = kept.blocks[entry.parameter]
+    if not blocks or key in blocks[-1]:
+        blocks.append({"bus": entry.bus})
+    blocks[-1][key] = _whole(entry.values[0])
+    return True
+
+
+def _system(entry: Entry, kept: Collected) -> bool:
+    if not entry.axis:
+        return False
+    for pattern, key in FIELDS:
+        if re.search(pattern, entry.label.lower()):
+            if key and not isinstance(entry.values[0], str):
+                kept.systems[entry.axis][key] = entry.values[0]
+            return bool(key)
+    return False
+
+
+def _whole(value: Value) -> int:
+    return int(value) if not isinstance(value, str) else 0
+
+
+# ------------------------------------------------------------------------------------------------ what the list leaves open
+
+
+def _complete(kept: Collected, axes: list[int], report: Report) -> None:
+    if not axes:
+        report.missing.append("P401: no axis with a CAN measuring system; without it the cell has no axes")
+    for axis in axes:
+        _complete_system(axis, kept.systems[axis], report)
+    for number in NEEDED:
+        lacking = [axis for axis in axes if not kept.per_axis.get(number, {}).get(axis)]
+        if lacking:
+            report.missing.append(f"P{number} of axis {', '.join(map(str, lacking))}: axisgate check asks for it")
+    if 5 not in kept.single:
+        report.assumed.append("P5 is not in the list: 8 ms")
+        kept.single[5] = 8
+    if kept.download:
+        report.assumed.append("P601 = TRUE in the list: written as false until the drives' present parameters are saved")
+    _give_blocks_a_bus(kept, report)
+
+
+def _complete_system(axis: int, system: dict[str, float], report: Report) -> None:
+    pulses = system.get("pulses")
+    if pulses not in PULSES:
+        said = "not in the list" if pulses is None else f"{pulses:g}, which is none of 16384, 8192, 4096"
+        report.assumed.append(f"P401 of axis {axis}: pulses/rotation {said}: 16384")
+        pulses = 16384
+    system["pulses"] = PULSES[int(pulses)]
+    if "module" not in system:
+        report.assumed.append(f"P401 of axis {axis}: input on module is not in the list: {axis}")
+        system["module"] = axis
+    if "evaluation" not in system:
+        report.assumed.append(f"P401 of axis {axis}: measuring-system evaluation is not in the list: positive")
+        system["evaluation"] = float(pulses)
+    if "gear_factor" not in system:  # the control asks for it in modes 1 and 3 only (L7383)
+        turns = 360.0 * pulses / abs(system["evaluation"]) if system["evaluation"] else 1.0
+        how = f"read out of the evaluation {system['evaluation']:g} as degrees a motor turn x {pulses:g}"
+        report.assumed.append(f"P401 of axis {axis}: gear factor {turns:g}: {how}; measure it")
+        system["gear_factor"] = turns
+
+
+def _give_blocks_a_bus(kept: Collected, report: Report) -> None:
+    """Blocks without a heading belong to the buses in the order of P30's counts."""
+    for number, key in ((31, "inputs"), (32, "outputs")):
+        places = [bus for bus in sorted(kept.buses) for _ in range(kept.buses[bus].get(key, 0))]
+        for n, block in enumerate(kept.blocks[number]):
+            if not block["bus"]:
+                block["bus"] = places[n] if n < len(places) else 1
+                report.assumed.append(f"P{number} block {n + 1}: on bus {block['bus']}, by the numbers of blocks in P30")
+
+
+# ------------------------------------------------------------------------------------------------ the file
+
+
+def _file(kept: Collected, axes: list[int], name: str, report: Report) -> Iterable[str]:
+    control = "rho3.0" if 9 in kept.boards else "rho3.1"
+    report.assumed.append(f"the control was a {control}: from P15" if kept.boards else f"the control was a {control}")
+    yield f"# {name}: drafted by axisgate import p-list; read the report, then axisgate check"
+    yield "format = 1"
+    yield ""
+    yield "[cell]"
+    yield f'name     = "{name}"'
+    yield f'replaces = "{control}"'
+    yield 'target   = "simulation"           # "machine" once [safety] is filled in'
+    yield ""
+    yield "[rho3]"
+    yield from _numbers(kept, axes)
+    for axis in axes:
+        yield from _table(axis, kept.systems[axis])
+    yield from _buses(kept, axes, report)
+    if axes:
+        report.assumed.append('every axis turns (deg); a linear one needs an [[axis]] table with unit = "mm"')
+        report.assumed.append("reference switches lie in direction -, lag limits are the drive's own: [[axis]] tables say otherwise")
+
+
+def _numbers(kept: Collected, axes: list[int]) -> Iterable[str]:
+    for number in SINGLE:
+        if number in kept.single:
+            yield f"P{number} = {kept.single[number]}"
+    if kept.boards:
+        yield f"P15 = {kept.boards}"
+    if len(kept.ranges) == len(RANGES):
+        yield f"P21 = {[kept.ranges[each] for each in RANGES]}"
+    if kept.clear is not None:
+        yield f"P24 = {kept.clear}" if isinstance(kept.clear, int) else 'P24 = "all"'
+    if kept.buses:
+        rows = [kept.buses.get(bus, {}) for bus in range(1, max(kept.buses) + 1)]
+        yield f"P30 = [ {', '.join(_row(row, ('inputs', 'outputs', 'baud')) for row in rows)} ]"
+    for number in (31, 32):
+        rows = [row for row in kept.blocks[number] if len(row) == 4]
+        if rows:
+            yield f"P{number} = [ {', '.join(_row(row, ('bus', 'start', 'length', 'id')) for row in rows)} ]"
+    for number in (*PER_AXIS, *DRIVE):
+        values = kept.per_axis.get(number, {})
+        if values and all(axis in values for axis in axes):
+            yield f"P{number} = [ {', '.join(_one(number, values[axis]) for axis in axes)} ]"
+    yield "P601 = false                     # true downloads P602..P615 to the drives"
+
+
+def _row(row: Mapping[str, int], keys: tuple[str, ...]) -> str:
+    return "{ " + ", ".join(f"{key} = {row.get(key, 0)}" for key in keys) + " }"
+
+
+def _one(number: int, values: list[float]) -> str:
+    if number == 615:
+        return "true" if values[0] else "false"
+    written = [str(round(value)) if number in WHOLE_DRIVE else repr(float(value)) for value in values]
+    return written[0] if len(written) == 1 else f"[{', '.join(written)}]"
+
+
+def _table(axis: int, system: Mapping[str, float]) -> Iterable[str]:
+    yield ""
+    yield "[[rho3.P401]]"
+    yield f"axis = {axis}"
+    for key in ("module", "ref_mode", "pulses", "output"):
+        if key in system:
+            yield f"{key} = {round(system[key])}"
+    for key in ("gear_factor", "evaluation"):
+        yield f"{key} = {float(system[key])!r}"
+
+
+def _buses(kept: Collected, axes: list[int], report: Report) -> Iterable[str]:
+    """Bus n is the n-th table: drives where P401 puts axes, digital I/O where P30 has blocks and no axes."""
+    modules = [round(kept.systems[axis]["module"]) for axis in axes]
+    most = max([*kept.buses, *(1 + (module - 1) // 6 for module in modules)], default=0)
+    for number in range(1, most + 1):
+        here = sorted((module - 1) % 6 + 1 for module in modules if 1 + (module - 1) // 6 == number)
+        io = kept.buses.get(number, {})
+        if not here and not (io.get("inputs") or io.get("outputs")) and number == most:
+            continue
+        yield ""
+        yield "[[bus]]"
+        yield f'name     = "can{number - 1}"'
+        yield 'port     = "sim"'
+        yield f'protocol = "{"servodyn" if here else "rho3-io"}"'
+        if here:
+            yield 'layout   = "servodyn_gc.dbc"'
+            if here == list(range(here[0], here[-1] + 1)) and not report.missing:
+                yield f'axes     = "{here[0]}..{here[-1]}"' if len(here) > 1 else f'axes     = "{here[0]}"'
+    if most:
+        report.assumed.append('every bus has port = "sim"; write socketcan:can0 and layout_evidence when there is metal')

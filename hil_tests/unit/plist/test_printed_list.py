@@ -1,0 +1,119 @@
+"""`axisgate import p-list`: the printed machine-parameter list becomes a cell, and says what it took, assumed and left aside (AX-272)."""
+
+import pathlib
+
+import pytest
+
+from gateway.cell import Cell
+from gateway.config import CellFaults, load_cell
+from gateway.pure.plist.cellfile import Report, import_list
+from gateway.pure.plist.lines import Entry, Unread, read
+
+LIST = (pathlib.Path(__file__).parents[2] / "vectors" / "rho3_plist.txt").read_text()
+
+
+def imported(text: str = LIST) -> tuple[Cell, Report]:
+    file, report = import_list(text, "robot2")
+    return load_cell("robot2.toml", file), report
+
+
+def test_the_whole_list_becomes_a_cell_that_check_passes() -> None:
+    cell, report = imported()
+    assert report.missing == []
+    assert [(bus.name, bus.protocol, bus.axes, bus.bitrate) for bus in cell.bus] == [
+        ("can0", "servodyn", "1..3", "1 Mbit/s"),
+        ("can1", "rho3-io", "", "500 kbit/s"),
+    ]
+    assert cell.cycle_ms == 8 and cell.rho3 is not None
+    assert (cell.rho3.P2, cell.rho3.P9, cell.rho3.P15, cell.rho3.P20, cell.rho3.P21) == (3, 40, (3, 0, 0), 15, (0, 44, 0, 44))
+    assert [(each.bus, each.start, each.length, each.id) for each in (*cell.rho3.P31, *cell.rho3.P32)] == [
+        (2, 88, 8, 541),
+        (2, 96, 4, 542),
+        (2, 88, 8, 471),
+    ]
+
+
+def test_axes_have_the_numbers_of_the_list() -> None:
+    cell, _ = imported()
+    one, two, three = cell.axis
+    assert [(axis.limits.min, axis.limits.max, axis.limits.speed, axis.limits.accel) for axis in (one, two)] == [
+        (-165.0, 165.0, 120.0, 300.0),
+        (-60.0, 110.0, 110.0, 280.0),
+    ]
+    assert [axis.drive.inc_per_turn for axis in cell.axis] == [16384, 8192, 4096]
+    assert [axis.home.mode for axis in cell.axis] == [0, 1, 2]
+    assert [axis.mechanics.direction for axis in cell.axis] == ["+", "-", "+"]
+    assert two.mechanics.ratio == 4.1 and three.home.speed == 20.0 and two.home.position == 90.0
+
+
+def test_drive_parameters_are_kept_but_the_download_stays_off() -> None:
+    cell, report = imported()
+    assert cell.rho3 is not None and not cell.rho3.P601
+    assert cell.rho3.others["P606"] == (60.0, 60.0, 80.0)
+    assert cell.rho3.others["P607"] == ((250.0, 150.0, 300.0), (250.0, 150.0, 300.0), (200.0, 100.0, 300.0))
+    assert cell.rho3.others["P615"] == (True, True, False)
+    assert any(each.startswith("P601 = TRUE in the list: written as false") for each in report.assumed)
+
+
+def test_what_the_list_does_not_say_is_told_as_an_assumption() -> None:
+    """The control asks for the gear factor in modes 1 and 3 only (L7383)."""
+    _, report = imported()
+    said = "\n".join(report.assumed)
+    assert "P401 of axis 1: gear factor 360: read out of the evaluation 16384 as degrees a motor turn x 16384; measure it" in said
+    assert "P401 of axis 3: gear factor 18000:" in said and "axis 2: gear" not in said
+    assert "every axis turns (deg)" in said and "P31 block 1: on bus 2" in said
+
+
+def test_lines_nobody_needs_are_named_with_their_number() -> None:
+    _, report = imported()
+    ignored = "\n".join(report.ignored)
+    assert "line 7: P18 're-entered': axisgate does not use it" in ignored
+    assert "line 2: 'MACHINE PARAMETERS                                     page 1': stands before the first parameter" in ignored
+    assert "'end of list': no value in it" in ignored
+    assert len(report.taken) + len(report.ignored) == sum(isinstance(each, Entry | Unread) for each in read(LIST))
+
+
+def test_a_number_changed_in_the_list_is_changed_in_the_cell() -> None:
+    cell, _ = imported(LIST.replace("A_2 : 110,0", "A_2 : 111,5").replace("A_1 CAN input	:	1", "A_1 CAN input	:	6"))
+    assert cell.axis[1].limits.speed == 111.5 and cell.axis[0].drive.module == 6
+
+
+@pytest.mark.parametrize(("number", "key"), [("P204", "limits"), ("P103", "limits"), ("P108", "home.speed")])
+def test_what_is_missing_is_told_and_check_asks_for_it(number: str, key: str) -> None:
+    lines = LIST.splitlines()
+    start = next(n for n, line in enumerate(lines) if line.startswith(number))
+    end = next(n for n in range(start + 1, len(lines)) if lines[n].startswith("P"))
+    file, report = import_list("\n".join(lines[:start] + lines[end:]), "robot2")
+    assert f"{number} of axis 1, 2, 3: axisgate check asks for it" in report.missing
+    with pytest.raises(CellFaults) as found:
+        load_cell("robot2.toml", file)
+    assert all(key in fault.key for fault in found.value.faults), [str(fault) for fault in found.value.faults]
+
+
+def test_twelve_axes_become_two_buses() -> None:
+    text = ["P5 : 8", "P15 : 3"]
+    for number, value in ((103, 100), (104, 300), (108, 10), (204, 90), (205, 90)):
+        text.append(f"P{number} : " + " ".join([f"{value}.0"] * 12))
+    text.append("P401")
+    for axis in range(1, 13):
+        text += [
+            f"A_{axis} CAN input : {axis}",
+            f"A_{axis} Pulse/rotation : 16384",
+            f"A_{axis} MBewert : 16384.0",
+            f"A_{axis} Setpoint output : {axis}",
+        ]
+    cell, _ = imported("\n".join(text))
+    assert [(bus.protocol, bus.axes) for bus in cell.bus] == [("servodyn", "1..6"), ("servodyn", "1..6")]
+    assert [(axis.drive.bus, axis.drive.module) for axis in cell.axis][5:8] == [("can0", 6), ("can1", 1), ("can1", 2)]
+
+
+@pytest.mark.parametrize("text", ["", "nothing here", "P", "P999 x : y", "P401\nA_1 CAN input : X51", "\0\xff", "P31\nIdentifier : 541"])
+def test_junk_gives_a_report_and_never_an_exception(text: str) -> None:
+    file, report = import_list(text, "junk")
+    assert "[cell]" in file and report.missing
+
+
+def test_a_heading_in_the_form_of_the_manual_is_understood() -> None:
+    entries = list(read("### **P5 clock start time**\n8\n#### **P15 servo board types**\n3 5\nP21\nI.START : 0"))
+    values = [(each.parameter, each.label, each.values) for each in entries if isinstance(each, Entry)]
+    assert values == [(5, "", (8,)), (15, "", (3, 5)), (21, "I.START", (0,))]
