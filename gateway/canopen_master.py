@@ -13,6 +13,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
+from typing import Protocol
 
 import can
 import canopen
@@ -22,7 +23,6 @@ from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError, SdoEr
 from drivers.drives import cia402_boot as plans
 from drivers.drives.cia402_boot import Answer, Booted, BootRefused, NodePlan, Refused, Silent
 from drivers.ports import cycle_bus
-from gateway.canopen_link import RingLink
 from gateway.edsfile import canopen_dictionary
 from protocols.canopen import cobid
 from protocols.canopen.dictionary import ObjectDictionary
@@ -65,10 +65,18 @@ class Node:
     booted: Booted | None = None
     emergency: int = 0  # code of the last EMCY, 0: none or gone
     emergencies: int = 0
-    adopted: bool = False
+    adopted: bool = False  # the next attempt only looks: a predecessor has configured it
+    asked: int = 0  # how often somebody wanted it started up once more
     lock: threading.Lock = field(default_factory=threading.Lock)  # one SDO dialogue at a time
     news: threading.Event = field(default_factory=threading.Event)  # a heartbeat came
     thread: threading.Thread | None = None
+
+
+class MasterLink(cycle_bus.CycleLink, Protocol):
+    """The bus as the master needs it: through the cycle's ring, or a port of a tool's own."""
+
+    def release(self, node: int, mode: int) -> None: ...  # this node is configured
+    def hold(self, node: int) -> None: ...  # it is no longer
 
 
 Say = Callable[[str, str, Mapping[str, object]], None]  # kind, sentence, facts
@@ -80,7 +88,7 @@ class CanopenMaster:
     def __init__(
         self,
         channel: str,
-        link: RingLink,
+        link: MasterLink,
         nodes: Sequence[tuple[str, NodePlan]],
         say: Say,
         sheets: Mapping[int, ObjectDictionary] | None = None,
@@ -133,8 +141,10 @@ class CanopenMaster:
     def again(self, number: int | None = None) -> None:
         """Start up once more: a new cycle, or somebody asks."""
         for node in self.nodes.values():
-            if number in (None, node.plan.node) and node.health is not Health.BOOTING:
-                node.health, node.due, node.attempts, node.adopted = Health.WAITING, 0.0, 0, False
+            if number in (None, node.plan.node):
+                node.adopted, node.asked = False, node.asked + 1
+                if node.health is not Health.BOOTING:
+                    node.health, node.due, node.attempts = Health.WAITING, 0.0, 0
 
     def status(self) -> list[dict[str, object]]:
         """For tools and pages."""
@@ -193,12 +203,12 @@ class CanopenMaster:
 
     def _boot(self, node: Node) -> None:
         """One attempt, in a thread of its own: a node that does not answer keeps nobody waiting."""
-        plan = node.plan
+        plan, adopting, asked = node.plan, node.adopted, node.asked
         try:
             with node.lock:
                 boots = node.boots
-                booted = self._carry(node, plans.adopt(plan) if node.adopted else plans.boot(plan))
-                if node.boots > boots + (not node.adopted):
+                booted = self._carry(node, plans.adopt(plan) if adopting else plans.boot(plan))
+                if node.boots > boots + (not adopting) or node.asked != asked:
                     raise BootRefused("was reset while it was started up", dead=True)
         except BootRefused as refusal:
             self._failed(node, refusal)
@@ -207,9 +217,9 @@ class CanopenMaster:
         else:
             node.seen = time.monotonic()
             node.booted, node.attempts, node.why = booted, 0, ""
-            if not node.adopted:
+            if not adopting:
                 self._link.release(plan.node, booted.mode)
-            node.health = Health.READY
+            node.adopted, node.health = False, Health.READY
             notes = f" ({'; '.join(booted.notes)})" if booted.notes else ""
             self._say("drive", f"{node.name} (node {plan.node}): ready{notes}", {"node": plan.node, "options": booted.options})
 

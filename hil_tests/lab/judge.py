@@ -49,7 +49,7 @@ class Judge:
 
     def __init__(self, cell: Cell, record: Record) -> None:
         self._axes = cell.axis
-        self._kv = [_kv(record, axis.drive.module or 0) for axis in cell.axis]
+        self._kv = [_kv(record, axis.drive.module or axis.drive.node or 0) for axis in cell.axis]
         self.rows = record.rows
         self._stamps = [row.stamp_ns for row in record.rows]
 
@@ -134,7 +134,8 @@ def _kv(record: Record, module: int) -> float:
     """Position loop gain (1/s) the emulated drive says it ran with."""
     settings = record.header["settings"]
     assert isinstance(settings, dict)
-    return float(settings["axes"][str(module)]["kv_per_s"])
+    drives = {**settings["axes"], **settings.get("nodes", {})}
+    return float(drives[str(module)]["kv_per_s"])
 
 
 def _inc(rad: float) -> float:

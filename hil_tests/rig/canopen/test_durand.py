@@ -13,6 +13,7 @@ from hil_tests.lab.bus_running import Bus, running_bus
 from hil_tests.lab.durand_drive import DurandDrive
 
 NODE = 5
+ANYBODY = Identity()
 
 
 @pytest.fixture
@@ -48,7 +49,7 @@ def started(bus: Bus, plan: NodePlan, *healths: Health) -> Started:
     return run
 
 
-def plan(identity: Identity = Identity()) -> NodePlan:
+def plan(identity: Identity = ANYBODY) -> NodePlan:
     return NodePlan(NODE, default_pdos(NODE, torque=True), identity)
 
 

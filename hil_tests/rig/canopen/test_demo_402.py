@@ -1,0 +1,91 @@
+"""The demo with CiA 402 drives as real processes: start-up through the cycle's ring, a move, deaths, the path of both families."""
+
+import json
+import struct
+import time
+
+from gateway.pure.records import AxisFlag
+from hil_tests.lab.buslog import Logged
+from hil_tests.lab.cell_running import ALL, HOME, P5_NS, TARGET, CellRun, Disturbed, running_cell
+from hil_tests.lab.plc2 import DONE, PTP
+
+START_UP_S = 25.0
+SLOW = 0.3
+SET_IDS = {*range(210, 261, 10), *range(0x201, 0x207)}  # SERVODYN, RPDO1
+
+
+def configured(run: CellRun, timeout_s: float = START_UP_S) -> float:
+    """Every drive was started up; how long it took."""
+    begin = time.monotonic()
+    while time.monotonic() < begin + timeout_s:
+        flags = [axis.flags for axis in run.state().axes[:6]]
+        if not any(flag & (AxisFlag.UNCONFIGURED | AxisFlag.LOST) for flag in flags):
+            return time.monotonic() - begin
+        time.sleep(0.05)
+    raise AssertionError(f"not started up: {[str(entry['text']) for entry in run.journal()][-8:]}")
+
+
+def path_of(run: CellRun) -> list[tuple[int, ...]]:
+    """Set positions of one move as they left on the bus, from the first that moves; both families have them in bytes 2..5."""
+    run.command(PTP, ALL, SLOW, HOME)
+    run.arrived(HOME)
+    before = len(run.bus())
+    run.command(PTP, ALL, SLOW, TARGET)
+    run.arrived(TARGET)
+    steps: list[tuple[int, ...]] = []
+    burst: list[int] = []
+    for entry in run.bus()[before:]:
+        if not isinstance(entry, Logged):
+            continue
+        if entry.identifier in SET_IDS:
+            burst.append(struct.unpack_from("<i", entry.data, 2)[0])
+        if len(burst) == 6:
+            steps.append(tuple(burst))
+            burst = []
+    return [tuple(a - b for a, b in zip(step, steps[0], strict=True)) for n, step in enumerate(steps) if n and step != steps[n - 1]]
+
+
+def undisturbed(run: CellRun) -> list[tuple[int, ...]]:
+    for _ in range(3):
+        try:
+            run.ready()
+            return path_of(run)
+        except Disturbed:
+            continue
+    raise AssertionError(f"the machine spoilt every attempt\n{run.words()}")
+
+
+def test_the_same_script_on_both_families_asks_for_the_same_path() -> None:
+    with running_cell("demo", "family") as run:
+        old = undisturbed(run)
+    with running_cell("demo-402", "family") as run:
+        took = configured(run)
+        new = undisturbed(run)
+        nodes = json.loads(json.dumps(run.journal("drive")))
+    assert took < START_UP_S and sum("ready" in entry["text"] for entry in nodes) >= 6
+    assert abs(len(old) - len(new)) <= 1 and len(old) > 20
+    worst = max(abs(a - b) for x, y in zip(old, new, strict=False) for a, b in zip(x, y, strict=True))
+    assert worst <= 1
+
+
+def test_dead_services_take_over_living_drives_and_a_dead_cycle_starts_them_up_again() -> None:
+    with running_cell("demo-402", "deaths") as run:
+        configured(run)
+        run.ready()
+        dead, _ = run.kill("services")
+        run.back("services", dead)
+        time.sleep(1.0)
+        assert not any(axis.flags & AxisFlag.UNCONFIGURED for axis in run.state().axes[:6]), "the drives were not disturbed"
+        assert any("taken over as it was" in entry["text"] for entry in run.journal("drive"))
+        run.plc.synchronise()
+        dead, stamp = run.kill("cycle")
+        run.back("cycle", dead)
+        rows = [row for row in run.record().rows if row.stamp_ns > stamp]
+        off = next((row.stamp_ns for row in rows if all(axis.state not in (4, 5) for axis in row.axes)), None)
+        supervision = 3 * 50_000_000 + P5_NS
+        assert off is not None and off - stamp < supervision + 500_000_000, "quick stop and standstill after the heartbeat stayed away"
+        configured(run)
+        run.plc.synchronise()
+        run.ready()
+        status = run.plc.command(PTP, ALL, SLOW, TARGET)
+        assert status.state == DONE
