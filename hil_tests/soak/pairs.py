@@ -166,13 +166,13 @@ class Pair:
 
     def _round(self) -> None:
         """A job of each side at the same time or one after the other."""
-        for side, record in zip(self.sides, self.line.records, strict=True):
+        for station, record in zip(self.sides, self.line.records, strict=True):
             record.clear()
-            side.delivered.clear()
-            side.acknowledged.clear()
-            side.begun, side.result = 0, None
+            station.delivered.clear()
+            station.acknowledged.clear()
+            station.begun, station.result = 0, None
             if self.chance.random() < 0.5:
-                side.machine.passive.flags.set.clear()  # its program has used what came
+                station.machine.passive.flags.set.clear()  # its program has used what came
         sides = [0, 1] if self.chance.random() < 0.3 else [self.chance.randrange(2)]
         wanted = {side: self._give(side) for side in sides}
         for side in sides:

@@ -1,7 +1,7 @@
 """Both RK512 roles on one link: whose block is it, what leaves first, and the link's repeats (AX-225)."""
 
 from hil_tests.lab.rk512_blocks import Blocks
-from protocols.rk512.active import Active, Failed, Trouble, Unasked
+from protocols.rk512.active import Active, Done, Failed, Trouble, Unasked
 from protocols.rk512.dialects import STANDARD, Dialect
 from protocols.rk512.passive import Fetched, Passive
 from protocols.rk512.station import Repeated, Station
@@ -49,6 +49,17 @@ def test_garbage_instead_of_a_reaction_is_named() -> None:
         both.take_block()
         both.block_sent(0)
         assert both.block(garbage, 0) == [Failed(1, why)]
+
+
+def test_a_reaction_the_partner_wished_to_send_before_it_had_our_command_is_not_its_answer() -> None:
+    """The repeat of the reaction before, whose acknowledgement got lost: right form, wrong job (AX-242)."""
+    both = station()
+    both.active.fetch(0, 1, 7)
+    both.take_block()
+    both.block_sent(0)
+    assert both.block(bytes(4) + b"\x00\x01", 0, overtaken=True) == [Unasked(bytes(5) + b"\x01")] and both.active.awaiting
+    assert both.block(bytes(4) + b"\x00\x02", 0) == [Done(1, b"\x00\x02")]
+    assert both.block(FETCH, 0, overtaken=True) == [Fetched(5, 0, 1)]  # a command of his own is served all the same
 
 
 def test_nothing_awaited_and_a_lost_port() -> None:
