@@ -14,7 +14,16 @@ __all__ = ["cross_faults", "notices"]
 def cross_faults(cell: Cell, known: Mapping[str, frozenset[str]], signals: SignalList, line_of: Callable[[str], int | None]) -> list[Fault]:
     """All cross faults of the valid parts.  `known` has the names of all parts, also of those left out; `line_of` finds a key's line."""
     context = Context(cell, known, signals, line_of)
-    for check in (*doors.CHECKS, *lines.CHECKS, *blocks.CHECKS, *buses.CHECKS, *rho3can.CHECKS, *canopen.CHECKS, *axes.CHECKS, *telegrams.CHECKS):
+    for check in (
+        *doors.CHECKS,
+        *lines.CHECKS,
+        *blocks.CHECKS,
+        *buses.CHECKS,
+        *rho3can.CHECKS,
+        *canopen.CHECKS,
+        *axes.CHECKS,
+        *telegrams.CHECKS,
+    ):
         check(context)
     return context.faults
 
