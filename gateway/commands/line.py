@@ -117,7 +117,7 @@ def parser() -> argparse.ArgumentParser:
     _send_arguments(_tool(tools, "send", "write data words of a passive RK512 station", SEND_EXAMPLES, run_send))
     _fetch_arguments(_tool(tools, "fetch", "read data words of a passive RK512 station", FETCH_EXAMPLES, run_fetch))
     _monitor_arguments(_tool(tools, "monitor", "show a line decoded; never sends", MONITOR_EXAMPLES, run_monitor))
-    _learn_arguments(_tool(tools, "learn", "draft of a cell out of a recorded line", LEARN_EXAMPLES, run_learn))
+    _learn_arguments(_tool(tools, "learn", "draft of a cell out of a recorded or living line", LEARN_EXAMPLES, run_learn))
     return top
 
 
