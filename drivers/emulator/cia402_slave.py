@@ -56,7 +56,7 @@ class Seat:
     random: int = 1
     drop_actual: int = 0
     drop_set: int = 0
-    bus_off: bool = False
+    bus_off: bool = False  # with the whole interface: the next frame heard ends it
 
 
 class Cia402Slave:
@@ -122,6 +122,7 @@ class Cia402Slave:
         self.counters.error_frames += 1
         if kind is FrameFault.BUS_OFF and self._start is not None:
             for seat in self.seats:
+                seat.bus_off = not seat.node.silent
                 self._bus_off(seat)
             self._output.clear()
         return self._take_events()
@@ -453,7 +454,6 @@ class Cia402Slave:
     def _bus_off(self, seat: Seat) -> None:
         if not seat.node.silent:
             seat.node.bus_off(self._time)
-            seat.bus_off = True
 
     def _order_axis(self, number: int, act: Callable[[Cia402Axis], None]) -> None:
         seat = self.seat(number)
