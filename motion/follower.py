@@ -23,10 +23,10 @@ Array = NDArray[np.float64]
 HISTORY = 1024  # pieces kept behind the present one, for retrace
 WAITING = 1024  # pieces that may wait
 FIT, FIT_SPEED, FIT_ACCEL = 1e-9, 1e-6, 1e-4  # steps allowed where pieces meet: m or rad, shares of 1 + value
-STEPS = (1.0, 0.6, 0.25, 0.0)  # of the strongest c
-RAMPS = (1.05, 1.8, 3.5)  # of the shortest time in which u could come to 0
-PLACES = 24  # where a way back is looked at
-ACCEL_TOP, JERK_TOP = 1.005, 1.04  # shares of the limits allowed while omega changes
+STEPS = (1.0, 0.8, 0.6, 0.4, 0.2, 0.08, 0.0)  # of the strongest c
+RAMPS = (1.02, 1.4, 2.0, 3.0, 5.0)  # of the shortest time in which u could come to 0
+PLACE, FEWEST, MOST = 1.5, 8, 120  # a way back is looked at every so many steps of the track; number of places
+ACCEL_TOP, JERK_TOP = 1.0, 1.03  # shares of the limits allowed while omega changes
 STILL = 1e-9  # share of the limits below which the path itself stands: omega may be anything
 
 
@@ -64,8 +64,9 @@ class _Track:
             self._store = np.concatenate([self._store, np.zeros_like(self._store)])
         accel, jerk = np.array(piece.accel), np.array(piece.jerk)
         first, second = _derivatives(piece, np.clip(grid + 0.5 * self.step, 0.0, piece.duration))
-        a, b = (_derivatives(piece, np.clip(grid + k * self.step, 0.0, piece.duration))[1] for k in (0.0, 1.0))
-        third = (b - a) / self.step
+        late = np.clip(grid + self.step, 0.0, piece.duration)
+        early = np.maximum(late - self.step, 0.0)  # the cell that reaches into the next piece is judged by this one alone
+        third = (_derivatives(piece, late)[1] - _derivatives(piece, early)[1]) / (late - early)[:, None]
         accel = np.maximum(accel, np.abs(second))  # full speed itself is legal, whatever rounding says
         jerk = np.maximum(jerk, np.abs(third))
         rows = self._store[self.count : last]
@@ -102,7 +103,7 @@ class Follower:
         self._begins: deque[float] = deque()
         self._index = 0  # of the piece under way
         self._interval = 0
-        self._track = _Track(axes + 1, grid_s or min(max(0.5 * period_s, 1e-3), 2e-3))
+        self._track = _Track(axes + 1, grid_s or min(0.5 * period_s, 2e-3))
         self._pending: list[TimedPiece] = []
         self._tau = 0.0
         self._omega = self._u = 0.0
@@ -110,6 +111,7 @@ class Follower:
         self._end = 0.0
         self._done = 0
         self._way = 0.0
+        self._share, self._last_wanted = 0, 0.0  # number in STEPS that was good, and for which wanted omega
 
     # ---- loading -------------------------------------------------------------------------------------------------------
     @property
@@ -204,20 +206,16 @@ class Follower:
             self._omega, self._u = wanted, 0.0
             self._tau += wanted * h
             return
-        c, ramp = self._strongest(wanted, now)
-        if ramp <= 0.0 and abs(wanted - w) <= abs(u) * h + 1e-12:
-            c = 0.0
-            self._tau += 0.5 * (w + wanted) * h
-            self._omega, self._u = wanted, 0.0
-            return
+        c, self._ramp = self._strongest(wanted, now)
         self._tau += h * (w + h * (u / 2 + h * c / 6))
-        self._omega = min(max(w + h * (u + h * c / 2), -1.0), 1.0)
-        self._u = u + h * c
-        self._ramp = ramp
-        if abs(self._u) < 1e-12:
+        self._omega, self._u = min(max(w + h * (u + h * c / 2), -1.0), 1.0), u + h * c
+        left = wanted - self._omega
+        landing = left * self._u >= 0.0 and 2 * abs(left) < abs(self._u) * h
+        rest = w**3 * now[4] + 3 * w * u * now[3] - self._u / h * now[2]
+        if (landing and float(np.abs(rest).max()) <= JERK_TOP) or abs(left) < 1e-9 > abs(self._u) * h:
+            self._omega, self._u = wanted, 0.0  # the landing ends inside the next period
+        elif abs(self._u) < 1e-12:
             self._u = 0.0
-            if abs(self._omega - wanted) < 1e-9:
-                self._omega = wanted
 
     def _strongest(self, wanted: float, now: Array) -> tuple[float, float]:
         """(c, seconds u takes to 0 afterwards): the strongest of which the way back is certain; else the least bad one."""
@@ -227,19 +225,21 @@ class Follower:
         towards = 1.0 if wanted > w + 0.5 * u * back else -1.0
         low, high = self._room(now)
         edge = min(max((high if towards > 0 else low) * towards, 0.0), full) * towards
-        best, least = (-u / max(back, h), max(back, h) - h), inf
-        for share in (*STEPS, None):
-            choices = self._held(wanted) if share is None else self._ramps(edge * share, wanted, towards, full)
+        if wanted != self._last_wanted:
+            self._last_wanted, self._share = wanted, 0
+        self._share = max(self._share - 1, 0)  # what was good a period ago is about what is good now
+        for number in range(self._share, len(STEPS) + 1):
+            self._share = number
+            held = number == len(STEPS)
+            choices = self._held(wanted) if held else self._ramps(edge * STEPS[number], wanted, towards, full)
             if not choices:
                 continue
             strain = self._strain(choices)
             for k, choice in enumerate(choices):
                 if strain[k] <= 1.0:
                     return choice
-            k = int(strain.argmin())
-            if strain[k] < least:
-                best, least = choices[k], float(strain[k])
-        return best
+        left = max(back, h)  # by rounding none is certain: the way back that was, and not one that puts it off
+        return -u / left, left - h
 
     def _ramps(self, c: float, wanted: float, towards: float, full: float) -> list[tuple[float, float]]:
         """Ways back after one period with c: none that overshoots the wanted omega, and the one that lands on it."""
@@ -248,7 +248,7 @@ class Follower:
         if u1 == 0.0:
             return [(c, 0.0)]
         land = 2 * (wanted - w1) / u1 if u1 * towards > 0 else inf
-        shortest = abs(u1) / full
+        shortest = max(abs(u1) / full, h)  # c is constant over a period: nothing ends inside one
         choices = [(c, r) for r in (shortest * k for k in RAMPS) if r <= land]
         if 0.0 <= land <= shortest * RAMPS[-1] * 2:
             choices.append((c, land))
@@ -260,7 +260,7 @@ class Follower:
         if u == 0.0:
             return [(0.0, 0.0)]
         landing = 2 * (wanted - self._omega) / u
-        return [(-u / r, r - h) for r in (landing, self._ramp) if r > h]
+        return [(-u / r, max(r - h, 0.0)) for r in (landing, self._ramp) if r >= h * (1 - 1e-9)]
 
     def _room(self, now: Array) -> tuple[float, float]:
         """Bounds of c from the jerk of every axis here."""
@@ -282,7 +282,8 @@ class Follower:
         tau1 = tau + h * (w + h * (u / 2 + h * c / 6))
         with np.errstate(divide="ignore", invalid="ignore"):
             fall = np.where(ramp > 0.0, -u1 / ramp, 0.0)
-        t = ramp[:, None] * _SHARES
+        places = int(min(max(float(ramp.max()) / (PLACE * self._track.step), FEWEST), MOST))
+        t = ramp[:, None] * np.linspace(1.0 / places, 1.0, places)[None, :]
         late_u, late_w = u1[:, None] + fall[:, None] * t, w1[:, None] + t * (u1[:, None] + 0.5 * fall[:, None] * t)
         late_tau = tau1[:, None] + t * (w1[:, None] + t * (u1[:, None] / 2 + t * fall[:, None] / 6))
         half = 0.5 * h
@@ -342,9 +343,6 @@ class Follower:
         f, e, d, c, b, a = rows[-1]
         self._way = ((((f * u + e) * u + d) * u + c) * u + b) * u + a
         return (values,)
-
-
-_SHARES = np.linspace(1.0 / (PLACES - 2), 1.0, PLACES - 2)[None, :]
 
 
 def joined(pieces: Sequence[TimedPiece]) -> bool:
