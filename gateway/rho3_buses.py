@@ -8,7 +8,7 @@ from gateway.cell import Bus, Cell
 from gateway.checks.rho3can import blocks_of
 from gateway.pure.rho3can.blocks import IoBus, IoSettings
 from gateway.pure.rho3can.download import download
-from gateway.pure.rho3can.family import RhoFamily
+from gateway.pure.rho3can.family import Parameters, RhoFamily
 from protocols.base.machine import ms
 
 IO_PROTOCOL = "rho3-io"  # a bus with digital I/O and no axes
@@ -24,14 +24,14 @@ def io_settings(cell: Cell, bus: Bus) -> IoSettings | None:
     return IoSettings(number, inputs, outputs, watch, zero_on_loss=bus.on_loss == "zero")
 
 
-def downloads(cell: Cell, bus: Bus) -> dict[int, Download]:
+def downloads(cell: Cell, bus: Bus) -> dict[int, Parameters]:
     """Module -> parameters to send at the start; empty where P601 is FALSE."""
     found = {}
     for index, axis in enumerate(cell.axis):
         if cell.rho3 is not None and axis.drive.bus == bus.name and axis.drive.module is not None:
             values = [(each.row.number, each.value) for each in download(cell.rho3, axis, index)]
             if values:
-                found[axis.drive.module] = Download(values)
+                found[axis.drive.module] = Parameters(index, Download(values))
     return found
 
 

@@ -5,6 +5,7 @@ request; what comes in goes to whom it belongs.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 from drivers.drives.family import BusFamily, Heard, SetRecord
 from drivers.drives.servodyn_download import Download, DownloadState
@@ -13,15 +14,23 @@ from gateway.pure.rho3can.blocks import IoBus
 from gateway.pure.rho3can.messages import IoError
 from protocols.base.errors import DecodeError
 from protocols.base.machine import Frame, Ns
-from protocols.servodyn.codec import SYNC
+from protocols.servodyn.codec import SYNC, SetValue
 from protocols.servodyn.parameters import SLOT_OF_ANSWER, Answer, decode_answer, encode_request
+
+
+@dataclass(frozen=True, slots=True)
+class Parameters:
+    """A download to one module, and the axis' index in the cell."""
+
+    index: int
+    run: Download
 
 
 class RhoFamily:
     """A BusFamily.  `exchange` once per cycle, before the burst: what the last SYNC asked for has come by then."""
 
-    def __init__(self, io: IoBus | None, drives: BusFamily | None = None, downloads: Mapping[int, Download] | None = None) -> None:
-        """`downloads`: module on this bus -> its parameters."""
+    def __init__(self, io: IoBus | None, drives: BusFamily | None = None, downloads: Mapping[int, Parameters] | None = None) -> None:
+        """`downloads`: module on this bus -> its parameters; until they are through, the drive is not asked to come on."""
         self.io, self.drives = io, drives
         self.aside: list[Frame] = [] if drives is None else drives.aside
         self._downloads = dict(downloads or {})
@@ -41,7 +50,7 @@ class RhoFamily:
     def burst(self, values: Sequence[SetRecord]) -> list[Frame]:
         """Set values and SYNC of the drives (a coupling bus has none), output blocks, one parameter request."""
         alone = [] if self.io is not None and self.io.coupled else [SYNC]
-        frames = alone if self.drives is None else self.drives.burst(values)
+        frames = alone if self.drives is None else self.drives.burst(self._held(values))
         return [*frames, *(self.io.frames(self._outputs) if self.io else ()), *self._request()]
 
     def hear(self, frame: Frame) -> Heard | None:
@@ -78,7 +87,7 @@ class RhoFamily:
 
     def take_news(self) -> list[str]:
         """Downloads that ended since the last call, in words."""
-        ended = [(slot, run) for slot, run in self._downloads.items() if run.state is not DownloadState.RUNNING]
+        ended = [(slot, each.run) for slot, each in self._downloads.items() if each.run.state is not DownloadState.RUNNING]
         for slot, _ in ended:
             del self._downloads[slot]
         return [_words(slot, run) for slot, run in ended]
@@ -96,11 +105,21 @@ class RhoFamily:
         if self.drives is not None:
             self.drives.began(now)
 
+    def _held(self, values: Sequence[SetRecord]) -> Sequence[SetRecord]:
+        """A drive takes parameters only without power (AX-266): a wish to come on waits for them."""
+        waiting = {each.index for each in self._downloads.values()}
+        if not waiting:
+            return values
+        return [
+            value._replace(drive_on=False, enable=False, brake_open=False) if n in waiting and isinstance(value, SetValue) else value
+            for n, value in enumerate(values)
+        ]
+
     def _request(self) -> list[Frame]:
         """The first drive whose download is not over; the others wait their turn."""
-        for slot, run in self._downloads.items():
+        for slot, each in self._downloads.items():
             answer, self._answer = self._answer, None
-            request = run.step(answer)
+            request = each.run.step(answer)
             return [] if request is None else [encode_request(slot, request)]
         return []
 

@@ -2,25 +2,27 @@
 
 import pytest
 
+from drivers.drives.family import Demand
+from drivers.drives.servodyn import Drive, Power
 from drivers.drives.servodyn_download import Download
 from drivers.drives.servodyn_family import ServodynFamily
 from drivers.emulator.servodyn_slave import ServodynSlave
 from drivers.emulator.settings import BusSettings, ServoSettings
 from gateway.pure.records import InputImage, Quality
 from gateway.pure.rho3can.blocks import IoBus, IoSettings
-from gateway.pure.rho3can.family import RhoFamily
+from gateway.pure.rho3can.family import Parameters, RhoFamily
 from gateway.pure.rho3can.rules import Block
 from hil_tests.lab.servodyn_bus import CODEC, START
 from protocols.base.errors import DecodeError
 from protocols.base.machine import Frame, ms
-from protocols.servodyn.codec import SetValue
+from protocols.servodyn.codec import ActualValue, SetValue
 
 IO = IoSettings(1, (Block(92, 2, 541),), (Block(94, 1, 471),))
 
 
 def test_two_boosters_get_their_parameters_one_after_the_other_at_most_one_request_a_cycle() -> None:
     slave = ServodynSlave(BusSettings(4.0, 1, {1: ServoSettings(), 2: ServoSettings()}), CODEC)
-    runs = {1: Download([(7, 50.0), (15, 12000.0)]), 2: Download([(7, 60.0), (30, 1)])}
+    runs = {1: Parameters(0, Download([(7, 50.0), (15, 12000.0)])), 2: Parameters(1, Download([(7, 60.0), (30, 1)]))}
     family = RhoFamily(None, ServodynFamily(CODEC, [(0, 1), (1, 2)]), runs)
     said: list[str] = []
     requests: list[int] = []
@@ -36,6 +38,29 @@ def test_two_boosters_get_their_parameters_one_after_the_other_at_most_one_reque
     assert requests == [310, 310, 320, 320]
     assert said == ["module 1: 2 parameters taken", "module 2: parameters not taken: the drive does not know parameter 30"]
     assert [slave.axis(n).settings.kv_per_s for n in (1, 2)] == [50.0, 60.0]
+
+
+def test_a_drive_is_asked_to_come_on_only_when_its_parameters_are_through() -> None:
+    """Its wish stands from the first cycle: a booster with power would answer 645."""
+    slave = ServodynSlave(BusSettings(4.0, 1, {1: ServoSettings(), 2: ServoSettings()}), CODEC)
+    family = RhoFamily(None, ServodynFamily(CODEC, [(0, 1), (1, 2)]), {2: Parameters(1, Download([(n, 0.7) for n in (20,) * 70]))})
+    drives = [Drive(), Drive()]
+    actuals: dict[int, ActualValue] = {}
+    on_at: dict[int, int] = {}
+    for cycle in range(150):
+        values = [drive.step(actuals.get(n), Demand(on=cycle > 15)) for n, drive in enumerate(drives)]
+        now = START + cycle * ms(4)
+        slave.receive([frame._replace(stamp_ns=now) for frame in family.burst(values)], now)
+        for frame in slave.take_output():
+            if frame.identifier in (610, 620):
+                actuals[frame.identifier // 10 - 61] = CODEC.decode_actual(frame)[1]
+            family.hear(frame)
+        for n, actual in actuals.items():
+            if actual.power_on:
+                on_at.setdefault(n, cycle)
+        told = family.take_news()
+        assert told in ([], ["module 2: 1 parameters taken"])
+    assert on_at[0] < 30 < 60 < on_at[1] and drives[1].power is Power.ENABLED
 
 
 def test_io_blocks_leave_behind_the_set_values_and_a_byte_nobody_vouches_for_is_0() -> None:
