@@ -6,7 +6,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from hil_tests.unit.kinematics.robots import apart, arm, scara, sliding, turning, unlike
+from hil_tests.unit.kinematics.robots import TX60, apart, arm, scara, sliding, turning, unlike
 from motion.conventions import CONVENTIONS
 from motion.errors import MotionError
 from motion.frames import IDENTITY, Pose, check_pose, from_quaternion, quaternion_of, rotation_of
@@ -40,6 +40,13 @@ GEOMETRY = st.builds(
     signs=st.tuples(*[st.sampled_from((1, -1))] * 6),
     offsets=st.tuples(*[ANGLE] * 6),
 )
+BORDERLINE = (
+    TX60,
+    ArmGeometry(0.4, 0.3, 0.35, 0.1),
+    ArmGeometry(0.4, 0.3, 0.35, 0.1, delta=0.1, elbow=0.07),
+    ArmGeometry(0.4, 0.3, 0.35, 0.1, delta=0.1, elbow=-0.07, side=-0.03),
+)
+OFF = st.builds(lambda sign, power: sign * 10.0**-power, st.sampled_from((1.0, -1.0, 0.0)), st.floats(1.0, 17.0))
 
 
 @SOME
@@ -110,6 +117,37 @@ def test_every_arm_finds_its_joints_and_flags_again(geometry: ArmGeometry, q: tu
     assert all(robot.configuration(joints) == flags for joints, flags in found)
     assert unlike(robot.inverse(pose, q, SAME), q) < 1e-6
     assert unlike(robot.follow(pose, q), q) < 1e-6
+
+
+def on_axis_1(geometry: ArmGeometry, third: float, off: float) -> float | None:
+    """The angle of axis 2 that brings the wrist centre to `off` m before axis 1's plane; None where none does."""
+    along = geometry.arm + geometry.forearm * math.cos(third) - geometry.elbow * math.sin(third)
+    across = geometry.forearm * math.sin(third) + geometry.elbow * math.cos(third)
+    sine = (off - geometry.delta) / math.hypot(along, across)
+    return math.asin(sine) - math.atan2(across, along) if abs(sine) < 1 else None
+
+
+@SOME
+@given(st.sampled_from(BORDERLINE), JOINTS, st.sampled_from(("wrist", "elbow", "shoulder", "wrist and elbow", "all")), OFF, OFF, OFF)
+def test_at_the_borders_of_configurations_all_branches_lead_back_with_their_flags(
+    geometry: ArmGeometry, q: tuple[float, ...], border: str, one: float, two: float, three: float
+) -> None:
+    robot = arm(geometry)
+    t = list(q)
+    if border in ("wrist", "wrist and elbow", "all"):
+        t[4] = one
+    if border in ("elbow", "wrist and elbow", "all"):
+        t[2] = two - math.atan2(geometry.elbow, geometry.forearm)
+    if border in ("shoulder", "all"):
+        second = on_axis_1(geometry, t[2], three)
+        assume(second is not None)
+        t[1] = second or 0.0
+    pose = robot.forward(t)
+    found = robot.branches(pose)
+    assert found
+    assert max(apart(robot.forward(joints), pose) for joints, _ in found) < 1e-9
+    assert all(robot.configuration(joints) == flags for joints, flags in found)
+    assert apart(robot.forward(robot.inverse(pose, q)), pose) < 1e-9
 
 
 @SOME

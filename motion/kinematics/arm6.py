@@ -28,7 +28,9 @@ from motion.limits import AxisLimits
 
 POLE = 5e-10  # sine of j5 (and m from axis 1) below which two axes turn about one line
 NEAR_POLE = 1e-4  # sine of j5 below which j6 is taken from j4, so that their sum keeps its digits
-SLACK = 1e-12  # a stretched arm: how far beyond 1 the cosine of the elbow may stand by rounding
+FOLDED = 1e-10  # m: a wrist centre this near to axis 2 leaves j2 open
+BORDER = 1e-12  # m and rad: rounding at the border between two configurations; on it: lefty, epositive
+SLACK = 1e-13  # m2: how far beyond its reach a wrist centre may stand by rounding
 
 FLAGS = tuple(  # [lefty][epositive][wpositive]
     tuple(tuple(Configuration(s, e, w) for w in (Wrist.NEGATIVE, Wrist.POSITIVE)) for e in (Elbow.NEGATIVE, Elbow.POSITIVE))
@@ -72,8 +74,9 @@ class Arm6:
         self._plain = g.signs == (1, 1, 1, 1, 1, 1) and not any(g.offsets)
         reach = math.hypot(g.forearm, g.elbow)
         psi = math.atan2(g.elbow, g.forearm)
-        squares, twice = g.arm * g.arm + reach * reach, 2.0 * g.arm * reach
-        self._fixed = (g.height, g.delta, g.side, g.arm, g.flange, reach, psi, math.sin(psi), math.cos(psi), squares, twice)
+        borders = ((g.arm + reach) ** 2, (g.arm - reach) ** 2)  # squares of the farthest and the nearest wrist centre
+        squares = (g.arm * g.arm + reach * reach, g.arm * g.arm - reach * reach)
+        self._fixed = (g.height, g.delta, g.side, g.arm, g.flange, reach, psi, math.sin(psi), math.cos(psi), *borders, *squares)
 
     # ------------------------------------------------------------------------------------------------ joints -> pose
 
@@ -103,7 +106,8 @@ class Arm6:
         g = self.geometry
         _, t2, t3, _, t5, _ = q if self._plain else self._angles(q)
         forwards = g.arm * math.sin(t2) + g.forearm * math.sin(t2 + t3) + g.elbow * math.cos(t2 + t3) + g.delta
-        return FLAGS[forwards >= 0.0][wrapped(t3 + self._fixed[6]) >= 0.0][wrapped(t5) >= 0.0]
+        bend = wrapped(t3 + self._fixed[6])
+        return FLAGS[forwards >= -BORDER][not BORDER - math.pi < bend < -BORDER][wrapped(t5) >= 0.0]
 
     def jacobian(self, q: Sequence[float]) -> NDArray[np.float64]:
         """(6, 6): m and rad of the flange for each rad of a joint, in the base frame."""
@@ -161,19 +165,19 @@ class Arm6:
 
         `only`: with this shoulder and elbow.
         """
-        height, delta, side, arm, flange, reach, psi, sin_psi, cos_psi, squares, twice = self._fixed
+        height, delta, side, arm, flange, reach, psi, sin_psi, cos_psi, farthest, nearest, total, excess = self._fixed
         (x, y, z), (r11, r12, r13, r21, r22, r23, r31, r32, r33) = pose
         x -= flange * r13
         y -= flange * r23
         z -= flange * r33 + height
         away = x * x + y * y
         radius = away - side * side
-        if not radius >= 0.0:  # nearer to axis 1 than the arm's side offset; a NaN ends here too
+        if not radius >= -SLACK:  # nearer to axis 1 than the arm's side offset; a NaN ends here too
             return []
-        radius = math.sqrt(radius)
+        radius = math.sqrt(radius) if radius > 0.0 else 0.0
         found: list[Branch] = []
         atan2, sqrt, pi = math.atan2, math.sqrt, math.pi
-        shoulders: tuple[float, ...] = (radius, -radius) if away > POLE * POLE else (radius,)
+        shoulders: tuple[float, ...] = (radius, -radius) if radius > 0.0 and away > POLE * POLE else (radius,)
         elbows: tuple[float, ...] = (1.0, -1.0)
         if only is not None:
             shoulders = shoulders[:1] if only.shoulder is Shoulder.LEFTY else shoulders[-1:]
@@ -186,20 +190,21 @@ class Arm6:
                 t1, c1, s1 = hold1, math.cos(hold1), math.sin(hold1)
             over = forwards - delta
             square = over * over + z * z
-            bent = (square - squares) / twice  # cosine of the angle at the elbow
-            if not -1.0 <= bent <= 1.0:
-                if not -1.0 - SLACK < bent < 1.0 + SLACK:
+            beyond, within = farthest - square, square - nearest
+            if beyond < 0.0 or within < 0.0:
+                if beyond < -SLACK or within < -SLACK:
                     continue
-                bent = 1.0 if bent > 0.0 else -1.0
-            sine = sqrt(1.0 - bent * bent)
-            phi = atan2(sine, bent)
+                bend = 0.0
+            else:
+                bend = sqrt(beyond * within)  # 2 arm reach sin(phi): keeps its digits at a stretched and at a folded elbow
+            phi = atan2(bend, square - total)
             nf, of, af = c1 * r11 + s1 * r21, c1 * r12 + s1 * r22, c1 * r13 + s1 * r23
             ay = c1 * r23 - s1 * r13
-            lefty = FLAGS[forwards >= 0.0]
-            along = arm + reach * bent
-            for sign in elbows if sine > 0.0 else (1.0,):
-                across = sign * reach * sine
-                if square > POLE * POLE:
+            lefty = FLAGS[forwards >= -BORDER]
+            along, aside = 0.5 * (square + excess) / arm, 0.5 * bend / arm
+            for sign in elbows if bend > 0.0 else (1.0,):
+                across = sign * aside
+                if square > FOLDED * FOLDED:
                     s2, c2 = (along * over - across * z) / square, (along * z + across * over) / square
                 else:
                     s2, c2 = 0.0, 1.0  # the wrist centre lies on axis 2: any j2 will do
