@@ -78,6 +78,7 @@ class Drive:
     def __init__(self, settings: DriveSettings | None = None) -> None:
         self._settings = settings or DriveSettings()
         self._phase = Phase.OFF
+        self._row = ROWS[Phase.OFF]  # of the present phase, kept: it is asked for many times a cycle
         self._cycles = 0  # in the present phase
         self._on_before = self._reset_before = True
         self._asked = False  # an edge of `on` that waits for OFF
@@ -98,7 +99,7 @@ class Drive:
     @property
     def power(self) -> Power:
         """Seen from outside."""
-        return ROWS[self._phase].power
+        return self._row.power
 
     @property
     def phase(self) -> Phase:
@@ -171,7 +172,7 @@ class Drive:
             self._follow(actual, demand)
 
     def _follow(self, actual: ActualValue, demand: Demand) -> None:
-        row = ROWS[self._phase]
+        row = self._row
         self._cycles += 1
         if not demand.on and row.on_off is not None:
             self._go(row.on_off)
@@ -186,6 +187,7 @@ class Drive:
 
     def _go(self, phase: Phase, event: Event | None = None) -> None:
         self._phase, self._cycles, self._refused = phase, 0, False
+        self._row = ROWS[phase]
         if event is not None:
             self.events.append(event)
         if phase in ON_REACHING:
@@ -215,7 +217,7 @@ class Drive:
         self._refused = True
 
     def _set_value(self, demand: Demand) -> SetValue:
-        row = ROWS[self._phase]
+        row = self._row
         speed = 0
         if self._phase is Phase.ENABLED and not self._refused:
             speed, cut = saturated_rpm(demand.speed_rpm)

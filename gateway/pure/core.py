@@ -12,7 +12,7 @@ from drivers.drives.family import Actual, CyclicDrive, Demand, DriveHoming, Driv
 from drivers.drives.limits import LagMonitor, LagState
 from drivers.drives.referencing import ReferenceSettings, Referencing, RunState
 from drivers.drives.scaling import Scaling
-from gateway.pure.permits import AS_SHIPPED, NO_PERMIT, EnablingInputs, RcNumbers
+from gateway.pure.permits import AS_SHIPPED, EVERY, NO_PERMIT, EnablingInputs, RcNumbers
 from gateway.pure.reasons import Reason
 from gateway.pure.records import (
     RC_BYTES,
@@ -34,6 +34,17 @@ from protocols.base.machine import Ns, ms
 ARRIVAL_S = 2.0  # after the set values: an axis that is not in its window by then has not arrived
 AT_REST_S = 0.02  # in position: inside the window for this long
 LOST_STOP_S = 2.0  # an axis still moving so long after its chain or control input was lost is switched off
+# The cycle asks for these several times an axis: arithmetic of enum flags costs microseconds, numbers and tables nothing.
+FLAGS = tuple(AxisFlag(bits) for bits in range(1 << len(AxisFlag)))
+ENABLED, REFERENCED, IN_POSITION, FAULT, LOST, HOMING, WARNING, ON, UNCONFIGURED = (int(flag) for flag in AxisFlag)
+CHAIN, CONTROL, FEED, RUN, TRAVEL = (int(permit) for permit in Permit)
+FLOW = FEED | RUN
+MOTIONS = (
+    (State.IDLE, Motion.IDLE),
+    (State.RUNNING, Motion.RUNNING),
+    (State.STOPPING, Motion.STOPPING),
+    (State.STOPPED, Motion.STOPPED),
+)
 TOO_MANY_SKIPPED = 3  # SYNCs skipped in a row: stop on the path
 SERVICES_LIMIT = ms(250)  # life counter of services older than this: dead
 
@@ -94,6 +105,7 @@ class Core:
         self._stepper.set_override(0.0)
         self._numbers, self._finish = numbers, finish_without_services
         self._enabling_inputs = EnablingInputs(numbers, assumed)
+        self._permits = 0
         self._override = 0.0
         self._job_masks: dict[int, int] = {}
         self._running = 0  # job of the piece under way
@@ -128,26 +140,27 @@ class Core:
     # ---- inputs ------------------------------------------------------------------------------------------------------
     def _judge_inputs(self, inputs: InputImage, services_ns: Ns, now: Ns) -> None:
         view = self._enabling_inputs.judge(inputs, services_ns, now)
-        self.state.permits = view.permits
-        if view.taken & Permit.CHAIN and self._settled:
+        if view.permits != self._permits:
+            self._permits, self.state.permits = view.permits, EVERY[view.permits]
+        if view.taken & CHAIN and self._settled:
             self._emergency()
-        if view.taken & Permit.CONTROL:
+        if view.taken & CONTROL:
             self._off(Reason.CONTROL_NOT_ALLOWED)
         self._judge_lost(view.just_lost, view.lost)
-        if view.taken & Permit.TRAVEL:
+        if view.taken & TRAVEL:
             self._stop(Reason.TRAVEL_NOT_ALLOWED)
-        if view.permits & Permit.CHAIN:
+        if view.permits & CHAIN:
             self._settled = True  # before the chain was seen closed once there is nothing to latch
         self._reset = view.reset
         if self._reset:
             self._acknowledge()
         self._apply_override()
 
-    def _judge_lost(self, just_lost: Permit, lost: Permit) -> None:
+    def _judge_lost(self, just_lost: int, lost: int) -> None:
         """Inputs that are lost, not taken away: stop on the path, and without chain or control off at rest (AX-143)."""
         if just_lost:
             self._stop(Reason.INPUT_LOST)
-        if not lost & (Permit.CHAIN | Permit.CONTROL):
+        if not lost & (CHAIN | CONTROL):
             self._lost_cycles = 0
             return
         self._lost_cycles += 1
@@ -172,8 +185,7 @@ class Core:
 
     def _apply_override(self) -> None:
         """Feed hold and a missing feed allow hold on the path; the move goes on when they are back (as the old feed hold)."""
-        flow = Permit.FEED | Permit.RUN
-        value = self._override if self.state.permits & flow == flow else 0.0
+        value = self._override if self._permits & FLOW == FLOW else 0.0
         if value != self._stepper.override:
             self._stepper.set_override(value)
 
@@ -399,18 +411,24 @@ class Core:
             if axis.lag.check(lag) is LagState.TRIPPED:
                 self.state.stop_cause = Reason.FOLLOWING_ERROR
                 self._off(Reason.FOLLOWING_ERROR)
+        powers = [axis.drive.power for axis in self._axes if axis.wanted]
         for power, reason in ((Power.FAULT, Reason.DRIVE_FAULT), (Power.LOST, Reason.DRIVE_LOST)):
-            if any(axis.wanted and axis.drive.power is power for axis in self._axes):
+            if power in powers:
                 self.state.stop_cause = reason
                 self._off(reason)  # the axes move together or not at all
+        if any(axis.drive.events for axis in self._axes):
+            self._judge_events()
+        job, mask = self._enabling
+        if job and self._all_enabled(mask):
+            self._enabling = (0, 0)
+
+    def _judge_events(self) -> None:
+        """What drives did by themselves; of an axis nobody wants on it is no matter."""
         if any(axis.wanted and (Event.DROPPED in axis.drive.events or Event.TIMEOUT in axis.drive.events) for axis in self._axes):
             self._off(Reason.DRIVE_FAULT)  # a drive that left control by itself: only a fresh command brings it back
         if any(axis.wanted and (Event.JUMP in axis.drive.events or Event.RANGE in axis.drive.events) for axis in self._axes):
             self.state.stop_cause = Reason.SET_VALUE
             self._off(Reason.SET_VALUE)  # a set value the drive object would not send: the axis no longer follows its path
-        job, mask = self._enabling
-        if job and self._all_enabled(mask):
-            self._enabling = (0, 0)
 
     def skipped(self, in_a_row: int) -> None:
         """SYNCs were not sent: the path is late by as much, and too many in a row stop it."""
@@ -429,18 +447,13 @@ class Core:
         if self._homing or any(axis.run is not None or axis.by_drive for axis in self._axes):
             state.motion = Motion.REFERENCING
         else:
-            state.motion = {
-                State.IDLE: Motion.IDLE,
-                State.RUNNING: Motion.RUNNING,
-                State.STOPPING: Motion.STOPPING,
-                State.STOPPED: Motion.STOPPED,
-            }[stepper]
+            state.motion = next(motion for known, motion in MOTIONS if known is stepper)
         if state.motion is Motion.IDLE and self._running:
             state.motion = Motion.RUNNING  # the axes are still on their last increments
         state.override = self._override
         state.job = self._homing or self._running
-        for n, axis in enumerate(self._axes):
-            self._publish_axis(state.axes[n], axis, at_rest=state.motion in (Motion.IDLE, Motion.STOPPED))
+        at_rest = state.motion in (Motion.IDLE, Motion.STOPPED)
+        flags = [self._publish_axis(state.axes[n], axis, at_rest=at_rest) for n, axis in enumerate(self._axes)]
         powers = [axis.drive.power for axis in self._axes]
         state.ready = not state.emergency and not any(power in (Power.FAULT, Power.LOST) for power in powers)
         numbers, outputs = self._numbers, self.outputs
@@ -448,31 +461,30 @@ class Core:
         set_bit(outputs, numbers.ready2, state.ready)
         set_bit(outputs, numbers.drives_on, all(power is Power.ENABLED for power in powers))
         set_bit(outputs, numbers.emergency, state.emergency)
-        for n in range(len(self._axes)):
-            set_bit(outputs, numbers.in_position + n, bool(state.axes[n].flags & AxisFlag.IN_POSITION))
-            set_bit(outputs, numbers.referenced + n, bool(state.axes[n].flags & AxisFlag.REFERENCED))
+        for n, bits in enumerate(flags):
+            set_bit(outputs, numbers.in_position + n, bool(bits & IN_POSITION))
+            set_bit(outputs, numbers.referenced + n, bool(bits & REFERENCED))
 
-    def _publish_axis(self, out: AxisState, axis: _Axis, *, at_rest: bool) -> None:
-        drive = axis.drive
+    def _publish_axis(self, out: AxisState, axis: _Axis, *, at_rest: bool) -> int:
+        """The bits of AxisFlag."""
+        drive, power = axis.drive, axis.drive.power
         out.actual = axis.scaling.to_si(drive.position_inc)
         out.set, out.speed = axis.set, axis.speed
         out.lag = axis.scaling.to_si(axis.active_inc) - out.actual
         out.torque = drive.torque_permille / 1000.0
-        enabled = drive.power is Power.ENABLED
+        enabled = power is Power.ENABLED
         inside = enabled and at_rest and abs(axis.set - out.actual) <= axis.plan.window
         axis.quiet = axis.quiet + 1 if inside else 0
-        flags = AxisFlag(0)
-        for on, flag in (
-            (enabled, AxisFlag.ENABLED),
-            (axis.referenced, AxisFlag.REFERENCED),
-            (axis.quiet * self._period >= AT_REST_S, AxisFlag.IN_POSITION),
-            (drive.power is Power.FAULT, AxisFlag.FAULT),
-            (drive.power is Power.LOST, AxisFlag.LOST),
-            (axis.run is not None or axis.by_drive, AxisFlag.HOMING),
-            (axis.lag.state is LagState.WARNING, AxisFlag.WARNING),
-            (axis.wanted, AxisFlag.ON),
-            (not drive.configured, AxisFlag.UNCONFIGURED),
-        ):
-            if on:
-                flags |= flag
-        out.flags, out.fault_code, out.power = flags, drive.fault_code, drive.power.value
+        flags = (
+            enabled * ENABLED
+            | axis.referenced * REFERENCED
+            | (axis.quiet * self._period >= AT_REST_S) * IN_POSITION
+            | (power is Power.FAULT) * FAULT
+            | (power is Power.LOST) * LOST
+            | (axis.run is not None or axis.by_drive) * HOMING
+            | (axis.lag.state is LagState.WARNING) * WARNING
+            | axis.wanted * ON
+            | (not drive.configured) * UNCONFIGURED
+        )
+        out.flags, out.fault_code, out.power = FLAGS[flags], drive.fault_code, power.value
+        return flags

@@ -2,11 +2,12 @@
 
 from dataclasses import dataclass
 
-from gateway.pure.records import InputImage, Permit, Quality
+from gateway.pure.records import ALL_PERMITS, InputImage, Permit, Quality
 from protocols.base.machine import Ns, ms
 
 INPUTS_HOLD = ms(4_000)  # enabling inputs outlive a services restart by this much (AX-143)
 NO_PERMIT = Permit(0)
+ALL, BAD = int(ALL_PERMITS), int(Quality.BAD)
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,16 +30,17 @@ class RcNumbers:
 
 AS_SHIPPED = RcNumbers()
 PERMITS = (("chain", Permit.CHAIN), ("control", Permit.CONTROL), ("feed", Permit.FEED), ("run", Permit.RUN), ("travel", Permit.TRAVEL))
+EVERY = tuple(Permit(bits) for bits in range(int(ALL_PERMITS) + 1))  # arithmetic of flags costs microseconds, a table nothing
 
 
 @dataclass(frozen=True, slots=True)
 class PermitView:
-    """One cycle's judgement."""
+    """One cycle's judgement; the bits are those of Permit as plain numbers, for the cycle asks for them each time."""
 
-    permits: Permit  # stand
-    taken: Permit  # a living door says 0
-    lost: Permit  # nobody says anything any more
-    just_lost: Permit  # stood in the cycle before
+    permits: int  # stand
+    taken: int  # a living door says 0
+    lost: int  # nobody says anything any more
+    just_lost: int  # stood in the cycle before
     reset: bool  # rising edge of Control reset
 
 
@@ -47,29 +49,31 @@ class EnablingInputs:
 
     def __init__(self, numbers: RcNumbers, assumed: Permit) -> None:
         """`assumed`: inputs that are not wired here and count as 1 ([rc_inputs] assume)."""
-        self.assumed = assumed
         self._numbers = numbers
-        self._before = NO_PERMIT
+        self._before = 0
+        self.assume(assumed)
         self._reset_bit = True  # a control reset that stands at start is no edge
+
+    def assume(self, assumed: Permit) -> None:
+        """From here on these count as 1 and the others are read."""
+        self._assumed = int(assumed)
+        self._places = [(getattr(self._numbers, name), int(permit)) for name, permit in PERMITS if not permit & assumed]
 
     def judge(self, inputs: InputImage, services_ns: Ns, now: Ns) -> PermitView:
         """`services_ns`: last sign of life of whoever writes the inputs."""
         held = services_ns != 0 and now - services_ns < INPUTS_HOLD
-        permits, lost = self.assumed, NO_PERMIT
-        for name, permit in PERMITS:
-            if permit & self.assumed:
-                continue
-            number: int = getattr(self._numbers, name)
-            if not held or inputs.quality[number >> 3] == Quality.BAD:
+        permits, lost, quality = self._assumed, 0, inputs.quality
+        for number, permit in self._places:
+            if not held or quality[number >> 3] == BAD:
                 lost |= permit
-            elif inputs.bit(number):
+            elif inputs.values[number >> 3] >> (number & 7) & 1:
                 permits |= permit
         just_lost, self._before = self._before & ~permits & lost, permits
-        return PermitView(permits, ~permits & ~lost, lost, just_lost, self._reset_edge(inputs))
+        return PermitView(permits, ALL & ~permits & ~lost, lost, just_lost, self._reset_edge(inputs))
 
     def _reset_edge(self, inputs: InputImage) -> bool:
         number = self._numbers.reset
-        bit = inputs.bit(number) and inputs.quality[number >> 3] != Quality.BAD
+        bit = inputs.bit(number) and inputs.quality[number >> 3] != BAD
         rising = bit and not self._reset_bit
         self._reset_bit = bit
         return rising

@@ -108,9 +108,7 @@ def test_a_lost_enabling_input_stops_and_its_return_starts_nothing() -> None:
     cell = CellBench().ready()
     move = cell.give(Code.PTP_ABSOLUTE, targets=FAR)
     cell.run(0.5)
-    cell.core._enabling_inputs.assumed |= (
-        Permit.CHAIN | Permit.CONTROL | Permit.TRAVEL
-    )  # wired elsewhere: only feed allow and feed hold are lost
+    cell.core._enabling_inputs.assume(Permit.CHAIN | Permit.CONTROL | Permit.TRAVEL)  # wired elsewhere: feed allow and feed hold are lost
     cell.inputs.quality[3] = Quality.BAD
     cell.run(1.0)
     assert cell.core.state.motion is Motion.STOPPED
