@@ -30,4 +30,4 @@ def cross_faults(cell: Cell, known: Mapping[str, frozenset[str]], signals: Signa
 
 def notices(cell: Cell) -> list[Notice]:
     """Warnings and notes of a cell without faults, in the order of a reader's questions."""
-    return [notice for check in (*telegrams.NOTES, *lines.NOTES, *notes.NOTES, *canopen.NOTES) for notice in check(cell)]
+    return [notice for check in (*telegrams.NOTES, *lines.NOTES, *rho3can.NOTES, *notes.NOTES, *canopen.NOTES) for notice in check(cell)]
