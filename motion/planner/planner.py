@@ -7,7 +7,8 @@ on the path.  Pure: the caller says how far the follower is (tau, time at full s
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,7 @@ from motion.planner.commit import timed_pieces
 from motion.planner.robot import Machine
 from motion.planner.route import Kind, Route, Stretch
 from motion.planner.runs import Run, make_run
+from motion.planner.swift import STEP_S, Swift, cropped, swift, width_s
 from motion.program.blocks import Block
 from motion.program.factors import FULL, Factors
 from motion.timed import TimedPiece
@@ -31,6 +33,12 @@ HORIZON_S = 1.0  # with more than this ahead (at full speed) the tail is left al
 SMALLEST = 1e-9
 
 
+class _Origin(NamedTuple):
+    quick: Swift | None
+    first: int
+    width: float
+
+
 @dataclass(frozen=True)
 class _Planned:
     """One law that was committed.  begin: tau at its start; cuts: (tau, piece id) of its pieces; end: tau at its end, or where a
@@ -42,6 +50,9 @@ class _Planned:
     end: float
     cuts: tuple[tuple[float, int], ...]
     stops: bool  # the path ends at rest here by itself, not for want of more
+    quick: Swift | None = None  # what an open path goes on from
+    first: int = 0  # sample of it at which this law begins
+    width: float = 0.0
 
     def s(self, tau: float) -> float:
         """On the run's path."""
@@ -155,16 +166,13 @@ class Planner:
         if not self._planned or self._planned[-1].stops:
             if not (whole or hurry or any(stretch.stop for stretch in self._fresh)):
                 return None
-            return self._commit(self._window(), (0.0, 0.0, 0.0), self.end, None)
+            return self._from_rest(self._window())
         cut = self._cut(tau)
         if cut is not None:
-            try:
-                return self._extended(*cut)
-            except MotionError:
-                pass  # a law from a moving start may not exist: the tail stays as it is and goes on from its rest
+            return self._extended(*cut)
         if ahead > self.lead_s and not whole:
             return None
-        return self._commit(self._window(), (0.0, 0.0, 0.0), self.end, None)
+        return self._from_rest(self._window())
 
     def _window(self) -> list[Stretch]:
         """Fresh stretches up to the next stop, or as many as one law spans."""
@@ -178,28 +186,37 @@ class Planner:
     def _cut(self, tau: float) -> tuple[float, int] | None:
         """(tau, id) of the first piece of the last law that may still be replaced."""
         last = self._planned[-1]
+        if last.quick is None:
+            return None
         return next(((at, number) for at, number in last.cuts if at >= tau + self.lead_s), None)
+
+    def _from_rest(self, row: list[Stretch]) -> list[TimedPiece]:
+        """A law of its own: near the optimum where the path ends at rest by itself, a quick one where it will go on."""
+        run = make_run(row, self.machine, self.factors)
+        if row[-1].stop:
+            law = jerk_limited(run.path, run.limits)
+            return self._commit(run, law, self.end, None, _Origin(None, 0, 0.0))
+        width = width_s(run.limits)
+        made = swift(run.path, run.limits, width)
+        return self._commit(run, made.law, self.end, None, _Origin(made, 0, width))
 
     def _extended(self, at: float, first_id: int) -> list[TimedPiece]:
         """The last law is replaced from this piece on by one that goes on along what has become known since."""
         last = self._planned[-1]
-        s, speed, accel = last.state(at)
+        assert last.quick is not None
+        sample = last.first + round((at - last.begin) / STEP_S)
+        s = float(last.quick.law.s[sample])
         index = max(k for k, start in enumerate(last.run.starts) if start <= s + SMALLEST)
-        kept = list(last.run.stretches[index:])
-        fresh = list(self._fresh)
-        row = [*kept, *self._window()]
-        try:
-            pieces = self._commit(row, (s - last.run.starts[index], speed, accel), at, first_id)
-        except MotionError:
-            self._fresh = deque(fresh)
-            raise
+        run = make_run([*last.run.stretches[index:], *self._window()], self.machine, self.factors)
+        history, cut = cropped(last.quick.shifted(last.run.starts[index]), sample, last.width)
+        made = swift(run.path, run.limits, last.width, history, cut)
+        law = Law(made.law.s[cut:], made.law.speed[cut:], made.law.accel[cut:], STEP_S, _state(made.law, cut))
+        pieces = self._commit(run, law, at, first_id, _Origin(made, cut, last.width))
         place = len(self._planned) - 2
-        self._planned[place] = _Planned(last.run, last.law, last.begin, at, tuple(c for c in last.cuts if c[0] < at), False)
+        self._planned[place] = replace(last, end=at, cuts=tuple(c for c in last.cuts if c[0] < at), quick=None)
         return pieces
 
-    def _commit(self, row: list[Stretch], state: tuple[float, float, float], begin: float, first_id: int | None) -> list[TimedPiece]:
-        run = make_run(row, self.machine, self.factors)
-        law = jerk_limited(run.path, run.limits, state)
+    def _commit(self, run: Run, law: Law, begin: float, first_id: int | None, origin: _Origin) -> list[TimedPiece]:
         number = self.next_id if first_id is None else first_id
         pieces = timed_pieces(
             run.path, run.limits, law, first_id=number, mask=self.mask, blocks=block_ends(run), new_tail=first_id is not None
@@ -209,7 +226,8 @@ class Planner:
         for piece in pieces:
             cuts.append((at, piece.id))
             at += piece.duration
-        self._planned.append(_Planned(run, law, begin, at, tuple(cuts), row[-1].stop))
+        stops = run.stretches[-1].stop
+        self._planned.append(_Planned(run, law, begin, at, tuple(cuts), stops, *origin))
         return pieces
 
     # ---- where the axes are --------------------------------------------------------------------------------------------
@@ -243,6 +261,10 @@ def block_ends(run: Run) -> list[tuple[float, int]]:
         else:
             ends.append((start + length, stretch.block))
     return ends
+
+
+def _state(law: Law, k: int) -> tuple[float, float, float]:
+    return float(law.s[k]), float(law.speed[k]), float(law.accel[k])
 
 
 def _one(t: float) -> NDArray[np.float64]:

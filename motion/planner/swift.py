@@ -1,0 +1,171 @@
+"""A quick law for paths that grow while they are run: acceleration-limited, then smoothed in time.
+
+The raw law is the fastest one under speeds and 9/10 of the accelerations (TOPP); the law itself is its mean over the last w seconds,
+which turns steps of acceleration into ramps of jerk 2 a / w at most along a straight path.  A mean of the past does not change
+when only the future is planned anew: so a tail joins exactly where the part in front of it was left, position, speed and
+acceleration, whatever the path does.  Where curvature makes more of it than the axes may do, speed is lowered there and the law is
+made again.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motion.errors import MotionError
+from motion.paths.joints import JointPath
+from motion.timing import topp
+from motion.timing.law import Law
+from motion.timing.limits import LawLimits, speed_squares
+
+Array = NDArray[np.float64]
+STEP_S = 1e-3
+SHARE = 0.9  # of the accelerations
+WIDTH = 1.8  # times acceleration / jerk of the slowest axis
+POINTS = (200, 1600)  # of the grid over s
+A_STRETCH = 8  # places for each polynomial of the path, if there is room
+STENCIL = 4  # samples behind a cut that must not change: speed and acceleration are differences over them
+ACCEL_GOOD, JERK_GOOD = 1.015, 1.045
+ROUNDS = 10
+HAIR = 1.03  # in sdot^2
+
+
+@dataclass(frozen=True)
+class Swift:
+    """law: of the whole, from its beginning; raw: (m,) s of the raw law at k * STEP_S; speed: sdot of the raw law there."""
+
+    law: Law
+    raw: Array
+    speed: Array
+
+    def shifted(self, by: float) -> "Swift":
+        """The same on a path that begins `by` further on."""
+        law = self.law
+        moved = Law(law.s - by, law.speed, law.accel, law.step, (law.start[0] - by, law.start[1], law.start[2]))
+        return Swift(moved, self.raw - by, self.speed)
+
+
+def cropped(made: Swift, sample: int, width: float) -> tuple[Swift, int]:
+    """Without what lies so far before the sample that the mean does not reach it; and the sample's new place."""
+    first = max(sample - round(width / STEP_S) - 2 * STENCIL, 0)
+    law = made.law
+    start = (float(law.s[first]), float(law.speed[first]), float(law.accel[first]))
+    short = Law(law.s[first:], law.speed[first:], law.accel[first:], law.step, start)
+    return Swift(short, made.raw[first:], made.speed[first:]), sample - first
+
+
+def width_s(limits: LawLimits) -> float:
+    """Seconds of the mean: the same for the whole of a growing path."""
+    finite = np.isfinite(limits.accel) & np.isfinite(limits.jerk)
+    slowest = float(np.max(limits.accel[finite] / limits.jerk[finite])) if np.any(finite) else 0.02
+    return max(round(WIDTH * slowest / STEP_S), 2) * STEP_S
+
+
+def swift(path: JointPath, limits: LawLimits, width: float, before: Swift | None = None, cut: int = 0, start: float = 0.0) -> Swift:
+    """From rest at `start` (before: None), or going on with `before` (same path coordinate) from its sample `cut` on.
+
+    Raises MotionError where no law leads to the end.
+    """
+    count = round(width / STEP_S)
+    keep = 0 if before is None else cut + STENCIL
+    if before is None or keep >= len(before.raw):
+        held = np.array([start]) if before is None else np.concatenate([before.raw, np.full(keep + 1 - len(before.raw), before.raw[-1])])
+        speeds = np.zeros(len(held))
+    else:
+        held, speeds = before.raw[: keep + 1], before.speed[: keep + 1]
+    s0, v0 = float(held[-1]), float(speeds[-1])
+    if path.length - s0 < 1e-12:
+        raise MotionError("nothing is left of this path")
+    points = int(min(max(A_STRETCH * len(path.coefficients), POINTS[0]), POINTS[1]))
+    grid = np.linspace(s0, path.length, points + 1)
+    first, second = path.at(grid, 1), path.at(grid, 2)
+    accel, most = SHARE * limits.at(grid)[1], speed_squares(path, grid, limits)
+    floor = _braking(first, accel, grid, v0)
+    made: Swift | None = None
+    for _ in range(ROUNDS):
+        try:
+            raw = _entered(first, second, float(grid[1] - grid[0]), accel, most, v0 * v0)
+        except MotionError:
+            if made is None:
+                raise
+            break  # lowered so far that it could not be entered any more: the round before is the best there is
+        tail, rates = _sampled(grid, raw)
+        made = _smoothed(np.concatenate([held, tail]), np.concatenate([speeds, rates]), count, path.length)
+        at, excess = _excess(path, limits, made.law, keep)
+        if len(excess) == 0 or float(excess.max()) <= 1.0:
+            return made
+        lower, accel = _lowered(most, accel, grid, made, at, excess, count, raw)
+        most = np.minimum(most, np.maximum(lower, floor))
+    assert made is not None
+    return made
+
+
+def _entered(first: Array, second: Array, step: float, accel: Array, most: Array, b: float) -> topp.Topp:
+    """The raw law from sdot^2 = b; on another grid than before it may have to be a hair slower."""
+    try:
+        return topp.solve(first, second, step, accel, most, b)
+    except MotionError:
+        bound = float(topp.solve(first, second, step, accel, most).controllable[0])
+        if b > bound * HAIR:
+            raise
+        return topp.solve(first, second, step, accel, most, bound * (1 - 1e-12))
+
+
+def _braking(first: Array, accel: Array, grid: Array, speed: float) -> Array:
+    """(n,) sdot^2 that braking from the start leaves at least: what caps may not ask to be below."""
+    slope = np.maximum(np.abs(first), 1e-9)
+    strength = 0.6 * float(np.min(accel / slope))
+    return np.asarray(np.maximum(speed * speed - 2 * strength * (grid - grid[0]), 0.0) * 1.0001)
+
+
+def _sampled(grid: Array, raw: topp.Topp) -> tuple[Array, Array]:
+    """s and sdot of the raw law at STEP_S, 2 STEP_S .. behind its start, to its end."""
+    times, root = raw.times, np.sqrt(raw.b)
+    moments = np.arange(1, int(np.ceil(times[-1] / STEP_S - 1e-9)) + 1) * STEP_S
+    index = np.clip(np.searchsorted(times, moments, side="right") - 1, 0, len(times) - 2)
+    u = (raw.b[index + 1] - raw.b[index]) / (2 * raw.step)
+    t = np.minimum(moments, times[-1]) - times[index]
+    s = np.minimum(grid[index] + t * (root[index] + 0.5 * u * t), grid[-1])
+    v = np.where(moments >= times[-1], 0.0, np.maximum(root[index] + u * t, 0.0))
+    s[-1] = grid[-1]
+    return np.asarray(np.maximum.accumulate(s)), np.asarray(v)
+
+
+def _smoothed(raw: Array, speed: Array, count: int, length: float) -> Swift:
+    """Mean over the last `count` steps; before the raw law began it stood."""
+    padded = np.concatenate([np.full(count, raw[0]), raw, np.full(count, raw[-1])])
+    halves = 0.5 * (padded[1:] + padded[:-1])
+    total = np.concatenate([[0.0], np.cumsum(halves)])
+    s = (total[count:] - total[:-count]) / count
+    s = np.minimum(np.maximum.accumulate(s), length)
+    s[-1] = raw[-1]
+    return Swift(Law.sampled(s, STEP_S, (float(raw[0]), 0.0, 0.0)), raw, speed)
+
+
+def _excess(path: JointPath, limits: LawLimits, law: Law, keep: int) -> tuple[Array, Array]:
+    """(s, how many times too much) at the samples that may still change, acceleration and jerk by differences of the axes."""
+    n = path.axes
+    s = np.concatenate([law.s[:1]] * 3 + [law.s] + [law.s[-1:]] * 3)
+    q = path.at(s)[:, :n]
+    _, accel, jerk = limits.at(s)
+    second = np.abs(np.diff(q, 2, axis=0)) / STEP_S**2 / accel[1:-1, :n] / ACCEL_GOOD
+    third = np.abs(np.diff(q, 3, axis=0)) / STEP_S**3 / jerk[1:-2, :n] / JERK_GOOD
+    both = np.maximum(second[1:].max(axis=1), third.max(axis=1) ** (2 / 3))[2:]
+    at = s[3 : 3 + len(both)]
+    return at[keep:], both[keep:]
+
+
+def _lowered(
+    most: Array, accel: Array, grid: Array, made: Swift, at: Array, excess: Array, count: int, raw: topp.Topp
+) -> tuple[Array, Array]:
+    """Speeds and accelerations lowered where it was too much, as far before and behind as the mean reaches."""
+    s, step = made.law.s, float(grid[1] - grid[0])
+    first = len(s) - len(at) - 2
+    factor = np.ones(len(grid))
+    for k in np.nonzero(excess > 1.0)[0]:
+        low, high = s[min(max(first + int(k) - 4, 0), len(s) - 1)], s[min(first + int(k) + count, len(s) - 1)]
+        inside = (grid >= low - step) & (grid <= high + step)
+        factor[inside] = np.minimum(factor[inside], max(0.97 / float(excess[k]), 0.6))
+    touched = factor < 1.0
+    running = touched & (raw.b > 1e-4 * float(raw.b.max()))
+    return np.where(running, np.minimum(most, raw.b * factor), most), np.where(touched[:, None], accel * factor[:, None], accel)
