@@ -104,7 +104,7 @@ def pieces(series: Series) -> list[Piece]:
             begin = None
         if bit < width and flips[bit] and begin is None:
             begin = bit
-    tops = [start for start, _ in found[1:]] + [width]
+    tops = [*(start for start, _ in found[1:]), width][: len(found)]
     return [Piece(start, end - start, top, len(flips[start])) for (start, end), top in zip(found, tops, strict=True)]
 
 
