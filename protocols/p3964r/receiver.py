@@ -27,6 +27,9 @@ class State(Enum):
     DEAF = auto()  # the rest of a broken or torn block comes in: nothing in it is a wish to send; a quiet line ends it (AX-228, AX-240)
 
 
+INSIDE = (State.DATA, State.ESCAPED, State.CHECK)
+
+
 class Receiver:
     """Takes blocks off the line and answers them; half of a Link, which hands it the characters that are its."""
 
@@ -42,6 +45,7 @@ class Receiver:
         self._restless, self._heard_at = False, 0  # what was heard last had no place, or was refused; and when that was
         self._doubted = False  # the opening under way came on such a line
         self._leaving = False  # our DLE to it has not left
+        self._early = False  # what was heard of the block came in one burst with the STX
         self._opened_in, self._ended_in = -1, -1  # turns of the box: our answer to STX, to the end of a block
         self._strays = 0
         self._refusals, self._first_why = 0, Refusal.GAP
@@ -66,6 +70,8 @@ class Receiver:
         while at < len(data):
             if self._untouched and self._doubted and self._before_our_dle():
                 self._close_again()
+            if self._early and self._box.turn != self._opened_in:
+                self._forget()
             if self._untouched and data[at] in (Char.STX, Char.NAK) and self._box.turn == self._opened_in:
                 self._wish_again(data[at])
                 at += 1
@@ -111,6 +117,7 @@ class Receiver:
             case _:  # CHECK
                 self._judge(byte)
         self._untouched = False
+        self._early = self._box.turn == self._opened_in and self._state in INSIDE
 
     def _collect(self, data: bytes, at: int) -> int:
         """A run of plain characters up to the next DLE, taken at once; the same as one step for each."""
@@ -121,6 +128,7 @@ class Receiver:
         self._check ^= check_of(run)
         self._store(run)
         self._untouched = False
+        self._early = self._box.turn == self._opened_in and self._state in INSIDE
         return at + len(run)
 
     def _store(self, run: bytes) -> None:
@@ -184,6 +192,8 @@ class Receiver:
 
     def _refuse(self, why: Refusal) -> None:
         """NAK, once; the repeat is expected within the block wait time, which runs from when the NAK has left."""
+        if self._early and self._box.turn == self._opened_in:
+            del self._box.output[-1:]  # our DLE was not given out: before a NAK it would read "block good"
         self._box.say(Char.NAK)
         self._box.tell(BlockRefused(why, self._count))
         self._restless = True
@@ -201,7 +211,7 @@ class Receiver:
 
     def _break(self, now: Ns) -> None:
         """BREAK: no answer, and back to idle; from inside a block once the line is quiet (AX-228)."""
-        inside = self._state in (State.DATA, State.ESCAPED, State.CHECK, State.DEAF)
+        inside = self._state in INSIDE or self._state is State.DEAF
         if self._state is not State.DEAF:
             self._box.tell(BlockRefused(Refusal.BREAK, self._count) if self.busy else LineBreak())
         self._rest()
@@ -209,7 +219,7 @@ class Receiver:
             self._state, self._due, self._untouched = State.DEAF, now + self._profile.char_delay, False
 
     def _rest(self) -> None:
-        self._state, self._due = State.IDLE, None
+        self._state, self._due, self._early = State.IDLE, None, False
         self._why, self._data, self._count, self._check = None, bytearray(), 0, 0
 
     # ---- idle
@@ -235,6 +245,11 @@ class Receiver:
     def _before_our_dle(self) -> bool:
         """What comes now did not wait for the DLE: in one burst with the STX, or, after a torn block, before the DLE has left."""
         return self._box.turn == self._opened_in or (self._torn and self._leaving)
+
+    def _forget(self) -> None:
+        """In one burst with the STX and no whole block: the block begins now, behind our DLE."""
+        self._state, self._early = State.DATA, False
+        self._why, self._data, self._count, self._check = None, bytearray(), 0, 0
 
     def _wish_again(self, byte: int) -> None:
         """In one burst with the STX: STX is the same wish once more, NAK takes it back."""

@@ -73,7 +73,7 @@ def test_giving_way_in_a_repeat_keeps_the_job() -> None:
 
 
 def test_a_refused_block_after_giving_way_leaves_our_job_its_turn() -> None:
-    wishing(Priority.LOW).hears(STX + b"B\x10\x03\x00").says(DLE + NAK + STX).reports(BlockRefused(Refusal.CHECK, 1))
+    wishing(Priority.LOW).hears(STX).says(DLE).hears(b"B\x10\x03\x00").says(NAK + STX).reports(BlockRefused(Refusal.CHECK, 1))
 
 
 def test_both_without_priority_is_named_and_ends_after_six_attempts() -> None:

@@ -178,7 +178,7 @@ def test_the_wait_for_a_repeat_ends_with_the_next_stx() -> None:
 
 
 def test_six_refusals_in_a_row_are_a_failure_with_the_first_fault_and_a_good_block_still_comes_in() -> None:
-    line = listening().hears(STX + b"A\x10A\x10\x03\x00").says(DLE + NAK).reports(BlockRefused(Refusal.ORDER, 1))
+    line = listening().hears(STX).says(DLE).hears(b"A\x10A\x10\x03\x00").says(NAK).reports(BlockRefused(Refusal.ORDER, 1))
     for attempt in range(2, 8):
         line.at(ms(attempt)).hears(STX).says(DLE).hears(b"A\x10\x03\x00").says(NAK)
         failed = (ReceptionFailed(Refusal.ORDER, 6),) if attempt == 6 else ()

@@ -92,6 +92,19 @@ def test_a_lone_stx_among_stray_characters_is_a_wish_one_with_company_is_not() -
     line.at(ms(900)).hears(b"x").at(ms(1120)).hears(STX + GOOD_AB).says(DLE + DLE).reports(StrayCharacters(1), BlockReceived(b"AB"))
 
 
+def test_a_refused_block_in_one_burst_with_its_stx_gets_nak_alone() -> None:
+    """A DLE before the NAK would be taken for the acknowledgement."""
+    Line().hears(STX + b"AB\x10\x03\x00").says(NAK).reports(BlockRefused(Refusal.CHECK, 2))
+
+
+@pytest.mark.parametrize("noise", [b"\xa1", b"A\x10", b"A\x10\x10", b"\x10x"])
+def test_what_came_in_one_burst_with_the_stx_and_is_no_whole_block_is_not_part_of_the_block(noise: bytes) -> None:
+    """A spoiled repeat of STX behind it: without block check nothing else would show it."""
+    line = Line(RHO3.plain()).hears(STX + noise).says(DLE).at(ms(2)).hears(GOOD_AB[:-1]).says(DLE).reports(BlockReceived(b"AB"))
+    line.at(ms(900)).hears(STX + noise).says(DLE).at(ms(1120)).says(NAK)
+    assert isinstance(line.told[-1], BlockRefused)
+
+
 def test_a_damaged_rest_and_a_lost_port_end_the_doubt() -> None:
     line = torn().at(ms(300)).hears(TAIL)
     line.told += line.link.damaged(Damage.PARITY, ms(300))

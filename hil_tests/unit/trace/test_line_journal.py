@@ -36,8 +36,9 @@ def played(dialogue: Dialogue, out: io.StringIO, start: Ns = 0) -> bytes:
                 case "does", _:
                     link.take_block(now)
         machine.wake(now)
-        said += machine.take_output()
-        if machine.deadline() is None:
+        spoken = machine.take_output()
+        said += spoken
+        if spoken or machine.deadline() is None:
             machine.sent(now)
     return said
 
