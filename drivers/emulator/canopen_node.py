@@ -198,6 +198,8 @@ class CanopenNode:
     def _enter(self, state: State, now: Ns) -> None:
         before, self.state = self.state, state
         if state is State.OPERATIONAL and before is not state:
+            self.application.advance(now)
+            self.application.changed()  # what was before is no event
             for tpdo in self._tpdos:
                 tpdo.count, tpdo.waits_for_start, tpdo.free_at = 0, tpdo.start_at > 0, 0
                 if tpdo.valid and tpdo.by_event:

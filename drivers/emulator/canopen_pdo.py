@@ -110,7 +110,11 @@ class Pdo:
         self.mapping = Mapping(objects, words if self._sound(words) == OK else [])
         self.valid = not cob & cobid.INVALID and bool(self.mapping.parts)
         self.type = objects.whole((self.com, TYPE))
+        self._load_own()
         self._changed()
+
+    def _load_own(self) -> None:
+        """What only one direction has."""
 
     @property
     def _exists(self) -> bool:
@@ -174,9 +178,8 @@ class Rpdo(Pdo):
         self.due: Ns = NEVER  # its deadline monitoring (event timer of an RPDO)
         super().__init__(objects, pdo.RPDO_COMMUNICATION + number, pdo.RPDO_MAPPING + number, True, changed)
 
-    def load(self) -> None:
+    def _load_own(self) -> None:
         self.pending = None
-        super().load()
         self.time_out_ns = self.objects.whole((self.com, EVENT)) * 1_000_000
         self.due = NEVER
         self.takers = [self._taker(key) for key in self.mapping.keys]
@@ -226,8 +229,7 @@ class Tpdo(Pdo):
         self.rtr = False
         super().__init__(objects, pdo.TPDO_COMMUNICATION + number, pdo.TPDO_MAPPING + number, False, changed)
 
-    def load(self) -> None:
-        super().load()
+    def _load_own(self) -> None:
         objects = self.objects
         self.rtr = not objects.whole((self.com, COB)) & cobid.NO_RTR
         self.inhibit_ns = objects.whole((self.com, INHIBIT)) * 100_000

@@ -352,12 +352,19 @@ class InterpolatedPosition(Cyclic):
 class CyclicPosition(Cyclic):
     code = 8
 
+    def enter(self) -> None:
+        super().enter()
+        self._goal: float | None = None  # of the SYNC before: such drives derive their feed-forward from the set positions
+
     def sync(self, new: bool) -> None:
         if not self.halted:
             values = self.objects.values
             target, offset = values[od.TARGET_POSITION], values[od.SPEED_OFFSET]
             assert isinstance(target, int) and isinstance(offset, int), "both are INTEGER32"
-            self.drive.follow(self.drive.clip(target), self.drive.period_ns, offset)
+            goal = self.drive.clip(target)
+            own = (goal - self._goal) * 1e9 / self.drive.period_ns if new and self._goal is not None else 0.0
+            self._goal = goal
+            self.drive.follow(goal, self.drive.period_ns, offset + own)  # fed forward by the servo's share (speed_feed_forward)
 
     def bits(self) -> int:
         return BIT12 * (not self.halted) | BIT13 * self.drive.following_error_stands

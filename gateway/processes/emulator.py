@@ -128,6 +128,7 @@ class Emulator:
         self._record(now)
         for fd, _ in ready:
             self.control.ready(fd)
+        self._send(now)  # what a command made them say
 
     def close(self) -> None:
         self._flush()
