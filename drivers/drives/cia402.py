@@ -92,6 +92,7 @@ class Phase(Enum):
     TO_HOMING = auto()  # 6060h = 6 sent, 6061h awaited
     START = auto()  # bit 4 sent: the statusword does not know of it yet
     HOMING = auto()
+    AT_HOME = auto()  # attained: the drive's position has jumped to its new zero, 607Ah follows it there
     GIVING_UP = auto()  # bit 4 taken back: the axis comes to rest
     TO_CSP = auto()  # 6060h = 8 sent, 6061h awaited
     STOPPING = auto()  # quick stop, then off
@@ -105,7 +106,7 @@ POWERS = {
     Phase.STOPPING: Power.SWITCHING_OFF,
     Phase.FAULT: Power.FAULT,
 }
-AT_HOMING = (Phase.TO_HOMING, Phase.START, Phase.HOMING, Phase.GIVING_UP, Phase.TO_CSP)
+AT_HOMING = (Phase.TO_HOMING, Phase.START, Phase.HOMING, Phase.AT_HOME, Phase.GIVING_UP, Phase.TO_CSP)
 ENABLED_PHASES = (Phase.ENABLED, *AT_HOMING)
 
 
@@ -279,6 +280,9 @@ class Cia402Drive:
             if status & Bit.HOMING_ERROR or given_up:
                 self._go(Phase.GIVING_UP)
             elif status & Bit.HOMING_ATTAINED and status & Bit.TARGET_REACHED:
+                self._go(Phase.AT_HOME)
+        elif self._phase is Phase.AT_HOME:
+            if self._cycles >= PIPELINE:  # CSP must not begin with a 607Ah from before the jump
                 self._back(homed=True)
         elif self._phase is Phase.GIVING_UP:
             if self._still >= STILL_CYCLES and self._cycles > STILL_CYCLES:
@@ -323,7 +327,7 @@ class Cia402Drive:
     def _controlword(self) -> int:
         """The one image; nobody else writes 6040h."""
         if self._phase in ENABLED_PHASES:
-            start = Bit.START_HOMING if self._phase in (Phase.START, Phase.HOMING) else 0
+            start = Bit.START_HOMING if self._phase in (Phase.START, Phase.HOMING, Phase.AT_HOME) else 0
             return Command.ENABLE.value | start
         if self._phase is Phase.SWITCHING_ON and self._state is not None:
             command = next_command(self._state, State.ENABLED)

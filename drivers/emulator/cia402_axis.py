@@ -204,6 +204,10 @@ class Cia402Axis:
         return self.sync_watch.period
 
     @property
+    def own_feed_forward(self) -> float:
+        return self.settings.own_feed_forward
+
+    @property
     def following_error_stands(self) -> bool:
         return self._follow_since is not None
 

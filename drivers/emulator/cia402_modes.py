@@ -41,6 +41,8 @@ class Drive(Protocol):
     def period_ns(self) -> int: ...  # of the set values in cyclic modes
     @property
     def following_error_stands(self) -> bool: ...
+    @property
+    def own_feed_forward(self) -> float: ...
     def follow(self, position: float, duration_ns: int, speed: float) -> None: ...
     def clip(self, position: float) -> float: ...  # into the software limits
     def set_home(self, counter: int) -> None: ...
@@ -354,7 +356,7 @@ class CyclicPosition(Cyclic):
 
     def enter(self) -> None:
         super().enter()
-        self._goal: float | None = None  # of the SYNC before: such drives derive their feed-forward from the set positions
+        self._goal: float | None = None  # of the SYNC before
 
     def sync(self, new: bool) -> None:
         if not self.halted:
@@ -362,9 +364,9 @@ class CyclicPosition(Cyclic):
             target, offset = values[od.TARGET_POSITION], values[od.SPEED_OFFSET]
             assert isinstance(target, int) and isinstance(offset, int), "both are INTEGER32"
             goal = self.drive.clip(target)
-            own = (goal - self._goal) * 1e9 / self.drive.period_ns if new and self._goal is not None else 0.0
+            own = (goal - self._goal) * 1e9 / self.drive.period_ns * self.drive.own_feed_forward if self._goal is not None else 0.0
             self._goal = goal
-            self.drive.follow(goal, self.drive.period_ns, offset + own)  # fed forward by the servo's share (speed_feed_forward)
+            self.drive.follow(goal, self.drive.period_ns, offset + own)
 
     def bits(self) -> int:
         return BIT12 * (not self.halted) | BIT13 * self.drive.following_error_stands

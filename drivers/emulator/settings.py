@@ -119,6 +119,7 @@ class DriveSettings:
     probe_2_to_rad: float = -inf
     multiturn_turns: int = 0  # encoder turns kept without power; 0: one turn only, as a resolver
     dc_link_v: float = 560.0
+    own_feed_forward: float = 0.0  # CSP: share of the set positions' own speed that goes where 60B1h goes (then speed_feed_forward acts)
 
     def __post_init__(self) -> None:
         faults = _range_faults(self, DRIVE_RANGES)
@@ -196,6 +197,7 @@ RANGES: Mapping[str, Range] = {
 DRIVE_RANGES: Mapping[str, Range] = {
     "serial": Range("", 0, 2**32 - 1, "1018h:04"),
     "sync_tolerance_us": Range("us", 1.0, 1e6, "leave out: a quarter of the SYNC period"),
+    "own_feed_forward": Range("", 0.0, 1.0, "1: the drive feeds the speed of the set positions forward"),
     "sync_faults": Range("", 0, 255, "0: never a fault"),
     "tpdo_delay_us": Range("us", 0.0, 1e6, "from SYNC to the TPDOs"),
     "tpdo_spread_us": Range("us", 0.0, 1e6, ""),
