@@ -26,11 +26,12 @@ from motion.kinematics.base import Branch, Configuration, Elbow, Joints, Shoulde
 from motion.kinematics.choice import Chooser, wrapped
 from motion.limits import AxisLimits
 
-POLE = 5e-10  # sine of j5 (and m from axis 1) below which two axes turn about one line
+POLE = 5e-10  # sine of j5 below which axes 4 and 6 turn about one line
 NEAR_POLE = 1e-4  # sine of j5 below which j6 is taken from j4, so that their sum keeps its digits
-FOLDED = 1e-10  # m: a wrist centre this near to axis 2 leaves j2 open
+LOST = 1e-10  # m: a wrist centre this near to axis 2 leaves j2 open, this near to axis 1 leaves j1 open
 BORDER = 1e-12  # m and rad: rounding at the border between two configurations; on it: lefty, epositive
-SLACK = 1e-13  # m2: how far beyond its reach a wrist centre may stand by rounding
+SLACK = 1e-13  # m2: how far inside the side offset a wrist centre may stand by rounding
+SHORT = 8e-10  # m: how far beyond a stretched or folded arm it may stand by rounding
 
 FLAGS = tuple(  # [lefty][epositive][wpositive]
     tuple(tuple(Configuration(s, e, w) for w in (Wrist.NEGATIVE, Wrist.POSITIVE)) for e in (Elbow.NEGATIVE, Elbow.POSITIVE))
@@ -75,8 +76,9 @@ class Arm6:
         reach = math.hypot(g.forearm, g.elbow)
         psi = math.atan2(g.elbow, g.forearm)
         borders = ((g.arm + reach) ** 2, (g.arm - reach) ** 2)  # squares of the farthest and the nearest wrist centre
+        slack = (-2.0 * (g.arm + reach) * SHORT, -2.0 * abs(g.arm - reach) * SHORT)
         squares = (g.arm * g.arm + reach * reach, g.arm * g.arm - reach * reach)
-        self._fixed = (g.height, g.delta, g.side, g.arm, g.flange, reach, psi, math.sin(psi), math.cos(psi), *borders, *squares)
+        self._fixed = (g.height, g.delta, g.side, g.arm, g.flange, reach, psi, math.sin(psi), math.cos(psi), *borders, *slack, *squares)
 
     # ------------------------------------------------------------------------------------------------ joints -> pose
 
@@ -165,7 +167,7 @@ class Arm6:
 
         `only`: with this shoulder and elbow.
         """
-        height, delta, side, arm, flange, reach, psi, sin_psi, cos_psi, farthest, nearest, total, excess = self._fixed
+        height, delta, side, arm, flange, reach, psi, sin_psi, cos_psi, farthest, nearest, out, inn, total, excess = self._fixed
         (x, y, z), (r11, r12, r13, r21, r22, r23, r31, r32, r33) = pose
         x -= flange * r13
         y -= flange * r23
@@ -177,24 +179,26 @@ class Arm6:
         radius = math.sqrt(radius) if radius > 0.0 else 0.0
         found: list[Branch] = []
         atan2, sqrt, pi = math.atan2, math.sqrt, math.pi
-        shoulders: tuple[float, ...] = (radius, -radius) if radius > 0.0 and away > POLE * POLE else (radius,)
+        shoulders: tuple[float, ...] = (radius, -radius) if radius > 0.0 and away > LOST * LOST else (radius,)
         elbows: tuple[float, ...] = (1.0, -1.0)
         if only is not None:
             shoulders = shoulders[:1] if only.shoulder is Shoulder.LEFTY else shoulders[-1:]
             elbows = elbows[:1] if only.elbow is Elbow.POSITIVE else elbows[1:]
         for forwards in shoulders:
-            if away > POLE * POLE:
+            if away > LOST * LOST:
                 c1, s1 = (forwards * x + side * y) / away, (forwards * y - side * x) / away
                 t1 = atan2(s1, c1)
             else:
                 t1, c1, s1 = hold1, math.cos(hold1), math.sin(hold1)
-            over = forwards - delta
-            square = over * over + z * z
+            over, lift = forwards - delta, z
+            square = over * over + lift * lift
             beyond, within = farthest - square, square - nearest
             if beyond < 0.0 or within < 0.0:
-                if beyond < -SLACK or within < -SLACK:
+                if beyond < out or within < inn:
                     continue
-                bend = 0.0
+                border = farthest if beyond < 0.0 else nearest
+                scale, square, bend = sqrt(border / square), border, 0.0
+                over, lift = over * scale, lift * scale
             else:
                 bend = sqrt(beyond * within)  # 2 arm reach sin(phi): keeps its digits at a stretched and at a folded elbow
             phi = atan2(bend, square - total)
@@ -204,14 +208,14 @@ class Arm6:
             along, aside = 0.5 * (square + excess) / arm, 0.5 * bend / arm
             for sign in elbows if bend > 0.0 else (1.0,):
                 across = sign * aside
-                if square > FOLDED * FOLDED:
-                    s2, c2 = (along * over - across * z) / square, (along * z + across * over) / square
+                if square > LOST * LOST:
+                    s2, c2 = (along * over - across * lift) / square, (along * lift + across * over) / square
                 else:
                     s2, c2 = 0.0, 1.0  # the wrist centre lies on axis 2: any j2 will do
                 t3 = sign * phi - psi
                 if not -pi <= t3 <= pi:
                     t3 += 2.0 * pi if t3 < 0.0 else -2.0 * pi
-                u, w = (over - arm * s2) / reach, (z - arm * c2) / reach
+                u, w = (over - arm * s2) / reach, (lift - arm * c2) / reach
                 s23, c23 = u * cos_psi - w * sin_psi, w * cos_psi + u * sin_psi
                 xc, zc = c23 * af - s23 * r33, s23 * af + c23 * r33
                 h = sqrt(xc * xc + ay * ay)
