@@ -149,6 +149,8 @@ class Follower:
             self._commit(tail)
 
     def _commit(self, tail: list[TimedPiece]) -> None:
+        for piece in tail:
+            piece.quintics  # noqa: B018 - worked out here, not in the middle of a cycle
         if tail[0].new_tail:
             self._cut(tail[0])
         for piece in tail:

@@ -17,7 +17,7 @@ from motion.paths.corner import MISS, hermite
 
 Array = NDArray[np.float64]
 DEGREE = 5
-JOIN, JOIN_SLOPE = 1e-8, 1e-5  # steps of value (m, rad) and slope (relative) allowed where paths meet
+JOIN, JOIN_SLOPE = 2e-8, 1e-5  # steps of value (m, rad) and slope (relative) allowed where paths meet
 NO_WAY = 1e-12
 
 

@@ -13,7 +13,7 @@ from motion.timing.law import Law
 from motion.timing.limits import LawLimits
 
 Array = NDArray[np.float64]
-SPACING_S = 2e-3  # between nodes
+SPACING_S = 1.5e-3  # between nodes at most: wider ones round the corners of the jerk off and over
 CLOSE = 2e-7  # m or rad between pieces and path, looked at between the nodes
 NO_LIMIT = 1e9  # a record holds numbers: stands for none
 
@@ -73,7 +73,7 @@ def _finite(values: Sequence[float]) -> tuple[float, ...]:
 def _nodes(path: JointPath, law: Law) -> tuple[list[int], Array]:
     """Points of the law's grid that become nodes, and (n, 3 x (axes + 1)) position, speed, acceleration there; as far apart as
     the path allows."""
-    every = max(round(SPACING_S / law.step), 1)
+    every = max(int(SPACING_S / law.step), 1)
     while True:
         index = [*range(0, len(law.s) - 1, every), len(law.s) - 1]
         states = _states(path, law.s[index], law.speed[index], law.accel[index])

@@ -18,12 +18,13 @@ from motion.paths.joints import JointPath, joint_path
 from motion.paths.mounted import Mounted
 from motion.paths.polynomial import Chain, whole
 
-TOLERANCE = 1e-7  # m or rad between path and inverse; 1e-6 is owed
+TOLERANCE = 2e-9  # m or rad between path and inverse (1e-6 is owed): parts cut out of it still fit each other
 PROBES = (0.15, 0.35, 0.5, 0.65, 0.85)
 SHORTEST = 1e-6  # of the curve: an interval that has to be halved further does not follow the inverse at all
 JUMP = 0.5  # m or rad between neighbouring knots: another branch
 EPSILON = 1e-5  # rad or m, step for the change of the Jacobian
 
+Array = NDArray[np.float64]
 State = tuple[tuple[float, float, float], ...]  # per column: value, slope, bend
 
 
@@ -117,8 +118,8 @@ def _knot(
 ) -> _Knot:
     q = kinematics.inverse(flange.at(s), near)
     by_s, tcp = flange.derivatives(s), curve.derivatives(s)
-    first = np.array([*by_s.p1, *by_s.w])
-    second = np.array([*by_s.p2, *by_s.w1])
+    first: Array = np.array([*by_s.p1, *by_s.w])
+    second: Array = np.array([*by_s.p2, *by_s.w1])
     jacobian = kinematics.jacobian(q)
     q1 = _solved(jacobian, first)
     largest = float(np.max(np.abs(q1)))
@@ -137,14 +138,13 @@ def _along(a: tuple[float, float, float], b: tuple[float, float, float], length:
     return (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / length if length > 0.0 else 0.0
 
 
-def _solved(jacobian: NDArray[np.float64], twist: NDArray[np.float64]) -> NDArray[np.float64]:
+def _solved(jacobian: Array, twist: Array) -> Array:
     """Joint rates for a twist; least squares where the robot has not six axes or stands in a singular pose."""
     if jacobian.shape[1] == 6:
         try:
-            solution: NDArray[np.float64] = np.linalg.solve(jacobian, twist)
+            solution = np.asarray(np.linalg.solve(jacobian, twist), dtype=np.float64)
         except np.linalg.LinAlgError:
             solution = np.full(6, np.inf)
         if np.all(np.isfinite(solution)) and float(np.max(np.abs(solution))) < 1e6:
             return solution
-    least: NDArray[np.float64] = np.linalg.lstsq(jacobian, twist, rcond=1e-9)[0]
-    return least
+    return np.asarray(np.linalg.lstsq(jacobian, twist, rcond=1e-9)[0], dtype=np.float64)
