@@ -182,7 +182,7 @@ class LineDoor(SerialDoor):
                 self._own.failed(event.job, now)
             self._fault("own_faults", self._in_words(event), now)
         else:
-            self._fault("bad_blocks", str(event), now)
+            self._link_fault(event, now)
 
     def _in_words(self, event: Denied | Failed | Unasked) -> str:
         if isinstance(event, Unasked) or self._link.active.name != BUEP64:

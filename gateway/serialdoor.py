@@ -14,6 +14,7 @@ from gateway.lineloop import LineRunner
 from gateway.pure.office import Office, OnLoss
 from gateway.pure.supervision import LinkWatch
 from protocols.base.machine import Machine, Ns
+from protocols.p3964r.events import SamePriority
 
 if TYPE_CHECKING:
     from gateway.processes.services import Services
@@ -41,7 +42,8 @@ class SerialDoor(BaseDoor):
         super().__init__(door, office, watch, on_loss, region, tell)
         self.line = line
         self._services = services
-        self._partner: Counter[str] = Counter(dict.fromkeys(self.counted, 0))
+        self._partner: Counter[str] = Counter(dict.fromkeys((*self.counted, "same_priority"), 0))
+        self._advice = ""  # what is to be set right by hand
         self._runner: LineRunner[object] | None = None
         self._journal_next: Ns = 0
         tell(
@@ -74,10 +76,19 @@ class SerialDoor(BaseDoor):
     def counters(self) -> dict[str, object]:
         """For tools."""
         state = self._runner.state if self._runner is not None else None
-        return {**self._partner, "connected": state.connected if state else False, "why": state.why if state else ""}
+        connected, why = (state.connected, state.why) if state else (False, "")
+        return {**self._partner, "connected": connected, "why": why, "advice": self._advice}
 
     def _on_event(self, event: object, now: Ns) -> None:
         raise NotImplementedError
+
+    def _link_fault(self, event: object, now: Ns) -> None:
+        """What the link reports: the one thing to be set right by hand has a counter and words of its own."""
+        if isinstance(event, SamePriority):
+            self._advice = f"both stations have the same priority ({event.priority.name.lower()}): set one to high, the other to low"
+            self._fault("same_priority", self._advice, now)
+        else:
+            self._fault("bad_blocks", str(event), now)
 
     def _fault(self, counter: str, words: str, now: Ns) -> None:
         """A partner's faults are counted; the journal hears of them at most once a second."""

@@ -112,7 +112,7 @@ class TelegramDoor(SerialDoor):
                 self._named.give(f"telegram.{name}.failed", now, self.name)
                 self._fault("failed", f"{name} not delivered: {event}", now)
             case _:
-                self._fault("bad_blocks", str(event), now)
+                self._link_fault(event, now)
         self._services.settle()
         self._services.flush()
 

@@ -24,6 +24,7 @@ from hil_tests.lab import rk512_active as plc
 from hil_tests.lab.rk512_active import ActiveStation, Event, Refused, Unasked
 from hil_tests.lab.rk512_blocks import Blocks
 from hil_tests.lab.sync_line import SyncLine
+from protocols.base.machine import Damage
 from protocols.p3964r.profiles import RHO3, Priority
 from protocols.rk512.active import Denied, Done, Failed
 from protocols.rk512.dialects import Dialect
@@ -268,3 +269,40 @@ def test_our_jobs_that_the_partner_refuses_are_counted_and_go_on(run: Run) -> No
         fetched = sum(isinstance(event, Fetched) for _, event in line.events)
         assert until(line, lambda: sum(isinstance(event, Fetched) for _, event in line.events) >= fetched + 2), "FETCH goes on"
         assert run.counters("asking")["alive"] is True
+
+
+class GivesWayToo:
+    """A station that has no priority either: STX against our STX, then DLE, as ours answers to it."""
+
+    def __init__(self) -> None:
+        self._output = b""
+
+    def receive(self, data: bytes, now: int) -> list[object]:
+        self._output += bytes(byte for byte in data if byte in (0x02, 0x10))
+        return []
+
+    def damaged(self, kind: Damage, now: int) -> list[object]:
+        return []
+
+    def sent(self, now: int) -> list[object]:
+        return []
+
+    def wake(self, now: int) -> list[object]:
+        return []
+
+    def deadline(self) -> int | None:
+        return None
+
+    def take_output(self) -> bytes:
+        output, self._output = self._output, b""
+        return output
+
+    def lost(self, now: int) -> list[object]:
+        return []
+
+
+def test_the_same_priority_at_both_ends_is_counted_and_said_in_words(run: Run) -> None:
+    assert (run.counters("asking")["same_priority"], run.counters("asking")["advice"]) == (0, "")
+    with SyncLine[Any](open_bytes(f"pty:{runtime_dir() / 'roles-asking-a'}", "9600 8E1"), GivesWayToo()) as line:
+        assert until(line, lambda: run.counters("asking")["same_priority"] >= 1)
+    assert run.counters("asking")["advice"] == "both stations have the same priority (low): set one to high, the other to low"
