@@ -151,6 +151,17 @@ def test_at_the_borders_of_configurations_all_branches_lead_back_with_their_flag
 
 
 @SOME
+@given(JOINTS, OFF, st.sampled_from((0.0, math.pi)), st.booleans())
+def test_a_scara_at_its_stretched_and_folded_arm_comes_back(q: tuple[float, ...], off: float, border: float, down: bool) -> None:
+    robot = scara(down=down)
+    pose = robot.forward((q[0], border - abs(off) if border else off, 0.1 * q[2], q[3]))
+    found = robot.branches(pose)
+    assert found
+    assert max(apart(robot.forward(joints), pose) for joints, _ in found) < 1e-9
+    assert all(robot.configuration(joints) == flags for joints, flags in found)
+
+
+@SOME
 @given(POSE)
 def test_any_pose_is_answered_or_refused_by_an_error_of_ours(pose: Pose) -> None:
     for robot in (arm(), scara(), Portal("xyzcba", [sliding("x"), sliding("y"), sliding("z"), turning("c"), turning("b"), turning("a")])):

@@ -19,7 +19,7 @@ from motion.limits import AxisLimits
 from motion.units import Kind, kind_of
 
 STRAY = 1e-9  # how far the flange's z may be from the vertical
-SLACK = 1e-12  # a stretched arm: how far beyond 1 the cosine may stand by rounding
+SHORT = 8e-10  # m: how far beyond a stretched or folded arm a point may stand by rounding
 RIGHTY, LEFTY = Configuration(shoulder=Shoulder.RIGHTY), Configuration(shoulder=Shoulder.LEFTY)
 KINDS = (Kind.ROTARY, Kind.ROTARY, Kind.LINEAR, Kind.ROTARY)
 
@@ -35,12 +35,15 @@ class Scara:
         if tuple(kind_of(axis.unit) for axis in limits) != KINDS:
             raise MotionError("a SCARA has the axes arm (deg), forearm (deg), stroke (mm), rotation (deg), in this order")
         self.arm, self.forearm, self.height, self.down, self.limits = arm, forearm, height, down, tuple(limits)
-        self._fixed = (arm, forearm, height, -1.0 if down else 1.0, arm * arm + forearm * forearm, 2.0 * arm * forearm)
+        far, near = arm + forearm, abs(arm - forearm)
+        self._fixed = (arm, forearm, height, -1.0 if down else 1.0)
+        self._reach = (far * far, near * near, -2.0 * far * SHORT, -2.0 * near * SHORT)
+        self._sums = (arm * arm + forearm * forearm, arm * arm - forearm * forearm)
         self._chooser = Chooser(limits)
 
     def forward(self, q: Sequence[float]) -> Pose:
         """(4,) -> flange in the base."""
-        arm, forearm, height, up, _, _ = self._fixed
+        arm, forearm, height, up = self._fixed
         q1, q2, q3, q4 = q
         both = q1 + q2
         s, c = math.sin(both + q4), math.cos(both + q4)
@@ -49,22 +52,22 @@ class Scara:
 
     def branches(self, pose: Pose) -> list[Branch]:
         """Righty and lefty; one where the arm is stretched; none out of reach or with a tilted flange."""
-        arm, forearm, height, up, squares, twice = self._fixed
+        _, _, height, up = self._fixed
+        farthest, nearest, out, inn = self._reach
         (x, y, z), (r11, _, r13, r21, _, r23, _, _, r33) = pose
         if not (abs(r13) <= STRAY and abs(r23) <= STRAY and r33 * up > 0.0):
             return []
         square = x * x + y * y
-        bent = (square - squares) / twice
-        if not -1.0 <= bent <= 1.0:
-            if not -1.0 - SLACK < bent < 1.0 + SLACK:
-                return []
-            bent = 1.0 if bent > 0.0 else -1.0
-        q2 = math.acos(bent)
+        beyond, within = farthest - square, square - nearest
+        if not (beyond >= out and within >= inn):  # a NaN ends here too
+            return []
+        bend = math.sqrt(beyond * within) if beyond > 0.0 and within > 0.0 else 0.0  # 2 arm forearm sin(j2)
+        total, excess = self._sums
+        q2, inward = math.atan2(bend, square - total), math.atan2(bend, square + excess)
         turn, away = math.atan2(r21, r11), math.atan2(y, x)
-        inward = math.atan2(forearm * math.sqrt(1.0 - bent * bent), arm + forearm * bent)
         pi, remainder = math.pi, math.remainder
         lefty: Branch = ((remainder(away + inward, 2.0 * pi), -q2, z - height, remainder(turn - away - inward + q2, 2.0 * pi)), LEFTY)
-        if not bent * bent < 1.0:
+        if bend == 0.0:
             return [lefty]
         return [((remainder(away - inward, 2.0 * pi), q2, z - height, remainder(turn - away + inward - q2, 2.0 * pi)), RIGHTY), lefty]
 
