@@ -108,6 +108,7 @@ class Cia402Slave:
             stamp = self._stamp(frame.stamp_ns)
             if stamp >= self._soonest:
                 self._expire(stamp)
+            self._time = stamp
             self.counters.frames += 1
             if identifier in self._sync_ids:
                 self._sync(frame, routes, stamp, now)
@@ -168,7 +169,6 @@ class Cia402Slave:
         if stamp < self._time:
             self.counters.out_of_order += 1
             return self._time
-        self._time = stamp
         return stamp
 
     def _replan(self) -> None:
