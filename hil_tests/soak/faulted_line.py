@@ -92,14 +92,10 @@ class FaultedLine(VirtualLine[object]):
     def _arrive(self, under_way: deque[tuple[Ns, bytes | Damage]], items: list[int | Damage], moment: Ns) -> None:
         """Good characters in runs as a UART with a FIFO hands them over; a damage stands alone."""
         run = bytearray()
-        if (
-            items
-            and under_way
-            and isinstance(under_way[-1][1], bytes)
-            and under_way[-1][0] >= moment
-            and len(under_way[-1][1]) < self._burst
-        ):
-            run += under_way.pop()[1]  # what comes without a gap is handed over together, whoever said it in how many pieces
+        last = under_way[-1] if items and under_way else (moment, Damage.BREAK)
+        if isinstance(last[1], bytes) and last[0] >= moment and len(last[1]) < self._burst:
+            run += last[1]  # what comes without a gap is handed over together, whoever said it in how many pieces
+            under_way.pop()
         for item in items:
             moment += self._char_time
             if isinstance(item, int):
