@@ -19,7 +19,9 @@ from motion.planner.commit import timed_pieces
 from motion.planner.robot import Machine
 from motion.planner.route import Kind, Route, Stretch
 from motion.planner.runs import Run, make_run
+from motion.planner.straight import straight_law
 from motion.planner.swift import STEP_S, Swift, cropped, swift, width_s
+from motion.planner.timegiven import time_given
 from motion.program.blocks import Block
 from motion.program.factors import FULL, Factors
 from motion.timed import TimedPiece
@@ -194,7 +196,11 @@ class Planner:
         """A law of its own: near the optimum where the path ends at rest by itself, a quick one where it will go on."""
         run = make_run(row, self.machine, self.factors)
         if row[-1].stop:
-            law = jerk_limited(run.path, run.limits)
+            pace = row[0].source.pace
+            if pace.time is not None and all(stretch.block == row[0].block for stretch in row):
+                law = time_given(run.path.length, pace.time, pace.ramp, width_s(run.limits))
+            else:
+                law = law_of(run)
             return self._commit(run, law, self.end, None, _Origin(None, 0, 0.0))
         width = width_s(run.limits)
         made = swift(run.path, run.limits, width)
@@ -248,6 +254,11 @@ class Planner:
         """(s, sdot, sddot) at full speed, for judges."""
         now = next((one for one in self._planned if one.end >= tau), self._planned[-1])
         return now.state(tau)
+
+
+def law_of(run: Run) -> Law:
+    """From rest to rest: closed form where all axes move straight, else near the time optimum."""
+    return straight_law(run) or jerk_limited(run.path, run.limits)
 
 
 def block_ends(run: Run) -> list[tuple[float, int]]:

@@ -25,6 +25,7 @@ from motion.planner.extra import with_extra
 from motion.planner.jointpath import joint_path_of
 from motion.planner.legs import Leg, base_pose, check_numbers, make_leg, tcp, told
 from motion.planner.robot import Machine
+from motion.planner.timegiven import check_time
 from motion.program.blocks import Block, Interpolation, Rounding, Slope
 from motion.program.passing import passed
 from motion.program.slopes import Ramped, earliest, frozen, overlap, ramped
@@ -199,6 +200,8 @@ class Route:
         now.known = end
 
     def _put(self, stretch: Stretch) -> None:
+        if stretch.source.pace.time is not None and stretch.share == (0.0, 1.0):
+            check_time(stretch.path, stretch.source, stretch.block, self._machine)
         self._check_travel(stretch.path)
         self._now.out = (*self._now.out, stretch)
         self._now.tail = None if stretch.stop else stretch.path

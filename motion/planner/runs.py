@@ -9,6 +9,7 @@ import numpy as np
 from motion.paths.joints import JointPath, joined
 from motion.planner.robot import Machine
 from motion.planner.route import Kind, Stretch
+from motion.planner.timegiven import figures
 from motion.program.blocks import Block, Interpolation
 from motion.program.factors import FULL, Factors
 from motion.timing.limits import FREE, Cap, LawLimits, law_limits
@@ -98,6 +99,10 @@ def _block_caps(stretch: Stretch, block: Block, start: float, end: float, machin
         if speed < 1.0 or accel < 1.0:
             caps.append(Cap(start, end, n, axis.speed * min(speed, 1.0), axis.accel * min(accel, 1.0)))
     path_accel = min(pace.path_accel or FREE, pace.path_decel or FREE) * min(factors.acceleration, factors.deceleration)
+    if pace.time is not None and stretch.way > 0.0:  # rounded at an end: as fast as the time of the whole block asks
+        speed, ramp = figures(stretch.way, pace.time, pace.ramp)
+        still = not np.any(stretch.path.at(np.zeros(1), 1)[0, WAY])
+        caps.append(Cap(start, end, TURNING if still else WAY, speed, ramp))
     if pace.path_speed is not None or math.isfinite(path_accel):
         caps.append(Cap(start, end, WAY, (pace.path_speed or FREE) * factors.velocity, path_accel))
     if pace.turn_speed is not None:

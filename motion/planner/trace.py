@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.frames import Pose
+from motion.planner.planner import law_of
 from motion.planner.robot import Machine
 from motion.planner.route import Kind, Route, Stretch
 from motion.planner.runs import runs
 from motion.program.blocks import Block, PoseTarget, Program
 from motion.program.errors import BlockError
 from motion.program.factors import FULL, Factors
-from motion.timing.jerk import jerk_limited
 
 Array = NDArray[np.float64]
 PERIOD_S = 1e-3
@@ -97,9 +97,9 @@ def trace(stretches: Sequence[Stretch], machine: Machine, factors: Factors = FUL
     """Runs all whole runs; raises MotionError where a path cannot be run at all."""
     parts, blocks, ends, clock = [], [], [], 0.0
     for run in runs(stretches, machine, factors):
-        law = jerk_limited(run.path, run.limits)
+        law = law_of(run)
         count = math.ceil(law.duration / period)
-        s = law.at(np.arange(count + 1) * period)
+        s = law.at(np.arange(count + 1, dtype=np.float64) * period)
         parts.append(run.path.at(s)[:, : machine.axes])
         blocks += [run.place(float(x))[0] for x in s]
         clock += (count + 1) * period
@@ -108,7 +108,7 @@ def trace(stretches: Sequence[Stretch], machine: Machine, factors: Factors = FUL
     tools = _tools(stretches)
     places = [_tool_at(machine, row, tools.get(block)) for row, block in zip(q, blocks or [0], strict=True)]
     return Trace(
-        np.arange(len(q)) * period,
+        np.arange(len(q), dtype=np.float64) * period,
         q,
         np.array(places),
         np.array(blocks or [0]),

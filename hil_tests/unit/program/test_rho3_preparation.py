@@ -1,0 +1,98 @@
+"""rho 3 Releases part 2, section 13: block preparation, asynchronous inputs, BLOCK_SEARCH."""
+
+from collections.abc import Iterator
+
+import pytest
+
+from hil_tests.lab.answers import answers
+from hil_tests.lab.arms import at, portal
+from motion.errors import MotionError
+from motion.planner.arm import Arm
+from motion.program.blocks import Block, Interpolation
+from motion.program.preparation import InputKind, Preparation, Read, channel
+
+P5 = 0.004
+
+
+class Inputs:
+    """Input 1 as the plant sets it, and what the program saw."""
+
+    def __init__(self) -> None:
+        self.value = 0.0
+        self.seen: list[float] = []
+
+    def read(self, number: int) -> float:
+        assert number == 1
+        return self.value
+
+
+def line(k: int) -> Block:
+    return Block(Interpolation.LINEAR, at(20.0 * k))
+
+
+def program(inputs: Inputs, count: int, reads: dict[int, int]) -> Iterator[Block | Read]:
+    """Blocks 1 .. count; before block k the channel reads[k] is read."""
+    for k in range(1, count + 1):
+        if k in reads:
+            yield Read(reads[k], inputs.seen.append)
+        yield line(k)
+
+
+@pytest.mark.requirement("RHO-MOT-44", by="motion.program.preparation:Preparation.block_search")
+@pytest.mark.requirement("RHO-MOT-44", by="motion.program.preparation:Preparation.turn")
+@answers
+def test_block_search_5_prepares_at_most_5_blocks_and_an_input_acts_after_5() -> None:
+    arm, inputs = Arm(portal(), (0.0, 0.0, 0.0), P5), Inputs()
+    ahead = Preparation(arm, program(inputs, 12, dict.fromkeys(range(1, 13), 1001)), inputs.read, P5)
+    ahead.block_search(5)
+    most, changed_at = 0, None
+    for _ in range(2000):
+        ahead.turn()
+        arm.step()
+        most = max(most, arm.prepared)
+        if changed_at is None and arm.place().block == 2 and arm.place().share > 0.5:
+            changed_at = arm.place().block
+            inputs.value = 1.0
+        if ahead.ended and arm.place().waiting == 0:
+            break
+    assert most == 5
+    assert inputs.seen.index(1.0) + 1 == 2 + 5 + 1, "the first block that knows it is the sixth behind the one under way"
+    for wrong in (0, 12):
+        with pytest.raises(MotionError, match="BLOCK_SEARCH"):
+            ahead.block_search(wrong)
+
+
+@pytest.mark.requirement("RHO-MOT-51", by="motion.program.preparation:Preparation._now_read")
+@pytest.mark.requirement("RHO-MOT-51", by="motion.program.preparation:Preparation._begin")
+@answers
+def test_a_normal_input_stops_preparation_until_2_cycles_before_the_end_point_and_1001_is_read_at_preparation() -> None:
+    arm, inputs = Arm(portal(), (0.0, 0.0, 0.0), P5), Inputs()
+    ahead = Preparation(arm, program(inputs, 6, {2: 1, 5: 1001}), inputs.read, P5)
+    read = False
+    for _ in range(2000):
+        left, before = arm.remaining_s, len(inputs.seen)
+        ahead.turn()
+        if len(inputs.seen) > before and not read:
+            read = True
+            assert left <= 2 * P5 + 1e-9
+            assert arm.joints[0] > 0.019, "block 1 is nearly at its end"
+            assert arm.planner.added > 1, "then everything behind it is prepared at once"
+        elif not read:
+            assert arm.planner.added <= 1 and len(inputs.seen) == 0
+        if arm.joints[0] > 0.005:
+            inputs.value = 1.0
+        arm.step()
+        if ahead.ended and arm.place().waiting == 0:
+            break
+        if len(inputs.seen) == 2:
+            assert arm.place().block <= 2, "the asynchronous one was read long before block 5"
+            break
+    assert inputs.seen == [1.0, 1.0]
+
+
+def test_channels_and_their_asynchronous_twins() -> None:
+    assert channel(120).kind is InputKind.BINARY and channel(1224).kind is InputKind.DEC and channel(1401).kind is InputKind.INTEGER
+    assert channel(1001).asynchronous and channel(1001).number == 1 and not channel(408).asynchronous
+    for wrong in (0, 121, 200, 225, 409, 1000, 1121, 2001):
+        with pytest.raises(MotionError, match="channel"):
+            channel(wrong)

@@ -1,0 +1,137 @@
+"""rho 3 Releases part 1, section 6: program slope, block slope, and what is never passed, on whole paths."""
+
+import numpy as np
+import pytest
+
+from hil_tests.lab.answers import answers
+from hil_tests.lab.arms import Array, at, portal
+from motion.paths.joints import joint_line
+from motion.planner.route import Kind, Route, Stretch
+from motion.program.blocks import Blend, Block, Interpolation, JointTarget, PoseTarget, Rounding, Slope
+from motion.program.slopes import earliest, frozen, overlap, ramped, summed, within
+
+LIMITS = portal().limits
+R20 = Blend(Rounding.CARTESIAN, 0.02, 0.02)
+LINEAR, PTP, CIRCULAR = Interpolation.LINEAR, Interpolation.PTP, Interpolation.CIRCULAR
+
+
+def stretches(blocks: list[Block]) -> list[Stretch]:
+    route = Route(portal(), (0.0, 0.0, 0.0))
+    for block in blocks:
+        route.add(block)
+    route.finish()
+    return route.take()
+
+
+def places(row: list[Stretch]) -> Array:
+    return np.concatenate([s.path.at(np.linspace(0.0, s.path.length, 400))[:, :3] for s in row])
+
+
+def missed(row: list[Stretch], point: tuple[float, float, float]) -> float:
+    return float(np.min(np.linalg.norm(places(row) - np.array(point), axis=1)))
+
+
+@pytest.mark.requirement("RHO-MOT-04", by="motion.program.slopes:earliest")
+@pytest.mark.requirement("RHO-MOT-04", by="motion.program.slopes:overlap")
+@pytest.mark.requirement("RHO-MOT-04", by="motion.program.slopes:summed")
+@answers
+def test_block_slope_starts_the_next_block_not_before_the_middle_and_saves_t_b() -> None:
+    up, over = joint_line((0.0, 0.0, 0.0), (0.0, 0.0, 0.025)), joint_line((0.0, 0.0, 0.025), (0.3, 0.0, 0.025))
+    first, second = ramped(up, LIMITS), ramped(over, LIMITS)
+    start = earliest(first, 0.05)
+    assert start == pytest.approx(first.duration / 2, rel=1e-6), "not before the middle, however large the range"
+    assert earliest(first, 0.005) > start
+    found = overlap(first, second, start, LIMITS)
+    assert found is not None
+    assert found.start >= start - 1e-9 and found.shorter == pytest.approx(first.duration - found.start)
+    whole = first.duration + second.duration - found.shorter
+    grid = np.arange(0.0, whole + 0.002, 0.001)
+    q = summed(first, second, found.start, grid)
+    assert q[-1] == pytest.approx([0.3, 0.0, 0.025], abs=1e-9), "both added end at the target t_b earlier"
+    assert float(np.abs(q[int((whole - 0.004) * 1000)] - q[-1]).max()) > 1e-7, "and no sooner"
+    for order, name in ((1, "speed"), (2, "accel"), (3, "jerk")):
+        limits = np.array([getattr(axis, name) for axis in LIMITS])
+        assert float(np.max(np.abs(np.diff(q, order, axis=0)) / 0.001**order / limits)) <= 1.02
+    assert first.duration + second.duration == pytest.approx(0.3635, abs=1e-3) and whole == pytest.approx(0.3168, abs=2e-3)
+
+
+@answers
+def test_the_start_is_delayed_where_the_sum_would_exceed_the_limits() -> None:
+    """A sharp reversal: at the earliest start both accelerations point the same way and add up to twice the limit."""
+    there, back = joint_line((0.0, 0.0, 0.0), (0.2, 0.0, 0.0)), joint_line((0.2, 0.0, 0.0), (0.05, 0.02, 0.0))
+    first, second = ramped(there, LIMITS), ramped(back, LIMITS)
+    start = earliest(first, 0.05)
+    assert not within(first, second, start, LIMITS)
+    found = overlap(first, second, start, LIMITS)
+    assert found is not None and found.start > start + 0.01
+    assert within(first, second, found.start, LIMITS)
+
+
+@answers
+def test_the_overlapped_block_ends_before_the_middle_of_the_next_one() -> None:
+    long, short = joint_line((0.0, 0.0, 0.0), (0.4, 0.0, 0.0)), joint_line((0.4, 0.0, 0.0), (0.4, 0.004, 0.0))
+    first, second = ramped(long, LIMITS), ramped(short, LIMITS)
+    found = overlap(first, second, earliest(first, 0.2), LIMITS)
+    assert found is not None and found.reach <= 0.5 * 0.004 + 1e-9
+
+
+@answers
+def test_the_frozen_curve_is_the_sum_and_joins_both_paths() -> None:
+    up, over = joint_line((0.0, 0.0, 0.0), (0.0, 0.0, 0.025)), joint_line((0.0, 0.0, 0.025), (0.3, 0.0, 0.025))
+    first, second = ramped(up, LIMITS), ramped(over, LIMITS)
+    found = overlap(first, second, earliest(first, 0.0125), LIMITS)
+    assert found is not None
+    curve = frozen(first, second, found)
+    assert curve is not None
+    dense = curve.at(np.linspace(0.0, curve.length, 4000))[:, :3]
+    sums = summed(first, second, found.start, np.linspace(found.start, first.duration, 50))
+    away = max(float(np.min(np.linalg.norm(dense - row, axis=1))) for row in sums)
+    assert away < 1e-5
+    assert dense[0] == pytest.approx([0.0, 0.0, 0.025 - found.leave], abs=1e-9)
+    assert dense[-1] == pytest.approx([found.reach, 0.0, 0.025], abs=1e-9)
+
+
+@pytest.mark.requirement("RHO-MOT-04", by="motion.planner.route:Route._join_slopes")
+@answers
+def test_block_slope_in_a_program_rounds_the_point_and_outside_the_range_the_path_is_untouched() -> None:
+    row = stretches([Block(LINEAR, at(0, 0, 50), blend=R20, slope=Slope.BLOCK), Block(LINEAR, at(200, 0, 50), slope=Slope.BLOCK)])
+    assert [s.kind for s in row if s.kind is Kind.CORNER] == [Kind.CORNER]
+    assert 0.001 < missed(row, (0.0, 0.0, 0.05)) < 0.02
+    outside = places(row)[np.linalg.norm(places(row) - np.array([0.0, 0.0, 0.05]), axis=1) > 0.0215]
+    assert float(np.max(np.minimum(np.abs(outside[:, 0]), np.abs(outside[:, 2] - 0.05)))) < 1e-9
+
+
+@pytest.mark.requirement("RHO-MOT-05", by="motion.program.passing:passed")
+@answers
+def test_r_20_before_or_after_a_circle_goes_exactly_through_the_point() -> None:
+    arc = Block(CIRCULAR, at(200), PoseTarget(at(150, 50).pose), blend=R20)
+    row = stretches([Block(LINEAR, at(100), blend=R20), arc, Block(LINEAR, at(300), blend=R20), Block(LINEAR, at(300, 100))])
+    assert missed(row, (0.1, 0.0, 0.0)) < 1e-9 and missed(row, (0.2, 0.0, 0.0)) < 1e-9
+    assert missed(row, (0.3, 0.0, 0.0)) > 0.003, "the corner between two lines is passed"
+    assert [s.block for s in row if s.stop] == [1, 2, 4]
+
+
+@pytest.mark.requirement("RHO-MOT-06", by="motion.planner.route:Route._join")
+@answers
+def test_a_change_of_type_is_passed_with_program_slope_and_not_with_block_slope() -> None:
+    def row(slope: Slope) -> list[Stretch]:
+        return stretches(
+            [Block(PTP, JointTarget((0.1, 0.0, 0.0)), blend=R20, slope=slope), Block(LINEAR, at(100, 100), slope=slope, blend=R20)]
+        )
+
+    assert missed(row(Slope.BLOCK), (0.1, 0.0, 0.0)) < 1e-9
+    assert [s.block for s in row(Slope.BLOCK) if s.stop][:1] == [1]
+    rounded = row(Slope.PROGRAM)
+    assert missed(rounded, (0.1, 0.0, 0.0)) > 0.001
+    assert not any(s.stop for s in rounded[:-1])
+    outside = places(rounded)[np.linalg.norm(places(rounded) - np.array([0.1, 0.0, 0.0]), axis=1) > 0.02 + 1e-9]
+    assert float(np.max(np.minimum(np.abs(outside[:, 1]), np.abs(outside[:, 0] - 0.1)))) < 1e-9, "left only inside the sphere"
+
+
+def test_two_ptp_blocks_with_block_slope_and_axis_ranges() -> None:
+    axes = Blend(Rounding.JOINT, axes=(0.02, 0.02, 0.02))
+    row = stretches(
+        [Block(PTP, JointTarget((0.2, 0.0, 0.0)), blend=axes, slope=Slope.BLOCK), Block(PTP, JointTarget((0.2, 0.2, 0.0)), slope=Slope.BLOCK)]
+    )
+    assert [s.kind for s in row] == [Kind.MAIN, Kind.CORNER, Kind.MAIN]
+    assert row[0].path.length >= 0.18 - 1e-9

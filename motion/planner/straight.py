@@ -1,0 +1,38 @@
+"""Laws of paths whose axes all move straight: PTP, lines of portals.  There the optimum is known in closed form (motion.ptp)."""
+
+import math
+
+import numpy as np
+
+from motion.planner.runs import Run
+from motion.profile import Profile
+from motion.timing.law import Law
+
+STRAIGHT = 1e-9  # largest second derivative of a path that counts as straight
+STEP_S = 1e-3
+
+
+def straight_law(run: Run) -> Law | None:
+    """The jerk-limited optimum of a straight run with the same limits all along; None where it is not straight or they change."""
+    path, limits = run.path, run.limits
+    if any(abs(cap.start) > STRAIGHT or abs(cap.end - path.length) > STRAIGHT for cap in limits.caps):
+        return None
+    s = np.linspace(0.0, path.length, 2 * len(path.coefficients) + 1)
+    first = path.at(s, 1)
+    if float(np.abs(path.at(s, 2)).max()) > STRAIGHT or float(np.abs(first - first[0]).max()) > STRAIGHT:
+        return None
+    slope = np.abs(first[0])
+    moving = slope > 1e-12
+    speed, accel, jerk = (
+        float(np.min(rows[0][moving] / slope[moving], initial=math.inf)) for rows in limits.at(np.array([0.5 * path.length]))
+    )
+    if not all(map(math.isfinite, (speed, accel, jerk))):
+        return None
+    profile = Profile()
+    profile.configure(path.length, accel, jerk)
+    if not profile.to_end((0.0, 0.0, 0.0), speed):
+        return None
+    count = max(math.ceil(profile.duration / STEP_S), 2)
+    states = np.array([profile.at(profile.duration * k / count) for k in range(count + 1)])
+    states[0], states[-1] = (0.0, 0.0, 0.0), (path.length, 0.0, 0.0)
+    return Law(states[:, 0], states[:, 1], states[:, 2], profile.duration / count)
