@@ -18,6 +18,7 @@ from motion.kinematics.identity import Identity
 from motion.kinematics.portal import Portal
 from motion.kinematics.scara import Scara
 from motion.limits import AxisLimits
+from motion.workspace import Workspace
 
 MOST_KINEMATICS, MOST_AXES, MOST_BELTS = 16, 32, 8
 
@@ -107,6 +108,11 @@ def kinematics_of(robot: Robot) -> Kinematics:
         made = Coupled(made, robot.coupling, robot.own)
     extra = [Additional(axis.limits, axis.role, axis.direction, axis.origin) for axis in robot.axes if axis.role is not None]
     return Group(made, extra) if extra else made
+
+
+def workspace_of(robot: Robot, frame: Pose = IDENTITY, tool: Pose = IDENTITY) -> Workspace:
+    """The robot where it stands in the cell, with a user frame (in the cell) and a tool (on the flange)."""
+    return Workspace(kinematics_of(robot), robot.base, frame, tool)
 
 
 def _geometric(robot: Robot) -> Kinematics:

@@ -7,12 +7,13 @@ import pytest
 from eaik.IK_DH import DhRobot
 from py_opw_kinematics import _internal as internal
 
-from hil_tests.unit.kinematics.robots import GENERAL, TX60, apart, arm, spread, turning, unlike, unlike_turned, urdf
+from hil_tests.unit.kinematics.robots import GENERAL, TX60, apart, arm, scara, sliding, spread, turning, unlike, unlike_turned, urdf
 from motion.errors import MotionError
 from motion.frames import Pose, translation
 from motion.kinematics.arm6 import ArmGeometry
 from motion.kinematics.base import FREE, SAME, Unreachable, WrongConfiguration
 from motion.kinematics.dh import default_dh
+from motion.kinematics.portal import Portal
 from motion.kinematics.urdf import Urdf
 
 OFFSET = ArmGeometry(0.5, 0.6, 0.7, 0.1, delta=0.15, elbow=-0.1, side=0.02)
@@ -40,6 +41,38 @@ def test_forward_and_jacobian_are_those_of_pinocchio(geometry: ArmGeometry) -> N
     for q in spread(100, (3.1,) * 6):
         assert apart(ours.forward(q), judge.forward(q)) < 1e-12
         assert np.abs(ours.jacobian(q) - judge.jacobian(q)).max() < 1e-12
+
+
+@pytest.mark.parametrize("down", [True, False])
+def test_a_scara_and_a_portal_are_those_of_pinocchio(down: bool) -> None:
+    ours = scara(down=down)
+    links = "".join(f'<link name="l{n}"/>' for n in range(6))
+    rows = (
+        ("revolute", "0 0 1", "0 0 0"),
+        ("revolute", "0 0 1", "0.35 0 0"),
+        ("prismatic", "0 0 1", "0.25 0 0.3"),
+        ("revolute", "0 0 1", "0 0 0"),
+    )
+    text = f'<robot name="scara">{links}{_joints(rows)}<joint name="f" type="fixed"><parent link="l4"/><child link="l5"/>'
+    judge = Urdf(f'{text}<origin rpy="{math.pi if down else 0} 0 0"/></joint></robot>', "l5")
+    for q in spread(30, (3.0, 3.0, 1.0, 3.0)):
+        assert apart(ours.forward(q), judge.forward(q)) < 1e-12
+        assert np.abs(ours.jacobian(q) - judge.jacobian(q)).max() < 1e-12
+    gantry = Portal("xyzcb", [sliding("x"), sliding("y"), sliding("z"), turning("c"), turning("b")], translation(0.0, 0.0, -0.2))
+    slides = (("prismatic", "1 0 0", "0 0 0"), ("prismatic", "0 1 0", "0 0 0"), ("prismatic", "0 0 1", "0 0 0"))
+    turns = (("revolute", "0 0 1", "0 0 0"), ("revolute", "0 1 0", "0 0 0"))
+    links += '<link name="l6"/><joint name="f" type="fixed"><parent link="l5"/><child link="l6"/><origin xyz="0 0 -0.2"/></joint>'
+    other = Urdf(f'<robot name="portal">{links}{_joints(slides + turns)}</robot>', "l6")
+    for q in spread(30, (1.0, 1.0, 1.0, 3.0, 3.0)):
+        assert apart(gantry.forward(q), other.forward(q)) < 1e-12
+        assert np.abs(gantry.jacobian(q) - other.jacobian(q)).max() < 1e-12
+
+
+def _joints(rows: tuple[tuple[str, str, str], ...]) -> str:
+    """Joints of a URDF between links l0, l1 ..."""
+    form = '<joint name="j{0}" type="{2}"><parent link="l{1}"/><child link="l{0}"/><origin xyz="{4}"/><axis xyz="{3}"/>'
+    limit = '<limit lower="-4" upper="4" velocity="1" effort="1"/></joint>'
+    return "".join(form.format(n, n - 1, *row) + limit for n, row in enumerate(rows, 1))
 
 
 @pytest.mark.parametrize("geometry", [TX60, OFFSET])

@@ -12,7 +12,7 @@ from motion.errors import MotionError
 from motion.kinematics.base import Kinematics
 from motion.kinematics.coupled import Coupled
 from motion.kinematics.group import Group, Role
-from motion.robot import AxisOfRobot, Installation, Kind, Robot, ScaraGeometry, kinematics_of
+from motion.robot import AxisOfRobot, Installation, Kind, Robot, ScaraGeometry, kinematics_of, workspace_of
 
 SHIPPED = ("portal", "sr60-like", "tx60-like", "reis-like")
 TEXT = (PACKAGED / "robots" / "sr60-like.toml").read_text()
@@ -69,6 +69,14 @@ def test_joints_of_the_reis_like_arm_count_as_on_such_arms() -> None:
     x, y, z = arm.forward((0.0,) * 6).position
     assert (x, y, z) == pytest.approx((0.2 + 0.75 + 0.12, 0.0, 0.7 + 0.65 + 0.1)), "upright, forearm level"
     assert arm.forward((0.5, 0.0, 0.0, 0.0, 0.0, 0.0)).position[1] < 0, "axis 1 counts clockwise"
+
+
+def test_a_robot_that_stands_somewhere_in_the_cell() -> None:
+    moved = load_robot("my.toml", TEXT.replace('angles = "rho3"', 'angles = "rho3"\nbase = [1000, 0, 500, 0, 0, 90]'))
+    q = (0.0, 0.0, -0.1, 0.0)
+    space = workspace_of(moved)
+    assert space.tcp(q).position == pytest.approx((1.0, 0.6, 0.7))
+    assert unlike(space.joints(space.tcp(q), q), q) < 1e-9
 
 
 @pytest.mark.parametrize(
