@@ -11,6 +11,8 @@ from gateway.errors import Exit
 from gateway.pure.bus_inference.dbc import SURE, as_dbc, names
 from gateway.pure.bus_inference.proposal import NothingFound, propose
 from gateway.pure.bus_inference.roles import Inferred
+from gateway.pure.candump import frames_of
+from protocols.base.machine import Frame
 
 EXAMPLES = """examples:
   axisgate bus infer living.log                    what was found, on standard output
@@ -30,7 +32,7 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--json", action="store_true", help="one JSON object on standard output")
     options = parser.parse_args(argv)
     try:
-        found = propose(list(read_log(options.log)))
+        found = propose(frames(options.log))
     except (BadLog, OSError) as error:
         print(f"axisgate bus infer: {error}", file=sys.stderr)
         return Exit.INVALID
@@ -41,6 +43,14 @@ def main(argv: list[str]) -> int:
         options.output.write_text(as_dbc(found, options.log.name))
     print(json.dumps(as_json(found), indent=1) if options.json else "\n".join(told(found, options.output)))
     return Exit.OK if found.axes else Exit.FINDING
+
+
+def frames(path: pathlib.Path) -> list[Frame]:
+    """Candump text is read here, as our own broker writes more into it than python-can takes; other forms by python-can."""
+    if path.suffix == ".log":
+        with path.open(encoding="utf-8", errors="replace") as file:
+            return list(frames_of(file))
+    return list(read_log(path))
 
 
 def told(found: Inferred, output: pathlib.Path | None) -> list[str]:

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from gateway.pure.bus_inference.series import Cycles, Series
-from gateway.pure.bus_inference.signals import Found, flag_bits, of_message, steady_bits
+from gateway.pure.bus_inference.signals import Found, flag_bits, of_message, steady_bits, without_torque
 
 LAGS = 6  # cycles a drive may lag behind its set value
 ANSWER_S = 2.0  # a bit that follows comes so soon
@@ -48,6 +48,7 @@ def infer(cycles: Cycles, reverse: bool) -> Inferred:
     for axis in axes:
         set_, actual = by_id[axis.set_id], by_id[axis.actual_id]
         place = places[axis.actual_id]
+        known[axis.set_id] = without_torque(known[axis.set_id])
         known[axis.set_id] += _set_bits(set_, known[axis.set_id], cycles)
         way = actual.values(place.start, place.bits, True)
         known[axis.actual_id] += _actual_bits(set_, actual, known, way, cycles)

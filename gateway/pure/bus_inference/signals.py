@@ -11,7 +11,9 @@ NATURAL = (8, 12, 16, 20, 24, 32)  # widths a designer chooses
 STEADY = 0.9  # share of cycles with the same step: a counter
 WAY = 500  # counts a position has to travel before we call it one
 SMOOTH = 0.2  # largest change of the step, in steps
-NEARLY_ALL = 0.97
+NEARLY_ALL, ALMOST_ALL = 0.97, 0.998  # what is left out are jumps: switching on, lost frames, a power cycle
+JUMP = 2.0  # times the fastest steady step
+JOINED = 0.9
 SPEED_FIT, TORQUE_FIT = 0.97, 0.5
 FLAG_FLIPS = 40
 
@@ -44,24 +46,54 @@ class Numbers:
 
 
 def numbers(series: Series) -> list[Numbers]:
-    """All pieces with two bits and more, signed where their top bit looks like a sign."""
-    found = []
-    for piece in pieces(series):
-        if piece.bits < 2:
-            continue
-        signed = piece.bits > 2 and _sign_like(series, piece)
-        found.append(Numbers(series, piece, series.values(piece.start, piece.bits, signed), signed))
-    return found
+    """All pieces with two bits and more, signed where their top bit looks like a sign; pieces of one number put together again."""
+    joined: list[Piece] = []  # from the top down: the high bits tell most about the way
+    for below in reversed(pieces(series)):
+        above = joined[-1] if joined else None
+        if above is not None and below.start + below.bits == above.start and _one_number(series, below, above):
+            joined[-1] = replace(above, start=below.start, bits=below.bits + above.bits, flips=below.flips)
+        else:
+            joined.append(below)
+    return [_number(series, piece) for piece in reversed(joined) if piece.bits > 1]
+
+
+def _number(series: Series, piece: Piece) -> Numbers:
+    signed = piece.bits > 2 and _sign_like(series, piece)
+    return Numbers(series, piece, series.values(piece.start, piece.bits, signed), signed)
 
 
 def _sign_like(series: Series, piece: Piece) -> bool:
     """As a signed number it jumps less than as an unsigned one."""
 
-    def roughest(signed: bool) -> int:
-        values = series.values(piece.start, piece.bits, signed)
-        return max(abs(b - a) for a, b in itertools.pairwise(values))
+    def rough(signed: bool) -> int:
+        return sum(abs(b - a) for a, b in itertools.pairwise(series.values(piece.start, piece.bits, signed)))
 
-    return roughest(True) < roughest(False)
+    return rough(True) < rough(False)
+
+
+def _one_number(series: Series, below: Piece, above: Piece) -> bool:
+    """With its low bits a number that travels changes its step less than the high bits alone say (they count in whole 2^n)."""
+    if below.flips <= FLAG_FLIPS or above.bits < 3:
+        return False
+    high = _number(series, above)
+    if counter(_number(series, below)) is not None or position(high) is None:
+        return False
+    whole = series.values(below.start, below.bits + above.bits, high.signed)
+    alone, together = _unsteady(high.values, high.steps), _unsteady(whole, high.steps)
+    return together < JOINED * (alone << below.bits)
+
+
+def _unsteady(values: Sequence[int], moving: Sequence[int]) -> int:
+    """Sum of the changes of the step while it moves."""
+    changes = [abs(c - 2 * b + a) for a, b, c in zip(values, values[1:], values[2:], strict=False)]
+    cap = sorted(changes)[int(ALMOST_ALL * (len(changes) - 1))]
+    return sum(min(change, cap) for change, first, second in zip(changes, moving, moving[1:], strict=False) if first or second)
+
+
+def quiet(steps: Sequence[int]) -> list[int]:
+    """The steps without the few jumps of a counter that began anew (power cycle, wrap)."""
+    limit = JUMP * sorted(map(abs, steps))[int(ALMOST_ALL * (len(steps) - 1))]
+    return [step if abs(step) <= limit else 0 for step in steps]
 
 
 def counter(number: Numbers) -> Found | None:
@@ -78,11 +110,11 @@ def counter(number: Numbers) -> Found | None:
 
 def position(number: Numbers) -> Found | None:
     """Travels far in small steps whose change is smaller still: it integrates to a speed."""
-    steps, piece = number.steps, number.piece
+    steps, piece = quiet(number.steps), number.piece
     way, fastest = max(number.values) - min(number.values), max(map(abs, steps))
     if way < WAY or fastest == 0 or fastest > way / 8:
         return None
-    changes = sorted(abs(b - a) for a, b in itertools.pairwise(steps))
+    changes = sorted(abs(b - a) for a, b in itertools.pairwise(steps) if a or b)
     rough = changes[int(NEARLY_ALL * len(changes))] / fastest  # a few jumps, as at switching on, are no reason to doubt
     if rough > SMOOTH:
         return None
@@ -113,7 +145,7 @@ def correlation(a: Sequence[float], b: Sequence[float]) -> float:
 
 def speed(number: Numbers, way: Sequence[int]) -> Found | None:
     """Runs with the step of the position in the same message, or one to three cycles beside it."""
-    steps = [b - a for a, b in itertools.pairwise(way)]
+    steps = quiet([b - a for a, b in itertools.pairwise(way)])
     best = 0.0
     for shift in range(-3, 4):
         low, high = max(0, shift), min(len(steps), len(steps) + shift)
@@ -128,7 +160,7 @@ def speed(number: Numbers, way: Sequence[int]) -> Found | None:
 
 def torque(number: Numbers, way: Sequence[int]) -> Found | None:
     """Neither position nor speed, but runs with acceleration and the direction of the speed (friction)."""
-    steps = [float(b - a) for a, b in itertools.pairwise(way)]
+    steps = [float(step) for step in quiet([b - a for a, b in itertools.pairwise(way)])]
     push = [b - a for a, b in itertools.pairwise(steps)]
     push = _smoothed(push, 5)
     sign = [float((step > 0) - (step < 0)) for step in _smoothed(steps, 3)[1:]]
@@ -218,9 +250,14 @@ def steady_bits(series: Series, taken: Sequence[Found]) -> list[int]:
     return [bit for bit in range(8 * series.length) if bit not in covered and every >> bit & 1]
 
 
-def with_name(found: Found, name: str) -> Found:
-    """The same place under another name."""
-    return replace(found, name=name)
+def without_torque(found: Sequence[Found]) -> list[Found]:
+    """A set value carries no torque: what looks like one is a number nobody understood."""
+    return [
+        replace(each, name=f"number_{each.start}", confidence=0.2, why=f"runs with the motion, meaning unknown ({each.why})")
+        if each.name == "torque_permille"
+        else each
+        for each in found
+    ]
 
 
 def explained(cycles: Cycles) -> float:

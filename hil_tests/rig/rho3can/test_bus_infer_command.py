@@ -22,6 +22,14 @@ def recording(tmp_path: pathlib.Path) -> pathlib.Path:
     return path
 
 
+def test_the_log_of_our_own_broker_is_read_too(recording: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It has remarks, and sender, sequence and nanoseconds behind each frame (AX-095)."""
+    text = "".join(f"{line} 3 4711 234\n" for line in recording.read_text().splitlines())
+    recording.write_text("# axisgate broker:drives; stamps: CLOCK_MONOTONIC\n# (1.000000) client 1 connected, pid 7\n" + text)
+    assert main(["infer", str(recording), "--json"]) == 0
+    assert [axis["actual_id"] for axis in json.loads(capsys.readouterr().out)["axes"]] == [610, 620]
+
+
 def test_a_candump_recording_becomes_a_dbc(recording: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
     proposal = recording.with_suffix(".dbc")
     assert main(["infer", str(recording), "-o", str(proposal)]) == 0
