@@ -26,7 +26,7 @@ FIT, FIT_SPEED, FIT_ACCEL = 1e-9, 1e-6, 1e-4  # steps allowed where pieces meet:
 STEPS = (1.0, 0.8, 0.6, 0.4, 0.2, 0.08, 0.0)  # of the strongest c
 RAMPS = (1.02, 1.4, 2.0, 3.0, 5.0)  # of the shortest time in which u could come to 0
 PLACE, FEWEST, MOST = 1.5, 8, 120  # a way back is looked at every so many steps of the track; number of places
-ACCEL_TOP, JERK_TOP = 1.0, 1.03  # shares of the limits allowed while omega changes
+ACCEL_TOP, JERK_TOP = 0.998, 1.02  # shares of the limits allowed while omega changes
 STILL = 1e-9  # share of the limits below which the path itself stands: omega may be anything
 
 
@@ -46,8 +46,9 @@ class Progress(NamedTuple):
 class _Track:
     """Derivatives of all columns on an even grid of tau, as shares of the limits; grows at the end, can be cut there."""
 
-    def __init__(self, columns: int, step: float) -> None:
+    def __init__(self, columns: int, step: float, window: float) -> None:
         self.step, self.count = step, 0
+        self._window = window  # over which the acceleration's change is told: what a judge of the set values sees
         self._store = np.zeros((1024, 5, columns))
 
     def cut(self, tau: float) -> None:
@@ -64,8 +65,9 @@ class _Track:
             self._store = np.concatenate([self._store, np.zeros_like(self._store)])
         accel, jerk = np.array(piece.accel), np.array(piece.jerk)
         first, second = _derivatives(piece, np.clip(grid + 0.5 * self.step, 0.0, piece.duration))
-        late = np.clip(grid + self.step, 0.0, piece.duration)
-        early = np.maximum(late - self.step, 0.0)  # the cell that reaches into the next piece is judged by this one alone
+        window = min(self._window, piece.duration)
+        late = np.clip(grid + 0.5 * (self.step + window), window, piece.duration)
+        early = late - window  # at its ends a piece is judged by itself alone
         third = (_derivatives(piece, late)[1] - _derivatives(piece, early)[1]) / (late - early)[:, None]
         accel = np.maximum(accel, np.abs(second))  # full speed itself is legal, whatever rounding says
         jerk = np.maximum(jerk, np.abs(third))
@@ -103,7 +105,7 @@ class Follower:
         self._begins: deque[float] = deque()
         self._index = 0  # of the piece under way
         self._interval = 0
-        self._track = _Track(axes + 1, grid_s or min(0.5 * period_s, 2e-3))
+        self._track = _Track(axes + 1, grid_s or min(0.5 * period_s, 2e-3), period_s)
         self._pending: list[TimedPiece] = []
         self._tau = 0.0
         self._omega = self._u = 0.0

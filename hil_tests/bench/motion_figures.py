@@ -199,7 +199,7 @@ def _straight(answer: ruckig.Trajectory, start: list[float], end: list[float]) -
     """Whether all axes make the same share of their way at a quarter of the time."""
     q, _, _ = answer.at_time(0.25 * answer.duration)
     shares = [(x - a) / (b - a) for x, a, b in zip(q, start, end, strict=True)]
-    return max(shares) - min(shares) < 1e-9
+    return bool(max(shares) - min(shares) < 1e-9)
 
 
 def plan_ms(points: int = 2000, repeats: int = 7) -> Figure:

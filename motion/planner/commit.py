@@ -13,7 +13,7 @@ from motion.timing.law import Law
 from motion.timing.limits import LawLimits
 
 Array = NDArray[np.float64]
-SPACING_S = 1.5e-3  # between nodes at most: wider ones round the corners of the jerk off and over
+SPACING_S = 0.8e-3  # between nodes at most: wider ones round the corners of the jerk off and over
 CLOSE = 2e-7  # m or rad between pieces and path, looked at between the nodes
 NO_LIMIT = 1e9  # a record holds numbers: stands for none
 

@@ -72,10 +72,10 @@ def shares(path: JointPath, limits: LawLimits, law: Law, period_s: float = JUDGE
     return speed, accel, jerk
 
 
-def _differences(path: JointPath, limits: LawLimits, law: Law, period_s: float) -> tuple[Array, list[Array]]:
+def _differences(path: JointPath, limits: LawLimits, law: Law, period_s: float, phase: float = 0.0) -> tuple[Array, list[Array]]:
     """s of the samples and the shares at each; a moving start is not judged before its third sample."""
-    s = law.at(np.arange(0.0, law.duration + 4 * period_s, period_s))
-    s = np.concatenate([np.full(3 if law.at_rest else 0, s[0]), s])
+    s = law.at(np.arange(phase * period_s, law.duration + 4 * period_s, period_s))
+    s = np.concatenate([np.full(3 if law.at_rest else 0, law.s[0]), s])
     q = path.at(s)
     bounds = limits.at(s)
     parts = [np.max(np.abs(np.diff(q, order, axis=0)) / period_s**order / bounds[order - 1][order:], axis=1) for order in (1, 2, 3)]
@@ -83,12 +83,14 @@ def _differences(path: JointPath, limits: LawLimits, law: Law, period_s: float) 
 
 
 def _excess(path: JointPath, limits: LawLimits, law: Law) -> tuple[Array, Array]:
-    """Places (from, at, to in s) and how far acceleration or jerk are beyond what is good there."""
-    s, (_, accel, jerk) = _differences(path, limits, law, JUDGE_S)
-    excess = np.maximum(jerk / JERK_GOOD, accel[1:] / ACCEL_GOOD)
-    index = np.arange(len(excess)) + 2
-    places = np.stack([s[np.maximum(index - AROUND, 0)], s[index], s[np.minimum(index + AROUND, len(s) - 1)]], axis=1)
-    return places, excess
+    """Places (from, at, to in s) and how far acceleration or jerk are beyond what is good there, wherever the samples fall."""
+    places, much = [], []
+    for phase in (0.0, 0.5) if law.at_rest else (0.0,):
+        s, (_, accel, jerk) = _differences(path, limits, law, JUDGE_S, phase)
+        index = np.arange(len(jerk)) + 2
+        places.append(np.stack([s[np.maximum(index - AROUND, 0)], s[index], s[np.minimum(index + AROUND, len(s) - 1)]], axis=1))
+        much.append(np.maximum(jerk / JERK_GOOD, accel[1:] / ACCEL_GOOD))
+    return np.concatenate(places), np.concatenate(much)
 
 
 def _guess(path: JointPath, limits: LawLimits, start: tuple[float, float, float]) -> Law:
