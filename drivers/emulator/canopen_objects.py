@@ -5,7 +5,7 @@ Source: CiA 301, 7.4 and objects 1010h, 1011h; aborts in the order of AX-280.
 
 from collections.abc import Callable
 
-from protocols.base.errors import DecodeError
+from protocols.base.errors import DecodeError, EncodeError
 from protocols.canopen.dictionary import Entry, Key, ObjectDictionary, fits
 from protocols.canopen.sdo import Abort
 from protocols.canopen.types import Value, decode, encode
@@ -54,7 +54,10 @@ class Objects:
         if not entry.access.readable:
             return Abort.WRITE_ONLY
         value = self.read(key)
-        return value if isinstance(value, Abort) else encode(entry.type, value)
+        try:
+            return value if isinstance(value, Abort) else encode(entry.type, value)
+        except EncodeError:
+            return Abort.INTERNAL  # the data sheet gives the object a type its value does not fit
 
     def download(self, key: Key, data: bytes) -> int:
         """0 or an abort code; nothing is changed then."""

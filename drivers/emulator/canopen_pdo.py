@@ -35,7 +35,10 @@ class Mapping:
     def pack(self, values: Sequence[Value]) -> bytes:
         """Values in the order of the keys."""
         if self.struct is not None:
-            return self.struct.pack(*values)
+            try:
+                return self.struct.pack(*values)
+            except struct.error:
+                pass  # a value beyond its type: its low bits, as below
         total = place = 0
         for part, kind, value in zip(self.parts, self.types, values, strict=True):
             total |= (_bits(kind, value) & ((1 << part.bits) - 1)) << place

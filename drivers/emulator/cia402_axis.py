@@ -118,7 +118,10 @@ class Cia402Axis:
             od.SYNC_TOLERANCE: round(self.settings.sync_tolerance_us or 0),
             od.SYNC_FAULTS: self.settings.sync_faults,
         }
-        self.objects.values |= {key: value for key, value in factory.items() if key in self.objects.values}
+        self.objects.values |= factory
+        for key, value in od.WITHOUT_DATA_SHEET.items():
+            if not isinstance(self.objects.values.get(key), int):
+                self.objects.values[key] = value
 
     def _hook(self) -> None:
         objects, written, checks = self.objects, self.objects.written, self.objects.checks
@@ -535,7 +538,7 @@ class Cia402Axis:
         self._schedule()
 
     def _choose_mode(self) -> None:
-        self.mode = self.modes[self.value(od.MODE)]
+        self.mode = self.modes.get(self.value(od.MODE), self.modes[0])
 
     # -- stopping, brake --------------------------------------------------------------------------
 

@@ -360,10 +360,7 @@ class CyclicPosition(Cyclic):
 
     def sync(self, new: bool) -> None:
         if not self.halted:
-            values = self.objects.values
-            target, offset = values[od.TARGET_POSITION], values[od.SPEED_OFFSET]
-            assert isinstance(target, int) and isinstance(offset, int), "both are INTEGER32"
-            goal = self.drive.clip(target)
+            goal, offset = self.drive.clip(self.value(od.TARGET_POSITION)), self.value(od.SPEED_OFFSET)
             own = (goal - self._goal) * 1e9 / self.drive.period_ns * self.drive.own_feed_forward if self._goal is not None else 0.0
             self._goal = goal
             self.drive.follow(goal, self.drive.period_ns, offset + own)

@@ -1,5 +1,7 @@
 """Objects of the drive profile by name.  Source: CiA 402-2 and 402-3 (IEC 61800-7-201); 2000h.. are axisgate's own (AX-285)."""
 
+from collections.abc import Mapping
+
 from protocols.canopen.dictionary import Key
 
 
@@ -37,5 +39,43 @@ SERIAL = (0x1018, 4)
 
 SYNC_TOLERANCE, SYNC_FAULTS, SYNC_ERROR, SYNC_WORST, SYNC_LOCKED, SYNC_OUTSIDE = tuple((0x2001, sub) for sub in range(1, 7))
 WINDING_TEMPERATURE, LOAD_LEVEL, REFERENCED, CLEAR_COUNTERS = _whole(0x2003), _whole(0x2004), _whole(0x2005), _whole(0x2010)
+
+WITHOUT_DATA_SHEET: Mapping[Key, int] = {  # what a drive does whose EDS lacks an object; nobody can read or write it then
+    ABORT_CONNECTION: 1,
+    ERROR_CODE: 0,
+    CONTROLWORD: 0,
+    QUICK_STOP_OPTION: 2,
+    SHUTDOWN_OPTION: 0,
+    DISABLE_OPTION: 1,
+    HALT_OPTION: 1,
+    FAULT_OPTION: 2,
+    MODE: 8,
+    FOLLOWING_TIME: 0,
+    POSITION_WINDOW: 20,
+    POSITION_TIME: 5,
+    SPEED_WINDOW: 4096,
+    SPEED_TIME: 10,
+    SPEED_THRESHOLD: 2000,
+    SPEED_THRESHOLD_TIME: 10,
+    TARGET_TORQUE: 0,
+    TARGET_POSITION: 0,
+    HOME_OFFSET: 0,
+    PROFILE_SPEED: 163_840,
+    ACCELERATION: 1_638_400,
+    DECELERATION: 1_638_400,
+    MAX_ACCELERATION: 52_151_890,
+    MAX_DECELERATION: 52_151_890,
+    HOMING_METHOD: 35,
+    HOMING_FAST: 40_960,
+    HOMING_SLOW: 8_192,
+    HOMING_ACCELERATION: 819_200,
+    SPEED_OFFSET: 0,
+    PROBE_FUNCTION: 0,
+    INTERPOLATED: 0,
+    PERIOD_VALUE: 0,
+    PERIOD_EXPONENT: -3,
+    TARGET_SPEED: 0,
+    CYCLE_PERIOD: 0,
+}
 
 SUPPORTED_MODES = 0x3E5  # PP, PV, HM, IP, CSP, CSV, CST

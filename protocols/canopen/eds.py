@@ -235,7 +235,8 @@ class _Reader:
             return _value_of(text, kind)
         except ValueError as error:
             shown = {"defaultvalue": "DefaultValue", "parametervalue": "ParameterValue", "lowlimit": "LowLimit", "highlimit": "HighLimit"}
-            self._fault(section.line_of(key), section.name, f"{shown.get(key, key)}={text}: {error}", "ignored")
+            why = str(error) if "outside" in str(error) else f"no value of {kind.name}"
+            self._fault(section.line_of(key), section.name, f"{shown.get(key, key)}={text}: {why}", "ignored")
             return None, False
 
     def _whole(self, section: Section, key: str) -> int | None:
