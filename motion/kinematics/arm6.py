@@ -107,7 +107,10 @@ class Arm6:
         """The flags of these joints by the formulas of the manual."""
         g = self.geometry
         _, t2, t3, _, t5, _ = q if self._plain else self._angles(q)
-        forwards = g.arm * math.sin(t2) + g.forearm * math.sin(t2 + t3) + g.elbow * math.cos(t2 + t3) + g.delta
+        try:
+            forwards = g.arm * math.sin(t2) + g.forearm * math.sin(t2 + t3) + g.elbow * math.cos(t2 + t3) + g.delta
+        except ValueError:
+            raise MotionError(f"joints {tuple(q)} hold a value that is no finite number") from None
         bend = wrapped(t3 + self._fixed[6])
         return FLAGS[forwards >= -BORDER][not BORDER - math.pi < bend < -BORDER][wrapped(t5) >= 0.0]
 

@@ -16,12 +16,16 @@ TURN = 2.0 * math.pi
 
 
 def wrapped(angle: float) -> float:
-    """The same direction in -pi .. pi."""
-    return angle if -math.pi <= angle <= math.pi else math.remainder(angle, TURN)
+    """The same direction in -pi .. pi; NaN for what is no finite angle."""
+    if -math.pi <= angle <= math.pi:
+        return angle
+    return math.remainder(angle, TURN) if math.isfinite(angle) else math.nan
 
 
 def nearest_turn(angle: float, near: float, lower: float, upper: float) -> float | None:
     """`angle` plus whole turns, inside the limits, nearest to `near` (all rad); None where no turn fits."""
+    if not math.isfinite(near - angle):
+        return None
     angle += TURN * round((near - angle) / TURN)
     if lower - TOUCH <= angle <= upper + TOUCH:
         return angle
@@ -79,6 +83,8 @@ class Chooser:
         """Why none of them will do."""
         if not branches:
             return Unreachable("out of reach")
+        if not all(map(math.isfinite, (*near, *branches[0][0]))):
+            return Unreachable("the pose, or the joints to start from, hold a value that is no finite number")
         fits = [self.fit(joints, near) for joints, _ in branches]
         blamed = [fit for fit in fits if isinstance(fit, int)]
         if len(blamed) < len(fits) and wanted is not None:

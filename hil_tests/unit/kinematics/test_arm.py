@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from hil_tests.lab.answers import answers
-from hil_tests.unit.kinematics.robots import GENERAL, TX60, apart, arm, spread, turning, unlike
+from hil_tests.lab.outcome import outcome
+from hil_tests.unit.kinematics.robots import GENERAL, TX60, apart, arm, scara, sliding, spread, turning, unlike
 from motion.errors import MotionError
 from motion.frames import Pose, product, transposed
 from motion.kinematics.arm6 import Arm6, ArmGeometry
@@ -23,6 +24,7 @@ from motion.kinematics.base import (
     WrongConfiguration,
 )
 from motion.kinematics.choice import Chooser
+from motion.kinematics.identity import Identity
 from motion.orientation import rotation_vector
 from motion.workspace import Workspace
 
@@ -155,6 +157,19 @@ def test_beyond_the_travel_is_531_with_the_axis_and_a_wrong_configuration_533() 
     assert unlike(bent.inverse(pose, q, SAME), q) < 1e-9
     other = bent.inverse(pose, q, Configuration(wrist=Wrist.NEGATIVE))
     assert bent.configuration(other) == Configuration(Shoulder.LEFTY, Elbow.POSITIVE, Wrist.NEGATIVE)
+
+
+@pytest.mark.parametrize("wrong", [math.nan, math.inf])
+def test_joints_to_start_from_that_are_no_numbers_are_refused(wrong: float) -> None:
+    q = (0.3, 0.5, 1.0, 0.7, 0.9, -0.4)
+    for robot in (arm(), scara(), Identity([turning("a"), sliding("b")])):
+        pose = robot.forward(q[: robot.axes])
+        for number in range(robot.axes):
+            near = [*q[: robot.axes]]
+            near[number] = wrong
+            for ask in (robot.inverse, robot.follow):
+                answer = outcome(ask, pose, near)
+                assert "finite" in str(answer) or (isinstance(answer, tuple) and all(map(math.isfinite, answer)))
 
 
 def test_the_nearest_turn_inside_the_travel_is_taken() -> None:
