@@ -13,7 +13,7 @@ WAY = 500  # counts a position has to travel before we call it one
 SMOOTH = 0.2  # largest change of the step, in steps
 NEARLY_ALL, ALMOST_ALL = 0.97, 0.998  # what is left out are jumps: switching on, lost frames, a power cycle
 JUMP = 2.0  # times the fastest steady step
-JOINED = 0.9
+JOINED = 0.998  # bits of something else make it larger than 1
 SPEED_FIT, TORQUE_FIT = 0.97, 0.5
 FLAG_FLIPS = 40
 
