@@ -193,11 +193,14 @@ class Rpdo(Pdo):
         entry, values, written = objects.dictionary.entries.get(key), objects.values, objects.written.get(key)
         if entry is None:
             return lambda value: None  # a dummy
-        limited = entry.low is not None or entry.high is not None or key in objects.checks
+        limited, checks = entry.low is not None or entry.high is not None, objects.checks
 
         def take(value: Value) -> None:
             if limited:
                 objects.write(key, value)
+                return
+            check = checks.get(key)
+            if check is not None and check(value):
                 return
             values[key] = value
             if written is not None:

@@ -356,7 +356,7 @@ class Cia402Axis:
         flags |= Flag.BRAKE_OPEN * self.brake_open | Flag.POWER_ON * (self.state >= State.ON and self.state is not State.FAULT)
         inputs = self.switches.inputs(servo.position_rad)
         flags |= Flag.REFERENCE_SWITCH * (inputs >> Signal.HOME & 1) | Flag.LIMIT * bool(inputs & 3) | Flag.WARNING * self.warning
-        shaft, _ = servo.latch(self.rest_ns)
+        shaft = servo.position_rad + servo.speed_rad_s * self.rest_ns * 1e-9
         fault = self.value(od.ERROR_CODE) >> 8 if self.state in (State.REACTION, State.FAULT) else 0
         return AxisRow(position, demand, shaft, servo.speed_rad_s, servo.torque_nm, self.state, fault, int(flags))
 

@@ -40,12 +40,11 @@ class Switches:
     """Windows in rad at the shaft; an infinite end is no edge."""
 
     def __init__(self, windows: Sequence[tuple[Signal, float, float]]) -> None:
-        self._windows = tuple(windows)
+        self._windows = tuple(window for window in windows if window[1] < window[2])
         places = [_Place(low, signal, True) for signal, low, high in windows if isfinite(low) and low < high]
         places += [_Place(high, signal, False) for signal, low, high in windows if isfinite(high) and low < high]
         self._places = sorted(places)
         self.index_wanted = False
-        self.forced: dict[Signal, bool] = {}  # to order: stuck switches
         self._at = 0.0
         self._turn = 0
 
@@ -53,7 +52,7 @@ class Switches:
         """Bits 0..2, 16, 17 of 60FDh."""
         bits = 0
         for signal, low, high in self._windows:
-            if self.forced.get(signal, low < shaft_rad < high):
+            if low < shaft_rad < high:
                 bits |= 1 << signal
         return bits
 
@@ -91,7 +90,7 @@ class Switches:
                 found.append((servo.shaft_rad(counter), Edge(Signal.INDEX, True, 1 if turn > self._turn else -1, counter)))
         found.sort(key=lambda item: item[0], reverse=not up)
         self.look_around(servo)
-        return [edge for _, edge in found if edge.signal not in self.forced]
+        return [edge for _, edge in found]
 
 
 def _counter(servo: DriveServo, shaft_rad: float) -> int:
