@@ -43,6 +43,24 @@ def test_the_master_keeps_500_deg_per_s_over_all_points_and_the_slaves_follow() 
     assert span.speeds == pytest.approx((500, 150 * 500 / 85, 160 * 500 / 85, 0, 180 * 500 / 85))
 
 
+@pytest.mark.requirement("RHO-MOT-30", by="motion.kinematics.endless:EndlessAxes.span")
+@answers
+def test_seen_every_millisecond_the_master_runs_on_evenly_and_all_slaves_arrive_with_it() -> None:
+    axes = EndlessAxes((AxisType.ENDLESS_MAIN, *(AxisType.ENDLESS_MANUAL,) * 4), (360.0,) * 5)
+    here: tuple[float, ...] = (0.0,) * 5
+    begun, clock = 0.0, 0
+    for target in PROGRAM:
+        span = axes.span(here, target, V)
+        while clock * 1e-3 < begun + span.duration:
+            now = [start + speed * (clock * 1e-3 - begun) for start, speed in zip(here, span.speeds, strict=True)]
+            assert math.isclose(now[0], V * clock * 1e-3, abs_tol=1e-9), "one straight line in time, over all points"
+            clock += 1
+        ends = [start + speed * span.duration for start, speed in zip(here, span.speeds, strict=True)]
+        assert ends == pytest.approx(target)
+        begun, here = begun + span.duration, axes.position(target)
+    assert begun == pytest.approx(360 / V)
+
+
 @answers
 def test_with_all_axes_main_the_master_changes_its_speed_as_before_to04() -> None:
     axes = EndlessAxes((AxisType.ENDLESS_MAIN,) * 5, (360.0,) * 5)
