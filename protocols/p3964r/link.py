@@ -11,6 +11,7 @@ from protocols.p3964r.profiles import Priority, Profile
 from protocols.p3964r.receiver import Receiver
 from protocols.p3964r.sender import Sender
 
+MOST_TIMERS = 8  # more than can be due at one moment
 ANSWERS = (Char.DLE, Char.NAK, Char.STX)  # what a station that sends may hear
 
 
@@ -149,7 +150,9 @@ class Link:
         return min(sender, receiver)
 
     def _expire(self, now: Ns) -> None:
-        while (due := self._next_due()) is not None and due <= now:  # each timer ends or moves on: none starts without a character
+        rounds = 0
+        while (due := self._next_due()) is not None and due <= now and rounds < MOST_TIMERS:  # each timer ends or moves on
+            rounds += 1
             if due == self._sender.deadline():
                 self._sender.expire(now)
             else:
