@@ -113,6 +113,13 @@ def fault(code: int) -> FaultRow:
     return FAULTS.get(code, _UNKNOWN)
 
 
+def sentence(code: int, language: str = "en") -> str:
+    """A fault code in one line: "code 1 = 667 CAN watchdog: SYNC missing"."""
+    row = fault(code)
+    number = f"{row.number} " if row.number else ""
+    return f"code {code} = {number}{row.what.in_language(language)}"
+
+
 def diagnose(drive: Drive) -> Diagnosis:
     """State, and while it is a fault its number, sentence and what to do."""
     phase, code = drive.phase, drive.fault_code

@@ -4,7 +4,7 @@ import pytest
 
 from drivers.drives.scaling import Scaling
 from drivers.drives.servodyn import Drive, DriveSettings, Phase, Power
-from drivers.drives.servodyn_words import FAULTS, STATES, Diagnosis, diagnose, fault
+from drivers.drives.servodyn_words import FAULTS, STATES, Diagnosis, diagnose, fault, sentence
 from drivers.drives.tracking import Tracking
 from drivers.emulator.servodyn_axis import Fault
 from drivers.emulator.settings import ServoSettings
@@ -106,6 +106,7 @@ def test_every_state_and_every_fault_has_words_in_both_languages() -> None:
     assert set(FAULTS) == {int(code) for code in Fault} - {0, 99}
     for words in (*STATES.values(), *(row.what for row in FAULTS.values()), *(row.todo for row in FAULTS.values())):
         assert words.in_language("de") and words.in_language("en") and words.german != words.english
+    assert sentence(1) == "code 1 = 667 CAN watchdog: SYNC missing" and sentence(6, "de") == "code 6 = Hardware-Endschalter erreicht"
     assert fault(200).number == 0 and "does not know" in fault(200).what.english
 
 
