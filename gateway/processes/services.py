@@ -11,6 +11,7 @@ import json
 import signal
 import time
 
+from drivers.drives.servodyn_words import sentence as servodyn_fault
 from drivers.ports.base import PortError, runtime_dir
 from gateway.assembly import RunPlan, load_plan
 from gateway.axes import axis_facts, make_planner, rc_numbers
@@ -212,7 +213,8 @@ class Services:
         for n, axis in enumerate(self.office.axes):
             flags = state.axes[n].flags
             if flags & AxisFlag.FAULT:
-                fault = self.canopen.fault(n, state.axes[n].fault_code) or f"code {state.axes[n].fault_code}"
+                code = state.axes[n].fault_code
+                fault = self.canopen.fault(n, code) or servodyn_fault(code, self.plan.cell.cell.language)
                 errors.append((Reason.DRIVE_FAULT, text(Reason.DRIVE_FAULT, detail=f"{axis.name} {fault}")))
             why = self.canopen.why_not(n) if flags & AxisFlag.UNCONFIGURED else ""
             if why:
