@@ -275,10 +275,19 @@ def drive_from_dict(raw: object) -> DriveSettings:
     if not isinstance(raw, Mapping):
         raise SettingsError(["expected a table of settings"])
     own = {item.name: item.default for item in fields(DriveSettings) if item.name != "servo"}
-    servo = axis_from_dict({name: value for name, value in raw.items() if name not in own})
-    values = _checked({name: value for name, value in raw.items() if name in own}, own)
-    drive = DriveSettings(servo)
-    return _filled(drive, values)
+    faults: list[str] = []
+    servo, values = ServoSettings(), dict[str, object]()
+    try:
+        servo = axis_from_dict({name: value for name, value in raw.items() if name not in own})
+    except SettingsError as error:
+        faults += error.faults
+    try:
+        values = _checked({name: value for name, value in raw.items() if name in own}, own)
+    except SettingsError as error:
+        faults += error.faults
+    if faults:
+        raise SettingsError(faults)
+    return _filled(DriveSettings(servo), values)
 
 
 def _checked(raw: Mapping[object, object], known: Mapping[str, object]) -> dict[str, object]:
