@@ -25,8 +25,15 @@ def test_restricted_identifiers_are_those_of_the_table() -> None:
 
 
 CALLED = {
-    **{0: "NMT", 0x80: "SYNC", 0x85: "EMCY of node 5", 0x285: "TPDO2 of node 5", 0x57F: "RPDO4 of node 127"},
-    **{0x605: "SDO request of node 5", 0x705: "heartbeat of node 5", 0x7E5: "LSS master", 0x200: "0x200"},
+    0: "NMT",
+    0x80: "SYNC",
+    0x85: "EMCY of node 5",
+    0x285: "TPDO2 of node 5",
+    0x57F: "RPDO4 of node 127",
+    0x605: "SDO request of node 5",
+    0x705: "heartbeat of node 5",
+    0x7E5: "LSS master",
+    0x200: "0x200",
 }
 
 
