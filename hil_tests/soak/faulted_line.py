@@ -29,7 +29,7 @@ class Said:
 
     @property
     def is_block(self) -> bool:
-        return len(self.data) > 3
+        return len(self.data) > 3 and not set(self.data) <= {0x02, 0x10, 0x15}  # VIPA answers every stray character with NAK
 
 
 @dataclass(slots=True)
@@ -77,7 +77,7 @@ class FaultedLine(VirtualLine[object]):
         items: list[int | Damage] = list(data)
         places = list(range(len(items)))
         delay, at = 0, len(data)
-        if self._chance.random() < (self._share if said.is_block else self._share / 10):
+        if self._chance.random() < (self._share if len(data) > 3 else self._share / 10):
             said.fault = self._chance.choice(KINDS)
             self.faults[said.fault] += 1
             at, delay = self._spoil_one(said.fault, items, places)
