@@ -66,6 +66,7 @@ class RunPlan:
     doors: tuple[Door, ...]
     record: pathlib.Path | None = None
     children: tuple[Child, ...] = field(default_factory=tuple)
+    zeros: Mapping[str, float] = field(default_factory=dict)  # of absolute axes: increments at which they read 0
 
     @property
     def journal(self) -> pathlib.Path:
@@ -139,7 +140,15 @@ def plan_run(
         m.name: ("127.0.0.1" if simulated else m.host, modbus_port if modbus_port is not None else (1502 if simulated else m.port))
         for m in cell.modbus
     }
-    return RunPlan(slug, cell, simulated, folder, period_ms, buses, lines, binds, doors, record, (*sims, *core))
+    return RunPlan(slug, cell, simulated, folder, period_ms, buses, lines, binds, doors, record, (*sims, *core), known_zeros(cell))
+
+
+def known_zeros(cell: Cell) -> dict[str, float]:
+    """What `axisgate axis zero` has written for this cell."""
+    from gateway import zeros
+
+    found = {axis.name: zeros.zero_inc(cell, axis.name) for axis in cell.axis if axis.home.by == "none"}
+    return {name: zero for name, zero in found.items() if zero is not None}
 
 
 def emulators(

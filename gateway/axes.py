@@ -1,6 +1,6 @@
 """From [[axis]] of a cell to what core, office and planner need: the one place where units of the file become SI."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from drivers.drives.cia402 import Cia402Settings
@@ -22,6 +22,7 @@ from motion.units import to_si
 
 SLOW_SHARE = 0.2  # of the homing speed, where the cell names no slow speed
 HOMING_ACCEL_S = 0.25  # homing reaches its speed in this time, if the axis' own limits allow
+NO_ZEROS: Mapping[str, float] = {}
 WINDOW_TURNS = 0.01  # in position: inside a hundredth of a motor turn
 ASSUMED = {"chain": Permit.CHAIN, "control": Permit.CONTROL, "feed": Permit.FEED, "run": Permit.RUN, "travel": Permit.TRAVEL}
 INPUT_SIGNALS = {  # names of the enabling inputs (AX-002) -> RcNumbers field
@@ -97,18 +98,25 @@ def drive_of(axis: Axis, step_inc: int, p5_ms: float) -> DriveMaker:
     return DriveSettings(step_inc=step_inc, timeout_cycles=round(5000 / p5_ms), brake=axis.brake != "none")
 
 
-def core_axes(cell: Cell, p5_ms: float) -> list[CoreAxis]:
-    """The axes as the cycle's core takes them, in the order of the file."""
+def core_axes(cell: Cell, p5_ms: float, zeros: Mapping[str, float] = NO_ZEROS, *, simulated: bool = True) -> list[CoreAxis]:
+    """The axes as the cycle's core takes them, in the order of the file.
+
+    `zeros`: increments at which absolute axes read 0 (`axisgate axis zero`); on metal one without is not referenced.
+    """
     found = []
     for axis in cell.axis:
         scaling = scaling_of(axis)
+        absolute = axis.home.by == "none"
+        if absolute and axis.name in zeros:
+            scaling = scaling.with_zero(zeros[axis.name])
+        zeroed = simulated or not absolute or axis.name in zeros
         per_cycle = axis.limits.speed * p5_ms / 1000.0
         step = 4 * abs(scaling.inc_per_unit) * to_si(per_cycle, axis.unit)
         drive = drive_of(axis, max(1024, round(step)), p5_ms)
         lag = axis.following_error
         warn, trip = (to_si(lag.warn, axis.unit), to_si(lag.trip, axis.unit)) if lag else (float("inf"), float("inf"))
         window = WINDOW_TURNS * axis.drive.inc_per_turn / abs(scaling.inc_per_unit)
-        found.append(CoreAxis(axis.name, scaling, reference_of(axis, scaling), window, drive, warn, trip))
+        found.append(CoreAxis(axis.name, scaling, reference_of(axis, scaling), window, drive, warn, trip, zeroed))
     return found
 
 

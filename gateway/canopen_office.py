@@ -18,6 +18,7 @@ class CanopenOffice:
     def __init__(self, plan: RunPlan, fds: dict[str, int], write: Write) -> None:
         self.masters: dict[str, CanopenMaster] = {}
         self._places: dict[int, tuple[str, int]] = {}  # axis -> bus, node
+        self._names: dict[str, tuple[str, int]] = {}
         self._generation: int | None = None
         self._language = plan.cell.cell.language
         buses = [bus for bus in plan.cell.bus if bus.name in plan.buses]
@@ -40,6 +41,7 @@ class CanopenOffice:
                 bus.name, self.rings.links[number], nodes, lambda kind, words, facts: write(kind, words, **facts), sheets
             )
             self._places |= {n: (bus.name, node) for node, (n, _) in here.items()}
+            self._names |= {axis.name: (bus.name, node) for node, (_, axis) in here.items()}
 
     def stop(self) -> None:
         """Nodes stay as they are."""
@@ -60,6 +62,13 @@ class CanopenOffice:
                 master.start(spoken)
             else:
                 master.again()
+
+    def place(self, axis: str) -> "tuple[CanopenMaster, int]":
+        """Master and node of an axis; KeyError in words for one that is not on CANopen."""
+        if axis not in self._names:
+            raise KeyError(f"axis {axis} has no CANopen drive; those with one: {', '.join(self._names) or 'none'}")
+        name, node = self._names[axis]
+        return self.masters[name], node
 
     def why_not(self, axis: int) -> str:
         """Why this axis' drive is not ready; empty: it is, or it is none of ours."""

@@ -59,6 +59,9 @@ class Variables:
         """One request; never raises."""
         try:
             request = json.loads(line)
+            told = self._services.tools.answer(request)
+            if told is not None:
+                return told
             match request.get("op"):
                 case "get":
                     return self._get(str(request["address"]))

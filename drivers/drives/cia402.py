@@ -281,7 +281,12 @@ class Cia402Drive:
                 self._go(Phase.GIVING_UP)
             elif status & Bit.HOMING_ATTAINED and status & Bit.TARGET_REACHED:
                 self._go(Phase.AT_HOME)
-        elif self._phase is Phase.AT_HOME:
+        else:
+            self._return(actual)
+
+    def _return(self, actual: Cia402Actual) -> None:
+        """From home, or from where it was given up, back to CSP."""
+        if self._phase is Phase.AT_HOME:
             if self._cycles >= PIPELINE:  # CSP must not begin with a 607Ah from before the jump
                 self._back(homed=True)
         elif self._phase is Phase.GIVING_UP:
@@ -290,7 +295,7 @@ class Cia402Drive:
         elif actual.mode == Mode.CSP:
             self._go(Phase.ENABLED)
             self._end_homing(done=self._homed)
-        elif self._cycles >= settings.mode_cycles:
+        elif self._cycles >= self._settings.mode_cycles:
             self._end_homing(done=False)
             self._go(Phase.STOPPING, Event.TIMEOUT)
 

@@ -9,6 +9,7 @@ from drivers.ports.base import PortError
 from gateway.assembly import RunPlan, plan_run
 from gateway.cell import Cell
 from gateway.commands.common import BANNER, DONE, ENVIRONMENT, USAGE, load
+from gateway.firstenable import TEXT, confirm, needed
 from gateway.processes.supervisor import Supervisor
 from gateway.realtime import die_with_parent
 
@@ -42,6 +43,13 @@ def main(argv: list[str]) -> int:
     if refusal:
         print(f"axisgate run: {refusal}", file=sys.stderr)
         return USAGE if refusal.startswith("--p5") else ENVIRONMENT
+    axes = needed(cell, simulated=arguments.sim)
+    if axes and not arguments.json:
+        if not sys.stdin.isatty():
+            print(f"{TEXT}\naxisgate run: not confirmed for {', '.join(axes)}; start it once at a terminal", file=sys.stderr)
+            return ENVIRONMENT
+        if not confirm(cell, axes, input, print):
+            return ENVIRONMENT
     if arguments.record:
         arguments.record.mkdir(parents=True, exist_ok=True)
     try:

@@ -145,7 +145,7 @@ class Cycle:
     def __init__(self, plan: RunPlan, fds: dict[str, int]) -> None:
         cell = plan.cell
         self.period_ns = plan.p5_ms * 1_000_000
-        axes = core_axes(cell, plan.p5_ms)
+        axes = core_axes(cell, plan.p5_ms, plan.zeros, simulated=plan.simulated)
         drive_buses = [bus for bus in cell.bus if bus.name in plan.buses]
         self.core = Core(
             axes,

@@ -60,6 +60,12 @@ class CoreAxis:
     drive: DriveMaker
     lag_warn: float = math.inf
     lag_trip: float = math.inf
+    zeroed: bool = True  # False: absolute, and nobody has said yet where it reads 0
+
+    @property
+    def absolute(self) -> bool:
+        """Needs no reference run."""
+        return self.reference is None and self.zeroed
 
 
 @dataclass(slots=True)
@@ -100,7 +106,7 @@ class Core:
         self.plans = tuple(axes)
         self._axes = [_Axis(plan, plan.drive.make(), LagMonitor(plan.lag_warn, plan.lag_trip), plan.scaling) for plan in axes]
         for axis in self._axes:
-            axis.referenced = axis.plan.reference is None
+            axis.referenced = axis.plan.absolute
         self._stepper = Stepper(len(axes), period_s)
         self._stepper.set_override(0.0)
         self._numbers, self._finish = numbers, finish_without_services
@@ -394,7 +400,7 @@ class Core:
         for axis in self._axes:
             if axis.drive.epoch != axis.epoch:
                 axis.epoch, axis.run, axis.by_drive = axis.drive.epoch, None, False
-                axis.referenced = axis.plan.reference is None
+                axis.referenced = axis.plan.absolute
             if axis.run is None and (axis.by_drive or not axis.drive.follows):
                 axis.set = axis.scaling.to_si(axis.drive.set_inc)
         if self._stepper.state is State.IDLE:

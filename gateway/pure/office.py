@@ -103,6 +103,7 @@ class Office:
         self._open: list[Job] = []
         self._orders: list[OrderRecord] = []
         self._events: list[OfficeEvent] = []
+        self._first_try = False
         self._move: Job | None = None  # the move or reference run the axes are on
 
     # ---- what the others ask ---------------------------------------------------------------------------------------------
@@ -193,8 +194,12 @@ class Office:
         self._events.append(OfficeEvent(state.name.lower(), job.door, job.code, reason, job.detail))
 
     # ---- commands --------------------------------------------------------------------------------------------------------
-    def command(self, door: int, command: Command, now: Ns) -> Job:
-        """Judge one fresh command of a door; its outcome stands in the returned Job (refused at once or open)."""
+    def command(self, door: int, command: Command, now: Ns, *, first_try: bool = False) -> Job:
+        """Judge one fresh command of a door; its outcome stands in the returned Job (refused at once or open).
+
+        `first_try`: a relative move of a single axis that has not been referenced yet (AX-312); everything else is judged as ever.
+        """
+        self._first_try = first_try
         job = Job(self._next, door, command.code, mask=command.mask)
         self._next += 1
         state = self.door(door)
@@ -289,7 +294,8 @@ class Office:
 
     def _ptp(self, job: Job, command: Command, cell: CellState, *, relative: bool) -> None:
         self._mask(job)
-        self._may_move(cell, job.mask)
+        alone = self._first_try and relative and job.mask.bit_count() == 1
+        self._may_move(cell, job.mask, referenced=not alone)
         for name, value in (("velocity", command.velocity), ("acceleration", command.acceleration)):
             if not 0.0 < value <= 1.0:
                 raise Refusal(Reason.RATE, f"{name} {value:.2%}; 0.01..100 %")

@@ -1,0 +1,123 @@
+"""Drives on their bus: who is there (scan), one started up and its identity pinned (commission), how they stop when we die (loss-test)."""
+
+import argparse
+import json
+import pathlib
+import sys
+
+from drivers.ports.base import PortError
+from gateway.cell import Bus, Cell
+from gateway.commands.common import BANNER, DONE, ENVIRONMENT, FINDING, USAGE, load
+from gateway.toolclient import ToolError, simulated
+
+EXAMPLES = """examples:
+  axisgate drive scan socketcan:can0                 nodes 1..127 with identity; nothing is written
+  axisgate drive commission cell.toml X              start-up of one drive as the cell would do it, and the line that pins it
+  axisgate drive loss-test demo-402                  stop time and way when SYNC, heartbeat or the gateway is lost (emulated drives)
+"""
+PROFILES = {401: "I/O", 402: "drive", 406: "encoder"}
+
+
+def main(argv: list[str]) -> int:
+    parser = argparse.ArgumentParser(
+        prog="axisgate drive", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("what", choices=("scan", "commission", "loss-test"))
+    parser.add_argument("place", help="scan: CAN port (socketcan:can0, broker:NAME); else the cell")
+    parser.add_argument("axis", nargs="?", help="commission: name of the axis")
+    parser.add_argument("--port", help="commission: CAN port in place of the cell's")
+    parser.add_argument("--lose", choices=("gateway", "sync", "heartbeat"), action="append", help="loss-test: only this (default: all)")
+    parser.add_argument("--speed", type=float, default=50.0, help="loss-test: %% of the axes' speed (default %(default)s)")
+    parser.add_argument("--p5", type=int, help="loss-test: clock in ms in place of the cell's")
+    parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path(), help="loss-test: folder for JSON and HTML")
+    parser.add_argument("--json", action="store_true")
+    arguments = parser.parse_args(argv)
+    try:
+        if arguments.what == "scan":
+            return _scan(arguments.place, as_json=arguments.json)
+        cell = load(arguments.place)
+        if isinstance(cell, int):
+            return cell
+        return _commission(cell, arguments) if arguments.what == "commission" else _loss_test(cell, arguments)
+    except (PortError, ToolError) as error:
+        print(f"axisgate drive {arguments.what}: {error}", file=sys.stderr)
+        return ENVIRONMENT
+
+
+def _scan(url: str, *, as_json: bool) -> int:
+    from gateway.commissioning import direct, scan
+
+    with direct(url) as link:
+        found = scan(link)
+    if as_json:
+        print(json.dumps(found))
+    else:
+        for row in found:
+            profile = int(str(row.get("type", 0))) & 0xFFFF
+            numbers = " ".join(f"{name} {int(str(row.get(name, 0))):#010x}" for name in ("vendor", "product", "revision"))
+            print(f"node {row['node']:>3}: {PROFILES.get(profile, f'profile {profile}')}, {numbers}, serial {row.get('serial', '?')}")
+        print(f"{len(found)} nodes answer on {url}")
+    return DONE if found else FINDING
+
+
+def _bus_of(cell: Cell, name: str) -> Bus:
+    return next(bus for bus in cell.bus if bus.name == name)
+
+
+def _commission(cell: Cell, arguments: argparse.Namespace) -> int:
+    from gateway.canopen_master import Health
+    from gateway.canopen_plans import node_plans
+    from gateway.commissioning import direct, start_up
+
+    axes = {axis.name: axis for axis in cell.axis if axis.drive.type == "cia402"}
+    axis = axes.get(arguments.axis or "")
+    if axis is None:
+        print(f"axisgate drive commission: name a CiA 402 axis of the cell: {', '.join(axes) or 'it has none'}", file=sys.stderr)
+        return USAGE
+    bus = _bus_of(cell, axis.drive.bus)
+    url = arguments.port or bus.port
+    plan = dict(node_plans(cell, bus, cell.cycle_ms, simulated=arguments.port is not None or bus.simulated))[axis.name]
+    with direct(url) as link:
+        node = start_up(link, axis.name, plan)
+    booted = node.booted
+    if node.health is not Health.READY or booted is None:
+        print(f"axis {axis.name}, node {plan.node}: {node.health.value}: {node.why}", file=sys.stderr)
+        return FINDING
+    identity = booted.identity
+    if arguments.json:
+        told = {"axis": axis.name, "node": plan.node, "serial": identity.serial, "vendor": identity.vendor, "product": identity.product}
+        print(json.dumps({**told, "options": booted.options, "notes": booted.notes}))
+        return DONE
+    print(f"axis {axis.name}, node {plan.node}: starts up; mode {booted.mode} (CSP); stops when the gateway dies: {booted.options}")
+    for note in booted.notes:
+        print(f"  note: {note}")
+    print(f'pin it in the cell:  drive = {{ type = "cia402", bus = "{bus.name}", node = {plan.node}, serial = "{identity.serial}", .. }}')
+    print(f"next: axisgate run CELL, then: axisgate axis try CELL {axis.name}")
+    return DONE
+
+
+def _loss_test(cell: Cell, arguments: argparse.Namespace) -> int:
+    from gateway import losstest
+
+    wanted = arguments.lose or losstest.losses_of(cell)
+    impossible = [loss for loss in wanted if loss not in losstest.losses_of(cell)]
+    if impossible:
+        print(f"axisgate drive loss-test: this cell's drives watch {' and '.join(losstest.losses_of(cell))} only", file=sys.stderr)
+        return USAGE
+    print(BANNER, file=sys.stderr)
+    stops: list[losstest.Stop] = []
+    for loss in wanted:
+        with simulated(arguments.place, arguments.p5) as (client, folder):
+            stops += losstest.measure(client, cell, folder, loss, arguments.speed / 100.0)
+    written = losstest.write(cell, stops, arguments.out)
+    if arguments.json:
+        print(json.dumps(losstest.report(cell, stops)))
+    else:
+        for stop in stops:
+            verdict = "" if stop.good else "  DOES NOT STOP AS WANTED"
+            print(
+                f"{stop.loss:<10} {stop.axis:<6} {stop.speed:>9.1f} {stop.unit}/s  reacts after {stop.reaction_ms:>6.1f} ms "
+                f"(allowed {stop.allowed_ms:g}), stands after {stop.stop_ms:>7.1f} ms and {stop.way:>8.3f} {stop.unit}{verdict}"
+            )
+        print(f"written: {written[0]}, {written[1]}  (emulated drives; evidence: emulator)")
+    return DONE if all(stop.good for stop in stops) else FINDING
