@@ -67,7 +67,7 @@ class Arm:
     @property
     def resting(self) -> bool:
         """The set values stand."""
-        return not self._loaded or self._follower.omega == 0.0 or (self.progress is not None and self.progress.at_end)
+        return not self._loaded or self.progress is None or self.progress.still or self.progress.at_end
 
     @property
     def speed_share(self) -> float:

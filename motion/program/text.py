@@ -56,7 +56,9 @@ class _Fault(Exception):
 
 
 @dataclass(slots=True)
-class _Reader:
+class Reader:
+    """Line by line: what a stream of statements has said so far."""
+
     name: str = ""
     robot: str = ""
     angles: Convention = CONVENTIONS["val3"]
@@ -67,6 +69,25 @@ class _Reader:
     points: dict[str, Target] = field(default_factory=dict)
     modal: dict[str, str] = field(default_factory=dict)
     blocks: list[Block] = field(default_factory=list)
+
+    def statement(self, raw: str, number: int = 0) -> None:
+        """One line; raises TextError.  Its block, if it is one, waits for take()."""
+        words = raw.partition("#")[0].split()
+        if not words:
+            return
+        try:
+            self.line(words, number)
+        except _Fault as fault:
+            raise TextError(number, fault.key, fault.what) from None
+        except TextError:
+            raise
+        except MotionError as error:
+            raise TextError(number, words[0], str(error)) from error
+
+    def take(self) -> list[Block]:
+        """Blocks since the last call."""
+        blocks, self.blocks = self.blocks, []
+        return blocks
 
     # ---- statements --------------------------------------------------------------------------------------------------
     def line(self, words: list[str], number: int) -> None:
@@ -219,17 +240,12 @@ STATEMENTS = ("program", "robot", "angles", "axes", "start", "tool", "frame", "p
 
 def read(text: str) -> Program:
     """The program of a text; raises TextFaults with every fault in it."""
-    reader, faults = _Reader(), []
+    reader, faults = Reader(), []
     for number, raw in enumerate(text.splitlines(), 1):
-        words = raw.partition("#")[0].split()
-        if not words:
-            continue
         try:
-            reader.line(words, number)
-        except _Fault as fault:
-            faults.append(TextError(number, fault.key, fault.what))
-        except MotionError as error:
-            faults.append(TextError(number, words[0], str(error)))
+            reader.statement(raw, number)
+        except TextError as fault:
+            faults.append(fault)
     if not reader.start:
         faults.append(TextError(0, "start", "is missing: where the axes stand before the first block"))
     if faults:

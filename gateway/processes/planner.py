@@ -1,0 +1,113 @@
+"""The planner process: programs in by a ring, motion pieces out by another.  It may die between any two writes: what the cycle
+holds then ends at rest on the path, and nothing moves again without a fresh order.
+"""
+
+import argparse
+import contextlib
+import select
+import signal
+import time
+from dataclasses import replace
+
+from gateway.assembly import RunPlan, load_plan
+from gateway.axes import limits_of
+from gateway.faults import CellFaults
+from gateway.files import ConfigNotFound
+from gateway.image import RegionReader, RegionWriter, RingReader, RingWriter, fds_from_text
+from gateway.journal import Journal
+from gateway.pure.plannerrecords import SAY_LAYOUT, PlannerState, pack_piece, pack_planner, unpack_block
+from gateway.pure.programs import Programs
+from gateway.pure.records import CellState, Motion, unpack_cell_state
+from gateway.realtime import Timerfd, die_with_parent
+from gateway.robotfile import load_robot
+from motion.errors import MotionError
+from motion.planner.robot import Machine, machine_of
+
+TURN_NS = 5_000_000
+TAKEN = 64  # block records a turn: a long program does not keep the life counter waiting
+
+
+class PlannerProcess:
+    """One run's planner."""
+
+    def __init__(self, plan: RunPlan, fds: dict[str, int]) -> None:
+        self.plan = plan
+        self.journal = Journal(plan.journal, "planner")
+        self.axes = RegionReader(fds["axes"], "axes")
+        self.blocks = RingReader(fds["blocks"], "blocks", SAY_LAYOUT)
+        self.pieces = RingWriter(fds["pieces"], "pieces")
+        self.region = RegionWriter(fds["planner"], "planner")
+        self.limits = [limits_of(axis) for axis in plan.cell.axis]
+        self.programs = Programs(self.machine, self.mask)
+        self._told: tuple[int, str] = (0, "")
+        self._stop = False
+
+    def machine(self, name: str) -> Machine:
+        """The robot a program names, with the limits of this cell's axes; raises MotionError."""
+        try:
+            robot = machine_of(load_robot(name))
+        except (ConfigNotFound, CellFaults, OSError) as error:
+            raise MotionError(f"robot {name!r}: {error}") from error
+        if robot.axes > len(self.limits):
+            raise MotionError(f"robot {name} has {robot.axes} axes, the cell {len(self.limits)}")
+        own = self.limits[: robot.axes]
+        for ours, its in zip(own, robot.limits, strict=True):
+            if ours.unit != its.unit:
+                raise MotionError(f"axis {ours.name} of the cell is in {ours.unit}, axis {its.name} of robot {name} in {its.unit}")
+        return replace(robot, limits=tuple(own))
+
+    @staticmethod
+    def mask(machine: Machine) -> int:
+        """The first axes of the cell are the robot's."""
+        return (1 << machine.axes) - 1
+
+    def run(self) -> None:
+        """Until SIGTERM."""
+        signal.signal(signal.SIGTERM, self._on_signal)
+        timer = Timerfd()
+        timer.set(time.monotonic_ns() + TURN_NS, TURN_NS)
+        while not self._stop:
+            select.select([timer], (), ())
+            if timer.expired():
+                self.turn()
+        timer.close()
+        self.journal.close()
+
+    def _on_signal(self, number: int, frame: object) -> None:
+        self._stop = True
+
+    def turn(self) -> None:
+        """New statements, what the cycle does, pieces that are due."""
+        now = time.monotonic_ns()
+        payload = self.axes.read()
+        state = CellState() if payload is None else unpack_cell_state(payload)
+        records = [unpack_block(data) for _, data in self.blocks.take(TAKEN)]
+        standing = [axis.set for axis in state.axes[: len(self.limits)]]
+        moving = state.motion is not Motion.IDLE
+        for record in self.programs.turn(records, state.generation, state.piece, standing, moving=moving):
+            self.pieces.put(pack_piece(record))
+        self._tell(self.programs.state)
+        self.region.write(pack_planner(self.programs.state), now)
+        self.region.beat(time.monotonic_ns())
+
+    def _tell(self, state: PlannerState) -> None:
+        fault = (state.failed_job, state.fault)
+        if fault != self._told and state.fault:
+            self.journal.write("program", state.fault, job=state.failed_job, block=state.fault_block, code=state.fault_code)
+        self._told = fault
+
+
+def main(argv: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="axisgate planner", description="the planner process; started by the supervisor")
+    parser.add_argument("--plan", type=int, required=True)
+    parser.add_argument("--fds", required=True)
+    arguments = parser.parse_args(argv)
+    die_with_parent(number=signal.SIGKILL)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    with contextlib.suppress(KeyboardInterrupt):
+        PlannerProcess(load_plan(arguments.plan), fds_from_text(arguments.fds)).run()
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

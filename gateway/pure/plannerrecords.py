@@ -1,0 +1,120 @@
+"""What planner, cycle and those who order programs tell each other through rings and one region (design: sections 4 and 6).
+
+blocks ring (to the planner): one statement of the text form a record, or a mark.  pieces ring (to the cycle): one motion piece a record,
+or the mark that nothing follows.  planner region: what it does, for displays and for whoever orders.
+"""
+
+import json
+import struct
+from dataclasses import dataclass
+from enum import IntEnum
+
+from motion.pieces import RECORD_SIZE
+
+BLOCKS = 2048  # records in the blocks ring
+PIECES = 1024  # records in the pieces ring: half a minute of motion
+AHEAD = 256  # pieces that may lie in the ring and not be taken
+PLANNER_BYTES = 1024
+TEXT_BYTES = 1000
+
+
+class Say(IntEnum):
+    """Kinds of blocks records."""
+
+    BEGIN = 1  # a program begins; text: head statements so far as known (robot NAME)
+    LINE = 2  # a statement of the text form
+    FINISH = 3  # nothing follows for the time being: run to the end of what is there
+    END = 4  # the program is complete
+    DROP = 5  # forget everything (the cycle abandoned the motion, or the program is aborted)
+
+
+_SAY = struct.Struct(f"=IIQ{TEXT_BYTES}s")
+SAY_SIZE = _SAY.size
+SAY_LAYOUT = f"blocks/1 {_SAY.format}"
+
+
+@dataclass(frozen=True, slots=True)
+class BlockRecord:
+    """job: the order's id; a job is taken once."""
+
+    say: Say
+    job: int
+    text: str = ""
+
+
+def pack_block(record: BlockRecord) -> bytes:
+    """As SAY_SIZE bytes; ValueError for a line that is too long."""
+    octets = record.text.encode()
+    if len(octets) > TEXT_BYTES:
+        raise ValueError(f"a line of {len(octets)} bytes; {TEXT_BYTES} fit")
+    return _SAY.pack(record.say, len(octets), record.job, octets)
+
+
+def unpack_block(data: bytes) -> BlockRecord:
+    """The reverse of pack_block."""
+    say, size, job, octets = _SAY.unpack(data)
+    return BlockRecord(Say(say), job, octets[:size].decode())
+
+
+class Part(IntEnum):
+    """Kinds of pieces records."""
+
+    PIECE = 1
+    LAST = 2  # the job ends where the pieces before end
+
+
+_PIECE = struct.Struct("=II QQ")
+PIECE_SIZE = _PIECE.size + RECORD_SIZE
+PIECE_LAYOUT = f"pieces/1 {_PIECE.format} {RECORD_SIZE}"
+
+
+@dataclass(frozen=True, slots=True)
+class PieceRecord:
+    """generation: of the cycle process it is meant for; a new cycle drops it."""
+
+    part: Part
+    job: int
+    generation: int
+    piece: bytes = b""
+
+
+def pack_piece(record: PieceRecord) -> bytes:
+    """As PIECE_SIZE bytes."""
+    if len(record.piece) not in (0, RECORD_SIZE):
+        raise ValueError(f"a piece of {len(record.piece)} bytes; 0 or {RECORD_SIZE} expected")
+    head = _PIECE.pack(record.part, len(record.piece), record.job, record.generation)
+    return head + record.piece.ljust(RECORD_SIZE, b"\0")
+
+
+def unpack_piece(data: bytes) -> PieceRecord:
+    """The reverse of pack_piece."""
+    part, size, job, generation = _PIECE.unpack_from(data)
+    return PieceRecord(Part(part), job, generation, bytes(data[_PIECE.size : _PIECE.size + size]))
+
+
+@dataclass(frozen=True, slots=True)
+class PlannerState:
+    """job under way (0: none), block and share of its way, blocks that wait, pieces handed on; the last fault with its block."""
+
+    job: int = 0
+    block: int = 0
+    share: float = 0.0
+    waiting: int = 0
+    handed: int = 0
+    ended: bool = False
+    failed_job: int = 0
+    fault: str = ""
+    fault_block: int = 0
+    fault_code: int = 0
+
+
+def pack_planner(state: PlannerState) -> bytes:
+    """JSON, padded to PLANNER_BYTES."""
+    fields = {name: getattr(state, name) for name in PlannerState.__slots__}
+    fields["fault"] = state.fault[:400]
+    return json.dumps(fields).encode().ljust(PLANNER_BYTES)
+
+
+def unpack_planner(data: bytes) -> PlannerState:
+    """The reverse of pack_planner."""
+    return PlannerState(**json.loads(data))
