@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from gateway.pure.rho3can.messages import IoError, Trouble
 from gateway.pure.rho3can.rules import Block
-from gateway.pure.rho3can.tables import OUTPUT_IDS
+from gateway.pure.rho3can.tables import OUTPUT_IDS, Side
 from protocols.base.machine import Frame, Ns, ms
 
 
@@ -53,6 +53,7 @@ class IoBus:
         self._start = now
         self._supervised_from: Ns | None = None  # coupled inputs: all have answered, or the start-up time is over
         self._cycles = 0
+        self._last: list[Frame] = []
         self._faulty: set[tuple[Trouble, int]] = set()  # of output blocks
 
     @property
@@ -99,7 +100,14 @@ class IoBus:
         """The output blocks out of the PIC outputs (128 bytes), in the order of P32."""
         if self.aborted and self.settings.give_up:
             return []
-        return [Frame(block.identifier, bytes(image[block.start : block.start + block.length])) for block in self.settings.outputs]
+        self._last = [Frame(block.identifier, bytes(image[block.start : block.span.stop])) for block in self.settings.outputs]
+        return list(self._last)
+
+    def live(self, side: Side) -> list[tuple[int, bytes]]:
+        """Identifier and bytes of every block as they are now: what PHG modes 7.14 (inputs) and 7.15 (outputs) show (L7459-7475)."""
+        if side is Side.OUTPUT:
+            return [(frame.identifier, frame.data) for frame in self._last]
+        return [(entry.block.identifier, bytes(self.image[entry.block.start : entry.block.span.stop])) for entry in self._inputs]
 
     def sent(self, count: int) -> list[IoError]:
         """The interface took the first `count` of the frames; the others are write access refused (L7513-7518)."""

@@ -5,6 +5,7 @@ import pytest
 from gateway.pure.rho3can.blocks import IoBus, IoSettings
 from gateway.pure.rho3can.messages import IoError, Trouble
 from gateway.pure.rho3can.rules import Block
+from gateway.pure.rho3can.tables import Side
 from hil_tests.lab.outcome import outcome
 from protocols.base.machine import Frame, Ns, ms
 
@@ -209,3 +210,15 @@ def test_what_no_block_of_this_bus_is_says_nothing() -> None:
     for identifier in (100, 210, 610, 542, 472):
         io.hears(identifier, bytes(8))
     assert io.said == [] and bytes(io.bus.image) == IMAGE
+
+
+def test_diagnosis_lists_all_errors_and_shows_inputs_and_outputs_as_they_are() -> None:
+    """Before TO01 only the first one was listed (L686); modes 7.14 and 7.15 (L7459-7475)."""
+    io = Io(IoSettings(2, (Block(88, 2, 541), Block(90, 1, 542), Block(91, 1, 543)), (Block(92, 2, 471),)))
+    for _ in range(3):
+        io.cycle(1, 542, b"\x81")
+    assert [str(error) for error in io.bus.errors] == ["381 no transm. CAN2 I1", "381 no transm. CAN2 I3"]
+    io.hears(541, b"\x01\x02")
+    io.bus.frames(bytes(92) + b"\x0f\xf0" + bytes(34))
+    assert io.bus.live(Side.INPUT) == [(541, b"\x01\x02"), (542, b"\x81"), (543, b"\x00")]
+    assert io.bus.live(Side.OUTPUT) == [(471, b"\x0f\xf0")]
