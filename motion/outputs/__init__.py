@@ -1,0 +1,1 @@
+"""Outputs that follow the path: IO logic, PPO, and the outputs of neutral blocks."""
