@@ -41,27 +41,29 @@ def jerk_limited(path: JointPath, limits: LawLimits, start: tuple[float, float, 
     planned again with lower limits there, and if that does not help run a little slower as a whole.
     """
     guess = _guess(path, limits, start)
-    tight = np.ones(len(guess.s))
+    tight, slow = np.ones(len(guess.s)), np.ones(len(guess.s))  # shares of the limits of jerk and of speed, point by point
     law = guess
     for _ in range(REPAIRS):
-        beta = _warp(path, limits, guess, tight)
+        beta = _warp(path, limits, guess, tight, slow)
         law = guess.warped(beta, path.length)
-        at, excess = _excess(path, limits, law)
-        if float(np.max(excess)) <= 1.0:
+        at, excess, fast = _excess(path, limits, law)
+        if max(float(np.max(excess)), float(np.max(fast))) <= 1.0:
             return law
-        for s, much in zip(at, excess, strict=True):
-            if much > 1.0:
-                tight[np.abs(guess.s - s[1]) <= s[2] - s[1]] *= 0.97 / much
+        for place in np.flatnonzero(np.maximum(excess, fast) > 1.0):
+            near = np.abs(guess.s - at[place, 1]) <= at[place, 2] - at[place, 1]
+            tight[near] *= 0.97 / max(float(excess[place]), 0.97)
+            slow[near] = np.minimum(slow[near], 0.9999 / max(float(fast[place]), 1.0))
     return _slowed(path, limits, law)
 
 
 def _slowed(path: JointPath, limits: LawLimits, law: Law) -> Law:
     """As a whole, until the set values are good; a moving start cannot be slowed and stays."""
     for _ in range(REPAIRS):
-        worst = float(np.max(_excess(path, limits, law)[1]))
+        _, excess, fast = _excess(path, limits, law)
+        worst = max(float(np.max(excess)) ** (1 / 3), float(np.max(fast)))
         if worst <= 1.0 or not law.at_rest:
             break
-        law = law.slower(1.002 * worst ** (1 / 3))
+        law = law.slower(1.001 * worst)
     return law
 
 
@@ -82,15 +84,17 @@ def _differences(path: JointPath, limits: LawLimits, law: Law, period_s: float, 
     return s, parts
 
 
-def _excess(path: JointPath, limits: LawLimits, law: Law) -> tuple[Array, Array]:
-    """Places (from, at, to in s) and how far acceleration or jerk are beyond what is good there, wherever the samples fall."""
-    places, much = [], []
+def _excess(path: JointPath, limits: LawLimits, law: Law) -> tuple[Array, Array, Array]:
+    """Places (from, at, to in s), how far acceleration or jerk are beyond what is good there, and how far speed is, wherever
+    the samples fall."""
+    places, much, fast = [], [], []
     for phase in (0.0, 0.5) if law.at_rest else (0.0,):
-        s, (_, accel, jerk) = _differences(path, limits, law, JUDGE_S, phase)
+        s, (speed, accel, jerk) = _differences(path, limits, law, JUDGE_S, phase)
         index = np.arange(len(jerk)) + 2
         places.append(np.stack([s[np.maximum(index - AROUND, 0)], s[index], s[np.minimum(index + AROUND, len(s) - 1)]], axis=1))
         much.append(np.maximum(jerk / JERK_GOOD, accel[1:] / ACCEL_GOOD))
-    return np.concatenate(places), np.concatenate(much)
+        fast.append(speed[2:])
+    return np.concatenate(places), np.concatenate(much), np.concatenate(fast)
 
 
 def _guess(path: JointPath, limits: LawLimits, start: tuple[float, float, float]) -> Law:
@@ -112,7 +116,7 @@ def _ramp(limits: LawLimits) -> float:
     return float(np.max(limits.accel[finite] / limits.jerk[finite])) if np.any(finite) else 0.0
 
 
-def _rows(path: JointPath, limits: LawLimits, law: Law, beta: Array, tight: Array) -> Rows:
+def _rows(path: JointPath, limits: LawLimits, law: Law, beta: Array, tight: Array, slow: Array) -> Rows:
     """What the limits say about beta on the law's grid."""
     h, known = law.step, beta[:, None]
     padded = law.padded(2)
@@ -120,7 +124,7 @@ def _rows(path: JointPath, limits: LawLimits, law: Law, beta: Array, tight: Arra
     first, second = (q[3:-1] - q[1:-3]) / (2 * h), (q[3:-1] - 2 * q[2:-2] + q[1:-3]) / h**2
     thirds = np.diff(q, 3, axis=0) / h**3
     speed, accel, jerk = limits.at(law.s)
-    speed, jerk = TOUCH * speed, JERK_USED * jerk * tight[:, None]
+    speed, jerk = TOUCH * slow[:, None] * speed, JERK_USED * jerk * tight[:, None]
     some = np.any(np.isfinite(limits.speed)[None, :] | np.isfinite(speed), axis=0)
     none = np.zeros_like(first)
     unity = np.ones_like(first)
@@ -148,14 +152,14 @@ def _extended(path: JointPath, s: Array) -> Array:
     return path.at(s) + before * path.at(np.zeros(1), 1)
 
 
-def _warp(path: JointPath, limits: LawLimits, law: Law, tight: Array) -> Array:
+def _warp(path: JointPath, limits: LawLimits, law: Law, tight: Array, slow: Array) -> Array:
     """beta on the law's grid."""
     n = len(law.s)
     share = np.full(n, 1.0 / (n - 1))
     share[0] = share[-1] = 0.5 / (n - 1)
     beta, value = np.ones(n), np.inf
     for _ in range(ROUNDS):
-        beta = fastest(_rows(path, limits, law, beta, tight), share, beta, 0 if law.at_rest else 2)
+        beta = fastest(_rows(path, limits, law, beta, tight, slow), share, beta, 0 if law.at_rest else 2)
         before, value = value, float(np.sum(share / np.sqrt(beta)))
         if abs(before - value) < SETTLED * value:
             break
