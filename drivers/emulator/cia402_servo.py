@@ -6,7 +6,7 @@ speed demand at the speed limit, as real drives limit the speed in torque modes 
 
 from math import inf
 
-from drivers.emulator.servo import FF, GOAL, INC_PER_RAD, IT, KO, KS, MODE, REST, STEP_NS, STEPS_PER_TICK, TH, TR, WR, Mode, Servo
+from drivers.emulator.servo import FF, GOAL, INC_PER_RAD, KO, KS, MODE, REST, STEP_NS, STEPS_PER_TICK, TH, TR, WR, Mode, Servo
 from drivers.emulator.settings import INC_PER_TURN, ServoSettings
 
 _TICK_S = STEPS_PER_TICK * STEP_NS * 1e-9
@@ -57,8 +57,6 @@ class DriveServo(Servo):
         self._constant(_TORQUE_MAX, min(abs(torque_nm), self._torque_limit))
         limit = self.settings.speed_limit_rad_s
         self._demand(limit if torque_nm > 0.0 else -limit if torque_nm < 0.0 else 0.0)
-        if self._state[IT] * torque_nm < 0.0:
-            self._state[IT] = 0.0
 
     def hold(self) -> None:
         self._constant(_TORQUE_MAX, self._torque_limit)

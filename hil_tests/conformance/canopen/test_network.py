@@ -143,6 +143,7 @@ def test_what_was_stored_survives_power_and_restore_takes_it_back() -> None:
     node.set(0x1017, 500)
     node.set(0x6081, 777)
     node.set(0x1010, SAVE, 1)
+    assert node.read(0x1010, 1) == 1, "the signature is an order, no value"
     bus.slave.power_off(1)
     bus.run(0.1)
     bus.slave.power_on(1)

@@ -217,6 +217,16 @@ def test_a_remote_frame_asks_for_types_252_and_253(kind: int) -> None:
         assert answer.data[:2] == (0x231).to_bytes(2, "little")
 
 
+def test_a_remote_frame_is_answered_in_operational_only() -> None:
+    bus, node = ready()
+    node.set(0x1800, 0xC0000181, 1)
+    node.set(0x1800, 253, 2)
+    node.set(0x1800, 0x00000181, 1)
+    assert not bus.hand(Frame(TPDO1 | cobid.REMOTE))
+    node.nmt(nmt.Command.START)
+    assert bus.hand(Frame(TPDO1 | cobid.REMOTE))
+
+
 def test_a_tpdo_that_forbids_remote_frames_does_not_answer_them() -> None:
     bus, node = ready()
     node.nmt(nmt.Command.START)

@@ -82,6 +82,19 @@ def test_a_set_point_offered_while_the_buffer_is_taken_is_left_aside() -> None:
     assert abs(node.read(0x6064) - 60_000) <= 20
 
 
+def test_bit_4_left_standing_by_a_homing_is_no_set_point() -> None:
+    bus, node = bus_in(6)
+    node.control(0x1F)
+    bus.run(0.01)
+    node.set(0x6060, 1)
+    node.set(0x607A, 50_000)
+    assert not node.control(0x1F) & 0x1000
+    bus.run(0.2)
+    assert abs(node.read(0x6064)) < 5
+    node.control(0x0F)
+    assert node.control(0x1F) & 0x1000
+
+
 def test_change_set_immediately_leaves_for_the_new_target_at_once() -> None:
     bus, node = bus_in(1)
     set_point(node, 400_000)

@@ -141,6 +141,14 @@ def test_quick_stop_that_stays_holds_position_and_16_leads_back() -> None:
     assert node.until(lambda: node.read(0x606C) > 0.95 * SPEED) < 0.5
 
 
+def test_quick_stop_with_options_1_to_4_does_not_go_back_to_work() -> None:
+    bus, node = running(o605A=1, o6084=200_000)
+    node.control(2)
+    bus.run(0.1)
+    assert node.control(15) & 0x6F == 0x07, "no transition 16"
+    node.until_state(0x40)
+
+
 @pytest.mark.parametrize(("option", "seconds"), [(0, None), (1, 0.5)])
 @pytest.mark.parametrize(("index", "word", "state"), [("605B", 6, 0x21), ("605C", 7, 0x23)])
 def test_605b_and_605c_coast_or_slow_down(option: int, seconds: float | None, index: str, word: int, state: int) -> None:
@@ -342,7 +350,7 @@ def test_jitter_within_the_tolerance_is_borne_and_shown() -> None:
     for number in range(100):
         sync_after(bus, 0.004 + (0.00002 if number % 2 else -0.00002))
     assert node.status & 0x6F == 0x27 and node.read(0x2001, 5) == 1
-    assert 15 <= node.read(0x2001, 4) <= 45
+    assert 15 <= node.read(0x2001, 4) <= 30, "the loop's grid is steady: 20 us of jitter are no 40 us of phase"
     node.set(0x2010, 1)
     assert node.read(0x2001, 4) == 0
 
