@@ -33,8 +33,8 @@ def judge(cell: Cell, state: CellState) -> list[str]:
         if jump:
             turns = jump / axis.drive.inc_per_turn
             found.append(
-                f"axis {name}: the encoder counted round by {turns:+g} turns since the last stop ({last[name]} -> {now}): its zero is void, "
-                f"check the position and write it again with: axisgate axis zero"
+                f"axis {name}: the encoder counted round by {turns:+g} turns since the last stop ({last[name]} -> {now}): "
+                f"its zero is void, check the position and write it again with: axisgate axis zero"
             )
     return found
 

@@ -131,13 +131,13 @@ def running(run: str) -> Iterator[ToolClient]:
 
 
 @contextlib.contextmanager
-def simulated(cell: str, p5_ms: int | None = None) -> Iterator[tuple[ToolClient, pathlib.Path]]:
-    """The cell under simulation in a runtime folder of its own; also the folder of its records."""
+def simulated(cell: str, p5_ms: int | None = None, bus: str | None = None) -> Iterator[tuple[ToolClient, pathlib.Path]]:
+    """The cell under simulation in a runtime folder of its own; also the folder of its records.  `bus`: a CAN port in place of the broker."""
     before = os.environ.get("AXISGATE_RUNTIME")
     with tempfile.TemporaryDirectory(prefix="axg-", dir="/tmp") as folder:
         os.environ["AXISGATE_RUNTIME"] = f"{folder}/run"
         command = [sys.executable, "-m", "gateway", "run", cell, "--sim", "--name", "tool", "--modbus-port", "0", "--record", folder]
-        command += ["--p5", str(p5_ms or UNHURRIED_MS)]
+        command += ["--p5", str(p5_ms or UNHURRIED_MS), *(("--bus", bus) if bus else ())]
         process = subprocess.Popen(
             [*command, "--die-with-parent"],
             stdin=subprocess.DEVNULL,

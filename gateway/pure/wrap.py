@@ -1,4 +1,4 @@
-"""Did a multi-turn encoder count round while nobody looked?  The position it shows then differs by its whole range from the last one known."""
+"""Did a multi-turn encoder count round while nobody looked?  It then shows another position by its whole range."""
 
 RANGES_TURNS = (4096, 65536, 1024)  # what multi-turn encoders count to, the usual one first
 INT32 = 2**32

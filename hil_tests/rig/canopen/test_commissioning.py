@@ -1,0 +1,74 @@
+"""Commissioning commands against emulated and foreign drives: try, loss-test, positions, scan, commission."""
+
+import json
+import pathlib
+
+import pytest
+
+from gateway import losstest
+from gateway.commands import axis as axis_command
+from gateway.commands import drive as drive_command
+from gateway.commands import positions
+from gateway.config import load_cell
+from gateway.toolclient import ToolError, simulated
+from hil_tests.lab.bus_running import running_bus
+from hil_tests.lab.durand_drive import DurandDrive
+
+
+def test_try_both_ways_then_stop_times_at_a_lost_heartbeat(tmp_path: pathlib.Path) -> None:
+    cell = load_cell("demo-402")
+    with simulated("demo-402") as (client, folder):
+        client.wait_ready()
+        limit = client.sdo("A2", 0x6072)
+        found = axis_command._try(client, cell, cell.axis_named("A2"))
+        assert found["good"], found["sentence"]
+        assert "direction as asked, 819.20 increments per mm" in str(found["sentence"]) and "torque limited to 20 %" in str(
+            found["sentence"]
+        )
+        assert client.sdo("A2", 0x6072) == limit, "the torque limit of the test is taken back"
+        with pytest.raises(ToolError, match=r"axis B9: no such axis; there is A1, A2"):
+            client.axis("B9")
+        stops = losstest.measure(client, cell, folder, "heartbeat", 0.5)
+    assert [stop.axis for stop in stops] == ["A1", "A2", "A3", "A4", "A5", "A6"]
+    assert all(stop.good and stop.way > 0 and stop.reaction_ms <= 150 + 2 * 8 for stop in stops), stops
+    assert all(60 < stop.reaction_ms < stop.stop_ms for stop in stops), "not before the drive's patience with us is over"
+    data, page = losstest.write(cell, stops, tmp_path)
+    assert json.loads(data.read_text())["good"] and len(json.loads(data.read_text())["stops"]) == 6
+    assert "evidence: emulator" in page.read_text() and "not a safety device" in page.read_text()
+
+
+def test_old_positions_are_walked_and_told_as_a_table(capsys: pytest.CaptureFixture[str]) -> None:
+    cell = load_cell("s5-rk512")
+    near = cell.check_position[0]
+    object.__setattr__(near, "at", {"X": 60.0, "Y": 40.0, "Z": 30.0})
+    with simulated("s5-rk512") as (client, _):
+        client.wait_ready()
+        rows = positions.walk(client, cell, go=True)
+    assert [(row["axis"], row["old"], row["good"]) for row in rows] == [("X", 60.0, True), ("Y", 40.0, True), ("Z", 30.0, True)]
+    rows[1] |= {"new": 41.0, "difference": 1.0, "good": False}
+    assert "BEYOND" in positions.table(rows) and "3 values, 1 beyond their tolerance" in positions.table(rows)
+
+
+def test_scan_finds_a_foreign_drive_and_commission_starts_it_and_pins_it(
+    tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with running_bus(tmp_path, name="scan", log=False):
+        device = DurandDrive("scan", 5)
+        try:
+            assert drive_command.main(["scan", "broker:scan"]) == 0
+            told = capsys.readouterr().out
+            assert "node   5: drive, vendor 0x00001234 product 0x00000402" in told and "1 nodes answer" in told
+            assert drive_command.main(["commission", "demo-402", "A5", "--port", "broker:scan"]) == 0
+            told = capsys.readouterr().out
+            assert 'serial = "99"' in told and "mode 8 (CSP)" in told
+            assert device.node.nmt.state.name == "PRE_OPERATIONAL", "nobody watches it afterwards"
+            assert drive_command.main(["commission", "demo-402", "A4", "--port", "broker:scan"]) == 1
+            assert "does not answer" in capsys.readouterr().err
+            assert drive_command.main(["commission", "demo-402"]) == 2
+        finally:
+            device.stop()
+
+
+def test_a_servodyn_cell_has_no_heartbeat_to_lose() -> None:
+    assert losstest.losses_of(load_cell("demo")) == ["sync", "gateway"]
+    assert drive_command.main(["loss-test", "demo", "--lose", "heartbeat"]) == 2
