@@ -7,6 +7,7 @@ the modified MOVE UNTIL (L6768); 1 .. 120 normal inputs.  Accuracy: probe v/1000
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum, auto
+from typing import NamedTuple
 
 from motion.errors import MotionError
 from motion.measure.errors import INADMISSABLE_INPUT, ProgramFault
@@ -100,3 +101,11 @@ def stored_at(kind: InputKind, edge_ns: int, cycle_ns: int, incremental: bool = 
 def greatest_error(kind: InputKind, speed: float, cycle_ns: int) -> float:
     """Error of a stored position by the manual, in the unit of speed times s (mm for mm/s): v/100000 or v/1000 x LRTAKT[ms]."""
     return abs(speed) * (PROBE_RESPONSE_NS if kind in (InputKind.PROBE, InputKind.MODIFIED) else cycle_ns) * 1e-9
+
+
+class Edge(NamedTuple):
+    """A change on the wire of a measuring input."""
+
+    channel: int  # 6x0 or 6xy
+    stamp_ns: int
+    value: bool  # after the change
