@@ -178,7 +178,9 @@ class Stepper:
             self._state, self._stale = State.STOPPING, True
 
     def resume(self) -> None:
-        """Go on after stop(), also while still stopping; nothing after abandon()."""
+        """Go on after stop(), also while still stopping, and forward again while retracing; nothing after abandon()."""
+        if self._state is State.RUNNING:
+            self._direction = 1
         if self._state in (State.STOPPING, State.STOPPED) and not self._abandon:
             self._state, self._stale, self._direction = State.RUNNING, True, 1
 
