@@ -32,6 +32,7 @@ LOOK_AHEAD = 512  # blocks that may wait (owed: 256)
 WINDOW = 256  # stretches one law spans at most
 LEAD_S = 0.15  # a tail that begins sooner is not replaced any more: its replacement might come too late
 HORIZON_S = 1.0  # with more than this ahead (at full speed) the tail is left alone
+NAMED = 32  # stretches in a run up to which its pieces end where blocks end
 SMALLEST = 1e-9
 
 
@@ -224,9 +225,8 @@ class Planner:
 
     def _commit(self, run: Run, law: Law, begin: float, first_id: int | None, origin: _Origin) -> list[TimedPiece]:
         number = self.next_id if first_id is None else first_id
-        pieces = timed_pieces(
-            run.path, run.limits, law, first_id=number, mask=self.mask, blocks=block_ends(run), new_tail=first_id is not None
-        )
+        blocks = block_ends(run) if len(run.stretches) <= NAMED else ()
+        pieces = timed_pieces(run.path, run.limits, law, first_id=number, mask=self.mask, blocks=blocks, new_tail=first_id is not None)
         self.next_id = number + len(pieces)
         cuts, at = [], begin
         for piece in pieces:

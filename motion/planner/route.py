@@ -14,13 +14,15 @@ from enum import Enum
 import numpy as np
 
 from motion.errors import MotionError
+from motion.frames import Pose
 from motion.kinematics.base import Joints
 from motion.limits import TOUCH, check_targets
-from motion.paths.base import PathError
+from motion.paths.base import Curve, PathError
 from motion.paths.corner import clipped, corner, directions, radius_for
 from motion.paths.joints import JointPath, joint_blend, joint_part
 from motion.paths.polynomial import part
 from motion.paths.spline import spline
+from motion.planner.exact import exact_path
 from motion.planner.extra import with_extra
 from motion.planner.jointpath import joint_path_of
 from motion.planner.legs import Leg, base_pose, check_numbers, make_leg, tcp, told
@@ -214,10 +216,14 @@ class Route:
         arm, tail = self._machine.arm, self._now.tail
         if near is None:
             near = leg.start if start == 0.0 or tail is None else tail.q(tail.length)
-        path = joint_path_of(part(leg.curve, start, end), self._machine.kinematics, tuple(near[:arm]), tool=leg.block.tool.pose)
+        path = self._followed(part(leg.curve, start, end), tuple(near[:arm]), leg.block.tool.pose)
         slopes = leg.extra_slope(arm)
         values = [list(zip(leg.extra(arm, s / leg.length), slopes, strict=True)) for s in (start, end)]
         return with_extra(path, *values)
+
+    def _followed(self, curve: Curve, near: Joints, tool: Pose) -> JointPath:
+        kinematics = self._machine.kinematics
+        return exact_path(curve, kinematics, near, tool) or joint_path_of(curve, kinematics, near, tool=tool)
 
     def _run_out(self, leg: Leg) -> None:
         self._main(leg, leg.length, stop=True)
@@ -339,7 +345,7 @@ class Route:
                 and last.block.tool == leg.block.tool
             ):
                 curve = corner(last.curve, leg.curve, leave, reach)
-                path = joint_path_of(curve, self._machine.kinematics, here[:arm], tool=last.block.tool.pose)
+                path = self._followed(curve, here[:arm], last.block.tool.pose)
                 start = zip(last.extra(arm, 1.0 - leave / last.length), last.extra_slope(arm), strict=True)
                 end = zip(leg.extra(arm, reach / leg.length), leg.extra_slope(arm), strict=True)
                 return with_extra(path, list(start), list(end))

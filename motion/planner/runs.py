@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motion.paths.joints import JointPath, joined
+from motion.paths.joints import JointPath
 from motion.planner.robot import Machine
 from motion.planner.route import Kind, Stretch
 from motion.planner.timegiven import figures
@@ -65,14 +65,45 @@ def make_run(row: Sequence[Stretch], machine: Machine, factors: Factors = FULL) 
     starts = [0.0]
     for stretch in row:
         starts.append(starts[-1] + stretch.path.length)
-    caps = [cap for stretch, start in zip(row, starts, strict=False) for cap in caps_of(stretch, start, machine, factors)]
+    caps = merged([cap for stretch, start in zip(row, starts, strict=False) for cap in caps_of(stretch, start, machine, factors)])
     limits = law_limits(
         machine.limits,
         way=(machine.path_speed, machine.path_accel, FREE),
         turning=(machine.turn_speed, machine.turn_accel, FREE),
         caps=caps,
     )
-    return Run(joined([stretch.path for stretch in row]), tuple(row), tuple(starts[:-1]), limits)
+    return Run(_chained([stretch.path for stretch in row]), tuple(row), tuple(starts[:-1]), limits)
+
+
+def _chained(paths: Sequence[JointPath]) -> JointPath:
+    """As motion.paths.joints.joined, without looking at the joins again: the route made them."""
+    knots, tables, offset, counted = [np.zeros(1)], [], 0.0, np.zeros(2)
+    for path in paths:
+        table = path.coefficients.copy()
+        shift = counted - table[0, 0, -2:]
+        table[:, 0, -2:] += shift
+        tables.append(table)
+        knots.append(path.knots[1:] + offset)
+        offset += path.length
+        u = float(path.knots[-1] - path.knots[-2])
+        last = table[-1, :, -2:]
+        counted = ((((last[5] * u + last[4]) * u + last[3]) * u + last[2]) * u + last[1]) * u + last[0]
+    return JointPath(np.concatenate(knots), np.concatenate(tables))
+
+
+def merged(caps: Sequence[Cap]) -> list[Cap]:
+    """Neighbours that ask the same of a column become one: a thousand short blocks of one speed are one cap."""
+    found: list[Cap] = []
+    open_: dict[tuple[int, float, float], int] = {}
+    for cap in caps:
+        key = (cap.column, cap.speed, cap.accel)
+        at = open_.get(key)
+        if at is not None and found[at].end >= cap.start - 1e-12:
+            found[at] = Cap(found[at].start, max(found[at].end, cap.end), *key)
+        else:
+            open_[key] = len(found)
+            found.append(cap)
+    return found
 
 
 def caps_of(stretch: Stretch, start: float, machine: Machine, factors: Factors) -> list[Cap]:

@@ -165,7 +165,7 @@ def _lowered(
     for k in np.nonzero(excess > 1.0)[0]:
         low, high = s[min(max(first + int(k) - 4, 0), len(s) - 1)], s[min(first + int(k) + count, len(s) - 1)]
         inside = (grid >= low - step) & (grid <= high + step)
-        factor[inside] = np.minimum(factor[inside], max(0.97 / float(excess[k]), 0.6))
+        factor[inside] = np.minimum(factor[inside], max(0.93 / float(excess[k]), 0.6))
     touched = factor < 1.0
     running = touched & (raw.b > 1e-4 * float(raw.b.max()))
     return np.where(running, np.minimum(most, raw.b * factor), most), np.where(touched[:, None], accel * factor[:, None], accel)

@@ -131,7 +131,10 @@ def test_a_change_of_type_is_passed_with_program_slope_and_not_with_block_slope(
 def test_two_ptp_blocks_with_block_slope_and_axis_ranges() -> None:
     axes = Blend(Rounding.JOINT, axes=(0.02, 0.02, 0.02))
     row = stretches(
-        [Block(PTP, JointTarget((0.2, 0.0, 0.0)), blend=axes, slope=Slope.BLOCK), Block(PTP, JointTarget((0.2, 0.2, 0.0)), slope=Slope.BLOCK)]
+        [
+            Block(PTP, JointTarget((0.2, 0.0, 0.0)), blend=axes, slope=Slope.BLOCK),
+            Block(PTP, JointTarget((0.2, 0.2, 0.0)), slope=Slope.BLOCK),
+        ]
     )
     assert [s.kind for s in row] == [Kind.MAIN, Kind.CORNER, Kind.MAIN]
     assert row[0].path.length >= 0.18 - 1e-9
