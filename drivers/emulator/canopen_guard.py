@@ -28,6 +28,7 @@ class Emergencies:
         self._waiting: list[Emergency] = []
         self._free_at: Ns = 0
         self.due: Ns = NEVER
+        self.allowed: Callable[[], bool] = lambda: True  # NMT states pre-operational and operational (CiA 301, 7.3.2.2.4)
         objects.readers[0x1001, 0] = lambda: int(self.register)
         objects.readers[HISTORY, 0] = lambda: len(self.history)
         objects.checks[HISTORY, 0] = lambda value: Abort.VALUE if value else OK
@@ -76,6 +77,9 @@ class Emergencies:
         identifier = self._objects.whole((EMCY_ID, 0))
         if identifier & cobid.INVALID:
             self._waiting.clear()
+        if not self.allowed():
+            self.due = NEVER
+            return
         while self._waiting and now >= self._free_at:
             self.send(emcy.encode(identifier & cobid.ID_BITS, self._waiting.pop(0)))
             self._free_at = now + self._objects.whole((EMCY_INHIBIT, 0)) * 100_000

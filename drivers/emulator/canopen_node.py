@@ -21,7 +21,15 @@ from protocols.canopen.nmt import Command, State
 from protocols.canopen.sdo import Abort
 from protocols.canopen.types import Value
 
-SYNC_ID, SYNC_OVERFLOW, GUARD_TIME, LIFE_FACTOR, ERROR_BEHAVIOUR, IDENTITY = 0x1005, 0x1019, 0x100C, 0x100D, 0x1029, 0x1018
+SYNC_ID, CYCLE_PERIOD, SYNC_OVERFLOW, GUARD_TIME, LIFE_FACTOR, ERROR_BEHAVIOUR, IDENTITY = (
+    0x1005,
+    0x1006,
+    0x1019,
+    0x100C,
+    0x100D,
+    0x1029,
+    0x1018,
+)
 HEARTBEAT_LOST, BUS_OFF_GONE, PDO_SHORT, PDO_LONG, SYNC_LENGTH, RPDO_LATE = 0x8130, 0x8140, 0x8210, 0x8220, 0x8240, 0x8250
 Handler = Callable[[Frame, Ns], None]
 
@@ -59,6 +67,7 @@ class CanopenNode:
         self._sync_tpdos: list[Tpdo] = []
         self._event_tpdos: list[Tpdo] = []
         self.emergencies = Emergencies(self.objects, self.output.append)
+        self.emergencies.allowed = lambda: self.state in (State.PRE_OPERATIONAL, State.OPERATIONAL)
         self.consumer = Consumer(self.objects, self._replan)
         self.sdo = SdoServer(self.objects)
         identity = Identity(*(self.objects.whole((IDENTITY, sub)) for sub in (1, 2, 3, 4)))
@@ -180,6 +189,8 @@ class CanopenNode:
         self.state, self.toggle = State.INITIALISING, False
         node = self.lss.take_over()
         self.objects.reset(node, application)
+        if (period := self.objects.written.get((CYCLE_PERIOD, 0))) is not None:
+            period(self.objects.whole((CYCLE_PERIOD, 0)))
         self.sdo.reset()
         self.emergencies.reset()
         self.consumer.reset()
@@ -211,6 +222,7 @@ class CanopenNode:
                 rpdo.due = NEVER
             for tpdo in self._tpdos:
                 tpdo.due = NEVER
+        self.emergencies.wake(now)  # what waited for a state in which it may be said
         if state is State.STOPPED:
             self.sdo.reset()
             if before is State.OPERATIONAL:
@@ -228,9 +240,8 @@ class CanopenNode:
             case Command.PRE_OPERATIONAL:
                 self._enter(State.PRE_OPERATIONAL, now)
             case Command.RESET_NODE:
-                self.application.connection_lost(now)
                 self._reset(now, application=True)
-                self.application.reset(now)
+                self.application.reset(now)  # torque off: nothing is left that could stop along a ramp
             case Command.RESET_COMMUNICATION:
                 self.application.connection_lost(now)
                 self._reset(now, application=False)
@@ -279,6 +290,9 @@ class CanopenNode:
 
     def _sync(self, frame: Frame, now: Ns) -> None:
         expected = 1 if self.objects.whole((SYNC_OVERFLOW, 0)) else 0
+        if self.state is State.INITIALISING:
+            self.application.sample(now)
+            return
         if len(frame.data) != expected:
             self.emergencies.raise_(SYNC_LENGTH, Register.COMMUNICATION, now, bytes((len(frame.data),)))
             return

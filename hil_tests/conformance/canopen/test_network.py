@@ -128,6 +128,25 @@ def test_1015_keeps_emergencies_apart_and_1014_moves_or_silences_them() -> None:
     assert len(bus.heard(0xF1)) == 1 and len(bus.heard(0x81)) == 3
 
 
+def test_an_emergency_waits_until_its_state_allows_it() -> None:
+    bus, node = ready()
+    node.nmt(nmt.Command.STOP)
+    bus.slave.force_fault(1, 0x4210)
+    bus.run(0.5)
+    assert not bus.heard(0x81)
+    node.nmt(nmt.Command.PRE_OPERATIONAL)
+    assert [frame.data[:2] for frame in bus.heard(0x81)] == [(0x4210).to_bytes(2, "little")]
+
+
+def test_a_drive_that_boots_says_nothing_before_its_boot_up() -> None:
+    bus = CanopenBus()
+    for frame in (Frame(0x80, b"\x01"), Frame(0x601, bytes.fromhex("4000100000000000")), Frame(0, b"\x01\x00"), Frame(0x201, bytes(6))):
+        assert not bus.hand(frame)
+    bus.slave.force_fault(1, 0x4210)
+    bus.run(0.1)
+    assert bus.said[0].identifier == 0x701 and bus.said[0].data == b"\0"
+
+
 def test_the_identifier_of_a_living_emergency_object_does_not_change() -> None:
     _, node = ready()
     with pytest.raises(AbortedError) as caught:

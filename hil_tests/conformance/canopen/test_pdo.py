@@ -247,6 +247,28 @@ def test_the_sync_counter_and_the_start_value() -> None:
     assert bus.heard(0x81)[-1].data[:2] == (0x8240).to_bytes(2, "little"), "a SYNC of the wrong length"
 
 
+def test_tpdos_come_as_late_after_sync_as_the_settings_say() -> None:
+    bus = CanopenBus(DriveSettings(QUICK, tpdo_delay_us=300.0, tpdo_spread_us=200.0))
+    bus.run(0.1)
+    node = bus.node()
+    node.set(0x1800, 1, 2)
+    node.nmt(nmt.Command.START)
+    delays = []
+    for _ in range(50):
+        bus.run(0.004)
+        at = bus.now
+        assert not bus.hand(Frame(0x80))
+        bus.run(0.001)
+        delays.append(bus.heard(TPDO1)[-1].stamp_ns - at)
+    assert min(delays) >= 300_000 and max(delays) <= 500_000 and max(delays) - min(delays) > 100_000
+
+
+def test_sdo_answers_and_emergencies_are_not_delayed() -> None:
+    bus = CanopenBus(DriveSettings(QUICK, tpdo_delay_us=300.0))
+    bus.run(0.1)
+    assert bus.node().read(0x1000) == 0x20192
+
+
 # -- RPDOs ----------------------------------------------------------------------------------------------
 
 

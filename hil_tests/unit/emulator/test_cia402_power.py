@@ -355,6 +355,21 @@ def test_jitter_within_the_tolerance_is_borne_and_shown() -> None:
     assert node.read(0x2001, 4) == 0
 
 
+def test_the_period_of_sync_is_60c2_else_1006_and_a_reset_takes_it_back() -> None:
+    bus = CanopenBus(DriveSettings(PLAIN), cycle_ms=4.0)
+    node, axis = bus.node(), bus.axis()
+    bus.run(0.05)
+    assert axis.period_ns == 4_000_000
+    node.set(0x1006, 10_000)
+    assert axis.period_ns == 10_000_000
+    node.set(0x60C2, 8, 1)
+    assert axis.period_ns == 8_000_000
+    node.set(0x60C2, 0, 1)
+    node.nmt(nmt.Command.RESET_COMMUNICATION)
+    bus.run(0.05)
+    assert axis.period_ns == 4_000_000
+
+
 def test_a_drive_without_power_or_in_a_profile_mode_does_not_need_sync() -> None:
     bus, node = running()
     bus.run(1.0)
