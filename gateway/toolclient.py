@@ -132,7 +132,7 @@ def running(run: str) -> Iterator[ToolClient]:
 
 @contextlib.contextmanager
 def simulated(cell: str, p5_ms: int | None = None, bus: str | None = None) -> Iterator[tuple[ToolClient, pathlib.Path]]:
-    """The cell under simulation in a runtime folder of its own; also the folder of its records.  `bus`: a CAN port in place of the broker."""
+    """The cell under simulation in a runtime folder of its own, and the folder of its records; `bus`: a CAN port in place of the broker."""
     before = os.environ.get("AXISGATE_RUNTIME")
     with tempfile.TemporaryDirectory(prefix="axg-", dir="/tmp") as folder:
         os.environ["AXISGATE_RUNTIME"] = f"{folder}/run"
