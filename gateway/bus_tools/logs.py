@@ -10,6 +10,7 @@ from collections.abc import Iterator
 import can
 
 from drivers.ports.canwire import EFF_FLAG
+from gateway.pure.candump import frames_of
 from gateway.pure.pcapng import can_pcapng
 from protocols.base.machine import Frame
 
@@ -25,6 +26,10 @@ def read_log(path: pathlib.Path) -> Iterator[Frame]:
     """Frames in the order of the file; raises BadLog, OSError."""
     if path.suffix not in READABLE:
         raise BadLog(f"{path}: a recording ends in {', '.join(READABLE)}; convert others with Wireshark or canlogs")
+    if path.suffix == ".log" and _ours(path):
+        with path.open() as lines:
+            yield from frames_of(lines)
+        return
     count = 0
     try:
         for message in can.LogReader(path):
@@ -33,6 +38,12 @@ def read_log(path: pathlib.Path) -> Iterator[Frame]:
                 yield frame_of(message)
     except (ValueError, struct.error, IndexError, EOFError) as error:
         raise BadLog(f"{path}: after {count} frames: {error}") from error
+
+
+def _ours(path: pathlib.Path) -> bool:
+    """The broker's own log: remarks, or three more numbers behind each frame, which python-can does not know."""
+    with path.open(errors="replace") as lines:
+        return any(line.startswith("#") or len(line.split()) > 4 for line, _ in zip(lines, range(50), strict=False))
 
 
 def frame_of(message: can.Message) -> Frame:

@@ -281,12 +281,12 @@ class CellRun:
                 body(counted)
                 counted += 1
             except Disturbed as why:
-                self._spoilt(why)
+                self._spoilt(why, max(SPARE, times // 5))
                 again()
 
-    def _spoilt(self, why: Disturbed) -> None:
+    def _spoilt(self, why: Disturbed, spare: int = SPARE) -> None:
         self.disturbed += 1
-        if self.disturbed > SPARE:
+        if self.disturbed > spare:
             raise AssertionError(f"{self.disturbed} repetitions were spoilt by a busy machine, the last one by: {why}") from why
 
 

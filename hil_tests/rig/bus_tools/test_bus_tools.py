@@ -46,6 +46,15 @@ def test_a_bus_is_recorded_and_read_back_frame_by_frame(tmp_path: pathlib.Path, 
     assert json.loads(capsys.readouterr().out)["bits"] == 10 * sum(frame_bits(frame.identifier, frame.data) for frame in CYCLE)
 
 
+def test_the_brokers_own_log_is_read(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with running_bus(tmp_path) as bus:
+        playing(bus, 5).join()
+        bus.stop()
+        assert bus.log is not None
+        assert main(["monitor", "--from", str(bus.log), "--json"]) == 0
+    assert len(capsys.readouterr().out.splitlines()) == 35
+
+
 def test_monitor_decodes_by_dbc_and_sums_up(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
     with running_bus(tmp_path) as bus:
         thread = playing(bus)
