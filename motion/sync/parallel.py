@@ -1,0 +1,166 @@
+"""Belts of type 1: the robot works on what lies on the belt, its path is carried along.
+
+Source: rho 3 Releases part 1, TO04 section 14 (type 1, as programmed in BAPS), P503 (coupling factors), TO08 section 4 (endless
+belt).  The manual of BAPS2 itself is not there: what is read into it stands in AX-442.  A point of a program holds a belt value: it is
+meant for the moment the belt has it.  Seen from the belt such a point stands still, so the path is planned there, and
+P = F_belt(t) * P(s): the frame goes with the belt.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+from math import inf, isfinite, sqrt
+
+from motion.errors import MotionError
+from motion.frames import Pose, Vector, compose, translation
+from motion.kinematics.endless import within
+from motion.orientation import rotation_by
+from motion.sync.belts import Belt
+
+
+@dataclass(frozen=True, slots=True)
+class Carrier:
+    """How a belt carries: factors: P503 of x, y, z, m of the robot's base for one m of belt; or axis and centre of a round table
+    (axis: unit vector; the belt is then in rad)."""
+
+    factors: Vector = (1.0, 0.0, 0.0)
+    axis: Vector | None = None
+    centre: Vector = (0.0, 0.0, 0.0)
+
+    def frame(self, belt: float) -> Pose:
+        """Where what lay in the base at belt value 0 is at this value."""
+        if self.axis is None:
+            x, y, z = self.factors
+            return translation(x * belt, y * belt, z * belt)
+        x, y, z = self.axis
+        turn = Pose((0.0, 0.0, 0.0), rotation_by((x * belt, y * belt, z * belt)))
+        to, back = translation(*self.centre), translation(-self.centre[0], -self.centre[1], -self.centre[2])
+        return compose(to, compose(turn, back))
+
+    def on_belt(self, pose: Pose, belt: float) -> Pose:
+        """A pose of the base, meant for this belt value, as seen from the belt: what the planner is given."""
+        return compose(self.frame(belt).inverse(), pose)
+
+
+class Hold(Enum):
+    """OFF: the robot stands beside the belt; CATCHING: it gets up to the belt's speed; ON; LEAVING: it comes to rest."""
+
+    OFF, CATCHING, ON, LEAVING = "off", "catching up", "on the belt", "leaving"
+
+
+@dataclass(slots=True)
+class Coupling:
+    """Which belt value the robot's frame has: up to the belt's speed and down again within an acceleration and a jerk.
+
+    accel, jerk: of the belt value, m or rad per s2, s3.  Catching up makes good what the belt ran meanwhile: from then on the robot
+    is where the belt is.
+    """
+
+    accel: float = inf
+    jerk: float = inf
+    state: Hold = field(init=False, default=Hold.OFF)
+    value: float = field(init=False, default=0.0)  # of the frame
+    _speed: float = field(init=False, default=0.0)  # of the belt when the change began
+    _from: float = field(init=False, default=0.0)  # of the frame when the change began
+    _time: float = field(init=False, default=0.0)
+    _lasts: float = field(init=False, default=0.0)
+    _rate: float = field(init=False, default=0.0)  # of the frame
+
+    def engage(self, belt: float, speed: float) -> None:
+        """SYNCHRON: the belt is at this value and has this speed.  MotionError while the frame still moves."""
+        if self.state is not Hold.OFF:
+            raise MotionError(f"SYNCHRON: the robot is still {self.state.value}")
+        self.state, self._time, self._speed = Hold.CATCHING, 0.0, speed
+        self.value = belt
+        self._lasts = max(3.94 * abs(speed) / self.accel, sqrt(36.0 * abs(speed) / self.jerk))
+
+    def release(self) -> None:
+        """SYNCHRON_END: the belt runs on, the robot comes to rest."""
+        if self.state in (Hold.CATCHING, Hold.ON):
+            self.state, self._time, self._speed, self._from = Hold.LEAVING, 0.0, self._rate, self.value
+            self._lasts = max(1.875 * abs(self._rate) / self.accel, sqrt(5.78 * abs(self._rate) / self.jerk))
+
+    def step(self, belt: float, period: float) -> float:
+        """The frame's belt value, one period further; belt: where the belt will be."""
+        self._time += period
+        before = self.value
+        u = self._time / self._lasts if self._lasts > 0.0 else 1.0
+        if self.state is Hold.CATCHING:
+            behind = 0.0 if u >= 1.0 else u * (1.0 + u * u * (-6.0 + u * (8.0 - 3.0 * u)))  # slope 1 -> 0, jerk and accel bounded
+            self.value = belt - self._speed * self._lasts * behind
+            self.state = Hold.ON if u >= 1.0 else Hold.CATCHING
+        elif self.state is Hold.ON:
+            self.value = belt
+        elif self.state is Hold.LEAVING:
+            w = min(u, 1.0)
+            made = w + w**4 * (-2.5 + w * (3.0 - w))  # speed 1 -> 0 as 1 - 10 w^3 + 15 w^4 - 6 w^5
+            self.value = self._from + self._speed * self._lasts * made
+            self.state = Hold.OFF if u >= 1.0 else Hold.LEAVING
+        self._rate = (self.value - before) / period
+        return self.value
+
+
+@dataclass(slots=True)
+class ParallelPart:
+    """One SYNCHRON on a belt of type 1.  Belt values of programs are those of the counter as it was at SYNCHRON: a counter that SYNC
+    lessens inside the part (endless belt) does not disturb the motion (L11607-11617)."""
+
+    belt: Belt
+    carrier: Carrier = Carrier()
+    _zero: float = field(init=False)  # way of the belt at which the frame is the base
+    _rebased: int = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._zero, self._rebased = self.belt.zero, self.belt.rebased
+
+    def value(self, way: float) -> float:
+        """Belt value of the frame for this way of the belt (of now, or predicted)."""
+        return way - self._zero
+
+    def point(self, pose: Pose, belt_value: float) -> Pose:
+        """A programmed point as the planner wants it: seen from the belt.  MotionError for an absolute one after SYNC inside."""
+        if self.belt.rebased != self._rebased:
+            raise MotionError(f"belt {self.belt.number}: absolute positions are not possible after SYNC inside the part: only MOVE_REL")
+        if not isfinite(belt_value):
+            raise MotionError(f"belt {self.belt.number}: belt value {belt_value}")
+        return self.carrier.on_belt(pose, belt_value)
+
+
+@dataclass(slots=True)
+class EndlessAxis:
+    """An axis parallel to an endless belt (P303 endless, P311 modulo): belt way times factor plus what MOVE_REL adds.
+
+    position: within 0 .. modulo, as the control shows it; turns: how many modulos it has gone: position + turns * modulo runs on
+    without a jump.
+    """
+
+    belt: Belt
+    modulo: float  # m or rad
+    factor: float = 1.0
+    start: float = 0.0
+    _way: float = field(init=False)
+    _own: float = field(init=False, default=0.0)
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.modulo < inf:
+            raise MotionError(f"P311 = {self.modulo:g}: the belt-parallel axis must be endless, with a modulo above 0")
+        self._way = self.belt.way
+
+    def move_rel(self, way: float) -> None:
+        """So much further than the belt carries it, from now on."""
+        self._own += way
+
+    @property
+    def unrolled(self) -> float:
+        """Without the modulo."""
+        return self.start + self._own + self.factor * (self.belt.way - self._way)
+
+    @property
+    def position(self) -> float:
+        """0 <= position < modulo."""
+        return within(self.unrolled, self.modulo)
+
+
+def reserve(speeds: Sequence[float], limits: Sequence[float]) -> float:
+    """Share of the axis speeds that is left for the path where the belt alone asks for `speeds`; 0 where it asks for all."""
+    return max(0.0, min((1.0 - abs(v) / top for v, top in zip(speeds, limits, strict=True)), default=1.0))
