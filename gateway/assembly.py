@@ -5,13 +5,13 @@ import pathlib
 import pickle
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from drivers.ports.base import runtime_dir
 from gateway.cell import Cell
 from gateway.families import DRIVE_PROTOCOLS
 from gateway.image import create_region, create_ring
-from gateway.pure import records
+from gateway.pure import plannerrecords, records
 from gateway.pure.records import (
     ACYCLIC_RECORDS,
     ASIDE_BYTES,
@@ -27,6 +27,7 @@ ORDERS = 256  # records in the command ring: far more than one door can issue in
 DOOR_BYTES = 256  # command words (128 bytes at most) and status words (128) of one door
 LINKS_BYTES = 16384
 MS = 1_000_000
+PLANNER_LIFE_MS = 3000  # a law of a long run takes most of a second on a busy machine (AX-420)
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,6 +137,11 @@ def plan_run(
         Child("cycle", "gateway.processes.cycle", (), (*regions, "trace"), "axes", max(5 * period_ms, 50) * MS),
         Child("services", "gateway.processes.services", (), (*regions, *(f"door-{door.number}" for door in doors)), "links", 250 * MS),
     ]
+    if cell.robot is not None:
+        core[0] = replace(core[0], regions=(*core[0].regions, "pieces", "planner"))
+        core.append(
+            Child("planner", "gateway.processes.planner", (), ("axes", "blocks", "pieces", "planner"), "planner", PLANNER_LIFE_MS * MS)
+        )
     binds = {
         m.name: ("127.0.0.1" if simulated else m.host, modbus_port if modbus_port is not None else (1502 if simulated else m.port))
         for m in cell.modbus
@@ -185,6 +191,10 @@ def make_regions(plan: RunPlan) -> dict[str, int]:
     fds["acyclic"] = create_ring("acyclic", ASIDE_BYTES, ACYCLIC_RECORDS, ASIDE_LAYOUT)
     fds["heard"] = create_ring("heard", ASIDE_BYTES, HEARD_RECORDS, ASIDE_LAYOUT)
     fds["trace"] = create_ring("trace", TRACE_BYTES, TRACE_RECORDS, TRACE_LAYOUT)
+    if plan.cell.robot is not None:
+        fds["blocks"] = create_ring("blocks", plannerrecords.SAY_SIZE, plannerrecords.BLOCKS, plannerrecords.SAY_LAYOUT)
+        fds["pieces"] = create_ring("pieces", plannerrecords.PIECE_SIZE, plannerrecords.PIECES, plannerrecords.PIECE_LAYOUT)
+        fds["planner"] = create_region("planner", plannerrecords.PLANNER_BYTES, "planner/1 json")
     for door in plan.doors:
         fds[f"door-{door.number}"] = create_region(f"door-{door.number}", DOOR_BYTES, f"door/1 {DOOR_BYTES}")
     return fds

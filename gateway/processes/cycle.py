@@ -22,6 +22,7 @@ from gateway.axes import assumed_permits, core_axes, rc_numbers
 from gateway.families import make_family
 from gateway.image import RegionReader, RegionWriter, RingReader, RingWriter, fds_from_text
 from gateway.pure.core import Core
+from gateway.pure.plannerrecords import PIECE_LAYOUT, unpack_piece
 from gateway.pure.records import (
     ASIDE_LAYOUT,
     TRACE_LAYOUT,
@@ -43,6 +44,7 @@ from protocols.base.machine import Frame
 
 PRIORITY = 40  # broker 30, emulator 20, line process 15: all below the cycle
 SPIN_NS = 100_000
+PIECES_A_CYCLE = 2  # taken from the planner's ring: half a millisecond, and far more than is run meanwhile
 THINKING_NS, THINKING_SHARE = 3_000_000, 0.4  # kept free for the core at the end of a cycle: the smaller of both (AX-149)
 REOPEN_NS = 200_000_000
 ACYCLIC_AT_ONCE = 8  # records taken from the ring in one cycle; each bus still sends one frame of them a cycle
@@ -162,6 +164,9 @@ class Cycle:
         self.orders = RingReader(fds["orders"], "orders")
         self.acyclic = RingReader(fds["acyclic"], "acyclic", ASIDE_LAYOUT)
         self.heard = RingWriter(fds["heard"], "heard", ASIDE_LAYOUT)
+        self.pieces = RingReader(fds["pieces"], "pieces", PIECE_LAYOUT) if "pieces" in fds else None
+        self.planner = RegionReader(fds["planner"], "planner") if "planner" in fds else None
+        self._planner_pid = self.planner.writer_pid if self.planner else 0
         self.axes = RegionWriter(fds["axes"], "axes")
         self.outputs = RegionWriter(fds["rc_out"], "rc_out")
         self.trace = RingWriter(fds["trace"], "trace", TRACE_LAYOUT)
@@ -210,6 +215,7 @@ class Cycle:
         got = time.monotonic_ns()
         core.state.incomplete += missing > 0
         self._watch_services()
+        self._take_pieces()
         values = core.step(actuals, self._inputs(), self._take_orders(), self.links.life[1], now)
         self._prepare(values)
         ready = time.monotonic_ns()
@@ -270,6 +276,18 @@ class Cycle:
         if payload is not None and self.inputs.index != self._image_index:
             self._image_index, self._image = self.inputs.index, unpack_inputs(payload)
         return self._image
+
+    def _take_pieces(self) -> None:
+        """A few a cycle: what waits in the ring is not lost."""
+        if self.pieces is None or self.planner is None:
+            return
+        pid = self.planner.writer_pid
+        if pid != self._planner_pid and pid:
+            if self._planner_pid:
+                self.core.planner_lost()
+            self._planner_pid = pid
+        for _, data in self.pieces.take(PIECES_A_CYCLE):
+            self.core.feed(unpack_piece(data))
 
     def _take_orders(self) -> list[OrderRecord]:
         """Orders meant for this very process: an older generation's are dropped (a command is taken once)."""

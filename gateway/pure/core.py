@@ -13,6 +13,7 @@ from drivers.drives.limits import LagMonitor, LagState
 from drivers.drives.referencing import ReferenceSettings, Referencing, RunState
 from drivers.drives.scaling import Scaling
 from gateway.pure.permits import AS_SHIPPED, EVERY, NO_PERMIT, EnablingInputs, RcNumbers
+from gateway.pure.plannerrecords import Part, PieceRecord
 from gateway.pure.reasons import Reason
 from gateway.pure.records import (
     RC_BYTES,
@@ -29,6 +30,7 @@ from gateway.pure.records import (
 from motion.errors import MotionError
 from motion.pieces import decode
 from motion.stepper import State, Stepper
+from motion.timed import decode_any
 from protocols.base.machine import Ns, ms
 
 ARRIVAL_S = 2.0  # after the set values: an axis that is not in its window by then has not arrived
@@ -115,6 +117,8 @@ class Core:
         self._override = 0.0
         self._job_masks: dict[int, int] = {}
         self._running = 0  # job of the piece under way
+        self._program = False  # it is a program of the planner: done when nothing more comes and all is run
+        self._complete = False  # nothing more comes
         self._arriving = 0  # cycles since the set values of the running job arrived
         self._homing = 0  # job of the reference run
         self._enabling: tuple[int, int] = (0, 0)  # job, mask
@@ -272,8 +276,41 @@ class Core:
         except MotionError:
             self._fail(record.job, Reason.NOT_READY)
             return
-        self._running, self._arriving = record.job, 0
+        self._running, self._arriving, self._program = record.job, 0, False
         self.state.stop_cause = 0
+
+    def feed(self, record: PieceRecord) -> None:
+        """From the planner: the next piece of a program, or the mark that nothing follows.  What belongs to a job that failed, or
+        comes while another one runs, is dropped."""
+        if record.generation != self.state.generation or record.job == self.state.failed_job:
+            return
+        if record.part is Part.LAST:
+            if self._running == record.job:
+                self._complete = True
+            elif not self._running:
+                self.state.done_job = record.job
+            return
+        try:
+            piece = decode_any(record.piece)
+            if self._homing or self.state.emergency or self._running not in (0, record.job) or not self._all_enabled(piece.mask):
+                raise MotionError("the axes of the piece are not all enabled and free")
+            self._stepper.load(piece)
+        except MotionError:
+            self._fail(record.job, Reason.NOT_READY)
+            if self._running == record.job:
+                self._stepper.abandon()
+                self._running = 0
+            return
+        if not self._running:
+            self._running, self._arriving, self._program, self._complete = record.job, 0, True, False
+            self.state.stop_cause = 0
+
+    def planner_lost(self) -> None:
+        """What was committed runs to its end, which is at rest on the path; the program is over."""
+        if self._running and self._program and not self._complete:
+            self._fail(self._running, Reason.PLANNER_LOST)
+            self._complete = True
+            self.state.stop_cause = Reason.PLANNER_LOST
 
     def _stop(self, reason: Reason) -> None:
         if self._stepper.state is State.RUNNING:
@@ -334,17 +371,22 @@ class Core:
             if axis.by_drive:
                 self._judge_drive_homing(axis)
         self._accept_positions()
-        if self._running and sample.done_id == self._running:
+        if self._running and (self._program_over() if self._program else sample.done_id == self._running):
             self._arrive()
-        self.state.progress = sample.s
+        self.state.progress, self.state.piece = sample.s, sample.piece_id
         return values
+
+    def _program_over(self) -> bool:
+        return self._complete and self._stepper.state is State.IDLE
 
     def _arrive(self) -> None:
         """The set values have arrived; the move has when the axes have, too."""
         late = [axis for axis in self._axes if abs(axis.set - axis.scaling.to_si(axis.drive.position_inc)) > axis.plan.window]
         self._arriving += 1
         if not late:
-            self.state.done_job, self._running, self._arriving = self._running, 0, 0
+            if self._running != self.state.failed_job:
+                self.state.done_job = self._running
+            self._running, self._arriving = 0, 0
         elif self._arriving * self._period > ARRIVAL_S:
             self._fail(self._running, Reason.FOLLOWING_ERROR)
             self._running, self._arriving = 0, 0

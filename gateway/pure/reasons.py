@@ -54,6 +54,8 @@ class Reason(IntEnum):
     NOT_READY = 30
     SET_VALUE = 31
     DRIVE_NOT_STARTED = 32
+    PLANNER_LOST = 33
+    PROGRAM_FAULT = 34
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,6 +103,11 @@ _TEXTS: dict[Reason, tuple[str, str]] = {
     ),
     Reason.LINK_LOST: ("the link of the door in control is silent: {0}", "Verbindung der fuehrenden Tuer ist stumm: {0}"),
     Reason.SERVICES_LOST: ("the services process died; stopped on the path", "Dienste-Prozess ausgefallen; auf der Bahn angehalten"),
+    Reason.PLANNER_LOST: (
+        "the planner process died; the axes stopped on the path",
+        "Planer-Prozess ausgefallen; die Achsen haben auf der Bahn angehalten",
+    ),
+    Reason.PROGRAM_FAULT: ("a block of the program cannot be run: {0}", "ein Satz des Programms ist nicht fahrbar: {0}"),
     Reason.CYCLE_RESTARTED: ("the cycle process was restarted; drives are off", "Zyklus-Prozess neu gestartet; Antriebe sind aus"),
     Reason.REFERENCE_FAILED: ("referencing failed: {0}", "Referenzieren fehlgeschlagen: {0}"),
     Reason.TIME_OUT: ("not reached in time: {0}", "nicht rechtzeitig erreicht: {0}"),

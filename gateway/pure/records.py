@@ -87,15 +87,16 @@ class CellState:
     incomplete: int = 0  # cycles in which not every actual value came
     late: int = 0  # telegrams that came in the cycle after theirs
     services_lost: int = 0  # times the services' life stood still
+    piece: int = 0  # id of the planner's piece under way, 0: none
     compute_ns: int = 0  # time of the last cycle from the last actual value to set values ready
     axes: list[AxisState] = field(default_factory=lambda: [AxisState() for _ in range(AXES)])
 
 
 _HEAD_NAMES = (
     "cycle", "sync_ns", "generation", "motion", "override", "job", "progress", "done_job", "failed_job", "failed_reason", "taken",
-    "emergency", "ready", "permits", "stop_cause", "skipped", "incomplete", "late", "services_lost", "compute_ns",
+    "emergency", "ready", "permits", "stop_cause", "skipped", "incomplete", "late", "services_lost", "piece", "compute_ns",
 )  # fmt: skip
-_HEAD = struct.Struct("=QqQBdQdQQHQBBBHQQQQQ")
+_HEAD = struct.Struct("=QqQBdQdQQHQBBBHQQQQQQ")
 _AXIS = struct.Struct("=dddddHHB")  # flags, fault code (CiA 402: 16 bits), power
 CELL_STATE_SIZE = _HEAD.size + AXES * _AXIS.size
 CELL_STATE_LAYOUT = f"cell-state/1 {_HEAD.format} {AXES}x{_AXIS.format}"

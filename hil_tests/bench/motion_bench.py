@@ -1,6 +1,8 @@
-"""What a step of the motion core costs: six axes, override changes now and then, and the rare step that re-plans.
+"""All figures of the motion core, in one list: what a step costs, whole programs through planner and follower, streams of short
+segments, and the rows of paths and times (motion_figures) and of kinematics (kinematics_bench).
 
-Reference: one bare ruckig sample (`Trajectory.at_time`, one degree of freedom), the least any stepper on ruckig can cost.
+Reference of the step costs: one bare ruckig sample (`Trajectory.at_time`, one degree of freedom), the least any stepper on ruckig can
+cost.  Shares of limits are taken from set values at 1 ms by finite differences.
 """
 
 import gc
@@ -10,7 +12,16 @@ from collections.abc import Callable
 
 import ruckig
 
+from hil_tests.bench import kinematics_bench, motion_figures
+from hil_tests.lab import arms
+from hil_tests.lab.contour import SPEED, stream
+from motion.follower import Follower
+from motion.frames import NO_ROTATION, Pose
 from motion.limits import AxisLimits
+from motion.planner.arm import Arm
+from motion.planner.planner import Planner
+from motion.planner.robot import Machine
+from motion.program.blocks import Blend, Block, Interpolation, JointTarget, Pace, PoseTarget, Rounding
 from motion.ptp import plan_ptp
 from motion.stepper import State, Stepper
 
@@ -59,8 +70,116 @@ def bare_sample_us(count: int = 20_000) -> float:
     return percentile(costs, 0.5)
 
 
-def run(steps: int = 100_000) -> list[Figure]:
-    """The figures, as `axisgate bench` prints them."""
+def row(figure: str, value: float, unit: str, goal: float, reference: str, reference_value: float, *, least: bool = False) -> Figure:
+    """One line; least: the goal is a lower bound."""
+    ratio = value / reference_value if reference_value else float(value == reference_value)
+    met = value >= goal if least else value <= goal
+    return {
+        "figure": figure,
+        "value": round(value, 4),
+        "unit": unit,
+        "reference": reference,
+        "reference_value": reference_value,
+        "ratio": round(ratio, 3),
+        "goal": goal,
+        "met": met,
+    }
+
+
+def random_program(dice: random.Random, machine: Machine) -> list[Block]:
+    """Four to eight moves of a portal: lines and PTP, half of them rounded, at all speeds."""
+    blocks = []
+    for _ in range(dice.randint(4, 8)):
+        place = tuple(dice.uniform(-0.3, 0.3) for _ in range(3))
+        size = dice.choice((0.0, 0.005, 0.02, 0.05))
+        blend = Blend(Rounding.CARTESIAN, size, size) if size else Blend()
+        if dice.random() < 0.3:
+            blocks.append(Block(Interpolation.PTP, JointTarget(place), pace=Pace(dice.uniform(0.2, 1.0)), blend=blend))
+        else:
+            target = PoseTarget(Pose((place[0], place[1], place[2]), NO_ROTATION))
+            blocks.append(Block(Interpolation.LINEAR, target, pace=Pace(path_speed=dice.uniform(0.1, 2.0)), blend=blend))
+    return blocks
+
+
+def limits_of_programs(count: int) -> list[Figure]:
+    """Set values of random programs, planned whole and run by the follower at 1 ms."""
+    dice, machine, worst = random.Random(4), arms.portal(), [0.0, 0.0, 0.0]
+    for _ in range(count):
+        arm = Arm(machine, (0.0, 0.0, 0.0), 1e-3)
+        for block in random_program(dice, machine):
+            arm.add(block)
+        arm.finish()
+        found = arms.shares(machine, arms.run(arm), 1e-3)
+        worst = [max(pair) for pair in zip(worst, found, strict=True)]
+    anchors = (
+        ("v", 1.0001, "joints of the plan, at most", 1.0),
+        ("a", 1.02, "toppra, automatic grid (recorded)", 1.63),
+        ("j", 1.05, "LinuxCNC #3773 (recorded)", 8.1),
+    )
+    return [
+        row(f"motion.limits_{name}", worst[k], f"x limit, {count} programs", goal, text, ref)
+        for k, (name, goal, text, ref) in enumerate(anchors)
+    ]
+
+
+def streams(count: int) -> list[Figure]:
+    """Short segments: starving, the processor time of one second of motion, and how far ahead the planner looks."""
+    begin = time.process_time()
+    found = stream(count, 0.004)
+    cost = (time.process_time() - begin) / found.seconds
+    return [
+        row("motion.stream_starved", float(found.starved), f"periods, {count} segments", 0.0, "none", 0.0),
+        row("motion.stream_look_ahead", float(found.waiting), "blocks", 256.0, "Beckhoff", 128.0, least=True),
+        row("motion.stream_cpu", cost, "s a second of motion", 0.5, "real time", 1.0),
+        row("motion.stream_slowest", found.slowest / SPEED, "of the path speed", 0.5, "stopping at each point", 0.0, least=True),
+    ]
+
+
+def cycle_costs(steps: int = 20_000) -> list[Figure]:
+    """A whole period: follower on a line of the six-axis arm with override changes, frame shifted as a belt would, inverse, travel."""
+    machine = arms.robot("tx60-like")
+    start: tuple[float, ...] = (0.0, 0.5, 1.5, 0.0, 1.0, 0.0)
+    here = machine.kinematics.forward(start)
+    x, y, z = here.position
+    costs: list[int] = []
+    dice = random.Random(1)
+    while len(costs) < steps:
+        planner, follower = Planner(machine, start), Follower(6, 1e-3)
+        for dy in (0.1, -0.1, 0.0):
+            planner.add(Block(Interpolation.LINEAR, PoseTarget(Pose((x, y + dy, z), here.rotation)), pace=Pace(path_speed=0.25)))
+        for piece in planner.plan(0.0, hurry=True):
+            follower.load(piece)
+        near, wanted, ended = start, 1.0, False
+        while not ended:
+            if dice.random() < 0.02:
+                wanted = dice.choice((0.3, 0.6, 1.0))
+            begin = time.perf_counter_ns()
+            progress = follower.step(wanted)
+            q = [progress.q[n][0] for n in range(6)]
+            pose = machine.kinematics.forward(q)
+            a, b, c = pose.position
+            near = machine.kinematics.inverse(Pose((a + 1e-3, b, c), pose.rotation), near)
+            inside = all(axis.lower <= value <= axis.upper for axis, value in zip(machine.limits, near, strict=True))
+            costs.append(time.perf_counter_ns() - begin)
+            assert inside
+            ended = progress.at_end
+    reference = "path stepper, frame, analytic IK (recorded)"
+    return [
+        row("motion.step_p50", percentile(costs, 0.5), "us", 60.0, reference, 9.0),
+        row("motion.step_p99", percentile(costs, 0.99), "us", 150.0, reference, 15.0),
+    ]
+
+
+def run(steps: int = 100_000, programs: int = 200, segments: int = 150_000) -> list[Figure]:
+    """All figures, as `axisgate bench motion` prints them."""
+    found = [*step_figures(steps), *cycle_costs(), *limits_of_programs(programs), *streams(segments)]
+    for rows in (motion_figures.figures(), kinematics_bench.run()):
+        found += [dict(figure) for figure in rows]
+    return found
+
+
+def step_figures(steps: int) -> list[Figure]:
+    """The stepper alone, on PTP pieces."""
     gc.collect()
     gc.disable()
     try:
@@ -70,9 +189,9 @@ def run(steps: int = 100_000) -> list[Figure]:
         gc.enable()
     both = plain + planned
     rows = (
-        ("motion.step_median", percentile(both, 0.5), 15.0),
-        ("motion.step_p99", percentile(both, 0.99), 60.0),
-        ("motion.replan_p99", percentile(planned, 0.99), 60.0),
+        ("motion.ptp_step_median", percentile(both, 0.5), 15.0),
+        ("motion.ptp_step_p99", percentile(both, 0.99), 60.0),
+        ("motion.ptp_replan_p99", percentile(planned, 0.99), 60.0),
     )
     return [
         {

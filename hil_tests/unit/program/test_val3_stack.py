@@ -225,7 +225,8 @@ def test_connection_move_by_itself_only_in_remote_mode_near_the_path_or_when_all
     moves.movel(at(100), FLANGE, OFF)
     assert moves.connection is Connection.RUNNING, "5 mm away, 10 mm allowed"
     assert run(arm, moves.wait_end_move)[-1] == pytest.approx([0.1, 0.0, 0.0], abs=1e-9)
-    assert moves.connection is Connection.NONE
+    ended: Connection = moves.connection
+    assert ended == Connection.NONE
     far_arm, far = stack(following_error=(0.01, 0.01, 0.01))
     far.auto_connect_move(True)
     far.reset_motion((0.5, 0.0, 0.0))
