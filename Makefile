@@ -84,6 +84,9 @@ docs: $(STAMP)
 soak: $(STAMP)
 	@$(PY) -m hil_tests.soak $(SOAK)
 
+losses: $(STAMP)  # 100 deaths of the cycle, killed and stopped, on both families of drives: about an hour
+	@AXISGATE_LOSSES=100 $(PY) -m pytest -q hil_tests/rig/death/test_cycle_dies.py hil_tests/rig/death/test_cycle_dies_402.py
+
 SERIAL := protocols/p3964r,protocols/rk512,protocols/buep64,protocols/telegrams
 branches: $(STAMP)
 	@mkdir -p build

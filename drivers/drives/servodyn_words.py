@@ -96,6 +96,27 @@ FAULTS: Mapping[int, FaultRow] = {
         Words("Stopprampe endete nicht rechtzeitig", "stop ramp did not end in time"),
         Words("Stoprampe P608 und Schwungmasse pruefen", "check stop ramp P608 and inertia"),
     ),
+    11: FaultRow(
+        653,
+        Words("Unterspannung im Zwischenkreis", "undervoltage of the DC link"),
+        Words("Netz, Sicherungen und Leistungsschuetze pruefen", "check mains, fuses and power contactors"),
+    ),
+    12: FaultRow(
+        673,
+        Words("Kabelbruch in der Motorphase", "cable break in the motor phase"),
+        Words("Motorkabel und Schuetz pruefen", "check motor cable and contactor"),
+    ),
+    13: FaultRow(656, Words("Uebertemperatur Leistungselektronik", "excess temperature power electronics"), _LOAD),
+    14: FaultRow(
+        662,
+        Words("Resolversignale fehlerhaft", "resolver signals faulty"),
+        Words("Resolver und Verkabelung pruefen, danach neu referenzieren", "check resolver and cabling, then reference again"),
+    ),
+    15: FaultRow(
+        0,
+        Words("Bremse oeffnet nicht", "brake does not open"),
+        Words("Bremsenversorgung und Bremse pruefen", "check the brake and its supply"),
+    ),
 }
 _UNKNOWN = FaultRow(
     0,

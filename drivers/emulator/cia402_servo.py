@@ -85,10 +85,6 @@ class DriveServo(Servo):
         """Measured speed, inc/s."""
         return self.measured_speed_rad_s * INC_PER_RAD
 
-    def jump(self, increments: int) -> None:
-        """The counter jumps (a fault of the encoder)."""
-        self._touch()[KO] += increments
-
     def _demand(self, speed_rad_s: float) -> None:
         self._constant(_RAMP, 0.0)
         s = self._touch()

@@ -246,6 +246,10 @@ class Servo:
         ends = sorted((self.shaft_rad(turn * INC_PER_TURN), self.shaft_rad((turn + 1) * INC_PER_TURN)))
         return turn, ends[0], ends[1]
 
+    def jump(self, increments: int) -> None:
+        """The counter jumps (a fault of the encoder)."""
+        self._touch()[KO] += increments
+
     @property
     def counter_inc(self) -> float:
         return self._state[TH] * self._state[KS] + self._state[KO]

@@ -17,6 +17,7 @@ any        | fault that cannot trust its feedback (torque off, brake at once)   
 any        | power gone (silent, brake falls)                                                                  | OFFLINE
 """
 
+from collections.abc import Mapping
 from enum import IntEnum
 from math import inf, pi
 
@@ -50,13 +51,28 @@ class Fault(IntEnum):
     I2T = 8
     WINDING = 9
     STOP_TIMEOUT = 10  # the ramp did not end in stop_timeout_s
+    UNDERVOLTAGE = 11
+    PHASE_LOSS = 12  # of the motor cable
+    TEMPERATURE = 13  # of the booster's heat sink
+    ENCODER = 14  # resolver signals
+    BRAKE = 15  # it did not open
     FORCED = 99  # by the tester
 
 
+CAUSES: Mapping[str, Fault] = {  # what a tester may let stand
+    "undervoltage": Fault.UNDERVOLTAGE,
+    "phase_loss": Fault.PHASE_LOSS,
+    "over_temperature": Fault.TEMPERATURE,
+    "motor_over_temperature": Fault.WINDING,
+    "encoder_fault": Fault.ENCODER,
+}
 _POWER = frozenset((State.POWERED, State.OPENING, State.ENABLED, State.STOPPING, State.CLOSING))
 _CONTROLLED = frozenset((State.OPENING, State.ENABLED, State.STOPPING, State.CLOSING))
 _SUPERVISED = _POWER | {State.CHARGING}
-_BLIND = frozenset((Fault.FOLLOWING_ERROR, Fault.OVERSPEED, Fault.STOP_TIMEOUT))  # feedback is not to be trusted: torque off
+# Feedback or power is not to be trusted: torque off
+_BLIND = frozenset(
+    (Fault.FOLLOWING_ERROR, Fault.OVERSPEED, Fault.STOP_TIMEOUT, Fault.UNDERVOLTAGE, Fault.PHASE_LOSS, Fault.ENCODER, Fault.BRAKE)
+)
 _STANDING = SetValue(drive_on=True, limit_switch=True, fault_reset=True)  # what stands at power-up is no edge
 _TRIPS = {Trip.FOLLOWING: Fault.FOLLOWING_ERROR, Trip.OVERSPEED: Fault.OVERSPEED, Trip.I2T: Fault.I2T, Trip.WINDING: Fault.WINDING}
 
@@ -85,7 +101,8 @@ class ServodynAxis:
         self._due, self._brake_due, self._stop_by = steps(settings.boot_s), NEVER, NEVER
         self._latched, self._target, self._last_target = 0, 0, 0
         self._set, self._may_switch_on = _STANDING, False
-        self._brake_opens = False
+        self._brake_opens = self._brake_stuck = False
+        self.causes: set[Fault] = set()  # faults that stand until their cause goes
         self._beyond, self._turn = 0, 0
         self._zero_wanted = False
         self._zero_inc: int | None = None
@@ -132,6 +149,8 @@ class ServodynAxis:
         match self.state:
             case State.BOOTING:
                 self.state = State.READY
+                for cause in sorted(self.causes):
+                    self._fail(cause)
             case State.CHARGING:
                 self.state = State.POWERED
             case State.STOPPING:
@@ -162,7 +181,10 @@ class ServodynAxis:
         self._brake_due = self.servo.step + (steps(delay) if self.settings.brake else 0)
 
     def _brake_moved(self) -> None:
-        self.brake_open = self._brake_opens
+        self.brake_open = self._brake_opens and not (self._brake_stuck and self.settings.brake)
+        if self._brake_opens and not self.brake_open:
+            self._fail(Fault.BRAKE)
+            return
         if self.brake_open:
             self.servo.open_brake()
         else:
@@ -318,7 +340,7 @@ class ServodynAxis:
     def _reset(self) -> None:
         servo = self.servo
         cool = servo.i2t < I2T_COOL and servo.winding_c < self.settings.winding_warning_c
-        if cool and abs(servo.speed_rad_s) < self.settings.brake_lock_speed_rad_s:
+        if cool and not self.causes and abs(servo.speed_rad_s) < self.settings.brake_lock_speed_rad_s:
             self.fault_code, self.state = 0, State.READY
             self._may_switch_on = not self._set.drive_on
             servo.arm(True)
@@ -384,6 +406,23 @@ class ServodynAxis:
     def encoder(self, factor: int) -> None:
         """1 true, -1 counts backwards, 0 stuck."""
         self.servo.encoder(factor)
+        self._look_around()
+
+    def cause(self, fault: Fault, present: bool) -> None:
+        """A fault whose cause stands until it is taken away; a reset has no effect meanwhile."""
+        if not present:
+            self.causes.discard(fault)
+            return
+        self.causes.add(fault)
+        self.fail(fault)
+
+    def stick_brake(self, stuck: bool) -> None:
+        """The brake does not open any more."""
+        self._brake_stuck = stuck
+
+    def jump_encoder(self, increments: int) -> None:
+        """The counter jumps by so many increments."""
+        self.servo.jump(increments)
         self._look_around()
 
     def power_off(self) -> None:

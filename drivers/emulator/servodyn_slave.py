@@ -14,7 +14,7 @@ from dataclasses import asdict, dataclass
 
 from drivers.emulator import record
 from drivers.emulator.servo import STEP_NS
-from drivers.emulator.servodyn_axis import NEVER, Fault, ServodynAxis, State
+from drivers.emulator.servodyn_axis import CAUSES, NEVER, Fault, ServodynAxis, State
 from drivers.emulator.settings import BusSettings, to_dict
 from protocols.base.errors import DecodeError
 from protocols.base.machine import Frame, FrameFault, Ns, ms
@@ -215,6 +215,20 @@ class ServodynSlave:
     def force_fault(self, axis: int, code: int = Fault.FORCED) -> None:
         """Any code 1..255; stops along the ramp unless the code is one of those that switch the torque off."""
         self._seat(axis).axis.fail(min(max(code, 1), 255))
+        self._injected()
+
+    def cause(self, axis: int, name: str, present: bool) -> None:
+        """One of servodyn_axis.CAUSES by its name: stands until it is taken away.  Raises KeyError."""
+        self._seat(axis).axis.cause(CAUSES[name], present)
+        self._injected()
+
+    def stick_brake(self, axis: int, stuck: bool) -> None:
+        """The brake does not open any more."""
+        self._seat(axis).axis.stick_brake(stuck)
+
+    def jump_encoder(self, axis: int, increments: int) -> None:
+        """The counter jumps by so many increments."""
+        self._seat(axis).axis.jump_encoder(increments)
         self._injected()
 
     def load_torque(self, axis: int, torque_nm: float) -> None:

@@ -7,6 +7,9 @@
     {"do": "drop_actual", "axis": 1, "count": 3}      also drop_set
     {"do": "force_fault", "axis": 1, "code": 99}
     {"do": "load_torque", "axis": 1, "torque_nm": 2.5}
+    {"do": "jump_encoder", "axis": 1, "increments": 4096}
+    {"do": "phase_loss", "axis": 1, "on": true}       also undervoltage, over_temperature, motor_over_temperature, encoder_fault,
+                                                      stick_brake
 
 Answers are {"ok": true, "bus_time_ns": ...} or {"ok": false, "why": ...}.
 """
@@ -19,6 +22,7 @@ import socket
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from drivers.emulator.servodyn_axis import CAUSES
 from drivers.emulator.servodyn_slave import ServodynSlave
 from drivers.ports.base import PortError, runtime_dir
 
@@ -56,10 +60,16 @@ def carry_out(slave: ServodynSlave, command: Command) -> Answer:
             counted[what](_whole(command, "axis", 1, 6), _whole(command, "count", 0, 1_000_000))
         elif what == "force_fault":
             slave.force_fault(_whole(command, "axis", 1, 6), _whole(command, "code", 1, 255) if "code" in command else 99)
+        elif what == "jump_encoder":
+            slave.jump_encoder(_whole(command, "axis", 1, 6), _whole(command, "increments", -(1 << 31), (1 << 31) - 1))
+        elif what in CAUSES:
+            slave.cause(_whole(command, "axis", 1, 6), what, _on(command))
+        elif what == "stick_brake":
+            slave.stick_brake(_whole(command, "axis", 1, 6), _on(command))
         elif what == "load_torque":
             slave.load_torque(_whole(command, "axis", 1, 6), _number(command, "torque_nm"))
         else:
-            known = ["state", "quit", "flush", *plain, *counted, "force_fault", "load_torque"]
+            known = ["state", "quit", "flush", *plain, *counted, *CAUSES, "stick_brake", "jump_encoder", "force_fault", "load_torque"]
             raise BadCommandError(f"{what!r} is no command; known: {', '.join(known)}")
     except KeyError as error:
         raise BadCommandError(str(error.args[0])) from None
@@ -70,6 +80,13 @@ def _whole(command: Command, key: str, low: int, high: int) -> int:
     value = command.get(key)
     if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= high:
         raise BadCommandError(f"{key}: {value!r}; expected a whole number {low}..{high}")
+    return value
+
+
+def _on(command: Command) -> bool:
+    value = command.get("on", True)
+    if not isinstance(value, bool):
+        raise BadCommandError(f"on: {value!r}; expected true or false")
     return value
 
 
