@@ -7,6 +7,7 @@ from collections import deque
 from gateway.image import RingReader, RingWriter
 from gateway.pure.records import ASIDE_LAYOUT, Aside, AsideRecord, pack_aside, unpack_aside
 from protocols.base.machine import Frame
+from protocols.canopen import cobid
 
 KEPT = 4096  # frames of a bus nobody takes
 
@@ -53,7 +54,9 @@ class RingLink:
         self.sent = 0
 
     def send(self, identifier: int, data: bytes) -> bool:
-        """Into the ring; the cycle sends one frame a cycle."""
+        """Into the ring; the cycle sends one frame a cycle.  False: SYNC is the cycle's own."""
+        if identifier == cobid.SYNC:
+            return False
         self._rings.put(AsideRecord(Aside.FRAME, self._number, identifier, data))
         self.sent += 1
         return True

@@ -10,10 +10,10 @@ import functools
 import logging
 import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 import can
 import canopen
@@ -34,6 +34,7 @@ SDO_TRIES = 3
 BOOT_UP_S = 2.0  # patience with a boot-up message or a state of the heartbeat
 WAITS_S = (1.0, 2.0, 5.0)  # before the next attempt with a node that does not answer
 REFUSED_S = 10.0  # before the next attempt with one that was refused
+TELL_S = 1.0  # at most one emergency message of a node is told in this time
 LATE = 2  # heartbeats more than the drive's own patience with us before the node counts as lost
 
 logging.getLogger("canopen").setLevel(logging.CRITICAL)  # what fails is reported here, in words
@@ -65,6 +66,8 @@ class Node:
     booted: Booted | None = None
     emergency: int = 0  # code of the last EMCY, 0: none or gone
     emergencies: int = 0
+    untold: int = 0  # of them not told one by one
+    quiet_until: float = 0.0
     adopted: bool = False  # the next attempt only looks: a predecessor has configured it
     asked: int = 0  # how often somebody wanted it started up once more
     lock: threading.Lock = field(default_factory=threading.Lock)  # one SDO dialogue at a time
@@ -79,6 +82,7 @@ class MasterLink(cycle_bus.CycleLink, Protocol):
     def hold(self, node: int) -> None: ...  # it is no longer
 
 
+T = TypeVar("T")
 Say = Callable[[str, str, Mapping[str, object]], None]  # kind, sentence, facts
 
 
@@ -92,8 +96,10 @@ class CanopenMaster:
         nodes: Sequence[tuple[str, NodePlan]],
         say: Say,
         sheets: Mapping[int, ObjectDictionary] | None = None,
+        language: str = "en",
     ) -> None:
         """`nodes`: (axis, plan); `sheets`: what their EDS says, by node."""
+        self._language = language
         self.nodes = {plan.node: Node(plan, name) for name, plan in nodes}
         self._channel, self._link, self._say = channel, link, say
         self._sheets = sheets or {}
@@ -171,13 +177,19 @@ class CanopenMaster:
         node.news.set()
 
     def _on_emergency(self, node: Node, error: EmcyError) -> None:
-        code, register = error.code, error.register
+        """In words; a storm of them is one line a second with their number."""
         node.emergencies += 1
-        before, node.emergency = node.emergency, code
-        if code != before:
-            from drivers.drives.cia402_words import sentence
+        before, node.emergency = node.emergency, error.code
+        now = time.monotonic()
+        if error.code == before or now < node.quiet_until:
+            node.untold += 1
+            return
+        from drivers.drives.cia402_words import sentence
 
-            self._say("drive", f"{node.name}: {sentence(code)}", {"node": node.plan.node, "code": code, "register": register})
+        more = f" ({node.untold} more emergency messages before)" if node.untold else ""
+        node.quiet_until, node.untold = now + TELL_S, 0
+        facts = {"node": node.plan.node, "code": error.code, "register": error.register}
+        self._say("drive", f"{node.name}: {sentence(error.code, self._language)}{more}", facts)
 
     # ---- the keeper ------------------------------------------------------------------------------------------------------
     def _keep(self) -> None:
@@ -259,6 +271,10 @@ class CanopenMaster:
             case plans.Pause(ms):
                 self._stop.wait(ms / 1000.0)
                 return b""
+            case plans.Sync(ms):
+                self._link.send(cobid.SYNC, b"")  # only a tool's own port takes it: the cycle's ring refuses SYNC
+                self._stop.wait(ms / 1000.0)
+                return b""
 
     def _await(self, node: Node, state: State | None, boots: int) -> Answer:
         end = time.monotonic() + BOOT_UP_S
@@ -269,6 +285,18 @@ class CanopenMaster:
             if not node.news.wait(max(0.0, end - time.monotonic())):
                 return Silent.YES
         return b""
+
+    def carry(self, number: int, plan: Generator[plans.Step, Answer, T]) -> T:
+        """A dialogue of a tool with a node that is started up; raises what the plan raises."""
+        node = self.nodes[number]
+        with node.lock:
+            step = next(plan)
+            while True:
+                try:
+                    step = plan.send(self._answer(node, step))
+                except StopIteration as end:
+                    result: T = end.value
+                    return result
 
     # ---- SDO -------------------------------------------------------------------------------------------------------------
     def upload(self, number: int, index: int, sub: int) -> Answer:

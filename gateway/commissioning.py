@@ -5,13 +5,19 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 from drivers.drives.cia402_boot import NodePlan
+from drivers.drives.cia402_manual import Manual, Moved, homing, interpolated, profile_position, profile_velocity
 from drivers.ports.can import open_can
+from gateway.axes import scaling_of
 from gateway.canopen_direct import DirectLink
 from gateway.canopen_master import CanopenMaster, Health, Node
+from gateway.cell import Axis
+from gateway.firstenable import percent
+from motion.units import to_si
 from protocols.base.machine import Frame
 from protocols.canopen import cobid, nmt, sdo
 
 QUIET_S = 0.4  # after the last request: whoever has not answered by then is not there
+IP_PERIOD_MS = 20  # between two SYNCs of a tool
 OBJECTS = ((0x1000, 0, "type"), (0x1018, 1, "vendor"), (0x1018, 2, "product"), (0x1018, 3, "revision"), (0x1018, 4, "serial"))
 Found = dict[str, object]
 
@@ -53,18 +59,44 @@ def _take(frames: list[Frame], key: tuple[int, int], name: str, found: dict[int,
             row[name] = int.from_bytes(sdo.expedited_data(frame.data), "little")
 
 
-def start_up(link: DirectLink, axis: str, plan: NodePlan, timeout_s: float = 20.0) -> Node:
-    """One node by the same plan as the cell's master; it is left pre-operational afterwards, because nobody watches it."""
-    said: list[str] = []
-    master = CanopenMaster("commission", link, [(axis, plan)], lambda kind, words, facts: said.append(words))
+def start_up(
+    link: DirectLink, axis: str, plan: NodePlan, manual: Manual | None = None, timeout_s: float = 20.0
+) -> tuple[Node, Moved | None]:
+    """One node by the same plan as the cell's master, and one move by hand; pre-operational afterwards, because nobody watches it."""
+    master = CanopenMaster("commission", link, [(axis, plan)], lambda kind, words, facts: None)
     master.start()
-    node = master.nodes[plan.node]
+    node, moved = master.nodes[plan.node], None
     end = time.monotonic() + timeout_s
     try:
         while node.health not in (Health.READY, Health.REFUSED, Health.DEAD) and time.monotonic() < end:
             time.sleep(0.02)
-        return node
+        if node.health is Health.READY and manual is not None:
+            moved = master.carry(plan.node, manual)
+        return node, moved
     finally:
         frame = nmt.command(nmt.Command.PRE_OPERATIONAL, plan.node)
         link.send(frame.identifier, frame.data)
         master.stop()
+
+
+def move_plan(axis: Axis, mode: str, way: float | None) -> Manual:
+    """One move at the axis' first_enable speed; `way` in its unit, its first_enable travel when left out."""
+    scaling, first = scaling_of(axis), axis.first_enable
+    way_inc = round(to_si(first.travel if way is None else way, axis.unit) * scaling.inc_per_unit)
+    speed_inc_s = max(1, round(to_si(axis.limits.speed * percent(first.speed), axis.unit) * abs(scaling.inc_per_unit)))
+    accel_inc_s2 = max(1, round(to_si(axis.limits.accel / 2, axis.unit) * abs(scaling.inc_per_unit)))
+    match mode:
+        case "pp":
+            return profile_position(way_inc, speed_inc_s, accel_inc_s2)
+        case "pv":
+            return profile_velocity(speed_inc_s if way_inc > 0 else -speed_inc_s, accel_inc_s2, round(1000 * abs(way_inc) / speed_inc_s))
+        case "hm":
+            return homing(round(axis.home.timeout_s * 1000))
+        case _:
+            steps = max(2, round(1000 * abs(way_inc) / speed_inc_s / IP_PERIOD_MS))
+            return interpolated([round(way_inc * n / steps) for n in range(1, steps + 1)], IP_PERIOD_MS)
+
+
+def inc_to_unit(axis: Axis, inc: int) -> float:
+    """Increments as a way of the axis."""
+    return inc / scaling_of(axis).inc_per_unit / to_si(1.0, axis.unit)

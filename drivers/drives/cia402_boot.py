@@ -62,7 +62,14 @@ class Pause:
     ms: int
 
 
-Step = Read | Write | Nmt | Pause
+@dataclass(frozen=True, slots=True)
+class Sync:
+    """One SYNC of a tool that plays the cycle for a moment, then a pause; never while a cycle owns the bus."""
+
+    pause_ms: int
+
+
+Step = Read | Write | Nmt | Pause | Sync
 
 
 @dataclass(frozen=True, slots=True)

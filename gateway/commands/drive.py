@@ -5,14 +5,17 @@ import json
 import pathlib
 import sys
 
+from drivers.drives.cia402_manual import ManualError
 from drivers.ports.base import PortError
 from gateway.cell import Bus, Cell
 from gateway.commands.common import BANNER, DONE, ENVIRONMENT, FINDING, USAGE, load
+from gateway.firstenable import TEXT, confirm, unconfirmed
 from gateway.toolclient import ToolError, simulated
 
 EXAMPLES = """examples:
   axisgate drive scan socketcan:can0                 nodes 1..127 with identity; nothing is written
   axisgate drive commission cell.toml X              start-up of one drive as the cell would do it, and the line that pins it
+  axisgate drive commission cell.toml X --mode pp --way 2    and then 2 mm (or deg) in profile position; also pv, hm, ip
   axisgate drive loss-test demo-402                  stop time and way when SYNC, heartbeat or the gateway is lost (emulated drives)
 """
 PROFILES = {401: "I/O", 402: "drive", 406: "encoder"}
@@ -26,6 +29,8 @@ def main(argv: list[str]) -> int:
     parser.add_argument("place", help="scan: CAN port (socketcan:can0, broker:NAME); else the cell")
     parser.add_argument("axis", nargs="?", help="commission: name of the axis")
     parser.add_argument("--port", help="commission: CAN port in place of the cell's")
+    parser.add_argument("--mode", choices=("pp", "pv", "hm", "ip"), help="commission: move once by SDO in this mode, at first_enable speed")
+    parser.add_argument("--way", type=float, help="commission --mode: way in the axis' unit (default: first_enable travel)")
     parser.add_argument("--lose", choices=("gateway", "sync", "heartbeat"), action="append", help="loss-test: only this (default: all)")
     parser.add_argument("--speed", type=float, default=50.0, help="loss-test: %% of the axes' speed (default %(default)s)")
     parser.add_argument("--p5", type=int, help="loss-test: clock in ms in place of the cell's")
@@ -39,7 +44,7 @@ def main(argv: list[str]) -> int:
         if isinstance(cell, int):
             return cell
         return _commission(cell, arguments) if arguments.what == "commission" else _loss_test(cell, arguments)
-    except (PortError, ToolError) as error:
+    except (PortError, ToolError, ManualError) as error:
         print(f"axisgate drive {arguments.what}: {error}", file=sys.stderr)
         return ENVIRONMENT
 
@@ -67,7 +72,7 @@ def _bus_of(cell: Cell, name: str) -> Bus:
 def _commission(cell: Cell, arguments: argparse.Namespace) -> int:
     from gateway.canopen_master import Health
     from gateway.canopen_plans import node_plans
-    from gateway.commissioning import direct, start_up
+    from gateway.commissioning import direct, inc_to_unit, move_plan, start_up
 
     axes = {axis.name: axis for axis in cell.axis if axis.drive.type == "cia402"}
     axis = axes.get(arguments.axis or "")
@@ -77,13 +82,18 @@ def _commission(cell: Cell, arguments: argparse.Namespace) -> int:
     bus = _bus_of(cell, axis.drive.bus)
     url = arguments.port or bus.port
     plan = dict(node_plans(cell, bus, cell.cycle_ms, simulated=arguments.port is not None or bus.simulated))[axis.name]
+    if arguments.mode and not _may_move(cell, bus, url):
+        return ENVIRONMENT
     with direct(url) as link:
-        node = start_up(link, axis.name, plan)
+        node, moved = start_up(link, axis.name, plan, move_plan(axis, arguments.mode, arguments.way) if arguments.mode else None)
     booted = node.booted
     if node.health is not Health.READY or booted is None:
         print(f"axis {axis.name}, node {plan.node}: {node.health.value}: {node.why}", file=sys.stderr)
         return FINDING
     identity = booted.identity
+    if arguments.mode:
+        way = inc_to_unit(axis, moved.end_inc - moved.start_inc) if moved is not None else 0.0
+        print(f"axis {axis.name}: {arguments.mode.upper()} moved it by {way:.3f} {axis.unit}; switched off again", file=sys.stderr)
     if arguments.json:
         told = {"axis": axis.name, "node": plan.node, "serial": identity.serial, "vendor": identity.vendor, "product": identity.product}
         print(json.dumps({**told, "options": booted.options, "notes": booted.notes}))
@@ -94,6 +104,17 @@ def _commission(cell: Cell, arguments: argparse.Namespace) -> int:
     print(f'pin it in the cell:  drive = {{ type = "cia402", bus = "{bus.name}", node = {plan.node}, serial = "{identity.serial}", .. }}')
     print(f"next: axisgate run CELL, then: axisgate axis try CELL {axis.name}")
     return DONE
+
+
+def _may_move(cell: Cell, bus: Bus, url: str) -> bool:
+    """On metal only after the confirmation before the first enable."""
+    axes = [] if url.startswith("broker:") or (bus.simulated and url == bus.port) else unconfirmed(cell)
+    if not axes:
+        return True
+    if not sys.stdin.isatty():
+        print(f"{TEXT}\naxisgate drive: not confirmed for {', '.join(axes)}; start it at a terminal", file=sys.stderr)
+        return False
+    return confirm(cell, axes, input, print)
 
 
 def _loss_test(cell: Cell, arguments: argparse.Namespace) -> int:

@@ -6,6 +6,7 @@ import sys
 import tempfile
 
 from gateway.commands.common import BANNER, ENVIRONMENT, load
+from gateway.families import DRIVE_PROTOCOLS
 from gateway.plant import write_settings
 from gateway.processes import emulator
 
@@ -28,11 +29,11 @@ def main(argv: list[str]) -> int:
     cell = load(arguments.cell)
     if isinstance(cell, int):
         return cell
-    buses = [bus for bus in cell.bus if bus.protocol == "servodyn" and arguments.drives in (None, bus.name)]
+    buses = [bus for bus in cell.bus if bus.protocol in DRIVE_PROTOCOLS and arguments.drives in (None, bus.name)]
     if len(buses) != 1:
-        known = ", ".join(bus.name for bus in cell.bus if bus.protocol == "servodyn")
+        known = ", ".join(bus.name for bus in cell.bus if bus.protocol in DRIVE_PROTOCOLS)
         print(
-            f"axisgate emulate: --drives NAME: one servodyn bus of {known or 'none (this version emulates servodyn drives)'}",
+            f"axisgate emulate: --drives NAME: one drive bus of {known or 'none'}",
             file=sys.stderr,
         )
         return ENVIRONMENT

@@ -1,6 +1,7 @@
 """The cell in virtual time with CiA 402 drives: the same core and office, emulated nodes, the real plan without the threads of a master."""
 
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
+from typing import TypeVar
 
 from drivers.drives import cia402_boot as plans
 from drivers.drives.cia402_boot import Answer, Booted, Refused, Silent
@@ -19,6 +20,7 @@ from protocols.canopen.nmt import State
 
 DEMO_402: Cell = load_cell("demo-402")
 PATIENCE_MS = 300
+T = TypeVar("T")
 
 
 class Dialogue:
@@ -31,17 +33,16 @@ class Dialogue:
         self.refuse: dict[tuple[int, int], int] = {}  # (index, sub) of a download -> abort code: a hostile node
         self.lies: dict[tuple[int, int], bytes] = {}  # what an upload answers instead
 
-    def carry(self, plan: plans.Plan) -> Booted:
-        """To its end; raises BootRefused as the plan does."""
+    def carry(self, plan: Generator[plans.Step, Answer, T]) -> T:
+        """To its end; raises what the plan raises."""
         step = next(plan)
-        try:
-            while True:
-                self.steps.append(step)
+        while True:
+            self.steps.append(step)
+            try:
                 step = plan.send(self.answer(step))
-        except StopIteration as end:
-            booted = end.value
-            assert isinstance(booted, Booted)
-            return booted
+            except StopIteration as end:
+                result: T = end.value
+                return result
 
     def answer(self, step: plans.Step) -> Answer:
         match step:
@@ -55,6 +56,10 @@ class Dialogue:
                 self.say(nmt.command(command, self.node))
                 return self.shown(awaits) if awaits is not None else b""
             case plans.Pause(pause):
+                self.wait(pause)
+                return b""
+            case plans.Sync(pause):
+                self.say(Frame(cobid.SYNC))
                 self.wait(pause)
                 return b""
 

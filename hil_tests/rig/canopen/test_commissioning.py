@@ -2,6 +2,8 @@
 
 import json
 import pathlib
+import subprocess
+import sys
 
 import pytest
 
@@ -67,6 +69,26 @@ def test_scan_finds_a_foreign_drive_and_commission_starts_it_and_pins_it(
             assert drive_command.main(["commission", "demo-402"]) == 2
         finally:
             device.stop()
+
+
+def test_commission_moves_an_emulated_drive_in_every_mode_without_a_cycle(
+    tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with running_bus(tmp_path, name="modes", log=False):
+        command = [sys.executable, "-m", "gateway", "emulate", "demo-402", "--bus", "broker:modes"]
+        drives = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        try:
+            assert drives.stdout is not None
+            while drives.stdout.readline() != "ready\n":
+                assert drives.poll() is None
+            for mode in ("pp", "pv", "ip"):
+                assert drive_command.main(["commission", "demo-402", "A2", "--port", "broker:modes", "--mode", mode, "--way", "5"]) == 0
+                told = capsys.readouterr().err
+                moved = float(told.split("moved it by ")[1].split(" mm")[0])
+                assert f"{mode.upper()} moved it" in told and moved == pytest.approx(5.0, abs=0.8), told
+        finally:
+            drives.terminate()
+            drives.communicate(timeout=10)
 
 
 def test_a_servodyn_cell_has_no_heartbeat_to_lose() -> None:

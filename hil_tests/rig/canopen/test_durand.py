@@ -109,3 +109,27 @@ def test_a_node_that_is_not_there_is_dead_and_is_tried_again(bus: Bus) -> None:
         run.link.port.close()
         if device is not None:
             device.stop()
+
+
+def test_a_storm_of_emergencies_is_counted_and_told_a_few_times_only(bus: Bus) -> None:
+    device = DurandDrive(bus.name, NODE)
+    run = Started(bus, plan())
+    run.master.start()
+    try:
+        assert run.until(Health.READY).health is Health.READY
+        node, before = run.master.nodes[NODE], len(run.said)
+        for n in range(500):
+            device.node.emcy.set(0x8611 if n % 2 else 0x3220, 0x21)
+            time.sleep(0.001)
+        end = time.monotonic() + 3.0
+        while node.emergencies < 500 and time.monotonic() < end:
+            time.sleep(0.02)
+        assert node.emergencies == 500 and node.health is Health.READY
+        told = run.said[before:]
+        assert 1 <= len(told) <= 4 and "DC link under-voltage (3220h)" in told[0], told
+        with node.lock:
+            assert run.master.upload(NODE, 0x1018, 2) == (0x402).to_bytes(4, "little"), "SDO goes on beside it"
+    finally:
+        run.master.stop()
+        run.link.port.close()
+        device.stop()

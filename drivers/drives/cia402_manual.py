@@ -1,0 +1,152 @@
+"""Commissioning by SDO alone: a drive switched on and moved in PP, PV, HM or IP mode, without a cycle.  Pure plans of steps.
+
+Source: IEC 61800-7-201 (profile position, profile velocity, homing, interpolated position); units AX-311.  Whoever carries it out stands
+beside the machine: there is no path, no other axis and no lag supervision but the drive's own.
+"""
+
+from collections.abc import Generator, Sequence
+from dataclasses import dataclass
+
+from drivers.drives.cia402 import Bit, Mode
+from drivers.drives.cia402_boot import Answer, Pause, Read, Silent, Step, Sync, Write, name_of
+from drivers.drives.cia402_states import Command, State, next_command, state_of
+
+POLL_MS, TRIES = 5, 400  # for a state; a move has its own limit
+NEW_SET_POINT, RELATIVE, IP_ENABLE = 0x0010, 0x0040, 0x0010
+ACKNOWLEDGED = SPEED_ZERO = 0x1000  # statusword bit 12 in PP, in PV
+Manual = Generator[Step, Answer, "Moved"]
+
+
+class ManualError(Exception):
+    """What the drive would not do, and the object."""
+
+
+@dataclass(frozen=True, slots=True)
+class Moved:
+    """Increments before and after."""
+
+    start_inc: int
+    end_inc: int
+
+
+def profile_position(way_inc: int, speed_inc_s: int, accel_inc_s2: int, limit_ms: int = 20_000) -> Manual:
+    """PP: a relative way; the set-point handshake is waited for."""
+    yield from _write(0x6081, speed_inc_s, 4)
+    yield from _write(0x6083, accel_inc_s2, 4)
+    yield from _write(0x6084, accel_inc_s2, 4)
+    start = yield from _on(Mode.PP)
+    yield from _write(0x607A, way_inc, 4)
+    yield from _control(Command.ENABLE.value | NEW_SET_POINT | RELATIVE)
+    yield from _status(ACKNOWLEDGED, ACKNOWLEDGED, 1000)
+    yield from _control(Command.ENABLE.value | RELATIVE)
+    yield from _status(ACKNOWLEDGED, 0, 1000)
+    yield from _status(Bit.TARGET_REACHED, Bit.TARGET_REACHED, limit_ms)
+    return (yield from _off(start))
+
+
+def profile_velocity(speed_inc_s: int, accel_inc_s2: int, run_ms: int) -> Manual:
+    """PV: at that speed for a while, then to rest."""
+    yield from _write(0x6083, accel_inc_s2, 4)
+    yield from _write(0x6084, accel_inc_s2, 4)
+    yield from _write(0x60FF, 0, 4)
+    start = yield from _on(Mode.PV)
+    yield from _write(0x60FF, speed_inc_s, 4)
+    yield Pause(run_ms)
+    yield from _write(0x60FF, 0, 4)
+    yield from _status(SPEED_ZERO, SPEED_ZERO, 5000)
+    return (yield from _off(start))
+
+
+def homing(limit_ms: int) -> Manual:
+    """HM by the method and speeds that stand in the drive; ManualError when it ends in an error."""
+    start = yield from _on(Mode.HM)
+    yield from _control(Command.ENABLE.value | Bit.START_HOMING)
+    yield Pause(20)
+    done = Bit.HOMING_ATTAINED | Bit.TARGET_REACHED
+    for _ in range(limit_ms // POLL_MS):
+        status = yield from _number(0x6041, signed=False)
+        if status & Bit.HOMING_ERROR or not status & 0x04:
+            break
+        if status & done == done:
+            return (yield from _off(start))
+        yield Pause(POLL_MS)
+    yield from _off(start)
+    raise ManualError("homing: the drive did not find its home")
+
+
+def interpolated(points_inc: Sequence[int], period_ms: int) -> Manual:
+    """IP: one point (relative to where it stands) with each SYNC of the tool."""
+    start = yield from _number(0x6064)
+    yield from _write(0x60C1, start, 4, sub=1)
+    yield from _on(Mode.IP)
+    yield from _control(Command.ENABLE.value | IP_ENABLE)
+    for point in points_inc:
+        yield from _write(0x60C1, start + point, 4, sub=1)
+        yield Sync(period_ms)
+    for _ in range(20):  # it comes to rest at the last point
+        yield Sync(period_ms)
+    yield from _control(Command.ENABLE.value)
+    return (yield from _off(start))
+
+
+def _on(mode: Mode) -> Generator[Step, Answer, int]:
+    """In that mode and enabled; 607Ah = 6064h before; where it stands."""
+    yield from _write(0x6060, mode, 1)
+    for _ in range(TRIES):
+        if (yield from _number(0x6061)) == mode:
+            break
+        yield Pause(POLL_MS)
+    start = yield from _number(0x6064)
+    yield from _write(0x607A, start, 4)
+    yield from _way(State.ENABLED)
+    return start
+
+
+def _off(start: int) -> Generator[Step, Answer, Moved]:
+    """At rest: switched off, back in CSP; where it stands."""
+    end = yield from _number(0x6064)
+    yield from _way(State.DISABLED)
+    yield from _write(0x6060, Mode.CSP, 1)
+    return Moved(start, end)
+
+
+def _way(goal: State) -> Generator[Step, Answer, None]:
+    for _ in range(TRIES):
+        state = state_of((yield from _number(0x6041, signed=False)))
+        if state is goal:
+            return
+        command = next_command(state, goal) if state is not None else None
+        if state is State.FAULT and goal is State.DISABLED:
+            raise ManualError("the drive has a fault")
+        if command is not None:
+            yield from _control(command.value)
+        yield Pause(POLL_MS)
+    raise ManualError(f"the drive did not come to {goal.name.lower()}")
+
+
+def _status(mask: int, value: int, limit_ms: int) -> Generator[Step, Answer, None]:
+    for _ in range(limit_ms // POLL_MS):
+        status = yield from _number(0x6041, signed=False)
+        if status & mask == value:
+            return
+        if state_of(status) is not State.ENABLED:
+            raise ManualError(f"the drive left operation enabled (statusword {status:04X}h)")
+        yield Pause(POLL_MS)
+    raise ManualError(f"statusword: bits {mask:04X}h did not become {value:04X}h within {limit_ms} ms")
+
+
+def _control(word: int) -> Generator[Step, Answer, None]:
+    yield from _write(0x6040, word, 2)
+
+
+def _write(index: int, value: int, size: int, sub: int = 0) -> Generator[Step, Answer, None]:
+    answer = yield Write(index, sub, (value & (1 << 8 * size) - 1).to_bytes(size, "little"))
+    if not isinstance(answer, bytes):
+        raise ManualError(f"{name_of(index, sub)}: {'no answer' if answer is Silent.YES else answer}")
+
+
+def _number(index: int, *, signed: bool = True) -> Generator[Step, Answer, int]:
+    answer = yield Read(index)
+    if not isinstance(answer, bytes):
+        raise ManualError(f"{name_of(index, 0)}: {'no answer' if answer is Silent.YES else answer}")
+    return int.from_bytes(answer, "little", signed=signed)
