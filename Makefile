@@ -10,7 +10,7 @@ BENCH ?=
 SOAK ?=
 
 .DELETE_ON_ERROR:
-.PHONY: help setup tools references demo lint test pytest bench soak fuzz branches mutants coverage-matrix docs lock clean
+.PHONY: help setup tools references demo lint test pytest bench soak fuzz branches losses mutants coverage-matrix docs lock clean
 
 help:
 	@echo "make demo             six emulated drives, two PLCs, one cable to unplug (DEMO='--seed 7' hands options on)"
@@ -20,7 +20,8 @@ help:
 	@echo "make coverage-matrix  which demand of the manuals is proved by which test"
 	@echo "make mutants          would those tests notice their function breaking?"
 	@echo "make docs             docs/decisions.md from docs/decisions.d"
-	@echo "make soak             a million 3964R and RK512 telegrams, a tenth of them spoiled (SOAK=50000: fewer)"
+	@echo "make soak             a million 3964R and RK512 telegrams, a tenth of them spoiled (SOAK=50000: fewer); then make losses"
+	@echo "make losses           100 deaths of the cycle under moving drives of both families"
 	@echo "make branches         every branch of the serial protocols is tested"
 	@echo "make fuzz             later"
 
@@ -83,9 +84,10 @@ docs: $(STAMP)
 
 soak: $(STAMP)
 	@$(PY) -m hil_tests.soak $(SOAK)
+	@$(MAKE) --no-print-directory losses
 
-losses: $(STAMP)  # 100 deaths of the cycle, killed and stopped, on both families of drives: about an hour
-	@AXISGATE_LOSSES=100 $(PY) -m pytest -q hil_tests/rig/death/test_cycle_dies.py hil_tests/rig/death/test_cycle_dies_402.py
+losses: $(STAMP)  # 100 deaths of the cycle: killed and stopped, boosters and CiA 402 drives, 25 each
+	@AXISGATE_LOSSES=25 $(PY) -m pytest -q hil_tests/rig/death/test_cycle_dies.py hil_tests/rig/death/test_cycle_dies_402.py
 
 SERIAL := protocols/p3964r,protocols/rk512,protocols/buep64,protocols/telegrams
 branches: $(STAMP)

@@ -14,7 +14,7 @@ from hil_tests.lab.cell_running import P5_NS, CellRun, Disturbed, running_cell
 from hil_tests.lab.judge import Judge
 from hil_tests.lab.plc2 import ABORTED
 
-REPETITIONS = int(os.environ.get("AXISGATE_LOSSES", "5"))  # 100 in `make soak`
+REPETITIONS = int(os.environ.get("AXISGATE_LOSSES", "5"))  # 25 in `make soak`, 100 over all families and ways to die
 SUPERVISION_NS = 2 * P5_NS  # of the drives (AX-001)
 SYNC, FAULT_BIT = 100, 0x08
 ACTUALS = frozenset(range(610, 661, 10))
