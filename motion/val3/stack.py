@@ -99,7 +99,7 @@ class MotionStack:
     auto_connect: bool = False
     connection: Connection = Connection.NONE
     _moves: list[_Move] = field(default_factory=list)  # those not yet behind the arm, and the last one that is
-    _next_id: int = 0
+    _next_id: int = 0  # AX-416
     _fault: RuntimeFault | None = None  # of a move that could not be finished
     _stopped: bool = False  # by stopMove
     _dropping: bool = False  # resetMotion brakes
