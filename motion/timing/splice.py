@@ -1,0 +1,87 @@
+"""A law goes on over a path that has grown: the tail that braked for the old end is replaced while the axes move.
+
+A second law is planned from rest a little way back to the new end.  Both are near the optimum, so soon after the second one has got
+up to speed, and before the first one brakes for its end, they run at nearly the same speed: there one is led over into the other
+(s(t) blended over a smooth step in time).  Where they never come close the old law stays: it ends at rest, and the path goes on from
+there; nothing is ever driven that was not planned to the end.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motion.paths.joints import JointPath, joint_part
+from motion.timing.jerk import jerk_limited, shares
+from motion.timing.law import Law
+from motion.timing.limits import LawLimits
+
+Array = NDArray[np.float64]
+RUN_UP_S = 0.6  # how far back the second law begins, in time of the first
+LEAD_S = 0.08  # over which one law becomes the other
+CLOSE = 0.01  # largest difference of the speeds there, as share
+GRID, STRIDE = 4000, 20
+TOPS = (1.0, 1.02, 1.08)  # shares of speed, acceleration, jerk beyond which the lead-over is not taken
+
+
+def continued(path: JointPath, limits: LawLimits, before: Law, index: int) -> Law | None:
+    """From `before` at its grid point `index` to rest at the end of the path, which goes on behind before's end.
+
+    None: the laws do not come close enough after that point; `before` holds.
+    """
+    begin = float(before.s[max(index - round(RUN_UP_S / before.step), 0)])
+    fresh = jerk_limited(joint_part(path, begin, path.length), _shifted(limits, begin))
+    second = replace(fresh, s=fresh.s + begin)
+    now = float(before.s[index])
+    s = np.linspace(now, float(before.s[-1]), GRID)
+    one, two = _squares(before, s), _squares(second, s)
+    at = _meeting(s, one, two, before)
+    if at is None:
+        return None
+    law = _led_over(before, second, index, *at)
+    found = shares(path, limits, law)
+    return law if all(share <= top for share, top in zip(found, TOPS, strict=True)) else None
+
+
+def _shifted(limits: LawLimits, begin: float) -> LawLimits:
+    caps = tuple(replace(cap, start=cap.start - begin, end=cap.end - begin) for cap in limits.caps if cap.end > begin)
+    return replace(limits, caps=caps)
+
+
+def _squares(law: Law, s: Array) -> Array:
+    """sdot^2 at these places; between grid points linear in s."""
+    return np.interp(s, law.s, law.speed**2)
+
+
+def _meeting(s: Array, one: Array, two: Array, before: Law) -> tuple[float, float] | None:
+    """The stretch of LEAD_S on which the speeds are closest: times of the first law; None where they are nowhere close."""
+    speed = np.sqrt(np.maximum(one, 1e-12))
+    apart = np.abs(np.sqrt(np.maximum(two, 0.0)) - speed) / speed
+    times = np.interp(s, before.s, before.step * np.arange(len(before.s)))
+    best, found = CLOSE, None
+    for first in range(0, len(s) - 1, STRIDE):
+        last = int(np.searchsorted(times, times[first] + LEAD_S))
+        if last >= len(s):
+            break
+        worst = float(np.max(apart[first : last + 1]))
+        if worst < best:
+            best, found = worst, (float(times[first]), float(times[last]))
+    return found
+
+
+def _led_over(before: Law, second: Law, index: int, begin: float, end: float) -> Law:
+    """The first law, from grid point `index`, up to `begin` (s of its own time), the second one from `end`."""
+    h = before.step
+    middle = np.array([0.5 * (begin + end)])
+    low, high = 0.0, second.duration
+    place = float(before.at(middle)[0])
+    for _ in range(60):  # when the second law is where the first one is in the middle
+        half = 0.5 * (low + high)
+        low, high = (half, high) if float(second.at(np.array([half]))[0]) < place else (low, half)
+    late = low - float(middle[0])
+    t = h * np.arange(index, int((second.duration - late) / h) + 2)
+    x = np.clip((t - begin) / (end - begin), 0.0, 1.0)
+    share = x**4 * (35 - 84 * x + 70 * x**2 - 20 * x**3)
+    s = (1 - share) * before.at(t) + share * second.at(t + late)
+    s[-1] = second.s[-1]
+    return Law.sampled(s, h, (float(before.s[index]), float(before.speed[index]), float(before.accel[index])))
