@@ -72,7 +72,7 @@ def _meeting(s: Array, one: Array, two: Array, before: Law) -> tuple[float, floa
 def _led_over(before: Law, second: Law, index: int, begin: float, end: float) -> Law:
     """The first law, from grid point `index`, up to `begin` (s of its own time), the second one from `end`."""
     h = before.step
-    middle = np.array([0.5 * (begin + end)])
+    middle: Array = np.array([0.5 * (begin + end)])
     low, high = 0.0, second.duration
     place = float(before.at(middle)[0])
     for _ in range(60):  # when the second law is where the first one is in the middle
