@@ -1,4 +1,4 @@
-"""All CANopen buses of a run as the services see them: their masters, what is wrong with which axis.  Nothing is loaded for a cell without."""
+"""All CANopen buses of a run as the services see them: their masters, and what is wrong with which axis; loaded only where there is one."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING
@@ -24,8 +24,8 @@ class CanopenOffice:
         buses = [bus for bus in plan.cell.bus if bus.name in plan.buses]
         if not any(bus.protocol == "canopen" for bus in buses):
             return
+        from gateway import canopen_master
         from gateway.canopen_link import Rings
-        from gateway.canopen_master import CanopenMaster
         from gateway.canopen_plans import node_plans
         from gateway.canopen_sheets import read_eds
 
@@ -37,7 +37,7 @@ class CanopenOffice:
             read = {axis.drive.eds: read_eds(plan.cell, axis, simulated=plan.simulated) for _, axis in here.values()}
             sheets = {node: sheet.dictionary for node, (_, axis) in here.items() if (sheet := read[axis.drive.eds]) is not None}
             nodes = node_plans(plan.cell, bus, plan.p5_ms, simulated=plan.simulated)
-            self.masters[bus.name] = CanopenMaster(
+            self.masters[bus.name] = canopen_master.CanopenMaster(
                 bus.name, self.rings.links[number], nodes, lambda kind, words, facts: write(kind, words, **facts), sheets, self._language
             )
             self._places |= {n: (bus.name, node) for node, (n, _) in here.items()}
@@ -50,7 +50,7 @@ class CanopenOffice:
                 master.stop()
 
     def observe(self, state: CellState) -> None:
-        """A cycle that is there for the first time: its nodes are adopted; another one than before knows of none: all are started up again."""
+        """The first cycle's nodes are adopted where it speaks to them; another cycle than before knows of none: all are started up."""
         if not self.masters or state.generation in (0, self._generation):
             return
         first, self._generation = self._generation is None, state.generation

@@ -17,7 +17,7 @@ from protocols.base.machine import Frame
 from protocols.canopen import cobid, nmt, sdo
 
 QUIET_S = 0.4  # after the last request: whoever has not answered by then is not there
-IP_PERIOD_MS = 20  # between two SYNCs of a tool
+IP_PERIOD_MS = 40  # between two SYNCs of a tool
 OBJECTS = ((0x1000, 0, "type"), (0x1018, 1, "vendor"), (0x1018, 2, "product"), (0x1018, 3, "revision"), (0x1018, 4, "serial"))
 Found = dict[str, object]
 

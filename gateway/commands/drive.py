@@ -4,6 +4,7 @@ import argparse
 import json
 import pathlib
 import sys
+from dataclasses import replace
 
 from drivers.drives.cia402_manual import ManualError
 from drivers.ports.base import PortError
@@ -72,7 +73,7 @@ def _bus_of(cell: Cell, name: str) -> Bus:
 def _commission(cell: Cell, arguments: argparse.Namespace) -> int:
     from gateway.canopen_master import Health
     from gateway.canopen_plans import node_plans
-    from gateway.commissioning import direct, inc_to_unit, move_plan, start_up
+    from gateway.commissioning import IP_PERIOD_MS, direct, inc_to_unit, move_plan, start_up
 
     axes = {axis.name: axis for axis in cell.axis if axis.drive.type == "cia402"}
     axis = axes.get(arguments.axis or "")
@@ -82,6 +83,8 @@ def _commission(cell: Cell, arguments: argparse.Namespace) -> int:
     bus = _bus_of(cell, axis.drive.bus)
     url = arguments.port or bus.port
     plan = dict(node_plans(cell, bus, cell.cycle_ms, simulated=arguments.port is not None or bus.simulated))[axis.name]
+    if arguments.mode == "ip":
+        plan = replace(plan, period_us=IP_PERIOD_MS * 1000)  # the clock of the tool's own SYNC
     if arguments.mode and not _may_move(cell, bus, url):
         return ENVIRONMENT
     with direct(url) as link:
