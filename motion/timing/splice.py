@@ -72,14 +72,14 @@ def _meeting(s: Array, one: Array, two: Array, before: Law) -> tuple[float, floa
 def _led_over(before: Law, second: Law, index: int, begin: float, end: float) -> Law:
     """The first law, from grid point `index`, up to `begin` (s of its own time), the second one from `end`."""
     h = before.step
-    middle: Array = np.array([0.5 * (begin + end)])
+    middle = np.full(1, 0.5 * (begin + end))
     low, high = 0.0, second.duration
     place = float(before.at(middle)[0])
     for _ in range(60):  # when the second law is where the first one is in the middle
         half = 0.5 * (low + high)
-        low, high = (half, high) if float(second.at(np.array([half]))[0]) < place else (low, half)
+        low, high = (half, high) if float(second.at(np.full(1, half))[0]) < place else (low, half)
     late = low - float(middle[0])
-    t = h * np.arange(index, int((second.duration - late) / h) + 2)
+    t = np.asarray(h * np.arange(index, int((second.duration - late) / h) + 2), dtype=np.float64)
     x = np.clip((t - begin) / (end - begin), 0.0, 1.0)
     share = x**4 * (35 - 84 * x + 70 * x**2 - 20 * x**3)
     s = (1 - share) * before.at(t) + share * second.at(t + late)
