@@ -4,18 +4,15 @@ Source: CiA 402-2 and 402-3 (IEC 61800-7-201); what they leave open: AX-285..AX-
 Time is counted in steps of the model from the bus' first stamp; `advance` first, then look or act.
 """
 
-from math import inf
-
 from drivers.emulator import cia402_objects as od
 from drivers.emulator.canopen_node import CanopenNode
 from drivers.emulator.canopen_objects import OK, Objects
 from drivers.emulator.cia402_errors import BLIND, KINDS, RAMPLESS, Error
 from drivers.emulator.cia402_modes import CODES, MODES, Mode
+from drivers.emulator.cia402_motion import DriveMotion
 from drivers.emulator.cia402_states import HALT_BIT, RESET_BIT, TRANSITIONS, Command, State, command_of
-from drivers.emulator.cia402_switches import Edge, Signal
-from drivers.emulator.cia402_view import DriveView, wrap
 from drivers.emulator.record import AxisRow
-from drivers.emulator.servo import INC_PER_RAD, STEP_NS, STEPS_PER_SLOW, Trip
+from drivers.emulator.servo import STEP_NS, STEPS_PER_SLOW, Trip
 from drivers.emulator.settings import DriveSettings
 from protocols.base.machine import Ns
 from protocols.canopen.sdo import Abort
@@ -33,15 +30,12 @@ def steps(seconds: float) -> int:
     return round(seconds * 1e9 / STEP_NS)
 
 
-class Cia402Axis(DriveView):
+class Cia402Axis(DriveMotion):
     """The application of a CanopenNode."""
 
     def __init__(self, settings: DriveSettings, cycle_ns: Ns, seed: int, objects: Objects, node: CanopenNode, substeps: int = 1) -> None:
-        super().__init__(settings, cycle_ns, seed, objects, substeps)
-        self.node = node
-        self._cycle_ns = cycle_ns
+        super().__init__(settings, cycle_ns, seed, objects, node, substeps)
         self.start: Ns = 0
-        self.now: Ns = 0
         self.controlword = 0
         self.brake_stuck = False
         self.row: AxisRow | None = None  # of the last SYNC
@@ -53,7 +47,6 @@ class Cia402Axis(DriveView):
         self._sync_due: Ns = NEVER
         self._brake_due = self._tick_due = NEVER
         self._boot_due = steps(settings.servo.boot_s + settings.servo.charge_s)
-        self._low, self._high = -inf, inf
         self._hook()
         self.reset(0)
         self.due = 0
@@ -74,25 +67,6 @@ class Cia402Axis(DriveView):
             written[key] = lambda value: self._timing()
         written[od.PROBE_FUNCTION] = self._probe_written
         objects.may_store = lambda: self.state is not State.ENABLED
-
-    def _limits(self) -> None:
-        self.servo.limit_torque(self.value(od.MAX_TORQUE) * 1e-3 * self.settings.servo.rated_torque_nm)
-        low, high = self.value(od.LIMIT_MIN), self.value(od.LIMIT_MAX)
-        whole = low >= high or (low == -(1 << 31) and high == (1 << 31) - 1)
-        self._low, self._high = (-inf, inf) if whole else (float(low), float(high))
-        self._window()
-
-    def _timing(self) -> None:
-        """Period of SYNC: interpolation time period, else communication cycle period, else the bus' nominal one (AX-287)."""
-        watch, own = self.sync_watch, self.value(od.PERIOD_VALUE)
-        period = round(own * 10.0 ** (self.value(od.PERIOD_EXPONENT) + 9)) if own else self.value(od.CYCLE_PERIOD) * 1000
-        watch.period = period if period >= 100_000 else self._cycle_ns
-        watch.tolerance = self.value(od.SYNC_TOLERANCE) * 1000 or watch.period // 4
-        watch.unlock()
-
-    def _probe_written(self, value: Value) -> None:
-        self.probe.arm(int(value) if isinstance(value, int) else 0)
-        self.watch_switches()
 
     # -- time -----------------------------------------------------------------------------------
 
@@ -192,50 +166,6 @@ class Cia402Axis(DriveView):
                 self.fail(Error.SYNC)
         else:
             self._sync_due = NEVER
-
-    # -- motion, asked for by the mode ------------------------------------------------------------
-
-    def follow(self, position: float, duration_ns: int, speed: float) -> None:
-        """To this position in this time; INTEGER32 set values count on through their wrap."""
-        servo = self.servo
-        goal = position - self.shift
-        last = servo.goal_inc
-        away = goal - last
-        if not -0x80000000 <= away < 0x80000000:
-            goal = last + wrap(away)
-        servo.follow(goal, self.rest_ns, duration_ns, speed / INC_PER_RAD)
-
-    def clip(self, position: float) -> float:
-        if self._low <= position <= self._high:
-            self.limited = False
-            return position
-        self.limited = True
-        return self._low if position < self._low else self._high
-
-    def set_home(self, counter: int) -> None:
-        """The user position at `counter` is the home offset (AX-288)."""
-        self.shift, self.homed = self.value(od.HOME_OFFSET) - counter, True
-
-    def homing_failed(self) -> None:
-        self.node.emergencies.raise_(Error.HOMING, KINDS[Error.HOMING], self.now)
-        self.node.emergencies.clear([Error.HOMING], self.now)
-
-    def watch_switches(self) -> None:
-        self.switches.index_wanted = self.homing.wants_index or self.probe.wants_index
-        self.switches.look_around(self.servo)
-
-    def _edge(self, edge: Edge) -> None:
-        self.probe.edge(edge, self.shift)
-        if self.state is State.ENABLED:
-            self.mode.edge(edge)
-        if edge.signal in (Signal.NEGATIVE_LIMIT, Signal.POSITIVE_LIMIT):
-            self._block()
-
-    def _block(self) -> None:
-        """A limit switch stops the motion towards it, except while a homing looks for it."""
-        inputs = self.switches.inputs(self.servo.position_rad)
-        free = self.homing.running or not inputs & 3 or inputs & 3 == 3
-        self.servo.block(0 if free else -1 if inputs & 1 else 1)
 
     # -- controlword ----------------------------------------------------------------------------
 
@@ -434,14 +364,6 @@ class Cia402Axis(DriveView):
             self.state = self._after if self._after is not None else State.DISABLED
 
     # -- supervision ------------------------------------------------------------------------------
-
-    def _window(self) -> None:
-        """Following error is watched in position control with power, unless the object says no."""
-        window = self.value(od.FOLLOWING_WINDOW)
-        on = self.state is State.ENABLED and self.mode.follows and not self._stopping and window != 0xFFFFFFFF
-        self.servo.following_window(float(window) if on and self._follow_since is None else inf)
-        if not on:
-            self._follow_since = None
 
     def _following(self) -> None:
         """Outside the window since a while."""
