@@ -89,13 +89,12 @@ class ToolDesk:
     def _axes(self) -> dict[str, object]:
         """What the cycle published last, in the axes' own units."""
         services, state = self._services, self._services.values.state
-        rows = [
-            {
-                "name": fact.name, "unit": fact.unit, "actual": axis.actual / fact.si, "set": axis.set / fact.si, "lag": axis.lag / fact.si,
-                "torque": axis.torque, "flags": int(axis.flags), "fault": axis.fault_code, "words": services.canopen.fault(n, axis.fault_code) if axis.fault_code else "", "why": services.canopen.why_not(n),
-            }
-            for n, (fact, axis) in enumerate(zip(services.office.axes, state.axes, strict=False))
-        ]  # fmt: skip
+        rows: list[dict[str, object]] = []
+        for n, (fact, axis) in enumerate(zip(services.office.axes, state.axes, strict=False)):
+            places = {"actual": axis.actual / fact.si, "set": axis.set / fact.si, "lag": axis.lag / fact.si, "torque": axis.torque}
+            words = services.canopen.fault(n, axis.fault_code) if axis.fault_code else ""
+            told = {"flags": int(axis.flags), "fault": axis.fault_code, "words": words, "why": services.canopen.why_not(n)}
+            rows.append({"name": fact.name, "unit": fact.unit, **places, **told})
         return {"axes": rows, "cycle": state.cycle, "ready": state.ready, "motion": int(state.motion), "permits": state.permits,
                 "cause": state.stop_cause, "override": state.override, "simulated": services.plan.simulated}  # fmt: skip
 

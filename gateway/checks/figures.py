@@ -54,6 +54,6 @@ def megabits(bus: Bus) -> float:
 
 
 def canopen_room(cell: Cell, bus: Bus, p5_ms: int) -> bool:
-    """Whether a second TPDO of every drive fits into each cycle: below 60 % in the worst case, so that SDO and I/O keep their place (AX-302)."""
+    """Whether a second TPDO of every drive fits into each cycle: below 60 % in the worst case; SDO and I/O keep their place (AX-302)."""
     axes = sum(axis.drive.bus == bus.name for axis in cell.axis)
     return cycle_us(cell, bus) + axes * frame_us(6) / megabits(bus) + sdo_us(bus) < 600.0 * p5_ms

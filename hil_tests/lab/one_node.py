@@ -41,6 +41,10 @@ class OneNode:
         self.deaf = False  # its TPDOs do not arrive
         self._burst = self.family.burst([self.drive.idle()])
 
+    def power(self) -> Power:
+        """Of our drive object."""
+        return self.drive.power
+
     def dialogue(self) -> Dialogue:
         """For a start-up by hand."""
         return Dialogue(self.slave, NODE, self.now)
