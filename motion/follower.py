@@ -7,6 +7,7 @@ strongest c for this period from which u can be brought to 0 again, in a straigh
 and without overshooting the wanted omega.  Retrace is omega < 0: the same path, the same limits.
 """
 
+import functools
 from collections import deque
 from collections.abc import Sequence
 from itertools import pairwise
@@ -79,7 +80,7 @@ class _Track:
 
     def at(self, tau: Array) -> Array:
         """(..., 5, columns)."""
-        index = np.clip((tau / self.step).astype(np.int64), 0, max(self.count - 1, 0))
+        index = np.minimum(np.maximum((tau * (1.0 / self.step)).astype(np.intp), 0), max(self.count - 1, 0))
         found: Array = self._store[index]
         return found
 
@@ -279,29 +280,37 @@ class Follower:
         return min(low, high), max(low, high)
 
     def _strain(self, choices: Sequence[tuple[float, float]]) -> Array:
-        """For each (c for one period, then u to 0 within the ramp) the largest share of a limit on the whole way; <= 1 is good."""
+        """For each (c for one period, then u to 0 within the ramp) the largest share of a limit on the whole way; <= 1 is good.
+
+        Written for few calls of numpy: it decides what a step costs while speed changes.
+        """
         h, w, u, tau = self._h, self._omega, self._u, self._tau
-        c, ramp = np.array(choices).T
-        u1, w1 = u + h * c, w + h * (u + h * c / 2)
-        tau1 = tau + h * (w + h * (u / 2 + h * c / 6))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            fall = np.where(ramp > 0.0, -u1 / ramp, 0.0)
+        table = np.array(choices)
+        c, ramp = table[:, :1], table[:, 1:]
+        u1, w1, tau1 = u + h * c, w + h * (u + h / 2 * c), tau + h * (w + h * (u / 2 + h / 6 * c))
+        fall = -u1 / np.maximum(ramp, 1e-9) * (ramp > 0.0)
         places = int(min(max(float(ramp.max()) / (PLACE * self._track.step), FEWEST), MOST))
-        t = ramp[:, None] * np.linspace(1.0 / places, 1.0, places)[None, :]
-        late_u, late_w = u1[:, None] + fall[:, None] * t, w1[:, None] + t * (u1[:, None] + 0.5 * fall[:, None] * t)
-        late_tau = tau1[:, None] + t * (w1[:, None] + t * (u1[:, None] / 2 + t * fall[:, None] / 6))
-        half = 0.5 * h
-        all_u = np.concatenate([(u + half * c)[:, None], u1[:, None], late_u], axis=1)
-        all_w = np.concatenate([(w + half * (u + half * c / 2))[:, None], w1[:, None], late_w], axis=1)
-        all_tau = np.concatenate([np.full((len(c), 1), tau + half * w), tau1[:, None], late_tau], axis=1)
-        all_c = np.concatenate([c[:, None], c[:, None], np.broadcast_to(fall[:, None], t.shape)], axis=1)
-        rows = self._track.at(all_tau)
-        w_, u_, c_ = all_w[:, :, None], all_u[:, :, None], all_c[:, :, None]
+        shape = (len(choices), places + 2)
+        rates = np.empty((3, *shape))  # u, omega, c
+        taus = np.empty(shape)
+        t = ramp * _shares(places)
+        gone = fall * t
+        rates[0, :, 2:] = u1 + gone
+        rates[1, :, 2:] = w1 + t * (u1 + 0.5 * gone)
+        rates[2, :, 2:] = fall
+        taus[:, 2:] = tau1 + t * (w1 + t * (u1 / 2 + gone / 6))
+        rates[0, :, 0:1], rates[0, :, 1:2] = u + 0.5 * h * c, u1
+        rates[1, :, 0:1], rates[1, :, 1:2] = w + 0.5 * h * (u + 0.25 * h * c), w1
+        rates[2, :, :2] = c
+        taus[:, 0], taus[:, 1:2] = tau + 0.5 * h * w, tau1
+        rows = self._track.at(taus)
+        u_, w_, c_ = rates[0][:, :, None], rates[1][:, :, None], rates[2][:, :, None]
         square = w_ * w_
-        accel = np.abs(square * rows[:, :, 1] + u_ * rows[:, :, 0]).max(axis=(1, 2))
-        jerk = np.abs(w_ * (square * rows[:, :, 4] + 3 * u_ * rows[:, :, 3]) + c_ * rows[:, :, 2]).max(axis=(1, 2))
-        over = np.where(np.abs(w1 + 0.5 * u1 * ramp) <= 1.0 + 1e-9, 0.0, 9.0)
-        return np.asarray(np.maximum(np.maximum(accel / ACCEL_TOP, jerk / JERK_TOP), over))
+        accel = np.abs(square * rows[:, :, 1] + u_ * rows[:, :, 0]).reshape(shape[0], -1).max(axis=1)
+        jerk = np.abs(w_ * (square * rows[:, :, 4] + (3 * u_) * rows[:, :, 3]) + c_ * rows[:, :, 2]).reshape(shape[0], -1).max(axis=1)
+        strain = np.maximum(accel / ACCEL_TOP, jerk / JERK_TOP)
+        strain[np.abs(w1 + 0.5 * u1 * ramp)[:, 0] > 1.0 + 1e-9] = 9.0
+        return np.asarray(strain)
 
     # ---- sampling ------------------------------------------------------------------------------------------------------
     def _progress(self) -> Progress:
@@ -347,6 +356,12 @@ class Follower:
         f, e, d, c, b, a = rows[-1]
         self._way = ((((f * u + e) * u + d) * u + c) * u + b) * u + a
         return (values,)
+
+
+@functools.cache
+def _shares(places: int) -> Array:
+    """(1, places) rising to 1."""
+    return np.linspace(1.0 / places, 1.0, places)[None, :]
 
 
 def joined(pieces: Sequence[TimedPiece]) -> bool:
