@@ -46,7 +46,7 @@ def test_check_names_line_block_axis_and_number_of_each_fault(wrong: str, capsys
 def test_check_as_json(wrong: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", wrong, "--json"]) == 1
     found = json.loads(capsys.readouterr().out)
-    assert [(f["block"], f["line"], f["code"]) for f in found][0] == (1, 5, 520) and found[0]["axis"] == "J2"
+    assert (found[0]["block"], found[0]["line"], found[0]["code"], found[0]["axis"]) == (1, 5, 520, "J2")
 
 
 def test_plot_of_a_program_with_faults_tells_them_instead(wrong: str, tmp_path: pathlib.Path) -> None:

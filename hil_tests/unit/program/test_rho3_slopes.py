@@ -128,6 +128,16 @@ def test_a_change_of_type_is_passed_with_program_slope_and_not_with_block_slope(
     assert float(np.max(np.minimum(np.abs(outside[:, 1]), np.abs(outside[:, 0] - 0.1)))) < 1e-9, "left only inside the sphere"
 
 
+@pytest.mark.requirement("RHO-MOT-07", by="motion.planner.route:Route._leave")
+@answers
+def test_r_0_goes_exactly_through_the_point_and_r_20_does_not() -> None:
+    def row(radius: float) -> list[Stretch]:
+        return stretches([Block(LINEAR, at(100), blend=Blend(Rounding.CARTESIAN, radius, radius)), Block(LINEAR, at(100, 100))])
+
+    assert missed(row(0.0), (0.1, 0.0, 0.0)) < 1e-9 and row(0.0)[0].stop
+    assert missed(row(0.02), (0.1, 0.0, 0.0)) == pytest.approx(0.1875 * 0.02 * 2**0.5, abs=1e-6) and not row(0.02)[0].stop
+
+
 def test_two_ptp_blocks_with_block_slope_and_axis_ranges() -> None:
     axes = Blend(Rounding.JOINT, axes=(0.02, 0.02, 0.02))
     row = stretches(
