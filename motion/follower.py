@@ -27,7 +27,7 @@ FIT, FIT_SPEED, FIT_ACCEL = 1e-9, 1e-6, 1e-4  # steps allowed where pieces meet:
 STEPS = (1.0, 0.8, 0.6, 0.4, 0.2, 0.08, 0.0)  # of the strongest c
 RAMPS = (1.02, 1.4, 2.0, 3.0, 5.0)  # of the shortest time in which u could come to 0
 PLACE, FEWEST, MOST = 1.5, 8, 120  # a way back is looked at every so many steps of the track; number of places
-ACCEL_TOP, JERK_TOP = 0.998, 1.02  # shares of the limits allowed while omega changes
+ACCEL_TOP, JERK_TOP = 0.998, 1.01  # shares of the limits allowed while omega changes
 STILL = 1e-9  # share of the limits below which the path itself stands: omega may be anything
 
 
@@ -232,7 +232,7 @@ class Follower:
         edge = min(max((high if towards > 0 else low) * towards, 0.0), full) * towards
         if wanted != self._last_wanted:
             self._last_wanted, self._share = wanted, 0
-        self._share = max(self._share - 1, 0)  # what was good a period ago is about what is good now
+        self._share = max(self._share - 2, 0)  # what was good a period ago is about what is good now
         for number in range(self._share, len(STEPS) + 1):
             self._share = number
             held = number == len(STEPS)
