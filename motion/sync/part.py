@@ -18,7 +18,7 @@ from motion.sync.errors import DIRECTION, NO_DISTANCE, NO_PTP, NOT_POSSIBLE, TOL
 from motion.sync.pace import Pace
 from motion.units import from_si
 
-THERE = 1e-9  # of a block's way: arrived
+THERE = 1e-6  # of a block's way: arrived
 ONWARD = math.cos(math.radians(1.0))  # blocks whose directions differ by less are run through without a stop
 
 

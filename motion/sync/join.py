@@ -1,0 +1,116 @@
+"""Stepper, belt and alteration together: P = F_belt(t) * P(s) * A(t), one sample a period (motion.md E 7).
+
+The path in the stepper is that seen from the belt; its joints are those the robot would have were the belt at value 0.  Here the
+frame is put in front and the alteration behind, the joints are found anew on the same branch, and s is slowed where joints would be
+too fast.  What still is too fast (a belt that jumps) is stretched over several periods, as P306 sub-query 6 = 3 does it (L6221-6227).
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from motion.errors import MotionError
+from motion.frames import IDENTITY, Pose, compose
+from motion.kinematics.base import Joints, Kinematics, KinematicsError
+from motion.pieces import Piece
+from motion.stepper import Sample, Stepper
+from motion.sync.chain import Chain
+from motion.sync.scout import TOP, Scout
+from motion.timed import TimedPiece
+
+STEP = 0.02  # shares are rounded down to it: the stepper need not plan for noise
+PATIENCE_S = 0.05  # a lower share stays at least so long
+REACTS_S = 0.02  # so long is waited for what a lower share does
+
+
+class Joined(NamedTuple):
+    """One period.  q: set values (axes,); path: of the stepper; share: of full speed that was allowed; short: joints are behind."""
+
+    q: tuple[float, ...]
+    path: Sample
+    share: float
+    short: bool
+
+
+class SyncStepper:
+    """Owns the stepper of one kinematic while it is synchronous.  speeds: limits of the arm's joints per s."""
+
+    def __init__(self, stepper: Stepper, kinematics: Kinematics, speeds: Sequence[float], period_s: float, q: Sequence[float]) -> None:
+        if len(speeds) != kinematics.axes:
+            raise MotionError(f"{len(speeds)} speed limits for {kinematics.axes} joints")
+        self._stepper, self._kinematics, self._speeds, self._period = stepper, kinematics, tuple(speeds), period_s
+        self._chain = Chain()
+        self._scout = Scout(kinematics, self._chain, self._speeds, period_s)
+        self._q = tuple(q)
+        self._wanted = stepper.override
+        self._share, self._since = 1.0, 0.0
+        self.fault: KinematicsError | None = None
+
+    @property
+    def q(self) -> tuple[float, ...]:
+        """Set values of the last period."""
+        return self._q
+
+    def load(self, piece: Piece | TimedPiece) -> None:
+        """As Stepper.load.  A piece of version 1 is run as well, but nobody looks ahead on it."""
+        self._stepper.load(piece)
+        if isinstance(piece, TimedPiece):
+            self._chain.load(piece)
+        else:
+            self._chain.clear()
+            self._scout.restart()
+
+    def set_override(self, value: float) -> None:
+        """Of the user; what the joints allow goes below it."""
+        if not 0.0 <= value <= 1.0:
+            raise MotionError(f"override {value} is outside 0 .. 1")
+        self._wanted = value
+
+    def place(self, frame: Pose = IDENTITY, alteration: Pose = IDENTITY) -> None:
+        """At rest: the robot stands where it stands, and from now on in this frame with this alteration.  Raises KinematicsError."""
+        n = self._kinematics.axes
+        seen = compose(compose(frame.inverse(), self._kinematics.forward(self._q[:n])), alteration.inverse())
+        self._stepper.place((*self._kinematics.follow(seen, self._q[:n]), *self._q[n:]))
+        self._chain.clear()
+        self._scout.restart()
+        self.fault = None
+
+    def step(self, frame: Pose = IDENTITY, alteration: Pose = IDENTITY) -> Joined:
+        """The next period; frame and alteration: of the moment in which the set values act.
+
+        Where the pose cannot be reached the joints stay, the path is stopped and `fault` says why; place() goes on.
+        """
+        self._stepper.set_override(min(self._wanted, self._share))
+        sample = self._stepper.step()
+        n = self._kinematics.axes
+        if self.fault is None:
+            try:
+                self._q, short = self._found(sample, frame, alteration, n)
+            except KinematicsError as error:
+                self.fault, short = error, True
+                self._stepper.stop()
+        else:
+            short = True
+        self._limit(sample, frame, alteration, short)
+        return Joined(self._q, sample, self._share, short)
+
+    def _found(self, sample: Sample, frame: Pose, alteration: Pose, n: int) -> tuple[tuple[float, ...], bool]:
+        """Joints of the period, at most as far from those before as the speeds allow; whether they fell short."""
+        pose = compose(frame, self._kinematics.forward(sample.q[:n]))
+        if alteration is not IDENTITY:
+            pose = compose(pose, alteration)
+        goal: Joints = self._kinematics.follow(pose, self._q[:n])
+        most = max(abs(b - a) / v for a, b, v in zip(self._q, goal, self._speeds, strict=False)) / self._period
+        if most <= 1.0:
+            return (*goal, *sample.q[n:]), False
+        return (*(a + (b - a) / most for a, b in zip(self._q, goal, strict=False)), *sample.q[n:]), True
+
+    def _limit(self, sample: Sample, frame: Pose, alteration: Pose, short: bool) -> None:
+        share = self._scout.look(sample, frame, alteration, self._q[: self._kinematics.axes])
+        if short and self._share > 0.0:
+            share = min(share, self._share if self._since < REACTS_S else 0.8 * TOP * self._share)  # unforeseen: less, until it fits
+        share = int(share / STEP) * STEP if share < 1.0 else 1.0
+        self._since += self._period
+        if share < self._share or (share > self._share and self._since >= PATIENCE_S):
+            self._share, self._since = share, 0.0
+        elif share == self._share:
+            self._since = 0.0 if share < 1.0 else self._since

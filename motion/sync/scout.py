@@ -1,0 +1,117 @@
+"""What share of full speed the joints allow on a path that a belt carries: looked at ahead of the robot, a quarter of a look a period.
+
+Along the path a joint moves with omega * p + b: p from the path at full speed, b from the belt.  The scout finds both at a place the
+robot reaches later, so that the stepper can brake on the path in time; between two looks lie four periods.
+"""
+
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from motion.frames import IDENTITY, Pose, compose
+from motion.kinematics.base import Joints, Kinematics, KinematicsError
+from motion.orientation import interpolated
+from motion.stepper import Sample
+from motion.sync.chain import Chain
+
+LOOKS = 4  # periods a look takes
+DRIFT = 8  # looks over which the belt's drift is taken: what its filter leaves of the increments must not be seen in it
+TOP = 0.97  # of a joint's speed that is planned for; the rest is for what changes meanwhile
+
+
+@dataclass(slots=True)
+class Scout:
+    """speeds: limits of the arm's joints per s; horizon_s: how far ahead at full speed: at least the time to brake."""
+
+    kinematics: Kinematics
+    chain: Chain
+    speeds: Sequence[float]
+    period_s: float
+    horizon_s: float = 0.15
+    _caps: deque[tuple[float, float]] = field(init=False, default_factory=deque)  # (tau, share), tau rising
+    _phase: int = field(init=False, default=0)
+    _tau: float = field(init=False, default=0.0)  # of the robot
+    _place: float = field(init=False, default=0.0)  # that is looked at
+    _pose: Pose | None = field(init=False, default=None)
+    _recent: deque[Pose] = field(init=False, default_factory=lambda: deque(maxlen=DRIFT + 1))  # frames of the last looks
+    _frames: tuple[Pose, Pose] = field(init=False, default=(IDENTITY, IDENTITY))  # expected there, and one look earlier
+    _here: Joints = field(init=False, default=())
+    _belt: Joints = field(init=False, default=())
+    _reached: bool = field(init=False, default=True)
+
+    def restart(self) -> None:
+        """Another path, or another place on it: what was seen means nothing."""
+        self._caps.clear()
+        self._recent.clear()
+        self._phase, self._pose, self._here = 0, None, ()
+
+    def look(self, sample: Sample, frame: Pose, alteration: Pose, near: Joints) -> float:
+        """The share allowed from here to the horizon; frame, alteration and joints: those of this period."""
+        phase, self._phase = self._phase, (self._phase + 1) % LOOKS
+        if phase == 0:
+            self._begin(sample, frame, alteration, near)
+        elif self._pose is not None and self._reached:
+            try:
+                self._go_on(phase, sample, alteration)
+            except KinematicsError:
+                self._note(0.0)
+        return min((share for _, share in self._caps), default=1.0)
+
+    def _begin(self, sample: Sample, frame: Pose, alteration: Pose, near: Joints) -> None:
+        tau = self.chain.tau(sample)
+        if tau is None:
+            self.restart()
+            return
+        if tau < self._tau:
+            self._caps.clear()  # it goes back
+        self._tau, self._place = tau, min(tau + self.horizon_s, self.chain.end)
+        while self._caps and self._caps[0][0] < tau:
+            self._caps.popleft()
+        self._recent.append(frame)
+        self._frames = self._expected(self._place - tau)
+        self._pose = self._path(self._place, sample, alteration)
+        try:
+            self._here, self._reached = self.kinematics.follow(compose(self._frames[0], self._pose), self._here or near), True
+        except KinematicsError:
+            self._reached = False
+            self._note(0.0)
+
+    def _expected(self, ahead_s: float) -> tuple[Pose, Pose]:
+        """The frame when the robot gets there at full speed, and one look before that: the belt goes on as it did."""
+        first, last, looks = self._recent[0], self._recent[-1], len(self._recent) - 1
+        if looks == 0:
+            return last, last
+        far = 1.0 + ahead_s / (looks * LOOKS * self.period_s)
+        return interpolated(first, last, far), interpolated(first, last, far - 1.0 / looks)
+
+    def _go_on(self, phase: int, sample: Sample, alteration: Pose) -> None:
+        assert self._pose is not None
+        frame, before = self._frames
+        window = LOOKS * self.period_s
+        if phase == 1:
+            was = self.kinematics.follow(compose(before, self._pose), self._here)
+            self._belt = tuple((a - b) / window for a, b in zip(self._here, was, strict=True))
+        elif phase == 2 and self._belt:
+            back = max(self._place - window, 0.0)
+            if self._place > back:
+                pose = compose(frame, self._path(back, sample, alteration))
+                was = self.kinematics.follow(pose, self._here)
+                along = tuple((a - b) / (self._place - back) for a, b in zip(self._here, was, strict=True))
+                self._note(allowed(along, self._belt, self.speeds))
+
+    def _path(self, tau: float, sample: Sample, alteration: Pose) -> Pose:
+        return compose(self.kinematics.forward(self.chain.at(tau, sample.q)[: self.kinematics.axes]), alteration)
+
+    def _note(self, share: float) -> None:
+        self._caps.append((self._place, share))
+
+
+def allowed(along: Sequence[float], belt: Sequence[float], speeds: Sequence[float], top: float = TOP) -> float:
+    """Largest share 0 .. 1 with |share * along + belt| <= top * speeds for every joint; 0 where the belt alone asks for more."""
+    share = 1.0
+    for p, b, limit in zip(along, belt, speeds, strict=True):
+        if abs(b) >= top * limit:
+            return 0.0
+        if p != 0.0:
+            share = min(share, (top * limit - (b if p > 0 else -b)) / abs(p))
+    return max(share, 0.0)
