@@ -132,6 +132,8 @@ class BrokerPort:
     (`counters.gaps`; own frames that nobody returned count too, and nothing is known across a restart of the broker).
     """
 
+    not_data = CONTROL  # flags of frames that receive() leaves out; see drivers.ports.remotes
+
     def __init__(self, name: str) -> None:
         self.name = f"broker:{name}"
         self._link = Link(name)
@@ -150,7 +152,7 @@ class BrokerPort:
         frames: list[Frame] = []
         records = self._link.receive()
         for can_id, length, _, data, stamp, _ in records:
-            if can_id < EFF_FLAG and not can_id & CONTROL:
+            if can_id < EFF_FLAG and not can_id & self.not_data:
                 frames.append(Frame(can_id, data[:length], stamp))
             elif can_id & ERR_FLAG:
                 self.counters.faults += 1

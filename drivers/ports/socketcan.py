@@ -31,6 +31,8 @@ NET = Path("/sys/class/net")
 class SocketCanPort:
     """CanPort of one interface.  Own frames are not heard (others on this machine hear them); error frames come by take_faults()."""
 
+    not_data = CONTROL  # flags of frames that receive() leaves out; see drivers.ports.remotes
+
     def __init__(self, interface: str) -> None:
         self.name = f"socketcan:{interface}"
         self.counters = CanCounters()
@@ -83,7 +85,7 @@ class SocketCanPort:
         for octets, wall_ns in raw:
             can_id, length, data = CAN_FRAME.unpack(octets)
             self._last_ns = min(max(self._last_ns, wall_ns - offset if wall_ns else now), now)
-            if not can_id & CONTROL:
+            if not can_id & self.not_data:
                 frames.append(Frame(can_id, data[:length], self._last_ns))
             elif can_id & ERR_FLAG:
                 self.counters.faults += 1

@@ -26,7 +26,7 @@ from drivers.emulator.frame_faults import FrameFaults, Way
 from drivers.emulator.servodyn_slave import ServodynSlave
 from drivers.emulator.settings import BusSettings, SettingsError, from_dict
 from drivers.ports.base import CanPort, PortError
-from drivers.ports.can import open_can
+from drivers.ports.remotes import open_can_with_remotes
 from gateway.dbcfile import load_servodyn
 from gateway.files import find_config
 from gateway.processes.emulator_control import Answer, Command, ControlServer, carry_out
@@ -318,7 +318,8 @@ def main(argv: list[str] | None = None) -> int:
         with contextlib.ExitStack() as files:
             names = [options.record, options.record and options.record.with_name(options.record.name + ".nodes")][: len(families(slave))]
             recorders = [Recorder(files.enter_context(open(name, "wb", buffering=0)) if name else None) for name in names]
-            emulator = Emulator(options.name or options.bus.partition(":")[2], slave, lambda: open_can(options.bus), *recorders)
+            name = options.name or options.bus.partition(":")[2]
+            emulator = Emulator(name, slave, lambda: open_can_with_remotes(options.bus), *recorders)
             for warning in go_realtime(options.priority) if options.priority else []:
                 print(f"emulator: {warning}", file=sys.stderr, flush=True)
             try:

@@ -182,3 +182,23 @@ def test_canopen_finds_and_renumbers_the_drive_by_lss(rig: Rig) -> None:
     rig.node.nmt.send_command(0x82)  # reset communication: the number counts
     moved.nmt.wait_for_bootup(5)
     assert moved.sdo[0x1018][4].raw == 1
+
+
+def test_canopen_asks_by_remote_frames_and_guards_the_node(rig: Rig) -> None:
+    node = rig.node
+    tpdo = node.tpdo[1]
+    node.tpdo.read()
+    tpdo.rtr_allowed, tpdo.trans_type = True, 253
+    tpdo.save()
+    node.nmt.state = "OPERATIONAL"
+    assert tpdo.wait_for_reception(0.3) is None, "it speaks only when it is asked"
+    tpdo.remote_request()
+    assert tpdo.wait_for_reception(5) is not None and tpdo[0x6041].raw & 0x4F == 0x40
+    heard: list[int] = []
+    rig.network.subscribe(0x700 + NODE, lambda can_id, data, stamp: heard.append(data[0]))
+    node.nmt.start_node_guarding(0.05)
+    end = time.monotonic() + 5
+    while len(heard) < 4 and time.monotonic() < end:
+        time.sleep(0.01)
+    node.nmt.stop_node_guarding()
+    assert heard[:4] == [0x05, 0x85, 0x05, 0x85]
