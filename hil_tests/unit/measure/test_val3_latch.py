@@ -69,8 +69,6 @@ def test_set_latch_delay_0_watch_get_latch_is_true_after_an_edge_and_other_input
     assert arm.latch.get_latch() is None
 
 
-@pytest.mark.requirement("VAL-LATCH-01", by="motion.measure.latch:Latch.get_latch")
-@answers
 def test_never_armed_or_no_edge_is_false() -> None:
     arm = Arm()
     assert arm.watch(PULSE, 0.5) is None, "never armed"
