@@ -21,8 +21,8 @@ from motion.timing.limits import LawLimits, speed_squares
 
 Array = NDArray[np.float64]
 
-GRID = 1500  # intervals of s for the first guess
-STEP, FEWEST, MOST = 0.7e-3, 300, 3000  # s and number of the intervals in time
+GRID, MOST_GRID, GRID_S = 1500, 15_000, 2e-3  # intervals of s for the first guess; more where one would last longer than this
+STEP, FEWEST, MOST = 0.7e-3, 300, 15_000  # s and number of the intervals in time: longer runs belong into windows (timing.splice)
 ROUNDS = 3
 JERK_USED = 1.02  # of the jerk limit, in the rows: what the differences at 1 ms show stays below JERK_GOOD (AX-386)
 TOUCH = 0.9999  # of the speed limit: differences of rounded positions stay below it
@@ -99,8 +99,9 @@ def _excess(path: JointPath, limits: LawLimits, law: Law) -> tuple[Array, Array,
 
 def _guess(path: JointPath, limits: LawLimits, start: tuple[float, float, float]) -> Law:
     """The acceleration-limited law averaged over the time a full ramp takes: breaks limits a little, which the rounds mend."""
-    s = np.linspace(start[0], path.length, GRID + 1)
-    second = topp.solve(path.at(s, 1), path.at(s, 2), float(s[1] - s[0]), limits.at(s)[1], speed_squares(path, s, limits), start[1] ** 2)
+    second = _second(path, limits, start, GRID)
+    if second.duration > GRID * GRID_S:
+        second = _second(path, limits, start, int(min(second.duration / GRID_S, MOST_GRID)))
     ramp = _ramp(limits)
     duration = second.duration + ramp
     count = int(min(max(duration / STEP, FEWEST), MOST))
@@ -108,6 +109,12 @@ def _guess(path: JointPath, limits: LawLimits, start: tuple[float, float, float]
     smooth = np.minimum(start[0] + second.smoothed(t, ramp), path.length)
     smooth[-1] = path.length
     return Law.sampled(smooth, float(t[1]), start)
+
+
+def _second(path: JointPath, limits: LawLimits, start: tuple[float, float, float], count: int) -> topp.Topp:
+    """The acceleration-limited law on so many intervals."""
+    s = np.linspace(start[0], path.length, count + 1)
+    return topp.solve(path.at(s, 1), path.at(s, 2), float(s[1] - s[0]), limits.at(s)[1], speed_squares(path, s, limits), start[1] ** 2)
 
 
 def _ramp(limits: LawLimits) -> float:
