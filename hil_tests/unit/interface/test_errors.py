@@ -38,7 +38,7 @@ def test_9_2_the_rising_edge_of_bit_62_clears_errors_and_leaves_processes() -> N
     assert not control.faults.shown
     control.set(ACK, True)
     control.faults.came(91)
-    assert control.set(ACK, True) == Outcome() and control.faults.shown == (91,)  # a standing bit clears nothing
+    assert control.set(ACK, True) == Outcome() and 91 in control.faults.shown  # a standing bit clears nothing
 
 
 @pytest.mark.requirement("RHO-PLC-13", by="gateway.pure.interface.errors:kind_of")
