@@ -52,8 +52,9 @@ def changed(**fields: int) -> bytes:
 
 
 def played(run: Playback) -> list[tuple[float, ...]]:
-    found = []
+    found: list[tuple[float, ...]] = []
     while not run.ended:
+        assert len(found) <= len(ROWS), "it never ends"
         found.append(run.step())
     return found
 
