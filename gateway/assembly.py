@@ -27,7 +27,7 @@ ORDERS = 256  # records in the command ring: far more than one door can issue in
 DOOR_BYTES = 256  # command words (128 bytes at most) and status words (128) of one door
 LINKS_BYTES = 16384
 MS = 1_000_000
-PLANNER_LIFE_MS = 3000  # a law of a long run takes most of a second on a busy machine (AX-420)
+PLANNER_LIFE_MS = 10_000  # a law of a long run takes a second, much more on a busy machine; nothing depends on it meanwhile (AX-420)
 
 
 @dataclass(frozen=True, slots=True)

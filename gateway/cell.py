@@ -411,9 +411,12 @@ class Modbus:
         return int(self.bind.rsplit(":", 1)[1])
 
 
+PLANNED_KINEMATICS = ("identity", "portal", "scara", "arm6", "urdf")
+
+
 @dataclass(frozen=True, slots=True)
 class Robot:
-    """[robot]: kinematics (not played yet)."""
+    """[robot]: kinematics, as robot files name them (PLANNED_KINEMATICS: those the planner runs programs for)."""
 
     kinematics: str
     model: str = ""
@@ -588,7 +591,8 @@ class Cell:
         reasons += [] if simulated else [f"io.{io.name}.device.type = {io.device.type}" for io in self.io]
         reasons += [f"db.{db.number}[{entry.at}] = {entry.signal}" for db in self.db for entry in db.entries if not _served(entry.signal)]
         reasons += [f"modbus.{door.name}.registers" for door in self.modbus if door.registers]
-        reasons += [] if self.robot is None else [f"robot.kinematics = {self.robot.kinematics}"]
+        if self.robot is not None and self.robot.kinematics not in PLANNED_KINEMATICS:
+            reasons.append(f"robot.kinematics = {self.robot.kinematics}")
         reasons += [] if self.retain is None else ["retain.values"]
         return reasons
 

@@ -56,26 +56,31 @@ class _Track:
         """Forget what lies behind tau."""
         self.count = min(self.count, int(tau / self.step) + 1)
 
-    def append(self, piece: TimedPiece, begin: float, where: Sequence[int]) -> None:
-        """where: column of each of the piece's columns."""
+    def prepared(self, piece: TimedPiece, begin: float, first: int, where: Sequence[int]) -> Array:
+        """Rows from `first` to the piece's end; where: column of each of the piece's columns."""
         last = int((begin + piece.duration) / self.step) + 1
-        grid = np.arange(self.count, last) * self.step - begin
+        grid = np.arange(first, last) * self.step - begin
+        rows = np.zeros((len(grid), 5, self._store.shape[2]))
         if len(grid) == 0:
-            return
-        while last > len(self._store):
-            self._store = np.concatenate([self._store, np.zeros_like(self._store)])
+            return rows
         accel, jerk = np.array(piece.accel), np.array(piece.jerk)
-        first, second = _derivatives(piece, np.clip(grid + 0.5 * self.step, 0.0, piece.duration))
+        slope, second = _derivatives(piece, np.clip(grid + 0.5 * self.step, 0.0, piece.duration))
         window = min(self._window, piece.duration)
         late = np.clip(grid + 0.5 * (self.step + window), window, piece.duration)
         early = late - window  # at its ends a piece is judged by itself alone
         third = (_derivatives(piece, late)[1] - _derivatives(piece, early)[1]) / (late - early)[:, None]
         accel = np.maximum(accel, np.abs(second))  # full speed itself is legal, whatever rounding says
         jerk = np.maximum(jerk, np.abs(third))
-        rows = self._store[self.count : last]
-        rows[:] = 0.0
-        for k, values in enumerate((first / accel, second / accel, first / jerk, second / jerk, third / jerk)):
+        for k, values in enumerate((slope / accel, second / accel, slope / jerk, second / jerk, third / jerk)):
             rows[:, k, list(where)] = values
+        return rows
+
+    def append(self, rows: Array) -> None:
+        """Rows that `prepared` made for what comes next."""
+        last = self.count + len(rows)
+        while last > len(self._store):
+            self._store = np.concatenate([self._store, np.zeros_like(self._store)])
+        self._store[self.count : last] = rows
         self.count = last
 
     def at(self, tau: Array) -> Array:
@@ -108,6 +113,8 @@ class Follower:
         self._interval = 0
         self._track = _Track(axes + 1, grid_s or min(0.5 * period_s, 2e-3), period_s)
         self._pending: list[TimedPiece] = []
+        self._rows: list[Array] = []  # of the pending pieces: worked out as they come, so that taking a long tail costs little
+        self._next = (0.0, 0)  # tau and row at which the next pending piece begins
         self._tau = 0.0
         self._omega = self._u = 0.0
         self._ramp = 0.0  # s in which u comes to 0 on the way back that is held
@@ -140,26 +147,38 @@ class Follower:
     def load(self, piece: TimedPiece) -> None:
         """Run this piece when those before it are done.  It counts from the moment the tail it belongs to ends at rest."""
         if piece.new_tail:
-            self._pending = [piece]
+            self._pending, self._rows = [], []
         else:
             self._check_join(self._pending[-1] if self._pending else self.last, piece)
-            self._pending.append(piece)
-        if len(self._pending) + self.waiting > WAITING:
-            self._pending = []
+        if len(self._pending) + 1 + self.waiting > WAITING:
+            self._pending, self._rows = [], []
             raise PieceError(f"piece {piece.id}: {WAITING} pieces are waiting already")
+        self._prepare(piece)
         if piece.ends_at_rest:
-            tail, self._pending = self._pending, []
-            self._commit(tail)
+            tail, rows, self._pending, self._rows = self._pending, self._rows, [], []
+            self._commit(tail, rows)
 
-    def _commit(self, tail: list[TimedPiece]) -> None:
-        for piece in tail:
-            piece.quintics  # noqa: B018 - worked out here, not in the middle of a cycle
+    def _prepare(self, piece: TimedPiece) -> None:
+        """Everything that takes time, one piece at a time."""
+        if not self._pending:
+            at = next((k for k, one in enumerate(self._pieces) if one.id >= piece.id), None) if piece.new_tail else None
+            begin = self._end if at is None else self._begins[at]
+            count = self._track.count
+            self._next = (begin, count if at is None else min(count, int(begin / self._track.step) + 1))
+        begin, first = self._next
+        piece.quintics  # noqa: B018 - worked out here, not in the middle of the piece
+        rows = self._track.prepared(piece, begin, first, (*piece.axes, self._axes))
+        self._pending.append(piece)
+        self._rows.append(rows)
+        self._next = (begin + piece.duration, first + len(rows))
+
+    def _commit(self, tail: list[TimedPiece], rows: list[Array]) -> None:
         if tail[0].new_tail:
             self._cut(tail[0])
-        for piece in tail:
+        for piece, table in zip(tail, rows, strict=True):
             self._begins.append(self._end)
             self._pieces.append(piece)
-            self._track.append(piece, self._end, (*piece.axes, self._axes))
+            self._track.append(table)
             self._end += piece.duration
         while self._index > HISTORY:
             self._pieces.popleft()

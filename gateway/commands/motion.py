@@ -8,10 +8,9 @@ import sys
 import numpy as np
 
 from gateway.errors import Exit
-from gateway.faults import CellFaults
 from gateway.files import ConfigNotFound, find_config, read_text
 from gateway.motionplot import page
-from gateway.robotfile import load_robot
+from gateway.robotfile import RobotFaults, load_robot
 from motion.errors import MotionError
 from motion.planner.robot import Machine, machine_of
 from motion.planner.trace import Findings, Trace, route_of, trace
@@ -39,7 +38,7 @@ def main(argv: list[str]) -> int:
     options = parser.parse_args(argv)
     try:
         program, machine = load(options.program, options.robot)
-    except (ConfigNotFound, OSError, UnicodeDecodeError, CellFaults) as error:
+    except (ConfigNotFound, OSError, UnicodeDecodeError, RobotFaults) as error:
         return refuse(error)
     except TextFaults as faults:
         for fault in faults.faults:

@@ -44,7 +44,7 @@ from protocols.base.machine import Frame
 
 PRIORITY = 40  # broker 30, emulator 20, line process 15: all below the cycle
 SPIN_NS = 100_000
-PIECES_A_CYCLE = 2  # taken from the planner's ring: half a millisecond, and far more than is run meanwhile
+PIECES_SHARE = 8  # of the period may be spent on the planner's pieces; the rest waits in the ring
 THINKING_NS, THINKING_SHARE = 3_000_000, 0.4  # kept free for the core at the end of a cycle: the smaller of both (AX-149)
 REOPEN_NS = 200_000_000
 ACYCLIC_AT_ONCE = 8  # records taken from the ring in one cycle; each bus still sends one frame of them a cycle
@@ -286,8 +286,9 @@ class Cycle:
             if self._planner_pid:
                 self.core.planner_lost()
             self._planner_pid = pid
-        for _, data in self.pieces.take(PIECES_A_CYCLE):
-            self.core.feed(unpack_piece(data))
+        until = time.monotonic_ns() + self.period_ns // PIECES_SHARE
+        while time.monotonic_ns() < until and (records := self.pieces.take(1)):
+            self.core.feed(unpack_piece(records[0][1]))
 
     def _take_orders(self) -> list[OrderRecord]:
         """Orders meant for this very process: an older generation's are dropped (a command is taken once)."""

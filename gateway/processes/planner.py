@@ -11,7 +11,6 @@ from dataclasses import replace
 
 from gateway.assembly import RunPlan, load_plan
 from gateway.axes import limits_of
-from gateway.faults import CellFaults
 from gateway.files import ConfigNotFound
 from gateway.image import RegionReader, RegionWriter, RingReader, RingWriter, fds_from_text
 from gateway.journal import Journal
@@ -19,7 +18,7 @@ from gateway.pure.plannerrecords import SAY_LAYOUT, PlannerState, pack_piece, pa
 from gateway.pure.programs import Programs
 from gateway.pure.records import CellState, Motion, unpack_cell_state
 from gateway.realtime import Timerfd, die_with_parent
-from gateway.robotfile import load_robot
+from gateway.robotfile import RobotFaults, load_robot
 from motion.errors import MotionError
 from motion.planner.robot import Machine, machine_of
 
@@ -46,7 +45,7 @@ class PlannerProcess:
         """The robot a program names, with the limits of this cell's axes; raises MotionError."""
         try:
             robot = machine_of(load_robot(name))
-        except (ConfigNotFound, CellFaults, OSError) as error:
+        except (ConfigNotFound, RobotFaults, OSError) as error:
             raise MotionError(f"robot {name!r}: {error}") from error
         if robot.axes > len(self.limits):
             raise MotionError(f"robot {name} has {robot.axes} axes, the cell {len(self.limits)}")

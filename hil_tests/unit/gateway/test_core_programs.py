@@ -35,6 +35,15 @@ class WithPlanner:
             self.cell.core.feed(unpack_piece(pack_piece(record)))
         del self.held[:2]
 
+    def finished(self, seconds: float = 20.0) -> None:
+        """Runs until the job has an outcome and the axes rest."""
+        for _ in range(round(seconds / 0.2)):
+            self.cell.run(0.2)
+            state = self.cell.core.state
+            if JOB in (state.done_job, state.failed_job) and state.motion is Motion.IDLE:
+                return
+        raise AssertionError(f"no outcome: {self.cell.core.state}")
+
     def say(self, *lines: str, end: bool = True) -> None:
         units = " ".join(axis.unit for axis in DEMO.axis)
         self.said += [BlockRecord(Say.BEGIN, JOB, f"axes {units}"), *(BlockRecord(Say.LINE, JOB, line) for line in lines)]
@@ -55,7 +64,7 @@ def test_a_program_runs_through_the_core_and_is_done_when_the_axes_are_there() -
     both.say(f"ptp joints {joints(5)} blend=joint leave=1 reach=1", f"ptp joints {joints(8)}")
     both.cell.run(0.2)
     assert both.cell.core.state.motion is Motion.RUNNING and both.cell.core.state.piece > 0
-    both.cell.run(20.0)
+    both.finished()
     state = both.cell.core.state
     assert state.done_job == JOB and state.motion is Motion.IDLE and state.failed_job != JOB
     assert all(abs(place - 8.0) < 0.01 for place in both.places())
@@ -68,7 +77,7 @@ def test_a_planner_that_dies_leaves_the_axes_at_rest_and_the_job_failed() -> Non
     assert both.cell.core.state.motion is Motion.RUNNING
     both.alive = False
     both.cell.core.planner_lost()
-    both.cell.run(20.0)
+    both.finished()
     state = both.cell.core.state
     assert (state.failed_job, state.failed_reason) == (JOB, Reason.PLANNER_LOST)
     assert state.motion is Motion.IDLE and state.done_job != JOB
