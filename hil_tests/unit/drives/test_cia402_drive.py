@@ -4,7 +4,7 @@ import struct
 
 import pytest
 
-from drivers.drives.cia402 import Cia402Settings, Mode, Phase
+from drivers.drives.cia402 import Cia402Actual, Cia402Drive, Cia402Settings, Mode, Phase
 from drivers.drives.cia402_boot import Parameter
 from drivers.drives.family import Demand, Event, Homing, Power
 from drivers.emulator.cia402_states import State
@@ -51,6 +51,19 @@ def test_on_by_6_7_15_and_the_target_is_the_actual_position_until_the_first_bloc
     held = rig.drive.set_inc
     rig.cycles(50, Demand(on=True, position_inc=held))
     assert rpdo1(rig)[1] == held
+
+
+def test_from_switched_on_the_target_is_kept_whatever_the_shaft_does_and_far_away_it_gives_up() -> None:
+    drive = Cia402Drive()
+    drive.step(Cia402Actual(0x0240, 1000, mode=8), Demand())
+    steps = ((0x0240, 1000), (0x0221, 1010), (0x0223, 1020), (0x0223, 1030), (0x0227, 1040))
+    sent = [drive.step(Cia402Actual(word, position, mode=8), Demand(on=True, position_inc=1010)) for word, position in steps]
+    assert [(value.controlword, value.position_inc) for value in sent] == [(6, 1000), (7, 1010), (15, 1010), (15, 1010), (15, 1010)]
+    assert drive.power is Power.ENABLED
+    sagging = Cia402Drive(Cia402Settings(jump_inc=500))
+    for word, position in ((0x0240, 0), (0x0221, 0), (0x0223, 0), (0x0223, 600)):
+        value = sagging.step(Cia402Actual(word, position, mode=8), Demand(on=word != 0x0240))
+    assert value.controlword == 0 and sagging.power is Power.SWITCHING_OFF
 
 
 def test_an_axis_that_is_pushed_before_it_is_enabled_is_not_torn_back() -> None:
@@ -184,6 +197,20 @@ def test_bit_4_rises_only_in_homing_mode_and_falls_before_csp() -> None:
         if rig.drive.homing is Homing.DONE:
             break
     assert pairs == {(False, 8), (True, 6), (False, 6)}
+
+
+def test_csp_is_asked_for_only_when_607ah_stands_at_the_new_zero_already() -> None:
+    rig = homing_rig()
+    targets: list[int] = []
+    asked_at: int | None = None
+    for _ in range(1500):
+        rig.cycle(Demand(on=True, position_inc=rig.drive.set_inc, home=True))
+        targets.append(rpdo1(rig)[1])
+        if any(frame.identifier == 0x300 + NODE and frame.data == b"\x08" for frame in rig.frames):
+            asked_at = len(targets) - 1
+            break
+    assert asked_at is not None and max(abs(target) for target in targets[:50]) > 50_000, "far from its new zero before"
+    assert all(abs(target) < 400 for target in targets[asked_at - 1 :]), targets[asked_at - 5 :]
 
 
 def test_attained_of_an_older_run_is_not_believed() -> None:

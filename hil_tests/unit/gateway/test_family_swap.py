@@ -3,10 +3,14 @@
 import pathlib
 import re
 
+import pytest
+
 import configs
 from drivers.emulator.record import Record, read
+from gateway.config import load_cell
 from gateway.pure.command_block import Code
-from gateway.pure.reasons import CommandState
+from gateway.pure.reasons import CommandState, Reason
+from gateway.pure.records import AxisFlag
 from hil_tests.lab.cell402bench import Cell402Bench
 from hil_tests.lab.cellbench import CellBench
 
@@ -64,3 +68,26 @@ def test_the_two_cells_differ_in_drive_and_bus_lines_only() -> None:
     old, new = ((CELLS / name).read_text().splitlines() for name in ("demo.toml", "demo-402.toml"))
     keep = re.compile(r"^(drive|protocol|layout|axes|heartbeat_ms)\b|^#")
     assert [line for line in old if not keep.match(line)] == [line for line in new if not keep.match(line)]
+
+
+def test_an_axis_its_own_drive_referenced_is_masked_meanwhile_and_supervised_from_the_first_cycle_on() -> None:
+    cell = Cell402Bench(8, cell=load_cell("s5-rk512"))
+    cell.run(0.3)
+    for code in (Code.REQUEST_CONTROL, Code.OVERRIDE, Code.ENABLE):
+        assert cell.settle(cell.give(code, mask=7)).state is CommandState.DONE
+    homing = 0
+
+    def note() -> None:
+        nonlocal homing
+        homing += bool(cell.core.state.axes[0].flags & AxisFlag.HOMING)
+
+    cell.each = note
+    assert cell.settle(cell.give(Code.REFERENCE, mask=7)).state is CommandState.DONE
+    cell.run(0.1)
+    assert homing > 50 and cell.core.state.stop_cause == 0, "the jump of the drive's zero is no following error"
+    assert cell.actual()[:3] == pytest.approx([12.35, 3.10, 20.0], abs=0.1), (
+        "home.offset where the drive found its home, Z as its encoder says"
+    )
+    cell.slave.jump_encoder(1, -200_000)
+    cell.run(0.3)
+    assert cell.core.state.stop_cause in (Reason.FOLLOWING_ERROR, Reason.DRIVE_FAULT)

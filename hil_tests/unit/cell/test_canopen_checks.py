@@ -1,0 +1,52 @@
+"""`check` of CANopen buses: identifiers with two senders, the gateway's own node, a controlword mapped twice by a DCF."""
+
+import pathlib
+
+import pytest
+
+import configs
+from drivers.drives.canopen_plan import dictionary_map_faults
+from gateway.config import CellFaults, load_cell
+from protocols.canopen import eds
+
+CELLS = pathlib.Path(configs.__path__[0]) / "cells"
+DEMO_402 = (CELLS / "demo-402.toml").read_text()
+
+
+def faults_of(text: str) -> list[str]:
+    with pytest.raises(CellFaults) as caught:
+        load_cell("cell.toml", text)
+    return [f"{fault.key} {fault.hint}" for fault in caught.value.faults]
+
+
+def test_both_protocols_on_one_port_are_refused_with_the_list_of_identifiers() -> None:
+    text = DEMO_402.replace('port     = "sim"                     # the broker', 'port     = "socketcan:vcan0"         # the broker')
+    text = text.replace('{ type = "cia402", bus = "drives", node = 6,', '{ type = "servodyn", bus = "old", module = 6,').replace(
+        'module = 6, eds = "axisgate_402.eds",', "module = 6,"
+    )
+    text = text.replace('{ type = "cia402", bus = "drives", node = 5,', '{ type = "cia402", bus = "drives", node = 20,')
+    second = '[[bus]]\nname = "old"\nport = "socketcan:vcan0"\nprotocol = "servodyn"\n\n[defaults.axis]'
+    found = faults_of(text.replace("[defaults.axis]", second))
+    assert "bus.old 660 (294h) is TPDO2 of axis A5 and actual value of axis A6" in found
+
+
+def test_node_127_is_the_gateways() -> None:
+    found = faults_of(DEMO_402.replace("node = 6,", "node = 127,"))
+    assert any("axis.A6.drive.node" in text and "heartbeat" in text for text in found)
+    assert any("77Fh" in text for text in found)
+
+
+def test_a_dcf_that_maps_the_controlword_twice_is_refused_with_both_places() -> None:
+    rows = []
+    for number, words in ((0, (0x60400010, 0x607A0020)), (1, (0x60400010, 0x60600008))):
+        rows += [f"[16{number:02X}]", "ParameterName=map", "ObjectType=9", "SubNumber=3"]
+        for sub, word in enumerate(words, 1):
+            rows += [f"[16{number:02X}sub{sub}]", "ParameterName=entry", "DataType=7", "AccessType=rw", f"ParameterValue={word:#010x}"]
+    dictionary, _ = eds.parse("[DeviceInfo]\n" + "\n".join(rows))
+    assert dictionary_map_faults(dictionary, 1) == [
+        "6040h stands in RPDO1 and RPDO2: one of them would switch the drive off with its stale copy"
+    ]
+
+
+def test_the_shipped_cells_have_no_collision() -> None:
+    assert load_cell("demo-402").not_playable() == [] and load_cell("s5-rk512").not_playable(simulated=True) == []
