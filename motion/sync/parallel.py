@@ -6,7 +6,6 @@ meant for the moment the belt has it.  Seen from the belt such a point stands st
 P = F_belt(t) * P(s): the frame goes with the belt.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from math import inf, isfinite, sqrt
@@ -52,8 +51,8 @@ class Hold(Enum):
 class Coupling:
     """Which belt value the robot's frame has: up to the belt's speed and down again within an acceleration and a jerk.
 
-    accel, jerk: of the belt value, m or rad per s2, s3.  Catching up makes good what the belt ran meanwhile: from then on the robot
-    is where the belt is.
+    accel, jerk: of the belt value, m or rad per s2, s3.  Catching up makes good what the belt ran meanwhile (at up to 1.52 times its
+    speed): from then on the robot is where the belt is.
     """
 
     accel: float = inf
@@ -159,8 +158,3 @@ class EndlessAxis:
     def position(self) -> float:
         """0 <= position < modulo."""
         return within(self.unrolled, self.modulo)
-
-
-def reserve(speeds: Sequence[float], limits: Sequence[float]) -> float:
-    """Share of the axis speeds that is left for the path where the belt alone asks for `speeds`; 0 where it asks for all."""
-    return max(0.0, min((1.0 - abs(v) / top for v, top in zip(speeds, limits, strict=True)), default=1.0))

@@ -10,6 +10,7 @@ from motion.paths.line import line
 from motion.planner.commit import timed_pieces
 from motion.stepper import Stepper
 from motion.sync.join import SyncStepper
+from motion.sync.reserve import reserved
 from motion.timed import TimedPiece
 from motion.timing.jerk import jerk_limited
 from motion.timing.limits import law_limits
@@ -24,12 +25,13 @@ def down(x: float, y: float, z: float) -> Pose:
     return Pose((x, y, z), POINTING_DOWN)
 
 
-def straight(start: Pose, end: Pose, speed: float = 0.5) -> list[TimedPiece]:
-    """Pieces of the line, m/s along it."""
+def straight(start: Pose, end: Pose, speed: float = 0.5, *, reserve: bool = True) -> list[TimedPiece]:
+    """Pieces of the line, m/s along it; reserve: planned with what a belt leaves."""
     near = ROBOT.inverse(start, NEAR)
     (path,) = paths_of([line(start, end)], ROBOT, near)
-    limits = law_limits(LIMITS, way=(speed, 5.0, 200.0))
-    return timed_pieces(path, limits, jerk_limited(path, limits))
+    way = (speed, 5.0, 200.0)
+    planned = law_limits(reserved(LIMITS) if reserve else LIMITS, way=(speed, 4.5, 140.0) if reserve else way)
+    return timed_pieces(path, law_limits(LIMITS, way=way), jerk_limited(path, planned))
 
 
 def joined(start: Pose) -> SyncStepper:

@@ -17,7 +17,8 @@ from motion.orientation import angle_between, rotation_by
 from motion.stepper import State, Stepper
 from motion.sync.carried import Carried
 from motion.sync.join import SyncStepper
-from motion.sync.parallel import Carrier, Coupling, Hold, ParallelPart, reserve
+from motion.sync.parallel import Carrier, Coupling, Hold, ParallelPart
+from motion.sync.reserve import reserved
 from motion.sync.scout import allowed
 from motion.sync.tracker import Tracker
 
@@ -50,11 +51,11 @@ def test_belt_in_front_and_alteration_behind_the_path_to_1e_9_at_any_override_an
     assert rig.fault is None and float(shares(rows).max()) <= 1.0
 
 
-def too_fast(belt: float) -> tuple[SyncStepper, list[float], list[tuple[float, ...]], list[float], list[bool]]:
+def too_fast(belt: float, *, reserve: bool = True) -> tuple[SyncStepper, list[float], list[tuple[float, ...]], list[float], list[bool]]:
     """A quick path past the column of the arm, along with or against a belt (m/s): rig, overrides, joints, ways, clipped."""
     start, end = down(0.2, -0.3, 0.3), down(0.2, 0.1, 0.3)
     rig = joined(start)
-    for piece in straight(start, end, speed=1.3):
+    for piece in straight(start, end, speed=1.3, reserve=reserve):
         rig.load(piece)
     rows, ways, granted, short = [rig.q], [], [], []
     speed = place = 0.0
@@ -73,13 +74,20 @@ def too_fast(belt: float) -> tuple[SyncStepper, list[float], list[tuple[float, .
 
 @answers
 def test_s_is_slowed_on_the_path_before_a_joint_would_be_too_fast() -> None:
-    rig, granted, rows, ways, short = too_fast(0.3)
+    rig, granted, rows, ways, short = too_fast(0.5)
     assert rig.fault is None and ways[-1] == pytest.approx(0.4)
     assert float(shares(rows).max()) <= 1.0 + 1e-9, "joint speeds are kept"
     assert min(granted) < 0.95, "the path had to be slowed"
     assert not any(short), "in time: no joint fell short, so nothing left the path"
-    blind = demanded(0.3)
-    assert blind > 1.02, "unslowed it would have been too fast"
+    assert demanded(0.5) > 1.1, "unslowed it would have been too fast"
+
+
+@answers
+def test_without_a_reserve_joints_fall_short_but_keep_their_speed_and_arrive() -> None:
+    rig, _, rows, ways, short = too_fast(0.5, reserve=False)
+    assert rig.fault is None and ways[-1] == pytest.approx(0.4)
+    assert any(short) and not short[-1]
+    assert float(shares(rows).max()) <= 1.0 + 1e-9
 
 
 def demanded(belt: float) -> float:
@@ -234,7 +242,9 @@ def test_shares_that_joints_allow() -> None:
     assert allowed((2.0,), (0.5,), (1.0,), top=1.0) == pytest.approx(0.25)
     assert allowed((-2.0,), (0.5,), (1.0,), top=1.0) == pytest.approx(0.75), "the path goes against the belt"
     assert allowed((1.0, 0.0), (0.0, 1.0), (1.0, 1.0), top=1.0) == 0.0
-    assert reserve((0.5, -0.9), (1.0, 1.0)) == pytest.approx(0.1) and reserve((2.0,), (1.0,)) == 0.0
+    assert [axis.speed for axis in reserved(LIMITS[:2], (0.5, -99.0))] == pytest.approx([LIMITS[0].speed - 0.5, 0.1 * LIMITS[1].speed])
+    with pytest.raises(MotionError):
+        reserved(LIMITS, (0.1,))
 
 
 @answers
