@@ -54,7 +54,8 @@ class FlyingMeasurement:
             if probe.done:
                 continue
             if probe.hit_ns is None:
-                probe.hit_ns = next((e.stamp_ns for e in edges if _counts(probe, e)), None)
+                newest = probe.bench.history.newest_ns or 0
+                probe.hit_ns = next((min(e.stamp_ns, newest) for e in edges if _counts(probe, e)), None)
             if probe.hit_ns is not None:
                 self._store(probe, probe.hit_ns)
 

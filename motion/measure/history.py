@@ -34,6 +34,11 @@ class History:
         """Stamp of the last positions; None: none yet."""
         return self._places[-1].stamp_ns if self._places else None
 
+    @property
+    def oldest_ns(self) -> int | None:
+        """Stamp of the first positions still kept."""
+        return self._places[0].stamp_ns if self._places else None
+
     def add(self, stamp_ns: int, q: Sequence[float], qd: Sequence[float] | None = None) -> None:
         """Positions (m or rad) at this instant, and their speeds (per s) where they are known."""
         if len(q) != self._axes or (qd is not None and len(qd) != self._axes):

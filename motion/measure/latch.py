@@ -55,13 +55,15 @@ class Latch:
     def step(self, now_ns: int, changes: Sequence[Change]) -> None:
         """changes: of all fast inputs since the last cycle, in the order of their stamps."""
         for change in changes:
-            self._changed(change)
+            self._changed(change._replace(stamp_ns=min(change.stamp_ns, now_ns)))
         if self._risen is not None and now_ns - self._risen >= PULSE_NS:
             self._caught, self._risen, self._input = self._risen, None, None
-        newest = self._history.newest_ns
-        if self._caught is not None and newest is not None and newest >= self._caught:
-            there = self._history.at(self._caught)
-            self._position, self._caught = tuple(there[axis] for axis in self._axes), None
+        newest, oldest = self._history.newest_ns, self._history.oldest_ns
+        if self._caught is not None and newest is not None and oldest is not None and newest >= self._caught:
+            if self._caught >= oldest:  # else it was told so late that nobody knows any more where the arm was
+                there = self._history.at(self._caught)
+                self._position = tuple(there[axis] for axis in self._axes)
+            self._caught = None
 
     def _changed(self, change: Change) -> None:
         if not change.value:

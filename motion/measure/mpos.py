@@ -53,7 +53,8 @@ class MeasuredPosition:
 def measured(
     at: MeasuringInput, edge_ns: int, cycle_ns: int, axes: Sequence[int], boards: Mapping[int, Board], history: History
 ) -> tuple[float | None, ...] | None:
-    """Positions of these axes for an edge of this input, m or rad; None for axes on other boards.
+    """Positions of these axes for an edge of this input, m or rad; None for axes on other boards and for edges told so late that
+    nothing is kept of their time.
 
     None as a whole: an instant to store lies behind the newest positions, ask again next cycle.  history: of all axes of the control.
     """
@@ -65,7 +66,7 @@ def measured(
             continue
         kind = InputKind.HIGH_SPEED if at.kind is InputKind.NORMAL else at.kind
         stamp = stored_at(kind, edge_ns, cycle_ns, board is None or axis in board.incremental)
-        if history.newest_ns is None or stamp > history.newest_ns:
+        if history.newest_ns is None or history.oldest_ns is None or stamp > history.newest_ns:
             return None
-        found.append(history.at(stamp)[axis])
+        found.append(history.at(stamp)[axis] if stamp >= history.oldest_ns else None)
     return tuple(found)

@@ -73,6 +73,7 @@ class MoveUntil:
     value: bool = True
     distance: Callable[[], float] = lambda: 0.0
     outcome: Outcome = Outcome.RUNNING
+    _since_ns: int = field(default=0, init=False)
     _hit_ns: int | None = field(default=None, init=False)
     _taken: bool = field(default=False, init=False)
     _last: Sample | None = field(default=None, init=False)
@@ -84,6 +85,7 @@ class MoveUntil:
         False: a normal or high-speed input has the value already, nothing moves, and what is measured is where the axes
         stand (AX-455).  A probe must change, whatever it says now.
         """
+        self._since_ns = now_ns
         if self.asked.by_edge or level != self.value:
             return True
         self.bench.mpos.take(self._now())
@@ -108,13 +110,19 @@ class MoveUntil:
         if self.asked.kind is InputKind.NORMAL:
             hit = now_ns if level == self.value else None
         else:
-            hit = next((edge.stamp_ns for edge in edges if edge.channel == self.asked.wire and edge.value == self.value), None)
+            hit = next((edge.stamp_ns for edge in edges if self._counts(edge)), None)
+            hit = None if hit is None else min(hit, now_ns)  # a stamp of the future is a partner's fault, the edge is real
         if hit is None:
             return
         self._hit_ns = hit
-        if self.asked.kind is InputKind.MODIFIED:
+        oldest = self.bench.history.oldest_ns
+        if self.asked.kind is InputKind.MODIFIED and oldest is not None and hit >= oldest:  # else it stops: from where on is not known
             self._run = self._run_on(hit)
         self.path.abandon()
+
+    def _counts(self, edge: Edge) -> bool:
+        """The change has to take place while the block is active (L1130)."""
+        return edge.channel == self.asked.wire and edge.value == self.value and edge.stamp_ns >= self._since_ns
 
     def _measure(self, hit_ns: int) -> None:
         bench = self.bench

@@ -205,3 +205,35 @@ def test_history_tells_what_it_does_not_know() -> None:
             known.add(stamp, q)
     with pytest.raises(Exception, match=r"10 \.\. 10 ns is kept"):
         known.at(11)
+
+
+def test_edges_from_before_the_block_do_not_count_and_stamps_of_the_future_are_now() -> None:
+    rig = Rig(bench())
+    rig.now_ns = 8_000_000
+    rig.bench.history.add(rig.now_ns, (0.0,) * 3, (0.0,) * 3)
+    move = rig.until(610)
+    move.begin(False, rig.now_ns)
+    rig.stepper.load(rig.piece)
+    move.step(rig.now_ns, [Edge(610, 7_999_999, True)])
+    assert rig.stepper.state is State.RUNNING
+    for _ in range(50):
+        rig.cycle(move)
+    now_ns = rig.now_ns
+    rig.bench.history.at(now_ns)
+    move.step(now_ns, [Edge(610, now_ns + 10**12, True)])
+    while move.outcome is Outcome.RUNNING:
+        rig.cycle(move)
+    assert move.outcome is Outcome.MET and rig.bench.mpos.read() == rig.bench.history.at(now_ns)[:2]
+
+
+def test_an_edge_told_too_late_to_know_its_position_stops_but_measures_nothing() -> None:
+    rig = Rig(bench())
+    move = rig.until(610)
+    move.begin(False, 0)
+    rig.stepper.load(rig.piece)
+    for _ in range(100):
+        rig.cycle(move)
+    move.step(rig.now_ns, [Edge(610, 4_000_001, True)])
+    while move.outcome is Outcome.RUNNING:
+        rig.cycle(move)
+    assert move.outcome is Outcome.MET and refusal(rig.bench.mpos) == POINT_NOT_DEFINED

@@ -104,3 +104,17 @@ def test_a_spike_does_not_end_the_waiting() -> None:
     spike = [Change("fIn0", 100_000_000, True), Change("fIn0", 100_000_900, False)]
     position = arm.watch([*spike, *PULSE], 1.0)
     assert position == pytest.approx(undisturbed(arm.rig.piece, EDGE_NS)[:2], abs=2e-6)
+
+
+def test_an_edge_told_too_late_latches_nothing_and_one_of_the_future_is_now() -> None:
+    arm = Arm()
+    arm.latch.set_latch("fIn0", 0)
+    for _ in range(100):
+        arm.cycle([])
+    arm.latch.step(arm.rig.now_ns, [Change("fIn0", 4_000_001, True)])
+    assert arm.watch([], 0.1) is None
+    arm.latch.set_latch("fIn0", arm.rig.now_ns)
+    arm.cycle([])
+    now_ns = arm.rig.now_ns
+    arm.latch.step(now_ns, [Change("fIn0", now_ns + 10**15, True)])
+    assert arm.watch([], 0.1) == arm.rig.bench.history.at(now_ns)[:2]
