@@ -62,9 +62,8 @@ class Tool:
             if test(state):
                 return state
             time.sleep(0.01)
-        raise AssertionError(f"{what}: {self.state()}
-{self.planned()}
-{self.run.words()[-2000:]}")
+        words = self.run.words()[-2000:]
+        raise AssertionError(f"{what}: {self.state()} {self.planned()} {words}")
 
     def close(self) -> None:
         self.blocks.close()
