@@ -175,7 +175,8 @@ def address(text: str, language: str) -> list[Line]:
         except AddressFault as error:
             lines.append(Line(name, "-", "", str(error)))
     if signal is not None:
-        source = "axisgate (AX-002)" if signal.source == "axisgate" else f"rho3 {signal.lines}"
+        decision = signal.lines if signal.lines.startswith("AX-") else "AX-002"
+        source = f"axisgate ({decision})" if signal.source == "axisgate" else f"rho3 {signal.lines}"
         lines.append(Line(signal.name, signal.text(language), "", source))
     return lines
 

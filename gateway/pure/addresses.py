@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 
+LAST_FLAG = 2047  # byte of the last marker (robotstar 5.2)
 LAST_BIT = 1023  # PIC image: 1024 bits of each kind (rho3 L9292-9311)
 
 
@@ -113,6 +114,33 @@ class CellName:
     name: str
 
 
+class Kind(Enum):
+    """What an operand of a PLC program is; the value is its letter in a German program."""
+
+    INPUT = "E"
+    OUTPUT = "A"
+    FLAG = "M"
+    TIMER = "T"
+    COUNTER = "Z"
+
+
+@dataclass(frozen=True, slots=True)
+class Operand:
+    """What a PLC program names beside single inputs and outputs: flags, timers, counters, and bytes to double words of them.
+
+    `number` is the byte, or the number of a timer or counter; `bit` None: `bytes` bytes from there (0 for timers and counters).
+    """
+
+    kind: Kind
+    number: int
+    bit: int | None = None
+    bytes: int = 0
+
+    def __str__(self) -> str:
+        width = {0: "", 1: "B", 2: "W", 4: "D"}[self.bytes]
+        return f"{self.kind.value}{width}{self.number}" + ("" if self.bit is None else f".{self.bit}")
+
+
 Address = DataWord | DataBit | RcBit | Register | CellName | FlagBit
 
 EXPECTED = (
@@ -129,6 +157,14 @@ _REGISTER = re.compile(r"([0134])(\d{4,5})")
 _NAME = re.compile(r"[a-z][\w]*(\.[\w*]+)+")
 _FLAG = re.compile(r"[MF]\s*(\d+)\.(\d+)")
 _NOT_SERVED = re.compile(r"(DX|M[BWD]?|T|Z|C|F[YWD]?)\s*\d+(\.\d+)?.*")
+_OPERAND_BIT = re.compile(r"[MF]\s*(\d{1,4})\.(\d)")
+_OPERAND_WIDE = re.compile(r"([EIAQOMF])([BWYD])\s*(\d{1,4})")
+_OPERAND_COUNT = re.compile(r"([TZC])\s*(\d{1,3})")
+_KINDS = {
+    "E": Kind.INPUT, "I": Kind.INPUT, "A": Kind.OUTPUT, "Q": Kind.OUTPUT, "O": Kind.OUTPUT, "M": Kind.FLAG, "F": Kind.FLAG,
+    "T": Kind.TIMER, "Z": Kind.COUNTER, "C": Kind.COUNTER,
+}  # fmt: skip
+_WIDTHS = {"B": 1, "Y": 1, "W": 2, "D": 4}
 
 
 def parse(text: str, symbols: Mapping[str, RcBit] | None = None, db: int | None = None) -> Address:
@@ -145,6 +181,31 @@ def parse(text: str, symbols: Mapping[str, RcBit] | None = None, db: int | None 
     if _NOT_SERVED.fullmatch(upper):
         raise AddressFault(f"{text!r}: flag words, timers, counters and DX blocks have no address here; {EXPECTED}")
     raise AddressFault(f"{text!r}: {EXPECTED}")
+
+
+def parse_operand(text: str, symbols: Mapping[str, RcBit] | None = None, db: int | None = None) -> Address | Operand:
+    """As parse, for callers that have flags, timers and counters as well: M1020.4, F 6.3, MB 7, MD 944, EW 2, T 5, Z 5, C 5.
+
+    German letters E A M T Z, English ones I Q (O) F T C.  Flags reach to byte 2047 (markers of the Reis), timers and counters to 255.
+    """
+    upper = " ".join(text.split()).upper()
+    if found := _OPERAND_BIT.fullmatch(upper):
+        byte, bit = int(found[1]), int(found[2])
+        _check_operand(text, byte, LAST_FLAG, bit)
+        return Operand(Kind.FLAG, byte, bit)
+    if found := _OPERAND_WIDE.fullmatch(upper):
+        kind, size = _KINDS[found[1]], _WIDTHS[found[2]]
+        _check_operand(text, int(found[3]) + size - 1, LAST_FLAG if kind is Kind.FLAG else LAST_BIT // 8)
+        return Operand(kind, int(found[3]), bytes=size)
+    if found := _OPERAND_COUNT.fullmatch(upper):
+        _check_operand(text, int(found[2]), 255)
+        return Operand(_KINDS[found[1]], int(found[2]))
+    return parse(text, symbols, db)
+
+
+def _check_operand(text: str, number: int, last: int, bit: int = 0) -> None:
+    if number > last or bit > 7:
+        raise AddressFault(f"{text!r}: numbers are 0..{last} and bits 0..7")
 
 
 def pic(signal: RcBit) -> str:

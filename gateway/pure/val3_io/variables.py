@@ -80,7 +80,7 @@ class Instructions:
     def aio_set(self, variable: Aio, value: float) -> float:
         """aioSet: returns the value as the output takes it, or what the output carries where the value is out of range."""
         point = self._system.writable(variable.link)
-        wanted = float(int(value)) if point.integer else value
+        wanted = float(int(value)) if point.integer and point.low - 1 < value < point.high + 1 else value
         if not point.low <= wanted <= point.high:
             return self.aio_get(variable)
         self._system.put(point, round(wanted * point.steps))

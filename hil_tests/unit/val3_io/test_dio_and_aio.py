@@ -1,5 +1,7 @@
 """dio and aio on the process image.  VAL 3 reference manual: L2296-2564, L6645."""
 
+from collections.abc import Callable
+
 import pytest
 
 from gateway.pure.interface.image import PicImage
@@ -41,14 +43,15 @@ def outputs() -> list[Dio]:
 @answers
 def test_reading_or_writing_something_unlinked_is_123() -> None:
     cell = Cell()
-    for action in (
+    actions: tuple[Callable[[], object], ...] = (
         lambda: cell.do.value(Dio()),
         lambda: cell.do.assign(Dio(), True),
         lambda: cell.do.value(Dio("nowhere")),
         lambda: cell.do.dio_get([Dio("i0"), Dio()]),
         lambda: cell.do.dio_set([Dio("o0"), Dio()], 1),
         lambda: cell.do.value(Dio("sensor")),
-    ):
+    )
+    for action in actions:
         with pytest.raises(RunTimeFault) as fault:
             action()
         assert fault.value.code == 123
@@ -59,7 +62,11 @@ def test_reading_or_writing_something_unlinked_is_123() -> None:
 @answers
 def test_writing_an_input_is_122() -> None:
     cell = Cell()
-    for action in (lambda: cell.do.assign(Dio("i0"), True), lambda: cell.do.dio_set([Dio("o0"), Dio("i1")], 3)):
+    actions: tuple[Callable[[], object], ...] = (
+        lambda: cell.do.assign(Dio("i0"), True),
+        lambda: cell.do.dio_set([Dio("o0"), Dio("i1")], 3),
+    )
+    for action in actions:
         with pytest.raises(RunTimeFault, match="122") as fault:
             action()
         assert fault.value.code == 122
@@ -191,9 +198,10 @@ def test_aio_set_out_of_range_and_unlinked() -> None:
     cell.do.aio_set(Aio("command"), 7.5)
     for value in (20.1, -20.1, float("nan")):
         assert cell.do.aio_set(Aio("command"), value) == 7.5 == cell.do.aio_get(Aio("command"))
-    for code, action in ((123, lambda: cell.do.aio_set(Aio(), 1.0)), (122, lambda: cell.do.aio_set(Aio("sensor"), 1.0))):
+    assert cell.do.aio_set(Aio("count"), float("inf")) == 0.0 == cell.do.aio_set(Aio("count"), float("nan"))
+    for code, variable in ((123, Aio()), (122, Aio("sensor"))):
         with pytest.raises(RunTimeFault) as fault:
-            action()
+            cell.do.aio_set(variable, 1.0)
         assert fault.value.code == code
 
 
