@@ -7,7 +7,6 @@ import pathlib
 from drivers.emulator.settings import BusSettings, DriveSettings, ServoSettings, axis_from_dict, to_dict
 from gateway.cell import Axis, Cell, PlantAxis
 
-
 MULTITURN = 4096  # turns an absolute encoder of the emulated drives tells apart
 
 
