@@ -1,5 +1,7 @@
 """rho 3 Releases part 2, section 8 (L7594-7679): flying measurement, SF 43 MEASURE_ON and SF 44 MEASURE_OFF."""
 
+from dataclasses import replace
+
 import pytest
 
 from hil_tests.lab.answers import answers
@@ -7,7 +9,7 @@ from hil_tests.unit.measure.benches import P5_NS, Rig, bench, undisturbed
 from motion.errors import MotionError
 from motion.measure.errors import POINT_NOT_DEFINED, ProgramFault
 from motion.measure.flying import FlyingMeasurement
-from motion.measure.inputs import Edge
+from motion.measure.inputs import Board, Edge
 from motion.measure.mpos import MeasuredPosition
 from motion.stepper import State
 
@@ -99,3 +101,11 @@ def test_edges_before_it_was_switched_on_do_not_count() -> None:
     assert probes.input(610) == 0
     probes.step((Edge(610, 2_000_001, True),))
     assert probes.input(610) == 1
+
+
+def test_axes_without_incremental_encoders_are_not_stored() -> None:
+    mixed = replace(bench(), boards={1: Board(frozenset({0, 1}), frozenset({0}))})
+    rig, probes = Rig(mixed), FlyingMeasurement()
+    probes.on(1, 1, 610, mixed, 0)
+    assert passed(rig, probes)[-1] == 1
+    assert mixed.mpos.component(0) > 0.0 and fault(mixed.mpos) == POINT_NOT_DEFINED
