@@ -97,13 +97,13 @@ def test_test_message_over_write_phg_over_coded_text_over_info_over_standard() -
 )
 def test_what_is_held_stands_what_was_let_go_is_overwritten_from_below() -> None:
     display = Display()
-    display.hold(Layer.WRITE)
-    display.write(Layer.WRITE, 3, "question")
-    display.write(Layer.STANDARD, 3, "axis 1")
+    sound(partial(display.hold, Layer.WRITE))
+    sound(partial(display.write, Layer.WRITE, 3, "question"))
+    sound(partial(display.write, Layer.STANDARD, 3, "axis 1"))
     assert display.screen()[2].rstrip() == "question"
     display.release(Layer.WRITE)
     assert display.screen()[2].rstrip() == "question"
-    sound(lambda: display.write(Layer.STANDARD, 3, "axis 1"))
+    sound(partial(display.write, Layer.STANDARD, 3, "axis 1"))
     assert display.screen()[2].rstrip() == "axis 1"
 
 
