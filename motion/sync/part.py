@@ -1,8 +1,8 @@
 """The synchronous part of a program on a belt of type 2 or 3: SYNCHRON ... SYNCHRON_END.
 
 Source: rho 3 Releases part 1, TO04 sections 15.1, 15.3, 16.1 (L6107-6131, L6193-6249, L6319-6345).  The robot's coordinates follow
-the belt along straight lines from point to point: type 2 by a speed that brings both to the end of a block together, type 3 by the
-cam.  Positions of the belt are those of its way, so a counter that is set meanwhile does no harm (AX-443).
+the belt from point to point, along lines or (type 2) circles: type 2 by a speed that brings both to the end of a block together,
+type 3 by the cam.  Positions of the belt are those of its way, so a counter that is set meanwhile does no harm (AX-443).
 """
 
 import math
@@ -11,6 +11,8 @@ from dataclasses import dataclass, field
 from enum import Enum
 
 from motion.errors import MotionError
+from motion.frames import NO_ROTATION, Pose
+from motion.paths.arc import Arc, arc
 from motion.program.blocks import Interpolation
 from motion.sync.belts import Belt, Type
 from motion.sync.cam import Cam, cam
@@ -25,7 +27,8 @@ ONWARD = math.cos(math.radians(1.0))  # blocks whose directions differ by less a
 @dataclass(frozen=True, slots=True)
 class BeltBlock:
     """One traverse block.  target: the robot's coordinates (any units, all blocks alike); belt: the belt's value at its end (m or
-    rad of the counter), or with relative=True both as differences to the point before.  first, third: sections of the cam."""
+    rad of the counter), or with relative=True both as differences to the point before.  first, third: sections of the cam.
+    via: of CIRCULAR: the first three coordinates run on the circle through it, the others in proportion (lengths in m then)."""
 
     target: tuple[float, ...]
     belt: float
@@ -34,6 +37,7 @@ class BeltBlock:
     pace: Pace = Pace()
     first: float = 0.0
     third: float = 0.0
+    via: tuple[float, ...] = ()
 
 
 class Phase(Enum):
@@ -50,17 +54,40 @@ class _Leg:
     target: tuple[float, ...]
     begin: float
     end: float
-    way: float  # of the robot, Euclidean in its coordinates
+    way: float  # of the robot: along the circle, else Euclidean in its coordinates
     pace: Pace
     curve: Cam
+    circle: Arc | None = None
 
     def point(self, share: float) -> tuple[float, ...]:
-        return tuple(a + share * (b - a) for a, b in zip(self.start, self.target, strict=True))
+        straight = tuple(a + share * (b - a) for a, b in zip(self.start, self.target, strict=True))
+        if self.circle is None or share >= 1.0:
+            return straight
+        place = self.circle.at(share * self.way).position[: len(straight)]
+        return (*place, *straight[len(place) :])
+
+    def heading(self, share: float) -> tuple[float, ...]:
+        """Change of the coordinates for each unit of the way."""
+        straight = tuple((b - a) / self.way for a, b in zip(self.start, self.target, strict=True))
+        if self.circle is None:
+            return straight
+        along = self.circle.derivatives(share * self.way).p1[: len(straight)]
+        return (*along, *straight[len(along) :])
 
     def onward(self, other: "_Leg") -> bool:
         """Whether the other goes on in this one's direction."""
-        dot = sum((b - a) * (d - c) for a, b, c, d in zip(self.start, self.target, other.start, other.target, strict=True))
-        return self.way > 0 and other.way > 0 and dot >= ONWARD * self.way * other.way
+        if not (self.way > 0.0 and other.way > 0.0):
+            return False
+        here, there = self.heading(1.0), other.heading(0.0)
+        return sum(a * b for a, b in zip(here, there, strict=True)) >= ONWARD * math.hypot(*here) * math.hypot(*there)
+
+
+def _circle(start: tuple[float, ...], via: tuple[float, ...], target: tuple[float, ...]) -> Arc:
+    """Through the first three coordinates; MotionError where there is none."""
+    if len(via) != len(start) or len(start) < 2 or not all(map(math.isfinite, via)):
+        raise MotionError(f"CIRCULAR through {via}: {len(start)} finite coordinates, two at least, are needed")
+    first, middle, last = (Pose((p[0], p[1], p[2] if len(p) > 2 else 0.0), NO_ROTATION) for p in (start, via, target))
+    return arc(first, middle, last)
 
 
 @dataclass(slots=True)
@@ -101,10 +128,8 @@ class SynchronPart:
             raise self._fault(NO_PTP)
         if block.interpolation is Interpolation.CIRCULAR and self.kind is Type.CAM:
             raise self._fault(NOT_POSSIBLE, "CIRCULAR")
-        if block.interpolation is not Interpolation.LINEAR:
-            raise MotionError(
-                f"{block.interpolation.value}: a belt of type {self.kind.value} is followed along straight lines only (AX-444)"
-            )
+        if block.interpolation is Interpolation.SPLINE:
+            raise MotionError("a belt is followed along straight lines and circles, not along a spline")
         if len(block.target) != len(self._end) or not all(map(math.isfinite, (*block.target, block.belt))):
             raise MotionError(f"{block.target}, belt {block.belt}: {len(self._end)} finite coordinates and a finite belt value are needed")
         if not block.relative and self.belt.rebased != self._rebased:
@@ -119,8 +144,12 @@ class SynchronPart:
         if self._sign * length < 0:
             raise self._fault(DIRECTION, "the belt values of the part do not all rise or all fall")
         curve = cam(abs(length), block.first, block.third)
-        way = math.dist(self._end, target)
-        self._legs.append(_Leg(self._end, target, self._belt_end, end, way, block.pace, curve))
+        circle = None
+        if block.interpolation is Interpolation.CIRCULAR:
+            via = tuple(a + b for a, b in zip(self._end, block.via, strict=False)) if block.relative else block.via
+            circle = _circle(self._end, via, target)
+        way = circle.length if circle else math.dist(self._end, target)
+        self._legs.append(_Leg(self._end, target, self._belt_end, end, way, block.pace, curve, circle))
         self._sign, self._end, self._belt_end = math.copysign(1.0, length), target, end
 
     def hindered(self, why: str = "feed hold") -> BeltError:

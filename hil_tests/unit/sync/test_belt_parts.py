@@ -333,3 +333,40 @@ def test_a_point_meant_for_a_belt_value_is_met_when_the_belt_has_it() -> None:
     assert (part.carrier.frame(0.6) @ seen).position == pytest.approx((0.3, 0.1, 0.1))
     table = Carrier(axis=(0.0, 0.0, 1.0), centre=(1.0, 0.0, 0.0))
     assert table.frame(math.pi / 2).apply((2.0, 0.0, 0.3)) == pytest.approx((1.0, 1.0, 0.3))
+
+
+@answers
+def test_type_2_runs_on_circles_in_time_with_the_belt() -> None:
+    conveyor = Conveyor()
+    part = part_of(conveyor, 2, at=0.0, robot=(0.1, 0.0, 7.0))
+    half = BeltBlock((-0.1, 0.0, 7.0), 0.3, Interpolation.CIRCULAR, pace=GENTLE, via=(0.0, 0.1, 7.0))
+    part.add(half)
+    part.add(BeltBlock((0.2, 0.0, 0.0), 0.3, Interpolation.CIRCULAR, relative=True, pace=GENTLE, via=(0.1, -0.1, 0.0)))
+    seen: list[tuple[float, ...]] = []
+    conveyor.run(200.0, periods=310, each=lambda: seen.append(part.step()))
+    assert all(math.hypot(x, y) == pytest.approx(0.1) and z == 7.0 for x, y, z in seen)
+    assert min(y for _, y, _ in seen) < -0.0999 < 0.0999 < max(y for _, y, _ in seen)
+    assert seen[149][0] < -0.099 and seen[-1] == pytest.approx((0.1, 0.0, 7.0)) and part.passed == 2
+    inner = [math.dist(a, b) / CYCLE for a, b in itertools.pairwise(seen[60:240])]
+    assert min(inner) > 0.15, "tangential blocks are run through"
+    for wrong in ((0.0, 0.1), (0.0, math.nan, 0.0), (0.0, 0.0, 7.0)):
+        with pytest.raises(MotionError):
+            part_of(Conveyor(), 2, at=0.0, robot=(0.1, 0.0, 7.0)).add(
+                BeltBlock((-0.1, 0.0, 7.0), 0.3, Interpolation.CIRCULAR, via=wrong),
+            )
+    with pytest.raises(MotionError):
+        part_of(Conveyor()).add(BeltBlock((0.1,), 0.3, Interpolation.SPLINE))
+
+
+@answers
+def test_belts_that_run_backwards_as_programmed_are_followed_too() -> None:
+    for kind in (2, 3):
+        conveyor = Conveyor(increment=-1e-4)
+        part = part_of(conveyor, kind, at=-50.0)
+        part.add(block(150, -200, first=30 * MM, third=30 * MM))
+        part.add(block(0, -400, first=30 * MM, third=30 * MM))
+        rows = follow(conveyor, part, -200.0, 215)
+        assert all(robot == 0.0 for belt, robot in rows if belt > -50)
+        assert max(robot for _, robot in rows) == pytest.approx(150.0, abs=0.5)
+        assert rows[-1][1] == pytest.approx(0.0) and part.passed == 2
+        assert code(partial(part.add, block(1, -300))) == 928
