@@ -13,7 +13,7 @@ ALL = from_tables(read_signals())
 
 def at(name: str) -> RcBit | None:
     signal = ALL.named(name)
-    return signal and signal.at
+    return signal.at if signal else None
 
 
 def test_rows_are_generated_for_axes_kinematics_and_belts() -> None:
