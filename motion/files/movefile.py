@@ -29,6 +29,7 @@ from motion.kinematics.endless import AxisType, within
 from motion.limits import AxisLimits, check_speed, check_target
 from motion.units import to_si
 
+SHORTEST = 24  # bytes: the six fields without the reserve
 NO_MODULO, BY_FILE, BY_P311 = 0.0, 1.0, 2.0
 
 
@@ -100,6 +101,8 @@ class MoveFiles:
             raise MoveFileError(VERSION, f"{name}: {header.version}, the control has {self.control.version}")
         if header.axes != len(self.control.limits):
             raise MoveFileError(AXES, f"{name}: {header.axes}, the kinematic has {len(self.control.limits)}")
+        if header.length < SHORTEST:
+            raise MoveFileError(FORMAT, f"{name}: a header of {header.length} bytes has no room for its own fields")
         if file.offset < header.length:
             raise MoveFileError(READ_MARKER, f"{name}: byte {file.offset} lies in the header of {header.length}")
         if base not in (bnr.INTERPOLATION, bnr.POSITION_LOOP):

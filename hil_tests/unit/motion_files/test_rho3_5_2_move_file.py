@@ -5,6 +5,8 @@ import struct
 from collections.abc import Sequence
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from hil_tests.lab.answers import answers
 from motion.errors import LimitError, MotionError
@@ -160,3 +162,29 @@ def test_a_file_without_a_whole_header_is_error_100_and_a_negative_offset_none()
     assert code(FILE[:60], offset=0) == 100
     with pytest.raises(MotionError, match="READ_BEGIN"):
         MoveFiles(CONTROL).read_begin("CURVE", FILE, -1)
+
+
+@settings(max_examples=150, deadline=None)
+@given(
+    st.lists(st.tuples(st.integers(0, 24), st.binary(min_size=4, max_size=4)), max_size=4),
+    st.integers(0, 200),
+    st.integers(-1, 4),
+    st.lists(st.one_of(st.none(), st.floats()), max_size=3),
+    st.integers(0, 120),
+)
+def test_damaged_files_and_strange_calls_end_in_an_error_with_a_name_or_in_set_points_inside_the_limits(
+    words: list[tuple[int, bytes]], offset: int, base: int, flag: list[float | None], length: int
+) -> None:
+    data = bytearray(FILE[: 80 + 8 * 10])
+    for place, word in words:
+        data[4 * place : 4 * place + 4] = word
+    try:
+        run = opened(bytes(data[: max(len(data) - length, 0)]), offset).move_file("CURVE", base, flag, (0.0, 0.0))
+    except (MoveFileError, LimitError):
+        return
+    assert all(math.isfinite(value) for q in played(run) for value in (*q, *run.standing()))
+
+
+def test_a_header_shorter_than_its_fields_is_error_100() -> None:
+    assert [code(changed(length=length)) for length in (-8, 0, 23)] == [100, 100, 100]
+    assert code(changed(length=24), offset=80) == 0, "a short one without the reserve is as good as the file says"
