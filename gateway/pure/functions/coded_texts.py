@@ -3,7 +3,7 @@
 from gateway.pure.functions.datlines import Table
 from gateway.pure.functions.display import COLUMNS, Display, Layer
 from gateway.pure.functions.messages import Text
-from gateway.pure.functions.places import Edge, Places, Pulse, number_at
+from gateway.pure.functions.places import Edge, Places, Pulse, number_at, trusted
 from gateway.pure.records import InputImage
 from protocols.base.machine import Ns
 
@@ -22,7 +22,8 @@ class CodedTexts:
         edge = self._edge.step(inputs)
         refusal = None
         if edge > 0:
-            refusal = self._show(number_at(inputs.values, self._places.text_code, 8), display, ready)
+            code = number_at(inputs.values, self._places.text_code, 8)
+            refusal = self._show(code, display, ready) if trusted(inputs, self._places.text_code) else Text("not_good")
             (self._ok if refusal is None else self._error).give()
         if not (inputs.bit(self._places.text_strobe) or inputs.bit(self._places.display_off)):
             display.release(Layer.CODED)  # from now on the system may write over it (L896-898, AX-535)

@@ -2,7 +2,7 @@
 
 from gateway.pure.functions.datlines import Table
 from gateway.pure.functions.messages import Text
-from gateway.pure.functions.places import Edge, Places, Pulse, even, number_at
+from gateway.pure.functions.places import Edge, Places, Pulse, even, number_at, trusted
 from gateway.pure.functions.processes import ProcessFault, ProcessTable
 from gateway.pure.records import InputImage
 from protocols.base.machine import Ns
@@ -38,6 +38,8 @@ class ExternalPrograms:
         """The program of the code on the channel, or what is wrong with it."""
         if inputs.bit(self._places.abort_strobe) and inputs.bit(self._places.select_strobe):
             return Text("both_strobes")  # forbidden (L2651): neither is done
+        if not (trusted(inputs, self._places.program_code) and trusted(inputs, self._places.program_parity)):
+            return Text("not_good")
         code = number_at(inputs.values, self._places.program_code, 8)
         if even(code) != inputs.bit(self._places.program_parity):
             return Text("parity", (f"{code:02X}",))

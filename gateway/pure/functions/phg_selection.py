@@ -3,7 +3,7 @@
 from gateway.pure.functions.datlines import Table
 from gateway.pure.functions.display import Display, Layer
 from gateway.pure.functions.messages import say
-from gateway.pure.functions.places import Edge, Places, number_at
+from gateway.pure.functions.places import Edge, Places, number_at, trusted
 from gateway.pure.records import InputImage, set_bit
 
 BASE = "0"  # the basic level
@@ -22,7 +22,7 @@ class PhgSelection:
 
     def step(self, inputs: InputImage, outputs: bytearray, display: Display) -> None:
         """Edges of the strobe with the code beside it; bit 104 tells whether the basic level is active."""
-        edge = self._edge.step(inputs) if self._option else 0
+        edge = self._edge.step(inputs) if self._option and trusted(inputs, self._places.phg_code) else 0
         code = number_at(inputs.values, self._places.phg_code, 4)
         if edge < 0 and code == 0:
             self._go(BASE, display)

@@ -50,6 +50,11 @@ def put_number(image: bytearray, first: int, width: int, value: int) -> None:
         set_bit(image, first + step, bool(value >> step & 1))
 
 
+def trusted(inputs: InputImage, first: int) -> bool:
+    """Whether the byte of this bit comes from a living door: an order with an old code beside a new strobe is none (AX-541)."""
+    return inputs.quality[first >> 3] == Quality.GOOD
+
+
 def even(value: int) -> bool:
     """The bit that makes the number of ones even (L3053-3055)."""
     return bool(value.bit_count() & 1)
@@ -64,7 +69,7 @@ class Edge:
 
     def step(self, inputs: InputImage) -> int:
         """+1 rising, -1 falling, 0 neither."""
-        if inputs.quality[self._bit >> 3] != Quality.GOOD:
+        if not trusted(inputs, self._bit):
             self._last = None
             return 0
         level, last = inputs.bit(self._bit), self._last
