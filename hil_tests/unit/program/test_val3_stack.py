@@ -348,6 +348,7 @@ def test_set_values_keep_all_limits_through_blends_and_a_stop() -> None:
     rows = [run(arm, lambda: arm.joints[0] > 0.08)]
     moves.stop_move()
     rows.append(run(arm, lambda: arm.resting)[1:])
+    rows.append(np.array([arm.step() for _ in range(10)]))
     moves.restart_move()
     rows.append(run(arm, moves.wait_end_move)[1:])
     every = np.concatenate(rows)
