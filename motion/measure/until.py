@@ -10,7 +10,8 @@ from enum import Enum, auto
 from math import hypot
 from typing import Protocol
 
-from motion.limits import AxisLimits
+from motion.errors import LimitError
+from motion.limits import AxisLimits, check_targets
 from motion.measure.history import History
 from motion.measure.inputs import Board, Edge, InputKind, MeasuringInput
 from motion.measure.mpos import MeasuredPosition, measured
@@ -26,6 +27,7 @@ class Outcome(Enum):
     RUNNING = auto()
     MET = auto()  # the statement behind the block is next, @MPOS is occupied
     NOT_MET = auto()  # the end point is reached: the ERROR part is next
+    FAULT = auto()  # the axes stopped on the path; `fault` is the program's runtime error
 
 
 class Path(Protocol):
@@ -73,6 +75,7 @@ class MoveUntil:
     value: bool = True
     distance: Callable[[], float] = lambda: 0.0
     outcome: Outcome = Outcome.RUNNING
+    fault: LimitError | None = field(default=None, init=False)
     _since_ns: int = field(default=0, init=False)
     _hit_ns: int | None = field(default=None, init=False)
     _taken: bool = field(default=False, init=False)
@@ -138,10 +141,11 @@ class MoveUntil:
         elif self._taken and (self._run is None or self._run.arrived):
             if self._run is not None and self._last is not None:
                 self.path.place(self._last.q)  # POS is made anew (L6768)
-            self.outcome = Outcome.MET
+            self.outcome = Outcome.FAULT if self.fault else Outcome.MET
 
-    def _run_on(self, hit_ns: int) -> "RunOn":
-        """From the set values of the last cycle to the distance past the edge, in the direction the axes were going."""
+    def _run_on(self, hit_ns: int) -> "RunOn | None":
+        """From the set values of the last cycle to the distance past the edge, in the direction the axes were going; None, and
+        the fault: that place is outside the travel."""
         axes, last = self.bench.axes, self._last
         now = self._now() if last is None else [last.q[axis] for axis in axes]
         speeds = [0.0] * len(axes) if last is None else [last.qd[axis] for axis in axes]
@@ -151,6 +155,11 @@ class MoveUntil:
         way = to_si(self.distance(), self.bench.limits[0].unit)
         edge = self.bench.history.at(hit_ns)
         target = [edge[axis] + way * v / speed for axis, v in zip(axes, speeds, strict=True)]
+        try:
+            check_targets(self.bench.limits, target)
+        except LimitError as fault:
+            self.fault = fault
+            return None
         return RunOn(list(now), target, speed * self.bench.period_s)
 
     def _now(self) -> tuple[float, ...]:

@@ -132,3 +132,16 @@ def test_orders_that_make_no_sense_are_refused() -> None:
         with pytest.raises(MotionError):
             order()
     assert mailbox.distance(1) == 0.0 and mailbox.override(1) == 1.0
+
+
+def test_a_distance_out_of_the_travel_stops_on_the_path_and_names_the_axis() -> None:
+    mailbox = Asynchronous(1, FactorTable(1))
+    mailbox.move_dist(1, 1e6)  # deg; the travel is 1e4 rad
+    rig = Rig(bench((0,), limits=SHAFT), FAR, SHAFT)
+    move = rig.until(710, distance=lambda: mailbox.distance(1))
+    assert move.begin(False, 0)
+    rig.stepper.load(rig.piece)
+    assert rig.run(move, [Edge(610, EDGE_NS, True)]) is Outcome.FAULT
+    assert move.fault is not None and move.fault.axis == "A_1"
+    at_edge = rig.samples[EDGE_NS // P5_NS - 1].q[0]
+    assert at_edge < rig.samples[-1].q[0] < at_edge + 3.0 and rig.samples[-1].qd[0] == 0.0
