@@ -370,3 +370,15 @@ def test_belts_that_run_backwards_as_programmed_are_followed_too() -> None:
         assert max(robot for _, robot in rows) == pytest.approx(150.0, abs=0.5)
         assert rows[-1][1] == pytest.approx(0.0) and part.passed == 2
         assert code(partial(part.add, block(1, -300))) == 928
+
+
+@answers
+def test_a_cam_never_jumps_even_while_the_tolerance_is_not_judged() -> None:
+    conveyor = Conveyor()
+    conveyor.belts.belt_parameters(1, 10.0, 50.0, 5000)
+    part = part_of(conveyor, 3, at=0.0)
+    part.add(block(100, 100))
+    follow(conveyor, part, 100.0, 150)
+    assert not conveyor.belts.belt(1).watch.judges_tolerance
+    part.add(block(0, 200))
+    assert code(part.step) == 944, "50 mm beyond: on the curve it would jump by half of the way"
