@@ -4,7 +4,7 @@ The list of errors (gateway.pure.errorlist) stores and clears; this shows what s
 """
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Hashable, Mapping, Sequence
 
 from gateway.pure.errorlist import ErrorRecord
 from gateway.pure.functions.messages import say
@@ -13,7 +13,6 @@ from gateway.pure.records import set_bit
 from protocols.base.machine import Ns
 
 FIRST_SYSTEM_ERROR, LAST_CODE = 3584, 4095  # groups 14 and 15 are system errors (L3007-3017)
-_Mark = tuple[int, str, str, Ns]  # one happening of an error: cleared and come again it is another
 
 
 def group(code: int) -> int | None:
@@ -36,23 +35,29 @@ class CodedErrors:
 
     def __init__(self, places: Places, strobe_time: Ns) -> None:
         self._places, self._time = places, strobe_time
-        self._known: frozenset[_Mark] = frozenset()
-        self._queue: deque[_Mark] = deque()
+        self._known: frozenset[Hashable] = frozenset()
+        self._queue: deque[Hashable] = deque()
         self._shown = 0  # code on the channel, 0: none
+        self._key = False  # a key was pressed since this code stands
         self._since: Ns | None = None  # of the level of the strobe; None: low for long enough
 
     def step(self, records: Sequence[ErrorRecord], outputs: bytearray, now: Ns, *, key: bool = False) -> None:
         """records: the error list as it stands; key: a key of the panel was pressed since the last step."""
-        standing = {(r.code, r.source, r.where, r.first_ns): code for r in records if (code := code_of(r)) is not None}
+        self.show(
+            {(r.code, r.source, r.where, r.first_ns): code for r in records if (code := code_of(r)) is not None}, outputs, now, key=key
+        )
+
+    def show(self, standing: Mapping[Hashable, int], outputs: bytearray, now: Ns, *, key: bool = False) -> None:
+        """The same for errors kept elsewhere: what tells one happening from another -> code, in the order they came."""
         self._learn(standing)
         if self._over(now, key):
             self._since = now if self._shown else None
             self._shown = 0
         if self._since is None and not self._shown and self._queue:
-            self._shown, self._since = standing[self._queue.popleft()], now
+            self._shown, self._since, self._key = standing[self._queue.popleft()], now, False
         self._write(outputs)
 
-    def _learn(self, standing: dict[_Mark, int]) -> None:
+    def _learn(self, standing: Mapping[Hashable, int]) -> None:
         """A new error: all codes that stand come once more (L3057); those that are gone are not shown."""
         marks = frozenset(standing)
         if marks - self._known:
@@ -65,8 +70,9 @@ class CodedErrors:
         """Whether the level of the strobe ends: after P9, with a system error only by a key (L3061-3065)."""
         if self._since is None:
             return False
+        self._key = self._key or key
         static = self._shown >= FIRST_SYSTEM_ERROR
-        return (key or not static) and now - self._since >= self._time
+        return (self._key or not static) and now - self._since >= self._time
 
     def _write(self, outputs: bytearray) -> None:
         put_number(outputs, self._places.error_code, 16, self._shown)

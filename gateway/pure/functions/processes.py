@@ -136,6 +136,12 @@ class ProcessTable:
         self._stopped += [Stopped(each.name, each.kinematics) for each in gone]
         return tuple(each.name for each in gone)
 
+    def control_reset(self, keep_permanent: bool) -> tuple[str, ...]:
+        """Ends all processes; keep_permanent (RC input 61): permanent ones and what they started stay (L2620)."""
+        mains = [each for each in self._all.values() if not each.parent]  # sub-processes share what befalls theirs
+        ended = [each.number for each in mains if not (keep_permanent and each.kind is Kind.PERMANENT)]
+        return tuple(name for number in ended for name in self.stop(number))
+
     def family(self, number: int) -> list[int]:
         """A process and everything it started, and what that started, parents first."""
         found = [number]

@@ -175,3 +175,31 @@ def test_errors_without_a_code_of_the_rho_3_are_not_shown() -> None:
     plant.errors.report(91, "x", plant.now, source="axisgate")
     plant.errors.report(4096, "x", plant.now, source="rho3")
     assert codes(plant, 4 * HALF) == []
+
+
+def test_a_key_before_p9_is_over_counts_and_one_before_the_code_does_not() -> None:
+    plant = Plant()
+    plant.functions.press("1")
+    plant.cycle()
+    report(plant, 3716, "", Reset.RESTART)
+    plant.cycle(3 * HALF)
+    assert plant.out(STROBE)
+    report(plant, 3732, "", Reset.RESTART)
+    plant.functions.press("1")
+    plant.cycle(2 * HALF)
+    assert (plant.out(STROBE), code(plant)) == (True, 3716), "all once more, from the first"
+    plant.functions.press("1")
+    plant.cycle(HALF + 2)
+    assert (plant.out(STROBE), code(plant)) == (True, 3732)
+    plant.functions.press("2")
+    levels = plant.pulses(STROBE, 3 * HALF, lambda: code(plant))
+    assert levels == [(1, HALF - 2, 3732), (0, 2 * HALF + 2, 0)], "a key within P9 ends it with P9"
+
+
+def test_errors_of_another_list_are_shown_by_their_codes() -> None:
+    plant = Plant()
+    shown: list[int] = []
+    for count in range(8 * HALF):
+        plant.functions.coded.show({number: number for number in (91, 528)}, plant.outputs, count * CYCLE)
+        shown += [code(plant)] if plant.out(STROBE) else []
+    assert shown == [91] * HALF + [528] * HALF

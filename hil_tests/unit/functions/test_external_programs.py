@@ -171,3 +171,13 @@ def test_refusals_of_the_table_carry_the_manuals_codes() -> None:
     assert plant.names() == ["MAIN", "SUBA"]
     assert sound(lambda: plant.processes.stop(sub.number, by=main.number)) == ("SUBA",)
     assert plant.processes.stop(99) == ()
+
+
+@pytest.mark.parametrize("keep, left", [(True, ["OTHER", "CHILD"]), (False, [])])
+def test_control_reset_ends_all_but_permanent_ones_where_bit_61_says_so(keep: bool, left: list[str]) -> None:
+    plant = Plant()
+    main, permanent = plant.start("MAIN"), plant.start("OTHER")
+    plant.start("SUBA", main.number, idle)
+    plant.start("CHILD", permanent.number, idle)
+    gone = sound(lambda: plant.processes.control_reset(keep))
+    assert plant.names() == left and set(gone) == {"MAIN", "SUBA", "OTHER", "CHILD"} - set(left)
