@@ -31,7 +31,7 @@ from motion.timing.law import Law
 LOOK_AHEAD = 512  # blocks that may wait (owed: 256)
 WINDOW = 256  # stretches one law spans at most
 LEAD_S = 0.15  # a tail that begins sooner is not replaced any more: its replacement might come too late
-HORIZON_S = 1.0  # with more than this ahead (at full speed) the tail is left alone; laws: AX-421
+HORIZON_S = 0.6  # with more than this ahead (at full speed) the tail is left alone; laws: AX-421
 NAMED = 32  # stretches in a run up to which its pieces end where blocks end
 SMALLEST = 1e-9
 

@@ -127,7 +127,7 @@ def test_killed_at_any_write_of_the_ring_the_axes_end_at_rest_on_the_path(half: 
     path, reached = curve(), []
     programs = Programs(lambda _: machine(), lambda _: 7)
     records: list[PieceRecord] = programs.turn([*opening(), *said(SECOND, Say.END)], 1, 0, (0.0, 0.0, 0.0), moving=False)
-    for fatal in range(1, 400):
+    for fatal in range(1, 400, 3 if half else 1):
         fd = ring()
         try:
             reader = RingReader(fd, "pieces")
