@@ -1,8 +1,11 @@
 """The demo with CiA 402 drives as real processes: start-up through the cycle's ring, a move, deaths, the path of both families."""
 
-import json
 import struct
 import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import pytest
 
 from gateway.pure.records import AxisFlag
 from hil_tests.lab.buslog import Logged
@@ -46,46 +49,59 @@ def path_of(run: CellRun) -> list[tuple[int, ...]]:
 
 
 def undisturbed(run: CellRun) -> list[tuple[int, ...]]:
-    for _ in range(3):
+    """A busy machine may take drives off before or in a move: then it is played again, at most three times."""
+    for spare in (3, 2, 1, 0):
         try:
             run.ready()
             return path_of(run)
-        except Disturbed:
-            continue
-    raise AssertionError(f"the machine spoilt every attempt\n{run.words()}")
+        except (Disturbed, AssertionError):
+            if not spare:
+                raise
+    raise AssertionError("not reached")
 
 
-def test_the_same_script_on_both_families_asks_for_the_same_path() -> None:
+@dataclass
+class Both:
+    """The path on SERVODYN drives, and the run with CiA 402 drives that is up."""
+
+    old: list[tuple[int, ...]]
+    run: CellRun
+    took_s: float
+
+
+@pytest.fixture(scope="module")
+def both() -> Iterator[Both]:
     with running_cell("demo", "family") as run:
         old = undisturbed(run)
     with running_cell("demo-402", "family") as run:
-        took = configured(run)
-        new = undisturbed(run)
-        nodes = json.loads(json.dumps(run.journal("drive")))
-    assert took < START_UP_S and sum("ready" in entry["text"] for entry in nodes) >= 6
+        yield Both(old, run, configured(run))
+
+
+def test_the_same_script_on_both_families_asks_for_the_same_path(both: Both) -> None:
+    old, new = both.old, undisturbed(both.run)
+    assert both.took_s < START_UP_S and sum("ready" in str(entry["text"]) for entry in both.run.journal("drive")) >= 6
     assert abs(len(old) - len(new)) <= 1 and len(old) > 20
     worst = max(abs(a - b) for x, y in zip(old, new, strict=False) for a, b in zip(x, y, strict=True))
     assert worst <= 1
 
 
-def test_dead_services_take_over_living_drives_and_a_dead_cycle_starts_them_up_again() -> None:
-    with running_cell("demo-402", "deaths") as run:
-        configured(run)
-        run.ready()
-        dead, _ = run.kill("services")
-        run.back("services", dead)
-        time.sleep(1.0)
-        assert not any(axis.flags & AxisFlag.UNCONFIGURED for axis in run.state().axes[:6]), "the drives were not disturbed"
-        assert any("taken over as it was" in entry["text"] for entry in run.journal("drive"))
-        run.plc.synchronise()
-        dead, stamp = run.kill("cycle")
-        run.back("cycle", dead)
-        rows = [row for row in run.record().rows if row.stamp_ns > stamp]
-        off = next((row.stamp_ns for row in rows if all(axis.state not in (4, 5) for axis in row.axes)), None)
-        supervision = 3 * 50_000_000 + P5_NS
-        assert off is not None and off - stamp < supervision + 500_000_000, "quick stop and standstill after the heartbeat stayed away"
-        configured(run)
-        run.plc.synchronise()
-        run.ready()
-        status = run.plc.command(PTP, ALL, SLOW, TARGET)
-        assert status.state == DONE
+def test_dead_services_take_over_living_drives_and_a_dead_cycle_starts_them_up_again(both: Both) -> None:
+    run = both.run
+    run.ready()
+    dead, _ = run.kill("services")
+    run.back("services", dead)
+    time.sleep(1.0)
+    assert not any(axis.flags & AxisFlag.UNCONFIGURED for axis in run.state().axes[:6]), "the drives were not disturbed"
+    assert any("taken over as it was" in entry["text"] for entry in run.journal("drive"))
+    run.plc.synchronise()
+    dead, stamp = run.kill("cycle")
+    run.back("cycle", dead)
+    rows = [row for row in run.record().rows if row.stamp_ns > stamp]
+    off = next((row.stamp_ns for row in rows if all(axis.state not in (4, 5) for axis in row.axes)), None)
+    supervision = 3 * 50_000_000 + P5_NS
+    assert off is not None and off - stamp < supervision + 500_000_000, "quick stop and standstill after the heartbeat stayed away"
+    configured(run)
+    run.plc.synchronise()
+    run.ready()
+    status = run.plc.command(PTP, ALL, SLOW, TARGET)
+    assert status.state == DONE
