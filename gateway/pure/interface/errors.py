@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from enum import Enum, auto
 
 from gateway.pure.interface.image import Edge, PicImage
+from gateway.pure.interface.numbers import AS_SHIPPED, Numbers
 
-CONTROL_RESET, CHAIN_CLOSED, ACKNOWLEDGE = 19, 24, 62  # RC inputs; 24 is AX-002
-EMERGENCY_OUT = 67  # RC output, AX-002
+CONTROL_RESET, ACKNOWLEDGE = 19, 62  # RC inputs
 EMERGENCY_STOP = 528
 SYSTEM_BASE = 3583  # coded error = base + system error number
 MOST_SYSTEM = 4095 - SYSTEM_BASE
@@ -58,7 +58,8 @@ class Outcome:
 class Faults:
     """The errors that are shown, each with whether its cause still stands, and the latch of EMERGENCY STOP."""
 
-    def __init__(self) -> None:
+    def __init__(self, numbers: Numbers = AS_SHIPPED) -> None:
+        self._numbers = numbers
         self._causes: dict[int, bool] = {}
         self._reset, self._acknowledge, self._panel = Edge(), Edge(), Edge()
 
@@ -78,12 +79,12 @@ class Faults:
 
     def update(self, image: PicImage, panel_reset: bool = False) -> Outcome:
         """Looks at chain, acknowledgement and reset; `panel_reset`: mode 11.1 is being chosen on the PHG."""
-        self._watch_chain(image.input(CHAIN_CLOSED))
+        self._watch_chain(image.input(self._numbers.chain))
         acknowledged = self._acknowledge.rises(image.input(ACKNOWLEDGE))
         by_signal, by_panel = self._reset.rises(image.input(CONTROL_RESET)), self._panel.rises(panel_reset)
         reset = by_signal or by_panel
         cleared = self._clear({Kind.RUNTIME, Kind.P2} if reset else {Kind.RUNTIME} if acknowledged else set())
-        image.put(EMERGENCY_OUT, EMERGENCY_STOP in self._causes)
+        image.put(self._numbers.emergency, EMERGENCY_STOP in self._causes)
         return Outcome(cleared, reset)
 
     def _watch_chain(self, closed: bool) -> None:

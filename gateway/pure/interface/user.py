@@ -1,11 +1,11 @@
 """User inputs and outputs of BAPS programs.  Source: rho3 0.3 (L7953-7967), 3.1 (L861-875), 3.3 P24 (L696), P27 (L5133-5141), AX-503."""
 
 from gateway.pure.interface.image import PicImage
+from gateway.pure.interface.numbers import AS_SHIPPED, Numbers
 
 FIRST_INPUT, INPUTS, STATUSES = 464, 120, 99  # USER_1_RCI; channels 1..120, statuses 1..99
-FIRST_OUTPUT, OUTPUTS = 384, 120  # USER_1_RCO (AX-503: the manual gives no number)
+OUTPUTS = 120
 INTEGER_CHANNEL, INTEGERS = 401, 8
-INTEGER_BYTE, INTEGER_STROBE = 76, 672  # RC input bytes 76..83, strobes at bits 672..679 (AX-503)
 EARLY = 1000  # the same inputs, read while the block is prepared
 
 
@@ -21,21 +21,14 @@ def input_bit(channel: int) -> int:
     return FIRST_INPUT + number - 1
 
 
-def output_bit(channel: int) -> int:
-    """RC output of user output 1..120; ChannelFault otherwise."""
-    if not 1 <= channel <= OUTPUTS:
-        raise ChannelFault(f"user output {channel}: 1..{OUTPUTS}")
-    return FIRST_OUTPUT + channel - 1
-
-
 class UserPorts:
     """What a program reads and writes by channel."""
 
-    def __init__(self, image: PicImage, p24: int = OUTPUTS, p27: int = 0) -> None:
+    def __init__(self, image: PicImage, p24: int = OUTPUTS, p27: int = 0, numbers: Numbers = AS_SHIPPED) -> None:
         """`p24`: how many outputs a Control reset clears (all unless said); `p27`: 0 INTEGER inputs with strobe, 1 without."""
         if not 0 <= p24 <= OUTPUTS or p27 not in (0, 1):
             raise ValueError(f"P24 = {p24} (0..{OUTPUTS}), P27 = {p27} (0 or 1)")
-        self._image, self._p24, self._p27 = image, p24, p27
+        self._image, self._p24, self._p27, self._numbers = image, p24, p27, numbers
         self._taken = bytearray(INTEGERS)
         self._strobes = 0xFF
 
@@ -48,8 +41,10 @@ class UserPorts:
         return tuple(number for number in range(1, STATUSES + 1) if self.read(number))
 
     def write(self, channel: int, value: bool) -> None:
-        """User output 1..120."""
-        self._image.put(output_bit(channel), value)
+        """User output 1..120; ChannelFault otherwise."""
+        if not 1 <= channel <= OUTPUTS:
+            raise ChannelFault(f"user output {channel}: 1..{OUTPUTS}")
+        self._image.put(self._numbers.first_output + channel - 1, value)
 
     def control_reset(self) -> None:
         """Clears outputs 1..P24; the others stay."""
@@ -58,10 +53,10 @@ class UserPorts:
 
     def look(self) -> None:
         """Once per cycle: takes the INTEGER inputs whose strobe has come."""
-        strobes = self._image.inputs[INTEGER_STROBE // 8]
+        strobes = sum(self._image.input(self._numbers.first_strobe + number) << number for number in range(INTEGERS))
         for number in range(INTEGERS):
             if strobes & ~self._strobes & 1 << number:
-                self._taken[number] = self._image.inputs[INTEGER_BYTE + number]
+                self._taken[number] = self._image.inputs[self._numbers.first_integer // 8 + number]
         self._strobes = strobes
 
     def integer(self, channel: int) -> int:
@@ -69,4 +64,4 @@ class UserPorts:
         number = (channel - EARLY if channel > EARLY else channel) - INTEGER_CHANNEL
         if not 0 <= number < INTEGERS:
             raise ChannelFault(f"inadmissable input: INTEGER channel {channel}")
-        return self._image.inputs[INTEGER_BYTE + number] if self._p27 else self._taken[number]
+        return self._image.inputs[self._numbers.first_integer // 8 + number] if self._p27 else self._taken[number]

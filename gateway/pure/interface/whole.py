@@ -7,6 +7,7 @@ from gateway.pure.interface.errors import Faults, Outcome
 from gateway.pure.interface.image import PicImage
 from gateway.pure.interface.machinetype import show_machine
 from gateway.pure.interface.modes import OperatingModes, RuntimeFault
+from gateway.pure.interface.numbers import AS_SHIPPED, Numbers
 from gateway.pure.interface.timers import TimersAndCounters
 from gateway.pure.interface.user import OUTPUTS, UserPorts
 from protocols.base.machine import Ns
@@ -40,12 +41,12 @@ class Seen:
 class SignalInterface:
     """Call `step` once per cycle with the image filled by the doors; the outputs of the interface are written into it."""
 
-    def __init__(self, image: PicImage, installation: Installation) -> None:
-        """ValueError: a parameter out of its range."""
+    def __init__(self, image: PicImage, installation: Installation, numbers: Numbers = AS_SHIPPED) -> None:
+        """`numbers`: of our own signals, where a cell has moved them.  ValueError: a parameter out of its range."""
         self.image, self._installation = image, installation
         self.modes = OperatingModes(installation.kinematics)
-        self.faults = Faults()
-        self.user = UserPorts(image, installation.p24, installation.p27)
+        self.faults = Faults(numbers)
+        self.user = UserPorts(image, installation.p24, installation.p27, numbers)
         self._timers = TimersAndCounters(installation.p3, installation.p13, installation.p14, installation.unit)
         self._disabled = DisabledAxes(installation.axes)
         show_machine(image, installation.p2)

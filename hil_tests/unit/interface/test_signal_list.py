@@ -5,6 +5,10 @@ import pytest
 from gateway.files import read_signals
 from gateway.pure.addresses import AddressFault, Direction, Kind, Operand, RcBit, cl300, parse, parse_operand, pic, rc
 from gateway.pure.interface import errors, modes, user
+from gateway.pure.interface.image import PicImage
+from gateway.pure.interface.numbers import AS_SHIPPED, numbers_of
+from gateway.pure.interface.whole import Installation, SignalInterface
+from gateway.pure.records import set_bit
 from gateway.pure.signals import SignalFault, from_tables
 
 IN, OUT = Direction.INPUT, Direction.OUTPUT
@@ -59,13 +63,28 @@ def test_the_modules_use_the_lists_numbers() -> None:
     used = {
         "TEST_MN_RCI": modes.TEST_MN, "AUTO_MN_RCI": modes.AUTO_MN, "K01_A_MN_RCI": modes.FIRST_KINEMATIC, "KIN_A_MN_RCI": modes.KIN_A_MN,
         "POWERRED_RCO": modes.POWERRED, "PHG_ACTV_RCO": modes.PHG_ACTV, "AUTO_MN_RCO": modes.AUTO_OUT, "TEST_MN_RCO": modes.TEST_OUT,
-        "CTRL_RESET_RCI": errors.CONTROL_RESET, "EMSTOP_OK_RCI": errors.CHAIN_CLOSED, "ERR_ACK_RCI": errors.ACKNOWLEDGE,
-        "EMSTOP_RCO": errors.EMERGENCY_OUT, "USER_1_RCI": user.FIRST_INPUT, "USER_1_RCO": user.FIRST_OUTPUT,
-        "INT401_0_RCI": user.INTEGER_BYTE * 8, "INT408_7_RCI": user.INTEGER_BYTE * 8 + 63, "INTSTB_401_RCI": user.INTEGER_STROBE,
+        "CTRL_RESET_RCI": errors.CONTROL_RESET, "ERR_ACK_RCI": errors.ACKNOWLEDGE, "USER_1_RCI": user.FIRST_INPUT,
     }  # fmt: skip
     for name, number in used.items():
         place = at(name)
         assert place is not None and place.number == number, name
+    assert numbers_of(ALL) == AS_SHIPPED
+
+
+def test_a_moved_signal_is_used_where_it_lies() -> None:
+    moved = ALL.moved({"USER_1_RCO": 256, "EMSTOP_OK_RCI": 600, "EMSTOP_RCO": 601, "INTIN_0_RCI": 704, "INTSTB_401_RCI": 601})
+    image = PicImage()
+    interface = SignalInterface(image, Installation(), numbers_of(moved))
+    interface.step(0)
+    assert interface.faults.shown == (528,) and image.output(601) and not image.output(67)
+    image.inputs[89] = 42  # 402
+    for bit in (600, 602):
+        set_bit(image.inputs, bit, True)
+    interface.user.write(3, True)
+    interface.step(0)
+    assert image.output(258) and interface.user.integer(402) == 42
+    with pytest.raises(ValueError, match="whole byte"):
+        numbers_of(ALL.moved({"INTIN_0_RCI": 705}))
 
 
 def test_ours_move_as_a_row_and_the_manuals_only_to_what_it_prints() -> None:
