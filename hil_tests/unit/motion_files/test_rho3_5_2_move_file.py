@@ -79,6 +79,7 @@ def test_the_errors_by_their_numbers() -> None:
     assert [code(offset=offset) for offset in (0, 40, 79)] == [97, 97, 97]
     assert code(changed(length=96), offset=88) == 97, "the header the file says it has"
     assert [code(FILE[:-1]), code(FILE + b"\0"), code(offset=84), code(offset=len(FILE))] == [100, 100, 100, 100]
+    assert code(FILE + bytes(4), offset=84) == 100, "whole points from the marker on, but between the points of the file"
     assert code(offset=88) == 0, "header + N x 4 x axes"
     files = MoveFiles(CONTROL)
     for close in (False, True):
