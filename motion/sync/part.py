@@ -163,13 +163,21 @@ class SynchronPart:
         if self.phase is Phase.FAILED:
             return self.position
         self._fastest = max(self._fastest, abs(self.belt.watch.speed))
+        last = self.position
+        try:
+            self._step()
+        except BeltError:
+            self.position = last
+            raise
+        return self.position
+
+    def _step(self) -> None:
         if self._legs:
             self._check_direction()
             if self.phase is not Phase.RUNNING:
                 self._begin()
         if self.phase is Phase.RUNNING:
             self.position = self._cam_point() if self.kind is Type.CAM else self._paced_point()
-        return self.position
 
     def _check_direction(self) -> None:
         """Before the first block always; with type 2 also later (15.3.1); the cam follows the belt back instead (16.1)."""

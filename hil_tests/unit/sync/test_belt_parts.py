@@ -381,4 +381,20 @@ def test_a_cam_never_jumps_even_while_the_tolerance_is_not_judged() -> None:
     follow(conveyor, part, 100.0, 150)
     assert not conveyor.belts.belt(1).watch.judges_tolerance
     part.add(block(0, 200))
+    stands = part.position
     assert code(part.step) == 944, "50 mm beyond: on the curve it would jump by half of the way"
+    assert part.position == stands == part.step()
+
+
+@answers
+def test_after_an_error_at_the_end_of_a_block_the_robot_stays_where_it_was_sent_last() -> None:
+    conveyor = Conveyor()
+    part = part_of(conveyor, 3, at=0.0)
+    part.add(block(100, 100))
+    part.add(block(200, 200))
+    follow(conveyor, part, 100.0, 95)
+    sent = part.position
+    conveyor.run(3000.0)
+    conveyor.run(10.0)
+    assert code(part.step) == 944
+    assert part.position == sent and part.step() == sent

@@ -47,7 +47,7 @@ def test_the_speed_of_type_2_never_leaves_its_acceleration_nor_turns_back(
 
 
 @settings(max_examples=25, deadline=None)
-@given(st.integers(0, 10_000), st.sampled_from((2, 3, 12, 123)))
+@given(st.integers(0, 10_000), st.sampled_from((2, 3, 12, 13)))
 def test_a_part_ends_in_a_point_or_in_an_error_of_the_manual_and_never_jumps(seed: int, kind: int) -> None:
     dice = random.Random(seed)
     conveyor = Conveyor()
@@ -56,6 +56,7 @@ def test_a_part_ends_in_a_point_or_in_an_error_of_the_manual_and_never_jumps(see
     part = SynchronPart(conveyor.belts.belt(1), 1, (0.0, 0.0), dice.uniform(0, 50) * MM)
     belt, pace = 50.0, Pace(accel=5.0, decel=5.0)
     error, before = 0, part.position
+    most = 0.03 if kind % 10 == 2 else 0.15  # a cam may be late by its tolerance: 10 mm of a block of 20 mm at least
     for _ in range(60):
         try:
             if dice.random() < 0.3 and belt < 800:
@@ -66,7 +67,7 @@ def test_a_part_ends_in_a_point_or_in_an_error_of_the_manual_and_never_jumps(see
             for _ in range(dice.randint(1, 30)):
                 conveyor.run(dice.choice((200.0, 200.0, 180.0, 0.0, -1.0)) if dice.random() < 0.1 else 200.0)
                 now = part.step()
-                assert all(map(math.isfinite, now)) and math.dist(before, now) <= 0.30 * 0.2 + 1e-9
+                assert all(map(math.isfinite, now)) and math.dist(before, now) <= most
                 before = now
         except BeltError as fault:
             error = fault.code
