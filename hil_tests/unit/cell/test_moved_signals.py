@@ -32,3 +32,9 @@ def test_what_cannot_be_moved_is_refused_with_its_reason(lines: str, words: str)
     with pytest.raises(CellFaults) as faults:
         load_cell("demo.toml", with_signals(lines))
     assert words in str(faults.value.faults[0])
+
+
+def test_a_number_the_manual_itself_prints_is_allowed() -> None:
+    assert load_cell("demo.toml", with_signals("MSD_ACTI_RCO = 135")).signals == {"MSD_ACTI_RCO": 135}
+    with pytest.raises(CellFaults, match="only axisgate's own"):
+        load_cell("demo.toml", with_signals("MSD_ACTI_RCO = 134"))
