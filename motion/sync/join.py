@@ -90,7 +90,8 @@ class SyncStepper:
                 self._stepper.stop()
         else:
             short = True
-        self._limit(sample, frame, alteration, short)
+        if self.fault is None:
+            self._limit(sample, frame, alteration, short)
         return Joined(self._q, sample, self._share, short)
 
     def _found(self, sample: Sample, frame: Pose, alteration: Pose, n: int) -> tuple[tuple[float, ...], bool]:
