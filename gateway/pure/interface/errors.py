@@ -61,7 +61,8 @@ class Faults:
     def __init__(self, numbers: Numbers = AS_SHIPPED) -> None:
         self._numbers = numbers
         self._causes: dict[int, bool] = {}
-        self._reset, self._acknowledge, self._panel = Edge(), Edge(), Edge()
+        self._reset, self._acknowledge = Edge(CONTROL_RESET), Edge(ACKNOWLEDGE)
+        self._panel = True
 
     @property
     def shown(self) -> tuple[int, ...]:
@@ -80,9 +81,9 @@ class Faults:
     def update(self, image: PicImage, panel_reset: bool = False) -> Outcome:
         """Looks at chain, acknowledgement and reset; `panel_reset`: mode 11.1 is being chosen on the PHG."""
         self._watch_chain(image.input(self._numbers.chain))
-        acknowledged = self._acknowledge.rises(image.input(ACKNOWLEDGE))
-        by_signal, by_panel = self._reset.rises(image.input(CONTROL_RESET)), self._panel.rises(panel_reset)
-        reset = by_signal or by_panel
+        acknowledged = self._acknowledge.rises(image)
+        by_panel, self._panel = panel_reset and not self._panel, panel_reset
+        reset = self._reset.rises(image) or by_panel
         cleared = self._clear({Kind.RUNTIME, Kind.P2} if reset else {Kind.RUNTIME} if acknowledged else set())
         image.put(self._numbers.emergency, EMERGENCY_STOP in self._causes)
         return Outcome(cleared, reset)

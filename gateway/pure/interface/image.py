@@ -5,7 +5,7 @@ Bit N of a kind is byte N div 8, bit N mod 8.  RC inputs are the PIC's outputs (
 
 from dataclasses import dataclass, field
 
-from gateway.pure.records import RC_BYTES, get_bit, set_bit
+from gateway.pure.records import RC_BYTES, InputImage, Quality, get_bit, set_bit
 
 
 @dataclass(slots=True)
@@ -15,6 +15,17 @@ class PicImage:
     inputs: bytearray = field(default_factory=lambda: bytearray(RC_BYTES))
     outputs: bytearray = field(default_factory=lambda: bytearray(RC_BYTES))
     flags: bytearray = field(default_factory=lambda: bytearray(RC_BYTES))
+    good: bytearray = field(default_factory=lambda: bytearray(b"\1" * RC_BYTES))  # input bytes that come from a living door
+
+    def take(self, doors: InputImage) -> None:
+        """The inputs as the doors have them: a byte nobody vouches for is 0, an old one stays and has no edges."""
+        for byte, quality in enumerate(doors.quality):
+            self.inputs[byte] = 0 if quality == Quality.BAD else doors.values[byte]
+            self.good[byte] = quality == Quality.GOOD
+
+    def trusted(self, number: int) -> bool:
+        """Whether RC input N comes from a living door."""
+        return bool(self.good[number >> 3])
 
     def input(self, number: int) -> bool:
         """RC input N."""
@@ -35,12 +46,14 @@ class PicImage:
 
 
 class Edge:
-    """Rising edges of one bit; what stands at the first look is no edge (AX-510)."""
+    """Rising edges of one RC input; what stands at the first look or when its door comes back is no edge (AX-510)."""
 
-    def __init__(self) -> None:
-        self._before = True
+    def __init__(self, number: int) -> None:
+        self._number, self._before = number, True
 
-    def rises(self, value: bool) -> bool:
-        """True once when `value` has become True."""
-        rising, self._before = value and not self._before, value
+    def rises(self, image: PicImage) -> bool:
+        """True once when the input has become 1."""
+        value = image.input(self._number)
+        good = image.trusted(self._number)
+        rising, self._before = good and value and not self._before, value or not good
         return rising

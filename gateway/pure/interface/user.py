@@ -1,6 +1,6 @@
 """User inputs and outputs of BAPS programs.  Source: rho3 0.3 (L7953-7967), 3.1 (L861-875), 3.3 P24 (L696), P27 (L5133-5141), AX-503."""
 
-from gateway.pure.interface.image import PicImage
+from gateway.pure.interface.image import Edge, PicImage
 from gateway.pure.interface.numbers import AS_SHIPPED, Numbers
 
 FIRST_INPUT, INPUTS, STATUSES = 464, 120, 99  # USER_1_RCI; channels 1..120, statuses 1..99
@@ -30,7 +30,7 @@ class UserPorts:
             raise ValueError(f"P24 = {p24} (0..{OUTPUTS}), P27 = {p27} (0 or 1)")
         self._image, self._p24, self._p27, self._numbers = image, p24, p27, numbers
         self._taken = bytearray(INTEGERS)
-        self._strobes = 0xFF
+        self._strobes = [Edge(numbers.first_strobe + number) for number in range(INTEGERS)]
 
     def read(self, channel: int) -> bool:
         """Binary input 1..120."""
@@ -53,11 +53,9 @@ class UserPorts:
 
     def look(self) -> None:
         """Once per cycle: takes the INTEGER inputs whose strobe has come."""
-        strobes = sum(self._image.input(self._numbers.first_strobe + number) << number for number in range(INTEGERS))
-        for number in range(INTEGERS):
-            if strobes & ~self._strobes & 1 << number:
+        for number, strobe in enumerate(self._strobes):
+            if strobe.rises(self._image):
                 self._taken[number] = self._image.inputs[self._numbers.first_integer // 8 + number]
-        self._strobes = strobes
 
     def integer(self, channel: int) -> int:
         """INTEGER input 401..408 (or 1401..1408): what stood at its last strobe, with P27 = 1 what stands now."""

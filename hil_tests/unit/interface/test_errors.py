@@ -4,7 +4,7 @@ import pytest
 
 from gateway.pure.interface.errors import EMERGENCY_STOP, Faults, Outcome, system_code, system_number
 from gateway.pure.interface.image import PicImage
-from gateway.pure.records import set_bit
+from gateway.pure.records import InputImage, Quality, set_bit
 from hil_tests.lab.answers import answers
 
 RESET, CHAIN, ACK = 19, 24, 62
@@ -89,6 +89,25 @@ def test_emergency_stop_stays_after_release_until_control_reset_or_panel() -> No
         assert outcome == Outcome((EMERGENCY_STOP,), processes_end=True)
         assert not control.image.output(67)
         control.faults.update(control.image)
+
+
+@answers
+def test_a_reset_that_stands_when_its_door_comes_back_is_no_edge() -> None:
+    image, faults, doors = PicImage(), Faults(), InputImage()
+    for bit in (CHAIN, RESET):
+        set_bit(doors.values, bit, True)
+    told: list[bool] = []
+    for quality in (Quality.GOOD, Quality.STALE, Quality.BAD, Quality.GOOD):
+        doors.quality[:] = bytes([quality]) * 128
+        image.take(doors)
+        told.append(faults.update(image).processes_end)
+        assert image.input(RESET) == (quality is not Quality.BAD)
+    assert told == [False] * 4 and faults.shown == (EMERGENCY_STOP,)  # the chain was unknown for a while
+    for value in (False, True):
+        set_bit(doors.values, RESET, value)
+        image.take(doors)
+        told.append(faults.update(image).processes_end)
+    assert told[-2:] == [False, True] and not faults.shown
 
 
 @answers
