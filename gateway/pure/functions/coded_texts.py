@@ -25,7 +25,7 @@ class CodedTexts:
             code = number_at(inputs.values, self._places.text_code, 8)
             refusal = self._show(code, display, ready) if trusted(inputs, self._places.text_code) else Text("not_good")
             (self._ok if refusal is None else self._error).give()
-        if not (inputs.bit(self._places.text_strobe) or inputs.bit(self._places.display_off)):
+        if not inputs.bit(self._places.text_strobe):
             display.release(Layer.CODED)  # from now on the system may write over it (L896-898, AX-535)
         self._ok.step(outputs, now)
         self._error.step(outputs, now)
@@ -43,5 +43,5 @@ class CodedTexts:
         text = self.table.entries[code]
         display.hold(Layer.CODED)
         display.write(Layer.CODED, 2, text[:COLUMNS])
-        display.write(Layer.CODED, 3, text[COLUMNS : 2 * COLUMNS])
+        display.write(Layer.CODED, 3, text[COLUMNS:])
         return None

@@ -104,7 +104,7 @@ class Display:
 
     def selected(self) -> None:
         """A function was selected at the interface: what was saved is not wanted any more (L6631)."""
-        self._selected = self._off
+        self._selected = True
 
     def _give_back(self) -> None:
         """Lines the system wrote meanwhile show that; the others what was saved, unless a function was selected (L6631)."""

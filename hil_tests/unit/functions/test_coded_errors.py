@@ -1,5 +1,7 @@
 """Coded error output: groups, parity, strobes of P9, sequences, re-issue, static system errors, 64 errors."""
 
+from collections.abc import Hashable
+
 import pytest
 
 from gateway.pure.errorlist import Reset
@@ -203,3 +205,25 @@ def test_errors_of_another_list_are_shown_by_their_codes() -> None:
         plant.functions.coded.show({number: number for number in (91, 528)}, plant.outputs, count * CYCLE)
         shown += [code(plant)] if plant.out(STROBE) else []
     assert shown == [91] * HALF + [528] * HALF
+
+
+def test_an_error_that_goes_repeats_nothing_and_one_that_comes_again_does() -> None:
+    plant = Plant()
+    coded = plant.functions.coded
+    standing: dict[Hashable, int] = {10: 10, 11: 11}
+    shown: list[int] = []
+
+    def run(cycles: int) -> list[int]:
+        shown.clear()
+        for _ in range(cycles):
+            plant.now += CYCLE
+            coded.show(standing, plant.outputs, plant.now)
+            if plant.out(STROBE) and (not shown or shown[-1] != code(plant)):
+                shown.append(code(plant))
+        return list(shown)
+
+    assert run(6 * HALF) == [10, 11]
+    del standing[10]
+    assert run(6 * HALF) == []
+    standing[10] = 10
+    assert run(6 * HALF) == [11, 10]

@@ -143,17 +143,20 @@ def test_a_faulty_body_ends_itself_alone_and_its_error_is_shown_to_the_plc() -> 
         ("DEFECT", "FAULTY", 1255),
     ]
     assert {record.code for record in plant.errors.records} == {91, 1255}
-    assert main.turns == 3
+    assert [process.turns for process in plant.processes.processes] == [3, 1, 1]
 
 
 def test_a_finished_process_leaves_and_its_children_go_on() -> None:
     plant = Plant()
     plant.processes.programs["SHORT"] = program(body=lambda _: Turn.DONE)
     short = plant.start("SHORT")
-    plant.start("CHILD", short.number, idle)
+    child = plant.start("CHILD", short.number, idle)
+    main = plant.start("MAIN")
+    middle = plant.start("MIDDLE", main.number, lambda _: Turn.DONE)
+    low = plant.start("LOW", middle.number, idle)
     plant.cycle()
-    assert plant.names() == ["CHILD"] and plant.processes.take_stopped() == []
-    assert plant.processes.processes[0].parent == 0
+    assert plant.names() == ["CHILD", "MAIN", "LOW"] and plant.processes.take_stopped() == []
+    assert (child.parent, low.parent) == (0, main.number)
 
 
 def test_refusals_of_the_table_carry_the_manuals_codes() -> None:
@@ -171,6 +174,7 @@ def test_refusals_of_the_table_carry_the_manuals_codes() -> None:
     assert plant.names() == ["MAIN", "SUBA"]
     assert sound(lambda: plant.processes.stop(sub.number, by=main.number)) == ("SUBA",)
     assert plant.processes.stop(99) == ()
+    assert plant.processes.stop(main.number, by=main.number) == ("MAIN",), "a process may end itself"
 
 
 @pytest.mark.parametrize("keep, left", [(True, ["OTHER", "CHILD"]), (False, [])])

@@ -62,6 +62,7 @@ def test_code_without_a_usable_line(code: int) -> None:
     assert (plant.out(118), number_at(plant.outputs, ERROR_CODE, 16)) == (True, 1278)
     assert plant.functions.phg.mode == "0"
     plant.cycle(30)
+    assert [record.count for record in plant.errors.records] == [1]
     assert select(plant, 4).functions.phg.mode == "7.1", "the good lines are used all the same"
     assert plant.screen()[1] == ""
 
@@ -198,3 +199,55 @@ def test_keys_are_bounded_and_read_begin_forgets_them() -> None:
 def test_lines_that_are_none(line: int) -> None:
     with pytest.raises(ValueError, match="1 to 4"):
         Display().write(Layer.INFO, line, "x")
+
+
+def shown(display: Display) -> list[str]:
+    return [line.rstrip() for line in display.screen()]
+
+
+def covered() -> Display:
+    """Standard text under one a program let go."""
+    display = Display()
+    display.write(Layer.STANDARD, 2, "standard")
+    display.hold(Layer.WRITE)
+    display.write(Layer.WRITE, 2, "message")
+    display.release(Layer.WRITE)
+    display.disable(True)
+    return display
+
+
+def test_the_system_that_repeats_itself_uncovers_nothing_but_something_new_does_at_the_end() -> None:
+    display = covered()
+    display.write(Layer.STANDARD, 2, "standard")
+    display.disable(False)
+    assert shown(display)[1] == "message"
+    display.disable(True)
+    display.write(Layer.INFO, 2, "info")
+    assert shown(display)[1] == "message"
+    display.disable(False)
+    assert shown(display)[1] == "info"
+
+
+def test_a_selected_function_shows_also_what_stood_there_before() -> None:
+    display = covered()
+    display.selected()
+    display.write(Layer.STANDARD, 2, "standard")
+    display.disable(False)
+    assert shown(display)[1] == "standard"
+
+
+def test_each_saving_begins_anew() -> None:
+    display = covered()
+    display.selected()
+    display.write(Layer.STANDARD, 2, "selected")
+    display.disable(False)
+    display.disable(True)
+    display.write(Layer.WRITE, 2, "question")
+    display.disable(False)
+    assert shown(display)[1] == "selected", "nothing was selected or written by the system this time"
+
+
+def test_a_layer_does_not_occupy_the_panel_for_itself() -> None:
+    display = Display()
+    display.hold(Layer.CODED)
+    assert not display.occupied(Layer.CODED) and display.occupied(Layer.INFO) and not display.occupied(Layer.WRITE)

@@ -70,8 +70,20 @@ def test_a_text_stands_against_the_system_while_strobe_or_bit_35_stand() -> None
     plant.cycle()
     assert plant.screen()[1] == "short"
     plant.put(OFF, False).cycle()
+    assert plant.screen()[1] == "axis 1   17.000"
+    text(plant, 2)
+    plant.display.write(Layer.STANDARD, 2, "axis 1   18.000")
+    assert plant.cycle().screen()[1] == "short"
+    plant.put(STROBE, False).cycle()
     plant.display.write(Layer.STANDARD, 2, "axis 1   18.000")
     assert plant.screen()[1] == "axis 1   18.000"
+
+
+def test_orders_faster_than_their_answers_keep_p9_between_the_pulses() -> None:
+    plant = Plant()
+    text(plant, 2)
+    plant.put(STROBE, False).cycle().put(STROBE).cycle()
+    assert plant.pulses(OK, 4 * HALF) == [(1, HALF - 3, 1), (0, HALF, 1), (1, HALF, 1), (0, HALF + 3, 1)]
 
 
 def test_a_strobe_that_stands_at_the_start_or_after_a_lost_door_starts_nothing() -> None:
@@ -152,7 +164,8 @@ def test_automatic_display_turns_every_second_until_a_key() -> None:
         plant.wait(ms(1000))
     assert shown == ["01", "08", "99"]
     plant.functions.statuses.scroll()
-    plant.wait(ms(3000))
+    assert plant.screen()[1][:2] == "01" and plant.out(MSD_OPEN)
+    plant.wait(ms(1400))
     assert plant.screen()[1][:2] == "01"
 
 
