@@ -251,3 +251,15 @@ def test_a_layer_does_not_occupy_the_panel_for_itself() -> None:
     display = Display()
     display.hold(Layer.CODED)
     assert not display.occupied(Layer.CODED) and display.occupied(Layer.INFO) and not display.occupied(Layer.WRITE)
+
+
+def test_what_the_system_wrote_under_an_earlier_saving_does_not_count_again() -> None:
+    display = covered()
+    display.write(Layer.STANDARD, 2, "newer")
+    display.disable(False)
+    display.hold(Layer.WRITE)
+    display.write(Layer.WRITE, 2, "second message")
+    display.release(Layer.WRITE)
+    display.disable(True)
+    display.disable(False)
+    assert shown(display)[1] == "second message"
