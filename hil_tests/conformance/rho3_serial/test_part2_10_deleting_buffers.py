@@ -38,9 +38,7 @@ def test_write_begin_sets_status_0() -> None:
     assert desk.condition(ONE, "V24_1") == 0
 
 
-@pytest.mark.requirement(
-    "RHO-SER-35", by=("gateway.pure.rho3.driver:Driver.write_begin", "protocols.p3964r.sender:Sender.revoke")
-)
+@pytest.mark.requirement("RHO-SER-35", by=("gateway.pure.rho3.driver:Driver.write_begin", "protocols.p3964r.sender:Sender.revoke"))
 def test_a_block_on_the_line_is_completed_but_not_repeated_and_prepared_ones_are_dropped() -> None:
     desk = Desk(LINK).at(0).write(ONE, "V24_1", (CHARACTER, 65)).write(ONE, "V24_1", (CHARACTER, 66)).says(STX).hears(DLE).says(wire(b"A"))
     desk.write_begin(ONE, "V24_1").finds(deleted(2)).at(ms(550)).says(NAK).finds(deleted(1))
