@@ -24,7 +24,7 @@ def open_bus(url: str, bitrate: int, *, own: bool = False) -> Iterator[can.BusAB
     try:
         bus = can.Bus(interface=interface, channel=channel, **options)  # type: ignore[arg-type]  # each adapter has its own options
     except (can.CanError, OSError, ImportError, ValueError, TypeError) as error:
-        raise NoBus(f"{url}: {_advice(interface, error)}") from error
+        raise NoBus(f"{url}: {_advice(interface, error).removeprefix(f'{url}: ')}") from error
     try:
         yield bus
     finally:

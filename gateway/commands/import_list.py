@@ -30,7 +30,7 @@ def main(argv: list[str]) -> int:
     try:
         text = _read(options.file)
     except OSError as error:
-        print(f"axisgate import: {error}", file=sys.stderr)
+        print(f"axisgate import: {options.file}: {error.strerror or error}", file=sys.stderr)
         return Exit.INVALID
     cell, report = import_list(text, options.output.stem if options.output else options.file.stem)
     if not report.taken:
@@ -45,7 +45,7 @@ def main(argv: list[str]) -> int:
         if not options.output:
             print(cell)
         print("\n".join(told(report, faults, options.output)), file=sys.stdout if options.output else sys.stderr)
-    return Exit.FINDING if faults else Exit.OK
+    return Exit.FINDING if faults or report.missing else Exit.OK
 
 
 def _read(path: pathlib.Path) -> str:

@@ -137,3 +137,8 @@ def test_bad_input_is_answered_in_words(tmp_path: pathlib.Path, capsys: pytest.C
         assert main(["monitor", url]) == 3
         assert words in capsys.readouterr().err, url
     assert main([]) == 2 and main(["-h"]) == 0
+
+
+def test_a_bus_that_is_not_there_is_named_once(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["send", "broker:nobody", "--frame", "201#0600"]) == 3
+    assert capsys.readouterr().err.count("broker:nobody:") == 1

@@ -34,3 +34,11 @@ def test_a_short_list_is_a_finding_and_no_list_is_invalid(tmp_path: pathlib.Path
     assert main(["p-list", str(short)]) == 1
     assert "missing  P103 of axis 1" in capsys.readouterr().err
     assert main(["p-list", str(junk)]) == 2 and main(["p-list", str(tmp_path / "none")]) == 2
+    assert f"{tmp_path / 'none'}: No such file" in capsys.readouterr().err
+
+
+def test_a_list_without_measuring_systems_is_a_finding(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    bare = tmp_path / "bare.txt"
+    bare.write_text("P5 : 8\nP15 : 3\n")
+    assert main(["p-list", str(bare)]) == 1
+    assert "missing  P401" in capsys.readouterr().err
