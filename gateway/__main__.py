@@ -4,6 +4,7 @@ import ast
 import difflib
 import importlib
 import importlib.util
+import os
 import pathlib
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -30,7 +31,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     except ModuleNotFoundError as missing:
         print(f"axisgate {name}: {reason(known[name], missing)}", file=sys.stderr)
         return ENVIRONMENT
-    return command(rest)
+    try:
+        return command(rest)
+    except BrokenPipeError:  # `| head` has seen enough
+        sys.stdout = open(os.devnull, "w")  # noqa: SIM115  nothing is flushed into the closed pipe at the end
+        return 0
 
 
 def load(entry: EntryPoint) -> Command:

@@ -6,7 +6,7 @@ import pathlib
 import sys
 from collections.abc import Iterable, Sequence
 
-from gateway.bus_tools.logs import BadLog, read_log
+from gateway.bus_tools.logs import READABLE, BadLog, read_log
 from gateway.bus_tools.plan import bitrate, traffic
 from gateway.cell import Bus, Cell
 from gateway.commands.common import DONE, FINDING, USAGE, load
@@ -35,6 +35,9 @@ def main(argv: list[str]) -> int:
         return USAGE
     if arguments.log is not None:
         return _of_log(arguments)
+    if pathlib.Path(arguments.cell).suffix in READABLE:
+        print(f"axisgate bus load: {arguments.cell} is a recording: --log {arguments.cell}", file=sys.stderr)
+        return USAGE
     cell = load(arguments.cell)
     if isinstance(cell, int):
         return cell

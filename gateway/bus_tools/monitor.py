@@ -104,6 +104,8 @@ def main(argv: list[str]) -> int:
     except NoBus as error:
         print(f"axisgate bus monitor: {error}", file=sys.stderr)
         return ENVIRONMENT
+    except BrokenPipeError:
+        raise
     except (BadLog, OSError, ConfigNotFound, DatabaseError) as error:
         print(f"axisgate bus monitor: {error}", file=sys.stderr)
         return USAGE

@@ -9,6 +9,7 @@ from gateway.checks.blocks import counts_of, place_of, split_unit
 from gateway.checks.context import number
 from gateway.checks.figures import cycle_us, job_ms, sdo_us, silence_s
 from gateway.pure.addresses import DataWord
+from gateway.pure.bus_traffic import judge
 from gateway.pure.dialects import link_profile
 from gateway.pure.names import Kind, lookup
 from protocols.p3964r.profiles import NETWORK
@@ -87,6 +88,8 @@ def network(cell: Cell) -> Iterator[Notice]:
 
 def bus_load(cell: Cell) -> Iterator[Notice]:
     """Worst-case load of every drive bus."""
+    from gateway.bus_tools.plan import bitrate, traffic  # they take their figures from this package
+
     for bus in cell.bus:
         if not any(axis.drive.bus == bus.name for axis in cell.axis):
             continue
@@ -96,8 +99,11 @@ def bus_load(cell: Cell) -> Iterator[Notice]:
         nodes = sorted({io.device.node for io in cell.io if io.device.bus == bus.name and io.device.node is not None})
         extra += "".join(f"; node {node} I/O event-driven" for node in nodes)
         text = f"{cycle:.0f} us of {grid:.0f} us worst case ({load:.0f} %){extra}"
-        full = load > CYCLE_FULL
-        more = f": too full, choose a cycle of {math.ceil(cycle / 10.0 / CYCLE_FULL)} ms or more" if full else ""
+        whole = 100.0 * judge(traffic(cell, bus), bitrate(bus), bus.cycle_ms).cycle.worst / grid
+        if whole > CYCLE_FULL >= load:
+            text += f"; with second TPDOs and heartbeats {whole:.0f} % (axisgate bus load)"
+        full = max(load, whole) > CYCLE_FULL
+        more = f": too full, choose a cycle of {math.ceil(max(cycle, whole * grid / 100.0) / 10.0 / CYCLE_FULL)} ms or more" if full else ""
         yield Notice("warning" if full else "note", f"bus {bus.name}", text + more)
 
 

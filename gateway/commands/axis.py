@@ -5,10 +5,11 @@ import json
 import sys
 import time
 
+from drivers.drives import cia402_words, servodyn_words
 from gateway import zeros
 from gateway.assembly import slug_of
 from gateway.cell import Axis, Cell
-from gateway.commands.common import DONE, ENVIRONMENT, FINDING, load
+from gateway.commands.common import DONE, ENVIRONMENT, FINDING, USAGE, load
 from gateway.firstenable import percent
 from gateway.pure.records import AxisFlag
 from gateway.toolclient import Row, ToolClient, ToolError, mask_of, running, simulated
@@ -46,9 +47,12 @@ def main(argv: list[str]) -> int:
         else:
             with running(arguments.name or slug_of(cell)) as client:
                 found = _try(client, cell, axis) if arguments.what == "try" else _zero(client, cell, axis, arguments.at, arguments.who)
-    except (ToolError, KeyError) as error:
+    except KeyError as error:
         print(f"axisgate axis: {error.args[0]}", file=sys.stderr)
-        return ENVIRONMENT
+        return USAGE
+    except ToolError as error:
+        print(f"axisgate axis: {error.args[0]}", file=sys.stderr)
+        return FINDING if isinstance(error, NotReady) else ENVIRONMENT
     print(json.dumps(found, indent=1) if arguments.json else found["sentence"])
     return DONE if found["good"] else FINDING
 
@@ -60,8 +64,8 @@ def _try(client: ToolClient, cell: Cell, axis: Axis) -> Row:
     """Both ways by `first_enable`; direction, increments per unit and following error in a sentence."""
     row = client.axis(axis.name)
     if int(str(row["flags"])) & (AxisFlag.FAULT | AxisFlag.LOST | AxisFlag.UNCONFIGURED):
-        why = row["why"] or f"fault {row['fault']}"
-        raise ToolError(f"axis {axis.name} is not ready: {why}")
+        why = row["why"] or fault_words(axis, int(str(row["fault"])), cell.cell.language)
+        raise NotReady(f"axis {axis.name} is not ready: {why}")
     mask, first = mask_of(cell, [axis.name]), axis.first_enable
     client.take_over()
     limited = _limit_torque(client, axis, round(percent(first.torque) * 1000))
@@ -77,6 +81,15 @@ def _try(client: ToolClient, cell: Cell, axis: Axis) -> Row:
         if limited is not None:
             client.sdo(axis.name, TORQUE_LIMIT, 0, limited)
     return _verdict(axis, way, legs, start, end, limited is not None)
+
+
+class NotReady(ToolError):
+    """The drive says why; nothing was tried."""
+
+
+def fault_words(axis: Axis, code: int, language: str) -> str:
+    """The drive's code in the words of its family."""
+    return cia402_words.sentence(code, language) if axis.drive.type == "cia402" else servodyn_words.sentence(code, language)
 
 
 def _limit_torque(client: ToolClient, axis: Axis, permille: int) -> bytes | None:

@@ -239,7 +239,7 @@ def _numbers(kept: Collected, axes: list[int]) -> Iterable[str]:
             yield f"P{number} = [ {', '.join(_row(row, ('bus', 'start', 'length', 'id')) for row in rows)} ]"
     for number in (*PER_AXIS, *DRIVE):
         values = kept.per_axis.get(number, {})
-        if values and all(axis in values for axis in axes):
+        if values and axes and all(axis in values for axis in axes):
             yield f"P{number} = [ {', '.join(_one(number, values[axis]) for axis in axes)} ]"
     yield "P601 = false                     # true downloads P602..P615 to the drives"
 

@@ -4,6 +4,7 @@ import json
 import pathlib
 import shutil
 import subprocess
+import sys
 import threading
 import time
 
@@ -142,3 +143,15 @@ def test_bad_input_is_answered_in_words(tmp_path: pathlib.Path, capsys: pytest.C
 def test_a_bus_that_is_not_there_is_named_once(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["send", "broker:nobody", "--frame", "201#0600"]) == 3
     assert capsys.readouterr().err.count("broker:nobody:") == 1
+
+
+def test_a_recording_named_as_a_cell_is_told_and_a_closed_pipe_is_no_fault(
+    tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["load", "x.log"]) == 2
+    assert "is a recording: --log x.log" in capsys.readouterr().err
+    source = tmp_path / "long.log"
+    source.write_text("".join(f"({n * 0.001:.6f}) can0 064#{n & 255:02X}\n" for n in range(20_000)))
+    order = f"{sys.executable} -m gateway bus monitor --from {source} | head -2"
+    done = subprocess.run(order, shell=True, capture_output=True, text=True, check=True)
+    assert len(done.stdout.splitlines()) == 2 and not done.stderr
