@@ -10,7 +10,8 @@ PAGE = pathlib.Path(__file__).parent / "guide" / "dialects.md"
 HEAD = """# Dialects of 3964, 3964R, RK512 and BUEP64
 
 Written by docs/dialects.py from the tables the program runs with. `profile = "NAME"` in a `[[line]]`; `-tcp` at the end adds 500 ms for a
-serial server (AX-224); `protocol = "3964"` leaves the block check out; [line.times] and [line.choices] set single values (docs/guide/lines.md). QVZ = ADT = acknowledgement delay, ZVZ = CDT = character delay,
+serial server (AX-224); `protocol = "3964"` leaves the block check out; [line.times] and [line.choices] set single
+values (docs/guide/lines.md). QVZ = ADT = acknowledgement delay, ZVZ = CDT = character delay,
 BWZ = block wait time (VIPA: wait for the reaction instead). Times in ms; * = no source names it [open].
 BUEP19E is not offered: public sources give its job parameters and fault numbers, not its bytes on the line.
 

@@ -32,7 +32,7 @@ class DirectLink:
             return []
         with self._lock:
             frames = self.port.receive()
-        aside = []
+        aside: list[Frame] = []
         for frame in frames:
             cyclic = 0x180 <= frame.identifier < 0x580
             (self.cyclic if cyclic else aside).append(frame)

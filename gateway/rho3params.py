@@ -135,10 +135,11 @@ class _Work:
         """Modules 1..6 hang on the first SERVODYN bus, 7..12 (counted on) on the second (rho3 2.1, L7250)."""
         buses = [bus for bus in _tables(self.merged.raw.get("bus")) if bus.get("protocol") == "servodyn"]
         rack = (module - 1) // 6
-        if rack < len(buses):
+        if 0 <= rack < len(buses):
             drive.setdefault("type", "servodyn")
             drive.setdefault("bus", buses[rack].get("name", ""))
-        self.put(drive, "module", (module - 1) % 6 + 1, label, f"{name}.drive.module", place)
+        own = (module - 1) % 6 + 1 if module >= 1 else module  # what is none is told with the number that was typed
+        self.put(drive, "module", own, label, f"{name}.drive.module", place)
 
     def put(self, table: Any, key: str, value: object, label: str, where: str, place: Path) -> None:
         if not isinstance(table, dict):
