@@ -9,7 +9,7 @@ from drivers.drives.referencing import ReferenceSettings, settings_from
 from drivers.drives.scaling import Scaling
 from drivers.drives.servodyn import DriveSettings
 from gateway.cell import Axis, Cell
-from gateway.pure.core import CoreAxis
+from gateway.pure.coreaxis import CoreAxis
 from gateway.pure.office import AxisFacts, Planner
 from gateway.pure.permits import RcNumbers
 from gateway.pure.reasons import Reason, Refusal

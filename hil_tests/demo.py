@@ -9,6 +9,8 @@ import signal
 import sys
 import tempfile
 
+from drivers.ports.base import PortError
+from drivers.ports.can import open_can
 from hil_tests.lab.scenario import Scenario, ScenarioFailed
 
 EXAMPLES = """examples:
@@ -37,6 +39,12 @@ def main(argv: list[str]) -> int:
     if arguments.p5 is not None and not 2 <= arguments.p5 <= 32:
         print(f"axisgate demo: --p5 {arguments.p5}: the clock is 2..32 ms", file=sys.stderr)
         return 2
+    if arguments.bus:
+        try:
+            open_can(arguments.bus).close()
+        except PortError as error:  # told at once, not when the run has waited for its drives
+            print(f"axisgate demo: {error}", file=sys.stderr)
+            return 3
     p5 = arguments.p5 or (4 if realtime_allowed() else SLOW_P5)
     folder = arguments.records or pathlib.Path(tempfile.mkdtemp(prefix="axisgate-demo-"))
     folder.mkdir(parents=True, exist_ok=True)

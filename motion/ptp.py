@@ -10,7 +10,6 @@ from motion.errors import MotionError
 from motion.limits import AxisLimits, check_factor, check_targets
 from motion.pieces import MAX_AXES, Piece, Segment
 from motion.profile import Profile
-from motion.stepper import State, Stepper
 
 SMALLEST = 1e-12  # m or rad: less is no motion
 
@@ -78,6 +77,8 @@ def nominal_duration(piece: Piece) -> float:
 
 def _stepped_duration(piece: Piece, period_s: float) -> float:
     """For a varying speed table: the stepper itself tells, to one period."""
+    from motion.stepper import State, Stepper  # who only plans (services) does not load the stepper, and numpy with it
+
     stepper = Stepper(max(piece.axes) + 1, period_s)
     stepper.place_for(piece)
     stepper.load(piece)

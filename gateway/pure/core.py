@@ -4,14 +4,12 @@ It owns the drives' power machines, the stepper, referencing, the enabling input
 doors should decide.  A new core starts with drives off, override 0, nothing referenced and no rest of a move (design: section 4).
 """
 
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
-from drivers.drives.family import Actual, CyclicDrive, Demand, DriveHoming, DriveMaker, Event, Homing, Power, SetRecord
+from drivers.drives.family import Actual, Demand, DriveHoming, Event, Homing, Power, SetRecord
 from drivers.drives.limits import LagMonitor, LagState
-from drivers.drives.referencing import ReferenceSettings, Referencing, RunState
-from drivers.drives.scaling import Scaling
+from drivers.drives.referencing import Referencing, RunState
+from gateway.pure.coreaxis import CoreAxis, HeldAxis
 from gateway.pure.permits import AS_SHIPPED, EVERY, NO_PERMIT, EnablingInputs, RcNumbers
 from gateway.pure.plannerrecords import Part, PieceRecord
 from gateway.pure.reasons import Reason
@@ -51,44 +49,6 @@ TOO_MANY_SKIPPED = 3  # SYNCs skipped in a row: stop on the path
 SERVICES_LIMIT = ms(250)  # life counter of services older than this: dead
 
 
-@dataclass(frozen=True, slots=True)
-class CoreAxis:
-    """One axis as the core needs it; SI units."""
-
-    name: str
-    scaling: Scaling
-    reference: ReferenceSettings | DriveHoming | None  # None: absolute, always referenced
-    window: float  # in position within this distance
-    drive: DriveMaker
-    lag_warn: float = math.inf
-    lag_trip: float = math.inf
-    zeroed: bool = True  # False: absolute, and nobody has said yet where it reads 0
-
-    @property
-    def absolute(self) -> bool:
-        """Needs no reference run."""
-        return self.reference is None and self.zeroed
-
-
-@dataclass(slots=True)
-class _Axis:
-    plan: CoreAxis
-    drive: CyclicDrive
-    lag: LagMonitor
-    scaling: Scaling
-    wanted: bool = False  # drives on asked for
-    referenced: bool = False
-    run: Referencing | None = None  # by the gateway
-    by_drive: bool = False  # the drive references by itself
-    set: float = 0.0  # set position sent for the next SYNC
-    active_inc: int = 0  # where the drive is asked to be at this SYNC: sent two bursts ago, activated by the last SYNC (AX-144)
-    received_inc: int = 0  # sent with the burst before this one: the drive activated it at this SYNC
-    sent_inc: int = 0  # sent with this SYNC's burst
-    epoch: int = 0  # of the drive's increments; another one voids the reference (AX-110)
-    speed: float = 0.0
-    quiet: int = 0  # cycles inside the window
-
-
 class Core:
     """One cell's axes."""
 
@@ -106,7 +66,7 @@ class Core:
         self.outputs = bytearray(RC_BYTES)
         self._period = period_s
         self.plans = tuple(axes)
-        self._axes = [_Axis(plan, plan.drive.make(), LagMonitor(plan.lag_warn, plan.lag_trip), plan.scaling) for plan in axes]
+        self._axes = [HeldAxis(plan, plan.drive.make(), LagMonitor(plan.lag_warn, plan.lag_trip), plan.scaling) for plan in axes]
         for axis in self._axes:
             axis.referenced = axis.plan.absolute
         self._stepper = Stepper(len(axes), period_s)
@@ -391,7 +351,7 @@ class Core:
             self._fail(self._running, Reason.FOLLOWING_ERROR)
             self._running, self._arriving = 0, 0
 
-    def _demand(self, axis: _Axis) -> Demand:
+    def _demand(self, axis: HeldAxis) -> Demand:
         scaling = axis.scaling
         return Demand(
             on=axis.wanted,
@@ -402,7 +362,7 @@ class Core:
             home=axis.by_drive,
         )
 
-    def _judge_drive_homing(self, axis: _Axis) -> None:
+    def _judge_drive_homing(self, axis: HeldAxis) -> None:
         """The drive stands in its home position: from now on its increments mean what the plan says (AX-306)."""
         plan, state = axis.plan.reference, axis.drive.homing
         if state is Homing.DONE and isinstance(plan, DriveHoming):
@@ -418,7 +378,7 @@ class Core:
         if self._homing and not any(axis.run is not None or axis.by_drive for axis in self._axes):
             self.state.done_job, self._homing = self._homing, 0
 
-    def _step_homing(self, axis: _Axis, actual: Actual | None) -> None:
+    def _step_homing(self, axis: HeldAxis, actual: Actual | None) -> None:
         run = axis.run
         assert run is not None
         step = run.step(axis.drive.position_inc, actual is not None and actual.reference_switch, self._period)
@@ -513,7 +473,7 @@ class Core:
             set_bit(outputs, numbers.in_position + n, bool(bits & IN_POSITION))
             set_bit(outputs, numbers.referenced + n, bool(bits & REFERENCED))
 
-    def _publish_axis(self, out: AxisState, axis: _Axis, *, at_rest: bool) -> int:
+    def _publish_axis(self, out: AxisState, axis: HeldAxis, *, at_rest: bool) -> int:
         """The bits of AxisFlag."""
         drive, power = axis.drive, axis.drive.power
         out.actual = axis.scaling.to_si(drive.position_inc)

@@ -22,5 +22,11 @@ def test_the_cycle_process_loads_none_of_the_big_ones() -> None:
     assert [name for name in NEVER if name in loaded] == []
 
 
+def test_the_services_load_neither_core_nor_numbers_they_do_not_need() -> None:
+    """They must be back within 3 s of their death, also on a machine eight times slower."""
+    loaded = modules_of("gateway.processes.services")
+    assert [name for name in ("numpy", "pinocchio", "gateway.pure.core", "motion.stepper", "motion.follower") if name in loaded] == []
+
+
 def test_the_list_of_loaded_modules_would_show_one_of_them() -> None:
     assert "asyncio" in modules_of("asyncio")

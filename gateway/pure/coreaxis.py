@@ -1,0 +1,52 @@
+"""What the core is told about an axis, and what it remembers of it.
+
+Apart from the core: whoever only describes axes (services, commands) does not load the motion core with it.
+"""
+
+import math
+from dataclasses import dataclass
+
+from drivers.drives.family import CyclicDrive, DriveHoming, DriveMaker
+from drivers.drives.limits import LagMonitor
+from drivers.drives.referencing import ReferenceSettings, Referencing
+from drivers.drives.scaling import Scaling
+
+
+@dataclass(frozen=True, slots=True)
+class CoreAxis:
+    """One axis as the core needs it; SI units."""
+
+    name: str
+    scaling: Scaling
+    reference: ReferenceSettings | DriveHoming | None  # None: absolute, always referenced
+    window: float  # in position within this distance
+    drive: DriveMaker
+    lag_warn: float = math.inf
+    lag_trip: float = math.inf
+    zeroed: bool = True  # False: absolute, and nobody has said yet where it reads 0
+
+    @property
+    def absolute(self) -> bool:
+        """Needs no reference run."""
+        return self.reference is None and self.zeroed
+
+
+@dataclass(slots=True)
+class HeldAxis:
+    """One axis as the core holds it from cycle to cycle."""
+
+    plan: CoreAxis
+    drive: CyclicDrive
+    lag: LagMonitor
+    scaling: Scaling
+    wanted: bool = False  # drives on asked for
+    referenced: bool = False
+    run: Referencing | None = None  # by the gateway
+    by_drive: bool = False  # the drive references by itself
+    set: float = 0.0  # set position sent for the next SYNC
+    active_inc: int = 0  # where the drive is asked to be at this SYNC: sent two bursts ago, activated by the last SYNC (AX-144)
+    received_inc: int = 0  # sent with the burst before this one: the drive activated it at this SYNC
+    sent_inc: int = 0  # sent with this SYNC's burst
+    epoch: int = 0  # of the drive's increments; another one voids the reference (AX-110)
+    speed: float = 0.0
+    quiet: int = 0  # cycles inside the window
