@@ -1,7 +1,7 @@
 #!/bin/sh
 # What axisgate needs of the system beside Python packages; installs it as root on Debian, else says in one line what is missing.
 #   setup.sh python PYTHON   a Python >= 3.11 with venv; exit 3 without it
-#   setup.sh tools           lanes vcan, mbpoll, cref, tshark and the benchmarks; never fails: a lane says what it lacks
+#   setup.sh tools           lanes vcan, mbpoll, cref, tshark, the page in a browser and the benchmarks; never fails: a lane says what it lacks
 set -u
 
 install() {  # packages ...
@@ -34,6 +34,8 @@ tools)
     has ip || missing="$missing iproute2"
     has mbpoll || missing="$missing mbpoll"
     has tshark || missing="$missing tshark"
+    has chromium || missing="$missing chromium"
+    has mosquitto || missing="$missing mosquitto"
     { has cc || has gcc; } || missing="$missing gcc"
     [ -f /usr/include/stdio.h ] || missing="$missing libc6-dev"
     [ -f /usr/include/modbus/modbus.h ] || missing="$missing libmodbus-dev"
