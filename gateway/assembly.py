@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 
 from drivers.ports.base import runtime_dir
 from gateway.cell import Cell
+from gateway.cell_web import Web
 from gateway.families import DRIVE_PROTOCOLS
 from gateway.image import create_region, create_ring
 from gateway.pure import plannerrecords, records
@@ -68,6 +69,7 @@ class RunPlan:
     record: pathlib.Path | None = None
     children: tuple[Child, ...] = field(default_factory=tuple)
     zeros: Mapping[str, float] = field(default_factory=dict)  # of absolute axes: increments at which they read 0
+    web: Web | None = None  # the page, where the cell or the command line asks for it
 
     @property
     def journal(self) -> pathlib.Path:
@@ -97,8 +99,9 @@ def plan_run(
     modbus_port: int | None = None,
     record: pathlib.Path | None = None,
     baud: int | None = None,
+    web_port: int | None = None,
 ) -> RunPlan:
-    """Ports and processes of one run; `bus`, `p5_ms`, `modbus_port`, `baud` override the cell (demo and tests)."""
+    """Ports and processes of one run; `bus`, `p5_ms`, `modbus_port`, `baud`, `web_port` override the cell (demo and tests)."""
     slug = slug or slug_of(cell)
     folder = runtime_dir() / slug
     folder.mkdir(mode=0o700, exist_ok=True)
@@ -146,7 +149,20 @@ def plan_run(
         m.name: ("127.0.0.1" if simulated else m.host, modbus_port if modbus_port is not None else (1502 if simulated else m.port))
         for m in cell.modbus
     }
-    return RunPlan(slug, cell, simulated, folder, period_ms, buses, lines, binds, doors, record, (*sims, *core), known_zeros(cell))
+    web = page_of(cell, web_port, simulated=simulated)
+    if web is not None:
+        core.append(Child("web", "gateway.processes.web", (), ("axes", "rc_in", "rc_out", "links", *(("planner",) if cell.robot else ()))))
+    return RunPlan(slug, cell, simulated, folder, period_ms, buses, lines, binds, doors, record, (*sims, *core), known_zeros(cell), web)
+
+
+def page_of(cell: Cell, port: int | None, *, simulated: bool) -> Web | None:
+    """Where the page is served: as [web] says, on loopback in a simulation, on `port` when the command line asks for it."""
+    if cell.web is None and port is None:
+        return None
+    web = cell.web or Web()
+    host = "127.0.0.1" if simulated else web.host
+    shown = f"[{host}]" if ":" in host else host
+    return replace(web, bind=f"{shown}:{web.port if port is None else port}")
 
 
 def known_zeros(cell: Cell) -> dict[str, float]:

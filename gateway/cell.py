@@ -8,6 +8,9 @@ import datetime
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
+from gateway.cell_program import Program
+from gateway.cell_web import Web
+
 ParamValue = bool | int | float | str | tuple["ParamValue", ...] | Mapping[str, "ParamValue"]
 
 
@@ -560,10 +563,12 @@ class Cell:
     axis: tuple[Axis, ...] = ()
     modbus: tuple[Modbus, ...] = ()
     robot: Robot | None = None
+    program: tuple[Program, ...] = ()
     check_position: tuple[CheckPosition, ...] = ()
     telegram: tuple[Telegram, ...] = ()
     retain: Retain | None = None
     plant: Plant | None = None
+    web: Web | None = None
     sources: Mapping[str, Source] = field(default_factory=dict)  # "axis.1.limits.speed" -> P103[1], line 34
     notices: tuple[Notice, ...] = ()
 

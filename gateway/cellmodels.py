@@ -354,6 +354,12 @@ class Robot(Table):
     zero: str = ""
 
 
+class Program(Table):
+    number: int = Field(ge=1, le=9999)
+    file: str = Field(min_length=1)
+    kinematics: str = ""
+
+
 class CheckPosition(Table):
     name: str
     tolerance: float = Field(gt=0)
@@ -435,6 +441,15 @@ class Plant(Table):
     axis: dict[str, PlantAxis] = {}
 
 
+class Web(Table):
+    bind: str = Field(default="127.0.0.1:8480", pattern=r"^\S+:\d{1,5}$", json_schema_extra={"allowed": "address:port"})
+    names: list[str] = []
+    read_only: bool = False
+    tls_certificate: str = ""
+    tls_key: str = ""
+    data: str = ""
+
+
 class CellFile(Table):
     """The whole file."""
 
@@ -453,7 +468,9 @@ class CellFile(Table):
     axis: list[Axis] = []
     modbus: list[Modbus] = []
     robot: Robot | None = None
+    program: list[Program] = []
     check_position: list[CheckPosition] = []
     telegram: list[Telegram] = []
     retain: Retain | None = None
     plant: Plant | None = None
+    web: Web | None = None

@@ -11,6 +11,7 @@ from gateway.doors import BaseDoor, Tell
 from gateway.image import RegionWriter
 from gateway.linejournal import journaled
 from gateway.lineloop import LineRunner
+from gateway.linetap import Tap
 from gateway.pure.office import Office, OnLoss
 from gateway.pure.supervision import LinkWatch
 from protocols.base.machine import Machine, Ns
@@ -45,6 +46,7 @@ class SerialDoor(BaseDoor):
         self._partner: Counter[str] = Counter(dict.fromkeys((*self.counted, "same_priority"), 0))
         self._advice = ""  # what is to be set right by hand
         self._runner: LineRunner[object] | None = None
+        self.tap: Tap[object] | None = None  # what passed lately, for the page
         self._journal_next: Ns = 0
         tell(
             "link", f"door {self.number} {self.name}: {line.protocol} {line.profile} on {services.plan.lines[line.name]}", door=self.number
@@ -52,8 +54,8 @@ class SerialDoor(BaseDoor):
 
     def open(self, url: str) -> None:
         """Start the line; inside the running loop."""
-        machine = journaled(self.machine, self._services.plan, self.line)
-        self._runner = LineRunner[object](lambda: open_bytes(url, self.line.format), machine, self._on_event)
+        self.tap = Tap(journaled(self.machine, self._services.plan, self.line))
+        self._runner = LineRunner[object](lambda: open_bytes(url, self.line.format), self.tap, self._on_event)
 
     def close(self) -> None:
         """Give the port back."""

@@ -23,33 +23,37 @@ ENABLING_BITS, ENABLING_BYTE = range(24, 29), 3
 
 
 class ToolDesk:
-    """Requests of one tool at a time."""
+    """Requests of one tool at a time; the page has a desk of its own (gateway.pagedesk)."""
 
-    def __init__(self, services: "Services") -> None:
-        self._services = services
+    def __init__(self, services: "Services", door: int = TOOL_DOOR, name: str = "commissioning tool") -> None:
+        self._services, self._door, self._name = services, door, name
         self._heard: Ns = 0
         self.alive = False
         self.permits = False  # the tool has set the enabling inputs of a simulated cell
         self._jobs: dict[int, Job] = {}
         self._tickets: dict[int, dict[str, object]] = {}
-        services.office.control.link(TOOL_DOOR, alive=False)
+        services.office.control.link(door, alive=False)
 
     def wake(self, now: Ns) -> None:
         """A silent tool is a dead one."""
         if self.alive and now - self._heard > SILENCE:
             self.alive = self.permits = False
-            self._services.office.link(TOOL_DOOR, OnLoss.STOP, alive=False)
-            self._services.journal.write("link", "commissioning tool: gone", door=TOOL_DOOR)
+            self._services.office.link(self._door, OnLoss.STOP, alive=False)
+            self._services.journal.write("link", f"{self._name}: gone", door=self._door)
+
+    def heard(self) -> None:
+        """It is there."""
+        self._heard = time.monotonic_ns()
+        if not self.alive:
+            self.alive = True
+            self._services.office.link(self._door, OnLoss.STOP, alive=True)
 
     def answer(self, request: dict[str, object]) -> dict[str, object] | None:
         """None: not for us.  KeyError, ValueError: told to the tool as an error."""
         operation = request.get("op")
         if operation not in ("tool", "job", "axes", "sdo", "ticket", "permit"):
             return None
-        self._heard = time.monotonic_ns()
-        if not self.alive:
-            self.alive = True
-            self._services.office.link(TOOL_DOOR, OnLoss.STOP, alive=True)
+        self.heard()
         match operation:
             case "tool":
                 return self._command(request)
@@ -76,7 +80,7 @@ class ToolDesk:
             float(str(request.get("acceleration", 1.0))),
             tuple((values + [0.0] * AXES)[:AXES]),
         )
-        job = self._services.office.command(TOOL_DOOR, command, time.monotonic_ns(), first_try=bool(request.get("first_try")))
+        job = self._services.office.command(self._door, command, time.monotonic_ns(), first_try=bool(request.get("first_try")))
         self._jobs = {key: old for key, old in self._jobs.items() if old.open}
         self._jobs[job.id] = job
         self._services.flush()

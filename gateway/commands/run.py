@@ -15,7 +15,7 @@ from gateway.realtime import die_with_parent
 
 EXAMPLES = """examples:
   axisgate run demo --sim                       the demo's cell, everything simulated
-  axisgate run cell.toml --sim                  your cell without metal
+  axisgate run cell.toml --sim --web 8480       your cell without metal, with its page on http://127.0.0.1:8480
   axisgate run cell.toml                        your cell on its real ports
 """
 
@@ -29,6 +29,7 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--bus", help="CAN port in place of the cell's, e.g. socketcan:vcan0")
     parser.add_argument("--p5", type=int, help="clock in ms (2..32) in place of the cell's")
     parser.add_argument("--modbus-port", type=int, help="TCP port in place of the cell's")
+    parser.add_argument("--web", type=int, metavar="PORT", help="serve the page on this TCP port (default: as [web] of the cell says)")
     parser.add_argument("--name", help="name of this run for `axisgate var` (default: the file's)")
     parser.add_argument("--record", type=pathlib.Path, help="folder for bus log, line and emulator records")
     parser.add_argument("--json", action="store_true", help="print the plan of the run as JSON and do not start it")
@@ -61,11 +62,14 @@ def main(argv: list[str]) -> int:
             p5_ms=arguments.p5,
             modbus_port=arguments.modbus_port,
             record=arguments.record,
+            web_port=arguments.web,
         )
         if arguments.json:
             print(json.dumps(describe(plan), indent=1))
             return DONE
         print(BANNER)
+        if plan.web is not None:
+            print(f"page: {'https' if plan.web.tls_certificate else 'http'}://{plan.web.bind}/")
         return Supervisor(plan).run()
     except PortError as error:
         print(f"axisgate run: {error}", file=sys.stderr)
@@ -97,6 +101,7 @@ def describe(plan: RunPlan) -> dict[str, object]:
         "p5_ms": plan.p5_ms,
         "buses": dict(plan.buses),
         "lines": dict(plan.lines),
+        "web": plan.web.bind if plan.web else None,
         "modbus": {name: f"{host}:{port}" for name, (host, port) in plan.modbus.items()},
         "doors": [{"number": door.number, "name": door.name, "kind": door.kind} for door in plan.doors],
         "processes": [{"name": child.name, "module": child.module, "arguments": list(child.arguments)} for child in plan.children],

@@ -22,6 +22,7 @@ from gateway.journal import Journal
 from gateway.lastplace import judge, remember
 from gateway.linedoor import LineDoor
 from gateway.modbusdoor import ModbusDoor
+from gateway.pagedesk import Desks
 from gateway.pure.office import Office
 from gateway.pure.reasons import CommandState, Reason, text
 from gateway.pure.records import (
@@ -41,7 +42,7 @@ from gateway.pure.supervision import LinkWatch
 from gateway.realtime import Timerfd, die_with_parent
 from gateway.telegramdoor import TelegramDoor
 from gateway.telegramtables import named_values
-from gateway.tooldesk import ENABLING_BYTE, ToolDesk
+from gateway.tooldesk import ENABLING_BYTE
 from gateway.variables import Variables
 from motion.pieces import RECORD_SIZE
 from protocols.base.machine import ms
@@ -81,7 +82,7 @@ class Services:
         self.doors = [self._door(number, fds) for number in range(len(plan.doors))]
         self.canopen = CanopenOffice(plan, fds, self.journal.write)
         self.timer = Timerfd()
-        self.tools = ToolDesk(self)
+        self.tools = Desks(self)
         self.variables = Variables(self)
         self._state_index = -1
         self._places_judged = False
@@ -251,7 +252,7 @@ class Services:
                 self.values.refusals[event.door] = refusal
             elif event.what == "accepted":
                 self.values.refusals.pop(event.door, None)
-        payload = pack_inputs(self.inputs)
+        payload = pack_inputs(self.tools.forces.over(self.inputs))
         if payload != self._inputs_written:
             self._inputs_written = payload
             self.rc_in.write(payload, time.monotonic_ns())
@@ -277,14 +278,15 @@ class Services:
                 for d in self.doors
             ],
             "owner": self.office.owner,
+            "forced": len(self.tools.forces.bits),
             **self.canopen.status(),
             "errors": [{"code": code, "text": words} for code, words in self.values.errors[:8]],
             "inputs": {str(octet): self.inputs.values[octet] for octet in self.owned},
         }
 
     def input_bit(self, number: int) -> bool:
-        """RC input N as it stands."""
-        return get_bit(self.inputs.values, number)
+        """RC input N as it stands, a forced one as it is forced."""
+        return self.tools.forces.bits.get(number, get_bit(self.inputs.values, number))
 
 
 async def _run(plan: RunPlan, fds: dict[str, int]) -> None:

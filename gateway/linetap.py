@@ -1,0 +1,57 @@
+"""What a line's door heard and said, the last few thousand characters, for pages that decode it; costs the line one append."""
+
+from collections import deque
+from collections.abc import Sequence
+from typing import Generic, TypeVar
+
+from protocols.base.machine import Damage, Machine, Ns
+
+E = TypeVar("E")
+KEPT = 512  # pieces of what came or went, a few characters each
+Piece = tuple[int, Ns, str, bytes | Damage]  # number, stamp, side (A: the partner, B: axisgate), characters
+
+
+class Tap(Generic[E]):
+    """A machine between loop and door that keeps what passes."""
+
+    def __init__(self, machine: Machine[E]) -> None:
+        self._machine = machine
+        self._kept: deque[Piece] = deque(maxlen=KEPT)
+        self._number = 0
+        self._latest: Ns = 0
+
+    def since(self, number: int) -> list[Piece]:
+        """Pieces after that one, as far as they are kept."""
+        return [piece for piece in self._kept if piece[0] > number]
+
+    def receive(self, data: bytes, now: Ns) -> Sequence[E]:
+        self._keep(now, "A", data)
+        return self._machine.receive(data, now)
+
+    def damaged(self, kind: Damage, now: Ns) -> Sequence[E]:
+        self._keep(now, "A", kind)
+        return self._machine.damaged(kind, now)
+
+    def sent(self, now: Ns) -> Sequence[E]:
+        return self._machine.sent(now)
+
+    def wake(self, now: Ns) -> Sequence[E]:
+        self._latest = now
+        return self._machine.wake(now)
+
+    def lost(self, now: Ns) -> Sequence[E]:
+        return self._machine.lost(now)
+
+    def deadline(self) -> Ns | None:
+        return self._machine.deadline()
+
+    def take_output(self) -> bytes:
+        output = self._machine.take_output()
+        if output:
+            self._keep(self._latest, "B", output)  # it answers what came last
+        return output
+
+    def _keep(self, now: Ns, side: str, what: bytes | Damage) -> None:
+        self._number += 1
+        self._latest = max(now, self._latest)
+        self._kept.append((self._number, self._latest, side, what))

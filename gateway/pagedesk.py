@@ -1,0 +1,101 @@
+"""The services' side of the page: a door of its own beside the commissioning tools', and what only a page asks for.
+
+Requests come as those of tools do (gateway.variables), with "door": 91.  alive: the page's holder of control is there; look: data
+blocks, named values, forces; tap: characters of the lines; force, unforce: RC inputs (AX-472).
+"""
+
+import time
+from typing import TYPE_CHECKING
+
+from gateway.forces import Forces
+from gateway.linedoor import LineDoor
+from gateway.serialdoor import SerialDoor
+from gateway.tooldesk import ENABLING_BITS, ToolDesk
+from protocols.base.machine import Damage, Ns
+
+if TYPE_CHECKING:
+    from gateway.processes.services import Services
+
+PAGE_DOOR = 91
+
+
+class Desks:
+    """The desks of tools and page, each a door with its own life."""
+
+    def __init__(self, services: "Services") -> None:
+        self._services = services
+        self.forces = Forces()
+        self._tool = ToolDesk(services)
+        self._page = ToolDesk(services, PAGE_DOOR, "page")
+
+    @property
+    def permits(self) -> bool:
+        """One of them has set the enabling inputs of a simulated cell."""
+        return self._tool.permits or self._page.permits
+
+    def wake(self, now: Ns) -> None:
+        """A silent one is a dead one."""
+        self._tool.wake(now)
+        self._page.wake(now)
+
+    def answer(self, request: dict[str, object]) -> dict[str, object] | None:
+        """None: not for us.  KeyError, ValueError: told as an error."""
+        if request.get("door") != PAGE_DOOR:
+            return self._tool.answer(request)
+        match request.get("op"):
+            case "alive":
+                self._page.heard()
+                return {"ok": True}
+            case "look":
+                return self._look()
+            case "tap":
+                return self._tapped(request)
+            case "force" | "unforce" as op:
+                return self._force(request, lay=op == "force")
+        return self._page.answer(request)
+
+    def _look(self) -> dict[str, object]:
+        """Bytes of every data block, named values with quality and age in ms, forced inputs."""
+        services, now = self._services, time.monotonic_ns()
+        blocks: dict[str, dict[str, object]] = {}
+        for door in services.doors:
+            if isinstance(door, LineDoor):
+                for number in sorted(door.data.blocks) if door.data is not None else (10, 11, 20, 21):
+                    data = door.block_bytes(number)
+                    blocks[str(number)] = {"line": door.name, "hex": (data or b"").hex(), "alive": door.watch.alive}
+        named: dict[str, list[object]] = {}
+        for name in services.named.names():
+            sample = services.named.sample(name)
+            age = round((now - sample.stamp_ns) / 1e6) if sample.stamp_ns else None
+            named[name] = [sample.value, int(sample.quality), age, sample.source]
+        return {"blocks": blocks, "named": named, "forced": {str(bit): int(value) for bit, value in self.forces.bits.items()}}
+
+    def _tapped(self, request: dict[str, object]) -> dict[str, object]:
+        """{line: [[number, stamp ns, side, hex or kind of damage]]} after the numbers given for each line."""
+        since = request.get("since")
+        seen = since if isinstance(since, dict) else {}
+        found: dict[str, object] = {}
+        for door in self._services.doors:
+            if isinstance(door, SerialDoor) and door.tap is not None:
+                pieces = door.tap.since(int(seen.get(door.name, 0)))
+                found[door.name] = [[n, at, side, f"!{w.name}" if isinstance(w, Damage) else w.hex()] for n, at, side, w in pieces]
+        return {"lines": found}
+
+    def _force(self, request: dict[str, object], *, lay: bool) -> dict[str, object]:
+        services, who = self._services, str(request.get("who", "page"))
+        bit = request.get("bit")
+        number = None if bit is None else int(str(bit))
+        if not lay:
+            self.forces.drop(number)
+            words = f"force of RC input {number} ended" if number is not None else "all forces ended"
+        else:
+            if number is None:
+                raise ValueError("bit: number of an RC input")
+            if number in ENABLING_BITS and not services.plan.simulated:
+                raise ValueError(f"RC input {number} is an enabling input: it is forced in a simulation only")
+            value = bool(int(str(request["value"])))
+            self.forces.put(number, value, time.monotonic_ns())
+            words = f"RC input {number} forced to {int(value)}"
+        services.journal.write("force", f"{words} by {who}", bit=number, who=who)
+        services.flush()
+        return {"ok": True, "forced": {str(key): int(each) for key, each in self.forces.bits.items()}}
