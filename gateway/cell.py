@@ -8,6 +8,7 @@ import datetime
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
+from gateway.cell_modbus import Modbus
 from gateway.cell_program import Program
 from gateway.cell_web import Web
 
@@ -380,40 +381,6 @@ class Axis:
     brake: str = "drive"  # drive | gateway | none
 
 
-@dataclass(frozen=True, slots=True)
-class ModbusRegisters:
-    """One [[modbus.registers]] table."""
-
-    at: int
-    from_: str
-
-
-@dataclass(frozen=True, slots=True)
-class Modbus:
-    """[[modbus]]: a Modbus TCP server (one door)."""
-
-    name: str
-    role: str = "server"
-    bind: str = "127.0.0.1:1502"
-    unit: int = 1
-    allow: tuple[str, ...] = ()  # clients that may write; empty: everybody who reaches the bound address
-    view: str = "rho3"
-    command_block: bool = False
-    float: str = "ABCD"
-    first_address: int = 0
-    max_silence_ms: int = 500
-    on_loss: str = "stop_on_path"
-    registers: tuple[ModbusRegisters, ...] = ()
-
-    @property
-    def host(self) -> str:
-        return self.bind.rsplit(":", 1)[0]
-
-    @property
-    def port(self) -> int:
-        return int(self.bind.rsplit(":", 1)[1])
-
-
 PLANNED_KINEMATICS = ("identity", "portal", "scara", "arm6", "urdf")
 
 
@@ -624,6 +591,8 @@ class Cell:
                 yield f"axis.{axis.name}.home.mode", axis.home.mode, (0, 1, 2, 3)
         for door in self.modbus:
             yield f"modbus.{door.name}.float", door.float, ("ABCD",)
+            yield f"modbus.{door.name}.role", door.role, ("server",)
+            yield f"modbus.{door.name}.framing", door.framing, ("tcp",)
 
     def axis_named(self, name: str) -> Axis:
         """The axis of that name; KeyError names those that exist."""

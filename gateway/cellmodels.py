@@ -8,6 +8,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
+from gateway.cellmodels_modbus import Modbus
+
 BAUDS = "300|600|1200|2400|4800|9600|19200|38400|57600|115200"
 STEP5_TYPES = ("bit", "KF", "DH", "KH", "KM", "KY", "KC", "KT", "KZ", "KG", "REAL", "BCD")
 OnLoss = Literal["hold", "finish_move", "stop_on_path", "quick_stop"]
@@ -325,26 +327,6 @@ class Axis(AxisDefaults):
 
 class Defaults(Table):
     axis: AxisDefaults = AxisDefaults()
-
-
-class ModbusRegisters(Table):
-    at: int = Field(ge=0, le=65535)
-    from_: str = Field(alias="from")
-
-
-class Modbus(Table):
-    name: Name
-    role: Literal["server"] = "server"
-    bind: str = Field(default="127.0.0.1:1502", pattern=r"^\S+:\d{1,5}$", json_schema_extra={"allowed": "address:port"})
-    unit: int = Field(default=1, ge=1, le=247)
-    allow: list[str] = []
-    view: Literal["rho3"] = "rho3"
-    command_block: bool = False
-    float: Literal["ABCD", "CDAB", "BADC", "DCBA"] = "ABCD"
-    first_address: int = Field(default=0, ge=0, le=1)
-    max_silence_ms: int = Field(default=500, ge=50, le=60000, json_schema_extra={"unit": "ms"})
-    on_loss: OnLoss = "stop_on_path"
-    registers: list[ModbusRegisters] = []
 
 
 class Robot(Table):

@@ -8,10 +8,11 @@ import tomllib
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from drivers.emulator.settings import RANGES, ServoSettings
 from gateway import cell as plain
+from gateway import cell_modbus, cellmodels_modbus
 from gateway import cellmodels as models
 from gateway.cell import Cell, Source
 from gateway.checks import cross_faults, notices
@@ -166,16 +167,18 @@ def _tables(value: Any) -> list[dict[str, Any]]:
     return [each for each in value if isinstance(each, dict)] if isinstance(value, list) else []
 
 
-PLAIN: Mapping[type[models.Table], Callable[..., object]] = {
-    getattr(models, name): getattr(plain, name)
-    for name in vars(plain)
-    if isinstance(getattr(models, name, None), type) and issubclass(getattr(models, name), models.Table)
+PARTS = ((plain, models), (cell_modbus, cellmodels_modbus))  # frozen data and their models, class by class of the same name
+PLAIN: Mapping[type[BaseModel], Callable[..., object]] = {
+    getattr(edge, name): getattr(inside, name)
+    for inside, edge in PARTS
+    for name in vars(inside)
+    if isinstance(getattr(edge, name, None), type) and issubclass(getattr(edge, name), BaseModel)
 }
 
 
 def _plain(value: Any) -> Any:
     """Models become the dataclasses of the same name, lists tuples; byte numbers of [rc_inputs] become int."""
-    if isinstance(value, models.Table):
+    if isinstance(value, BaseModel):
         kind = PLAIN.get(type(value)) or PLAIN[type(value).__mro__[1]]
         values = {name: _plain(getattr(value, name)) for name in type(value).model_fields}
         if isinstance(value, models.RcInputs):

@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable, Collection, Sequence
 
-from gateway.cell import Modbus
+from gateway.cell_modbus import Modbus
 from gateway.doors import BaseDoor
 from gateway.modbus_server import ModbusServer
 from gateway.pure.modbus_view import RhoView
