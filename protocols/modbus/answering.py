@@ -1,4 +1,6 @@
-"""From a request PDU to its answer PDU.  Decoding and encoding are pymodbus' PDU classes; every decision is ours (validate, view)."""
+"""From a request PDU to its answer PDU.  Decoding and encoding of the tables are pymodbus' PDU classes; every decision is ours
+(validate, view).  What is not a table (FC 7, 8, 11, 12, 17, 20, 21, 24, 43) is in protocols.modbus.special.
+"""
 
 import struct
 from collections.abc import Sequence
@@ -9,6 +11,8 @@ from pymodbus.pdu import ExceptionResponse, ModbusPDU
 from pymodbus.pdu import bit_message as bit
 from pymodbus.pdu import register_message as register
 
+from protocols.modbus.special import SPECIAL, special
+from protocols.modbus.station import Station
 from protocols.modbus.validate import refusal
 from protocols.modbus.view import ExceptionCode, Kind, View
 
@@ -46,18 +50,24 @@ READS: dict[int, BitRead | WordRead] = {
 }
 
 
-def answer(pdu: bytes, view: View | None, may_write: bool = True) -> bytes:
+def answer(pdu: bytes, view: View | None, may_write: bool = True, station: Station | None = None) -> bytes:
     """The answer PDU to `pdu`; never raises on what a partner sends (a view that raises is its owner's mistake and passes through).
 
     view: the addressed unit's tables, None when there is no such unit (0Bh, AX-012).  An exception answer carries the function code
-    of the request with bit 7 set, whatever it was.  An empty PDU has nothing to answer to and gives b"".
+    of the request with bit 7 set, whatever it was.  An empty PDU has nothing to answer to and gives b"", and so does a diagnosis that
+    switches to listening only (FC 8/4, serial lines).  station: what FC 8, 11, 12, 17 and 43 speak of; without it they are 01.
     """
     if not pdu:
         return b""
     if view is None:
         return exception(pdu[0], ExceptionCode.GATEWAY_TARGET_SILENT)
     read = READS.get(pdu[0])
-    result = _write(pdu, view, may_write) if read is None else _read(read, pdu, view)
+    if read is not None:
+        result = _read(read, pdu, view)
+    elif pdu[0] in SPECIAL:
+        result = special(pdu, view, may_write, station)
+    else:
+        result = _write(pdu, view, may_write)
     return exception(pdu[0], result) if isinstance(result, ExceptionCode) else result
 
 
@@ -114,8 +124,12 @@ def _write(pdu: bytes, view: View, may_write: bool) -> bytes | ExceptionCode:
             return _write_register(pdu, view)
         case 15:
             return _write_coils(pdu, view)
-        case _:
+        case 16:
             return _write_registers(pdu, view)
+        case 22:
+            return _mask_write(pdu, view)
+        case _:
+            return _read_write(pdu, view)
 
 
 def _write_coil(pdu: bytes, view: View) -> bytes | ExceptionCode:
@@ -144,3 +158,28 @@ def _write_registers(pdu: bytes, view: View) -> bytes | ExceptionCode:
     request.decode(pdu[1:])
     why = view.write_words(request.address, request.registers)
     return why or _pdu(register.WriteMultipleRegistersResponse(address=request.address, count=request.count))
+
+
+def _mask_write(pdu: bytes, view: View) -> bytes | ExceptionCode:
+    """(current AND and-mask) OR (or-mask AND NOT and-mask), V1.1b3, 6.16."""
+    address, and_mask, or_mask = struct.unpack(">HHH", pdu[1:])
+    current = view.read_words(Kind.HOLDING_REGISTERS, address, 1)
+    if isinstance(current, ExceptionCode):
+        return current
+    return view.write_words(address, [current[0] & and_mask | or_mask & ~and_mask & 0xFFFF]) or pdu
+
+
+def _read_write(pdu: bytes, view: View) -> bytes | ExceptionCode:
+    """The write before the read (V1.1b3, 6.17); what cannot be read is found first, so that nothing is written."""
+    request = register.ReadWriteMultipleRegistersRequest()
+    request.decode(pdu[1:])
+    before = view.read_words(Kind.HOLDING_REGISTERS, request.read_address, request.read_count)
+    if isinstance(before, ExceptionCode):
+        return before
+    why = view.write_words(request.write_address, request.write_registers)
+    if why is not None:
+        return why
+    words = view.read_words(Kind.HOLDING_REGISTERS, request.read_address, request.read_count)
+    if isinstance(words, ExceptionCode) or len(words) != request.read_count:
+        return ExceptionCode.SERVER_DEVICE_FAILURE
+    return _pdu(register.ReadWriteMultipleRegistersResponse(registers=list(words)))

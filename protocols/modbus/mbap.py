@@ -37,6 +37,7 @@ class Why(Enum):
     LENGTH = auto()  # the header announces 0, 1 or more than 254 bytes
     HALF_FRAME = auto()  # the rest of a frame did not come in time
     LOST = auto()  # the connection ended inside a frame
+    CHECK = auto()  # RTU over TCP: the check does not fit where a frame must end
 
 
 class Closing(NamedTuple):

@@ -5,7 +5,7 @@ Addresses are protocol addresses, base 0: register "40001" of a manual is holdin
 
 from collections.abc import Sequence
 from enum import Enum, IntEnum, auto
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 
 class Kind(Enum):
@@ -43,6 +43,31 @@ class View(Protocol):
     def read_words(self, kind: Kind, address: int, count: int) -> Sequence[int] | ExceptionCode: ...  # HOLDING_, INPUT_REGISTERS
     def write_bits(self, address: int, values: Sequence[bool]) -> ExceptionCode | None: ...  # coils; None: done, all of it
     def write_words(self, address: int, values: Sequence[int]) -> ExceptionCode | None: ...  # holding registers; None: done
+
+
+# What a unit may have beside its four tables; a view that lacks the method answers 01 to the function (AX-342).
+
+
+@runtime_checkable
+class HasStatus(Protocol):
+    """FC 7."""
+
+    def exception_status(self) -> int: ...  # 0..255
+
+
+@runtime_checkable
+class HasFiles(Protocol):
+    """FC 20 and 21; record numbers and counts are checked before, file numbers are 1..65535."""
+
+    def read_record(self, file: int, record: int, count: int) -> Sequence[int] | ExceptionCode: ...
+    def write_record(self, file: int, record: int, values: Sequence[int]) -> ExceptionCode | None: ...
+
+
+@runtime_checkable
+class HasQueue(Protocol):
+    """FC 24."""
+
+    def read_queue(self, address: int) -> Sequence[int] | ExceptionCode: ...  # more than 31 are answered with 03
 
 
 def home_unit(unit: int, own: int) -> int:
