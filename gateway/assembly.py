@@ -12,6 +12,7 @@ from gateway.cell import Cell
 from gateway.cell_web import Web
 from gateway.families import DRIVE_PROTOCOLS
 from gateway.image import create_region, create_ring
+from gateway.programplan import ProgramPlan, plan_programs
 from gateway.pure import plannerrecords, records
 from gateway.pure.records import (
     ACYCLIC_RECORDS,
@@ -70,6 +71,7 @@ class RunPlan:
     children: tuple[Child, ...] = field(default_factory=tuple)
     zeros: Mapping[str, float] = field(default_factory=dict)  # of absolute axes: increments at which they read 0
     web: Web | None = None  # the page, where the cell or the command line asks for it
+    programs: Mapping[int, ProgramPlan] = field(default_factory=dict)
 
     @property
     def journal(self) -> pathlib.Path:
@@ -142,6 +144,7 @@ def plan_run(
     ]
     if cell.robot is not None:
         core[0] = replace(core[0], regions=(*core[0].regions, "pieces", "planner"))
+        core[1] = replace(core[1], regions=(*core[1].regions, "blocks", "planner"))
         core.append(
             Child("planner", "gateway.processes.planner", (), ("axes", "blocks", "pieces", "planner"), "planner", PLANNER_LIFE_MS * MS)
         )
@@ -152,7 +155,8 @@ def plan_run(
     web = page_of(cell, web_port, simulated=simulated)
     if web is not None:
         core.append(Child("web", "gateway.processes.web", (), ("axes", "rc_in", "rc_out", "links", *(("planner",) if cell.robot else ()))))
-    return RunPlan(slug, cell, simulated, folder, period_ms, buses, lines, binds, doors, record, (*sims, *core), known_zeros(cell), web)
+    children, zeros, programs = (*sims, *core), known_zeros(cell), plan_programs(cell)
+    return RunPlan(slug, cell, simulated, folder, period_ms, buses, lines, binds, doors, record, children, zeros, web, programs)
 
 
 def page_of(cell: Cell, port: int | None, *, simulated: bool) -> Web | None:

@@ -51,7 +51,7 @@ class ToolDesk:
     def answer(self, request: dict[str, object]) -> dict[str, object] | None:
         """None: not for us.  KeyError, ValueError: told to the tool as an error."""
         operation = request.get("op")
-        if operation not in ("tool", "job", "axes", "sdo", "ticket", "permit"):
+        if operation not in ("tool", "job", "axes", "sdo", "ticket", "permit", "programs"):
             return None
         self.heard()
         match operation:
@@ -65,6 +65,8 @@ class ToolDesk:
                 return self._tickets.get(int(str(request["ticket"])), {"error": "no such ticket"})
             case "permit":
                 return self._permit()
+            case "programs":
+                return self._programs()
             case _:
                 return self._axes()
 
@@ -101,6 +103,18 @@ class ToolDesk:
             rows.append({"name": fact.name, "unit": fact.unit, **places, **told})
         return {"axes": rows, "cycle": state.cycle, "ready": state.ready, "motion": int(state.motion), "permits": state.permits,
                 "cause": state.stop_cause, "override": state.override, "simulated": services.plan.simulated}  # fmt: skip
+
+    def _programs(self) -> dict[str, object]:
+        """Programs of the cell by number, and how far the planner is; op "tool", code "program", mask = number orders one."""
+        office = self._services.office
+        planner, state = office.planner, self._services.values.state
+        way = {} if planner is None else {"block": planner.block, "share": planner.share, "waiting": planner.waiting}
+        return {
+            "programs": {str(number): program.name for number, program in sorted(office.programs.items())},
+            "planner": planner is not None,
+            "running": state.job,
+            **way,
+        }
 
     def _permit(self) -> dict[str, object]:
         services = self._services

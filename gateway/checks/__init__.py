@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 
 from gateway.cell import Cell, Notice
-from gateway.checks import axes, blocks, buses, canopen, doors, lines, notes, rho3can, telegrams, web
+from gateway.checks import axes, blocks, buses, canopen, doors, lines, notes, programs, rho3can, telegrams, web
 from gateway.checks.context import Context
 from gateway.faults import Fault
 from gateway.pure.signals import SignalList
@@ -23,6 +23,7 @@ def cross_faults(cell: Cell, known: Mapping[str, frozenset[str]], signals: Signa
         *canopen.CHECKS,
         *axes.CHECKS,
         *telegrams.CHECKS,
+        *programs.CHECKS,
         *web.CHECKS,
     ):
         check(context)

@@ -1,4 +1,4 @@
-"""`axisgate motion check|plot PROGRAM`: where a program leaves reach or limits, and what it does, before anything moves."""
+"""Motion programs: where one leaves reach or limits (check), what it does (plot), before anything moves; and a run of one (run)."""
 
 import argparse
 import json
@@ -7,6 +7,7 @@ import sys
 
 import numpy as np
 
+from gateway.commands.motion_run import main as run
 from gateway.errors import Exit
 from gateway.files import ConfigNotFound, find_config, read_text
 from gateway.motionplot import page
@@ -22,11 +23,14 @@ EXAMPLES = """examples:
   axisgate motion check arm-u-cycle                         every block that cannot be run, with number, line and axis
   axisgate motion plot scara-pick-and-place                 writes scara-pick-and-place.html: path, speeds, loads, corners
   axisgate motion check mine.txt --robot tx60-like --json   another robot than the program names; findings as JSON
+  axisgate motion run scara 1 --sim                         program 1 of a cell, on its emulated drives (motion run -h)
 PROGRAM is a file, or the name of a shipped one (configs/programs); the text form is told in docs/guide/motion-programs.md.
 exit code: 0 can be run, 1 a finding, 2 the program, its text or the robot is invalid"""
 
 
 def main(argv: list[str]) -> int:
+    if argv[:1] == ["run"]:
+        return run(argv[1:])
     parser = argparse.ArgumentParser(
         "axisgate motion", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -4,26 +4,26 @@ holds then ends at rest on the path, and nothing moves again without a fresh ord
 
 import argparse
 import contextlib
+import pathlib
 import select
 import signal
 import time
-from dataclasses import replace
 
 from gateway.assembly import RunPlan, load_plan
-from gateway.axes import limits_of
-from gateway.files import ConfigNotFound
+from gateway.files import read_text
 from gateway.image import RegionReader, RegionWriter, RingReader, RingWriter, fds_from_text
 from gateway.journal import Journal
+from gateway.programplan import machine_of_cell, written_for
 from gateway.pure.plannerrecords import SAY_LAYOUT, PlannerState, pack_piece, pack_planner, unpack_block
 from gateway.pure.programs import Programs
 from gateway.pure.records import CellState, Motion, unpack_cell_state
 from gateway.realtime import Timerfd, die_with_parent
-from gateway.robotfile import RobotFaults, load_robot
 from motion.errors import MotionError
-from motion.planner.robot import Machine, machine_of
+from motion.planner.robot import Machine
 
 TURN_NS = 5_000_000
 TAKEN = 64  # block records a turn: a long program does not keep the life counter waiting
+PREPARING_NS = 20_000_000  # of a turn at most for lines of a program that is read whole
 
 
 class PlannerProcess:
@@ -36,24 +36,24 @@ class PlannerProcess:
         self.blocks = RingReader(fds["blocks"], "blocks", SAY_LAYOUT)
         self.pieces = RingWriter(fds["pieces"], "pieces")
         self.region = RegionWriter(fds["planner"], "planner")
-        self.limits = [limits_of(axis) for axis in plan.cell.axis]
-        self.programs = Programs(self.machine, self.mask)
+        self.count = len(plan.cell.axis)
+        self.programs = Programs(self.machine, self.mask, self.text)
         self._told: tuple[int, str] = (0, "")
         self._stop = False
 
     def machine(self, name: str) -> Machine:
-        """The robot a program names, with the limits of this cell's axes; raises MotionError."""
+        """The cell's robot, which a program names or not; raises MotionError."""
+        model = self.plan.cell.robot.model if self.plan.cell.robot else ""
+        if not written_for(name, model):
+            raise MotionError(f"the program is written for robot {name}, this cell's is {model}")
+        return machine_of_cell(self.plan.cell)
+
+    def text(self, number: int) -> str:
+        """The program as it stands in its file now; raises MotionError."""
         try:
-            robot = machine_of(load_robot(name))
-        except (ConfigNotFound, RobotFaults, OSError) as error:
-            raise MotionError(f"robot {name!r}: {error}") from error
-        if robot.axes > len(self.limits):
-            raise MotionError(f"robot {name} has {robot.axes} axes, the cell {len(self.limits)}")
-        own = self.limits[: robot.axes]
-        for ours, its in zip(own, robot.limits, strict=True):
-            if ours.unit != its.unit:
-                raise MotionError(f"axis {ours.name} of the cell is in {ours.unit}, axis {its.name} of robot {name} in {its.unit}")
-        return replace(robot, limits=tuple(own))
+            return read_text(pathlib.Path(self.plan.programs[number].path))
+        except (KeyError, OSError, UnicodeDecodeError) as error:
+            raise MotionError(f"program {number}: {error}") from error
 
     @staticmethod
     def mask(machine: Machine) -> int:
@@ -81,12 +81,17 @@ class PlannerProcess:
         payload = self.axes.read()
         state = CellState() if payload is None else unpack_cell_state(payload)
         records = [unpack_block(data) for _, data in self.blocks.take(TAKEN)]
-        standing = [axis.set for axis in state.axes[: len(self.limits)]]
+        standing = [axis.set for axis in state.axes[: self.count]]
+        while self.programs.preparing and time.monotonic_ns() - now < PREPARING_NS:
+            self.programs.prepare(standing)
         moving = state.motion is not Motion.IDLE
-        for record in self.programs.turn(records, state.generation, state.piece, standing, moving=moving):
-            self.pieces.put(pack_piece(record))
+        pieces = self.programs.turn(
+            records, state.generation, state.piece, standing, moving=moving, taken=state.taken, failed=state.failed_job
+        )
         self._tell(self.programs.state)
-        self.region.write(pack_planner(self.programs.state), now)
+        self.region.write(pack_planner(self.programs.state), now)  # a fault's words are there before the cycle hears of it
+        for record in pieces:
+            self.pieces.put(pack_piece(record))
         self.region.beat(time.monotonic_ns())
 
     def _tell(self, state: PlannerState) -> None:

@@ -23,6 +23,7 @@ from gateway.lastplace import judge, remember
 from gateway.linedoor import LineDoor
 from gateway.modbusdoor import ModbusDoor
 from gateway.pagedesk import Desks
+from gateway.programdesk import ProgramDesk
 from gateway.pure.office import Office
 from gateway.pure.reasons import CommandState, Reason, text
 from gateway.pure.records import (
@@ -78,7 +79,9 @@ class Services:
         first_job = 1 if standing is None else unpack_cell_state(standing).taken + 1000
         self.numbers = rc_numbers(cell)
         self.owned = {octet: plan.door(name).number for octet, name in cell.rc_inputs.owner.items()}
-        self.office = Office(axis_facts(cell), make_planner(cell), first_job)
+        self.programs = ProgramDesk(fds)
+        programs = {number: program.facts for number, program in plan.programs.items()}
+        self.office = Office(axis_facts(cell), make_planner(cell), first_job, programs)
         self.doors = [self._door(number, fds) for number in range(len(plan.doors))]
         self.canopen = CanopenOffice(plan, fds, self.journal.write)
         self.timer = Timerfd()
@@ -188,6 +191,7 @@ class Services:
             for sentence in judge(self.cell, state):
                 self.journal.write("alarm", sentence)
         self.values.life += 1
+        self.office.planner = self.programs.state()
         self.office.observe(state, now)
 
     def _cycle_gone(self, now: int) -> None:
@@ -258,6 +262,7 @@ class Services:
             self.rc_in.write(payload, time.monotonic_ns())
         for order in self.office.take_orders():
             self.orders.put(pack_order(order, RECORD_SIZE))
+        self.programs.order(self.office.take_programs())
 
     # ---- what tools see ----------------------------------------------------------------------------------------------
     def status(self) -> dict[str, object]:

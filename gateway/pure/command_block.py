@@ -32,11 +32,13 @@ class Code(IntEnum):
     OVERRIDE = 10
     REQUEST_CONTROL = 11
     RELEASE_CONTROL = 12
+    PROGRAM = 13  # W1: number of a program of the cell (AX-322)
 
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """One command; code as written (may be unknown); rates 0..1; targets in the axes' own units (mm, deg), 12 places."""
+    """One command; code as written (may be unknown); mask: of axes, for PROGRAM its number; rates 0..1; targets in the axes' own units
+    (mm, deg), 12 places."""
 
     code: int
     mask: int = 0

@@ -10,6 +10,7 @@ from drivers.drives.family import Actual, Demand, DriveHoming, Event, Homing, Po
 from drivers.drives.limits import LagMonitor, LagState
 from drivers.drives.referencing import Referencing, RunState
 from gateway.pure.coreaxis import CoreAxis, HeldAxis
+from gateway.pure.coreprogram import ProgramRun
 from gateway.pure.permits import AS_SHIPPED, EVERY, NO_PERMIT, EnablingInputs, RcNumbers
 from gateway.pure.plannerrecords import Part, PieceRecord
 from gateway.pure.reasons import Reason
@@ -77,8 +78,7 @@ class Core:
         self._override = 0.0
         self._job_masks: dict[int, int] = {}
         self._running = 0  # job of the piece under way
-        self._program = False  # it is a program of the planner: done when nothing more comes and all is run
-        self._complete = False  # nothing more comes
+        self._program = ProgramRun()  # done when nothing more comes and all is run
         self._arriving = 0  # cycles since the set values of the running job arrived
         self._homing = 0  # job of the reference run
         self._enabling: tuple[int, int] = (0, 0)  # job, mask
@@ -194,6 +194,9 @@ class Core:
                     self._stepper.abandon()
                     self._fail(self._running, Reason.ABANDONED)
                     self._running = 0
+                    self._program.clear()
+            case Order.PROGRAM:
+                self._order_program(record)
             case Order.RESET:
                 self._acknowledge()
             case Order.OVERRIDE:
@@ -230,52 +233,82 @@ class Core:
     def _move(self, record: OrderRecord) -> None:
         try:
             piece = decode(record.piece)
-            if self._homing or self.state.emergency or not self._all_enabled(piece.mask):
+            if self._homing or self._program.job or self.state.emergency or not self._all_enabled(piece.mask):
                 raise MotionError("the axes of the piece are not all enabled, or they are being referenced")
             self._stepper.load(piece)
         except MotionError:
             self._fail(record.job, Reason.NOT_READY)
             return
-        self._running, self._arriving, self._program = record.job, 0, False
+        self._running, self._arriving = record.job, 0
+        self.state.stop_cause = 0
+
+    def _order_program(self, record: OrderRecord) -> None:
+        busy = self._homing or self._running or self._program.job or self._stepper.state is not State.IDLE
+        if busy or self.state.emergency or not self._all_enabled(record.mask):
+            self._fail(record.job, Reason.NOT_READY)
+            return
+        self._program.order(record.job)
         self.state.stop_cause = 0
 
     def feed(self, record: PieceRecord) -> None:
-        """From the planner: the next piece of a program, or the mark that nothing follows.  What belongs to a job that failed, or
-        comes while another one runs, is dropped."""
-        if record.generation != self.state.generation or record.job == self.state.failed_job:
+        """From the planner: the next piece of the program, or the mark that nothing follows.  What belongs to another job is dropped."""
+        program = self._program
+        if record.generation != self.state.generation or record.job != program.job:
             return
-        if record.part is Part.LAST:
-            if self._running == record.job:
-                self._complete = True
-            elif not self._running:
-                self.state.done_job = record.job
-            return
+        if record.part is Part.FAULT:
+            self._end_program(Reason.PROGRAM_FAULT)
+        elif record.part is Part.LAST:
+            program.complete = True
+            if not program.begun:
+                self.state.done_job = program.job
+                program.clear()
+        else:
+            self._take_piece(record.piece)
+
+    def _take_piece(self, data: bytes) -> None:
+        program = self._program
         try:
-            piece = decode_any(record.piece)
-            if self._homing or self.state.emergency or self._running not in (0, record.job) or not self._all_enabled(piece.mask):
+            piece = decode_any(data)
+            if self._homing or self.state.emergency or self._running not in (0, program.job) or not self._all_enabled(piece.mask):
                 raise MotionError("the axes of the piece are not all enabled and free")
             self._stepper.load(piece)
         except MotionError:
-            self._fail(record.job, Reason.NOT_READY)
-            if self._running == record.job:
+            self._fail(program.job, Reason.NOT_READY)
+            if program.begun:
                 self._stepper.abandon()
                 self._running = 0
+            program.clear()
             return
-        if not self._running:
-            self._running, self._arriving, self._program, self._complete = record.job, 0, True, False
-            self.state.stop_cause = 0
+        if not program.begun:
+            self._running, self._arriving, program.begun = program.job, 0, True
 
     def planner_lost(self) -> None:
         """What was committed runs to its end, which is at rest on the path; the program is over."""
-        if self._running and self._program and not self._complete:
-            self._fail(self._running, Reason.PLANNER_LOST)
-            self._complete = True
+        if self._program.waits:
+            self._end_program(Reason.PLANNER_LOST)
             self.state.stop_cause = Reason.PLANNER_LOST
+
+    @property
+    def starved(self) -> bool:
+        """A program is under way, the axes rest, and more has to come from the planner."""
+        return self._program.waits and self._stepper.state is State.IDLE
+
+    def _end_program(self, reason: Reason) -> None:
+        """It failed; what was committed of it is run."""
+        self._fail(self._program.job, reason)
+        if self._program.begun:
+            self._program.complete = True
+        else:
+            self._program.clear()
 
     def _stop(self, reason: Reason) -> None:
         if self._stepper.state is State.RUNNING:
             self._stepper.stop()
             self.state.stop_cause = reason
+        elif self.starved:  # nothing to stop on: it must not begin, or go on, by itself afterwards
+            self._fail(self._program.job, reason)
+            self._running, self.state.stop_cause = 0, reason
+            self._program.clear()
         if self._homing:
             self._end_homing(reason)
             self.state.stop_cause = reason
@@ -291,9 +324,10 @@ class Core:
             self._end_homing(reason)
         for axis in moved:
             axis.run, axis.by_drive = None, False
-        if self._running or self._stepper.state is not State.IDLE:
-            self._fail(self._running, reason)
+        if self._running or self._program.job or self._stepper.state is not State.IDLE:
+            self._fail(self._running or self._program.job, reason)
             self._running = 0
+            self._program.clear()
             self._stepper = Stepper(len(self._axes), self._period, [axis.set for axis in self._axes])
             self._stepper.set_override(0.0)
             self._apply_override()
@@ -331,13 +365,13 @@ class Core:
             if axis.by_drive:
                 self._judge_drive_homing(axis)
         self._accept_positions()
-        if self._running and (self._program_over() if self._program else sample.done_id == self._running):
+        if self._running and (self._program_over() if self._program.begun else sample.done_id == self._running):
             self._arrive()
         self.state.progress, self.state.piece = sample.s, sample.piece_id
         return values
 
     def _program_over(self) -> bool:
-        return self._complete and self._stepper.state is State.IDLE
+        return self._program.complete and self._stepper.state is State.IDLE
 
     def _arrive(self) -> None:
         """The set values have arrived; the move has when the axes have, too."""
@@ -346,10 +380,15 @@ class Core:
         if not late:
             if self._running != self.state.failed_job:
                 self.state.done_job = self._running
-            self._running, self._arriving = 0, 0
+            self._over()
         elif self._arriving * self._period > ARRIVAL_S:
             self._fail(self._running, Reason.FOLLOWING_ERROR)
-            self._running, self._arriving = 0, 0
+            self._over()
+
+    def _over(self) -> None:
+        self._running, self._arriving = 0, 0
+        if self._program.begun:
+            self._program.clear()
 
     def _demand(self, axis: HeldAxis) -> Demand:
         scaling = axis.scaling
@@ -456,8 +495,8 @@ class Core:
             state.motion = Motion.REFERENCING
         else:
             state.motion = next(motion for known, motion in MOTIONS if known is stepper)
-        if state.motion is Motion.IDLE and self._running:
-            state.motion = Motion.RUNNING  # the axes are still on their last increments
+        if state.motion is Motion.IDLE and (self._running or self._program.job):
+            state.motion = Motion.RUNNING  # the axes are still on their last increments, or a program is being prepared
         state.override = self._override
         state.job = self._homing or self._running
         at_rest = state.motion in (Motion.IDLE, Motion.STOPPED)

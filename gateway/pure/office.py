@@ -5,12 +5,13 @@ a new office has no jobs, so a standing command starts nothing (design: a comman
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 
 from gateway.pure.command_block import Code, Command
 from gateway.pure.control import NOBODY, Control
+from gateway.pure.plannerrecords import PlannerState, ProgramFacts, ProgramOrder
 from gateway.pure.reasons import CommandState, Reason, Refusal, text
 from gateway.pure.records import AxisFlag, CellState, Motion, Order, OrderRecord, Permit
 from protocols.base.machine import Ns, ms
@@ -85,14 +86,19 @@ class OfficeEvent:
 
 
 Planner = Callable[[Sequence[float], Sequence[float], int, float, float, int], bytes]  # start, target (SI), mask, v, a, job -> piece
+NO_PROGRAMS: Mapping[int, ProgramFacts] = {}
 
 
 class Office:
     """Commands in, orders out."""
 
-    def __init__(self, axes: Sequence[AxisFacts], plan: Planner, first_job: int) -> None:
-        """`first_job`: a number above every job a predecessor may have used."""
+    def __init__(
+        self, axes: Sequence[AxisFacts], plan: Planner, first_job: int, programs: Mapping[int, ProgramFacts] = NO_PROGRAMS
+    ) -> None:
+        """`first_job`: a number above every job a predecessor may have used; `programs`: those of the cell, by their numbers."""
         self.axes = tuple(axes)
+        self.programs = programs
+        self.planner: PlannerState | None = None  # what the planner process says; None: it is not there
         self.control = Control()
         self.cell: CellState | None = None
         self.stopped_moves = 0
@@ -102,6 +108,7 @@ class Office:
         self._doors: dict[int, DoorState] = {}
         self._open: list[Job] = []
         self._orders: list[OrderRecord] = []
+        self._programs: list[ProgramOrder] = []
         self._events: list[OfficeEvent] = []
         self._first_try = False
         self._move: Job | None = None  # the move or reference run the axes are on
@@ -115,6 +122,11 @@ class Office:
         """Orders since the last call, in order."""
         orders, self._orders = self._orders, []
         return orders
+
+    def take_programs(self) -> list[ProgramOrder]:
+        """For the planner, since the last call; to be handed over after take_orders()."""
+        programs, self._programs = self._programs, []
+        return programs
 
     def take_events(self) -> list[OfficeEvent]:
         """Events since the last call."""
@@ -142,13 +154,28 @@ class Office:
             self._move = None
 
     def _settle(self, job: Job, cell: CellState, now: Ns) -> None:
-        if job.state is CommandState.ACCEPTED and cell.taken >= job.id:
+        if job.state is CommandState.ACCEPTED and (cell.job == job.id if job.code == Code.PROGRAM else cell.taken >= job.id):
             job.state = CommandState.RUNNING
         outcome = self._outcome(job, cell)
         if outcome is not None:
-            self._end(job, CommandState.DONE if outcome is Reason.NONE else CommandState.ABORTED, outcome)
+            self._end(job, self._ended(job, outcome), outcome, self._fault(job, outcome))
         elif job.until is not None and now >= job.until:
             self._end(job, CommandState.ABORTED, *self._why_not(job, cell))
+
+    @staticmethod
+    def _ended(job: Job, outcome: Reason) -> CommandState:
+        """A program that failed before anything moved was refused."""
+        if outcome is Reason.NONE:
+            return CommandState.DONE
+        refused = job.code == Code.PROGRAM and job.state is CommandState.ACCEPTED and outcome is Reason.PROGRAM_FAULT
+        return CommandState.REFUSED if refused else CommandState.ABORTED
+
+    def _fault(self, job: Job, outcome: Reason) -> str:
+        """The planner's words: line, block, axis and the manual's number."""
+        planner = self.planner
+        if outcome is not Reason.PROGRAM_FAULT or planner is None or planner.failed_job != job.watch:
+            return ""
+        return planner.fault
 
     def _outcome(self, job: Job, cell: CellState) -> Reason | None:
         """NONE: done; a reason: aborted; None: still open."""
@@ -273,6 +300,8 @@ class Office:
                 self._order(Order.REFERENCE, job.id, mask=job.mask)
             case Code.PTP_ABSOLUTE | Code.PTP_RELATIVE:
                 self._ptp(job, command, cell, relative=code is Code.PTP_RELATIVE)
+            case Code.PROGRAM:
+                self._program(job, command, cell)
             case Code.RESUME:
                 if cell.motion is not Motion.STOPPED or self._move is None:
                     raise Refusal(Reason.NOTHING_TO_RESUME)
@@ -296,11 +325,7 @@ class Office:
         self._mask(job)
         alone = self._first_try and relative and job.mask.bit_count() == 1
         self._may_move(cell, job.mask, referenced=not alone)
-        for name, value in (("velocity", command.velocity), ("acceleration", command.acceleration)):
-            if not 0.0 < value <= 1.0:
-                raise Refusal(Reason.RATE, f"{name} {value:.2%}; 0.01..100 %")
-        if cell.override <= 0.0:
-            raise Refusal(Reason.OVERRIDE_ZERO)
+        self._rates(command, cell)
         start = [axis.set for axis in cell.axes[: len(self.axes)]]
         target = list(start)
         for n, axis in enumerate(self.axes):
@@ -313,6 +338,35 @@ class Office:
         piece = self._plan(start, target, job.mask, command.velocity, command.acceleration, job.id)
         job.watch, self._move = job.id, job
         self._order(Order.MOVE, job.id, mask=job.mask, piece=piece)
+
+    def order_program(self, door: int, number: int, now: Ns, velocity: float = 1.0, acceleration: float = 1.0) -> Job:
+        """A door selects a program of the cell by its number, whichever way it names it."""
+        return self.command(door, Command(Code.PROGRAM, number, velocity, acceleration), now)
+
+    def _program(self, job: Job, command: Command, cell: CellState) -> None:
+        """The planner reads and tries it whole before anything moves (AX-322)."""
+        number = command.mask
+        if number not in self.programs:
+            known = ", ".join(f"{n} {program.name}" for n, program in sorted(self.programs.items())) or "none"
+            raise Refusal(Reason.PROGRAM_UNKNOWN, f"{number}; this cell has {known}")
+        job.mask = self.programs[number].mask
+        self._may_move(cell, job.mask)
+        self._rates(command, cell)
+        if self._move is not None:
+            raise Refusal(Reason.BUSY)
+        if self.planner is None:
+            raise Refusal(Reason.NOT_READY, "the planner process does not run")
+        job.watch, self._move = job.id, job
+        self._order(Order.PROGRAM, job.id, mask=job.mask)
+        self._programs.append(ProgramOrder(job.id, number, command.velocity, command.acceleration))
+
+    @staticmethod
+    def _rates(command: Command, cell: CellState) -> None:
+        for name, value in (("velocity", command.velocity), ("acceleration", command.acceleration)):
+            if not 0.0 < value <= 1.0:
+                raise Refusal(Reason.RATE, f"{name} {value:.2%}; 0.01..100 %")
+        if cell.override <= 0.0:
+            raise Refusal(Reason.OVERRIDE_ZERO)
 
     @staticmethod
     def _plausible(axis: AxisFacts, value: float, *, relative: bool) -> None:

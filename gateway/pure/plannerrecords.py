@@ -26,6 +26,7 @@ class Say(IntEnum):
     FINISH = 3  # nothing follows for the time being: run to the end of what is there
     END = 4  # the program is complete
     DROP = 5  # forget everything (the cycle abandoned the motion, or the program is aborted)
+    RUN = 6  # a whole program of the cell; text: its number, velocity and acceleration factor (run_record)
 
 
 _SAY = struct.Struct(f"=IIQ{TEXT_BYTES}s")
@@ -56,11 +57,41 @@ def unpack_block(data: bytes) -> BlockRecord:
     return BlockRecord(Say(say), job, octets[:size].decode())
 
 
+@dataclass(frozen=True, slots=True)
+class ProgramFacts:
+    """What the office must know of a program of the cell; mask: bit n-1 = axis n."""
+
+    name: str
+    mask: int
+
+
+@dataclass(frozen=True, slots=True)
+class ProgramOrder:
+    """For the planner: job, number of the program, factors 0..1."""
+
+    job: int
+    number: int
+    velocity: float
+    acceleration: float
+
+
+def run_record(order: ProgramOrder) -> BlockRecord:
+    """The order as the planner gets it."""
+    return BlockRecord(Say.RUN, order.job, f"{order.number} {order.velocity!r} {order.acceleration!r}")
+
+
+def run_of(record: BlockRecord) -> ProgramOrder:
+    """The reverse of run_record."""
+    number, velocity, acceleration = record.text.split()
+    return ProgramOrder(record.job, int(number), float(velocity), float(acceleration))
+
+
 class Part(IntEnum):
     """Kinds of pieces records."""
 
     PIECE = 1
     LAST = 2  # the job ends where the pieces before end
+    FAULT = 3  # a block of the job cannot be run: it is over where the pieces before end
 
 
 _PIECE = struct.Struct("=II QQ")

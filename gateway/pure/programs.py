@@ -1,33 +1,46 @@
 """The planner process without its rings: records in, records out, once a turn.  Pure.
 
-A job is a program: BEGIN, statements of the text form, FINISH as often as wanted, END.  Nothing of a job is handed to the cycle before
-FINISH, END or enough look-ahead; a fault in a block ends the job, and what was handed on before ends at rest.
+A job is a program.  Either it comes as a stream (BEGIN, statements of the text form, FINISH as often as wanted, END), and moves as soon
+as enough is known; or it is a program of the cell (RUN), which is read whole and looked at block by block before anything of it is handed
+to the cycle (AX-322).  A fault in a block ends the job, and what was handed on before ends at rest.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
-from gateway.pure.plannerrecords import AHEAD, BlockRecord, Part, PieceRecord, PlannerState, Say
+from gateway.pure.plannerrecords import AHEAD, BlockRecord, Part, PieceRecord, PlannerState, Say, run_of
 from motion.errors import MotionError
 from motion.planner.planner import Planner
 from motion.planner.robot import Machine
-from motion.program.errors import BlockError
+from motion.program.errors import BlockError, TextError
+from motion.program.factors import FULL, Factors
 from motion.program.text import Reader
 from motion.timed import encode_timed
 
 QUIET_TURNS = 6  # turns without a new block after which what is known is run
+ALWAYS = 1 << 62
+
+
+def _no_programs(number: int) -> str:
+    raise MotionError(f"program {number}: this cell has none")
 
 
 @dataclass
 class Programs:
-    """One kinematic of a run.  machine_of: robot name -> machine (a file is read there: not this module's business)."""
+    """One kinematic of a run.  machine_of: robot name -> machine, text_of: number -> text (files are read there: not this module's
+    business); both raise MotionError."""
 
     machine_of: Callable[[str], Machine]
     mask_of: Callable[[Machine], int]
+    text_of: Callable[[int], str] = _no_programs
     state: PlannerState = PlannerState()
     generation: int = 0
     _planner: Planner | None = None
     _reader: Reader = field(default_factory=Reader)
+    _factors: Factors = FULL
+    _lines: Iterator[tuple[int, str]] | None = None  # of a program of the cell, not read yet
+    _line_of: list[int] = field(default_factory=list)  # block - 1 -> line
+    _out: list[PieceRecord] = field(default_factory=list)
     _quiet: int = 0
     _ended: bool = False
     _last_id: int = 0  # of the pieces handed on
@@ -35,104 +48,164 @@ class Programs:
     _spare: int = 1  # ids go on over jobs: a chain never meets an older number
 
     def turn(
-        self, records: Sequence[BlockRecord], generation: int, piece: int, standing: Sequence[float], *, moving: bool
+        self,
+        records: Sequence[BlockRecord],
+        generation: int,
+        piece: int,
+        standing: Sequence[float],
+        *,
+        moving: bool,
+        taken: int = ALWAYS,
+        failed: int = 0,
     ) -> list[PieceRecord]:
-        """records: new ones; generation, piece, standing, moving: of the cycle (piece 0: none under way)."""
-        out: list[PieceRecord] = []
+        """records: new ones; the rest is the cycle's: its generation, the piece under way (0: none), where the axes stand, whether they
+        move, the last order it took (nothing is handed on before it knows of the job), the job that failed last."""
         if generation != self.generation:
             self.generation = generation
-            self._drop(standing)
+            self._drop()
+        if failed and failed == self.state.job:
+            self._drop()
         self._quiet += 1
         for record in records:
-            out += self._heard(record, standing, moving)
-        return out + self._plan(piece, moving)
+            self._heard(record, standing)
+        self._plan(piece, moving, taken)
+        out, self._out = self._out, []
+        return out
 
     # ---- what is said ------------------------------------------------------------------------------------------------------
-    def _heard(self, record: BlockRecord, standing: Sequence[float], moving: bool) -> list[PieceRecord]:
+    def _heard(self, record: BlockRecord, standing: Sequence[float]) -> None:
         self._quiet = 0
         if record.say is Say.DROP:
-            self._drop(standing)
-            return []
-        if record.say is Say.BEGIN:
-            if self.state.job and not self._ended:
-                return []  # one job at a time; whoever orders sees that its job did not begin
-            self.state = PlannerState(job=record.job, failed_job=self.state.failed_job)
-            self._reader, self._planner, self._ended = Reader(), None, False
+            self._drop()
+            return
+        if record.say in (Say.BEGIN, Say.RUN):
+            if record.say is Say.BEGIN and self.state.job and not self._ended:
+                return  # one stream at a time; whoever orders sees that its job did not begin
+            self._begin(record.job)
         if record.job != self.state.job:
-            return []
+            return
         try:
             self._obey(record, standing)
         except MotionError as error:
-            self._fail(error, standing)
-        return []
+            self._fail(error)
+
+    def _begin(self, job: int) -> None:
+        """A program of the cell is ordered at rest alone, so whatever job was there is over."""
+        self._begins.clear()
+        self.state = PlannerState(job=job, failed_job=self.state.failed_job)
+        self._reader, self._planner, self._factors, self._ended = Reader(), None, FULL, False
+        self._lines, self._line_of = None, []
 
     def _obey(self, record: BlockRecord, standing: Sequence[float]) -> None:
+        if record.say is Say.RUN:
+            order = run_of(record)
+            self._factors = Factors(order.velocity, order.acceleration, order.acceleration)
+            self._lines = enumerate(self.text_of(order.number).splitlines(), 1)
+            return
         if record.text:
-            self._reader.statement(record.text)
-        for block in self._reader.take():
-            planner = self._planner = self._planner or self._made(standing)
-            planner.add(block)
+            self._statement(record.text, 0, standing)
         if record.say is Say.FINISH and self._planner is not None:
             self._planner.finish()
             self._quiet = QUIET_TURNS
         if record.say is Say.END:
-            self._ended = True
-            if self._planner is not None:
-                self._planner.finish()
-            self._quiet = QUIET_TURNS
+            self._end()
+
+    def _statement(self, text: str, line: int, standing: Sequence[float]) -> None:
+        self._reader.statement(text, line)
+        for block in self._reader.take():
+            planner = self._planner = self._planner or self._made(standing)
+            self._line_of.append(line)
+            planner.add(block)
+
+    def _end(self) -> None:
+        self._ended = True
+        if self._planner is not None:
+            self._planner.finish()
+        self._quiet = QUIET_TURNS
 
     def _made(self, standing: Sequence[float]) -> Planner:
         machine = self.machine_of(self._reader.robot)
         mask = self.mask_of(machine)
         places = [standing[n] for n in range(len(standing)) if mask >> n & 1]
-        self._begins.clear()
-        return Planner(machine, places, mask=mask, capacity=1 << 20, next_id=self._spare)
+        return Planner(machine, places, mask=mask, capacity=1 << 20, next_id=self._spare, factors=self._factors)
 
-    def _fail(self, error: MotionError, standing: Sequence[float]) -> None:
+    @property
+    def preparing(self) -> bool:
+        """A program of the cell is not read to its end yet."""
+        return self._lines is not None
+
+    def prepare(self, standing: Sequence[float]) -> None:
+        """One more line of it: its block is tried from where the one before ends, and nothing moves meanwhile."""
+        if self._lines is None:
+            return
+        try:
+            number, text = next(self._lines, (0, ""))
+            if number:
+                self._statement(text, number, standing)
+            else:
+                self._lines = None
+                self._end()
+        except MotionError as error:
+            self._fail(error)
+
+    def _fail(self, error: MotionError) -> None:
         block, code = (error.block, error.code) if isinstance(error, BlockError) else (0, 0)
-        self.state = replace(
-            self.state, failed_job=self.state.job, fault=str(error), fault_block=block, fault_code=code, job=0, ended=True, waiting=0
-        )
-        self._planner, self._ended = None, True
+        line = self._line_of[block - 1] if 0 < block <= len(self._line_of) else 0
+        words = f"line {line}: {error}" if line and not isinstance(error, TextError) else str(error)
+        job = self.state.job
+        self.state = replace(self.state, failed_job=job, fault=words, fault_block=block, fault_code=code, job=0, ended=True, waiting=0)
+        self._planner, self._ended, self._lines = None, True, None
+        self._out.append(PieceRecord(Part.FAULT, job, self.generation))
 
-    def _drop(self, standing: Sequence[float]) -> None:
-        self._planner, self._ended = None, True
+    def _drop(self) -> None:
+        self._planner, self._ended, self._lines = None, True, None
         self._begins.clear()
         self.state = replace(self.state, job=0, waiting=0, ended=True)
 
     # ---- what is handed on ---------------------------------------------------------------------------------------------------
-    def _plan(self, piece: int, moving: bool) -> list[PieceRecord]:
+    def _plan(self, piece: int, moving: bool, taken: int) -> None:
         planner, state = self._planner, self.state
-        if planner is None or not state.job:
-            if state.job and self._ended and not state.ended:  # a program without blocks
+        if not state.job or self._lines is not None or taken < state.job:
+            return
+        if planner is None:
+            if self._ended and not state.ended:  # a program without blocks
                 self.state = replace(state, ended=True, job=0)
-                return [PieceRecord(Part.LAST, state.job, self.generation)]
-            return []
+                self._out.append(PieceRecord(Part.LAST, state.job, self.generation))
+            return
         tau = self._tau(piece, planner)
-        out: list[PieceRecord] = []
-        if len(self._begins) < AHEAD:
-            at = planner.end
-            for made in planner.plan(tau, hurry=self._quiet > QUIET_TURNS):
-                if made.new_tail:
-                    at = self._begins[made.id]
-                    for number in [number for number in self._begins if number >= made.id]:
-                        del self._begins[number]
-                self._begins[made.id] = at
-                at += made.duration
-                self._last_id, self._spare = made.id, made.id + 1
-                out.append(PieceRecord(Part.PIECE, state.job, self.generation, encode_timed(made)))
+        before = len(self._out)
+        try:
+            self._hand_on(planner, tau)
+        except MotionError as error:
+            self._fail(error)
+            return
         for number in [number for number in self._begins if number < piece - 1]:
             del self._begins[number]
         block, share = planner.place(tau)
         last = self._ended and not planner.open and not state.ended
         if last:
-            out.append(PieceRecord(Part.LAST, state.job, self.generation))
+            self._out.append(PieceRecord(Part.LAST, state.job, self.generation))
+        new = len(self._out) - before
         self.state = replace(
-            self.state, block=block, share=share, waiting=planner.waiting, handed=state.handed + len(out), ended=state.ended or last
+            self.state, block=block, share=share, waiting=planner.waiting, handed=state.handed + new, ended=state.ended or last
         )
-        if self.state.ended and not moving and piece in (0, self._last_id) and not out:
+        if self.state.ended and not moving and piece in (0, self._last_id) and not new:
             self.state = replace(self.state, job=0)
-        return out
+
+    def _hand_on(self, planner: Planner, tau: float) -> None:
+        """Pieces that are due; raises MotionError where a path has no law."""
+        if len(self._begins) >= AHEAD:
+            return
+        at = planner.end
+        for made in planner.plan(tau, hurry=self._quiet > QUIET_TURNS):
+            if made.new_tail:
+                at = self._begins[made.id]
+                for number in [number for number in self._begins if number >= made.id]:
+                    del self._begins[number]
+            self._begins[made.id] = at
+            at += made.duration
+            self._last_id, self._spare = made.id, made.id + 1
+            self._out.append(PieceRecord(Part.PIECE, self.state.job, self.generation, encode_timed(made)))
 
     def _tau(self, piece: int, planner: Planner) -> float:
         """Where the follower may be at the latest: the end of the piece under way."""

@@ -56,6 +56,7 @@ class Reason(IntEnum):
     DRIVE_NOT_STARTED = 32
     PLANNER_LOST = 33
     PROGRAM_FAULT = 34
+    PROGRAM_UNKNOWN = 35
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +84,7 @@ _TEXTS: dict[Reason, tuple[str, str]] = {
         "emergency stop is latched: close the chain (RC input 24), then fault reset",
         "Not-Halt gespeichert: Kette schliessen (RC-Eingang 24), dann quittieren",
     ),
-    Reason.UNKNOWN_CODE: ("command code {0} is unknown; 1..12 are known", "Kommandocode {0} unbekannt; 1..12 sind bekannt"),
+    Reason.UNKNOWN_CODE: ("command code {0} is unknown; 1..13 are known", "Kommandocode {0} unbekannt; 1..13 sind bekannt"),
     Reason.MASK: ("axis mask {0}", "Achsmaske {0}"),
     Reason.RATE: (
         "velocity, acceleration or override out of range: {0}",
@@ -108,6 +109,7 @@ _TEXTS: dict[Reason, tuple[str, str]] = {
         "Planer-Prozess ausgefallen; die Achsen haben auf der Bahn angehalten",
     ),
     Reason.PROGRAM_FAULT: ("a block of the program cannot be run: {0}", "ein Satz des Programms ist nicht fahrbar: {0}"),
+    Reason.PROGRAM_UNKNOWN: ("there is no such program: {0}", "dieses Programm gibt es nicht: {0}"),
     Reason.CYCLE_RESTARTED: ("the cycle process was restarted; drives are off", "Zyklus-Prozess neu gestartet; Antriebe sind aus"),
     Reason.REFERENCE_FAILED: ("referencing failed: {0}", "Referenzieren fehlgeschlagen: {0}"),
     Reason.TIME_OUT: ("not reached in time: {0}", "nicht rechtzeitig erreicht: {0}"),

@@ -133,6 +133,7 @@ class Order(IntEnum):
     ABANDON = 8
     RESET = 9
     OVERRIDE = 10
+    PROGRAM = 11  # the planner's pieces of this job are taken from now on
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,57 +1,107 @@
-"""The core with a planner: pieces of a program in, done when nothing more comes, and what follows a planner's death."""
+"""The core with a planner: pieces of a program in, done when nothing more comes, and what follows a planner's death.
+
+A program is ordered by a door (office), its order reaches the cycle, and only then pieces of it are taken (AX-322).
+"""
+
+import copy
+
+import pytest
 
 from gateway.axes import limits_of
-from gateway.pure.plannerrecords import BlockRecord, PieceRecord, Say, pack_piece, unpack_piece
+from gateway.pure.command_block import Code, Command
+from gateway.pure.office import Job, Office
+from gateway.pure.plannerrecords import PieceRecord, ProgramFacts, pack_piece, run_record, unpack_piece
 from gateway.pure.programs import Programs
-from gateway.pure.reasons import Reason
-from gateway.pure.records import Motion
+from gateway.pure.reasons import CommandState, Reason
+from gateway.pure.records import Motion, Order, OrderRecord
 from hil_tests.lab.cellbench import ALL, DEMO, CellBench
+from motion.errors import MotionError
 from motion.kinematics.identity import Identity
 from motion.planner.robot import Machine
 
 LIMITS = tuple(limits_of(axis) for axis in DEMO.axis)
-JOB = 700
+UNITS = " ".join(axis.unit for axis in DEMO.axis)
+FACTS = {1: ProgramFacts("there", ALL), 2: ProgramFacts("back", ALL)}
 
 
 class WithPlanner:
     """A cell in virtual time and the planner's inside beside it: one turn a cycle."""
 
     def __init__(self) -> None:
-        self.cell = CellBench().ready()
-        self.programs = Programs(lambda _: Machine(Identity(LIMITS), LIMITS), lambda _: ALL)
-        self.said: list[BlockRecord] = []
+        self.cell = CellBench()
+        self.cell.office = Office(self.cell.office.axes, self.cell.office._plan, 1, FACTS)
+        self.cell.ready()
+        self.texts: dict[int, str] = {}
+        self.programs = Programs(lambda _: Machine(Identity(LIMITS), LIMITS), lambda _: ALL, self.text)
         self.alive = True
         self.held: list[PieceRecord] = []
         self.cell.each = self.turn
+        self.cell.office.planner = self.programs.state
+
+    def text(self, number: int) -> str:
+        try:
+            return self.texts[number]
+        except KeyError:
+            raise MotionError(f"program {number}: no such file") from None
 
     def turn(self) -> None:
-        state = self.cell.core.state
+        state, office = self.cell.core.state, self.cell.office
         if self.alive:
-            said, self.said = self.said, []
+            said = [run_record(order) for order in office.take_programs()]
             standing = [axis.set for axis in state.axes[: len(LIMITS)]]
+            while self.programs.preparing:
+                self.programs.prepare(standing)
             moving = state.motion is not Motion.IDLE
-            self.held += self.programs.turn(said, state.generation, state.piece, standing, moving=moving)
+            self.held += self.programs.turn(
+                said, state.generation, state.piece, standing, moving=moving, taken=state.taken, failed=state.failed_job
+            )
+            office.planner = self.programs.state
         for record in self.held[:2]:
             self.cell.core.feed(unpack_piece(pack_piece(record)))
         del self.held[:2]
 
-    def finished(self, seconds: float = 20.0) -> None:
-        """Runs until the job has an outcome and the axes rest."""
-        for _ in range(round(seconds / 0.2)):
-            self.cell.run(0.2)
-            state = self.cell.core.state
-            if JOB in (state.done_job, state.failed_job) and state.motion is Motion.IDLE:
-                return
-        raise AssertionError(f"no outcome: {self.cell.core.state}")
+    def program(self, *lines: str, number: int = 1) -> None:
+        self.texts[number] = "\n".join([f"axes {UNITS}", *lines])
 
-    def say(self, *lines: str, end: bool = True) -> None:
-        units = " ".join(axis.unit for axis in DEMO.axis)
-        self.said += [BlockRecord(Say.BEGIN, JOB, f"axes {units}"), *(BlockRecord(Say.LINE, JOB, line) for line in lines)]
-        if end:
-            self.said.append(BlockRecord(Say.END, JOB))
+    def order(self, *lines: str, velocity: float = 1.0, door: int = 1) -> Job:
+        """Door 1 orders a program of these lines."""
+        if lines:
+            self.program(*lines)
+        job = self.cell.office.command(door, Command(Code.PROGRAM, 1, velocity, 1.0), self.cell.now)
+        self.cell._hand_over()
+        return job
+
+    def finished(self, job: Job) -> Job:
+        """Runs until the job has an outcome and the axes rest."""
+        self.cell.settle(job)
+        for _ in range(100):
+            if self.cell.core.state.motion is Motion.IDLE:
+                return job
+            self.cell.run(0.2)
+        raise AssertionError(f"never at rest: {self.cell.core.state}")
 
     def places(self) -> list[float]:
         return [axis.set / fact.si for axis, fact in zip(self.cell.core.state.axes, self.cell.office.axes, strict=False)]
+
+    def at(self, place: float, within: float = 0.01) -> bool:
+        return all(abs(each - place) < within for each in self.places())
+
+    def still(self, seconds: float = 1.0) -> bool:
+        """Nothing moves meanwhile."""
+        before = self.places()
+        self.cell.run(seconds)
+        return max(abs(a - b) for a, b in zip(self.places(), before, strict=True)) < 1e-9
+
+
+@pytest.fixture(scope="module")
+def referenced() -> WithPlanner:
+    """Referencing takes seconds: once for all."""
+    return WithPlanner()
+
+
+@pytest.fixture
+def both(referenced: WithPlanner) -> WithPlanner:
+    return copy.deepcopy(referenced)
 
 
 def joints(step: float) -> str:
@@ -59,59 +109,184 @@ def joints(step: float) -> str:
     return " ".join(f"{step:g}" for _ in LIMITS)
 
 
-def test_a_program_runs_through_the_core_and_is_done_when_the_axes_are_there() -> None:
-    both = WithPlanner()
-    both.say(f"ptp joints {joints(5)} blend=joint leave=1 reach=1", f"ptp joints {joints(8)}")
+def test_a_program_runs_through_the_core_and_is_done_when_the_axes_are_there(both: WithPlanner) -> None:
+    job = both.order(f"ptp joints {joints(5)} blend=joint leave=1 reach=1", f"ptp joints {joints(8)}")
     both.cell.run(0.2)
     assert both.cell.core.state.motion is Motion.RUNNING and both.cell.core.state.piece > 0
-    both.finished()
-    state = both.cell.core.state
-    assert state.done_job == JOB and state.motion is Motion.IDLE and state.failed_job != JOB
-    assert all(abs(place - 8.0) < 0.01 for place in both.places())
+    assert job.state is CommandState.RUNNING
+    assert both.finished(job).state is CommandState.DONE and both.cell.core.state.failed_job != job.id
+    assert both.at(8.0)
 
 
-def test_a_planner_that_dies_leaves_the_axes_at_rest_and_the_job_failed() -> None:
-    both = WithPlanner()
-    both.say(f"ptp joints {joints(5)}", end=False)
+def test_a_program_at_half_speed_takes_longer(both: WithPlanner) -> None:
+    took = []
+    for target, velocity in ((12, 1.0), (4, 1.0), (12, 0.3)):
+        begin = both.cell.now
+        assert both.finished(both.order(f"ptp joints {joints(target)}", velocity=velocity)).state is CommandState.DONE
+        took.append(both.cell.now - begin)
+    assert took[2] > 1.3 * took[0]
+
+
+def test_a_planner_that_dies_leaves_the_axes_at_rest_and_the_job_aborted(both: WithPlanner) -> None:
+    job = both.order(f"ptp joints {joints(5)}", f"ptp joints {joints(500)}")
     both.cell.run(0.3)
     assert both.cell.core.state.motion is Motion.RUNNING
     both.alive = False
+    both.held.clear()
     both.cell.core.planner_lost()
-    both.finished()
-    state = both.cell.core.state
-    assert (state.failed_job, state.failed_reason) == (JOB, Reason.PLANNER_LOST)
-    assert state.motion is Motion.IDLE and state.done_job != JOB
-    assert all(abs(place - 5.0) < 0.01 for place in both.places()), "what was committed is run to its end, at rest"
+    both.finished(job)
+    assert (job.state, job.reason) == (CommandState.ABORTED, Reason.PLANNER_LOST)
+    assert both.still(), "nothing goes on by itself"
 
 
-def test_pieces_for_axes_that_are_off_are_refused_and_nothing_moves() -> None:
-    both = WithPlanner()
+def test_a_planner_that_dies_before_the_first_piece_moves_nothing(both: WithPlanner) -> None:
+    both.alive = False
+    job = both.order(f"ptp joints {joints(5)}")
+    assert both.still(0.2) and job.state is CommandState.ACCEPTED
+    both.cell.core.planner_lost()
+    both.finished(job)
+    assert (job.state, job.reason) == (CommandState.ABORTED, Reason.PLANNER_LOST)
+    both.alive = True
+    assert both.still(), "a planner that comes too late"
+
+
+def test_pieces_nobody_ordered_are_dropped(both: WithPlanner) -> None:
+    both.program(f"ptp joints {joints(5)}")
+    both.alive = False
+    both.cell.office.command(1, Command(Code.PROGRAM, 1), both.cell.now)
+    orders = both.cell.office.take_orders()  # lost on their way to the cycle
+    assert [order.order for order in orders] == [Order.PROGRAM]
+    both.cell.core.state.taken = orders[0].job  # as if a later one had been taken
+    both.alive = True
+    assert both.still() and both.programs.state.handed > 0
+    assert both.cell.core.state.failed_job != orders[0].job
+
+
+def test_pieces_for_axes_that_are_off_are_refused_and_nothing_moves(both: WithPlanner) -> None:
+    both.alive = False
+    job = both.order(f"ptp joints {joints(5)}")
+    both.cell.run(0.1)
     both.cell.core._off(Reason.DRIVES_OFF)
-    before = both.places()
-    both.say(f"ptp joints {joints(5)}")
-    both.cell.run(1.0)
-    assert (both.cell.core.state.failed_job, both.cell.core.state.failed_reason) == (JOB, Reason.NOT_READY)
-    assert max(abs(a - b) for a, b in zip(both.places(), before, strict=True)) < 0.05
+    both.alive = True
+    both.finished(job)
+    assert (job.state, job.reason) == (CommandState.ABORTED, Reason.DRIVES_OFF)
+    assert both.cell.core.state.motion is Motion.IDLE
 
 
-def test_pieces_of_an_older_cycle_are_dropped() -> None:
-    both = WithPlanner()
-    both.say(f"ptp joints {joints(5)}", end=False)
-    both.turn()
+def test_an_order_for_axes_that_are_off_fails_in_the_cycle_too(both: WithPlanner) -> None:
+    both.cell.core._off(Reason.DRIVES_OFF)
+    both.cell.core._order_program(OrderRecord(Order.PROGRAM, 900, 1, ALL))
+    assert (both.cell.core.state.failed_job, both.cell.core.state.failed_reason) == (900, Reason.NOT_READY)
+    assert not both.cell.core.starved
+
+
+def test_pieces_of_an_older_cycle_are_dropped(both: WithPlanner) -> None:
+    job = both.order(f"ptp joints {joints(5)}")
+    both.cell.cycle(1)
     both.turn()
     kept = [PieceRecord(record.part, record.job, record.generation + 1, record.piece) for record in both.held]
+    assert kept
     both.held, both.alive = kept, False
-    before = both.places()
+    moved = both.cell.core.state.piece
     both.cell.run(0.5)
-    moved = max(abs(a - b) for a, b in zip(both.places(), before, strict=True))
-    assert both.cell.core.state.failed_job != JOB and moved < 4.9
+    assert both.cell.core.state.failed_job != job.id and both.cell.core.state.piece in (0, moved)
 
 
-def test_a_fault_in_a_block_ends_the_job_with_its_number_and_nothing_moves() -> None:
-    both = WithPlanner()
-    both.say(f"ptp joints {joints(1e5)}")
-    before = both.places()
-    both.cell.run(0.5)
-    state = both.programs.state
-    assert state.failed_job == JOB and state.fault_block == 1 and state.fault_code == 520 and "axis" in state.fault
-    assert both.places() == before
+def test_a_fault_in_a_late_block_is_told_before_anything_moves(both: WithPlanner) -> None:
+    job = both.order(f"ptp joints {joints(5)}", "# a remark", f"ptp joints {joints(6)}", f"ptp joints {joints(1e5)}")
+    assert both.still(0.5)
+    assert (job.state, job.reason) == (CommandState.REFUSED, Reason.PROGRAM_FAULT)
+    assert both.programs.state.fault_block == 3 and both.programs.state.fault_code == 520
+    assert "line 5: block 3, axis A1" in job.detail and "VAL 3 520" in job.detail
+    assert both.finished(both.order(f"ptp joints {joints(6)}")).state is CommandState.DONE, "the next one runs"
+
+
+def test_a_fault_of_the_text_names_its_line_and_nothing_moves(both: WithPlanner) -> None:
+    job = both.order(f"ptp joints {joints(5)}", "ptp NOWHERE")
+    assert both.still(0.5)
+    assert (job.state, job.reason) == (CommandState.REFUSED, Reason.PROGRAM_FAULT) and "line 3" in job.detail
+
+
+def test_unknown_numbers_and_a_missing_planner_are_refused_at_once(both: WithPlanner) -> None:
+    job = both.cell.office.command(1, Command(Code.PROGRAM, 7), both.cell.now)
+    assert (job.state, job.reason) == (CommandState.REFUSED, Reason.PROGRAM_UNKNOWN) and "1 there, 2 back" in job.detail
+    both.cell.office.planner = None
+    job = both.cell.office.order_program(1, 1, both.cell.now)
+    assert (job.state, job.reason) == (CommandState.REFUSED, Reason.NOT_READY) and "planner" in job.detail
+    assert both.cell.office.take_programs() == []
+
+
+def test_rates_owner_and_reference_are_judged_as_for_every_move(both: WithPlanner) -> None:
+    both.program(f"ptp joints {joints(5)}")
+    assert both.order(velocity=0.0).reason is Reason.RATE
+    assert both.order(door=2).reason is Reason.NOT_OWNER
+    both.cell.core._axes[2].referenced = False
+    both.cell.run(0.1)
+    job = both.order()
+    assert job.reason is Reason.NOT_REFERENCED and job.detail == "A3"
+
+
+def test_stop_resume_and_abandon(both: WithPlanner) -> None:
+    job = both.order(f"ptp joints {joints(5)} blend=joint leave=1 reach=1", f"ptp joints {joints(40)}")
+    both.cell.run(0.25)
+    both.cell.settle(both.cell.give(Code.STOP, door=2))
+    both.cell.run(0.2)
+    assert both.cell.core.state.motion is Motion.STOPPED and both.still()
+    both.cell.settle(both.cell.give(Code.RESUME))
+    both.finished(job)
+    assert job.state is CommandState.DONE and both.at(40.0)
+    job = both.order(f"ptp joints {joints(5)}")
+    both.cell.run(0.25)
+    both.cell.settle(both.cell.give(Code.STOP))
+    both.cell.settle(both.cell.give(Code.ABANDON))
+    both.cell.run(0.1)
+    assert (job.state, job.reason) == (CommandState.ABORTED, Reason.ABANDONED) and both.still()
+    assert both.finished(both.order(f"ptp joints {joints(8)}")).state is CommandState.DONE and both.at(8.0)
+
+
+def test_a_stop_while_the_program_is_prepared_keeps_it_from_beginning(both: WithPlanner) -> None:
+    both.alive = False
+    job = both.order(f"ptp joints {joints(5)}")
+    both.cell.run(0.05)
+    both.cell.settle(both.cell.give(Code.STOP, door=2))
+    assert (job.state, job.reason) == (CommandState.ABORTED, Reason.STOPPED_BY_DOOR)
+    both.alive = True
+    assert both.still()
+
+
+def test_a_stop_while_more_has_to_come_keeps_it_from_going_on(both: WithPlanner) -> None:
+    job = both.order(f"ptp joints {joints(5)}", f"ptp joints {joints(40)}")
+    both.cell.run(0.05)
+    later = [record for record in both.held if record.part]
+    both.alive = False
+    both.held.clear()
+    for _ in range(400):
+        both.cell.cycle()
+        if both.cell.core.starved:
+            break
+    assert both.cell.core.starved and later
+    both.cell.settle(both.cell.give(Code.STOP))
+    assert (job.state, job.reason) == (CommandState.ABORTED, Reason.STOPPED_BY_DOOR)
+    both.alive = True
+    assert both.still()
+
+
+def test_no_move_begins_beside_a_program_that_is_prepared(both: WithPlanner) -> None:
+    both.alive = False
+    both.order(f"ptp joints {joints(5)}")
+    both.cell.run(0.05)
+    assert both.cell.give(Code.PTP_ABSOLUTE, targets=(30.0,), mask=1).reason is Reason.BUSY
+    assert both.order(f"ptp joints {joints(6)}").reason is Reason.BUSY
+
+
+def test_a_program_without_moves_is_done_at_once(both: WithPlanner) -> None:
+    assert both.finished(both.order("# nothing")).state is CommandState.DONE
+
+
+def test_a_new_cycle_knows_nothing_of_the_program(both: WithPlanner) -> None:
+    job = both.order(f"ptp joints {joints(40)}")
+    both.cell.run(0.2)
+    both.cell.restart_cycle()
+    both.cell.run(0.1)
+    assert (job.state, job.reason) == (CommandState.ABORTED, Reason.CYCLE_RESTARTED)
+    assert both.still() and both.programs.state.job == 0

@@ -1,0 +1,18 @@
+"""[[program]] of the cell file: motion programs that doors order by their number."""
+
+import pathlib
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """[[program]]: a program in the documented text form (docs/guide/motion-programs.md)."""
+
+    number: int
+    file: str  # beside the cell file, then as configs/programs
+    kinematics: str = ""  # name of [robot]; empty: the only one there is
+
+    @property
+    def name(self) -> str:
+        """As it is called in words: the file's stem."""
+        return pathlib.PurePath(self.file).stem

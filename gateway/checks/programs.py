@@ -1,0 +1,45 @@
+"""[[program]]: numbers are there once, the robot fits the axes, every file is found and reads without a fault."""
+
+from gateway.checks.context import Context, twice
+from gateway.files import ConfigNotFound, beside, read_text
+from gateway.programplan import machine_of_cell, written_for
+
+
+def programs(check: Context) -> None:
+    """Reach and limits along the way are looked at by `axisgate motion check`, and before every run of a program."""
+    cell = check.cell
+    if not cell.program:
+        return
+    for number, _, _ in twice((each.number, str(n)) for n, each in enumerate(cell.program)):
+        check.fault(f"program.{number}.number", number, "this number has a program already")
+    if not cell.axis:
+        return  # said elsewhere, or cut out with a fault of its own
+    from motion.errors import MotionError
+
+    try:
+        machine_of_cell(cell)
+    except MotionError as error:
+        check.fault("robot.model" if cell.robot else "program", cell.robot.model if cell.robot else "", str(error))
+    for each in cell.program:
+        if each.kinematics and (cell.robot is None or each.kinematics not in (cell.robot.name, cell.robot.model)):
+            check.fault(f"program.{each.number}.kinematics", each.kinematics, "no [robot] has this name")
+        _read(check, f"program.{each.number}.file", each.file)
+
+
+def _read(check: Context, key: str, file: str) -> None:
+    from motion.errors import MotionError
+    from motion.program.text import read
+
+    try:
+        program = read(read_text(beside(check.cell.file, file, "programs")))
+    except (ConfigNotFound, OSError, UnicodeDecodeError) as error:
+        check.fault(key, file, str(error))
+    except MotionError as error:
+        check.fault(key, file, str(error).splitlines()[0])
+    else:
+        robot = check.cell.robot
+        if robot is not None and not written_for(program.robot, robot.model):
+            check.fault(key, file, f"is written for robot {program.robot}, this cell's is {robot.model}")
+
+
+CHECKS = (programs,)

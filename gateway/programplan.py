@@ -1,0 +1,67 @@
+"""Programs and robot of a cell, found and looked at before a run starts; what planner, office and checks need of them.
+
+Files are read here and in the planner process alone.  Imports of the motion core stand inside: whoever only wants the plain data (the
+services) must not load it.
+"""
+
+import pathlib
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from gateway.cell import Cell
+from gateway.files import beside
+from gateway.pure.plannerrecords import ProgramFacts
+
+if TYPE_CHECKING:
+    from motion.planner.robot import Machine
+
+
+@dataclass(frozen=True, slots=True)
+class ProgramPlan:
+    """One [[program]]: name in words, path of its file, axes it moves."""
+
+    name: str
+    path: str
+    mask: int
+
+    @property
+    def facts(self) -> ProgramFacts:
+        return ProgramFacts(self.name, self.mask)
+
+
+def plan_programs(cell: Cell) -> Mapping[int, ProgramPlan]:
+    """Number -> plan of every program; a checked cell's files are there."""
+    if not cell.program:
+        return {}
+    mask = (1 << machine_of_cell(cell).axes) - 1
+    return {each.number: ProgramPlan(each.name, str(beside(cell.file, each.file, "programs")), mask) for each in cell.program}
+
+
+def written_for(named: str, model: str) -> bool:
+    """Whether a program that names this robot is for the cell's model; one that names none is for any."""
+    return not named or pathlib.PurePath(named).stem == pathlib.PurePath(model).stem
+
+
+def machine_of_cell(cell: Cell) -> "Machine":
+    """The cell's robot on its first axes, with their limits; MotionError tells what does not fit."""
+    from gateway.axes import limits_of
+    from gateway.files import ConfigNotFound
+    from gateway.robotfile import RobotFaults, load_robot
+    from motion.errors import MotionError
+    from motion.planner.robot import machine_of
+
+    if cell.robot is None or not cell.robot.model:
+        raise MotionError("the cell has no [robot] with a model: programs need its kinematics")
+    name = cell.robot.model
+    try:
+        robot = machine_of(load_robot(str(beside(cell.file, name, "robots"))))
+    except (ConfigNotFound, RobotFaults, OSError) as error:
+        raise MotionError(f"robot {name!r}: {error}") from error
+    own = [limits_of(axis) for axis in cell.axis[: robot.axes]]
+    if len(own) < robot.axes:
+        raise MotionError(f"robot {name} has {robot.axes} axes, the cell {len(own)}")
+    for ours, its in zip(own, robot.limits, strict=True):
+        if ours.unit != its.unit:
+            raise MotionError(f"axis {ours.name} of the cell is in {ours.unit}, axis {its.name} of robot {name} in {its.unit}")
+    return replace(robot, limits=tuple(own))
