@@ -8,6 +8,7 @@ import datetime
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
+from gateway.cell_controller import Controller
 from gateway.cell_modbus import Modbus
 from gateway.cell_program import Program
 from gateway.cell_web import Web
@@ -536,6 +537,7 @@ class Cell:
     retain: Retain | None = None
     plant: Plant | None = None
     web: Web | None = None
+    controller: Controller | None = None
     sources: Mapping[str, Source] = field(default_factory=dict)  # "axis.1.limits.speed" -> P103[1], line 34
     notices: tuple[Notice, ...] = ()
 

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
+from gateway.cellmodels_controller import Controller
 from gateway.cellmodels_modbus import Modbus
 
 BAUDS = "300|600|1200|2400|4800|9600|19200|38400|57600|115200"
@@ -456,3 +457,4 @@ class CellFile(Table):
     retain: Retain | None = None
     plant: Plant | None = None
     web: Web | None = None
+    controller: Controller | None = None
