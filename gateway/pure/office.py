@@ -102,6 +102,7 @@ class Office:
         self.control = Control()
         self.cell: CellState | None = None
         self.stopped_moves = 0
+        self.barred = 0  # axes the interface has disabled
         self._all = (1 << len(self.axes)) - 1
         self._plan = plan
         self._next = first_job
@@ -112,6 +113,12 @@ class Office:
         self._events: list[OfficeEvent] = []
         self._first_try = False
         self._move: Job | None = None  # the move or reference run the axes are on
+
+    def bar(self, mask: int) -> None:
+        """These axes are disabled at the interface: off at once whoever has control, and nobody moves them until a new start (AX-333)."""
+        new, self.barred = mask & ~self.barred, mask
+        if new & self.enabled_mask():
+            self._order(Order.DISABLE, mask=new, reason=Reason.DRIVES_OFF)
 
     # ---- what the others ask ---------------------------------------------------------------------------------------------
     def door(self, number: int) -> DoorState:
@@ -382,6 +389,9 @@ class Office:
     def _mask(self, job: Job) -> None:
         if job.mask == 0 or job.mask & ~self._all:
             raise Refusal(Reason.MASK, f"{job.mask:04X}h; this cell has {len(self.axes)} axes: 0001h..{self._all:04X}h")
+        if job.mask & self.barred and job.code != Code.DISABLE:
+            names = ", ".join(axis.name for n, axis in enumerate(self.axes) if (job.mask & self.barred) >> n & 1)
+            raise Refusal(Reason.DRIVES_OFF, f"{names} disabled at the interface")
 
     @staticmethod
     def _may_enable(cell: CellState) -> None:
