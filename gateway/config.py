@@ -167,7 +167,8 @@ def _tables(value: Any) -> list[dict[str, Any]]:
     return [each for each in value if isinstance(each, dict)] if isinstance(value, list) else []
 
 
-PARTS = ((plain, models), (cell_modbus, cellmodels_modbus), (cell_controller, cellmodels_controller))  # frozen data and their models, class by class of the same name
+# frozen data and their models, class by class of the same name
+PARTS = ((plain, models), (cell_modbus, cellmodels_modbus), (cell_controller, cellmodels_controller))
 PLAIN: Mapping[type[BaseModel], Callable[..., object]] = {
     getattr(edge, name): getattr(inside, name)
     for inside, edge in PARTS
