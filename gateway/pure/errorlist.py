@@ -79,6 +79,10 @@ class ErrorList:
         else:
             self._records[key] = replace(known, standing=False)
 
+    def drop(self, code: int, where: str, source: str = "axisgate") -> None:
+        """It leaves the list whatever its rule: its owner knows that it is over."""
+        self._records.pop((code, source, where), None)
+
     def acknowledge(self, right: Reset) -> int:
         """Clears what this right may clear and whose cause is gone; how many went."""
         kept = {key: record for key, record in self._records.items() if record.standing or record.reset > right}

@@ -1,5 +1,7 @@
 """Errors at the interface: what acknowledges what.  Source: rho3 3.3, 9.1 (L1072-1076, L3033, L3059-3065, L4046-4068), AX-501.
 
+They stand in the one list of the control (gateway.pure.errorlist), numbered by the rho 3.
+
 Error acknowledgement (bit 62) clears errors and leaves processes alone; Control reset (bit 19) or PHG 11.1 clears more and ends
 processes; EMERGENCY STOP and P2 errors need Control reset; system errors need a restart.
 """
@@ -7,13 +9,16 @@ processes; EMERGENCY STOP and P2 errors need Control reset; system errors need a
 from dataclasses import dataclass
 from enum import Enum, auto
 
+from gateway.pure.errorlist import ErrorList, Reset
 from gateway.pure.interface.image import Edge, PicImage
 from gateway.pure.interface.numbers import AS_SHIPPED, Numbers
+from protocols.base.machine import Ns
 
 CONTROL_RESET, ACKNOWLEDGE = 19, 62  # RC inputs
 EMERGENCY_STOP = 528
 SYSTEM_BASE = 3583  # coded error = base + system error number
 MOST_SYSTEM = 4095 - SYSTEM_BASE
+RHO3 = "rho3"  # who numbered them
 
 
 class Kind(Enum):
@@ -55,47 +60,58 @@ class Outcome:
     processes_end: bool = False  # Control reset: active processes are deselected, user outputs cleared
 
 
-class Faults:
-    """The errors that are shown, each with whether its cause still stands, and the latch of EMERGENCY STOP."""
+RESETS = {Kind.RUNTIME: Reset.ACKNOWLEDGE, Kind.P2: Reset.CONTROL_RESET, Kind.SYSTEM: Reset.RESTART}
 
-    def __init__(self, numbers: Numbers = AS_SHIPPED) -> None:
+
+class Faults:
+    """The errors of the rho 3 in the list of the control, and the latch of EMERGENCY STOP."""
+
+    def __init__(self, numbers: Numbers = AS_SHIPPED, errors: ErrorList | None = None) -> None:
+        """`errors`: the list of the control; one of its own where nobody gives one."""
+        self.errors = ErrorList() if errors is None else errors
         self._numbers = numbers
-        self._causes: dict[int, bool] = {}
         self._reset, self._acknowledge = Edge(CONTROL_RESET), Edge(ACKNOWLEDGE)
         self._panel = True
+        self._open = False  # the chain, as seen last
 
     @property
     def shown(self) -> tuple[int, ...]:
         """Codes in the order they came."""
-        return tuple(self._causes)
+        return tuple(record.code for record in self.errors.records if record.source == RHO3)
 
-    def came(self, code: int, stands: bool = False) -> None:
+    def came(self, code: int, stands: bool = False, where: str = "", now: Ns = 0) -> None:
         """An error; `stands`: its cause lasts until `gone`."""
-        self._causes[code] = stands
+        self.errors.report(code, where, now, source=RHO3, reset=RESETS[kind_of(code)])
+        if not stands:
+            self.gone(code, where)
 
-    def gone(self, code: int) -> None:
+    def gone(self, code: int, where: str = "") -> None:
         """The cause has been removed; the error stays until it is acknowledged."""
-        if code in self._causes:
-            self._causes[code] = False
+        self.errors.gone(code, where, RHO3)
 
-    def update(self, image: PicImage, panel_reset: bool = False) -> Outcome:
+    def forget(self, code: int, where: str = "") -> None:
+        """It is gone by another way than those of the interface."""
+        self.errors.drop(code, where, RHO3)
+
+    def update(self, image: PicImage, panel_reset: bool = False, now: Ns = 0) -> Outcome:
         """Looks at chain, acknowledgement and reset; `panel_reset`: mode 11.1 is being chosen on the PHG."""
-        self._watch_chain(image.input(self._numbers.chain))
+        self._watch_chain(image.input(self._numbers.chain), now)
         acknowledged = self._acknowledge.rises(image)
         by_panel, self._panel = panel_reset and not self._panel, panel_reset
         reset = self._reset.rises(image) or by_panel
-        cleared = self._clear({Kind.RUNTIME, Kind.P2} if reset else {Kind.RUNTIME} if acknowledged else set())
-        image.put(self._numbers.emergency, EMERGENCY_STOP in self._causes)
+        cleared = self._clear(Reset.CONTROL_RESET if reset else Reset.ACKNOWLEDGE) if reset or acknowledged else ()
+        image.put(self._numbers.emergency, EMERGENCY_STOP in self.shown)
         return Outcome(cleared, reset)
 
-    def _watch_chain(self, closed: bool) -> None:
-        if not closed:
-            self.came(EMERGENCY_STOP, stands=True)
-        else:
+    def _watch_chain(self, closed: bool, now: Ns = 0) -> None:
+        if not closed and not self._open:
+            self.came(EMERGENCY_STOP, stands=True, now=now)
+        elif closed and self._open:
             self.gone(EMERGENCY_STOP)
+        self._open = not closed
 
-    def _clear(self, kinds: set[Kind]) -> tuple[int, ...]:
-        cleared = tuple(code for code, stands in self._causes.items() if not stands and kind_of(code) in kinds)
-        for code in cleared:
-            del self._causes[code]
-        return cleared
+    def _clear(self, right: Reset) -> tuple[int, ...]:
+        before = self.shown
+        self.errors.acknowledge(right)
+        left = self.shown
+        return tuple(code for code in before if code not in left)

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from gateway.pure.errorlist import ErrorList
 from gateway.pure.interface.drives import DisabledAxes, drive_on
 from gateway.pure.interface.errors import Faults, Outcome
 from gateway.pure.interface.image import PicImage
@@ -41,26 +42,31 @@ class Seen:
 class SignalInterface:
     """Call `step` once per cycle with the image filled by the doors; the outputs of the interface are written into it."""
 
-    def __init__(self, image: PicImage, installation: Installation, numbers: Numbers = AS_SHIPPED) -> None:
-        """`numbers`: of our own signals, where a cell has moved them.  ValueError: a parameter out of its range."""
+    def __init__(self, image: PicImage, installation: Installation, numbers: Numbers = AS_SHIPPED, errors: ErrorList | None = None) -> None:
+        """`numbers`: of our own signals, where a cell has moved them; `errors`: the list of the control.
+
+        ValueError: a parameter out of its range.
+        """
         self.image, self._installation = image, installation
         self.modes = OperatingModes(installation.kinematics)
-        self.faults = Faults(numbers)
+        self.faults = Faults(numbers, errors)
         self.user = UserPorts(image, installation.p24, installation.p27, numbers)
-        self._timers = TimersAndCounters(installation.p3, installation.p13, installation.p14, installation.unit)
+        self.timers = TimersAndCounters(installation.p3, installation.p13, installation.p14, installation.unit)
         self._disabled = DisabledAxes(installation.axes)
         show_machine(image, installation.p2)
 
-    def step(self, elapsed: Ns, phg_active: bool = False, emergency_without_rc: bool = False, panel_reset: bool = False) -> Seen:
-        """`elapsed`: since the last step."""
+    def step(
+        self, elapsed: Ns, phg_active: bool = False, emergency_without_rc: bool = False, panel_reset: bool = False, now: Ns = 0
+    ) -> Seen:
+        """`elapsed`: since the last step; `now`: stamp of errors."""
         show_machine(self.image, self._installation.p2)
         for code in self._disabled.update(self.image):
-            self.faults.came(code)
+            self.faults.came(code, now=now)
         switched = tuple(self.modes.update(self.image, phg_active, emergency_without_rc))
         self.user.look()
-        outcome = self.faults.update(self.image, panel_reset)
+        outcome = self.faults.update(self.image, panel_reset, now)
         if outcome.processes_end:
             self.user.control_reset()
-        self._timers.step(self.image.flags, elapsed)
+        self.timers.step(self.image.flags, elapsed)
         on = drive_on(self.image, self._installation.axes)
         return Seen(outcome, switched, on & ~self._disabled.mask, self._disabled.mask)

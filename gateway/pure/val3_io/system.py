@@ -154,3 +154,11 @@ class IoSystem:
             self._simulated.pop(name, None)
         else:
             self._simulated[name] = raw
+
+    def locked(self, name: str) -> bool:
+        """Whether the operator has locked it."""
+        return name in self._locked
+
+    def simulated(self, name: str) -> bool:
+        """Whether the operator simulates it."""
+        return name in self._simulated

@@ -1,0 +1,280 @@
+"""The old control as its PLC sees it: signals, functions and processes on one image, once per cycle of the services.  Pure.
+
+The doors bring the RC inputs, the cycle what the axes do; outputs and flags go back to the doors, commands of the axes through the
+office.  A restart of services counts as a start of the control (AX-332): nothing that stands starts anything.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from gateway.pure.errorlist import ErrorList
+from gateway.pure.functions.plc import Functions, Settings
+from gateway.pure.functions.processes import Kind, Process, ProcessTable, Program, State
+from gateway.pure.interface.codes import EMERGENCY_STOP, PLC_SILENT, CycleErrors, code_text
+from gateway.pure.interface.commands import AxisCommands
+from gateway.pure.interface.coupling import Coupling
+from gateway.pure.interface.drives import DriveOn
+from gateway.pure.interface.errors import RHO3
+from gateway.pure.interface.fastio import MultiFunction
+from gateway.pure.interface.image import PicImage
+from gateway.pure.interface.numbers import AS_SHIPPED, Numbers
+from gateway.pure.interface.steps import Step, body_maker, fault_of
+from gateway.pure.interface.supervision import PlcWatch
+from gateway.pure.interface.whole import Installation, Seen, SignalInterface
+from gateway.pure.office import Job, Office
+from gateway.pure.records import RC_BYTES, CellState, InputImage, Permit, get_bit, set_bit
+from protocols.base.machine import Ns
+
+STARTUP = 107  # RC output: run-up finished (rho3 L728-732)
+KEEP_PERMANENT = 61  # RC input (L2620)
+RESET_MODE = "11.1"  # mode of the panel that resets (L3059)
+BOARD_IN, BOARD_OUT = 8, 5
+
+
+@dataclass(frozen=True, slots=True)
+class Declared:
+    """A program of the cell."""
+
+    name: str
+    steps: tuple[Step, ...]
+    permanent: bool = False
+    priority: int = 140
+    kinematics: tuple[int, ...] = (1,)
+    repeat: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Setup:
+    """What the cell says; bit numbers as this cell has them."""
+
+    installation: Installation = Installation()
+    numbers: Numbers = AS_SHIPPED
+    functions: Settings = field(default_factory=Settings)
+    programs: tuple[Declared, ...] = ()
+    axes: tuple[str, ...] = ()
+    owners: Mapping[int, int] = field(default_factory=dict)  # RC input byte -> door
+    assumed: tuple[int, ...] = ()  # RC inputs that are not wired and count as 1
+    of_cycle: bytes = bytes(RC_BYTES)  # RC output bits the cycle writes
+    emergency_op: int = 140  # RC input: emergency mode without RC
+    chain_assumed: bool = False
+    p36: tuple[int, int] | None = None  # multi-function I/O: inputs, outputs; None: the control has none
+    coupling: Coupling | None = None
+    plc_silence: Ns = 0  # time-out of the PLC; 0: not supervised
+    plc_grace: bool = True
+    sets_override: bool = True
+
+
+class RhoControl:
+    """Call `step` once per cycle of the services."""
+
+    def __init__(self, setup: Setup, office: Office, errors: ErrorList, now: Ns) -> None:
+        """ValueError: a parameter out of its range."""
+        self.setup, self.errors = setup, errors
+        self.image = PicImage()
+        self.interface = SignalInterface(self.image, setup.installation, setup.numbers, errors)
+        self.modes, self.user = self.interface.modes, self.interface.user
+        self.processes = ProcessTable(self._programs())
+        self.functions = Functions(setup.functions, errors, self.processes)
+        self.terminals = 0  # wired inputs of the multi-function I/O, bits 0..3
+        occupied = {bit >> 3 for bit in range(8 * RC_BYTES) if get_bit(setup.of_cycle, bit)}
+        self.multi = None if setup.p36 is None else MultiFunction(*setup.p36, occupied=occupied)
+        self.board_in, self.board_out = bytearray(BOARD_IN), bytearray(BOARD_OUT)
+        self.panel_used = False  # somebody works at the panel
+        self._commands = AxisCommands(office, setup.sets_override)
+        self._office = office
+        self._drive_on = DriveOn(len(setup.axes), lambda byte: setup.owners.get(byte, 0))
+        self._cycle_errors = CycleErrors(self.interface.faults, setup.axes)
+        self._watch = PlcWatch(setup.plc_silence, now, setup.plc_grace) if setup.plc_silence else None
+        self._jobs: dict[str, Job] = {}  # program -> its move
+        self._keep = int.from_bytes(setup.of_cycle, "little") ^ (1 << 8 * RC_BYTES) - 1
+        self._last = now
+        self._listed: set[str] = set()  # programs with a process, as of the last cycle
+        self._closed = True  # the chain, as the interface was told last
+        self._now = now
+
+    @property
+    def outputs(self) -> bytes:
+        """RC outputs, the cycle's and ours."""
+        return bytes(self.image.outputs)
+
+    # ---- one cycle -----------------------------------------------------------------------------------------------------
+    def step(self, inputs: InputImage, cycle: bytes, state: CellState, now: Ns, *, heard: bool = False) -> list[str]:
+        """`cycle`: RC outputs as the cycle published them; `heard`: the PLC has transmitted since.  What a person should read."""
+        self._now = now
+        self._look(inputs, cycle, state)
+        self._cycle_errors.look(state, now)
+        self._supervise(now, heard=heard)
+        image, setup = self.image, self.setup
+        panel_reset = self.functions.phg.mode == RESET_MODE
+        emergency = image.input(setup.emergency_op)
+        seen = self.interface.step(now - self._last, self.panel_used, emergency, panel_reset, now)
+        self._last = now
+        told = self._react(seen)
+        told += [refusal.text(setup.functions.language) for refusal in self.functions.step(inputs, image.outputs, now)]
+        self._end_moves()
+        self._commands.drives(self._drive_on.look(image), self._drive_on.wanted, seen.disabled, now)
+        self._office.bar(seen.disabled)
+        self._commands.settle(now)
+        if self.multi is not None:
+            self.multi.step(image, self.terminals)
+        image.put(STARTUP, bool(state.generation))
+        self._overlay(cycle)
+        return told
+
+    def _look(self, inputs: InputImage, cycle: bytes, state: CellState) -> None:
+        """The image as the control sees it: doors, inputs that are not wired, and the chain as the cycle has latched it (AX-335)."""
+        image = self.image
+        image.take(inputs)
+        for bit in self.setup.assumed:
+            set_bit(image.inputs, bit, True)
+        if state.generation:
+            self._closed = not state.emergency or bool(state.permits & Permit.CHAIN)
+            if not state.emergency:
+                self.interface.faults.forget(EMERGENCY_STOP)  # released by another door's fault reset
+        set_bit(image.inputs, self.setup.numbers.chain, self._closed)
+        self._overlay(cycle)
+
+    def _overlay(self, cycle: bytes) -> None:
+        merged = int.from_bytes(self.image.outputs, "little") & self._keep | int.from_bytes(cycle, "little") & ~self._keep
+        self.image.outputs[:] = (merged & (1 << 8 * RC_BYTES) - 1).to_bytes(RC_BYTES, "little")
+
+    def _supervise(self, now: Ns, *, heard: bool) -> None:
+        if self._watch is None:
+            return
+        if heard:
+            self._watch.heard(now)
+        if self._watch.wake(now):
+            self.interface.faults.came(PLC_SILENT, now=now)
+
+    # ---- programs ------------------------------------------------------------------------------------------------------
+    def _programs(self) -> dict[str, Program]:
+        language = self.setup.functions.language
+        return {
+            each.name.upper(): Program(
+                body_maker(each.name.upper(), each.steps, each.kinematics, self, repeat=each.repeat, language=language),
+                Kind.PERMANENT if each.permanent else Kind.NORMAL,
+                each.priority,
+                sum(1 << number - 1 for number in each.kinematics),
+            )
+            for each in self.setup.programs
+        }
+
+    @property
+    def selector(self) -> int:
+        """The door whose byte carries the selection strobe: programs move the axes in its name."""
+        return self.setup.owners.get(self.setup.functions.places.select_strobe >> 3, 0)
+
+    def move(self, program: str, step: Step, now: Ns) -> Job:
+        """What a program moves; refused as any other command of that door."""
+        job = self._jobs[program] = self._commands.move(self.selector, step, now)
+        return job
+
+    def start(self, name: str) -> Process:
+        """From the panel or a tool; raises ProcessFault."""
+        return self.processes.start(name)
+
+    def _react(self, seen: Seen) -> list[str]:
+        told = []
+        for fault in seen.switched:
+            process = self.processes.named(fault.program)
+            if process is not None:
+                reason = fault_of(fault)
+                process.state, process.error, process.error_text = State.FAULTY, reason.code, reason.text
+                self.interface.faults.came(reason.code, where=process.name, now=self._now)
+                told.append(f"{process.name}: {reason.text}")
+        if seen.outcome.processes_end:
+            gone = self.processes.control_reset(keep_permanent=self.image.input(KEEP_PERMANENT))
+            told += [f"{name}: ended by Control reset" for name in gone]
+        for process in self.processes.processes:
+            if process.state is State.FAULTY and process.error in seen.outcome.cleared:
+                self.processes.stop(process.number)
+        return told
+
+    def _end_moves(self) -> None:
+        """The motion of a program that is gone or in error ends at once and is not finished (L2610)."""
+        self.processes.take_stopped()
+        for name, job in list(self._jobs.items()):
+            process = self.processes.named(name)
+            alive = process is not None and process.state is not State.FAULTY
+            if job.open and not alive:
+                self._commands.stop(job.door, self._now, give_up=job)
+            if not job.open or not alive:
+                del self._jobs[name]
+        listed = {process.name for process in self.processes.processes}
+        for name in self._listed - listed:
+            self.modes.deselected(name)
+        self._listed = listed
+
+    # ---- what others see -----------------------------------------------------------------------------------------------
+    def flag_bytes(self) -> bytes:
+        """M 0.. of the PIC."""
+        return bytes(self.image.flags)
+
+    def write_flags(self, first: int, data: bytes) -> bool:
+        """Flag bytes from `first` on, as the program of the PIC would; False: there are not so many."""
+        if first + len(data) > len(self.image.flags):
+            return False
+        self.image.flags[first : first + len(data)] = data
+        return True
+
+    def timer(self, number: int) -> int | None:
+        """Rest of timer `number` in ms; None: there is none."""
+        left = self.interface.timers.left
+        return left[number] // 1_000_000 if number < len(left) else None
+
+    def counter(self, number: int) -> int | None:
+        """Counter `number`."""
+        counters = self.interface.timers.counters
+        return counters[number] if number < len(counters) else None
+
+    def names(self) -> list[str]:
+        """Values beside the signals."""
+        integers = [f"rho3.integer.{channel}" for channel in range(401, 409)]
+        board = [f"rho3.board.input.{n}" for n in range(BOARD_IN)] + [f"rho3.board.output.{n}" for n in range(BOARD_OUT)]
+        terminals = [f"rho3.terminal.{way}.{n}" for way in ("input", "output") for n in range(1, 5)]
+        return integers + (board if self.setup.coupling else []) + (terminals if self.multi else [])
+
+    def value(self, name: str) -> float:
+        """One of them; KeyError."""
+        if name not in self.names():
+            raise KeyError(name)
+        _, kind, *rest = name.split(".")
+        number = int(rest[-1])
+        if kind == "integer":
+            return float(self.user.integer(number))
+        if kind == "board":
+            return float((self.board_in if rest[0] == "input" else self.board_out)[number])
+        carried = self.terminals if rest[0] == "input" or self.multi is None else self.multi.outputs
+        return float(carried >> number - 1 & 1)
+
+    def put(self, name: str, value: float) -> None:
+        """What is wired: inputs of the board and of the multi-function I/O; KeyError for anything else, ValueError out of range."""
+        if name not in self.names() or ".input." not in name:
+            raise KeyError(name)
+        number = int(name.rpartition(".")[2])
+        most = 255 if ".board." in name else 1
+        if not 0 <= value <= most:
+            raise ValueError(f"{name}: 0..{most}")
+        if most == 255:
+            self.board_in[number] = int(value)
+        else:
+            bit = 1 << number - 1
+            self.terminals = self.terminals | bit if value else self.terminals & ~bit
+
+    def status(self) -> dict[str, object]:
+        """For tools and pages."""
+        language = self.setup.functions.language
+        errors = [
+            {"code": each.code, "where": each.where, "text": code_text(each.code, language), "standing": each.standing, "count": each.count}
+            for each in self.errors.records
+            if each.source == RHO3
+        ]
+        processes = [
+            {"name": each.name, "kind": each.kind.name, "state": each.state.name, "error": each.error, "why": each.error_text}
+            for each in self.processes.processes
+        ]
+        automatic = [self.modes.automatic(number + 1) for number in range(self.setup.installation.kinematics)]
+        return {
+            "kind": "rho3", "automatic": automatic, "mode": self.functions.phg.mode,
+            "screen": list(self.functions.display.screen()), "processes": processes[:20], "errors": errors[:16],
+        }  # fmt: skip

@@ -1,0 +1,114 @@
+"""The control of [controller] inside the services: stepped with them, its outputs merged with the cycle's for every door (AX-332).
+
+A cell without [controller] has an empty desk: nothing is loaded, nothing is stepped, the RC outputs are the cycle's.
+"""
+
+from typing import TYPE_CHECKING
+
+from gateway.image import RegionReader
+from gateway.pure.command_block import Code, Command
+from gateway.pure.errorlist import ErrorList, Reset
+from gateway.pure.reasons import CommandState, text
+from gateway.pure.records import RC_BYTES
+from protocols.base.machine import Ns
+
+if TYPE_CHECKING:
+    from gateway.controllers import Control
+    from gateway.processes.services import Services
+    from gateway.pure.interface.control import RhoControl
+
+PANEL_NS = 2_000_000_000  # the panel counts as used for so long after a key
+RESET_MODE = "11.1"
+
+
+class RcOutputs:
+    """RC outputs as doors, routes and tools read them."""
+
+    def __init__(self, region: RegionReader) -> None:
+        self.region = region
+        self.control: Control | None = None
+
+    def read(self) -> bytes | None:
+        """The cycle's, with those of the control; None: nothing has been published yet."""
+        return self.region.read() if self.control is None else self.control.outputs
+
+
+class SignalDesk:
+    """The error list of the run, and its control where there is one."""
+
+    def __init__(self, services: "Services", now: Ns) -> None:
+        self._services = services
+        self.errors = ErrorList()
+        self.control: Control | None = None
+        self._noted: list[tuple[int, str]] = []
+        self._heard: Ns = 0
+        self._panel: Ns = 0
+        if services.cell.controller is None:
+            return
+        from gateway.controllers import make_control  # only cells that have one pay for it
+
+        doors = {door.name: door.number for door in services.plan.doors}
+        self.control, faults = make_control(services.cell, services.owned, doors, services.office, self.errors, now)
+        services.rc_out.control = self.control
+        for fault in faults:
+            services.journal.write("plc", fault)
+
+    def step(self, now: Ns) -> None:
+        """Once per cycle of the services."""
+        control = self.control
+        if control is None:
+            return
+        services = self._services
+        heard = max((door.watch.last_ns for door in services.doors), default=0)
+        cycle = services.rc_out.region.read() or bytes(RC_BYTES)
+        rho = self.rho3
+        if rho is not None:
+            rho.panel_used = bool(self._panel) and now - self._panel < PANEL_NS
+        for line in control.step(services.tools.forces.over(services.inputs), cycle, services.values.state, now, heard=heard > self._heard):
+            services.journal.write("plc", line)
+        self._heard = heard
+
+    def note(self, errors: list[tuple[int, str]], now: Ns) -> None:
+        """What stands in the cell by axisgate's own numbers goes into the same list; gone with its cause."""
+        if errors == self._noted:
+            return
+        for code, words in set(self._noted) - set(errors):
+            self.errors.gone(code, words)
+        for code, words in errors:
+            if (code, words) not in self._noted:
+                self.errors.report(code, words, now, reset=Reset.ITSELF)
+        self._noted = list(errors)
+
+    @property
+    def rho3(self) -> "RhoControl | None":
+        """The control, where it is a rho 3."""
+        if self.control is None:
+            return None
+        from gateway.pure.interface.control import RhoControl  # loaded long ago: there is a control
+
+        return self.control if isinstance(self.control, RhoControl) else None
+
+    def status(self) -> dict[str, object]:
+        """For tools; nothing where there is no control."""
+        return {} if self.control is None else {"controller": self.control.status()}
+
+    # ---- the panel -------------------------------------------------------------------------------------------------------
+    def panel(self, request: dict[str, object], door: int, now: Ns) -> dict[str, object]:
+        """Its screen; with `key` after a key, with `mode` in another mode.  Mode 11.1 resets, and needs control for it."""
+        rho = self.rho3
+        if rho is None:
+            return {"error": 'no panel: this cell has no [controller] of kind "rho3"'}
+        functions = rho.functions
+        if "key" in request:
+            self._panel = now
+            functions.press(str(request["key"]))
+        if "mode" in request:
+            self._panel = now
+            mode = str(request["mode"])
+            if mode == RESET_MODE:
+                job = self._services.office.command(door, Command(Code.FAULT_RESET), now)
+                if job.state is CommandState.REFUSED:
+                    return {"error": f"mode {mode}: {text(job.reason, 'en', job.detail)}"}
+            functions.phg.mode = mode
+        display = functions.display
+        return {"screen": list(display.screen()), "mode": functions.phg.mode, "lost_keys": display.lost_keys}
