@@ -41,6 +41,7 @@ from gateway.pure.records import (
 )
 from gateway.pure.supervision import LinkWatch
 from gateway.realtime import Timerfd, die_with_parent
+from gateway.signaldesk import RcOutputs, SignalDesk
 from gateway.telegramdoor import TelegramDoor
 from gateway.telegramtables import named_values
 from gateway.tooldesk import ENABLING_BYTE
@@ -64,7 +65,7 @@ class Services:
         self.plan = plan
         self.journal = Journal(plan.journal, "services")
         self.axes = RegionReader(fds["axes"], "axes")
-        self.rc_out = RegionReader(fds["rc_out"], "rc_out")
+        self.rc_out = RcOutputs(RegionReader(fds["rc_out"], "rc_out"))
         self.rc_in = RegionWriter(fds["rc_in"], "rc_in")
         self.links = RegionWriter(fds["links"], "links")
         self.orders = RingWriter(fds["orders"], "orders")
@@ -87,6 +88,7 @@ class Services:
         self.timer = Timerfd()
         self.tools = Desks(self)
         self.variables = Variables(self)
+        self.signals = SignalDesk(self, self.started_ns)
         self._state_index = -1
         self._places_judged = False
         self._ticks = 0
@@ -164,6 +166,7 @@ class Services:
                 door.settle()
         self.tools.wake(now)
         self._age_inputs(now)
+        self.signals.step(now)
         self._refresh(now)
         self.flush()
         self.links.beat(now)
@@ -245,6 +248,7 @@ class Services:
             if now - refusal[2] > REFUSALS_KEPT_NS:
                 del self.values.refusals[door]
         self.values.errors = errors
+        self.signals.note(errors, now)
 
     # ---- orders ------------------------------------------------------------------------------------------------------
     def flush(self) -> None:
@@ -285,6 +289,7 @@ class Services:
             "owner": self.office.owner,
             "forced": len(self.tools.forces.bits),
             **self.canopen.status(),
+            **self.signals.status(),
             "errors": [{"code": code, "text": words} for code, words in self.values.errors[:8]],
             "inputs": {str(octet): self.inputs.values[octet] for octet in self.owned},
         }
