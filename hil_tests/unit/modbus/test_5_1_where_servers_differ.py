@@ -76,13 +76,12 @@ def test_ten_requests_in_one_segment_are_ten_answers_with_their_ids() -> None:
 @pytest.mark.parametrize(
     "request_pdu, answer",
     [
-        ("08 0000 1234", "88 01"),
-        ("11", "91 01"),
-        ("16 0000 00F2 0025", "96 01"),
-        ("17 0000 0001 0000 0001 02 0001", "97 01"),
-        ("2B 0E 01 00", "AB 01"),
+        ("08 0000 1234", "08 00 00 12 34"),
+        ("16 0000 00F2 0025", "16 00 00 00 F2 00 25"),
+        ("17 0000 0001 0000 0001 02 0001", "17 02 00 01"),
+        ("11", "11 13 01 FF 61 78 69 73 67 61 74 65 20 61 78 69 73 67 61 74 65"),
+        ("2B 0E 04 00", "2B 0E 04 83 00 00 01 00 08 61 78 69 73 67 61 74 65"),
     ],
 )
-def test_functions_we_do_not_offer_are_01(request_pdu: str, answer: str) -> None:
-    """FC 8, 17, 22, 23, 43/14 "as implemented": not implemented here."""
+def test_fc_8_17_22_23_and_43_14_are_answered(request_pdu: str, answer: str) -> None:
     assert says(request_pdu) == answer
