@@ -16,6 +16,7 @@ from drivers.ports.base import PortError, runtime_dir
 from gateway.assembly import RunPlan, load_plan
 from gateway.axes import axis_facts, make_planner, rc_numbers
 from gateway.canopen_office import CanopenOffice
+from gateway.dbsignals import inputs_of
 from gateway.doors import BaseDoor, CellValues, on_loss_of
 from gateway.image import RegionReader, RegionWriter, RingWriter, fds_from_text
 from gateway.journal import Journal
@@ -80,6 +81,10 @@ class Services:
         first_job = 1 if standing is None else unpack_cell_state(standing).taken + 1000
         self.numbers = rc_numbers(cell)
         self.owned = {octet: plan.door(name).number for octet, name in cell.rc_inputs.owner.items()}
+        self.entry_inputs = inputs_of(cell)
+        for line, places in self.entry_inputs.items():
+            for bit in places.values():
+                self.owned.setdefault(bit >> 3, plan.door(line).number)
         self.programs = ProgramDesk(fds)
         programs = {number: program.facts for number, program in plan.programs.items()}
         self.office = Office(axis_facts(cell), make_planner(cell), first_job, programs)

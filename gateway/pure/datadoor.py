@@ -131,14 +131,16 @@ class DataDoor:
         value: Callable[[str], float],
         bad_number: Callable[[str, str], None],
         level: Callable[[str, bool], None],
+        inputs: Sequence[str] = (),
     ) -> None:
         """`command` takes fresh commands, `value` gives status by name, `bad_number(name, text)` hears of numbers that are none or out of
-        min..max, `level(name, bit)` of entries that are RC inputs (cell.feed_allow, ...)."""
+        min..max, `level(name, bit)` of entries that are RC inputs: cell.feed_allow, ... and `inputs`, the signals that entries name."""
         self.blocks: Mapping[int, DataBlock] = {block.number: block for block in blocks}
         self.life: int | None = None  # life word of the last telegram, if it wrote one
         self.clamped = 0
         self._axes = tuple(axes)
         self._handshake = handshake
+        self._inputs = (*RC_NAMES, *inputs)
         self._command, self._value, self._bad, self._level = command, value, bad_number, level
         self._levels: dict[str, float] = {}
         self._told: dict[Slot, str] = {}  # what was said of a bad number that still stands
@@ -186,7 +188,7 @@ class DataDoor:
     def _act(self, levels: Mapping[str, float]) -> None:
         """Edges in a fixed order: stop before everything that might start something, start last (AX-142)."""
         all_axes = (1 << len(self._axes)) - 1
-        for name in RC_NAMES:
+        for name in self._inputs:
             if name in levels:
                 self._level(name, bool(levels[name]))
         on = self._edge("drives.on", levels)
