@@ -12,6 +12,7 @@ from gateway.cell import Cell
 from gateway.cell_web import Web
 from gateway.families import DRIVE_PROTOCOLS
 from gateway.image import create_region, create_ring
+from gateway.io_regions import joined_regions, make_joined
 from gateway.programplan import ProgramPlan, plan_programs
 from gateway.pure import plannerrecords, records
 from gateway.pure.records import (
@@ -137,7 +138,7 @@ def plan_run(
             [(x.name, "line") for x in cell.line] + [(x.name, "modbus") for x in cell.modbus if x.role == "server"]
         )
     )
-    regions = ("rc_in", "rc_out", "axes", "links", "orders", "acyclic", "heard")
+    regions = ("rc_in", "rc_out", "axes", "links", "orders", "acyclic", "heard", *joined_regions(cell))
     core = [
         Child("cycle", "gateway.processes.cycle", (), (*regions, "trace"), "axes", max(5 * period_ms, 50) * MS),
         Child("services", "gateway.processes.services", (), (*regions, *(f"door-{door.number}" for door in doors)), "links", 250 * MS),
@@ -185,8 +186,9 @@ def emulators(
     from gateway.rho3_buses import module_arguments
 
     children = []
+    absent = cell.plant.absent if cell.plant else ()
     buses_with_io = {
-        bus.name: modules for bus in cell.bus if bus.name in buses and (modules := module_arguments(cell, bus, buses[bus.name]))
+        bus.name: modules for bus in cell.bus if bus.name in buses and bus.name not in absent and (modules := module_arguments(cell, bus, buses[bus.name]))
     }
     children += [Child(f"modules-{name}", "gateway.processes.io_modules", each, announces=True) for name, each in buses_with_io.items()]
     for name, url in buses.items():
@@ -215,6 +217,7 @@ def make_regions(plan: RunPlan) -> dict[str, int]:
         fds["blocks"] = create_ring("blocks", plannerrecords.SAY_SIZE, plannerrecords.BLOCKS, plannerrecords.SAY_LAYOUT)
         fds["pieces"] = create_ring("pieces", plannerrecords.PIECE_SIZE, plannerrecords.PIECES, plannerrecords.PIECE_LAYOUT)
         fds["planner"] = create_region("planner", plannerrecords.PLANNER_BYTES, "planner/1 json")
+    fds |= make_joined(plan.cell)
     for door in plan.doors:
         fds[f"door-{door.number}"] = create_region(f"door-{door.number}", DOOR_BYTES, f"door/1 {DOOR_BYTES}")
     return fds

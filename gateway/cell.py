@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from gateway.cell_controller import Controller
 from gateway.cell_modbus import Modbus
 from gateway.cell_program import Program
+from gateway.cell_routes import Route
 from gateway.cell_web import Web
 
 ParamValue = bool | int | float | str | tuple["ParamValue", ...] | Mapping[str, "ParamValue"]
@@ -254,11 +255,16 @@ class Handshake:
 class IoDevice:
     """Inline table `device` of [[io]]."""
 
-    type: str
-    bus: str = ""
+    type: str  # canopen-401 | modbus | gpiochip
+    bus: str = ""  # canopen-401
     node: int | None = None
-    input: int | None = None
+    input: int | None = None  # channel; of a gpiochip its line
     output: int | None = None
+    url: str = ""  # modbus: tcp://host:502, or rtu:/dev/ttyUSB0
+    unit: int = 1
+    poll_ms: int = 50
+    chip: str = ""  # gpiochip: /dev/gpiochip0, or its label
+    active_low: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -267,8 +273,9 @@ class Io:
 
     name: str
     device: IoDevice
-    signal: str
+    signal: str  # an output's `io.NAME` leaves it to a route
     on_loss: int | None = None
+    toggle_ms: int = 20  # cell.watchdog: time between two toggles
 
 
 @dataclass(frozen=True, slots=True)
@@ -493,6 +500,7 @@ class Plant:
 
     seed: int = 1
     axis: Mapping[str, PlantAxis] = field(default_factory=dict)
+    absent: tuple[str, ...] = ()  # buses whose I/O modules and couplers are not emulated: something else stands there
 
 
 @dataclass(frozen=True, slots=True)
@@ -537,6 +545,7 @@ class Cell:
     retain: Retain | None = None
     plant: Plant | None = None
     web: Web | None = None
+    route: tuple[Route, ...] = ()
     controller: Controller | None = None
     sources: Mapping[str, Source] = field(default_factory=dict)  # "axis.1.limits.speed" -> P103[1], line 34
     notices: tuple[Notice, ...] = ()

@@ -226,11 +226,19 @@ class Handshake(Table):
 
 
 class IoDevice(Table):
-    type: Literal["canopen-401", "modbus"]
+    type: Literal["canopen-401", "modbus", "gpiochip"]
     bus: str = ""
     node: int | None = Field(default=None, ge=1, le=127)
-    input: int | None = Field(default=None, ge=0, le=63)
-    output: int | None = Field(default=None, ge=0, le=63)
+    input: int | None = Field(default=None, ge=0, le=65535)
+    output: int | None = Field(default=None, ge=0, le=65535)
+    url: str = Field(default="", pattern=r"^(tcp://\S+:\d+|rtu:\S+)?$", json_schema_extra={"allowed": "tcp://host:502 | rtu:/dev/ttyUSB0"})
+    poll_ms: int = Field(default=50, ge=5, le=60000, json_schema_extra=unit("ms"))
+    chip: str = ""
+    active_low: bool = False
+    unit: int = Field(default=1, ge=0, le=255)  # last: it hides the function
+
+
+RouteForm = Literal["", "bit", "u8", "s8", "u16", "s16", "u32", "s32", "KF", "KH", "KM", "DH", "KZ", "KG", "REAL", "BCD"]
 
 
 class Io(Table):
@@ -238,6 +246,7 @@ class Io(Table):
     device: IoDevice
     signal: str
     on_loss: int | None = Field(default=None, ge=0, le=1)
+    toggle_ms: int = Field(default=20, ge=2, le=10000, json_schema_extra=unit("ms"))
 
 
 class Bus(Table):
@@ -422,6 +431,7 @@ class PlantAxis(Table):
 class Plant(Table):
     seed: int = Field(default=1, ge=0)
     axis: dict[str, PlantAxis] = {}
+    absent: list[str] = []
 
 
 class Web(Table):
@@ -431,6 +441,29 @@ class Web(Table):
     tls_certificate: str = ""
     tls_key: str = ""
     data: str = ""
+
+
+class Route(Table):
+    name: Name
+    from_: str = Field(alias="from")
+    to: str
+    type: RouteForm = ""
+    to_type: RouteForm = ""
+    order: Literal["ABCD", "CDAB", "BADC", "DCBA"] = "ABCD"
+    to_order: Literal["ABCD", "CDAB", "BADC", "DCBA"] = "ABCD"
+    scale: float = 1.0
+    offset: float = 0.0
+    edge: Literal["level", "rising", "falling", "change"] = "level"
+    pulse_ms: int = Field(default=100, ge=1, le=60000, json_schema_extra=unit("ms"))
+    debounce_ms: int = Field(default=0, ge=0, le=60000, json_schema_extra=unit("ms"))
+    every_ms: int = Field(default=0, ge=0, le=3_600_000, json_schema_extra=unit("ms"))
+    within_ms: int = Field(default=0, ge=0, le=3_600_000, json_schema_extra=unit("ms"))
+    on_loss: Literal["hold", "zero", "value"] = "hold"
+    loss_value: float = 0.0
+    loss_after_ms: int = Field(default=0, ge=0, le=3_600_000, json_schema_extra=unit("ms"))
+    valid: str = ""
+    life: str = ""
+    comment: str = ""
 
 
 class CellFile(Table):
@@ -457,4 +490,5 @@ class CellFile(Table):
     retain: Retain | None = None
     plant: Plant | None = None
     web: Web | None = None
+    route: list[Route] = []
     controller: Controller | None = None

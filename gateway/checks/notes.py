@@ -170,6 +170,7 @@ def enabling(cell: Cell) -> Iterator[Notice]:
     if cell.rc_inputs.assume:
         yield Notice("warning", "rc_inputs", f"assumed as 1, not wired here: {', '.join(cell.rc_inputs.assume)}")
     written = {entry.to for block in cell.db for entry in block.entries} | {io.signal for io in cell.io} | set(cell.rc_inputs.assume)
+    written |= {route.to for route in cell.route}
     missing = [
         name
         for bit, (name, symbol) in ENABLING.items()

@@ -8,6 +8,7 @@ Buses of any family hang on one core (AX-300).  Frames that are no cyclic data c
 """
 
 import argparse
+import os
 import select
 import signal
 import time
@@ -21,6 +22,7 @@ from gateway.assembly import RunPlan, load_plan
 from gateway.axes import assumed_permits, core_axes, rc_numbers
 from gateway.families import make_family
 from gateway.image import RegionReader, RegionWriter, RingReader, RingWriter, fds_from_text
+from gateway.io_cycle import InputMarks, cycle_contacts
 from gateway.pure.core import Core
 from gateway.pure.plannerrecords import PIECE_LAYOUT, unpack_piece
 from gateway.pure.records import (
@@ -170,6 +172,9 @@ class Cycle:
         self.axes = RegionWriter(fds["axes"], "axes")
         self.outputs = RegionWriter(fds["rc_out"], "rc_out")
         self.trace = RingWriter(fds["trace"], "trace", TRACE_LAYOUT)
+        self.wake = fds.get("wake")  # for what is joined once per cycle (AX-398)
+        self.contacts = cycle_contacts(cell, [bus.family for bus in self.buses], fds, plan.p5_ms)
+        self.marks = InputMarks([family for _, family in self.with_io], fds["marks"]) if "marks" in fds else None
         self._image = InputImage()
         self._image_index = -1
         self._services_pid = self.links.writer_pid
@@ -217,12 +222,18 @@ class Cycle:
         self._watch_services()
         self._take_pieces()
         values = core.step(actuals, self._inputs(), self._take_orders(), self.links.life[1], now)
+        if self.contacts is not None:
+            self.contacts.turn(core.state, core.outputs, self.links.life[1], now)
         self._prepare(values)
         ready = time.monotonic_ns()
         core.state.compute_ns = ready - got
         self.axes.write(pack_cell_state(core.state), now)
         self.outputs.write(core.outputs, now)
+        if self.marks is not None:
+            self.marks.turn(now)
         self.axes.beat(now)
+        if self.wake is not None:
+            os.eventfd_write(self.wake, 1)
         self.trace.put(pack_trace(core.state.cycle, due, sent, got, ready, missing))
         for number, bus in enumerate(self.buses):
             if bus.family.aside:

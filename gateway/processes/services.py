@@ -15,10 +15,12 @@ from drivers.drives.servodyn_words import sentence as servodyn_fault
 from drivers.ports.base import PortError, runtime_dir
 from gateway.assembly import RunPlan, load_plan
 from gateway.axes import axis_facts, make_planner, rc_numbers
+from gateway.bridge import Bridge
 from gateway.canopen_office import CanopenOffice
 from gateway.dbsignals import inputs_of
 from gateway.doors import BaseDoor, CellValues, on_loss_of
 from gateway.image import RegionReader, RegionWriter, RingWriter, fds_from_text
+from gateway.io_office import IoOffice
 from gateway.journal import Journal
 from gateway.lastplace import judge, remember
 from gateway.linedoor import LineDoor
@@ -90,6 +92,8 @@ class Services:
         self.office = Office(axis_facts(cell), make_planner(cell), first_job, programs)
         self.doors = [self._door(number, fds) for number in range(len(plan.doors))]
         self.canopen = CanopenOffice(plan, fds, self.journal.write)
+        self.contacts = IoOffice(self, fds)
+        self.bridge = Bridge(self, fds)
         self.timer = Timerfd()
         self.tools = Desks(self)
         self.variables = Variables(self)
@@ -122,6 +126,8 @@ class Services:
         loop.add_signal_handler(signal.SIGTERM, self._done.set)
         loop.add_reader(self.timer.fileno(), self._on_timer)
         self.timer.set(time.monotonic_ns() + TICK_NS, TICK_NS)
+        self.contacts.start()
+        self.bridge.start(loop)
         self.tick()
         for door in self.doors:
             if isinstance(door, ModbusDoor):
@@ -132,6 +138,7 @@ class Services:
         await self._done.wait()
         variables.close()
         self.canopen.stop()
+        self.contacts.close()
         if not self.plan.simulated:
             remember(self.cell, self.values.state)
         for door in self.doors:
@@ -177,6 +184,11 @@ class Services:
         self.links.beat(now)
         if self._ticks % LINKS_EVERY == 1:
             self.links.write(json.dumps(self.status()).encode().ljust(self.links.size)[: self.links.size], now)
+
+    def on_cycle(self) -> None:
+        """The cycle has published: what routes and contacts join goes on at once."""
+        self._observe(time.monotonic_ns())
+        self.flush()
 
     def settle(self) -> None:
         """A named value may have changed: telegrams that wait for its edge."""
@@ -258,6 +270,7 @@ class Services:
     # ---- orders ------------------------------------------------------------------------------------------------------
     def flush(self) -> None:
         """Orders into the ring, events into the journal, inputs into their region; also right after a command."""
+        self.bridge.step(time.monotonic_ns())
         for event in self.office.take_events():
             self.journal.write("command", event.sentence(), door=event.door, code=event.code, what=event.what, reason=int(event.reason))
             if event.what in ("refused", "aborted"):
@@ -294,6 +307,7 @@ class Services:
             "owner": self.office.owner,
             "forced": len(self.tools.forces.bits),
             **self.canopen.status(),
+            **self.bridge.status(),
             **self.signals.status(),
             "errors": [{"code": code, "text": words} for code, words in self.values.errors[:8]],
             "inputs": {str(octet): self.inputs.values[octet] for octet in self.owned},

@@ -76,6 +76,7 @@ class DataBlock:
     from_plc: bool
     slots: tuple[Slot, ...] = ()
     data: bytearray = field(default_factory=bytearray)
+    fresh: bool = False  # the PLC has written it since the link began: its words are no older than the link
 
     def __post_init__(self) -> None:
         self.data = bytearray(2 * self.words)
@@ -155,11 +156,14 @@ class DataDoor:
     def restart(self) -> None:
         """Start of services or return of the link: the next telegram only says where the bits stand (AX-141)."""
         self._primed.clear()
+        for block in self.blocks.values():
+            block.fresh = False
 
     def written(self, db: int, word: int, data: bytes, now: Ns) -> None:
         """One SEND, already known to fit: take it whole, then act on its edges."""
         block = self.blocks[db]
         block.data[2 * word : 2 * word + len(data)] = data
+        block.fresh = True
         touched = [slot for slot in block.slots if slot.word >= word and 2 * slot.word + slot.size <= 2 * word + len(data)]
         levels = {slot.name: value for slot in touched if (value := self._read(block, slot)) is not None}
         self.life = next((round(v) for name, v in levels.items() if name.startswith("line.") and name.endswith(".life")), None)

@@ -68,6 +68,10 @@ class IoBus:
         standing = [IoError(entry.error, bus, entry.number) for entry in self._inputs if entry.error is not None]
         return standing + [IoError(trouble, bus, number) for trouble, number in sorted(self._faulty, key=lambda pair: pair[1])]
 
+    def untrusted(self) -> list[int]:
+        """Bytes of inputs nobody vouches for now: never heard, or in error."""
+        return [byte for entry in self._inputs if entry.error is not None or not entry.heard for byte in entry.block.span]
+
     def receive(self, frame: Frame, now: Ns) -> list[IoError]:
         """One frame off the bus; frames of others (drives, SYNC) say nothing here."""
         entry = self._by_id.get(frame.identifier)

@@ -1,0 +1,83 @@
+"""Start-up of a CiA 401 coupler as a plan of steps, in the language of cia402_boot.  Pure.
+
+Source: CiA 301, 7.5.2 (1000h, 1016h, 1017h, 1018h, 1800h); CiA 401 (6005h, 6206h error mode outputs, 6207h error value outputs).
+"""
+
+from collections.abc import Generator
+from dataclasses import dataclass
+
+from drivers.drives.cia402_boot import (
+    Answer,
+    Booted,
+    BootRefused,
+    Identity,
+    Nmt,
+    NodePlan,
+    Plan,
+    Read,
+    Refused,
+    Silent,
+    Step,
+    Write,
+    name_of,
+)
+from protocols.canopen.nmt import Command, State
+
+PROFILE = 401
+ERROR_MODE, ERROR_VALUE, INTERRUPTS, TPDO1, CONSUMER, PRODUCER = 0x6206, 0x6207, 0x6005, 0x1800, 0x1016, 0x1017
+EVENT_MS = 100  # inputs are told again so often though nothing has changed
+
+
+@dataclass(frozen=True, slots=True)
+class CouplerPlan(NodePlan):
+    """`falls`: byte of outputs (0 = channels 0..7) -> (mask of outputs with an error value, their values)."""
+
+    falls: tuple[tuple[int, int, int], ...] = ()
+
+
+def boot(plan: CouplerPlan) -> Plan:
+    """From whatever state to operational.  Raises BootRefused."""
+    notes: list[str] = []
+    yield Nmt(Command.RESET_COMMUNICATION, State.INITIALISING)
+    identity = yield from _identity()
+    yield from _write(CONSUMER, 1, (plan.gateway << 16 | plan.consumer_ms).to_bytes(4, "little"), notes, must=bool(plan.falls))
+    yield from _write(PRODUCER, 0, plan.heartbeat_ms.to_bytes(2, "little"), notes)
+    for octet, mask, values in plan.falls:
+        yield from _write(ERROR_VALUE, octet + 1, bytes((values,)), notes)
+        yield from _write(ERROR_MODE, octet + 1, bytes((mask,)), notes)
+    yield from _write(INTERRUPTS, 0, b"\1", notes, must=False)
+    yield from _write(TPDO1, 5, EVENT_MS.to_bytes(2, "little"), notes, must=False)
+    yield Nmt(Command.START, State.OPERATIONAL)
+    return Booted(plan.node, identity, 0, 0, {}, tuple(notes))
+
+
+def adopt(plan: CouplerPlan) -> Plan:
+    """A coupler a predecessor has configured: looked at only, its outputs stay."""
+    identity = yield from _identity()
+    return Booted(plan.node, identity, 0, 0, {}, ("taken over as it was",))
+
+
+def _identity() -> Generator[Step, Answer, Identity]:
+    kind = yield Read(0x1000)
+    if not isinstance(kind, bytes):
+        raise BootRefused(str(kind) if isinstance(kind, Refused) else "no answer", (0x1000, 0), dead=kind is Silent.YES)
+    profile = int.from_bytes(kind[:2], "little")
+    if profile != PROFILE:
+        raise BootRefused(f"device profile {profile}; a CiA 401 coupler says {PROFILE}", (0x1000, 0))
+    found: list[int | None] = []
+    for sub in (1, 2, 3, 4):
+        answer = yield Read(0x1018, sub)
+        found.append(int.from_bytes(answer, "little") if isinstance(answer, bytes) else None)
+    return Identity(*found)
+
+
+def _write(index: int, sub: int, data: bytes, notes: list[str], *, must: bool = True) -> Generator[Step, Answer, None]:
+    """A value that must stand, or one the coupler may lack."""
+    answer = yield Write(index, sub, data)
+    if isinstance(answer, bytes):
+        return
+    if answer is Silent.YES:
+        raise BootRefused("no answer to a download", (index, sub), dead=True)
+    if must:
+        raise BootRefused(f"refused {data.hex(' ')}: {answer}", (index, sub))
+    notes.append(f"{name_of(index, sub)}: {answer}")

@@ -1,0 +1,226 @@
+"""The bridge: routes of the cell played by the services, once per cycle and at once when a door has written.
+
+The cycle says through an event descriptor that it has published (AX-398), so nothing here polls; the services' own tick steps the routes
+as well, or a dead cycle would keep a lost source unnoticed.
+"""
+
+import os
+import time
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
+
+from gateway.image import RegionReader
+from gateway.io_regions import MARKS_LAYOUT
+from gateway.linedoor import LineDoor
+from gateway.pure.datadoor import DataBlock
+from gateway.pure.records import Quality, get_bit, set_bit
+from gateway.pure.routes.forms import BIT, bytes_of, number_of
+from gateway.pure.routes.places import Place, World
+from gateway.pure.routes.route import RouteTable
+from gateway.routeplaces import Compiled, compile_routes
+from protocols.base.errors import ProtocolError
+from protocols.base.machine import Ns, ms
+
+if TYPE_CHECKING:
+    import asyncio
+
+    from gateway.processes.services import Services
+
+Read = Callable[[], float | None]
+Write = Callable[[float], None]
+CYCLE_SILENT: Ns = ms(250)  # as the services judge it: what the cycle publishes is old then
+
+
+class Bridge:
+    """All routes of one run."""
+
+    def __init__(self, services: "Services", fds: Mapping[str, int]) -> None:
+        """`fds`: without "wake", the cycle's event descriptor, the cell has nothing to join."""
+        self._services, self._wake, self._stepping = services, fds.get("wake"), False
+        self._marks = RegionReader(fds["marks"], "marks", MARKS_LAYOUT) if "marks" in fds else None
+        compiled = compile_routes(services.cell)
+        self.table = RouteTable([each.settings for each in compiled])
+        self._sources = [self._reader(each.source) for each in compiled]
+        self._targets = [self._writer(each.target, each.settings.name) for each in compiled]
+        self._valid = [self._writer(each.valid, "") if each.valid else None for each in compiled]
+        self._life = [self._writer(each.life, "") if each.life else None for each in compiled]
+        self._octets = _octets(compiled)
+        self._names = [each.target.name if each.target.world is World.NAME else "" for each in compiled]
+
+    def start(self, loop: "asyncio.AbstractEventLoop") -> None:
+        """Wake with the cycle from now on."""
+        if self._wake is not None:
+            loop.add_reader(self._wake, self._on_cycle)
+
+    def _on_cycle(self) -> None:
+        assert self._wake is not None
+        try:
+            os.eventfd_read(self._wake)
+        except BlockingIOError:  # a predecessor's wake-up, already taken
+            return
+        self._services.on_cycle()
+
+    def step(self, now: Ns) -> None:
+        """Inputs in, routes, outputs out; nothing in a cell that joins nothing."""
+        contacts = self._services.contacts
+        if self._stepping or not (self.table.routes or contacts.contacts):
+            return
+        self._stepping = True  # what a telegram sets off may come back here
+        try:
+            contacts.listen(now)
+            self._pass_on(now)
+            contacts.show(now)
+        finally:
+            self._stepping = False
+
+    def _pass_on(self, now: Ns) -> None:
+        """Sources in, changed targets out."""
+        routes = self.table.routes
+        changed = self.table.step(now, [read() for read in self._sources])
+        for n in changed:
+            route = routes[n]
+            if route.value is not None:
+                self._targets[n](route.value)
+            valid = self._valid[n]
+            if valid is not None:
+                valid(float(route.valid))
+            if self._names[n] and not route.valid:
+                self._services.named.source_gone(f"route.{route.settings.name}")
+        for n, life in enumerate(self._life):
+            if life is not None:
+                life(float(routes[n].life))
+        if changed:
+            self._mark(now)
+
+    def _mark(self, now: Ns) -> None:
+        """An RC input byte is good while every route that writes into it is valid, else what stands there is marked stale."""
+        inputs = self._services.inputs
+        for octet, writers in self._octets.items():
+            good = all(self.table.routes[n].valid for n in writers)
+            inputs.quality[octet], inputs.stamps[octet] = Quality.GOOD if good else Quality.STALE, now
+
+    def status(self) -> dict[str, object]:
+        """For `links`; nothing for a cell without routes."""
+        routes = self.table.routes
+        lost = [route.settings.name for route in routes if not route.valid]
+        return {"routes": {"count": len(routes), "lost": lost[:8], "misfits": sum(route.misfits for route in routes)}} if routes else {}
+
+    # ---- where values come from --------------------------------------------------------------------------------------
+    def _reader(self, place: Place) -> Read:
+        match place.world:
+            case World.BLOCK:
+                return self._from_block(place, self._block(place))
+            case World.RC_INPUT:
+                return self._from_inputs(place)
+            case World.RC_OUTPUT:
+                return self._from_outputs(place)
+            case World.CONTACT:
+                return lambda: self._services.contacts.read(place.name)
+        return self._from_name(place.name)
+
+    def _block(self, place: Place) -> DataBlock:
+        door = next(door for door in self._services.doors if isinstance(door, LineDoor) and door.name == place.name)
+        assert door.data is not None  # it has a [[db]], or the cell's checks had refused the place
+        return door.data.blocks[place.db]
+
+    def _from_block(self, place: Place, block: DataBlock) -> Read:
+        return lambda: _number(place, block.data) if block.fresh else None
+
+    def _from_inputs(self, place: Place) -> Read:
+        inputs, octets = self._services.inputs, range(place.byte, place.byte + place.size)
+
+        def read() -> float | None:
+            if any(inputs.quality[octet] != Quality.GOOD for octet in octets):
+                return None
+            return _image_number(place, inputs.values)
+
+        return read
+
+    def _from_outputs(self, place: Place) -> Read:
+        octets = slice(place.byte, place.byte + place.size)
+
+        def read() -> float | None:
+            outputs = self._services.rc_out.read()
+            marks = self._marks.read() if self._marks is not None else None
+            if outputs is None or marks is None or not self._cycle_lives():
+                return None
+            return _image_number(place, outputs) if all(mark == Quality.GOOD for mark in marks[octets]) else None
+
+        return read
+
+    def _cycle_lives(self) -> bool:
+        return time.monotonic_ns() - self._services.axes.life[1] < CYCLE_SILENT
+
+    def _from_name(self, name: str) -> Read:
+        services = self._services
+
+        def named() -> float | None:
+            sample = services.named.sample(name)
+            value = sample.value if sample.quality is Quality.GOOD else None
+            return float(value) if isinstance(value, int | float) else None
+
+        def own() -> float | None:
+            return services.values.get(name) if self._cycle_lives() else None
+
+        return named if name in services.named else own
+
+    # ---- where values go ---------------------------------------------------------------------------------------------
+    def _writer(self, place: Place, route: str) -> Write:
+        services = self._services
+        match place.world:
+            case World.BLOCK:
+                block = self._block(place)
+                return lambda value: _put(place, block.data, value)
+            case World.RC_INPUT:
+                return lambda value: _put_image(place, services.inputs.values, value)
+            case World.CONTACT:
+                return lambda value: services.contacts.write(place.name, bool(value))
+
+        def name(value: float) -> None:
+            services.named.put(place.name, value, time.monotonic_ns(), f"route.{route}")
+            services.settle()
+
+        return name
+
+
+def _octets(compiled: list[Compiled]) -> dict[int, list[int]]:
+    """RC input byte -> routes that write into it."""
+    found: dict[int, list[int]] = {}
+    for n, each in enumerate(compiled):
+        if each.target.world is World.RC_INPUT:
+            for octet in range(each.target.byte, each.target.byte + each.target.size):
+                found.setdefault(octet, []).append(n)
+        for mark in (each.valid, each.life):
+            if mark is not None and mark.world is World.RC_INPUT:
+                for octet in range(mark.byte, mark.byte + mark.size):
+                    found.setdefault(octet, [])  # a mark itself is always right
+    return found
+
+
+def _number(place: Place, data: bytes | bytearray) -> float | None:
+    """None: the bytes are no number of that form."""
+    if place.form == BIT:
+        return float(data[place.byte] >> place.bit & 1)
+    try:
+        return number_of(place.form, place.order, bytes(data[place.byte : place.byte + place.size]))
+    except ProtocolError:
+        return None
+
+
+def _image_number(place: Place, image: bytes | bytearray) -> float | None:
+    return float(get_bit(image, 8 * place.byte + place.bit)) if place.form == BIT else _number(place, image)
+
+
+def _put(place: Place, data: bytearray, value: float) -> None:
+    if place.form == BIT:
+        old = data[place.byte]
+        data[place.byte] = old | 1 << place.bit if value else old & ~(1 << place.bit)
+    else:
+        data[place.byte : place.byte + place.size] = bytes_of(place.form, place.order, value)
+
+
+def _put_image(place: Place, image: bytearray, value: float) -> None:
+    if place.form == BIT:
+        set_bit(image, 8 * place.byte + place.bit, bool(value))
+    else:
+        _put(place, image, value)

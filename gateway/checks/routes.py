@@ -1,0 +1,248 @@
+"""Routes of a cell against everything else in it: places that exist, one writer each, numbers that fit, time that suffices (AX-397)."""
+
+import math
+from collections.abc import Iterator
+
+from gateway.cell import Cell, Db, Notice
+from gateway.cell_routes import Route
+from gateway.checks.blocks import place_of as entry_place
+from gateway.checks.context import Context, near, number
+from gateway.checks.figures import job_ms
+from gateway.pure.addresses import AddressFault, DataBit, DataWord, Part
+from gateway.pure.names import Kind, lookup
+from gateway.pure.routes.forms import BIT, FLOATS, span_of
+from gateway.pure.routes.judge import Span, rings, two_writers
+from gateway.pure.routes.places import Place, World
+from gateway.routeplaces import Compiled, compile_route, lines_of, symbols_of
+from gateway.telegramtables import named_values
+
+CYCLES = 2  # from one door to the bus, or to the other door (route.one_way)
+
+
+def routes(check: Context) -> None:
+    """Every fault of [[route]]."""
+    cell = check.cell
+    if not cell.route:
+        return
+    symbols, lines = symbols_of(cell, check.signals), lines_of(cell)
+    compiled: dict[str, Compiled] = {}
+    for route in cell.route:
+        key = f"route.{route.name}"
+        if route.name in compiled:
+            check.fault(f"{key}.name", route.name, "another route has this name")
+            continue
+        try:
+            compiled[route.name] = compile_route(route, symbols, lines)
+        except AddressFault as fault:
+            check.fault(key, f"{route.from_} -> {route.to}", str(fault))
+            continue
+        _sense(check, route)
+        _ends(check, route, compiled[route.name])
+        _overflow(check, route, compiled[route.name])
+        _time(check, route, compiled[route.name])
+    _together(check, list(compiled.values()))
+
+
+def _sense(check: Context, route: Route) -> None:
+    key = f"route.{route.name}"
+    if route.scale == 0:
+        check.fault(f"{key}.scale", route.scale, "a target that never follows its source is no route: scale is not 0")
+    if route.edge in ("rising", "falling") and (route.scale, route.offset) != (1.0, 0.0):
+        check.fault(f"{key}.scale", route.scale, "an edge is passed on as a pulse of 1: no scale, no offset")
+    if route.on_loss != "value" and (route.loss_value or route.loss_after_ms):
+        check.fault(f"{key}.loss_value", route.loss_value, f'on_loss = "{route.on_loss}" shows none: on_loss = "value" does')
+
+
+def _ends(check: Context, route: Route, compiled: Compiled) -> None:
+    """Where values may come from and go to."""
+    key = f"route.{route.name}"
+    _source(check, f"{key}.from", route.from_, compiled.source)
+    _target(check, f"{key}.to", route.to, compiled.target)
+    for mark, text, place in (("valid", route.valid, compiled.valid), ("life", route.life, compiled.life)):
+        if place is None:
+            continue
+        if place.world not in (World.BLOCK, World.RC_INPUT):
+            check.fault(f"{key}.{mark}", text, "a mark stands in a data block of ours or in an RC input nobody owns")
+        else:
+            _target(check, f"{key}.{mark}", text, place)
+
+
+def _source(check: Context, key: str, text: str, place: Place) -> None:
+    match place.world:
+        case World.BLOCK:
+            block = _block(check.cell, place)
+            if block is not None and block.writer != "plc":
+                check.fault(key, text, f"DB {place.db} is written by axisgate itself: name the value its entry has, not the place")
+            _inside(check, key, text, place, block)
+        case World.CONTACT:
+            _contact(check, key, text, place.name, output=False)
+        case World.NAME:
+            _name(check, key, text, place.name)
+        case World.RC_INPUT | World.RC_OUTPUT:
+            _image(check, key, text, place)
+
+
+def _target(check: Context, key: str, text: str, place: Place) -> None:
+    match place.world:
+        case World.BLOCK:
+            block = _block(check.cell, place)
+            _inside(check, key, text, place, block)
+            if block is not None:
+                _free(check, key, text, place, block)
+        case World.RC_INPUT:
+            _image(check, key, text, place)
+            owners = {byte: door for byte, door in check.cell.rc_inputs.owner.items() if place.byte <= byte < place.byte + place.size}
+            for byte, door in owners.items():
+                check.fault(
+                    key, text, f"two writers in RC input byte {byte}: {door} owns it ([rc_inputs]); a route needs a byte nobody owns"
+                )
+        case World.RC_OUTPUT:
+            check.fault(
+                key, text, "RC outputs come from the cycle alone: a route ends in an RC input, a block of ours, a value or a contact"
+            )
+        case World.CONTACT:
+            _contact(check, key, text, place.name, output=True)
+        case World.NAME:
+            if place.name not in named_values(check.cell):
+                hint = "commands come through doors" if lookup(place.name) else _near_value(check, place.name)
+                check.fault(key, text, f"a route writes values a telegram of the cell carries; {hint}")
+
+
+def _block(cell: Cell, place: Place) -> Db | None:
+    return next((block for block in cell.db if block.kind == "D" and (block.number, block.line) == (place.db, place.name)), None)
+
+
+def _inside(check: Context, key: str, text: str, place: Place, block: Db | None) -> None:
+    if block is None:
+        check.fault(key, text, f"DB {place.db} is not served on line {place.name}; write a [[db]] for it")
+    elif place.byte + place.size > 2 * block.words:
+        check.fault(key, text, f"beyond the block: it has {block.words} words", f"word 0..{block.words - 1}")
+
+
+def _free(check: Context, key: str, text: str, place: Place, block: Db) -> None:
+    """A target in a block: ours, and no entry there."""
+    if block.writer != "axisgate":
+        check.fault(key, text, f'two writers in one word: DB {block.number} is written by the PLC (writer = "{block.writer}")')
+    for entry in block.entries:
+        address = entry_place(block, entry)
+        if address is not None and place.span.meets(Span(place.span.world, *_bits(address))):
+            check.fault(key, text, f"overlaps the entry {entry.at} ({entry.signal}): two writers in one word")
+
+
+def _bits(address: DataWord | DataBit) -> tuple[int, int]:
+    """First bit and count of an entry, counted as Place.span does (high bit first)."""
+    word = 16 * address.word
+    if isinstance(address, DataBit):
+        return word + 15 - address.bit, 1
+    first, width = {Part.WORD: (0, 16), Part.LEFT: (0, 8), Part.RIGHT: (8, 8), Part.DOUBLE: (0, 32)}[address.part]
+    return word + first, width
+
+
+def _image(check: Context, key: str, text: str, place: Place) -> None:
+    if place.byte + place.size > 128:
+        check.fault(key, text, "the image ends at byte 127", "0..127")
+
+
+def _contact(check: Context, key: str, text: str, name: str, *, output: bool) -> None:
+    found = next((io for io in check.cell.io if io.name == name), None)
+    if found is None:
+        check.fault(key, text, f"no such contact; {near(name, [io.name for io in check.cell.io]) or 'write an [[io]] for it'}")
+    elif (found.device.output is not None) is not output:
+        check.fault(key, text, f"io.{name} is an {'input' if output else 'output'}")
+    elif output and found.signal != f"io.{name}":
+        check.fault(key, text, f'two writers: the contact shows {found.signal}; signal = "io.{name}" leaves it to the route')
+
+
+def _name(check: Context, key: str, text: str, name: str) -> None:
+    found = lookup(name)
+    if name in named_values(check.cell):
+        return
+    if found is None or not found.name.from_ or name.startswith("move."):
+        check.fault(key, text, f"no value that can be read; {_near_value(check, name)}")
+    elif found.which not in ("", "*") and found.which not in check.known["axis"]:
+        check.fault(
+            key, text, f"no such axis; {near(found.which, check.known['axis']) or 'there is ' + ', '.join(sorted(check.known['axis']))}"
+        )
+
+
+def _near_value(check: Context, name: str) -> str:
+    from gateway.pure.names import spelled
+
+    known = [*spelled(sorted(check.known["axis"]), ()), *named_values(check.cell).names()]
+    return near(name, known) or "axisgate var lists them"
+
+
+def _overflow(check: Context, route: Route, compiled: Compiled) -> None:
+    """The largest source value against the target's form; floats say nothing about how large they get."""
+    span = _source_span(check.cell, compiled.source)
+    if span is None or compiled.target.world not in (World.BLOCK, World.RC_INPUT) or route.edge in ("rising", "falling"):
+        return
+    ends = sorted(value * route.scale + route.offset for value in span)
+    low, high = span_of(compiled.target.form)
+    if ends[0] < low or ends[1] > high:
+        hint = f"{route.from_} gives {number(ends[0])}..{number(ends[1])}, {compiled.target.form} holds {number(low)}..{number(high)}"
+        check.fault(f"route.{route.name}.to", route.to, f"overflow: {hint}; a wider to_type, or another scale")
+    if route.on_loss == "value" and not low <= route.loss_value <= high:
+        check.fault(
+            f"route.{route.name}.loss_value", route.loss_value, f"{compiled.target.form} cannot hold it", f"{number(low)}..{number(high)}"
+        )
+
+
+def _source_span(cell: Cell, place: Place) -> tuple[float, float] | None:
+    if place.world is not World.NAME:
+        return None if place.form in FLOATS else span_of(place.form)
+    found = lookup(place.name)
+    if found is None or place.name.split(".")[0] not in ("cell", "axis"):
+        return None
+    if found.name.kind is Kind.BIT:
+        return span_of(BIT)
+    if found.name.kind is Kind.PERCENT:
+        return 0.0, 100.0
+    axis = next((axis for axis in cell.axis if axis.name == found.which), None)
+    return (axis.limits.min, axis.limits.max) if axis is not None and place.name.endswith(".actual") else None
+
+
+def expected_ms(cell: Cell, compiled: Compiled) -> float:
+    """How long a change takes at worst from one partner to the other: both lines' rounds, debounce, and two cycles."""
+    total = compiled.settings.debounce_ns / 1e6 + CYCLES * cell.cycle_ms
+    lines = {line.name: line for line in cell.line}
+    for place in (compiled.source, compiled.target):
+        if place.world is World.BLOCK and place.name in lines:
+            line = lines[place.name]
+            total += sum(job_ms(line, block.words) for block in cell.db if block.line == line.name)
+    return total
+
+
+def _time(check: Context, route: Route, compiled: Compiled) -> None:
+    """`within_ms` against what the lines give; a pulse must be seen by whoever polls it."""
+    needed = expected_ms(check.cell, compiled)
+    if route.within_ms and needed > route.within_ms:
+        hint = f"polling does not fit: SEND and FETCH, debounce and {CYCLES} cycles take {needed:.0f} ms at worst"
+        check.fault(f"route.{route.name}.within_ms", route.within_ms, hint, f">= {math.ceil(needed)}", "ms")
+    if route.edge in ("rising", "falling") and compiled.target.world is World.BLOCK and route.pulse_ms < needed:
+        hint = f"the PLC fetches the block every {needed:.0f} ms: a pulse of {route.pulse_ms} ms passes between two of them unseen"
+        check.fault(f"route.{route.name}.pulse_ms", route.pulse_ms, hint, f">= {math.ceil(needed)}", "ms")
+
+
+def _together(check: Context, compiled: list[Compiled]) -> None:
+    joined = [each.joined for each in compiled]
+    for first, second, span in two_writers(joined):
+        who = f"route {first} writes it already" if first != second else "its own value and its marks lie on each other"
+        check.fault(f"route.{second}.to", f"{span.world} bit {span.first}", f"routes that disagree: {who}")
+    for ring in rings(joined):
+        check.fault(f"route.{ring[0]}.to", " -> ".join((*ring, ring[0])), "routes in a ring: the value would feed itself")
+
+
+def reach(cell: Cell) -> Iterator[Notice]:
+    """What each route needs, where it is more than the cycle."""
+    if not cell.route:
+        return
+    symbols, lines = symbols_of(cell), lines_of(cell)
+    for route in cell.route:
+        needed = expected_ms(cell, compile_route(route, symbols, lines))
+        if needed > 10 * cell.cycle_ms:
+            yield Notice("note", f"route {route.name}", f"{route.from_} -> {route.to}: at worst {needed:.0f} ms from partner to partner")
+
+
+CHECKS = (routes,)
+NOTES = (reach,)

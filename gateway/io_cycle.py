@@ -1,0 +1,67 @@
+"""Contacts in the cycle: CiA 401 couplers on its buses show what the completed cycle says, and their inputs are published."""
+
+from collections.abc import Mapping, Sequence
+
+from drivers.drives.family import BusFamily
+from gateway.cell import Cell
+from gateway.image import RegionReader, RegionWriter
+from gateway.io_plan import COUPLER, outputs_of
+from gateway.io_regions import MARKS_LAYOUT
+from gateway.pure.contacts import CONTACTS, SAID_LAYOUT, Outputs, Said, pack_said, unpack_said
+from gateway.pure.coupler401 import CouplerFamily
+from gateway.pure.records import RC_BYTES, CellState, Quality
+from gateway.pure.rho3can.family import RhoFamily
+from protocols.base.machine import Ns, ms
+
+SERVICES_GONE: Ns = ms(250)
+
+
+class CycleContacts:
+    """`turn` once per completed cycle, before the next burst is made."""
+
+    def __init__(self, cell: Cell, families: Sequence[CouplerFamily], fds: Mapping[str, int], p5_ms: int) -> None:
+        self._families = families
+        self._outputs = Outputs(outputs_of(cell, COUPLER, p5_ms), len(cell.axis))
+        self._said = RegionReader(fds["io_out"], "io_out", SAID_LAYOUT)
+        self._heard = RegionWriter(fds["io_in"], "io_in", SAID_LAYOUT)
+        self._written = b""
+
+    def turn(self, state: CellState, rc_outputs: bytes | bytearray, services_ns: Ns, now: Ns) -> None:
+        """`services_ns`: stamp of the services' last beat."""
+        payload = self._said.read()
+        said = unpack_said(payload) if payload is not None and now - services_ns < SERVICES_GONE else []
+        shown = self._outputs.show(state, rc_outputs, said)
+        heard = [Said()] * CONTACTS
+        for family in self._families:
+            family.show(shown)
+            for number, what in family.said().items():
+                heard[number] = what
+        octets = pack_said(heard)
+        if octets != self._written:
+            self._written = octets
+            self._heard.write(octets, now)
+
+
+class InputMarks:
+    """How far each RC output byte may be trusted: one that comes from an I/O block is bad while its module is silent (AX-399)."""
+
+    def __init__(self, families: Sequence[RhoFamily], fd: int) -> None:
+        self._buses = [family.io for family in families if family.io is not None]
+        self._region = RegionWriter(fd, "marks", MARKS_LAYOUT)
+        self._written = b""
+
+    def turn(self, now: Ns) -> None:
+        """Once per cycle, before it beats."""
+        marks = bytearray([Quality.GOOD] * RC_BYTES)
+        for bus in self._buses:
+            for byte in bus.untrusted():
+                marks[byte] = Quality.BAD
+        if marks != self._written:
+            self._written = bytes(marks)
+            self._region.write(marks, now)
+
+
+def cycle_contacts(cell: Cell, families: Sequence[BusFamily], fds: Mapping[str, int], p5_ms: int) -> CycleContacts | None:
+    """None: no bus of this cell has a coupler."""
+    found = [family for family in families if isinstance(family, CouplerFamily)]
+    return CycleContacts(cell, found, fds, p5_ms) if found else None

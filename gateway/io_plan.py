@@ -1,0 +1,67 @@
+"""[[io]] of a cell compiled: which process drives which contact, and what a CiA 401 coupler is told."""
+
+from collections.abc import Mapping, Sequence
+
+from drivers.drives.cia402_family import GATEWAY_NODE
+from drivers.drives.io_boot import CouplerPlan
+from gateway.cell import Bus, Cell, Io
+from gateway.pure.addresses import Direction, RcBit
+from gateway.pure.contacts import Output, source_of
+from gateway.pure.coupler401 import Coupler
+from gateway.routeplaces import symbols_of
+
+COUPLER, MODBUS, CHIP = "canopen-401", "modbus", "gpiochip"
+
+
+def outputs_of(cell: Cell, kind: str, p5_ms: int) -> list[Output]:
+    """The output contacts on devices of that kind."""
+    symbols = symbols_of(cell)
+    return [
+        _output(cell, number, io, p5_ms, symbols)
+        for number, io in enumerate(cell.io)
+        if io.device.type == kind and io.device.output is not None
+    ]
+
+
+def _output(cell: Cell, number: int, io: Io, p5_ms: int, symbols: Mapping[str, RcBit]) -> Output:
+    place = symbols.get(io.signal.upper())
+    bit = place.number if place is not None and place.direction is Direction.OUTPUT else None
+    source, axis, flag, found = source_of(io.signal, [each.name for each in cell.axis], bit)
+    return Output(number, source, axis, flag, found, max(1, io.toggle_ms // p5_ms), io.on_loss)
+
+
+def couplers_of(cell: Cell, bus: str) -> list[Coupler]:
+    """The CiA 401 nodes of one bus with their channels."""
+    here = [(n, io.device) for n, io in enumerate(cell.io) if io.device.type == COUPLER and io.device.bus == bus]
+    nodes = sorted({device.node for _, device in here if device.node is not None})
+    return [
+        Coupler(
+            node,
+            {device.output: n for n, device in here if device.node == node and device.output is not None},
+            {device.input: n for n, device in here if device.node == node and device.input is not None},
+        )
+        for node in nodes
+    ]
+
+
+def coupler_plans(cell: Cell, bus: Bus) -> list[tuple[str, CouplerPlan]]:
+    """What the master tells each coupler; outputs with `on_loss` fall by themselves when the gateway's heartbeat stays away."""
+    return [
+        (
+            f"coupler {coupler.node}",
+            CouplerPlan(coupler.node, (), heartbeat_ms=bus.heartbeat_ms, gateway=GATEWAY_NODE, falls=falls(cell.io, coupler)),
+        )
+        for coupler in couplers_of(cell, bus.name)
+    ]
+
+
+def falls(contacts: Sequence[Io], coupler: Coupler) -> tuple[tuple[int, int, int], ...]:
+    """(byte, mask of outputs that take a value, their values) for 6206h and 6207h."""
+    found: dict[int, tuple[int, int]] = {}
+    for channel, number in coupler.outputs.items():
+        mask, values = found.get(channel // 8, (0, 0))
+        loss = contacts[number].on_loss
+        if loss is not None:
+            mask, values = mask | 1 << channel % 8, values | loss << channel % 8
+        found[channel // 8] = (mask, values)
+    return tuple((octet, mask, values) for octet, (mask, values) in sorted(found.items()))

@@ -1,0 +1,33 @@
+"""Regions and processes a run has only where its cell joins values or has contacts: the cycle's wake-up, contacts out and in."""
+
+import os
+
+from gateway.cell import Cell
+from gateway.image import create_region
+from gateway.pure.contacts import SAID_BYTES, SAID_LAYOUT
+from gateway.pure.records import RC_BYTES
+
+MARKS_LAYOUT = f"marks/1 quality of {RC_BYTES} RC output bytes"
+
+
+def chips(cell: Cell) -> bool:
+    """Whether contacts hang on a gpiochip: they have a process of their own."""
+    return any(io.device.type == "gpiochip" for io in cell.io)
+
+
+def joined_regions(cell: Cell) -> tuple[str, ...]:
+    """Names for cycle and services."""
+    joined = ("wake", "marks") if cell.io or cell.route else ()
+    contacts = ("io_out", "io_in", *(("io_chip",) if chips(cell) else ())) if cell.io else ()
+    return (*joined, *contacts)
+
+
+def make_joined(cell: Cell) -> dict[str, int]:
+    """One event descriptor (AX-398) and one memfd a region; the supervisor keeps them for its whole life."""
+    return {name: _made(name) for name in joined_regions(cell)}
+
+
+def _made(name: str) -> int:
+    if name == "wake":
+        return os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
+    return create_region(name, *((RC_BYTES, MARKS_LAYOUT) if name == "marks" else (SAID_BYTES, SAID_LAYOUT)))

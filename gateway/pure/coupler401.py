@@ -1,0 +1,127 @@
+"""CiA 401 couplers on a CANopen bus beside the drives: RPDO1 out of the completed cycle, TPDO1 and their heartbeats in (AX-401).
+
+Source: CiA 401, default PDO 1: up to 64 digital outputs (6200h) in RPDO1 200h+n, up to 64 digital inputs (6000h) in TPDO1 180h+n, channel
+0 is bit 0 of byte 0.  A coupler is spoken to between its release by the master and its next boot-up message, as a drive is.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from drivers.drives.family import BusFamily, Heard, SetRecord
+from gateway.pure.contacts import Said
+from gateway.pure.records import Quality
+from protocols.base.machine import Frame, Ns
+from protocols.canopen import cobid
+from protocols.canopen.nmt import State
+
+REFRESH = 25  # cycles after which outputs are sent again though nothing has changed: a lost frame is made good
+BOOT_UP = bytes((State.INITIALISING,))
+
+
+@dataclass(slots=True)
+class Coupler:
+    """One node; channel -> number of the contact among the [[io]] tables."""
+
+    node: int
+    outputs: Mapping[int, int] = field(default_factory=dict)
+    inputs: Mapping[int, int] = field(default_factory=dict)
+    released: bool = False
+    heard: bytes = b""  # last TPDO1 since the release
+    silent: int = 0  # cycles since anything came from it
+    sent: bytes = b""
+    due: int = 0  # cycles until the next refresh
+
+    @property
+    def size(self) -> int:
+        """Bytes of RPDO1."""
+        return max(self.outputs, default=-8) // 8 + 1
+
+
+class CouplerFamily:
+    """A BusFamily around the family of the drives on that bus.  `show` once per completed cycle, before the burst."""
+
+    def __init__(self, drives: BusFamily, couplers: Sequence[Coupler], patience: int) -> None:
+        """`patience`: cycles a coupler may be silent before its inputs are bad."""
+        self.drives = drives
+        self.aside = drives.aside
+        self.couplers = {coupler.node: coupler for coupler in couplers}
+        self._patience = patience
+        self._inputs = {cobid.tpdo(1, node): coupler for node, coupler in self.couplers.items()}
+        self._shown: dict[int, bool] = {}
+
+    @property
+    def expected(self) -> int:
+        """Couplers are not waited for: they speak when something changes."""
+        return self.drives.expected
+
+    def show(self, contacts: Mapping[int, bool]) -> None:
+        """What the outputs show from the next burst on."""
+        self._shown.update(contacts)
+
+    def said(self) -> dict[int, Said]:
+        """What the inputs say, by contact; outputs are good while their node takes them."""
+        found: dict[int, Said] = {}
+        for coupler in self.couplers.values():
+            alive = coupler.released and coupler.silent <= self._patience
+            for channel, contact in coupler.inputs.items():
+                octet = channel // 8
+                known = octet < len(coupler.heard)
+                value = known and bool(coupler.heard[octet] >> channel % 8 & 1)
+                found[contact] = Said(value, Quality.GOOD if alive and known else Quality.BAD)
+            for contact in coupler.outputs.values():
+                found[contact] = Said(self._shown.get(contact, False), Quality.GOOD if alive else Quality.BAD)
+        return found
+
+    def burst(self, values: Sequence[SetRecord]) -> list[Frame]:
+        """The drives' burst, then RPDO1 of each coupler that has news or whose refresh is due."""
+        frames = self.drives.burst(values)
+        for coupler in self.couplers.values():
+            coupler.silent += 1
+            coupler.due -= 1
+            if not coupler.released or not coupler.size:
+                continue
+            data = self._octets(coupler)
+            if data != coupler.sent or coupler.due <= 0:
+                coupler.sent, coupler.due = data, REFRESH
+                frames.append(Frame(cobid.rpdo(1, coupler.node), data))
+        return frames
+
+    def _octets(self, coupler: Coupler) -> bytes:
+        octets = bytearray(coupler.size)
+        for channel, contact in coupler.outputs.items():
+            octets[channel // 8] |= self._shown.get(contact, False) << channel % 8
+        return bytes(octets)
+
+    def hear(self, frame: Frame) -> Heard | None:
+        """TPDO1 and heartbeats of couplers are taken here; raises DecodeError as the drives' family does."""
+        coupler = self._inputs.get(frame.identifier)
+        if coupler is not None:
+            coupler.silent = 0
+            if coupler.released:
+                coupler.heard = frame.data
+            return None
+        node = self.couplers.get(frame.identifier & 0x7F)
+        if node is not None and frame.identifier == cobid.heartbeat(node.node):
+            node.silent = 0
+            if frame.data == BOOT_UP:
+                self.hold(node.node)
+        return self.drives.hear(frame)
+
+    def release(self, node: int, mode: int) -> None:
+        """Configured and operational; what its inputs say counts from now on."""
+        coupler = self.couplers.get(node)
+        if coupler is None:
+            self.drives.release(node, mode)
+        else:
+            coupler.released, coupler.sent, coupler.silent, coupler.due = True, b"", 0, 0
+
+    def hold(self, node: int) -> None:
+        """Nothing any more until it is configured again."""
+        coupler = self.couplers.get(node)
+        if coupler is None:
+            self.drives.hold(node)
+        else:
+            coupler.released, coupler.heard, coupler.sent = False, b"", b""
+
+    def began(self, now: Ns) -> None:
+        self.drives.began(now)

@@ -1,0 +1,109 @@
+"""Where a route begins and ends: an address of any world and the number form that stands there.
+
+Source of the addresses: gateway.pure.addresses.  RC inputs are what a PLC writes (A, O, Q; RCI), RC outputs what it reads (E, I; RCO).
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+
+from gateway.pure.addresses import (
+    AddressFault,
+    CellName,
+    DataBit,
+    DataWord,
+    Direction,
+    Kind,
+    Operand,
+    Part,
+    RcBit,
+    bits_of,
+    parse_operand,
+)
+from gateway.pure.routes.forms import BIT, FORMS, size_of
+from gateway.pure.routes.judge import Span
+
+
+class World(Enum):
+    """What kind of thing holds the value."""
+
+    BLOCK = "data block"
+    RC_INPUT = "RC input"
+    RC_OUTPUT = "RC output"
+    NAME = "value"
+    CONTACT = "contact"
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """One end.  `byte`, `bit`, `form`, `order` say where in a block or image; `name` is the value or contact, or a block's line."""
+
+    world: World
+    name: str = ""
+    db: int = 0
+    byte: int = 0
+    bit: int = 0  # of `byte`, 0 lowest; only for bits
+    form: str = BIT
+    order: str = "ABCD"
+
+    @property
+    def size(self) -> int:
+        """Bytes it covers."""
+        return size_of(self.form) or 1
+
+    @property
+    def span(self) -> Span:
+        """What it covers, to be held against others."""
+        width = 1 if self.form == BIT else 8 * self.size
+        match self.world:
+            case World.BLOCK:
+                return Span(f"DB {self.db} of line {self.name}", 8 * self.byte + (7 - self.bit if self.form == BIT else 0), width)
+            case World.RC_INPUT | World.RC_OUTPUT:
+                return Span(self.world.value, 8 * self.byte + (self.bit if self.form == BIT else 0), width)
+        return Span(f"{self.world.value} {self.name}")
+
+
+def place_of(text: str, form: str, order: str, symbols: Mapping[str, RcBit], line_of: Mapping[int, str]) -> Place:
+    """`form` "" is a bit or a name; `line_of`: data block -> the one line it is served on.  Raises AddressFault."""
+    if form and form not in FORMS:
+        raise AddressFault(f"{form!r} is no number form; {' '.join(FORMS)} are")
+    line, colon, rest = text.partition(":")
+    where = parse_operand(rest if colon else text, symbols)
+    match where:
+        case CellName(name):
+            return Place(World.CONTACT, name[3:]) if name.startswith("io.") else Place(World.NAME, name)
+        case DataBit(db, word, bit):
+            _need(text, form, 0)
+            return Place(World.BLOCK, line if colon else _line(db, line_of), db, 2 * word + (bit < 8), bit & 7)
+        case DataWord(db, word, part):
+            _need(text, form, {Part.LEFT: 1, Part.RIGHT: 1, Part.WORD: 2, Part.DOUBLE: 4}[part])
+            byte = bits_of(where).start // 8 + (part is Part.RIGHT) - (part is Part.LEFT)
+            return Place(World.BLOCK, line if colon else _line(db, line_of), db, byte, 0, form, order)
+        case RcBit(direction, number):
+            _need(text, form, 0)
+            return Place(_world(direction), byte=number >> 3, bit=number & 7)
+        case Operand(Kind.INPUT | Kind.OUTPUT, number, None, size):
+            _need(text, form, size)
+            return Place(World.RC_INPUT if where.kind is Kind.OUTPUT else World.RC_OUTPUT, "", 0, number, 0, form, order)
+    raise AddressFault(
+        f"{text!r}: a route joins data blocks (DB30.DW0), RC inputs and outputs (AW 92, E 8.0), values and contacts (io.lamp)"
+    )
+
+
+def _need(text: str, form: str, size: int) -> None:
+    if size == 0 and form not in ("", BIT):
+        raise AddressFault(f"{text!r} is a bit: type = {form!r} does not fit")
+    if size and not form:
+        raise AddressFault(f"{text!r}: which number form stands there? type = one of {' '.join(f for f in FORMS if size_of(f) == size)}")
+    if size and size_of(form) != size:
+        raise AddressFault(f"{text!r} has {size} bytes, {form} needs {size_of(form) or 'a bit'}")
+
+
+def _line(db: int, line_of: Mapping[int, str]) -> str:
+    if db not in line_of:
+        raise AddressFault(f"DB {db}: no [[db]] of this cell, or one on several lines (then LINE:DB{db}.DW0)")
+    return line_of[db]
+
+
+def _world(direction: Direction) -> World:
+    return World.RC_INPUT if direction is Direction.INPUT else World.RC_OUTPUT

@@ -1,0 +1,38 @@
+"""The shipped CL300 cell: the PLC behind the I/O blocks is written by hand, its bits reach the control and the control's reach it."""
+
+import contextlib
+
+from hil_tests.lab.joined_running import Modules, cell_copy, running_joined
+
+IN, OUT = 541, 471  # what the CL300 puts out, what it reads
+ALLOWED = 0b11111
+
+
+def test_a_cl300_sees_its_bits_go_over_can_blocks_and_a_lost_coupling_is_marked() -> None:
+    absent = ("[plant.axis.X]", '[plant]\nabsent = ["io"]\n[plant.axis.X]')
+    with running_joined(lambda folder: cell_copy("cl300-bits", folder, absent), "cl300") as run, contextlib.ExitStack() as stack:
+        plc = Modules("cl300-io", {IN: bytes(8)})
+        stack.callback(plc.close)
+
+        def seen(byte: int) -> int:
+            return plc.heard.get(OUT, bytes(8))[byte]
+
+        def word(byte: int) -> int:
+            return int.from_bytes(plc.heard.get(OUT, bytes(8))[byte : byte + 2], "big", signed=True)
+
+        run.until(lambda: seen(0) & 0x80, "the position is valid")
+        run.until(lambda: abs(word(2) - 10 * run.value("axis.X.actual")) <= 1, "the position as KF in 0.1 mm")
+        before = word(4)
+        run.until(lambda: word(4) != before, "the life counter runs")
+        plc.says[IN] = bytes((ALLOWED, 7)) + bytes(6)
+        run.until(lambda: seen(1) == 7, "the number of the CL300 comes back")
+        run.until(lambda: [run.value(f"A 3.{bit}") for bit in range(5)] == [1] * 5, "all enabling inputs stand")
+        plc.says[IN] = bytes((ALLOWED & ~8, 8)) + bytes(6)
+        run.until(lambda: run.value("A 3.3") == 0 and seen(1) == 8, "feed hold")
+        plc.says[IN] = bytes((ALLOWED, 9)) + bytes(6)
+        run.until(lambda: run.value("A 3.3") == 1, "feed hold is gone")
+
+        plc.speaking = False
+        run.until(lambda: [run.value(f"A 3.{bit}") for bit in range(5)] == [0] * 5, "a silent CL300 allows nothing")
+        plc.speaking = True
+        run.until(lambda: run.value("A 3.0") == 1 and seen(1) == 9, "it is back")
