@@ -10,7 +10,7 @@ from gateway.cell import Cell
 from gateway.cell_controller import Controller, ControllerPoint, ControllerProcess, ProcessStep
 from gateway.checks.rho3can import blocks_of
 from gateway.datfiles import DatTables, read_tables
-from gateway.files import read_signals
+from gateway.dbsignals import signals_of
 from gateway.pure.errorlist import ErrorList
 from gateway.pure.functions.places import STROBE_TIME, Places
 from gateway.pure.functions.plc import Settings
@@ -26,7 +26,7 @@ from gateway.pure.office import Office
 from gateway.pure.records import RC_BYTES, CellState, InputImage, Permit, set_bit
 from gateway.pure.reis.control import ReisControl, ReisSetup
 from gateway.pure.reis.regulator import Reference
-from gateway.pure.signals import SignalList, from_tables
+from gateway.pure.signals import SignalList
 from gateway.pure.val3_io.control import Val3Control
 from gateway.pure.val3_io.system import Board, Point
 from protocols.base.machine import Ns, ms
@@ -92,11 +92,6 @@ class Parameters:
         if not isinstance(value, tuple | list) or any(isinstance(each, bool) or not isinstance(each, int) for each in value):
             raise ValueError(f"{name} = {value!r}: a list of whole numbers is expected")
         return tuple(each for each in value if isinstance(each, int))
-
-
-def signals_of(cell: Cell) -> SignalList:
-    """The list with the places of this cell."""
-    return from_tables(read_signals()).moved(cell.signals)
 
 
 def make_control(

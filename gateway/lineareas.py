@@ -1,12 +1,15 @@
 """What RK512 serves beside data blocks: extended blocks, inputs, outputs, flags, timers and counters, as [line.rk512] types allows.
 
-E is what a PLC reads as its inputs, the RC outputs; A what it writes as its outputs, the RC inputs; M holds the coordination flags that are
-set.  A [[db]] with that kind stands in the place of it; X, T and Z exist only so (AX-250).
+E is what a PLC reads as its inputs, the RC outputs; A what it writes as its outputs, the RC inputs, both at the PLC's own addresses where
+the cell has a bit coupling; M holds the flags or markers of the control and the coordination flags that are set; T and Z the control's
+timers (rest in ms) and counters.  A [[db]] with that kind stands in the place of it; X exists only so (AX-250, AX-339).
 """
 
 import time
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from gateway.couplingareas import CouplingAreas
 from gateway.pure.line_blocks import AREA_BYTES, block_key
 from gateway.pure.records import RC_BYTES
 from protocols.rk512.header import ErrorNumber, Kind
@@ -20,6 +23,7 @@ class LineAreas:
 
     def __init__(self, door: "LineDoor") -> None:
         self._door = door
+        self.coupling = CouplingAreas(door)
 
     def read_area(self, kind: Kind, block: int, address: int, amount: int) -> bytes | ErrorNumber:
         """FETCH; what the types leave out is refused whole."""
@@ -36,7 +40,10 @@ class LineAreas:
         if refused is not None:
             return refused
         if kind is Kind.OUTPUTS and self._declared("A", 0) is None:
-            return self._door.write_inputs(address, data)
+            return self._door.write_inputs(address, data) if self.coupling.outputs() is None else self.coupling.write(address, data)
+        if kind is Kind.FLAGS and self._declared("M", 0) is None:
+            control = self._door.services.signals.control
+            return None if control is not None and control.write_flags(address, data) else ErrorNumber.BLOCK
         if address * kind.unit % 2 or len(data) % 2:
             return ErrorNumber.LENGTH  # a declared block is whole words
         return self._door.write_block(block_key(chr(kind), block), address * kind.unit // 2, data, time.monotonic_ns())
@@ -44,12 +51,18 @@ class LineAreas:
     def content(self, kind: str, number: int) -> bytes | None:
         """The whole area or block as it stands; None where there is none."""
         declared = self._declared(kind, number)
-        if kind == "M":
-            return self._with_flags(declared or bytes(AREA_BYTES))
-        if declared is not None or kind not in "EA":
-            return declared
         services = self._door.services
-        return bytes(services.inputs.values) if kind == "A" else services.rc_out.read() or bytes(RC_BYTES)
+        control = services.signals.control
+        if kind == "M":
+            flags = control.flag_bytes() if control is not None else b""
+            return self._with_flags(declared or flags.ljust(AREA_BYTES, b"\0"))
+        if declared is not None or kind not in "EATZ":
+            return declared
+        if kind in "TZ":
+            return None if control is None else _words(control.timer if kind == "T" else control.counter)
+        if kind == "A":
+            return self.coupling.outputs() or bytes(services.inputs.values)
+        return self.coupling.inputs() or services.rc_out.read() or bytes(RC_BYTES)
 
     def _declared(self, kind: str, number: int) -> bytes | None:
         key, data = block_key(kind, number), self._door.data
@@ -61,3 +74,11 @@ class LineAreas:
             if flag.cpu <= 1 and flag.byte < len(shown):
                 shown[flag.byte] |= 1 << flag.bit
         return bytes(shown)
+
+
+def _words(read: Callable[[int], int | None]) -> bytes | None:
+    """Timers or counters 0.. as words; None where there is none."""
+    found: list[bytes] = []
+    while (value := read(len(found))) is not None:
+        found.append(min(value, 0xFFFF).to_bytes(2, "big"))
+    return b"".join(found) or None

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from gateway.assembly import Door
 from gateway.cell import Db, Entry, Handshake, Line
+from gateway.couplingareas import RECEIVED_DB, SENT_DB
 from gateway.doors import Tell
 from gateway.image import RegionWriter
 from gateway.lineareas import LineAreas
@@ -76,6 +77,7 @@ class LineDoor(SerialDoor):
     def _data_door(self, blocks: list[DataBlock]) -> DataDoor:
         services = self._services
         handshake = services.cell.handshake.get("move")
+        inputs = services.entry_inputs.get(self.name, {})
 
         def command(fresh: Command) -> None:
             self.office.command(self.number, fresh, time.monotonic_ns())
@@ -84,7 +86,7 @@ class LineDoor(SerialDoor):
             self._tell("command", f"door {self.number}: {words}", door=self.number, what="refused")
 
         def level(name: str, value: bool) -> None:
-            number: int = getattr(services.numbers, RC_NAMES[name])
+            number: int = getattr(services.numbers, RC_NAMES[name]) if name in RC_NAMES else inputs[name]
             octet = number >> 3
             if services.owned.get(octet) == self.number:
                 set_bit(services.inputs.values, number, value)
@@ -93,9 +95,11 @@ class LineDoor(SerialDoor):
         names = [axis.name for axis in services.cell.axis]
 
         def value(name: str) -> float:
-            return services.values.get(name, self)
+            return services.variables.value_of(name, self)
 
-        return DataDoor(blocks, names, compile_handshake(handshake) if handshake else None, command, value, bad_number, level)
+        return DataDoor(
+            blocks, names, compile_handshake(handshake) if handshake else None, command, value, bad_number, level, tuple(inputs)
+        )
 
     # ---- life --------------------------------------------------------------------------------------------------------
     def restart(self) -> None:
@@ -207,6 +211,8 @@ class LineDoor(SerialDoor):
             return bytes(services.inputs.values)
         if db == OUTPUTS_DB:
             return services.rc_out.read() or bytes(RC_BYTES)
+        if db == SENT_DB and self._areas.coupling.remote:
+            return self._areas.coupling.sent_blocks()
         if self.data is not None:
             return None
         if db == COMMAND_DB:
@@ -241,6 +247,8 @@ class LineDoor(SerialDoor):
             return self.write_block(db, word, data, now)
         if db == INPUTS_DB:
             return self.write_inputs(2 * word, data)
+        if db == RECEIVED_DB and word == 0 and self._areas.coupling.remote:
+            return self._areas.coupling.received(data)
         if self.data is not None or db != COMMAND_DB:
             return ErrorNumber.BLOCK
         if word + len(data) // 2 > COMMAND_WORDS or len(data) % 2:

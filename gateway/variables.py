@@ -11,13 +11,30 @@ import pathlib
 import time
 from typing import TYPE_CHECKING
 
+from gateway.dbsignals import signals_of
 from gateway.doors import BaseDoor
-from gateway.files import read_signals
 from gateway.linedoor import LineDoor
 from gateway.modbusdoor import ModbusDoor
-from gateway.pure.addresses import AddressFault, CellName, DataBit, DataWord, Direction, FlagBit, Part, RcBit, Register, Table, parse, pic
+from gateway.operands import Operands
+from gateway.pure.addresses import (
+    AddressFault,
+    CellName,
+    DataBit,
+    DataWord,
+    Direction,
+    FlagBit,
+    Operand,
+    Part,
+    RcBit,
+    Register,
+    Table,
+    parse_operand,
+    pic,
+)
+from gateway.pure.addresses import Kind as OperandKind
+from gateway.pure.line_blocks import AREA_BYTES
 from gateway.pure.records import get_bit
-from gateway.pure.signals import from_tables
+from gateway.tooldesk import TOOL_DOOR
 from protocols.modbus.view import ExceptionCode, Kind
 
 if TYPE_CHECKING:
@@ -37,10 +54,9 @@ class Variables:
 
     def __init__(self, services: "Services") -> None:
         self._services = services
-        self._signals = from_tables(read_signals())
-        moved = services.cell.signals.items()
-        symbols = self._signals.symbols()
-        self._symbols = {**symbols, **{name.upper(): RcBit(symbols[name.upper()].direction, bit) for name, bit in moved}}
+        self._signals = signals_of(services.cell)
+        self._symbols = self._signals.symbols()
+        self._operands = Operands(services)
 
     async def listen(self, path: pathlib.Path) -> asyncio.Server:
         """Start answering; a stale socket of a predecessor is replaced."""
@@ -68,10 +84,12 @@ class Variables:
                 case "set":
                     return self._set(str(request["address"]), str(request["value"]))
                 case "names":
-                    return {"names": [*self._services.values.names(), *self._services.named.names()]}
+                    return {"names": self.names()}
+                case "panel":
+                    return self._services.signals.panel(request, TOOL_DOOR, time.monotonic_ns())
                 case "status":
                     return self._services.status()
-            return {"error": f"op {request.get('op')!r}; get, set, names, status are known"}
+            return {"error": f"op {request.get('op')!r}; get, set, names, panel, status are known"}
         except AddressFault as fault:
             return {"error": str(fault)}
         except (KeyError, ValueError, TypeError, AttributeError) as fault:
@@ -79,8 +97,10 @@ class Variables:
 
     # ---- reading -----------------------------------------------------------------------------------------------------
     def _get(self, text: str) -> dict[str, object]:
-        place = parse(text, self._symbols)
+        place = parse_operand(text, self._symbols)
         match place:
+            case Operand():
+                return self._operands.get(text, place) or self._coordination(text, place)
             case RcBit():
                 return {"address": text, "place": self._name_of(place), "value": self._bit(place)}
             case DataBit():
@@ -98,7 +118,7 @@ class Variables:
                 return self._named(text, name)
             case Register():
                 return self._register(text, place)
-            case FlagBit():
+            case FlagBit():  # parse_operand has these as operands
                 return self._flag(text, place)
 
     def _register(self, text: str, place: Register) -> dict[str, object]:
@@ -116,12 +136,42 @@ class Variables:
         return {"address": text, "place": f"{place.table.name.lower()} {place.address}", "value": value, **columns}
 
     def value_of(self, name: str, door: BaseDoor) -> float:
-        """What a telegram may be built of beside the cell's own names: axisgate's names and the signals.  KeyError: unknown."""
+        """What a telegram or block may be built of: names, signals, values of the control, addresses.  KeyError: unknown."""
         place = self._symbols.get(name.upper())
-        return self._services.values.get(name, door) if place is None else self._bit(place)
+        if place is not None:
+            return self._bit(place)
+        try:
+            return self._services.values.get(name, door)
+        except KeyError:
+            return self._control_value(name)
+
+    def _control_value(self, name: str) -> float:
+        """A value of the control, or what an address points at; one that has no value now is 0."""
+        control = self._services.signals.control
+        try:
+            if control is not None and name in control.names():
+                return control.value(name)
+            place = parse_operand(name, self._symbols)
+        except AddressFault as fault:
+            raise KeyError(name) from fault
+        except ValueError:
+            return 0.0
+        if isinstance(place, RcBit):
+            return self._bit(place)
+        found = self._operands.number(place) if isinstance(place, Operand) else None
+        if found is None:
+            raise KeyError(name)
+        return float(found)
+
+    def names(self) -> list[str]:
+        """Every name that can be read."""
+        control = self._services.signals.control
+        return [*self._services.values.names(), *self._services.named.names(), *(control.names() if control is not None else ())]
 
     def _named(self, text: str, name: str) -> dict[str, object]:
-        values = self._services.values
+        values, control = self._services.values, self._services.signals.control
+        if control is not None and name in control.names():
+            return {"address": text, "place": name, "value": control.value(name)}
         if name in self._services.named:
             sample = self._services.named.sample(name)
             age_ms = (time.monotonic_ns() - sample.stamp_ns) / 1e6 if sample.stamp_ns else None
@@ -137,9 +187,17 @@ class Variables:
         try:
             return {"address": text, "place": name, "value": values.get(name)}
         except KeyError:
-            close = difflib.get_close_matches(name, [*values.names(), *self._services.named.names()], n=1)
+            close = difflib.get_close_matches(name, self.names(), n=1)
             hint = f", did you mean {close[0]}?" if close else ""
             return {"error": f"{name}: no such name{hint}; axisgate var lists them"}
+
+    def _coordination(self, text: str, place: Operand) -> dict[str, object]:
+        """A flag of a cell without a control of its own: the partner's."""
+        if place.kind is not OperandKind.FLAG or place.bit is None or place.number >= AREA_BYTES:
+            return {
+                "error": f"{text}: this cell has no flags, timers and counters beside coordination flags M 0.0..M 255.7; [controller] has"
+            }
+        return self._flag(text, FlagBit(place.number, place.bit))
 
     def _flag(self, text: str, place: FlagBit) -> dict[str, object]:
         """A coordination flag, of whichever line has it set; 0 while none has."""
@@ -178,13 +236,19 @@ class Variables:
         services = self._services
         if not services.plan.simulated:
             return {"error": f"{text}: values are set only in a simulated run (axisgate run CELL --sim); here the PLC writes them"}
-        place = parse(text, self._symbols)
+        place = parse_operand(text, self._symbols)
+        control = services.signals.control
+        if isinstance(place, CellName) and control is not None and place.name in control.names():
+            control.put(place.name, float(value))
+            return self._get(text)
+        if isinstance(place, Operand) and self._operands.there(place):
+            return self._operands.put(text, place, value) or self._get(text)
+        if isinstance(place, Operand) and place.kind is OperandKind.FLAG and place.bit is not None and place.number < AREA_BYTES:
+            return self._reset_flag(text, FlagBit(place.number, place.bit), value)
         if isinstance(place, CellName) and place.name in services.named:
             services.named.put(place.name, _typed(value), time.monotonic_ns(), "var")
             services.settle()
             return self._get(text)
-        if isinstance(place, FlagBit):
-            return self._reset_flag(text, place, value)
         if not isinstance(place, DataWord | DataBit):
             return {"error": f"{text}: a data word or bit a PLC writes is expected, e.g. DB10.DW2 or DB10.D0.8"}
         door, data = self._block(place.db)

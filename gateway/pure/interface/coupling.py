@@ -63,6 +63,11 @@ class Coupling:
         self.rc_in_bytes = self.ranges.o_end - self.ranges.o_start + 1
 
     @property
+    def rc_in_first(self) -> int:
+        """First byte of the RC inputs that goes over."""
+        return self._kind.skip_in
+
+    @property
     def to_plc_bytes(self) -> int:
         """Length of the frame RC -> PLC, the board's inputs included."""
         return self.rc_out_bytes + self._kind.board * BOARD_IN

@@ -1,0 +1,52 @@
+"""Entries of data blocks that name a signal or an address instead of a name of the cell: `to = "K01_A_MN_RCI"`, `from = "I8.4"`."""
+
+from collections.abc import Mapping
+
+from gateway.cell import Cell
+from gateway.files import read_signals
+from gateway.pure.addresses import AddressFault, Direction, Operand, RcBit, parse_operand
+from gateway.pure.names import lookup
+from gateway.pure.signals import SignalList, from_tables
+
+
+def signals_of(cell: Cell) -> SignalList:
+    """The list with the places of this cell."""
+    return from_tables(read_signals()).moved(cell.signals)
+
+
+def rc_place(text: str, signals: SignalList) -> RcBit | None:
+    """The RC bit a text means; None where it means something else."""
+    signal = signals.named(text)
+    if signal is not None:
+        return signal.at
+    place = operand(text, signals)
+    return place if isinstance(place, RcBit) else None
+
+
+def operand(text: str, signals: SignalList) -> object:
+    """What parse_operand makes of it; None where it is no address."""
+    try:
+        return parse_operand(text, signals.symbols())
+    except AddressFault:
+        return None
+
+
+def is_flag_bit(text: str, signals: SignalList) -> bool:
+    """M 6.3, M1020.4."""
+    place = operand(text, signals)
+    return isinstance(place, Operand) and place.bit is not None
+
+
+def inputs_of(cell: Cell) -> Mapping[str, Mapping[str, int]]:
+    """Line -> `to` of its entries -> RC input; the list is read only where an entry asks for it."""
+    found: dict[str, dict[str, int]] = {}
+    signals: SignalList | None = None
+    for block in cell.db:
+        for entry in block.entries:
+            if not entry.to or lookup(entry.to) is not None:
+                continue
+            signals = signals or signals_of(cell)
+            place = rc_place(entry.to, signals)
+            if place is not None and place.direction is Direction.INPUT:
+                found.setdefault(block.line, {})[entry.to] = place.number
+    return found
