@@ -21,7 +21,8 @@ class Tap(Generic[E]):
         self._latest: Ns = 0
 
     def since(self, number: int) -> list[Piece]:
-        """Pieces after that one, as far as they are kept."""
+        """Pieces after that one, as far as they are kept; all of them for a number of a predecessor's, which counted anew."""
+        number = number if number <= self._number else 0
         return [piece for piece in self._kept if piece[0] > number]
 
     def receive(self, data: bytes, now: Ns) -> Sequence[E]:

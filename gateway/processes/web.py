@@ -1,0 +1,63 @@
+"""The web process: serves the page of one run; started by the supervisor where the cell or the command line asks for it (AX-470).
+
+It reads the regions and never writes one; it runs at low priority, so a busy page takes no time from the cycle.  It may die at any time:
+the supervisor starts it again, and open pages connect by themselves.
+"""
+
+import argparse
+import os
+import pathlib
+import signal
+
+import uvicorn
+
+from drivers.ports.base import runtime_dir
+from gateway.assembly import RunPlan, load_plan
+from gateway.cell_web import Web
+from gateway.files import PACKAGED
+from gateway.image import fds_from_text
+from gateway.realtime import die_with_parent
+from gateway.web.app import make_app
+from gateway.web.regions import Regions
+from gateway.web.store import Store
+
+NICE = 10
+
+
+def data_file(plan: RunPlan, web: Web) -> pathlib.Path:
+    """Users, sessions and audit: where [web] data says, else beside the cell file; of a shipped or simulated cell in the runtime folder."""
+    cell = pathlib.Path(plan.cell.file).resolve()
+    if web.data:
+        return cell.parent / web.data / f"{cell.stem}.sqlite"
+    ours = cell.is_relative_to(PACKAGED) or plan.simulated or not os.access(cell.parent, os.W_OK)
+    return (runtime_dir() if ours else cell.parent) / "web" / f"{cell.stem}.sqlite"
+
+
+def main(argv: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="axisgate web process", description="the web process; started by the supervisor")
+    parser.add_argument("--plan", type=int, required=True)
+    parser.add_argument("--fds", required=True)
+    arguments = parser.parse_args(argv)
+    die_with_parent(number=signal.SIGKILL)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    os.nice(NICE)
+    plan = load_plan(arguments.plan)
+    assert plan.web is not None
+    web, folder = plan.web, pathlib.Path(plan.cell.file).parent
+    store = Store(data_file(plan, web))
+    app = make_app(plan, web, Regions(plan, fds_from_text(arguments.fds)), store)
+    config = uvicorn.Config(
+        app, host=web.host, port=web.port, log_level="warning", access_log=False, ws_max_size=65536, ws_per_message_deflate=False,
+        ws_ping_interval=10.0, ws_ping_timeout=20.0, timeout_graceful_shutdown=1, server_header=False, limit_concurrency=200,
+        ssl_certfile=str(folder / web.tls_certificate) if web.tls_certificate else None,
+        ssl_keyfile=str(folder / web.tls_key) if web.tls_key else None,
+        proxy_headers=False,
+    )  # fmt: skip
+    server = uvicorn.Server(config)
+    server.run()
+    store.close()
+    return 0 if server.started else 3
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

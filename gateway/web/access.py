@@ -1,0 +1,137 @@
+"""Who asks, and may he: cookies and tokens, the guard against other pages' requests, and patience with wrong passwords.
+
+On loopback, looking and stopping need no password; in a simulation the emulator panel neither.  From elsewhere everything does, and
+every change does (AX-471, AX-473).
+"""
+
+import ipaddress
+import secrets
+import time
+from collections import deque
+from dataclasses import dataclass
+
+from starlette.requests import HTTPConnection
+
+from gateway.cell_web import LOOPBACK, Web
+from gateway.web.store import Role, Store
+
+COOKIE, CSRF = "axisgate", "x-axisgate-csrf"
+TRIES, WINDOW_S = 5, 60.0  # wrong passwords of one address or for one name
+OURS = "x-axisgate"  # a header no form of another page can send
+
+
+@dataclass(frozen=True, slots=True)
+class Person:
+    """Who is behind a request."""
+
+    name: str
+    role: Role
+    source: str  # address
+    local: bool
+    key: str  # what control is bound to: a session, a token, or nobody's
+    csrf: str = ""
+
+
+class Denied(Exception):
+    """Answered with this status and sentence."""
+
+    def __init__(self, status: int, words: str) -> None:
+        super().__init__(words)
+        self.status, self.words = status, words
+
+
+class Patience:
+    """Five wrong passwords a minute from one address or for one name; then nobody is heard there for the rest of it."""
+
+    def __init__(self) -> None:
+        self._wrong: dict[str, deque[float]] = {}
+
+    def wait_s(self, *keys: str) -> float:
+        """Seconds until the next try is heard; 0: now."""
+        now = time.monotonic()
+        for key in list(self._wrong):
+            while self._wrong[key] and now - self._wrong[key][0] > WINDOW_S:
+                self._wrong[key].popleft()
+            if not self._wrong[key]:
+                del self._wrong[key]
+        return max((WINDOW_S - (now - self._wrong[key][0]) for key in keys if len(self._wrong.get(key, ())) >= TRIES), default=0.0)
+
+    def wrong(self, *keys: str) -> None:
+        for key in keys:
+            self._wrong.setdefault(key, deque(maxlen=TRIES)).append(time.monotonic())
+
+
+class Access:
+    """Judges every request."""
+
+    def __init__(self, store: Store, web: Web, *, simulated: bool) -> None:
+        self.store, self.web, self.simulated = store, web, simulated
+        self.patience = Patience()
+
+    def person(self, request: HTTPConnection) -> Person:
+        """By token, else by cookie, else by where he sits.  Denied 401: a token or session that is none."""
+        source = request.client.host if request.client else ""
+        local = is_local(source)
+        bearer = request.headers.get("authorization", "")
+        if bearer:
+            found = self.store.token(bearer.removeprefix("Bearer ").strip())
+            if found is None:
+                raise Denied(401, "this token is not known")
+            return Person(f"token {found[0]}", found[1], source, local, f"token:{found[0]}")
+        session = self.store.session(request.cookies.get(COOKIE, ""))
+        if session is not None:
+            return Person(session.name, session.role, source, local, f"session:{session.id}", session.csrf)
+        return Person("local" if local else "nobody", Role.VIEWER if local else Role.NOBODY, source, local, "")
+
+    def host(self, request: HTTPConnection) -> None:
+        """The name the browser asked for is ours: another site's name that leads here is refused."""
+        asked = host_of(request.headers.get("host", ""))
+        known = {*LOOPBACK, self.web.host, *self.web.names}
+        if asked not in known and not (self.web.host in ("0.0.0.0", "::") and _is_address(asked)):
+            raise Denied(421, f"host {asked!r} is not served here; [web] names lists what is")
+
+    def origin(self, request: HTTPConnection) -> None:
+        """A browser names the page a request comes from: only our own may change anything or listen."""
+        origin = request.headers.get("origin")
+        if origin is None:
+            return
+        scheme, _, host = origin.partition("://")
+        if scheme not in ("http", "https") or host != request.headers.get("host"):
+            raise Denied(403, "a request of another page is not carried out")
+
+    def may(self, request: HTTPConnection, person: Person, role: Role) -> None:
+        """A change through the API; Denied says which role it takes."""
+        self.origin(request)
+        if person.key.startswith("session:"):
+            if not secrets.compare_digest(request.headers.get(CSRF, ""), person.csrf):
+                raise Denied(403, "the request lacks its session's mark (header x-axisgate-csrf)")
+        elif not person.key and request.headers.get(OURS) is None:
+            raise Denied(403, "the header x-axisgate is missing")
+        self.role(person, role)
+
+    @staticmethod
+    def role(person: Person, role: Role) -> None:
+        """The role alone."""
+        if person.role < role:
+            words = f"this takes the role {role.name.lower()}; you are {person.name}, {person.role.name.lower()}"
+            raise Denied(403 if person.key else 401, words)
+
+
+def is_local(address: str) -> bool:
+    """Of this computer."""
+    return _is_address(address) and ipaddress.ip_address(address).is_loopback
+
+
+def host_of(header: str) -> str:
+    """Name or address of a Host header, without its port."""
+    if header.startswith("["):
+        return header[1:].partition("]")[0]
+    return header.rpartition(":")[0] if header.count(":") == 1 else header
+
+
+def _is_address(text: str) -> bool:
+    try:
+        ipaddress.ip_address(text)
+    except ValueError:
+        return False
+    return True

@@ -1,0 +1,206 @@
+"""Handlers of the interface; who may call what stands in the table of `endpoints`."""
+
+import asyncio
+from typing import Any
+
+from starlette.responses import JSONResponse, Response
+
+from gateway.web.access import COOKIE, Access, Denied
+from gateway.web.bodies import Cable, Command, Fault, Force, Login, Named, Put, Token, Unforce, User
+from gateway.web.catalogue import catalogue
+from gateway.web.endpoints import Call, Endpoint
+from gateway.web.hands import Hands
+from gateway.web.live import Live
+from gateway.web.names import Names
+from gateway.web.store import SESSION_S, Role, Store, StoreError
+
+Row = dict[str, Any]
+
+
+class Api:
+    """What the page can ask and order."""
+
+    def __init__(self, live: Live, names: Names, access: Access, cell: Row) -> None:
+        self.live, self.names, self.access, self.cell = live, names, access, cell
+        self.store: Store = access.store
+        self.hands: Hands = live.hands
+        self.secure = bool(access.web.tls_certificate)
+        self._login = asyncio.Semaphore(1)  # argon2 takes a core for a moment: one at a time
+
+    # ---- looking --------------------------------------------------------------------------------------------------------
+    async def me(self, call: Call) -> Row:
+        person = call.person
+        return {
+            "name": person.name,
+            "role": person.role.name.lower(),
+            "local": person.local,
+            "csrf": person.csrf,
+            "fresh": self.store.fresh,
+            "read_only": self.access.web.read_only,
+            "simulated": self.access.simulated,
+            "holds": bool(person.key) and person.key == self.hands.holder,
+        }
+
+    async def show_cell(self, call: Call) -> Row:
+        return self.cell
+
+    async def search(self, call: Call) -> Row:
+        total, found = self.names.search(call.query.get("q", "")[:200], call.query.get("group", "")[:100])
+        return {"total": total, "rows": [entry.row() for entry in found]}
+
+    async def tree(self, call: Call) -> Row:
+        return {"tree": self.names.tree(), "total": len(self.names.all)}
+
+    async def errors(self, call: Call) -> Row:
+        return {"errors": catalogue()}
+
+    async def job(self, call: Call) -> Row:
+        return await self.hands.job(int(call.path["number"]))
+
+    async def health(self, call: Call) -> Row:
+        cycle, services = self.live.regions.ages()
+        return {"cycle": cycle < 250, "services": services < 250}
+
+    # ---- the machine ------------------------------------------------------------------------------------------------------
+    async def stop(self, call: Call) -> Row:
+        """Everybody may stop."""
+        return await self.hands.command(call.person.key, call.person.name, "stop")
+
+    async def command(self, call: Call) -> Row:
+        body: Command = call.body
+        rest: Row = {"velocity": body.velocity, "acceleration": body.acceleration, "targets": body.targets}
+        return await self.hands.command(call.person.key, call.person.name, body.code, body.mask, **rest)
+
+    async def permit(self, call: Call) -> Row:
+        return await self.live.desk.ask("permit")
+
+    async def force(self, call: Call) -> Row:
+        body: Force = call.body
+        return await self.live.desk.ask("force", bit=body.bit, value=body.value, who=call.person.name)
+
+    async def unforce(self, call: Call) -> Row:
+        body: Unforce = call.body
+        return await self.live.desk.ask("unforce", bit=body.bit, who=call.person.name)
+
+    async def put(self, call: Call) -> Row:
+        body: Put = call.body
+        return await self.live.desk.ask("set", address=body.address, value=body.value)
+
+    # ---- the simulation ---------------------------------------------------------------------------------------------------
+    async def cable(self, call: Call) -> Row:
+        body: Cable = call.body
+        match body.do:
+            case "damage":
+                told: Row = {"from": body.side, "kind": body.kind, "probability": body.probability}
+                return await self.live.plant.cable(body.line, "damage", **told)
+            case "remove" | "insert":
+                return await self.live.plant.cable(body.line, body.do, side=body.side)
+        return await self.live.plant.cable(body.line, body.do)
+
+    async def fault(self, call: Call) -> Row:
+        body: Fault = call.body
+        if body.do in ("quit", "flush"):
+            raise ValueError(f"{body.do} is not for the page")
+        given = body.model_dump(exclude={"emulator", "do"}, exclude_none=True)
+        return await self.live.plant.fault(body.emulator, body.do, **given)
+
+    # ---- who may --------------------------------------------------------------------------------------------------------------
+    async def setup(self, call: Call) -> Response:
+        """The first password; from this computer only, and only while there is none."""
+        body: Login = call.body
+        if not call.person.local:
+            raise Denied(403, "the first password is set on the gateway itself")
+        async with self._login:
+            if not self.store.fresh:
+                raise Denied(409, "there is an administrator already")
+            await asyncio.to_thread(self.store.put_user, body.name, Role.ADMIN, body.password)
+        return self._logged_in(body.name)
+
+    async def login(self, call: Call) -> Response:
+        body: Login = call.body
+        keys = (f"address {call.person.source}", f"name {body.name}")
+        wait = self.access.patience.wait_s(*keys)
+        if wait:
+            raise Denied(429, f"too many wrong passwords; try again in {wait:.0f} s")
+        async with self._login:
+            right = await asyncio.to_thread(self.store.right, body.name, body.password)
+        if not right:
+            self.access.patience.wrong(*keys)
+            self.store.note(body.name, call.person.source, "wrong password")
+            raise Denied(401, "name or password is wrong")
+        return self._logged_in(body.name)
+
+    def _logged_in(self, name: str) -> Response:
+        session = self.store.open_session(name)
+        response = JSONResponse({"name": name, "role": session.role.name.lower(), "csrf": session.csrf})
+        response.set_cookie(COOKIE, session.id, max_age=SESSION_S, httponly=True, samesite="strict", secure=self.secure, path="/")
+        return response
+
+    async def logout(self, call: Call) -> Response:
+        if call.person.key and call.person.key == self.hands.holder:
+            self.hands.holder = self.hands.name = ""
+        self.store.close_session(call.request.cookies.get(COOKIE, ""))
+        response = JSONResponse({"ok": True})
+        response.delete_cookie(COOKIE, path="/")
+        return response
+
+    async def users(self, call: Call) -> Row:
+        tokens = [{"label": label, "role": role.name.lower(), "made": made} for label, role, made in self.store.tokens()]
+        return {"users": [{"name": name, "role": role.name.lower()} for name, role in self.store.users()], "tokens": tokens}
+
+    async def put_user(self, call: Call) -> Row:
+        body: User = call.body
+        async with self._login:
+            await asyncio.to_thread(self.store.put_user, body.name, Role[body.role.upper()], body.password)
+        return {"ok": True}
+
+    async def drop_user(self, call: Call) -> Row:
+        body: Named = call.body
+        if not self.store.drop_user(body.name):
+            raise StoreError(f"no user {body.name}")
+        return {"ok": True}
+
+    async def put_token(self, call: Call) -> Row:
+        body: Token = call.body
+        return {"token": self.store.put_token(body.label, Role[body.role.upper()])}
+
+    async def drop_token(self, call: Call) -> Row:
+        body: Named = call.body
+        if not self.store.drop_token(body.name):
+            raise StoreError(f"no token {body.name}")
+        return {"ok": True}
+
+    async def audit(self, call: Call) -> Row:
+        return {"entries": self.store.audit(), "broken_at": self.store.verify()}
+
+
+def endpoints(api: Api) -> list[Endpoint]:
+    """All of them."""
+    v, o, s, a, n = Role.VIEWER, Role.OPERATOR, Role.SETTER, Role.ADMIN, Role.NOBODY
+    row = Endpoint
+    return [
+        row("GET", "/api/health", n, "whether cycle and services live", api.health),
+        row("GET", "/api/me", n, "who am I, and what may I", api.me),
+        row("GET", "/api/cell", v, "devices, wiring, check results, evidence", api.show_cell),
+        row("GET", "/api/signals", v, "search values by name or address", api.search, query=(("q", "string"), ("group", "string"))),
+        row("GET", "/api/tree", v, "branches of all values", api.tree),
+        row("GET", "/api/errors", v, "the error catalogue", api.errors),
+        row("GET", "/api/jobs/{number:int}", v, "what became of a command", api.job),
+        row("POST", "/api/stop", v, "stop on the path", api.stop, changes=True),
+        row("POST", "/api/command", o, "one command of the command block", api.command, Command, True),
+        row("POST", "/api/permit", s, "set the enabling inputs of a simulation", api.permit, None, True, plant=True),
+        row("POST", "/api/force", s, "force an RC input", api.force, Force, True),
+        row("POST", "/api/unforce", s, "end a force, or all of them", api.unforce, Unforce, True),
+        row("POST", "/api/set", s, "write a value as the PLC would (simulation)", api.put, Put, True),
+        row("POST", "/api/cable", s, "pull a simulated cable", api.cable, Cable, True, plant=True),
+        row("POST", "/api/fault", s, "fault an emulated drive", api.fault, Fault, True, plant=True),
+        row("POST", "/api/setup", n, "the first password", api.setup, Login, True),
+        row("POST", "/api/login", n, "begin a session", api.login, Login, True),
+        row("POST", "/api/logout", n, "end it", api.logout, None, True),
+        row("GET", "/api/users", a, "users and tokens", api.users),
+        row("POST", "/api/users", a, "a new user, or a new password", api.put_user, User, True),
+        row("POST", "/api/users/drop", a, "a user leaves", api.drop_user, Named, True),
+        row("POST", "/api/tokens", a, "a secret for a script, shown once", api.put_token, Token, True),
+        row("POST", "/api/tokens/drop", a, "a token ends", api.drop_token, Named, True),
+        row("GET", "/api/audit", a, "who changed what, and whether the chain is whole", api.audit),
+    ]

@@ -1,0 +1,107 @@
+"""The application: interface, live connection and the files of the page, with the headers a browser is to obey."""
+
+import asyncio
+import contextlib
+import pathlib
+from collections.abc import AsyncIterator
+
+from starlette.applications import Starlette
+from starlette.datastructures import MutableHeaders
+from starlette.requests import Request
+from starlette.responses import FileResponse, JSONResponse, Response
+from starlette.routing import Mount, Route, WebSocketRoute
+from starlette.staticfiles import StaticFiles
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from gateway.assembly import RunPlan
+from gateway.cell_web import Web
+from gateway.web.access import Access, Denied
+from gateway.web.api import Api, endpoints
+from gateway.web.cellview import described
+from gateway.web.desk import ServicesDesk
+from gateway.web.endpoints import openapi, routes
+from gateway.web.hands import Hands
+from gateway.web.live import Live
+from gateway.web.names import Names
+from gateway.web.plantview import Plant
+from gateway.web.regions import Regions
+from gateway.web.socket import Sockets
+from gateway.web.store import Store
+
+STATIC = pathlib.Path(__file__).parent / "static"
+PAGES = ("overview", "axes", "signals", "lines", "bus", "motion", "events", "cell", "emulator", "access")
+HEADERS = {
+    "content-security-policy": "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; object-src 'none'; "
+    "base-uri 'none'; frame-ancestors 'none'; form-action 'self'",
+    "x-content-type-options": "nosniff",
+    "referrer-policy": "same-origin",
+    "x-frame-options": "DENY",
+    "cross-origin-opener-policy": "same-origin",
+}
+
+
+class Headers:
+    """Puts them on every answer; what the interface says is not to be kept, the page's files are to be asked for again."""
+
+    def __init__(self, app: ASGIApp, *, tls: bool) -> None:
+        self._app, self._more = app, {"strict-transport-security": "max-age=31536000"} if tls else {}
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] != "http":
+            await self._app(scope, receive, send)
+            return
+
+        async def sent(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                headers = MutableHeaders(scope=message)
+                headers.update({**HEADERS, **self._more})
+                headers["cache-control"] = "no-store" if scope["path"].startswith("/api") else "no-cache"
+            await send(message)
+
+        await self._app(scope, receive, sent)
+
+
+def make_app(plan: RunPlan, web: Web, regions: Regions, store: Store) -> Starlette:
+    """Everything of one run, wired."""
+    desk = ServicesDesk(plan.slug)
+    hands = Hands(desk, regions, plan.cell.axis)
+    plant = Plant(plan)
+    live = Live(plan, regions, desk, hands, plant)
+    access = Access(store, web, simulated=plan.simulated)
+    api = Api(live, Names(plan.cell), access, described(plan, plant, live.skeleton))
+    table = endpoints(api)
+    description = openapi(table, "1")
+
+    async def described_api(request: Request) -> Response:
+        return JSONResponse(description)
+
+    async def page(request: Request) -> Response:
+        try:
+            access.host(request)
+        except Denied as denied:
+            return JSONResponse({"error": denied.words}, denied.status)
+        return FileResponse(STATIC / "index.html")
+
+    @contextlib.asynccontextmanager
+    async def lifespan(app: Starlette) -> AsyncIterator[None]:
+        tasks = [asyncio.create_task(live.run()), asyncio.create_task(hands.run())]
+        yield
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+        plant.close()
+        desk.close()
+
+    app = Starlette(
+        routes=[
+            *routes(table, access),
+            Route("/api/openapi.json", described_api),
+            WebSocketRoute("/live", Sockets(live, hands, access).serve),
+            Route("/", page),
+            *(Route(f"/{name}", page) for name in PAGES),
+            Mount("/static", StaticFiles(directory=STATIC)),
+        ],
+        lifespan=lifespan,
+    )
+    app.add_middleware(Headers, tls=bool(web.tls_certificate))
+    return app

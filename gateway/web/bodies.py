@@ -1,0 +1,90 @@
+"""What the interface takes: models of request bodies; their JSON schemas stand in /api/openapi.json."""
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+Name = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[A-Za-z0-9_.@-]+$")]
+Password = Annotated[str, Field(min_length=1, max_length=256)]
+RoleName = Literal["viewer", "operator", "setter", "admin"]
+Share = Annotated[float, Field(ge=0.0, le=1.0)]
+
+
+class Body(BaseModel):
+    """Base of all: nothing unknown, no NaN."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False, strict=True)
+
+
+class Login(Body):
+    name: Name
+    password: Password
+
+
+class User(Body):
+    name: Name
+    role: RoleName
+    password: Password
+
+
+class Named(Body):
+    name: Name
+
+
+class Token(Body):
+    label: Name
+    role: RoleName
+
+
+class Command(Body):
+    """As the command block of AX-011; targets in the axes' own units."""
+
+    code: Literal[
+        "enable", "disable", "reference", "ptp_absolute", "ptp_relative", "resume", "abandon", "fault_reset", "override",
+        "request_control", "release_control",
+    ]  # fmt: skip
+    mask: int = Field(default=0, ge=0, le=0xFFFF)
+    velocity: Share = 1.0
+    acceleration: Share = 1.0
+    targets: Annotated[list[Annotated[float, Field(ge=-1e9, le=1e9)]], Field(max_length=12)] = []
+
+
+class Force(Body):
+    """An RC input."""
+
+    bit: int = Field(ge=0, le=1023)
+    value: Literal[0, 1]
+
+
+class Unforce(Body):
+    """One RC input, or all."""
+
+    bit: int | None = Field(default=None, ge=0, le=1023)
+
+
+class Put(Body):
+    """As if the PLC had written it; simulated cells only."""
+
+    address: Annotated[str, Field(min_length=1, max_length=64)]
+    value: Annotated[str, Field(min_length=1, max_length=64)]
+
+
+class Cable(Body):
+    line: Annotated[str, Field(min_length=1, max_length=64)]
+    do: Literal["plug", "unplug", "remove", "insert", "calm", "damage"]
+    side: Literal["A", "B"] = "A"
+    kind: Literal["parity", "framing", "overrun", "break", "flip", "drop"] = "parity"
+    probability: Share = 0.0
+
+
+class Fault(Body):
+    """One fault of an emulated drive."""
+
+    emulator: Annotated[str, Field(min_length=1, max_length=64)]
+    do: Annotated[str, Field(pattern=r"^[a-z_0-9]{2,40}$")]
+    axis: int | None = Field(default=None, ge=1, le=127)
+    node: int | None = Field(default=None, ge=1, le=127)
+    on: bool | None = None
+    code: int | None = Field(default=None, ge=1, le=0xFFFF)
+    count: int | None = Field(default=None, ge=0, le=1_000_000)
+    torque_nm: float | None = Field(default=None, ge=-10_000, le=10_000)

@@ -1,0 +1,128 @@
+"""The cell page: what hangs where, how it is wired, what `check` says, and how far each thing was proved."""
+
+from typing import Any
+
+from gateway.assembly import RunPlan
+from gateway.cell import Axis, Bus, Cell, Line
+from gateway.web.plantview import Plant
+from gateway.web.skeleton import Skeleton
+
+Row = dict[str, Any]
+
+
+def described(plan: RunPlan, plant: Plant, skeleton: Skeleton) -> Row:
+    """Everything about a run that does not change while it runs."""
+    cell = plan.cell
+    return {
+        "name": cell.cell.name,
+        "file": cell.file,
+        "run": plan.slug,
+        "replaces": cell.cell.replaces,
+        "software": cell.cell.software,
+        "language": cell.cell.language,
+        "target": cell.cell.target,
+        "simulated": plan.simulated,
+        "p5_ms": plan.p5_ms,
+        "axes": [_axis(axis) for axis in cell.axis],
+        "doors": [{"number": door.number, "name": door.name, "kind": door.kind} for door in plan.doors],
+        "lines": [_line(line, plan.lines[line.name]) for line in cell.line],
+        "buses": [_bus(bus, plan.buses.get(bus.name, "not played")) for bus in cell.bus],
+        "modbus": [
+            {"name": server.name, "bind": ":".join(map(str, plan.modbus[server.name])), "unit": server.unit} for server in cell.modbus
+        ],
+        "blocks": [
+            {"number": db.number, "kind": db.kind, "words": db.words, "writer": db.writer, "line": db.line, "comment": db.comment}
+            for db in cell.db
+        ],
+        "contacts": [
+            {"name": io.name, "signal": io.signal, "device": f"{io.device.type} {io.device.bus} {io.device.node or ''}"} for io in cell.io
+        ],
+        "safety": {name: str(getattr(cell.safety, name)) for name in cell.safety.__slots__} if cell.safety else {},
+        "wiring": wiring(cell),
+        "notices": [{"level": notice.level, "where": notice.where, "text": notice.text} for notice in cell.notices],
+        "evidence": evidence(plan),
+        "faults": plant.known(),
+        "robot": {"kind": skeleton.kind, "reach": skeleton.reach, "why": skeleton.why, "model": cell.robot.model if cell.robot else ""},
+    }
+
+
+def _axis(axis: Axis) -> Row:
+    limits = axis.limits
+    warn = axis.following_error
+    return {
+        "name": axis.name, "unit": axis.unit, "drive": axis.drive.type, "bus": axis.drive.bus, "node": axis.drive.node or axis.drive.module,
+        "min": limits.min, "max": limits.max, "speed": limits.speed, "accel": limits.accel, "jerk": limits.jerk,
+        "gear": axis.mechanics.gear, "feed": axis.mechanics.feed_per_turn, "vertical": axis.mechanics.vertical,
+        "warn": warn.warn if warn else None, "trip": warn.trip if warn else None, "home": axis.home.by,
+    }  # fmt: skip
+
+
+def _line(line: Line, url: str) -> Row:
+    return {
+        "name": line.name, "port": line.port, "played": url, "format": line.format, "protocol": line.protocol, "profile": line.profile,
+        "layer": line.layer, "role": line.role, "priority": line.priority, "on_loss": line.supervision.on_loss,
+        "silence_ms": line.supervision.max_silence_ms,
+    }  # fmt: skip
+
+
+def _bus(bus: Bus, url: str) -> Row:
+    return {"name": bus.name, "port": bus.port, "played": url, "protocol": bus.protocol, "bitrate": bus.bitrate, "cycle_ms": bus.cycle_ms}
+
+
+def wiring(cell: Cell) -> list[Row]:
+    """What is to be wired where, one row a connection."""
+    rows: list[Row] = [
+        {
+            "from": f"line {line.name}",
+            "to": line.port,
+            "how": f"{line.format} {line.wiring}".strip(),
+            "signal": f"{line.protocol} {line.layer}",
+        }
+        for line in cell.line
+    ]
+    rows += [
+        {"from": f"bus {bus.name}", "to": bus.port, "how": f"{bus.bitrate}, 120 ohm at both ends", "signal": bus.protocol}
+        for bus in cell.bus
+    ]
+    rows += [
+        {
+            "from": f"axis {axis.name}",
+            "to": f"bus {axis.drive.bus}",
+            "how": f"address {axis.drive.node or axis.drive.module}",
+            "signal": axis.drive.type,
+        }
+        for axis in cell.axis
+    ]
+    rows += [
+        {
+            "from": f"contact {io.name}",
+            "to": f"{io.device.type} {io.device.bus} {io.device.node or ''}".strip(),
+            "how": "contact",
+            "signal": io.signal,
+        }
+        for io in cell.io
+    ]
+    return rows
+
+
+def evidence(plan: RunPlan) -> list[Row]:
+    """How far the parts of this cell were proved: specified, emulator, bench, plant.  Nothing here was on a bench or in a plant yet."""
+    cell = plan.cell
+    rows: list[Row] = []
+    for kind in dict.fromkeys(axis.drive.type for axis in cell.axis):
+        source = (
+            "axisgate's own byte layout, not verified on hardware (AX-001)"
+            if kind == "servodyn"
+            else "CiA 402 slave written from the standard"
+        )
+        rows.append({"what": f"drives {kind}", "level": "emulator", "why": source})
+    for bus in cell.bus:
+        if bus.layout_evidence:
+            rows.append({"what": f"layout of bus {bus.name}", "level": "specified", "why": bus.layout_evidence})
+    for line in cell.line:
+        rows.append(
+            {"what": f"line {line.name}: {line.protocol} {line.layer}", "level": "emulator", "why": "dialogues of the manuals; no PLC yet"}
+        )
+    for server in cell.modbus:
+        rows.append({"what": f"Modbus server {server.name}", "level": "emulator", "why": "tested against libmodbus, mbpoll"})
+    return rows

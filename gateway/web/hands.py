@@ -1,0 +1,145 @@
+"""Hands at the machine: one person at a time holds the page's door, jogs while he holds a key, and gives control back (AX-475).
+
+The services stop the axes on the path when the page falls silent for a second; the page lets them fall silent as soon as the holder's
+own browser does.  A jog is a slow move to the limit that ends when the key is released or no longer heard of.
+"""
+
+import asyncio
+import contextlib
+import time
+from collections.abc import Sequence
+
+from gateway.cell import Axis
+from gateway.pure.records import AxisFlag, Motion
+from gateway.web.desk import Gone, Refused, Row, ServicesDesk
+from gateway.web.regions import Regions
+
+ALIVE_S = 0.25  # we tell the services so often that the holder is there
+HOLDER_S = 1.0  # and no longer when his browser has been silent for so long
+KEY_S = 0.4  # a jog key not heard of for so long has been released
+SLOWEST, FASTEST = 0.1, 10.0  # % of the axis' speed a jog may have
+ROOM = 0.02  # share of the travel a jog keeps from the limit
+CODES = ("enable", "disable", "reference", "ptp_absolute", "ptp_relative", "stop", "resume", "abandon", "fault_reset", "override",
+         "request_control", "release_control")  # fmt: skip
+
+
+class NotYours(Exception):
+    """Somebody else holds the page's door."""
+
+
+class Hands:
+    """The page's door and who holds it."""
+
+    def __init__(self, desk: ServicesDesk, regions: Regions, axes: Sequence[Axis]) -> None:
+        self.desk, self.regions, self.axes = desk, regions, axes
+        self.holder, self.name = "", ""  # key of a session or token, and its person
+        self._heard = 0.0
+        self._jog: tuple[int, int] | None = None
+        self._jog_heard = 0.0
+        self._jog_lock = asyncio.Lock()
+
+    # ---- life -----------------------------------------------------------------------------------------------------------
+    async def run(self) -> None:
+        """Until cancelled: tell the services that the holder is there, end jogs nobody holds any more."""
+        while True:
+            await asyncio.sleep(ALIVE_S / 2)
+            if self._jog is not None and time.monotonic() - self._jog_heard > KEY_S:
+                await self.jog_end()
+            if self.holder and time.monotonic() - self._heard > HOLDER_S:
+                self.holder = self.name = ""  # the services notice within a second and stop on the path
+            if self.holder:
+                with contextlib.suppress(Gone, Refused):
+                    await self.desk.ask("alive")
+
+    def heard(self, key: str) -> None:
+        """The browser of this session is there."""
+        if key and key == self.holder:
+            self._heard = time.monotonic()
+
+    # ---- commands -------------------------------------------------------------------------------------------------------
+    async def command(self, key: str, name: str, code: str, mask: int = 0, **rest: object) -> Row:
+        """One command of the own block; NotYours, Gone, Refused."""
+        if code == "stop":
+            await self.jog_forget()
+            return await self.desk.command("stop")
+        if code == "request_control":
+            return await self._request(key, name)
+        self._mine(key)
+        if code == "release_control":
+            answer = await self.desk.command(code)
+            if answer["state"] == "DONE":
+                self.holder = self.name = ""
+            return answer
+        return await self.desk.command(code, mask, **rest)
+
+    async def _request(self, key: str, name: str) -> Row:
+        if self.holder and self.holder != key:
+            raise NotYours(f"{self.name} holds the page's door")
+        answer = await self.desk.command("request_control")
+        if answer["state"] in ("DONE", "ACCEPTED"):
+            self.holder, self.name, self._heard = key, name, time.monotonic()
+        return answer
+
+    def _mine(self, key: str) -> None:
+        if not key or self.holder != key:
+            raise NotYours(f"{self.name} holds the page's door" if self.holder else "request control first")
+        self._heard = time.monotonic()
+
+    async def job(self, number: int) -> Row:
+        """What became of a command."""
+        return await self.desk.ask("job", job=number)
+
+    # ---- hold to run ------------------------------------------------------------------------------------------------------
+    async def jog(self, key: str, axis: int, direction: int, percent: float) -> Row:
+        """The key is (still) held: begins the move at the first call, keeps it at the others."""
+        self._mine(key)
+        self._jog_heard = time.monotonic()
+        async with self._jog_lock:
+            if self._jog == (axis, direction):
+                return {"state": "RUNNING"}
+            if self._jog is not None:
+                return {"state": "REFUSED", "detail": "another axis is being jogged"}
+            answer = await self._begin(axis, direction, min(max(percent, SLOWEST), FASTEST))
+            if answer["open"]:
+                self._jog = (axis, direction)
+            return answer
+
+    async def _begin(self, number: int, direction: int, percent: float) -> Row:
+        axis = self.axes[number]
+        self.regions.look()
+        state = self.regions.state.axes[number]
+        si = self.regions.facts[number][2]
+        room = ROOM * (axis.limits.max - axis.limits.min)
+        limit = axis.limits.max - room if direction > 0 else axis.limits.min + room
+        way = limit - state.set / si
+        if way * direction <= 0:
+            return {"state": "REFUSED", "open": False, "words": "TARGET_LIMIT", "detail": f"{axis.name} stands at its limit"}
+        rest: dict[str, object] = {"velocity": percent / 100.0, "acceleration": 0.5}
+        targets = [0.0] * len(self.axes)
+        targets[number] = way
+        unreferenced = not state.flags & AxisFlag.REFERENCED
+        return await self.desk.command("ptp_relative", 1 << number, targets=targets, first_try=unreferenced, **rest)
+
+    async def jog_end(self) -> None:
+        """The key was released: stop on the path and forget the rest."""
+        async with self._jog_lock:
+            if self._jog is None:
+                return
+            self._jog = None
+            with contextlib.suppress(Gone, Refused):
+                await self.desk.command("stop")
+                await self._at_rest()
+                if self.regions.state.motion is Motion.STOPPED:
+                    await self.desk.command("abandon")
+
+    async def jog_forget(self) -> None:
+        """Somebody pressed stop: the rest stands, the key no longer counts."""
+        async with self._jog_lock:
+            self._jog = None
+
+    async def _at_rest(self) -> None:
+        for _ in range(100):
+            await asyncio.sleep(0.02)
+            self.regions.look()
+            if self.regions.state.motion not in (Motion.RUNNING, Motion.STOPPING):
+                return

@@ -1,0 +1,254 @@
+"""Ten times a second: one look at the regions, one text for each page somebody has open, the same text to all of them.
+
+A browser that is slow misses looks; nobody waits for it, and nothing is queued for it.
+"""
+
+import asyncio
+import contextlib
+import json
+import time
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from gateway.assembly import RunPlan
+from gateway.pure.records import Quality
+from gateway.web.busview import BusView
+from gateway.web.catalogue import advice
+from gateway.web.desk import Gone, Refused, ServicesDesk, supervisor
+from gateway.web.events import Events
+from gateway.web.hands import Hands
+from gateway.web.lineview import LineViews
+from gateway.web.names import AXIS_FIELDS
+from gateway.web.plantview import Plant
+from gateway.web.regions import Regions
+from gateway.web.skeleton import Skeleton
+
+TICK_S = 0.1
+MOST_WATCHED = 400  # values of one page
+Row = dict[str, Any]
+Look = Callable[[], Awaitable[Row]]
+
+
+@dataclass(eq=False, slots=True)
+class Viewer:
+    """One open page."""
+
+    page: str = "overview"
+    watch: tuple[str, ...] = ()
+    tick: asyncio.Event = field(default_factory=asyncio.Event)
+    versions: dict[str, int] = field(default_factory=dict)
+
+
+@dataclass(slots=True)
+class Topic:
+    """What one page shows: how it is looked up, every how many ticks, and the last text of it."""
+
+    look: Look
+    every: int = 1
+    text: str = "null"
+    version: int = 0
+
+
+class Live:
+    """The ticking heart of the page."""
+
+    def __init__(self, plan: RunPlan, regions: Regions, desk: ServicesDesk, hands: Hands, plant: Plant) -> None:
+        self.plan, self.regions, self.desk, self.hands, self.plant = plan, regions, desk, hands, plant
+        self.viewers: set[Viewer] = set()
+        self.events = Events(plan.journal)
+        self.lines = LineViews(plan.cell, desk)
+        self.buses = [BusView(bus, plan.buses[bus.name]) for bus in plan.cell.bus if bus.name in plan.buses]
+        self.skeleton = Skeleton(plan.cell)
+        self.processes: Row = {}
+        self.head = "null"
+        self.values: Row = {}  # of everything watched
+        self._looked: Row = {"blocks": {}, "named": {}, "forced": {}}
+        self._ticks = 0
+        self.topics = {
+            "overview": Topic(self._overview, 2),
+            "axes": Topic(self._axes),
+            "signals": Topic(self._signals, 5),
+            "lines": Topic(self._lines, 3),
+            "bus": Topic(self._bus, 5),
+            "motion": Topic(self._motion),
+            "events": Topic(self._events, 3),
+            "emulator": Topic(self._emulator, 5),
+            "cell": Topic(self._overview, 10),
+        }
+
+    async def run(self) -> None:
+        """Until cancelled."""
+        due = time.monotonic()
+        while True:
+            due = max(due + TICK_S, time.monotonic())
+            await asyncio.sleep(max(0.0, due - time.monotonic()))
+            self._ticks += 1
+            await self._turn()
+
+    async def _turn(self) -> None:
+        self.regions.look()
+        if self._ticks % 5 == 1:
+            await self._ask_supervisor()
+        if not self.viewers:
+            self._close_buses()
+            return
+        pages = {viewer.page for viewer in self.viewers}
+        if "bus" not in pages:
+            self._close_buses()
+        if any(viewer.watch for viewer in self.viewers):
+            await self._watch()
+        self.head = json.dumps(self._head(), separators=(",", ":"))
+        for name in pages & self.topics.keys():
+            topic = self.topics[name]
+            if self._ticks % topic.every == 0 or topic.text == "null":
+                await self._renew(topic)
+        for viewer in self.viewers:
+            viewer.tick.set()
+
+    @staticmethod
+    async def _renew(topic: Topic) -> None:
+        try:
+            told = await topic.look()
+        except (Gone, Refused) as why:
+            told = {"gone": str(why)}
+        text = json.dumps(told, separators=(",", ":"))
+        if text != topic.text:
+            topic.text, topic.version = text, topic.version + 1
+
+    def text(self, viewer: Viewer) -> str:
+        """What this viewer is sent now: the head always, its page when it changed, its watched values."""
+        topic = self.topics.get(viewer.page)
+        page = "null"
+        if topic is not None and viewer.versions.get(viewer.page) != topic.version:
+            viewer.versions = {viewer.page: topic.version}
+            page = topic.text
+        watched = json.dumps({name: self.values[name] for name in viewer.watch if name in self.values}, separators=(",", ":"))
+        return f'{{"t":"live","name":"{viewer.page}","head":{self.head},"page":{page},"values":{watched}}}'
+
+    async def _ask_supervisor(self) -> None:
+        with contextlib.suppress(Gone):
+            self.processes = await supervisor(self.plan.slug, "status")
+
+    def _close_buses(self) -> None:
+        for view in self.buses:
+            view.close()
+
+    # ---- pages -----------------------------------------------------------------------------------------------------------
+    def _head(self) -> Row:
+        head = self.regions.head()
+        head["errors"] = [self._told(error) for error in head["errors"]]
+        head["holder"] = self.hands.name
+        head["links"] = [[door["name"], door["alive"]] for door in self.regions.status.get("doors", [])]
+        return head
+
+    @staticmethod
+    def _told(error: Row) -> Row:
+        do_en, do_de = advice(int(error.get("code", 0)))
+        return {**error, "do": [do_en, do_de]}
+
+    async def _overview(self) -> Row:
+        return {
+            "processes": self.processes.get("processes", []),
+            "alarms": self.processes.get("alarms", []),
+            "doors": self.regions.status.get("doors", []),
+            "drives": self.regions.drives(),
+            "cycle": self.regions.counters(),
+        }
+
+    async def _axes(self) -> Row:
+        return {"axes": self.regions.drives(), "ns": self.regions.state.sync_ns}
+
+    async def _signals(self) -> Row:
+        return {"forced": self._looked["forced"]}
+
+    async def _lines(self) -> Row:
+        return {"lines": await self.lines.look(), "doors": self.regions.status.get("doors", [])}
+
+    async def _bus(self) -> Row:
+        for view in self.buses:
+            view.open()
+        return {"buses": [view.told() for view in self.buses], "cycle": self.regions.counters()}
+
+    async def _motion(self) -> Row:
+        joints = [axis.set for axis in self.regions.state.axes]
+        state = self.regions.state
+        return {
+            "axes": self.regions.drives(),
+            "points": self.skeleton.points(joints),
+            "queue": self.regions.queue(),
+            "job": state.job,
+            "progress": round(state.progress, 3),
+        }
+
+    async def _events(self) -> Row:
+        self.events.look()
+        return {"events": list(self.events.kept)[-200:]}
+
+    async def _emulator(self) -> Row:
+        return {**await self.plant.look(), "doors": self.regions.status.get("doors", [])}
+
+    # ---- watched values ----------------------------------------------------------------------------------------------------
+    async def _watch(self) -> None:
+        wanted = {name for viewer in self.viewers for name in viewer.watch}
+        try:
+            self._looked = await self.desk.ask("look")
+            fresh = True
+        except (Gone, Refused):
+            fresh = False
+        rows = {row["name"]: row for row in self.regions.drives()}
+        self.values = {name: value for name in wanted if (value := self._value(name, rows, fresh=fresh)) is not None}
+
+    def _value(self, name: str, rows: dict[str, Row], *, fresh: bool) -> list[object] | None:
+        """[value, quality 0..2, age ms, forced]; None: no such value."""
+        kind, _, rest = name.partition(":")
+        match kind:
+            case "in":
+                forced = rest in self._looked["forced"]
+                return [*self.regions.input_bit(int(rest)), forced]
+            case "out":
+                return [*self.regions.output_bit(int(rest)), False]
+            case "db":
+                return self._word(rest, fresh=fresh)
+            case "named":
+                found = self._looked["named"].get(rest)
+                return None if found is None else [found[0], found[1] if fresh else int(Quality.STALE), found[2], False]
+        return self._own(name, rows)
+
+    def _word(self, rest: str, *, fresh: bool) -> list[object] | None:
+        """Data blocks: four bytes from the word on, or a bit."""
+        block, _, where = rest.partition(":")
+        found = self._looked["blocks"].get(block)
+        if found is None:
+            return None
+        data = bytes.fromhex(found["hex"])
+        quality = int(Quality.GOOD if fresh and found["alive"] else Quality.STALE)
+        word, dot, bit = where.partition(".")
+        if dot:
+            value = int.from_bytes(data[2 * int(word) : 2 * int(word) + 2], "big") >> int(bit) & 1
+            return [value, quality, None, False]
+        at = 2 * int("".join(c for c in word if c.isdigit()))
+        return [data[at : at + 4].hex(), quality, None, False]
+
+    def _own(self, name: str, rows: dict[str, Row]) -> list[object] | None:
+        age = self.regions.ages()[0]
+        quality = int(Quality.GOOD if age < 250 else Quality.STALE)
+        shown = None if age == float("inf") else round(age)
+        match name.split("."):
+            case ["axis", axis, key] if axis in rows and key in AXIS_FIELDS:
+                row = rows[axis]
+                flags = {"enabled": 1, "referenced": 2, "in_position": 4, "fault": 24}
+                return [int(bool(row["flags"] & flags[key])) if key in flags else row[key], quality, shown, False]
+            case ["cell", key]:
+                state = self.regions.state
+                values: dict[str, object] = {
+                    "ready": int(state.ready),
+                    "drives_on": int(all(row["flags"] & 1 for row in rows.values())),
+                    "emergency_stop": int(state.emergency),
+                    "error": int(bool(self.regions.status.get("errors"))),
+                    "life": state.cycle & 0x7FFF,
+                    "override": round(state.override * 100.0, 1),
+                    "motion": int(state.motion),
+                }
+                return [values[key], quality, shown, False] if key in values else None
+        return None

@@ -1,0 +1,105 @@
+"""The live connection of one open page: looks go out ten times a second, keys held down come in."""
+
+import asyncio
+import contextlib
+import json
+from typing import Any
+
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from gateway.web.access import Access, Denied, Person
+from gateway.web.desk import Gone, Refused
+from gateway.web.hands import Hands, NotYours
+from gateway.web.live import MOST_WATCHED, Live, Viewer
+from gateway.web.store import Role
+
+LONGEST = 32768
+MOST_VIEWERS = 64
+REFUSED, TOO_MANY = 4403, 4429  # close codes: the page asks for a login, or waits
+
+
+class Sockets:
+    """All of them."""
+
+    def __init__(self, live: Live, hands: Hands, access: Access) -> None:
+        self.live, self.hands, self.access = live, hands, access
+
+    async def serve(self, socket: WebSocket) -> None:
+        """From its opening to its end; nothing a browser sends ends anything but its own connection."""
+        try:
+            self.access.host(socket)
+            self.access.origin(socket)
+            person = self.access.person(socket)
+            self.access.role(person, Role.VIEWER)
+        except Denied as denied:
+            await socket.accept()
+            await socket.close(REFUSED, denied.words[:100])
+            return
+        await socket.accept()
+        if len(self.live.viewers) >= MOST_VIEWERS:
+            await socket.close(TOO_MANY, "too many pages are open")
+            return
+        viewer = Viewer()
+        self.live.viewers.add(viewer)
+        sender = asyncio.create_task(self._send(socket, viewer))
+        try:
+            await self._hear(socket, viewer, person)
+        except (WebSocketDisconnect, RuntimeError):
+            pass
+        finally:
+            self.live.viewers.discard(viewer)
+            sender.cancel()
+            with contextlib.suppress(asyncio.CancelledError):
+                await sender
+
+    async def _send(self, socket: WebSocket, viewer: Viewer) -> None:
+        with contextlib.suppress(WebSocketDisconnect, RuntimeError, OSError):
+            while True:
+                await viewer.tick.wait()
+                viewer.tick.clear()
+                await socket.send_text(self.live.text(viewer))
+
+    async def _hear(self, socket: WebSocket, viewer: Viewer, person: Person) -> None:
+        while True:
+            text = await socket.receive_text()
+            if len(text) > LONGEST:
+                return
+            self.hands.heard(person.key)
+            try:
+                message = json.loads(text)
+            except ValueError:
+                continue
+            if isinstance(message, dict):
+                answer = await self._take(message, viewer, person)
+                if answer is not None:
+                    await socket.send_text(json.dumps({"t": "told", **answer}))
+
+    async def _take(self, message: dict[str, Any], viewer: Viewer, person: Person) -> dict[str, Any] | None:
+        match message.get("t"):
+            case "page":
+                viewer.page, viewer.versions = str(message.get("name"))[:20], {}
+                watch = message.get("watch")
+                viewer.watch = tuple(str(each)[:100] for each in watch[:MOST_WATCHED]) if isinstance(watch, list) else ()
+            case "jog":
+                return await self._jog(message, person)
+            case "release":
+                if person.key == self.hands.holder:
+                    await self.hands.jog_end()
+        return None
+
+    async def _jog(self, message: dict[str, Any], person: Person) -> dict[str, Any]:
+        """Refusals are told; the key is not."""
+        try:
+            axis, direction, percent = int(message["axis"]), int(message["direction"]), float(message["percent"])
+            if not 0 <= axis < len(self.hands.axes) or direction not in (-1, 1) or percent != percent:
+                return {"error": "no such axis"}
+            if self.access.web.read_only:
+                return {"error": "the page is read-only"}
+            self.access.role(person, Role.OPERATOR)
+            return {"jog": await self.hands.jog(person.key, axis, direction, percent)}
+        except (KeyError, ValueError, TypeError):
+            return {"error": "jog: axis, direction, percent"}
+        except Denied as denied:
+            return {"error": denied.words}
+        except (NotYours, Gone, Refused) as why:
+            return {"error": str(why)}

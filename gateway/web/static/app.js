@@ -1,0 +1,197 @@
+// The frame around the pages: navigation, state, stop, language, theme, login.
+import { Live, get, may, me, post, whoami } from "./net.js";
+import { chip, h, mark, put, toast } from "./dom.js";
+import { language, setLanguage, t } from "./texts.js";
+
+const PAGES = [
+  ["overview", "Overview"], ["axes", "Axes"], ["motion", "Motion"], ["signals", "Signals"], ["lines", "Lines"], ["bus", "Bus"],
+  ["events", "Events"], ["cell", "Cell"], ["emulator", "Emulator"], ["access", "Access"],
+];
+const MOTION = ["at rest", "moving", "stopping", "stopped on the path", "referencing"];
+const ctx = { cell: null, head: null, t, get, post: order, may, me, live: null, toast, login, refresh };
+let view = null;
+let name = "";
+
+async function order(path, body, done) {
+  try {
+    const told = await post(path, body);
+    if (told.state === "REFUSED" || told.state === "ABORTED") toast(`${t("refused")}: ${told.detail || told.words}`, "bad");
+    else if (done) toast(t(done), "good");
+    return told;
+  } catch (error) {
+    toast(error.message, "bad");
+    if (error.status === 401) login();
+    return null;
+  }
+}
+
+function nav() {
+  const links = PAGES.filter(([page]) => page !== "emulator" || ctx.cell?.simulated).map(([page, title]) =>
+    h("a", { href: `/${page}`, id: `nav-${page}`, "aria-current": page === name ? "page" : undefined, onclick: (event) => go(event, page) },
+      h("span", {}, t(title)), page === "events" ? h("span", { class: "count", id: "errors", hidden: true }) : page === "signals" ? h("span", { class: "count f", id: "forces", hidden: true }) : null));
+  const dark = document.documentElement.dataset.theme === "dark";
+  const more = h("div", { class: "more" },
+    h("button", { type: "button", id: "language", lang: language() === "de" ? "en" : "de", onclick: () => { setLanguage(language() === "de" ? "en" : "de"); whole(); } }, language() === "de" ? "English" : "Deutsch"),
+    h("button", { type: "button", id: "theme", onclick: theme }, dark ? t("Light") : t("Dark")),
+    me.name === "local" || me.name === "nobody"
+      ? h("button", { type: "button", id: "login", onclick: login }, me.fresh ? t("Set password") : t("Log in"))
+      : h("button", { type: "button", id: "logout", onclick: logout }, `${t("Log out")} ${me.name}`));
+  document.getElementById("nav").replaceChildren(...links, more);
+}
+
+function theme() {
+  const next = document.documentElement.dataset.theme === "dark" ? "light" : "dark";
+  document.documentElement.dataset.theme = next;
+  try { localStorage.setItem("theme", next); } catch { /* no storage */ }
+  nav();
+  view?.theme?.();
+}
+
+function go(event, page) {
+  if (event.ctrlKey || event.metaKey || event.shiftKey) return;
+  event.preventDefault();
+  history.pushState(null, "", `/${page}`);
+  show();
+}
+
+async function show() {
+  const wanted = location.pathname.slice(1) || "overview";
+  name = PAGES.some(([page]) => page === wanted) ? wanted : "overview";
+  view?.unmount?.();
+  view = null;
+  nav();
+  const mine = name;
+  const module = await import(`./pages/${name}.js`);
+  if (mine !== name) return;
+  const root = document.getElementById("page");
+  root.replaceChildren(h("h1", {}, t(PAGES.find(([page]) => page === name)[1])));
+  document.title = `${t(PAGES.find(([page]) => page === name)[1])} - axisgate`;
+  view = module.mount(root, ctx);
+  ctx.live.page(name, view.watch?.() || []);
+  document.body.dataset.page = name;
+}
+
+function head(state) {
+  ctx.head = state;
+  const chips = [];
+  if (ctx.cell?.simulated) chips.push(chip("plain", t("simulation")));
+  if (!state.cycle_alive) chips.push(chip("bad", t("cycle does not run")));
+  if (!state.services_alive) chips.push(chip("bad", t("services start again")));
+  if (state.emergency) chips.push(chip("bad", t("emergency stop latched")));
+  for (const [link, alive] of state.links) chips.push(chip(alive ? "good" : "bad", `${link} ${alive ? t("alive") : t("silent")}`));
+  chips.push(chip(state.ready ? "good" : "warn", state.ready ? t("ready") : t("not ready")));
+  chips.push(chip(state.enabled ? "good" : "plain", `${t("drives on")} ${state.enabled}/${state.axes}`));
+  chips.push(chip(state.motion ? "warn" : "plain", t(MOTION[state.motion])));
+  chips.push(chip("plain", `${t("override")} ${state.override} %`));
+  if (state.forced) chips.push(chip("forced", `${state.forced} ${t("forced")}`));
+  const words = chips.map((each) => each.className + each.textContent).join();
+  const bar = document.getElementById("state");
+  if (bar.dataset.words !== words) { bar.dataset.words = words; bar.replaceChildren(...chips); }
+  badge("errors", state.errors.length);
+  badge("forces", state.forced);
+}
+
+function badge(id, count) {
+  const element = document.getElementById(id);
+  if (!element) return;
+  element.hidden = !count;
+  put(element, count);
+}
+
+function take(message) {
+  if (message.t === "live") {
+    if (message.head) head(message.head);
+    if (message.name === name) view?.update?.(message.page, message.head, message.values);
+  } else if (message.t === "told") {
+    const refused = message.error || (message.jog?.state === "REFUSED" && (message.jog.detail || message.jog.words));
+    if (refused) toast(refused, "bad");
+  }
+}
+
+function connected(up, reason, code) {
+  let bar = document.getElementById("lost");
+  if (up) {
+    if (bar) { bar.remove(); whoami().then(nav).catch(() => {}); }
+    return;
+  }
+  document.getElementById("state").replaceChildren(chip("bad", t("no connection")));
+  document.getElementById("state").dataset.words = "";
+  if (code === 4403) login();
+  if (!bar) { bar = h("div", { class: "lost", id: "lost", role: "alert" }); document.body.append(bar); }
+  put(bar, reason || t("Connection lost; values are old. It connects again by itself."));
+}
+
+function field(label, attributes) {
+  return h("label", {}, label, h("input", { required: true, ...attributes }));
+}
+
+function login() {
+  const dialog = document.getElementById("dialog");
+  if (dialog.open) return;
+  const fresh = me.fresh;
+  const form = h("form", { method: "dialog", onsubmit: async (event) => {
+    event.preventDefault();
+    const data = Object.fromEntries(new FormData(form));
+    try {
+      await post(fresh ? "/api/setup" : "/api/login", data);
+      dialog.close();
+      await refresh();
+      toast(`${t("Logged in as")} ${me.name} (${t(me.role)})`, "good");
+    } catch (error) { put(form.querySelector(".wrong"), error.message); }
+  } },
+  h("h2", {}, fresh ? t("Set the first password") : t("Log in")),
+  fresh ? h("p", { class: "soft" }, t("Nobody may change anything before. The first user is the administrator; 10 characters or more.")) : null,
+  field(t("Name"), { name: "name", autocomplete: "username", autofocus: true, pattern: "[A-Za-z0-9_.@\\-]+", maxlength: "64" }),
+  field(t("Password"), { name: "password", type: "password", autocomplete: fresh ? "new-password" : "current-password", minlength: fresh ? "10" : "1" }),
+  h("p", { class: "wrong badq", role: "alert" }),
+  h("div", { class: "bar" }, h("button", { class: "main", id: "send" }, fresh ? t("Set password") : t("Log in")),
+    h("button", { type: "button", onclick: () => dialog.close() }, t("Cancel"))));
+  dialog.replaceChildren(form);
+  dialog.showModal();
+}
+
+async function logout() {
+  await order("/api/logout");
+  await refresh();
+}
+
+async function refresh() {
+  await whoami();
+  ctx.live.renew();
+  whole();
+}
+
+function whole() {
+  document.documentElement.lang = language();
+  put(document.getElementById("skip"), t("To the content"));
+  put(document.getElementById("stop"), t("STOP"));
+  document.getElementById("stop").title = t("Stops all axes on the path. Not an emergency stop.");
+  put(document.getElementById("foot"), t("SAFETY"));
+  show();
+}
+
+document.getElementById("stop").addEventListener("click", () => order("/api/stop", undefined, "Stop is ordered"));
+addEventListener("popstate", show);
+addEventListener("keydown", (event) => {
+  if (event.key === "Escape" && event.shiftKey) order("/api/stop", undefined, "Stop is ordered");
+  if (event.altKey && /^[0-9]$/.test(event.key)) document.querySelectorAll("#nav a")[(Number(event.key) + 9) % 10]?.click();
+  if (event.key === "/" && !/INPUT|SELECT|TEXTAREA/.test(event.target.tagName)) { const search = document.querySelector("input[type=search]"); if (search) { event.preventDefault(); search.focus(); } }
+});
+
+(async () => {
+  document.documentElement.lang = language();
+  put(document.getElementById("foot"), t("SAFETY"));
+  try {
+    await whoami();
+    ctx.cell = await get("/api/cell");
+    if (!localStorage.getItem("language")) setLanguage(ctx.cell.language, true);
+    put(document.getElementById("cell"), ctx.cell.name);
+  } catch (error) {
+    ctx.cell = { axes: [], doors: [], lines: [], buses: [], faults: [], evidence: [], notices: [], wiring: [], blocks: [], robot: {}, simulated: false };
+    if (error.status !== 401) toast(error.message, "bad");
+  }
+  ctx.live = new Live(take, connected);
+  whole();
+  if (me.role === "nobody") login();
+})();
+export { mark };

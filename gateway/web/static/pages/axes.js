@@ -1,0 +1,95 @@
+// Set, actual, lag, torque, state, limits; jog and reference while a key is held.
+import { Table, chip, h, mark, number, put, text } from "../dom.js";
+import { FLAG, drive } from "../parts.js";
+import { Trend } from "../trend.js";
+
+export function mount(root, { t, cell, live, may, me, post }) {
+  const info = new Map(cell.axes.map((axis, n) => [axis.name, { ...axis, n }]));
+  const everything = (1 << cell.axes.length) - 1;
+  let chosen = cell.axes[0]?.name;
+  const speed = h("input", { type: "number", id: "jog-speed", min: "0.1", max: "10", step: "0.1", value: "5" });
+  const held = new Map();
+
+  function order(code, mask = everything, more = {}) {
+    return post("/api/command", { code, mask, ...more });
+  }
+  function press(axis, direction, button) {
+    if (!may("operator") || held.has(button)) return;
+    const say = () => live.send({ t: "jog", axis, direction, percent: Number(speed.value) || 5 });
+    say();
+    held.set(button, setInterval(say, 150));
+    button.classList.add("down");
+  }
+  function release(button) {
+    if (!held.has(button)) return;
+    clearInterval(held.get(button));
+    held.delete(button);
+    button.classList.remove("down");
+    live.send({ t: "release" });
+  }
+  function key(axis, direction) {
+    const button = h("button", { type: "button", class: "hold", "data-jog": `${axis}${direction > 0 ? "+" : "-"}`,
+      "aria-label": `${t("jog")} ${cell.axes[axis].name} ${direction > 0 ? "plus" : "minus"}` }, direction > 0 ? "+" : "\u2212");
+    button.addEventListener("pointerdown", (event) => { event.preventDefault(); button.setPointerCapture(event.pointerId); button.focus(); press(axis, direction, button); });
+    for (const end of ["pointerup", "pointercancel", "lostpointercapture", "blur"]) button.addEventListener(end, () => release(button));
+    button.addEventListener("contextmenu", (event) => event.preventDefault());
+    button.addEventListener("keydown", (event) => { if ((event.key === " " || event.key === "Enter") && !event.repeat) { event.preventDefault(); press(axis, direction, button); } });
+    button.addEventListener("keyup", (event) => { if (event.key === " " || event.key === "Enter") release(button); });
+    return button;
+  }
+  const all = () => { for (const button of [...held.keys()]) release(button); };
+  document.addEventListener("visibilitychange", all);
+  window.addEventListener("blur", all);
+
+  const table = new Table([
+    { title: t("axis"), cell: (row, td) => { if (!td.firstChild) td.append(h("button", { type: "button", class: "tiny", onclick: () => { chosen = row.name; trend.clear(chosen); } }, row.name)); } },
+    { title: t("state"), cell: (row, td) => { const [kind, words] = drive(row, t); const c = td.firstChild || td.appendChild(chip(kind, words)); put(c, words); mark(c, `chip ${kind}`); } },
+    { title: t("set"), n: true, cell: text((row) => row.set, 3) },
+    { title: t("actual"), n: true, cell: text((row) => row.actual, 3) },
+    { title: "", cell: text((row) => info.get(row.name).unit) },
+    { title: t("lag"), n: true, cell: (row, td) => { put(td, number(row.lag, 3)); const a = info.get(row.name); td.classList.toggle("badq", a.warn !== null && Math.abs(row.lag) > a.warn); } },
+    { title: t("torque %"), n: true, cell: text((row) => row.torque, 1) },
+    { title: t("limits"), cell: place },
+    { title: t("referenced"), cell: text((row) => (row.flags & FLAG.REFERENCED ? t("yes") : t("no"))) },
+    { title: t("jog, hold the key"), cell: (row, td) => { if (!td.firstChild) { const n = info.get(row.name).n; td.append(h("span", { class: "bar", style: "margin:0;flex-wrap:nowrap" }, key(n, -1), key(n, 1), h("button", { type: "button", class: "tiny", "data-ref": row.name, onclick: () => order("reference", 1 << n) }, t("reference")))); } } },
+  ], (row) => row.name, { label: t("Axes") });
+
+  function place(row, td) {
+    const a = info.get(row.name);
+    if (!td.firstChild) td.append(h("div", { class: "meter" }, h("i")), h("div", { class: "small soft mono" }, `${a.min} .. ${a.max} ${a.unit}`));
+    td.firstChild.firstChild.style.left = `${Math.min(98, Math.max(0, (100 * (row.actual - a.min)) / (a.max - a.min)))}%`;
+  }
+
+  const trend = new Trend(t);
+  const control = h("button", { type: "button", id: "control", class: "main", onclick: async () => { await post("/api/command", { code: me.holds ? "release_control" : "request_control" }); await refreshMe(); } });
+  const holder = h("span", { class: "soft", id: "holder" });
+  async function refreshMe() { Object.assign(me, await (await fetch("/api/me")).json()); }
+  const buttons = [
+    ["enable", "Drives on"], ["disable", "Drives off"], ["reference", "Reference all"], ["fault_reset", "Reset faults"], ["resume", "Resume"], ["abandon", "Abandon rest"],
+  ].map(([code, title]) => h("button", { type: "button", "data-code": code, onclick: () => order(code) }, t(title)));
+  const permit = cell.simulated ? h("button", { type: "button", id: "permit", onclick: () => post("/api/permit", undefined, "Enabling inputs are set") }, t("Set enabling inputs (simulation)")) : null;
+  const override = h("input", { type: "range", id: "override", min: "0", max: "100", step: "1", value: "100", "aria-label": t("override"), onchange: () => order("override", 0, { velocity: Number(override.value) / 100 }) });
+  root.append(
+    h("div", { class: "bar" }, control, holder, permit, ...buttons, h("label", {}, `${t("override")} %`, override),
+      h("label", {}, t("jog speed, % (10 at most)"), speed)),
+    h("p", { class: "small soft" }, t("Jogging moves slowly to the limit while the key is held and stops on the path when it is released. The speed limit is not safety-rated.")),
+    h("section", { class: "card" }, table.element),
+    h("section", { class: "card", style: "margin-top:.9rem" }, trend.element));
+  return {
+    update(page, head) {
+      put(control, me.holds ? t("Release control") : t("Request control"));
+      put(holder, head.holder ? `${t("in control")}: ${head.holder}` : head.owner ? `${t("in control")}: ${t("door")} ${head.owner}` : t("nobody is in control"));
+      if (me.holds && head.holder !== me.name) refreshMe();
+      for (const button of [...buttons, override]) button.disabled = !me.holds;
+      root.querySelectorAll("[data-jog],[data-ref]").forEach((button) => { if (!button.classList.contains("down")) button.disabled = !me.holds; });
+      if (permit) permit.disabled = !(may("setter") || me.local);
+      control.disabled = !may("operator");
+      if (!page || page.gone) return;
+      table.update(page.axes);
+      const row = page.axes.find((each) => each.name === chosen);
+      if (row) trend.add(page.ns / 1e9, row, info.get(chosen));
+    },
+    theme: () => trend.theme(),
+    unmount() { all(); document.removeEventListener("visibilitychange", all); window.removeEventListener("blur", all); trend.close(); },
+  };
+}

@@ -1,0 +1,58 @@
+// Is everything there, and if not: what came first, and what to do.
+import { Table, chip, h, mark, put, text } from "../dom.js";
+import { drive, errors, age } from "../parts.js";
+import { language } from "../texts.js";
+
+export function mount(root, { t, cell }) {
+  const first = h("div", { id: "first-out" });
+  const processes = new Table([
+    { title: t("process"), cell: text((row) => row.name) },
+    { title: t("state"), cell: (row, td) => state(td, row.state === "up" ? "good" : "bad", t(row.state)) },
+    { title: t("restarts"), n: true, cell: text((row) => row.restarts) },
+    { title: t("life"), n: true, cell: text((row) => age(row.life_age_ms)) },
+  ], (row) => row.name, { label: t("Processes") });
+  const links = new Table([
+    { title: t("link"), cell: text((row) => `${row.number} ${row.name}`) },
+    { title: t("state"), cell: (row, td) => state(td, row.alive ? "good" : "bad", row.alive ? t("alive") : t("silent")) },
+    { title: t("losses"), n: true, cell: text((row) => row.losses) },
+    { title: t("last command"), cell: text((row) => `${row.state.toLowerCase()}${row.reason === "NONE" ? "" : `: ${row.reason.toLowerCase()}`}`) },
+    { title: t("advice"), cell: text((row) => [row.why, row.advice].filter(Boolean).join("; ")) },
+  ], (row) => row.number, { label: t("Links") });
+  const drives = new Table([
+    { title: t("axis"), cell: text((row) => row.name) },
+    { title: t("drive"), cell: (row, td) => { const [kind, words] = drive(row, t); state(td, kind, words); } },
+    { title: t("actual"), n: true, cell: text((row) => row.actual, 3) },
+    { title: t("lag"), n: true, cell: text((row) => row.lag, 3) },
+  ], (row) => row.name, { label: t("Drives") });
+  const cycle = h("div", { class: "small mono", id: "cycle" });
+  const evidence = new Table([
+    { title: t("what"), cell: text((row) => row.what) },
+    { title: t("level"), cell: (row, td) => state(td, row.level === "plant" || row.level === "bench" ? "good" : "warn", t(row.level)) },
+    { title: t("by"), cell: text((row) => row.why) },
+  ], (row) => row.what, { label: t("Evidence") });
+  evidence.update(cell.evidence);
+  root.append(h("div", { class: "grid" },
+    h("section", { class: "card w12" }, h("h2", {}, t("Errors, first one first")), first),
+    h("section", { class: "card w6" }, h("h2", {}, t("Links")), links.element),
+    h("section", { class: "card w6" }, h("h2", {}, t("Drives")), drives.element),
+    h("section", { class: "card w6" }, h("h2", {}, t("Processes")), processes.element, cycle),
+    h("section", { class: "card w6" }, h("h2", {}, t("Evidence")), evidence.element)));
+  return {
+    update(page, head) {
+      errors(first, head, t, language());
+      if (!page || page.gone) return;
+      processes.update(page.processes);
+      links.update(page.doors);
+      drives.update(page.drives);
+      const c = page.cycle;
+      put(cycle, `P5 ${c.p5_ms} ms   ${t("cycles")} ${c.cycles}   ${t("skipped")} ${c.skipped}   ${t("incomplete")} ${c.incomplete}   ${t("late")} ${c.late}   ${t("computing")} ${c.compute_us} us`);
+    },
+  };
+}
+
+function state(td, kind, words) {
+  let child = td.firstChild;
+  if (!child) { child = chip(kind, words); td.append(child); }
+  put(child, words);
+  mark(child, `chip ${kind}`);
+}

@@ -1,0 +1,39 @@
+// What several pages show.
+import { h, put } from "./dom.js";
+
+export const FLAG = { ENABLED: 1, REFERENCED: 2, IN_POSITION: 4, FAULT: 8, LOST: 16, HOMING: 32, WARNING: 64, ON: 128, UNCONFIGURED: 256 };
+
+export function drive(row, t) {
+  const f = row.flags;
+  if (f & FLAG.LOST) return ["bad", t("no telegram")];
+  if (f & FLAG.FAULT) return ["bad", `${t("fault")} ${row.fault}`];
+  if (f & FLAG.UNCONFIGURED) return ["warn", t("starting up")];
+  if (f & FLAG.HOMING) return ["warn", t("referencing")];
+  if (f & FLAG.ENABLED) return [f & FLAG.WARNING ? "warn" : "good", t("on")];
+  return ["plain", t("off")];
+}
+
+export function age(ms) {
+  if (ms === null || ms === undefined) return "";
+  return ms < 1000 ? `${Math.round(ms)} ms` : ms < 60000 ? `${(ms / 1000).toFixed(1)} s` : `${Math.round(ms / 60000)} min`;
+}
+
+// First-out: the error that came first, large, with what to do; the others below it.
+export function errors(box, head, t, language) {
+  const i = language === "de" ? 1 : 0;
+  const list = head.errors.map((error) => ({ code: error.code, text: error.text, do: error.do[i] }));
+  const words = JSON.stringify([list, head.missing, head.stop_text[i], head.ready, i]);
+  if (box.dataset.words === words) return;
+  box.dataset.words = words;
+  const rows = list.map((error, n) => h("div", { class: n ? "later" : "first" },
+    h("strong", {}, `${error.code}  ${error.text}`), error.do ? h("p", {}, `${t("What to do")}: ${error.do}`) : null));
+  if (!rows.length && head.stop_text[i]) rows.push(h("div", { class: "later" }, h("strong", {}, head.stop_text[i])));
+  if (!rows.length) rows.push(h("p", { class: "none" }, t("No error stands.")));
+  if (head.missing.length) rows.push(h("p", { class: "soft" }, `${t("Enabling inputs missing")}: ${head.missing.map((each) => t(`permit ${each}`)).join(", ")}`));
+  box.replaceChildren(...rows);
+}
+
+export function setText(root, selector, words) {
+  const element = root.querySelector(selector);
+  if (element) put(element, words);
+}
