@@ -29,6 +29,7 @@ class ModbusDoor(BaseDoor):
             now = time.monotonic_ns()
             for octet in octets:
                 inputs.quality[octet], inputs.stamps[octet] = Quality.GOOD, now
+            flush()  # routes and the cycle have it now, not with the next tick
 
         def command(first: int, values: Sequence[int]) -> None:
             self.write_words(first, values, time.monotonic_ns())

@@ -1,4 +1,4 @@
-"""Measure: cycle, 3964r, emulator, drives, motion, or all (all rewrites docs/benchmarks.md)."""
+"""Measure: cycle, 3964r, emulator, drives, motion, route, or all (all rewrites docs/benchmarks.md)."""
 
 import argparse
 import datetime
@@ -50,12 +50,19 @@ def motion(arguments: argparse.Namespace) -> list[Figure]:
     return [dict(figure) for figure in run()]
 
 
+def route(arguments: argparse.Namespace) -> list[Figure]:
+    from hil_tests.bench.route_bench import figures
+
+    return figures()
+
+
 BENCHES: dict[str, Callable[[argparse.Namespace], list[Figure]]] = {
     "cycle": cycle,
     "3964r": p3964r,
     "emulator": emulator,
     "drives": drives,
     "motion": motion,
+    "route": route,
 }
 
 

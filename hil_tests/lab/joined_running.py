@@ -25,6 +25,7 @@ from protocols.base.machine import Frame
 P5_MS = 8 if realtime_allowed() else 10
 UP_S, LIMIT_S = 60.0, 15.0
 SYNC = 100
+OUT_BLOCK = 471  # first output block of an I/O bus (rho3 2.2)
 
 
 class JoinedRun:

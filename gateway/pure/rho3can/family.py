@@ -38,6 +38,8 @@ class RhoFamily:
         self._answer: Answer | None = None
         self._mine = frozenset(block.identifier for block in (*io.settings.inputs, *io.settings.outputs)) if io else frozenset[int]()
         self._outputs = bytearray(128)
+        self._made: list[Frame] = []  # the burst that waits for its grid instant; its output blocks are filled at the last moment
+        self._outputs_at = slice(0, 0)
         self._errors: list[IoError] = []
         self._now: Ns = 0
         self._met = False
@@ -51,7 +53,9 @@ class RhoFamily:
         """Set values and SYNC of the drives (a coupling bus has none), output blocks, one parameter request."""
         alone = [] if self.io is not None and self.io.coupled else [SYNC]
         frames = alone if self.drives is None else self.drives.burst(self._held(values))
-        return [*frames, *(self.io.frames(self._outputs) if self.io else ()), *self._request()]
+        outputs = self.io.frames(self._outputs) if self.io else []
+        self._made, self._outputs_at = [*frames, *outputs, *self._request()], slice(len(frames), len(frames) + len(outputs))
+        return self._made
 
     def hear(self, frame: Frame) -> Heard | None:
         """Raises DecodeError for a frame this bus does not have."""
@@ -79,6 +83,9 @@ class RhoFamily:
         for block in io.settings.outputs:
             for byte in block.span:
                 self._outputs[byte] = image.values[byte] if image.quality[byte] != Quality.BAD else 0
+        fresh = io.frames(self._outputs)
+        self._made[self._outputs_at] = fresh
+        self._outputs_at = slice(self._outputs_at.start, self._outputs_at.start + len(fresh))
         found = [*self._errors, *io.cycle(now), *io.sent(len(io.settings.outputs) if up else 0)]
         self._errors = []
         for block in io.settings.inputs:

@@ -1,0 +1,14 @@
+"""`axisgate bench route` in small: a value goes from the door to the bus and back through routes, judged by bus stamps."""
+
+import statistics
+
+from hil_tests.bench.route_bench import BOTH_WAYS_LIMIT, ONE_WAY_LIMIT, measure
+from hil_tests.lab.joined_running import P5_MS
+
+
+def test_half_of_all_values_are_on_the_bus_and_back_within_the_bounds_of_the_bench() -> None:
+    """The bench judges the 99th percentile on a quiet machine; a shared one is judged by its median."""
+    out, back = measure(40, P5_MS)
+    assert len(out) == len(back) == 40 and min(out) > 0
+    assert statistics.median(out) <= ONE_WAY_LIMIT
+    assert statistics.median(back) <= BOTH_WAYS_LIMIT
