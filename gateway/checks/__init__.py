@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 
 from gateway.cell import Cell, Notice
-from gateway.checks import axes, blocks, buses, canopen, doors, lines, notes, programs, rho3can, routes, telegrams, web
+from gateway.checks import axes, blocks, buses, canopen, controller, doors, lines, notes, programs, rho3can, routes, telegrams, web
 from gateway.checks.context import Context
 from gateway.faults import Fault
 from gateway.pure.signals import SignalList
@@ -25,6 +25,7 @@ def cross_faults(cell: Cell, known: Mapping[str, frozenset[str]], signals: Signa
         *telegrams.CHECKS,
         *programs.CHECKS,
         *web.CHECKS,
+        *controller.CHECKS,
         *routes.CHECKS,
     ):
         check(context)
@@ -33,4 +34,4 @@ def cross_faults(cell: Cell, known: Mapping[str, frozenset[str]], signals: Signa
 
 def notices(cell: Cell) -> list[Notice]:
     """Warnings and notes of a cell without faults, in the order of a reader's questions."""
-    return [notice for check in (*telegrams.NOTES, *lines.NOTES, *rho3can.NOTES, *notes.NOTES, *canopen.NOTES, *routes.NOTES) for notice in check(cell)]
+    return [notice for check in (*telegrams.NOTES, *lines.NOTES, *rho3can.NOTES, *notes.NOTES, *canopen.NOTES, *routes.NOTES, *controller.NOTES) for notice in check(cell)]
