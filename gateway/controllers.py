@@ -8,7 +8,6 @@ from typing import Protocol
 from gateway.axes import OUTPUT_SIGNALS, assumed_permits, rc_numbers
 from gateway.cell import Cell
 from gateway.cell_controller import Controller, ControllerPoint, ControllerProcess, ProcessStep
-from gateway.checks.rho3can import blocks_of
 from gateway.datfiles import DatTables, read_tables
 from gateway.dbsignals import signals_of
 from gateway.pure.errorlist import ErrorList
@@ -197,11 +196,9 @@ def of_cycle(cell: Cell) -> bytes:
         first = getattr(numbers, field)
         for step in range(len(cell.axis) if field in ("in_position", "referenced") else 1):
             set_bit(image, first + step, True)
-    for number in range(1, len(cell.bus) + 1):
-        for block in blocks_of(cell.rho3.P31, number) if cell.rho3 else ():
-            for byte in block.span:
-                image[byte] = 0xFF
-    return bytes(image)
+    for block in cell.rho3.P31 if cell.rho3 else ():
+        image[block.start : block.start + block.length] = b"\xff" * block.length
+    return bytes(image[:RC_BYTES])
 
 
 def declared(process: ControllerProcess, axes: list[str]) -> Declared:

@@ -12,8 +12,9 @@ from gateway.checks.blocks import place_of
 from gateway.fieldfaults import field_of
 from gateway.files import find_config, read_signals, read_text
 from gateway.glossary import ALIASES, ALSO_CALLED, MEANINGS, PARAMETERS, WORDS
+from gateway.operandwords import operand_lines
 from gateway.places import line_of, steps_of, written
-from gateway.pure.addresses import AddressFault, CellName, DataBit, DataWord, RcBit, cl300, parse, pic, rc
+from gateway.pure.addresses import AddressFault, CellName, DataBit, DataWord, Operand, RcBit, Register, cl300, parse, parse_operand, pic, rc
 from gateway.pure.dialects import link_profile, rk512_dialect
 from gateway.pure.signals import from_tables
 from gateway.pure.tomllines import lines_of
@@ -156,17 +157,21 @@ def _of_line(name: str, cell_line: CellLine) -> Line:
     return Line(f"line.{cell_line.name}", value, "ms", source)
 
 
-def address(text: str, language: str) -> list[Line]:
-    """An address in all worlds; [] when it is none."""
+def address(text: str, language: str, cell: Cell | None = None) -> list[Line]:
+    """An address in all worlds, signals where the cell has them; [] when it is none."""
     signals = from_tables(read_signals())
+    signals = signals.moved(cell.signals) if cell is not None else signals
     try:
-        place = parse(text, signals.symbols())
+        place = parse_operand(text, signals.symbols())
     except AddressFault:
         return []
     if isinstance(place, CellName):
         return []
+    if isinstance(place, Operand):
+        return [Line(*row) for row in operand_lines(place, cell.controller.kind if cell and cell.controller else "")]
     if not isinstance(place, RcBit):
-        return [Line(text, str(place), "", "read it with axisgate var")]
+        shown = f"{place.table.name.lower()} {place.address}, base 0" if isinstance(place, Register) else str(place)
+        return [Line(text, shown, "", "read it with axisgate var")]
     signal = signals.at(place)
     lines = [Line(place.direction.value, str(place.number), "bit"), Line("PIC", pic(place))]
     for name, convert in (("CL300", cl300), ("RC byte.bit", rc)):

@@ -2,7 +2,9 @@
 
 from gateway.cell import Axis, Db, Entry, Handshake
 from gateway.checks.context import Context, near, number
-from gateway.pure.addresses import AddressFault, DataBit, DataWord, Direction, Part, bits_of, parse
+from gateway.checks.controller import names_of
+from gateway.dbsignals import operand, rc_place
+from gateway.pure.addresses import AddressFault, DataBit, DataWord, Direction, Operand, Part, bits_of, parse
 from gateway.pure.names import Found, Kind, lookup, spelled
 from gateway.pure.reasons import Reason
 
@@ -148,12 +150,14 @@ def names(check: Context) -> None:
     suggestions = spelled(sorted(check.known["axis"]), sorted(check.known["line"]))
     for block in check.cell.db:
         for entry in block.entries:
-            signal = check.signals.named(entry.signal)
-            if signal is not None:
-                wrong = (signal.at.direction is Direction.INPUT) is not (entry.to is not None)
+            place = rc_place(entry.signal, check.signals)
+            if place is not None:
+                wrong = place.direction is Direction.OUTPUT and entry.to is not None
                 if wrong or entry.type != "bit":
                     hint = "an RC output is read with from, an RC input written with to" if wrong else 'a signal is a bit: type = "bit"'
                     check.fault(_key(block, entry), entry.signal, hint)
+                continue
+            if entry.from_ and check.cell.controller is not None and _of_control(check, entry):
                 continue
             found = lookup(entry.signal)
             if found is None:
@@ -163,6 +167,12 @@ def names(check: Context) -> None:
                 check.fault(_key(block, entry), entry.signal, f"unknown name; {hint}")
                 continue
             _kind(check, block, entry, found)
+
+
+def _of_control(check: Context, entry: Entry) -> bool:
+    """A flag, timer, counter, byte or word of the control, or one of its values."""
+    place = operand(entry.signal, check.signals)
+    return isinstance(place, Operand) or entry.signal in names_of(check.cell)
 
 
 def _kind(check: Context, block: Db, entry: Entry, found: Found) -> None:

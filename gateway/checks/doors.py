@@ -2,6 +2,7 @@
 
 from gateway.cell import Line
 from gateway.checks.context import Context, near, twice
+from gateway.dbsignals import rc_place
 from gateway.pure.addresses import AddressFault, DataWord, Direction, RcBit, parse
 from protocols.p3964r.profiles import NETWORK, PROFILES
 
@@ -110,12 +111,12 @@ def rc_inputs(check: Context) -> None:
     owners = dict(check.cell.rc_inputs.owner)
     for block in check.cell.db:
         for entry in block.entries:
-            signal = check.signals.named(entry.to or "")
-            if signal is None or signal.at.direction is not Direction.INPUT:
+            place = rc_place(entry.to, check.signals) if entry.to else None
+            if place is None or place.direction is not Direction.INPUT:
                 continue
-            byte = signal.at.number // 8
+            byte = place.number // 8
             if owners.setdefault(byte, block.line) != block.line:
-                hint = f"two writers in RC input byte {byte}: {owners[byte]} owns it, {block.line} writes {signal.name} into it"
+                hint = f"two writers in RC input byte {byte}: {owners[byte]} owns it, {block.line} writes {entry.to} into it"
                 check.fault(f"db.{block.number}[{entry.at}]", entry.to or "", hint)
     for name in check.cell.rc_inputs.assume:
         if name not in ENABLING:

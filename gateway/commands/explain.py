@@ -57,7 +57,7 @@ def explain(key: str, cell: Cell | None, path: str | None) -> list[Line]:
             return explainer.parameter(key.removeprefix("rho3.").upper())
         if lines := explainer.key(key) or explainer.block_place(key):
             return lines
-    return word(key, cell) or address(key, cell.cell.language if cell else "en")
+    return word(key, cell) or address(key, cell.cell.language if cell else "en", cell)
 
 
 def unknown(key: str, cell: Cell | None) -> str:

@@ -1,0 +1,119 @@
+"""Cross checks of [controller]: parameters, processes, points, files; what the DAT files have wrong is told line by line."""
+
+import pathlib
+from collections.abc import Iterator
+
+from gateway.cell import Cell, Notice
+from gateway.cell_controller import Controller, ControllerPoint, ProcessStep
+from gateway.checks.context import Context, number, twice
+from gateway.controllers import Control, dat_tables, make_control
+from gateway.pure.errorlist import ErrorList
+from gateway.pure.office import Office
+
+STEP_KEYS = ("to", "program", "output", "input", "wait_ms")
+
+
+def trial(cell: Cell) -> Control | None:
+    """The control of the cell, driving nothing; ValueError: a parameter does not fit."""
+    return make_control(cell, {}, {}, Office((), lambda *_: b"", 1), ErrorList(), 0)[0]
+
+
+def names_of(cell: Cell) -> frozenset[str]:
+    """Values the control of this cell has beside signals and flags."""
+    try:
+        control = trial(cell)
+    except ValueError:
+        return frozenset()
+    return frozenset(control.names() if control is not None else ())
+
+
+def controller(check: Context) -> None:
+    """Everything that makes the control refuse to start."""
+    table = check.cell.controller
+    if table is None:
+        return
+    if table.files and not (pathlib.Path(check.cell.file).parent / table.files).is_dir():
+        check.fault("controller.files", table.files, "no such folder (looked for beside the cell file)")
+    if table.process and table.kind != "rho3":
+        check.fault("controller.process", table.process[0].name, 'processes belong to kind = "rho3"')
+    if table.point and table.kind != "val3":
+        check.fault("controller.point", table.point[0].name, 'points belong to kind = "val3"')
+    if table.door and table.door not in check.known["line"] | check.known["modbus"]:
+        check.fault("controller.door", table.door, "no such door")
+    sound = [_process(check, table, index) for index in range(len(table.process))]
+    sound += [_point(check, table, point) for point in table.point]
+    if table.kind == "reis":
+        _overlap(check, table)
+    if not all(sound):
+        return
+    try:
+        trial(check.cell)
+    except ValueError as error:
+        check.fault("controller" if check.cell.rho3 is None else "rho3", table.kind, str(error))
+
+
+def _process(check: Context, table: Controller, index: int) -> bool:
+    process = table.process[index]
+    before = len(check.faults)
+    key = f"controller.process.{process.name}"
+    if any(each.name.upper() == process.name.upper() for each in table.process[:index]):
+        check.fault(key, process.name, "two processes of one name")
+    if any(kinematic > table.kinematics for kinematic in process.kinematics):
+        check.fault(key, str(list(process.kinematics)), f"kinematics = {table.kinematics}", f"1..{table.kinematics}")
+    for count, step in enumerate(process.steps):
+        _step(check, f"{key}.steps[{count}]", step)
+    return len(check.faults) == before
+
+
+def _step(check: Context, key: str, step: ProcessStep) -> None:
+    given = [name for name in STEP_KEYS if getattr(step, name) not in ({}, None)]
+    if len(given) != 1:
+        check.fault(key, ", ".join(given), f"exactly one of {', '.join(STEP_KEYS)}")
+    if step.program is not None and step.program not in {each.number for each in check.cell.program}:
+        check.fault(key, step.program, "no [[program]] of that number")
+    axes = {axis.name: axis for axis in check.cell.axis}
+    for name, target in step.to.items():
+        if check.unknown(key, name, "axis") or name not in axes:
+            continue
+        limits = axes[name].limits
+        if not limits.min <= target <= limits.max:
+            check.fault(key, f"{name} = {number(target)}", "", f"{number(limits.min)}..{number(limits.max)}", axes[name].unit)
+
+
+def _point(check: Context, table: Controller, point: ControllerPoint) -> bool:
+    key, before = f"controller.point.{point.name}", len(check.faults)
+    if any(value == point.name for value, _, _ in twice((each.name, "") for each in table.point)):
+        check.fault(key, point.name, "two points of one name")
+    if (point.bit is None) is (point.byte is None) or (point.byte is None) is not (point.steps == 0):
+        check.fault(key, point.name, "a digital point has bit = N, an analog one byte = N and steps = so many a unit")
+    elif point.steps and (point.min >= point.max or max(abs(point.min), abs(point.max)) * point.steps > 32767):
+        check.fault(key, f"{number(point.min)}..{number(point.max)}", "min below max, and both times steps within 16 bits")
+    return len(check.faults) == before
+
+
+def _overlap(check: Context, table: Controller) -> None:
+    """AX-515: CAN I/O blocks of the rho 3 may not share the bytes."""
+    own = set(range(table.first_byte, table.first_byte + 40))
+    rho3 = check.cell.rho3
+    for block in (*rho3.P31, *rho3.P32) if rho3 else ():
+        shared = own & set(range(block.start, block.start + block.length))
+        if shared:
+            check.fault("controller.first_byte", table.first_byte, f"CAN I/O block {block.id} lies in byte {min(shared)} (AX-515)")
+
+
+def files(cell: Cell) -> Iterator[Notice]:
+    """Lines the DAT files lose, and programs nobody declares."""
+    table = cell.controller
+    if table is None or table.kind != "rho3":
+        return
+    tables = dat_tables(cell, table)
+    for fault in tables.faults:
+        yield Notice("warning", f"{table.files}/{fault.file}", f"line {fault.line}: {fault.why.text(cell.cell.language)}; not used")
+    known = {process.name.upper() for process in table.process}
+    for code, name in sorted((tables.programs.entries if tables.programs else {}).items()):
+        if name not in known:
+            yield Notice("note", f"{table.files}/EXPROG.DAT", f"code {code:02X} selects {name}, which no [[controller.process]] declares")
+
+
+CHECKS = (controller,)
+NOTES = (files,)
