@@ -9,28 +9,33 @@ import asyncio
 import errno
 import ipaddress
 import socket
+import ssl
 import time
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from drivers.ports.base import PortError
+from gateway.modbus_desk import Client, Counters, Desk, OnRequest
 from protocols.base.machine import Ns, ms
-from protocols.modbus.answering import answer, exception
 from protocols.modbus.mbap import MAX_LENGTH, RECEIVE_LIMIT, Closing, Event, Foreign, Framing, Request, Why
-from protocols.modbus.view import ExceptionCode, View, home_unit
+from protocols.modbus.rights import Rights
+from protocols.modbus.rtu import RtuTcpFraming
+from protocols.modbus.station import Identity, Station
+from protocols.modbus.view import View
+
+__all__ = ["Client", "Counters", "Limits", "ModbusServer", "OnRequest"]
 
 DEFAULT_PORT = 1502  # 502 needs a permission on most systems (AX-012)
 CHUNK_BYTES = 1024  # read at once: also one client's turn before the next one's
-EXCEPTION_BIT = 0x80
 READ_REQUEST, LONGEST_ANSWER = 12, 260  # bytes on the wire of the request with the longest answer, and of that answer
 CHUNK_ANSWERS = (CHUNK_BYTES + MAX_LENGTH) // READ_REQUEST * LONGEST_ANSWER  # all answers to one chunk fit into this
 KERNEL_BYTES = 64 * 1024  # of each direction of a connection
 KEEPALIVE = ((socket.TCP_KEEPIDLE, 5), (socket.TCP_KEEPINTVL, 2), (socket.TCP_KEEPCNT, 3))  # a dead partner's place is free after 11 s
 STALL_LIMIT = ms(10_000)
 SWEEP_S = 0.1
-
-OnRequest = Callable[[str, int], None]
+TLS_HANDSHAKE_S = 5.0
+RightsFor = Callable[[asyncio.Transport], "tuple[Rights, str] | None"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,47 +43,20 @@ class Limits:
     """What one server and each of its clients may use (AX-073)."""
 
     clients: int = 32  # at once; the next one is closed at once
+    per_address: int | None = None  # of them from one address; None: no limit of its own
     held_bytes: int = 64 * 1024  # per client, in this process
     receive_limit_ns: Ns = RECEIVE_LIMIT  # a frame's first byte to its last
     stall_limit_ns: Ns = STALL_LIMIT  # answers waiting and nobody taking them
     idle_limit_ns: Ns | None = None  # no byte at all; None: idle clients stay
 
 
-@dataclass(slots=True)
-class Client:
-    """One connected partner."""
-
-    address: str  # "host:port"
-    may_write: bool
-    since_ns: Ns
-    last_byte_ns: Ns
-    last_request_ns: Ns | None = None  # the last one answered without exception
-    requests: int = 0
-    exceptions: int = 0
-    foreign: int = 0
-
-
-@dataclass(slots=True)
-class Counters:
-    """Since start, over all clients."""
-
-    connections: int = 0
-    refused_connections: int = 0
-    requests: int = 0  # with those answered by an exception
-    exceptions: Counter[ExceptionCode] = field(default_factory=Counter)
-    foreign: int = 0  # frames of another protocol identifier
-    closed: Counter[Why] = field(default_factory=Counter)
-    stalled: int = 0  # closed because answers were not taken
-    idle: int = 0
-    view_faults: int = 0  # a view or the callback raised: our own mistake, answered with 04
-    last_view_fault: str = ""
-
-
 class ModbusServer:
     """Listens on one address and answers every request from the view of its unit.
 
-    view_for(unit) gives the tables or None (answered 0Bh); units 0 and 255 arrive there as `unit` (AX-012).
+    view_for(unit) gives the tables or None (answered 0Bh; with rtu in silence); units 0 and 255 arrive there as `unit` (AX-012).
     allow: addresses or networks that may write; None: everybody may; all others only read and get 01 for a write (AX-070).
+    rights_for(transport) decides instead of `allow`: rights and role of a partner, None closes his connection.
+    rtu: RTU frames in the stream, in place of the Modbus TCP header.  tls: a server context; its handshake comes first.
     on_request("host:port", function code) is called after each request that was answered without exception.
     """
 
@@ -92,18 +70,31 @@ class ModbusServer:
         allow: Sequence[str] | None = None,
         limits: Limits | None = None,
         on_request: OnRequest | None = None,
+        rights_for: RightsFor | None = None,
+        rtu: bool = False,
+        tls: ssl.SSLContext | None = None,
+        identity: Identity | None = None,
     ) -> None:
         self.limits = limits or Limits()
         if self.limits.held_bytes < 2 * CHUNK_ANSWERS:
             raise ValueError(f"held_bytes: {self.limits.held_bytes}; at least {2 * CHUNK_ANSWERS} bytes")
-        self.counters = Counters()
-        self.last_request_ns: Ns | None = None
-        self._view_for, self._unit, self._on_request = view_for, unit, on_request
+        self.desk = Desk(view_for, unit, on_request, Station(identity, unit), line=rtu)
+        self.rtu, self.tls = rtu, tls
+        self._rights_for = rights_for
         self._allow = None if allow is None else [ipaddress.ip_network(text, strict=False) for text in allow]
         self._host, self._port = host, port
         self._connections: set[_Connection] = set()
+        self._addresses: Counter[str] = Counter()
         self._server: asyncio.Server | None = None
         self._sweeper: asyncio.TimerHandle | None = None
+
+    @property
+    def counters(self) -> Counters:
+        return self.desk.counters
+
+    @property
+    def last_request_ns(self) -> Ns | None:
+        return self.desk.last_request_ns
 
     @property
     def address(self) -> tuple[str, int]:
@@ -122,7 +113,9 @@ class ModbusServer:
         """Listens; PortError names the port and what to do when it cannot."""
         listener = _listen(self._host, self._port)
         self._port = listener.getsockname()[1]
-        self._server = await asyncio.get_running_loop().create_server(lambda: _Connection(self), sock=listener)
+        self._server = await asyncio.get_running_loop().create_server(
+            lambda: _Connection(self), sock=listener, ssl=self.tls, ssl_handshake_timeout=TLS_HANDSHAKE_S if self.tls else None
+        )
         self._sweep_later()
 
     async def close(self) -> None:
@@ -145,46 +138,28 @@ class ModbusServer:
             partner = partner.ipv4_mapped
         return any(partner in network for network in self._allow)
 
-    def enter(self, connection: "_Connection") -> bool:
+    def rights_of(self, host: str, transport: asyncio.Transport) -> tuple[Rights, str] | None:
+        """What a new partner may do, and his role; None: nothing at all."""
+        if self._rights_for is not None:
+            return self._rights_for(transport)
+        return Rights(write=self.may_write(host)), ""
+
+    def enter(self, connection: "_Connection", host: str) -> bool:
         """Whether there is a place for this new connection."""
         self.counters.connections += 1
-        if len(self._connections) >= self.limits.clients:
+        most = self.limits.per_address
+        if len(self._connections) >= self.limits.clients or (most is not None and self._addresses[host] >= most):
             self.counters.refused_connections += 1
             return False
         self._connections.add(connection)
+        self._addresses[host] += 1
         return True
 
-    def leave(self, connection: "_Connection") -> None:
+    def leave(self, connection: "_Connection", host: str) -> None:
         self._connections.discard(connection)
-
-    def serve(self, request: Request, client: Client, now: Ns) -> bytes:
-        """The answer PDU to one request; a view that raises costs its request, never the connection or the loop."""
-        self.counters.requests += 1
-        client.requests += 1
-        try:
-            result = answer(request.pdu, self._view_for(home_unit(request.unit, self._unit)), client.may_write)
-        except Exception as fault:  # a view is foreign code here: one broken entry must not stop the other partners
-            self._blame(fault, request, client)
-            result = exception(request.pdu[0], ExceptionCode.SERVER_DEVICE_FAILURE)
-        if result[0] & EXCEPTION_BIT:
-            client.exceptions += 1
-            self.counters.exceptions[ExceptionCode(result[1])] += 1
-        else:
-            client.last_request_ns = self.last_request_ns = now
-            self._tell(request, client)
-        return result
-
-    def _tell(self, request: Request, client: Client) -> None:
-        if self._on_request is None:
-            return
-        try:
-            self._on_request(client.address, request.pdu[0])
-        except Exception as fault:  # the request is done and has its answer whatever happens to those who watch
-            self._blame(fault, request, client)
-
-    def _blame(self, fault: Exception, request: Request, client: Client) -> None:
-        self.counters.view_faults += 1
-        self.counters.last_view_fault = f"{client.address}: {request.pdu.hex(' ')}: {fault!r}"
+        self._addresses[host] -= 1
+        if self._addresses[host] <= 0:
+            del self._addresses[host]
 
     def _sweep_later(self) -> None:
         self._sweeper = asyncio.get_running_loop().call_later(SWEEP_S, self._sweep)
@@ -202,24 +177,28 @@ class _Connection(asyncio.BufferedProtocol):
     def __init__(self, server: ModbusServer) -> None:
         self._server = server
         self._buffer = bytearray(CHUNK_BYTES)
-        self._framing = Framing(server.limits.receive_limit_ns)
+        limit = server.limits.receive_limit_ns
+        self._framing: Framing | RtuTcpFraming = RtuTcpFraming(limit) if server.rtu else Framing(limit)
+        self._serve = server.desk.serve
         self._transport: asyncio.Transport | None = None
         self._stalled_ns: Ns | None = None
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         assert isinstance(transport, asyncio.Transport)
         peer, now = transport.get_extra_info("peername"), time.monotonic_ns()
-        if peer is None or not self._server.enter(self):  # no name: it has gone already
+        known = None if peer is None else self._server.rights_of(peer[0], transport)
+        if peer is None or known is None or not self._server.enter(self, peer[0]):  # no name: it has gone already
             transport.abort()
             return
-        self.client = Client(f"{peer[0]}:{peer[1]}", self._server.may_write(peer[0]), now, now)
+        self._host = str(peer[0])
+        self.client = Client(f"{peer[0]}:{peer[1]}", known[0], now, now, role=known[1])
         self._transport = transport
         transport.set_write_buffer_limits(high=self._server.limits.held_bytes - CHUNK_ANSWERS)
 
     def connection_lost(self, exc: Exception | None) -> None:
         if self._transport is None:
             return
-        self._server.leave(self)
+        self._server.leave(self, self._host)
         self._take(self._framing.lost(time.monotonic_ns()), 0)
 
     def get_buffer(self, sizehint: int) -> bytearray:
@@ -265,7 +244,9 @@ class _Connection(asyncio.BufferedProtocol):
     def _take(self, events: Sequence[Event], now: Ns) -> None:
         for event in events:
             if isinstance(event, Request):
-                self._framing.reply(event, self._server.serve(event, self.client, now))
+                pdu = self._serve(event, self.client, now)
+                if pdu:
+                    self._framing.reply(event, pdu)
             elif isinstance(event, Foreign):
                 self.client.foreign += 1
                 self._server.counters.foreign += 1

@@ -105,7 +105,7 @@ def test_libmodbus_agrees_with_every_function_code_limit_and_exception(libmodbus
         done = subprocess.run([str(libmodbus_client), str(running.port)], capture_output=True, text=True, timeout=60, check=False)
         verdicts = done.stdout.splitlines()
         assert [line for line in verdicts if not line.startswith("ok ")] == [] and done.returncode == 0
-        assert len(verdicts) == 34 and running.server.counters.closed == {}
+        assert len(verdicts) == 38 and running.server.counters.closed == {}
 
 
 def load(running: Running, *options: str) -> tuple[int, dict[str, float]]:
