@@ -13,12 +13,10 @@ from gateway.image import RegionReader
 from gateway.io_regions import MARKS_LAYOUT
 from gateway.linedoor import LineDoor
 from gateway.pure.datadoor import DataBlock
-from gateway.pure.records import Quality, get_bit, set_bit
-from gateway.pure.routes.forms import BIT, bytes_of, number_of
-from gateway.pure.routes.places import Place, World
+from gateway.pure.records import Quality
+from gateway.pure.routes.places import Place, World, number_at, put_at
 from gateway.pure.routes.route import RouteTable
 from gateway.routeplaces import Compiled, compile_routes
-from protocols.base.errors import ProtocolError
 from protocols.base.machine import Ns, ms
 
 if TYPE_CHECKING:
@@ -124,7 +122,7 @@ class Bridge:
         return door.data.blocks[place.db]
 
     def _from_block(self, place: Place, block: DataBlock) -> Read:
-        return lambda: _number(place, block.data) if block.fresh else None
+        return lambda: number_at(place, block.data) if block.fresh else None
 
     def _from_inputs(self, place: Place) -> Read:
         inputs, octets = self._services.inputs, range(place.byte, place.byte + place.size)
@@ -132,7 +130,7 @@ class Bridge:
         def read() -> float | None:
             if any(inputs.quality[octet] != Quality.GOOD for octet in octets):
                 return None
-            return _image_number(place, inputs.values)
+            return number_at(place, inputs.values)
 
         return read
 
@@ -144,7 +142,7 @@ class Bridge:
             marks = self._marks.read() if self._marks is not None else None
             if outputs is None or marks is None or not self._cycle_lives():
                 return None
-            return _image_number(place, outputs) if all(mark == Quality.GOOD for mark in marks[octets]) else None
+            return number_at(place, outputs) if all(mark == Quality.GOOD for mark in marks[octets]) else None
 
         return read
 
@@ -170,9 +168,9 @@ class Bridge:
         match place.world:
             case World.BLOCK:
                 block = self._block(place)
-                return lambda value: _put(place, block.data, value)
+                return lambda value: put_at(place, block.data, value)
             case World.RC_INPUT:
-                return lambda value: _put_image(place, services.inputs.values, value)
+                return lambda value: put_at(place, services.inputs.values, value)
             case World.CONTACT:
                 return lambda value: services.contacts.write(place.name, bool(value))
 
@@ -195,32 +193,3 @@ def _octets(compiled: list[Compiled]) -> dict[int, list[int]]:
                 for octet in range(mark.byte, mark.byte + mark.size):
                     found.setdefault(octet, [])  # a mark itself is always right
     return found
-
-
-def _number(place: Place, data: bytes | bytearray) -> float | None:
-    """None: the bytes are no number of that form."""
-    if place.form == BIT:
-        return float(data[place.byte] >> place.bit & 1)
-    try:
-        return number_of(place.form, place.order, bytes(data[place.byte : place.byte + place.size]))
-    except ProtocolError:
-        return None
-
-
-def _image_number(place: Place, image: bytes | bytearray) -> float | None:
-    return float(get_bit(image, 8 * place.byte + place.bit)) if place.form == BIT else _number(place, image)
-
-
-def _put(place: Place, data: bytearray, value: float) -> None:
-    if place.form == BIT:
-        old = data[place.byte]
-        data[place.byte] = old | 1 << place.bit if value else old & ~(1 << place.bit)
-    else:
-        data[place.byte : place.byte + place.size] = bytes_of(place.form, place.order, value)
-
-
-def _put_image(place: Place, image: bytearray, value: float) -> None:
-    if place.form == BIT:
-        set_bit(image, 8 * place.byte + place.bit, bool(value))
-    else:
-        _put(place, image, value)

@@ -20,8 +20,9 @@ from gateway.pure.addresses import (
     bits_of,
     parse_operand,
 )
-from gateway.pure.routes.forms import BIT, FORMS, size_of
+from gateway.pure.routes.forms import BIT, FORMS, bytes_of, number_of, size_of
 from gateway.pure.routes.judge import Span
+from protocols.base.errors import ProtocolError
 
 
 class World(Enum):
@@ -88,6 +89,25 @@ def place_of(text: str, form: str, order: str, symbols: Mapping[str, RcBit], lin
     raise AddressFault(
         f"{text!r}: a route joins data blocks (DB30.DW0), RC inputs and outputs (AW 92, E 8.0), values and contacts (io.lamp)"
     )
+
+
+def number_at(place: Place, data: bytes | bytearray) -> float | None:
+    """What stands in the block or image; None: the bytes are no number of that form."""
+    if place.form == BIT:
+        return float(data[place.byte] >> place.bit & 1)
+    try:
+        return number_of(place.form, place.order, bytes(data[place.byte : place.byte + place.size]))
+    except ProtocolError:
+        return None
+
+
+def put_at(place: Place, data: bytearray, value: float) -> None:
+    """Into the block or image; raises EncodeError when it does not fit (a route's settings keep such values out)."""
+    if place.form == BIT:
+        old = data[place.byte]
+        data[place.byte] = old | 1 << place.bit if value else old & ~(1 << place.bit)
+    else:
+        data[place.byte : place.byte + place.size] = bytes_of(place.form, place.order, value)
 
 
 def _need(text: str, form: str, size: int) -> None:
