@@ -1,0 +1,186 @@
+"""A PLC that knows only the old control's signals works a running cell over both doors: rho 3 Releases part 2 to 8 (rho3 3.1 to 3.3)."""
+
+import contextlib
+import json
+import pathlib
+import socket
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import pytest
+
+from drivers.ports.base import runtime_dir
+from drivers.ports.open import open_bytes
+from gateway.pure.records import AxisFlag, Motion
+from hil_tests.lab.cell_running import CellRun, running_cell
+from hil_tests.lab.signal_plc import Net, Rack, SignalPlc, signal_cell
+from hil_tests.lab.sync_line import SyncLine
+
+RESET, AUTO, CHAIN, PHG_STROBE, ACK, DRIVE_ON = 19, 23, 24, 49, 62, 66
+PERMITS = (24, 25, 26, 27, 28)
+ABORT, SELECT, PARITY, CODE = 80, 81, 83, 88
+DRIVES, EMERGENCY, ABORTED, ABORT_ERROR, SELECTED, SELECT_ERROR = 66, 67, 116, 117, 120, 121
+EMERGENCY_STOP, PHG_ERROR, IN_MANUAL = 528, 1278, 250
+EXPROG = "02 = PICK ; to the fixture\r\n04 = FAR\r\n05 = NOWHERE\r\n0G = BAD\r\n\x1a"
+PROGRAMS = """
+kind = "rho3"
+files = "dat"
+[[controller.process]]
+name = "PICK"
+steps = [ { to = { A1 = 40.0 } }, { output = 7 } ]
+[[controller.process]]
+name = "FAR"
+steps = [ { to = { A1 = 1900.0 }, speed = "5 %" } ]
+"""
+
+
+@dataclass
+class Plant:
+    """The cell and its PLC."""
+
+    run: CellRun
+    plc: SignalPlc
+
+    def actual(self) -> float:
+        """Of A1, mm."""
+        return self.run.state().axes[0].actual * 1000.0
+
+    def drives(self) -> list[bool]:
+        return [bool(axis.flags & AxisFlag.ENABLED) for axis in self.run.state().axes[:2]]
+
+    def ready(self) -> None:
+        """Permits, automatic, no errors, drives on by a fresh edge."""
+        self.plc.put(*PERMITS, AUTO, off=(DRIVE_ON, RESET, SELECT, ABORT, ACK, PHG_STROBE))
+        self.plc.until(lambda plc: not plc.output(DRIVES), "drives off")
+        self.plc.put(RESET)
+        self.plc.until(lambda plc: not plc.output(EMERGENCY), "no EMERGENCY STOP")
+        self.plc.put(DRIVE_ON, off=(RESET,))
+        self.plc.until(lambda plc: plc.output(DRIVES), "drives on")
+
+    def select(self, code: int, strobe: int = SELECT, parity: bool | None = None) -> None:
+        """Code and parity first, then the strobe."""
+        odd = bool(code.bit_count() & 1) if parity is None else parity
+        self.plc.put(*((PARITY,) if odd else ()), off=(SELECT, ABORT, *(() if odd else (PARITY,))), number=(CODE, code))
+        self.plc.put(strobe)
+
+
+@contextlib.contextmanager
+def plant_over(door: str, folder: pathlib.Path) -> Iterator[Plant]:
+    (folder / "dat").mkdir()
+    (folder / "dat" / "exprog.dat").write_bytes(EXPROG.encode("cp437"))
+    (folder / "dat" / "PHGCODE.DAT").write_text("4 = 7.1\n")
+    with running_cell(signal_cell(folder, door, PROGRAMS), f"old-{door}", plc=False) as run:
+        if door == "net":
+            yield Plant(run, SignalPlc(Net(run.port)))
+            return
+        with SyncLine(lambda: open_bytes(Rack.port_of(run.name), "38400 8E1"), station := Rack.station()) as line:
+            yield Plant(run, SignalPlc(Rack(line, station)))
+
+
+BOTH = pytest.mark.parametrize("plant", ["rack", pytest.param("net", marks=pytest.mark.mbpoll)], indirect=True)
+RACK = pytest.mark.parametrize("plant", ["rack"], indirect=True)
+
+
+@pytest.fixture(scope="module")
+def plant(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Plant]:
+    with plant_over(request.param, tmp_path_factory.mktemp("old")) as plant:
+        yield plant
+
+
+@RACK
+def test_drive_on_by_its_edge_for_all_and_for_single_axes(plant: Plant) -> None:
+    plc = plant.plc
+    plant.ready()
+    assert plant.drives() == [True, True]
+    plc.put(off=(DRIVE_ON,))
+    plc.until(lambda plc: not plc.output(DRIVES) and plant.drives() == [False, False], "drives off")
+    plc.put(193)
+    plc.until(lambda plc: plant.drives() == [False, True], "A2 on alone")
+    plc.put(off=(193,))
+    plc.until(lambda plc: plant.drives() == [False, False], "A2 off")
+    assert [plc.output(bit) for bit in (124, 125, 126, 127)] == [True, False, True, False], "P2 = 5"
+    assert plc.output(107) and plc.output(96)
+
+
+@BOTH
+def test_errors_are_shown_as_codes_and_acknowledged_by_their_own_signals(plant: Plant) -> None:
+    plc = plant.plc
+    plant.ready()
+    plc.put(PHG_STROBE, number=(56, plc.image[7 - 2] & 0xF0 | 0x0B))
+    plc.until(lambda plc: plc.code() == PHG_ERROR, "code 1278: PHGCODE.DAT has no line B")
+    plc.put(off=(CHAIN,))
+    plc.until(lambda plc: plc.output(EMERGENCY) and not plc.output(DRIVES), "EMERGENCY STOP")
+    plc.until(lambda plc: plc.code() == PHG_ERROR, "all codes once more: 1278")
+    plc.until(lambda plc: plc.code() == EMERGENCY_STOP, "and 528")
+    plc.put(CHAIN, ACK)
+    plc.until(lambda plc: not plc.output(118), "the strobe falls")
+    assert plc.output(EMERGENCY), "62 acknowledges no EMERGENCY STOP"
+    shown = [each["code"] for each in links(plant)["controller"]["errors"]]
+    assert shown == [EMERGENCY_STOP], "1278 is acknowledged"
+    plc.put(RESET, off=(ACK, PHG_STROBE))
+    plc.until(lambda plc: not plc.output(EMERGENCY), "Control reset")
+    time.sleep(0.3)
+    assert not plc.look().output(DRIVES), "drive-on still stands: only a fresh edge switches on"
+    assert links(plant)["controller"]["errors"] == []
+
+
+@BOTH
+def test_a_program_is_selected_by_its_code_and_taken_off_again(plant: Plant) -> None:
+    plc = plant.plc
+    plant.ready()
+    plant.select(2)
+    plc.until(lambda plc: plc.output(SELECTED), "program selected")
+    plc.until(lambda plc: abs(plant.actual() - 40.0) < 0.1, "PICK at its place")
+    before = plant.actual()
+    plant.select(2, parity=False)
+    plc.until(lambda plc: plc.output(SELECT_ERROR), "wrong parity")
+    plant.select(5)
+    plc.until(lambda plc: plc.output(SELECT_ERROR), "a program nobody has")
+    assert abs(plant.actual() - before) < 0.1
+    plant.select(4)
+    plc.until(lambda plc: plc.output(SELECTED) and plant.actual() > 42.0, "FAR under way")
+    plant.select(4, ABORT)
+    plc.until(lambda plc: plc.output(ABORTED), "aborted")
+    plc.until(lambda plc: plant.run.state().motion is Motion.IDLE, "at rest, the rest of the move is gone")
+    assert plant.actual() < 1000.0
+    plc.put(off=(AUTO, ABORT))
+    plc.until(lambda plc: not plc.output(96) and plc.output(68), "manual")
+    at = plant.actual()
+    plant.select(2)
+    plc.until(lambda plc: plc.code() == IN_MANUAL, "Inadmis. in manual op.")
+    assert abs(plant.actual() - at) < 0.1
+    plc.put(ACK, AUTO)
+    plc.until(lambda plc: not plc.output(118), "acknowledged")
+
+
+@RACK
+def test_services_that_come_back_to_standing_bits_start_nothing(plant: Plant) -> None:
+    plc, run = plant.plc, plant.run
+    plant.ready()
+    plant.select(2)
+    plc.until(lambda plc: plc.output(SELECTED) and abs(plant.actual() - 40.0) < 0.1, "PICK at its place")
+    plc.put(off=(CHAIN,))
+    plc.until(lambda plc: plc.output(EMERGENCY) and plant.drives() == [False, False], "EMERGENCY STOP")
+    plc.put(CHAIN)
+    plc.put(RESET)
+    plc.until(lambda plc: not plc.output(EMERGENCY), "acknowledged; drive-on, reset and select strobe stand")
+    dead, _ = run.kill("services")
+    run.back("services", dead)
+    since = time.monotonic() + 1.0
+    plc.until(lambda plc: plc.output(107) and time.monotonic() > since, "services with the image of the PLC")
+    assert plant.drives() == [False, False]
+    assert links(plant)["controller"]["processes"] == []
+    plc.put(off=(DRIVE_ON, SELECT, RESET))
+    plc.put(DRIVE_ON)
+    plc.until(lambda plc: plc.output(DRIVES), "the fresh edge is taken")
+    run.forgive("services")
+
+
+def links(plant: Plant) -> dict[str, dict[str, list[dict[str, object]]]]:
+    """What services tell tools."""
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as link:
+        link.connect(str(runtime_dir() / f"{plant.run.name}-services.sock"))
+        link.sendall(b'{"op": "status"}\n')
+        found: dict[str, dict[str, list[dict[str, object]]]] = json.loads(link.makefile().readline())
+        return found
