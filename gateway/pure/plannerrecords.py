@@ -13,7 +13,7 @@ from motion.pieces import RECORD_SIZE
 
 BLOCKS = 2048  # records in the blocks ring
 PIECES = 1024  # records in the pieces ring: half a minute of motion
-AHEAD = 256  # pieces that may lie in the ring and not be taken
+AHEAD = 128  # pieces handed on and not run: two seconds, the longest the axes go on after the planner's death
 PLANNER_BYTES = 1024
 TEXT_BYTES = 1000
 

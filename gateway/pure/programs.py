@@ -44,6 +44,7 @@ class Programs:
     _quiet: int = 0
     _ended: bool = False
     _last_id: int = 0  # of the pieces handed on
+    _at: int = 0  # last piece of the job the cycle was seen on; 0: it has not begun
     _begins: dict[int, float] = field(default_factory=dict)  # piece -> tau
     _spare: int = 1  # ids go on over jobs: a chain never meets an older number
 
@@ -94,7 +95,7 @@ class Programs:
         self._begins.clear()
         self.state = PlannerState(job=job, failed_job=self.state.failed_job)
         self._reader, self._planner, self._factors, self._ended = Reader(), None, FULL, False
-        self._lines, self._line_of = None, []
+        self._lines, self._line_of, self._at = None, [], 0
 
     def _obey(self, record: BlockRecord, standing: Sequence[float]) -> None:
         if record.say is Say.RUN:
@@ -172,6 +173,8 @@ class Programs:
                 self.state = replace(state, ended=True, job=0)
                 self._out.append(PieceRecord(Part.LAST, state.job, self.generation))
             return
+        if piece in self._begins:
+            self._at = piece
         tau = self._tau(piece, planner)
         before = len(self._out)
         try:
@@ -179,7 +182,7 @@ class Programs:
         except MotionError as error:
             self._fail(error)
             return
-        for number in [number for number in self._begins if number < piece - 1]:
+        for number in [number for number in self._begins if number < self._at - 1]:
             del self._begins[number]
         block, share = planner.place(tau)
         last = self._ended and not planner.open and not state.ended
@@ -194,7 +197,8 @@ class Programs:
 
     def _hand_on(self, planner: Planner, tau: float) -> None:
         """Pieces that are due; raises MotionError where a path has no law."""
-        if len(self._begins) >= AHEAD:
+        waiting = [number for number in self._begins if number > self._at]
+        if len(waiting) >= AHEAD and tau < planner.end:
             return
         at = planner.end
         for made in planner.plan(tau, hurry=self._quiet > QUIET_TURNS):
@@ -208,8 +212,7 @@ class Programs:
             self._out.append(PieceRecord(Part.PIECE, self.state.job, self.generation, encode_timed(made)))
 
     def _tau(self, piece: int, planner: Planner) -> float:
-        """Where the follower may be at the latest: the end of the piece under way."""
-        begins = self._begins
-        if piece in begins:
-            return begins.get(piece + 1, planner.end)
-        return 0.0 if not begins or piece < min(begins) else planner.end
+        """Where the follower may be at the latest: the end of the piece under way, or of all there is when it has run out."""
+        if piece in self._begins:
+            return self._begins.get(piece + 1, planner.end)
+        return planner.end if self._at else 0.0

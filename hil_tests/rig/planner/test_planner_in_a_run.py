@@ -1,108 +1,140 @@
-"""A whole simulated run with the planner process: a program through the rings to the emulated drives, and the planner's death."""
+"""A whole simulated run with the planner process: a PLC orders programs by their number, a SCARA plays them on emulated drives.
 
-import contextlib
+Every way out of a program ends at rest on its path: stop, a silent owner, drives off, the planner killed or held; and nothing goes on
+without a fresh command.
+"""
+
 import os
-import pathlib
-import time
-from collections.abc import Callable, Iterator
+import signal
+from collections.abc import Iterator
 
+import numpy as np
 import pytest
 
-from gateway.image import RegionReader, RingWriter, recv_fds
-from gateway.processes.supervisor import ask
-from gateway.pure.plannerrecords import SAY_LAYOUT, BlockRecord, PlannerState, Say, pack_block, unpack_planner
 from gateway.pure.reasons import Reason
-from gateway.pure.records import CellState, Motion, unpack_cell_state
-from hil_tests.lab.cell_running import CellRun, running_cell
+from gateway.pure.records import Motion
+from hil_tests.lab.plc2 import ABANDON, ABORTED, ACCEPTED, DISABLE, DONE, ENABLE, OVERRIDE, REFUSED, RESUME, RUNNING, STOP
+from hil_tests.lab.program_run import ON_PATH, PROGRAM, ProgramRun, along, away, program_run
 
-DEMO = pathlib.Path(__file__).parents[3] / "configs" / "cells" / "demo.toml"
-UNITS = "mm mm mm deg deg deg"
-ROBOT = """format = 1
-[robot]
-name = "gantry"
-kind = "identity"
-angles = "val3"
-source = "test"
-""" + "".join(
-    f'[[axis]]\nname = "A{n}"\nunit = "{unit}"\nlower = -100\nupper = 1500\nspeed = 500\naccel = 1500\njerk = 15000\nsource = "test"\n'
-    for n, unit in enumerate(UNITS.split(), 1)
-)
+HEAD = "robot sr60-like\nangles rho3\naxes deg deg mm deg\nstart 0 90 -200 0\n"
+PROGRAMS = {
+    1: HEAD + "ptp joints 0 90 -200 0\n",
+    2: HEAD
+    + """set path=400
+ptp pose 350 -50 105 180 0 0
+set radius=12.5
+linear pose 350 50 105 180 0 0
+linear pose 350 50 80 180 0 0 blend=off
+""",
+    3: HEAD + "ptp joints 20 80 -180 10\n# too far\nptp joints 20 80 -180 3000\n",
+    4: HEAD + "set speed=10\n" + "".join(f"ptp joints {10 * (n % 2)} 90 -200 {10 * n}\n" for n in range(1, 21)),
+}
 
 
-class Tool:
-    """What orders programs: the writer of the blocks ring, and eyes on cycle and planner."""
-
-    def __init__(self, run: CellRun, robot: pathlib.Path) -> None:
-        with ask(run.name, "regions") as connection:
-            self.fds = recv_fds(connection)
-        self.blocks = RingWriter(self.fds["blocks"], "blocks", SAY_LAYOUT)
-        self.axes = RegionReader(self.fds["axes"], "axes")
-        self.planner = RegionReader(self.fds["planner"], "planner")
-        self.robot, self.run = robot, run
-
-    def say(self, job: int, *lines: str, end: bool = True) -> None:
-        head = [BlockRecord(Say.BEGIN, job, f"robot {self.robot}"), BlockRecord(Say.LINE, job, f"axes {UNITS}")]
-        for record in [*head, *(BlockRecord(Say.LINE, job, line) for line in lines), *([BlockRecord(Say.END, job)] if end else [])]:
-            self.blocks.put(pack_block(record))
-
-    def state(self) -> CellState:
-        payload = self.axes.read()
-        assert payload is not None
-        return unpack_cell_state(payload)
-
-    def planned(self) -> PlannerState:
-        payload = self.planner.read()
-        assert payload is not None
-        return unpack_planner(payload)
-
-    def wait(self, what: str, seconds: float, test: Callable[[CellState], bool]) -> CellState:
-        until = time.monotonic() + seconds
-        while time.monotonic() < until:
-            state = self.state()
-            if test(state):
-                return state
-            time.sleep(0.01)
-        words = self.run.words()[-2000:]
-        raise AssertionError(f"{what}: {self.state()} {self.planned()} {words}")
-
-    def close(self) -> None:
-        self.blocks.close()
-        for fd in self.fds.values():
-            os.close(fd)
+@pytest.fixture(scope="module")
+def scara(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ProgramRun]:
+    with program_run(tmp_path_factory.mktemp("cell"), "scara", PROGRAMS) as run:
+        run.ready()
+        yield run
 
 
 @pytest.fixture
-def playing(tmp_path: pathlib.Path) -> Iterator[tuple[CellRun, Tool]]:
-    cell, robot = tmp_path / "cell.toml", tmp_path / "gantry.toml"
-    cell.write_text(DEMO.read_text() + '\n[robot]\nkinematics = "identity"\nmodel = "gantry"\n')
-    robot.write_text(ROBOT)
-    with running_cell(str(cell), "planner") as run:
-        run.ready()
-        with contextlib.closing(Tool(run, robot)) as tool:
-            yield run, tool
+def home(scara: ProgramRun) -> ProgramRun:
+    """All axes at the place the programs begin at, whatever happened before."""
+    scara.ready()
+    if scara.state().motion is Motion.STOPPED:
+        assert scara.command(ABANDON).state == DONE
+    assert scara.command(PROGRAM, 1).state == DONE, scara.run.words()
+    return scara
 
 
-def test_a_program_reaches_the_drives_and_a_dead_planner_leaves_them_at_rest(playing: tuple[CellRun, Tool]) -> None:
-    run, tool = playing
-    tool.say(9001, "ptp joints 60 40 30 10 10 10 blend=joint leave=2 reach=2", "ptp joints 100 40 30 10 10 10")
-    done = tool.wait("the program is done", 20, lambda s: s.done_job == 9001)
-    assert done.motion is Motion.IDLE
-    assert done.axes[0].actual == pytest.approx(0.100, abs=2e-3) and done.axes[1].actual == pytest.approx(0.040, abs=2e-3)
+def test_a_program_ordered_by_a_plc_keeps_its_path_at_any_override_through_stop_and_resume(home: ProgramRun) -> None:
+    path = home.path(2, home.sets())
+    home.moving(2)
+    assert home.plc.wait(lambda s: s.state == RUNNING, 5).reason == 0
+    rows = [home.watch("some way", lambda s: along(s, path) > 0.4)]
+    assert home.command(OVERRIDE, 0, 0.6).state == DONE
+    assert home.command(STOP).state == DONE
+    rows.append(home.watch("stopped on the path", lambda s: s.motion is Motion.STOPPED))
+    assert home.still()
+    rows.append(np.array([home.sets()]))
+    assert home.command(OVERRIDE, 0, 1.0).state == DONE
+    assert home.command(RESUME).state == DONE
+    rows.append(home.watch("at rest", lambda s: s.motion is Motion.IDLE))
+    every = np.concatenate(rows)
+    assert away(every, path) < ON_PATH
+    assert every[-1] == pytest.approx(path[-1], abs=1e-9)
+    place = home.machine.kinematics.forward(tuple(axis.actual for axis in home.state().axes[:4])).position
+    assert place == pytest.approx((0.35, 0.05, 0.08), abs=5e-4), "the drives have followed"
 
-    tool.say(9002, "ptp joints 600 300 30 10 10 10", end=False)
-    tool.wait("it moves", 5, lambda s: s.motion is Motion.RUNNING and s.axes[0].actual > 0.15)
-    dead, _ = run.kill("planner")
-    run.back("planner", dead)
-    rest = tool.wait("at rest", 10, lambda s: s.motion is Motion.IDLE)
-    assert (rest.failed_job, rest.failed_reason) == (9002, Reason.PLANNER_LOST)
-    time.sleep(0.3)
-    still = tool.state()
-    assert abs(still.axes[0].set - rest.axes[0].set) < 1e-12
-    share = (still.axes[0].set - 0.1) / 0.5
-    assert still.axes[1].set == pytest.approx(0.04 + share * 0.26, abs=1e-6), "on the path"
 
-    tool.say(9003, "ptp joints 0 0 1e5 0 0 0")
-    tool.wait("refused", 5, lambda _: tool.planned().failed_job == 9003)
-    assert tool.planned().fault_block == 1 and tool.planned().fault_code == 520 and "A3" in tool.planned().fault
-    tool.say(9004, "ptp joints 100 40 30 10 10 10")
-    tool.wait("goes on with a fresh program", 20, lambda s: s.done_job == 9004)
+def test_refusals_come_before_anything_moves_and_say_why(home: ProgramRun) -> None:
+    before = home.sets()
+    unknown = home.command(PROGRAM, 77)
+    assert (unknown.state, unknown.reason) == (REFUSED, Reason.PROGRAM_UNKNOWN)
+    far = home.command(PROGRAM, 3)
+    assert (far.state, far.reason) == (REFUSED, Reason.PROGRAM_FAULT)
+    said = [entry["text"] for entry in home.run.journal("command") if "cannot be run" in entry["text"]]
+    assert "line 7: block 2, axis A4" in said[-1] and "VAL 3 520" in said[-1]
+    assert home.sets() == before
+    assert home.command(DISABLE, home.all).state == DONE
+    off = home.command(PROGRAM, 2)
+    assert (off.state, off.reason) == (REFUSED, Reason.DRIVES_OFF)
+    assert home.command(ENABLE, home.all).state == DONE
+    assert max(abs(a - b) for a, b in zip(home.sets(), before, strict=True)) < 1e-3
+
+
+def test_a_silent_owner_stops_it_on_the_path_and_it_does_not_go_on_by_itself(home: ProgramRun) -> None:
+    path = home.path(4, home.sets())
+    home.moving(4)
+    home.plc.polls.clear()
+    rows = home.watch("stopped on the path", lambda s: s.motion is Motion.STOPPED)
+    home.plc.polls.set()
+    home.plc.wait(lambda s: True, 5)
+    assert home.still() and away(rows, path) < ON_PATH
+    assert home.state().stop_cause == Reason.LINK_LOST
+    home.plc.synchronise()
+    assert home.command(ABANDON).state == DONE
+
+
+def test_drives_off_end_it(home: ProgramRun) -> None:
+    home.moving(4)
+    assert home.command(DISABLE, home.all).state == DONE
+    home.watch("at rest", lambda s: s.motion is Motion.IDLE)
+    assert home.command(ENABLE, home.all).state == DONE
+    assert home.still() and home.state().failed_reason == Reason.DRIVES_OFF
+
+
+def test_a_planner_held_and_then_killed_leaves_the_axes_at_rest_on_the_path(home: ProgramRun) -> None:
+    path = home.path(4, home.sets())
+    home.moving(4)
+    pid = home.run.pid("planner")
+    os.kill(pid, signal.SIGSTOP)
+    try:
+        rows = [home.watch("what was handed on is run", lambda s: s.piece == 0)]
+        assert home.still() and along(home.state(), path) < 0.8
+        assert home.plc.wait(lambda s: True, 5).state == RUNNING
+    finally:
+        os.kill(pid, signal.SIGCONT)
+    rows.append(home.watch("it goes on where it stands", lambda s: s.piece > 0))
+    dead, _ = home.run.kill("planner")
+    rows.append(home.watch("at rest", lambda s: s.motion is Motion.IDLE))
+    home.run.back("planner", dead)
+    assert home.plc.wait(lambda s: s.state == ABORTED, 5).reason == Reason.PLANNER_LOST
+    assert home.still() and along(home.state(), path) < 0.95
+    assert away(np.concatenate(rows), path) < ON_PATH
+    home.run.forgive("planner")
+
+
+def test_a_planner_held_before_the_first_piece_moves_nothing_and_a_stop_ends_the_order(home: ProgramRun) -> None:
+    pid = home.run.pid("planner")
+    os.kill(pid, signal.SIGSTOP)
+    try:
+        home.plc.send(PROGRAM, 2)
+        status = home.plc.wait(lambda s: s.state in (ACCEPTED, REFUSED), 5)
+        assert status.state == ACCEPTED and home.still()
+        assert home.command(STOP).state == DONE
+    finally:
+        os.kill(pid, signal.SIGCONT)
+    assert home.still(0.6), "its pieces come too late"
+    assert home.state().failed_reason == Reason.STOPPED_BY_DOOR

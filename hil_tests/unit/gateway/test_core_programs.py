@@ -275,6 +275,20 @@ def test_a_stop_while_more_has_to_come_keeps_it_from_going_on(both: WithPlanner)
     assert both.still()
 
 
+def test_a_planner_that_comes_late_lets_the_axes_rest_and_they_go_on_where_they_stand(both: WithPlanner) -> None:
+    job = both.order(*(f"ptp joints {joints(10 * (n % 2))} speed=10" for n in range(1, 12)))
+    both.cell.run(0.3)
+    both.alive = False
+    for _ in range(4000):
+        both.cell.cycle()
+        if both.cell.core.starved:
+            break
+    assert both.cell.core.starved and not both.held and both.still(0.2)
+    assert job.state is CommandState.RUNNING
+    both.alive = True
+    assert both.finished(job).state is CommandState.DONE and both.at(10.0)
+
+
 def test_no_move_begins_beside_a_program_that_is_prepared(both: WithPlanner) -> None:
     both.alive = False
     both.order(f"ptp joints {joints(5)}")
