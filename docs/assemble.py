@@ -1,11 +1,13 @@
-"""`make docs`: docs/decisions.md from docs/decisions.d/AX-nnn-*.md, in the order of their numbers.
+"""`make docs`: docs/decisions.md from docs/decisions.d/AX-nnn-*.md, in the order of their numbers; docs/errors.md from configs/errors.
 
-python docs/assemble.py [--check]      (--check: exit 1 when decisions.md is not what the files say)
+python docs/assemble.py [--check]      (--check: exit 1 when a page is not what its files say)
 """
 
 import pathlib
 import re
 import sys
+
+import error_pages
 
 HERE = pathlib.Path(__file__).resolve().parent
 TARGET = HERE / "decisions.md"
@@ -32,11 +34,13 @@ def assembled() -> str:
 
 
 def main() -> int:
-    page = assembled()
+    page, errors = assembled(), error_pages.page()
+    pages = {TARGET: page, HERE / "errors.md": errors}
     if "--check" in sys.argv[1:]:
-        return int(not TARGET.exists() or TARGET.read_text(encoding="utf-8") != page)
-    TARGET.write_text(page, encoding="utf-8")
-    print(f"{TARGET.name}: {page.count(chr(10) + '## ')} decisions")
+        return int(any(not path.exists() or path.read_text(encoding="utf-8") != text for path, text in pages.items()))
+    for path, text in pages.items():
+        path.write_text(text, encoding="utf-8")
+    print(f"{TARGET.name}: {page.count(chr(10) + '## ')} decisions; errors.md: {errors.count(chr(10) + '## ')} number spaces")
     return 0
 
 

@@ -8,7 +8,7 @@ import pathlib
 import tomllib
 
 PACKAGED = pathlib.Path(__file__).resolve().parent.parent / "configs"
-SUFFIX = {"cells": ".toml", "drives": "", "robots": ".toml", "signals": ".toml", "benches": ".toml", "programs": ".txt"}
+SUFFIX = {"cells": ".toml", "drives": "", "robots": ".toml", "signals": ".toml", "benches": ".toml", "programs": ".txt", "errors": ".toml"}
 
 
 class ConfigNotFound(FileNotFoundError):

@@ -1,8 +1,9 @@
-"""`axisgate explain KEY`: a value of a cell with unit and source, a P number, a word, or an address in all worlds."""
+"""`axisgate explain KEY`: a value of a cell with unit and source, a P number, a word, an address in all worlds, or an error."""
 
 import argparse
 import dataclasses
 import json
+import os
 import pathlib
 import re
 import sys
@@ -10,9 +11,12 @@ import sys
 from gateway.cell import Cell
 from gateway.config import load_cell
 from gateway.errors import Exit
+from gateway.errors_catalogue import explain as errors_of
 from gateway.explained import Explainer, Line, address, word
 from gateway.faults import CellFaults
 from gateway.files import ConfigNotFound
+from gateway.pure.errorentries import Entry, number_of
+from gateway.pure.line_texts import LANGUAGES, language_of
 
 EXAMPLES = """examples:
   axisgate explain axis.1 --cell cell.toml                all values of the first axis and where each comes from
@@ -20,22 +24,29 @@ EXAMPLES = """examples:
   axisgate explain P5 --cell rho3-servodyn                a machine parameter and what it sets
   axisgate explain QVZ                                    a word; also ZVZ, KF, KG, Kv, SYNC
   axisgate explain "RC 7.3"                               an address: number, PIC, CL300, RC, meaning
+  axisgate explain 647                                    an error: text, cause, what to do, reset, what the partner shows
+  axisgate explain rk512 14h                              the number of one world: rho3, reis, val3, servodyn, cia402, rk512, 3964r
 Without --cell the file cell.toml in this folder is taken where there is one.
 exit code: 0 explained, 2 nothing of that name, or the cell file is invalid"""
+
+LABELS = (("cause", "what to do", "reset", "partner shows"), ("Ursache", "Abhilfe", "Ruecksetzen", "Partner zeigt"))
 
 
 def main(argv: list[str]) -> int:
     parser = argparse.ArgumentParser(
         "axisgate explain", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("key", metavar="KEY")
+    parser.add_argument("key", metavar="KEY", nargs="+")
     parser.add_argument("--cell", metavar="CELL", help="cell file, or the name of a shipped one")
     parser.add_argument("--json", action="store_true", help="a list of JSON objects on standard output")
+    parser.add_argument("--language", choices=LANGUAGES, help="of errors; else the cell's, else the system's")
     options = parser.parse_args(argv)
+    options.key = " ".join(options.key)
     path = options.cell or ("cell.toml" if pathlib.Path("cell.toml").is_file() else None)
     try:
         cell = load_cell(path) if path else None
-        lines = explain(options.key, cell, path)
+        spoken = language_of(options.language or (cell.cell.language if cell else None), os.environ)
+        lines = explain(options.key, cell, path, spoken)
     except CellFaults as found:
         print(f"axisgate explain: {path} has {len(found.faults)} faults; axisgate check {path} names them", file=sys.stderr)
         return Exit.INVALID
@@ -49,21 +60,37 @@ def main(argv: list[str]) -> int:
     return Exit.OK
 
 
-def explain(key: str, cell: Cell | None, path: str | None) -> list[Line]:
+def explain(key: str, cell: Cell | None, path: str | None, spoken: str = "en") -> list[Line]:
     """What is known about a key; [] when nothing is."""
+    last = key.rsplit(maxsplit=1)[-1:]
+    numbered = errors_of(key) if last and number_of(last[0]) is not None else []
     if cell is not None and path is not None:
         explainer = Explainer(cell, path)
         if re.fullmatch(r"(rho3\.)?[Pp]\d+", key):
             return explainer.parameter(key.removeprefix("rho3.").upper())
         if lines := explainer.key(key) or explainer.block_place(key):
             return lines
-    return word(key, cell) or address(key, cell.cell.language if cell else "en", cell)
+    found = word(key, cell) or address(key, cell.cell.language if cell else "en", cell)
+    errors = numbered or ([] if found or len(key) < 4 else errors_of(key))
+    return [*(line for entry in errors for line in error_lines(entry, spoken)), *found]
+
+
+def error_lines(entry: Entry, language: str) -> list[Line]:
+    """An error of the catalogue, one line for each thing to know about it."""
+    words = LABELS[language == "de"]
+    source = f"axisgate ({entry.source})" if entry.ours else entry.source
+    known = (entry.cause, entry.todo, entry.reset_words(), entry.shown)
+    name = f"{entry.family} {entry.number}"
+    return [
+        Line(name, entry.text.text(language), "", source),
+        *(Line(f"  {label}", each.text(language)) for label, each in zip(words, known, strict=True)),
+    ]
 
 
 def unknown(key: str, cell: Cell | None) -> str:
     """Why nothing was found."""
     if cell is None:
-        return "no word or address of that name; keys of a cell need --cell CELL"
+        return "no word, address or error of that name; keys of a cell need --cell CELL"
     return f"no such key, word or address; keys begin with axis.{cell.axis[0].name if cell.axis else 'NAME'}, line., bus., db., cell."
 
 
