@@ -7,6 +7,7 @@ blocks, named values, forces; tap: characters of the lines; force, unforce: RC i
 import time
 from typing import TYPE_CHECKING
 
+from gateway.cell_web import PAGE_DOOR
 from gateway.forces import Forces
 from gateway.linedoor import LineDoor
 from gateway.serialdoor import SerialDoor
@@ -15,8 +16,6 @@ from protocols.base.machine import Damage, Ns
 
 if TYPE_CHECKING:
     from gateway.processes.services import Services
-
-PAGE_DOOR = 91
 
 
 class Desks:

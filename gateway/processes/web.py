@@ -40,7 +40,6 @@ def main(argv: list[str] | None = None) -> int:
     arguments = parser.parse_args(argv)
     die_with_parent(number=signal.SIGKILL)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    os.nice(NICE)
     plan = load_plan(arguments.plan)
     assert plan.web is not None
     web, folder = plan.web, pathlib.Path(plan.cell.file).parent
@@ -54,6 +53,7 @@ def main(argv: list[str] | None = None) -> int:
         proxy_headers=False,
     )  # fmt: skip
     server = uvicorn.Server(config)
+    os.nice(NICE)  # from here on: the start itself is to be short
     server.run()
     store.close()
     return 0 if server.started else 3

@@ -4,15 +4,16 @@ import asyncio
 import time
 from collections import deque
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from drivers.ports.base import CanPort, PortError
 from drivers.ports.can import open_can
-from gateway.bus_tools.monitor import Decode, decoder, named
-from gateway.bus_tools.plan import bitrate
 from gateway.cell import Bus
 from protocols.base.canbits import frame_bits
 from protocols.base.machine import Frame, Ns
+
+if TYPE_CHECKING:
+    from gateway.bus_tools.monitor import Decode
 
 KEPT = 80  # frames of the list
 RATE_NS: Ns = 1_000_000_000  # rates and load over this window
@@ -51,7 +52,7 @@ class BusView:
     recent: deque[Frame] = field(default_factory=lambda: deque(maxlen=KEPT))
     faults: int = 0
     started: float = 0.0
-    _decode: Decode | None = None
+    _decode: "Decode | None" = None
     _window: float = 0.0
     _next_try: float = 0.0
 
@@ -93,6 +94,9 @@ class BusView:
 
     def told(self) -> Row:
         """Rows of the page."""
+        from gateway.bus_tools.monitor import named  # the decoders' libraries take half a second to load: not before somebody looks
+        from gateway.bus_tools.plan import bitrate
+
         now = time.monotonic()
         if now - self._window >= RATE_NS / 1e9:
             for one in self.seen.values():
@@ -132,8 +136,10 @@ class BusView:
             "frames": frames,
         }
 
-    def _decoder(self) -> Decode:
+    def _decoder(self) -> "Decode":
         if self._decode is None:
+            from gateway.bus_tools.monitor import decoder
+
             canopen = self.bus.protocol == "canopen"
             self._decode = decoder(None if canopen else self.bus.layout, canopen=canopen)
         return self._decode

@@ -27,9 +27,7 @@ def described(plan: RunPlan, plant: Plant, skeleton: Skeleton) -> Row:
         "doors": [{"number": door.number, "name": door.name, "kind": door.kind} for door in plan.doors],
         "lines": [_line(line, plan.lines[line.name]) for line in cell.line],
         "buses": [_bus(bus, plan.buses.get(bus.name, "not played")) for bus in cell.bus],
-        "modbus": [
-            {"name": server.name, "bind": ":".join(map(str, plan.modbus[server.name])), "unit": server.unit} for server in cell.modbus
-        ],
+        "modbus": [{"name": server.name, "bind": plan.modbus_place(server.name), "unit": server.unit} for server in cell.modbus],
         "blocks": [
             {"number": db.number, "kind": db.kind, "words": db.words, "writer": db.writer, "line": db.line, "comment": db.comment}
             for db in cell.db

@@ -6,7 +6,7 @@ import json
 from typing import Any
 
 from drivers.ports.base import runtime_dir
-from gateway.pagedesk import PAGE_DOOR
+from gateway.cell_web import PAGE_DOOR
 
 PATIENCE_S = 2.0
 LONGEST = 1 << 20

@@ -15,7 +15,7 @@ from gateway.web.desk import Gone, Refused, Row, ServicesDesk
 from gateway.web.regions import Regions
 
 ALIVE_S = 0.25  # we tell the services so often that the holder is there
-HOLDER_S = 1.0  # and no longer when his browser has been silent for so long
+HOLDER_S = 3.0  # and no longer when his browser has been silent for so long: a busy computer delays it
 KEY_S = 0.4  # a jog key not heard of for so long has been released
 SLOWEST, FASTEST = 0.1, 10.0  # % of the axis' speed a jog may have
 ROOM = 0.02  # share of the travel a jog keeps from the limit

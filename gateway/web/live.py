@@ -175,7 +175,7 @@ class Live:
         state = self.regions.state
         return {
             "axes": self.regions.drives(),
-            "points": self.skeleton.points(joints),
+            "lines": self.skeleton.lines(joints),
             "queue": self.regions.queue(),
             "job": state.job,
             "progress": round(state.progress, 3),

@@ -3,102 +3,62 @@
 Drawn out of the same robot file the planner uses; a cell without one is drawn as a portal of its linear axes, and says so.
 """
 
-import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from gateway.cell import Cell
-from gateway.files import ConfigNotFound
-from gateway.robotfile import RobotFaults, load_robot
-from motion.errors import MotionError
-from motion.frames import IDENTITY, Pose, compose
-from motion.kinematics.arm6 import ArmGeometry
-from motion.kinematics.base import Kinematics
-from motion.robot import Robot, ScaraGeometry, kinematics_of
 
 Point = tuple[float, float, float]
+Lines = list[list[Point]]
+GRIPPER_M = 0.06  # a short piece along the flange's own z, so that its direction is seen
 
 
 class Skeleton:
-    """Points from the base to the flange, one polyline."""
+    """Polylines of one cell's robot."""
 
     def __init__(self, cell: Cell) -> None:
         self.kind, self.why = "axes", "the cell has no [robot]: its linear axes are drawn as a portal"
-        self._robot: Robot | None = None
-        self._kinematics: Kinematics | None = None
-        self._linear = [n for n, axis in enumerate(cell.axis) if axis.unit == "mm"][:3]
-        self.reach = max([axis.limits.max / 1000.0 for axis in cell.axis if axis.unit == "mm"], default=1.0)
+        linear = [n for n, axis in enumerate(cell.axis) if axis.unit == "mm"][:3]
+        ends = [cell.axis[n].limits.max / 1000.0 for n in linear]
+        self.reach = max(ends, default=1.0)
+        self._draw: Callable[[Sequence[float]], Lines] = Portal(linear, ends).lines
         if cell.robot is not None and cell.robot.model:
-            try:
-                self._robot = load_robot(cell.robot.model)
-                self._kinematics = kinematics_of(self._robot)
-                self.kind, self.why = self._robot.kind.value, ""
-                self.reach = _reach(self._robot)
-            except (ConfigNotFound, RobotFaults, OSError, MotionError) as error:
-                self.why = f"robot {cell.robot.model}: {error}"
+            self._load(cell.robot.model)
 
-    def points(self, joints: Sequence[float]) -> list[Point]:
-        """joints: SI, at least as many as the robot has axes; [] for a place it cannot be drawn at."""
-        if self._robot is None or self._kinematics is None:
-            return self._portal(joints)
+    def _load(self, model: str) -> None:
+        """Kinematics and robot files are loaded only where a cell has a robot: they take their time."""
+        from gateway.files import ConfigNotFound
+        from gateway.robotfile import RobotFaults
+        from gateway.web.robotlines import Arm
+        from motion.errors import MotionError
+
         try:
-            flange = self._kinematics.forward(joints[: self._kinematics.axes])
-        except MotionError:
-            return []
-        match self._robot.geometry:
-            case ArmGeometry() as arm:
-                inner = _arm(arm, joints)
-            case ScaraGeometry() as scara:
-                inner = _scara(scara, joints, flange)
-            case _:
-                inner = [(0.0, 0.0, 0.0), flange.position]
-        base = self._robot.base
-        tip = compose(base, flange) if base != IDENTITY else flange
-        return [_round(base.apply(point)) for point in inner] + [_round(tip.position), *_gripper(tip)]
+            robot = Arm(model)
+        except (ConfigNotFound, RobotFaults, OSError, MotionError) as error:
+            self.why = f"robot {model}: {error}"
+            return
+        self.kind, self.why, self.reach, self._draw = robot.kind, "", robot.reach, robot.lines
 
-    def _portal(self, joints: Sequence[float]) -> list[Point]:
-        """Bridge, trolley and ram."""
+    def lines(self, joints: Sequence[float]) -> Lines:
+        """The last point of the first line is the tip.  joints: SI, as many as the robot has axes or more; []: not drawable."""
+        return self._draw(joints)
+
+
+class Portal:
+    """A ram at its trolley and a bridge on two posts, out of up to three linear axes."""
+
+    def __init__(self, linear: Sequence[int], ends: Sequence[float]) -> None:
+        self._linear = linear
+        self._reach, self._width, self._stroke = max(ends, default=1.0), *(*ends[1:], 0.0, 0.0)[:2]
+
+    def lines(self, joints: Sequence[float]) -> Lines:
+        """joints: m."""
         x, y, z = (*(joints[n] for n in self._linear), 0.0, 0.0, 0.0)[:3]
-        top = self.reach * 0.6
-        return [_round(point) for point in ((x, 0.0, top), (x, y, top), (x, y, top - z), (x, y, top - z - 0.05))]
+        top, wide = 1.3 * self._stroke + 0.2 * self._reach, self._width + 0.1 * self._reach
+        ram = [(x, y, top + 0.3 * self._stroke), (x, y, top), (x, y, top - 0.1 * self._reach - z)]
+        bridge = [(x, -0.1 * self._reach, 0.0), (x, -0.1 * self._reach, top), (x, wide, top), (x, wide, 0.0)]
+        return [[rounded(point) for point in ram], [rounded(point) for point in bridge]]
 
 
-def _arm(arm: ArmGeometry, joints: Sequence[float]) -> list[Point]:
-    """Foot, shoulder, elbow, wrist; as motion.kinematics.arm6 writes the angles."""
-    t1, t2, t3 = (arm.signs[n] * joints[n] + arm.offsets[n] for n in range(3))
-    c1, s1 = math.cos(t1), math.sin(t1)
-
-    def at(forwards: float, up: float) -> Point:
-        return c1 * forwards - s1 * arm.side, s1 * forwards + c1 * arm.side, up
-
-    elbow = arm.delta + arm.arm * math.sin(t2), arm.height + arm.arm * math.cos(t2)
-    both = t2 + t3
-    wrist = (
-        elbow[0] + arm.forearm * math.sin(both) + arm.elbow * math.cos(both),
-        elbow[1] + arm.forearm * math.cos(both) - arm.elbow * math.sin(both),
-    )
-    return [(0.0, 0.0, 0.0), (0.0, 0.0, arm.height), at(arm.delta, arm.height), at(*elbow), at(*wrist)]
-
-
-def _scara(scara: ScaraGeometry, joints: Sequence[float], flange: Pose) -> list[Point]:
-    """Column, both arms at the height of the column, the stroke down to the flange."""
-    up = scara.height + 0.25 * (scara.arm + scara.forearm)
-    x, y = scara.arm * math.cos(joints[0]), scara.arm * math.sin(joints[0])
-    return [(0.0, 0.0, 0.0), (0.0, 0.0, up), (x, y, up), (flange.position[0], flange.position[1], up)]
-
-
-def _gripper(tip: Pose) -> list[Point]:
-    """A short piece along the flange's own z, so that its direction is seen."""
-    return [_round(tip.apply((0.0, 0.0, 0.06)))]
-
-
-def _reach(robot: Robot) -> float:
-    match robot.geometry:
-        case ArmGeometry() as arm:
-            return arm.height + arm.arm + math.hypot(arm.forearm, arm.elbow) + arm.flange
-        case ScaraGeometry() as scara:
-            return scara.arm + scara.forearm + abs(scara.height)
-    return max([abs(axis.upper) for axis in robot.limits if axis.unit == "mm"], default=1.0)
-
-
-def _round(point: Sequence[float]) -> Point:
+def rounded(point: Sequence[float]) -> Point:
+    """To a tenth of a millimetre."""
     return round(point[0], 4), round(point[1], 4), round(point[2], 4)

@@ -106,8 +106,8 @@ def free_port() -> int:
 class CellRun:
     """One run; made by `running_cell`."""
 
-    def __init__(self, folder: pathlib.Path, cell: str, name: str, p5_ms: int = P5_MS) -> None:
-        self.folder, self.cell, self.name, self.p5_ms = folder, cell, name, p5_ms
+    def __init__(self, folder: pathlib.Path, cell: str, name: str, p5_ms: int = P5_MS, more: Sequence[str] = ()) -> None:
+        self.folder, self.cell, self.name, self.p5_ms, self.more = folder, cell, name, p5_ms, more
         self.demo = load_cell(cell)
         self.port = free_port()
         self.process = self._start()
@@ -118,7 +118,7 @@ class CellRun:
 
     def _start(self) -> "subprocess.Popen[bytes]":
         command = [sys.executable, "-m", "gateway", "run", self.cell, "--sim", "--name", self.name, "--p5", str(self.p5_ms)]
-        command += ["--modbus-port", str(self.port), "--record", str(self.folder), "--die-with-parent"]
+        command += ["--modbus-port", str(self.port), "--record", str(self.folder), "--die-with-parent", *self.more]
         with (self.folder / "run.log").open("ab") as log:
             process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True)
         until = time.monotonic() + 60.0
@@ -330,10 +330,12 @@ def runtime_folder() -> Iterator[pathlib.Path]:
 
 
 @contextlib.contextmanager
-def running_cell(cell: str = "demo", name: str = "death", *, plc: bool = True, p5_ms: int = P5_MS) -> Iterator[CellRun]:
-    """A run with PLC 2 polling (and synchronised); ended in order afterwards."""
+def running_cell(
+    cell: str = "demo", name: str = "death", *, plc: bool = True, p5_ms: int = P5_MS, more: Sequence[str] = ()
+) -> Iterator[CellRun]:
+    """A run with PLC 2 polling (and synchronised), started with `more` options; ended in order afterwards."""
     with runtime_folder() as folder:
-        run = CellRun(folder, cell, name, p5_ms)
+        run = CellRun(folder, cell, name, p5_ms, more)
         try:
             if plc:
                 run.plc.start()

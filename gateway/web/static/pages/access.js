@@ -1,0 +1,45 @@
+// Who may do what; tokens for scripts; the chained audit.
+import { Table, chip, h, put, text } from "../dom.js";
+
+export function mount(root, { t, get, post, me, may, login }) {
+  const own = h("section", { class: "card w12" }, h("h2", {}, t("You")), h("p", {}, `${me.name}: ${t(me.role)}${me.local ? `, ${t("at the gateway itself")}` : ""}`),
+    me.read_only ? h("p", { class: "badq" }, t("The page is read-only; stop on the path stays.")) : null,
+    h("p", { class: "soft" }, t("Looking and stopping need no password here. Operators move, setters force and simulate, administrators give access.")),
+    may("viewer") && me.name !== "local" ? null : h("button", { type: "button", class: "main", onclick: login }, me.fresh ? t("Set the first password") : t("Log in")));
+  const grid = h("div", { class: "grid" }, own);
+  root.append(grid);
+  if (!may("admin")) return {};
+  const roles = () => h("select", { name: "role" }, ["viewer", "operator", "setter", "admin"].map((role) => h("option", { value: role }, t(role))));
+  const form = (title, path, fields, done) => {
+    const made = h("form", { class: "bar", onsubmit: async (event) => { event.preventDefault(); const told = await post(path, Object.fromEntries(new FormData(made)), done); if (told) { made.reset(); if (told.token) put(secret, `${t("The token, shown once")}: ${told.token}`); fill(); } } }, fields, h("button", { class: "main" }, title));
+    return made;
+  };
+  const input = (title, attributes) => h("label", {}, title, h("input", { required: true, maxlength: "64", ...attributes }));
+  const secret = h("p", { class: "mono", id: "token" });
+  const users = new Table([
+    { title: t("Name"), cell: text((row) => row.name) }, { title: t("role"), cell: text((row) => t(row.role)) },
+    { title: "", cell: (row, td) => { if (!td.firstChild) td.append(h("button", { type: "button", class: "tiny danger", onclick: async () => { await post("/api/users/drop", { name: row.name }, "The user is gone"); fill(); } }, t("remove"))); } },
+  ], (row) => row.name, { label: t("Users") });
+  const tokens = new Table([
+    { title: t("label"), cell: text((row) => row.label) }, { title: t("role"), cell: text((row) => t(row.role)) }, { title: t("since"), cell: text((row) => row.made.slice(0, 16)) },
+    { title: "", cell: (row, td) => { if (!td.firstChild) td.append(h("button", { type: "button", class: "tiny danger", onclick: async () => { await post("/api/tokens/drop", { name: row.label }, "The token is void"); fill(); } }, t("remove"))); } },
+  ], (row) => row.label, { label: t("Tokens") });
+  const audit = new Table([
+    { title: t("number"), n: true, cell: text((row) => row.number) }, { title: t("time"), cell: text((row) => row.wall.slice(0, 19).replace("T", " ")) }, { title: t("who"), cell: text((row) => row.who) },
+    { title: t("from where"), cell: text((row) => row.source) }, { title: t("what"), cell: text((row) => row.what) }, { title: t("particulars"), cell: text((row) => row.detail) }, { title: t("hash"), cell: text((row) => row.hash.slice(0, 12)) },
+  ], (row) => row.number, { tall: true, label: t("Audit") });
+  const chain = h("span");
+  grid.append(
+    h("section", { class: "card w6" }, h("h2", {}, t("Users")), users.element, form(t("Save"), "/api/users", [input(t("Name"), { name: "name", autocomplete: "off" }), h("label", {}, t("role"), roles()), input(t("Password"), { name: "password", type: "password", minlength: "10", autocomplete: "new-password" })], "The user is saved")),
+    h("section", { class: "card w6" }, h("h2", {}, t("Tokens for scripts")), tokens.element, form(t("Make"), "/api/tokens", [input(t("label"), { name: "label" }), h("label", {}, t("role"), roles())]), secret),
+    h("section", { class: "card w12" }, h("div", { class: "bar" }, h("h2", { style: "margin:0" }, t("Audit")), chain), audit.element));
+  async function fill() {
+    const [told, kept] = await Promise.all([get("/api/users"), get("/api/audit")]);
+    users.update(told.users);
+    tokens.update(told.tokens);
+    audit.update(kept.entries);
+    chain.replaceChildren(kept.broken_at === null ? chip("good", t("the chain is whole")) : chip("bad", `${t("the chain is broken at entry")} ${kept.broken_at}`));
+  }
+  fill().catch((error) => put(secret, error.message));
+  return {};
+}

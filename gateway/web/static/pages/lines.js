@@ -1,0 +1,45 @@
+// What goes over the lines, in words.
+import { chip, h, mark, put } from "../dom.js";
+
+export function mount(root, { t, cell }) {
+  const boxes = new Map();
+  let held = false;
+  const pause = h("button", { type: "button", id: "pause", "aria-pressed": "false", onclick: () => { held = !held; pause.setAttribute("aria-pressed", String(held)); put(pause, held ? t("Go on") : t("Hold the list")); } }, t("Hold the list"));
+  const dull = h("input", { type: "checkbox", id: "dull" });
+  root.append(h("div", { class: "bar" }, pause, h("label", { style: "flex-direction:row;align-items:center;gap:.4rem" }, dull, t("show STX, DLE and NAK too"))));
+  if (!cell.lines.length) root.append(h("p", { class: "soft" }, t("The cell has no serial line.")));
+  for (const line of cell.lines) {
+    const state = chip("plain", "");
+    const counters = h("p", { class: "small mono" });
+    const body = h("tbody");
+    boxes.set(line.name, { state, counters, body });
+    root.append(h("section", { class: "card", style: "margin-bottom:.9rem" },
+      h("div", { class: "bar" }, h("h2", { style: "margin:0" }, `${line.name}: ${line.protocol} ${line.layer}`), state, h("span", { class: "soft" }, `${line.format}   ${line.profile}   ${t("priority")} ${line.priority}   ${line.port}`)),
+      counters,
+      h("div", { class: "scroll", style: "max-height:46vh", tabindex: "0", role: "region", "aria-label": `${t("Lines")} ${line.name}` },
+        h("table", {}, h("thead", {}, h("tr", {}, [t("time"), t("side"), t("what"), t("in words"), t("bytes")].map((title) => h("th", { scope: "col" }, title)))), body))));
+  }
+  const SIDES = { A: t("partner"), B: "axisgate" };
+  return {
+    update(page) {
+      if (!page || page.gone) return;
+      for (const door of page.doors) {
+        const box = boxes.get(door.name);
+        if (!box) continue;
+        put(box.state, door.alive ? t("alive") : door.connected === false ? t("port is away") : t("silent"));
+        mark(box.state, `chip ${door.alive ? "good" : "bad"}`);
+        const known = ["sends", "fetches", "refused", "bad_blocks", "own_jobs", "own_faults", "same_priority", "received", "sent", "unknown", "losses"];
+        put(box.counters, [...known.filter((name) => name in door).map((name) => `${name.replace("_", " ")} ${door[name]}`), door.advice || "", door.why || ""].filter(Boolean).join("   "));
+      }
+      if (held) return;
+      for (const [name, told] of Object.entries(page.lines)) {
+        const box = boxes.get(name);
+        if (!box) continue;
+        const rows = told.filter((row) => dull.checked || row.kind.length > 3).slice(-60).reverse();
+        const first = told[0]?.ms ?? 0;
+        box.body.replaceChildren(...rows.map((row) => h("tr", { class: row.ok === false || ["BROKEN", "DAMAGED", "STRAY"].includes(row.kind) ? "badq" : "" },
+          h("td", { class: "n" }, `${(row.ms - first).toFixed(1)} ms`), h("td", {}, SIDES[row.side]), h("td", {}, row.kind), h("td", {}, row.text), h("td", { class: "mono small" }, row.hex))));
+      }
+    },
+  };
+}

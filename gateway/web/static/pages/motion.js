@@ -1,0 +1,49 @@
+// The robot and its path in three dimensions; override, feed hold, what waits.
+import { Table, facts, h, put, text } from "../dom.js";
+
+const TRAIL = 600;
+
+export function mount(root, { t, cell, me, may, post }) {
+  const canvas = h("div", { class: "canvas", id: "robot", role: "img", "aria-label": t("robot and path") });
+  const order = (code, more = {}) => post("/api/command", { code, mask: (1 << cell.axes.length) - 1, ...more });
+  const override = h("input", { type: "range", min: "0", max: "100", step: "1", value: "100", style: "width:14rem", "aria-label": t("override"), onchange: () => order("override", { velocity: Number(override.value) / 100 }) });
+  const hold = h("button", { type: "button", id: "hold", onclick: () => post("/api/stop", undefined, "Stop is ordered") }, t("Feed hold"));
+  const resume = h("button", { type: "button", onclick: () => order("resume") }, t("Resume"));
+  const abandon = h("button", { type: "button", onclick: () => order("abandon") }, t("Abandon rest"));
+  const control = h("button", { type: "button", class: "main", onclick: async () => { await post("/api/command", { code: me.holds ? "release_control" : "request_control" }); Object.assign(me, await (await fetch("/api/me")).json()); } });
+  const wipe = h("button", { type: "button", onclick: () => { trail.length = 0; } }, t("Forget the path"));
+  const queue = h("div");
+  const table = new Table([
+    { title: t("axis"), cell: text((row) => row.name) }, { title: t("actual"), n: true, cell: text((row) => row.actual, 3) }, { title: t("set"), n: true, cell: text((row) => row.set, 3) }, { title: t("speed"), n: true, cell: text((row) => row.speed, 1) },
+  ], (row) => row.name, { label: t("Axes") });
+  const trail = [];
+  let scene = null;
+  let gone = false;
+  root.append(h("div", { class: "bar" }, control, hold, resume, abandon, h("label", {}, `${t("override")} %`, override), wipe),
+    h("div", { class: "grid" },
+      h("section", { class: "card w8" }, canvas, h("p", { class: "soft small" }, cell.robot.why || `${cell.robot.kind} ${cell.robot.model}`), h("p", { class: "soft small" }, t("Drag to turn, wheel or + and - to come nearer; arrow keys turn, too."))),
+      h("section", { class: "card w4" }, h("h2", {}, t("Motion")), queue, h("div", { style: "height:.7rem" }), table.element)));
+  import("../robot3d.js").then(({ Robot3d }) => { if (!gone) scene = new Robot3d(canvas, cell.robot.reach || 1); })
+    .catch((error) => canvas.append(h("p", { class: "badq", style: "padding:1rem" }, `${t("This browser draws no 3D")}: ${error.message}`)));
+  return {
+    update(page, head) {
+      put(control, me.holds ? t("Release control") : t("Request control"));
+      control.disabled = !may("operator");
+      for (const button of [resume, abandon, override]) button.disabled = !me.holds;
+      if (!page || page.gone) return;
+      table.update(page.axes);
+      const words = [[t("state"), t(["at rest", "moving", "stopping", "stopped on the path", "referencing"][head.motion])], [t("override"), `${head.override} %`], [t("order"), page.job || "-"], [t("progress"), page.job ? `${Math.round(page.progress * 100)} %` : "-"]];
+      const q = page.queue;
+      if ("waiting" in q) words.push([t("program"), q.job || "-"], [t("block"), q.block || "-"], [t("blocks waiting"), q.waiting], [t("pieces handed on"), q.handed], [t("fault"), q.fault || "-"]);
+      else words.push([t("queue"), t("no planner in this cell: one move at a time")]);
+      const key = JSON.stringify(words);
+      if (queue.dataset.key !== key) { queue.dataset.key = key; queue.replaceChildren(facts(words)); }
+      const tip = page.lines[0]?.at(-1);
+      const last = trail.at(-1);
+      if (tip && (!last || Math.hypot(tip[0] - last[0], tip[1] - last[1], tip[2] - last[2]) > 5e-4)) { trail.push(tip); if (trail.length > TRAIL) trail.shift(); }
+      scene?.show(page.lines, trail);
+    },
+    theme: () => scene?.theme(),
+    unmount() { gone = true; scene?.close(); },
+  };
+}

@@ -1,0 +1,127 @@
+// Every value by any name or address: live, with age and quality, where it is used; forced inputs are marked.
+import { Table, h, put, text } from "../dom.js";
+import { age } from "../parts.js";
+
+export function mount(root, { t, get, post, may, live }) {
+  let rows = [];
+  let values = {};
+  let group = "";
+  let chosen = "";
+  let wait = 0;
+  const search = h("input", { type: "search", id: "search", placeholder: t("name, address, text: DB10.DW2, O3.0, 40001, feed"), "aria-label": t("Search"), oninput: () => { clearTimeout(wait); wait = setTimeout(find, 60); } });
+  const found = h("span", { class: "soft", id: "found", role: "status" });
+  const tree = h("div", { class: "tree" });
+  const detail = h("section", { class: "card", id: "detail" }, h("p", { class: "soft" }, t("Choose a row to see where the value is used.")));
+  const unforce = h("button", { type: "button", id: "unforce-all", class: "danger", onclick: () => post("/api/unforce", {}, "No input is forced any more") }, t("End all forces"));
+  const table = new Table([
+    { title: t("name"), cell: (row, td) => { if (!td.firstChild) td.append(h("button", { type: "button", class: "link", "data-row": row.id, onclick: () => show(row) }, row.name)); } },
+    { title: t("value"), n: true, cell: (row, td) => { put(td, shown(row)); td.dataset.id = row.id; } },
+    { title: t("unit"), cell: text((row) => row.unit) },
+    { title: t("quality"), cell: text((row) => quality(row)) },
+    { title: t("age"), n: true, cell: text((row) => age(values[row.id]?.[2])) },
+    { title: t("force"), cell: force },
+    { title: t("address"), cell: text((row) => row.addresses.slice(0, 3).join("  ")) },
+    { title: t("type"), cell: text((row) => row.type) },
+    { title: "KF / DH", n: true, cell: text((row) => columns(row).KF) },
+    { title: "KH", n: true, cell: text((row) => columns(row).KH) },
+    { title: "KM", n: true, cell: text((row) => columns(row).KM) },
+    { title: "KG", n: true, cell: text((row) => columns(row).KG) },
+  ], (row) => row.id, { tall: true, label: t("Signals"), row: (row) => { const v = values[row.id]; return v?.[3] ? "forced" : !v || v[1] === 2 ? "" : v[1] === 1 ? "stale" : "badq"; } });
+
+  const isDouble = (row) => ["DH", "KG", "REAL"].includes(row.type);
+  function raw(row) { const v = values[row.id]?.[0]; return row.kind === "word" && typeof v === "string" ? v : null; }
+  function columns(row) {
+    const hex = raw(row);
+    if (!hex) return { KF: "", KH: "", KM: "", KG: "" };
+    const word = parseInt(hex.slice(0, 4), 16);
+    const long = parseInt(hex.slice(0, 8).padEnd(8, "0"), 16);
+    const double = isDouble(row);
+    return {
+      KF: double ? long | 0 : (word << 16) >> 16, KH: (double ? hex.slice(0, 8) : hex.slice(0, 4)).toUpperCase(),
+      KM: double ? "" : word.toString(2).padStart(16, "0").replace(/(.{8})/, "$1 "), KG: double ? kg(long).toPrecision(6) : "",
+    };
+  }
+  // S5 float: exponent and 24-bit mantissa, both two's complement.
+  function kg(long) { const exponent = long >> 24; const mantissa = (long << 8) >> 8; return (mantissa / 2 ** 23) * 2 ** exponent; }
+  function shown(row) {
+    const v = values[row.id];
+    if (!v || v[0] === null) return "";
+    const hex = raw(row);
+    if (!hex) return typeof v[0] === "number" && !Number.isInteger(v[0]) ? v[0].toFixed(3) : v[0];
+    if (row.id.endsWith("DL")) return parseInt(hex.slice(0, 2), 16);
+    if (row.id.endsWith("DR")) return parseInt(hex.slice(2, 4), 16);
+    if (row.type === "KG") return kg(parseInt(hex, 16)).toPrecision(6);
+    if (row.type === "REAL") { const view = new DataView(new ArrayBuffer(4)); view.setUint32(0, parseInt(hex.padEnd(8, "0"), 16)); return view.getFloat32(0).toPrecision(6); }
+    const c = columns(row);
+    const count = Number.parseFloat(row.unit);
+    return row.type === "KF" && count && count !== 1 ? (c.KF * count).toFixed(1) : c.KF;
+  }
+  function quality(row) {
+    const v = values[row.id];
+    if (!v) return "";
+    return v[3] ? t("forced") : [t("bad"), t("stale"), t("good")][v[1]];
+  }
+  function force(row, td) {
+    if (!row.forcible) return;
+    const forced = Boolean(values[row.id]?.[3]);
+    if (td.dataset.forced === String(forced)) return;
+    td.dataset.forced = String(forced);
+    const bit = Number(row.id.slice(3));
+    const key = (title, path, body, done) => h("button", { type: "button", class: "tiny", disabled: !may("setter"), "data-force": `${row.id}=${body.value ?? "end"}`, onclick: () => post(path, body, done) }, title);
+    td.replaceChildren(h("span", { class: "bar", style: "margin:0;flex-wrap:nowrap" }, key("0", "/api/force", { bit, value: 0 }, "The input is forced"), key("1", "/api/force", { bit, value: 1 }, "The input is forced"),
+      forced ? key(t("end"), "/api/unforce", { bit }, "The force has ended") : null));
+  }
+  function show(row) {
+    chosen = row.id;
+    detail.replaceChildren(h("h2", {}, row.name), h("p", {}, row.en ? t("en") === "de" ? row.de : row.en : ""),
+      h("p", { class: "mono small" }, row.addresses.join("   ")),
+      row.source === "axisgate" ? h("p", { class: "soft" }, t("The number is axisgate's own (AX-002).")) : null,
+      h("p", {}, `${t("written by")}: ${row.door || t("nobody")}`),
+      h("h2", {}, t("Where used")), row.used.length ? h("ul", {}, row.used.map((use) => h("li", {}, use))) : h("p", { class: "soft" }, t("nowhere in this cell")));
+  }
+  async function find() {
+    try {
+      const told = await get(`/api/signals?q=${encodeURIComponent(search.value)}&group=${encodeURIComponent(group)}`);
+      rows = told.rows;
+      put(found, `${told.total} ${t("values")}${told.total > rows.length ? `, ${rows.length} ${t("shown")}` : ""}`);
+      table.update(rows);
+      table.element.classList.toggle("nowords", !rows.some((row) => row.kind === "word"));
+      live.page("signals", rows.map((row) => row.id));
+      if (rows.length && !rows.some((row) => row.id === chosen)) show(rows[0]);
+    } catch (error) { put(found, error.message); }
+  }
+  async function plant() {
+    const told = await get("/api/tree");
+    const branches = new Map();
+    for (const { group: name, count } of told.tree) {
+      const [top] = name.split(" / ");
+      if (!branches.has(top)) branches.set(top, []);
+      branches.get(top).push([name, count]);
+    }
+    const leaf = (name, title, count) => h("button", { type: "button", "aria-pressed": "false", "data-group": name, onclick: (event) => choose(event.currentTarget, name) }, h("span", {}, title), h("span", { class: "soft" }, String(count)));
+    tree.append(leaf("", t("everything"), told.total));
+    for (const [top, leaves] of branches) {
+      if (leaves.length === 1 && leaves[0][0] === top) tree.append(leaf(top, top, leaves[0][1]));
+      else tree.append(h("details", {}, h("summary", {}, t(top)), leaf(top, t("all"), leaves.reduce((sum, [, count]) => sum + count, 0)), leaves.map(([name, count]) => leaf(name, name.slice(top.length + 3), count))));
+    }
+    tree.querySelector("button").setAttribute("aria-pressed", "true");
+  }
+  function choose(button, name) {
+    group = name;
+    tree.querySelectorAll("[aria-pressed]").forEach((each) => each.setAttribute("aria-pressed", String(each === button)));
+    find();
+  }
+  root.append(h("div", { class: "grid" },
+    h("section", { class: "card w3" }, h("h2", {}, t("Tree")), tree),
+    h("div", { class: "w9" }, h("section", { class: "card" }, h("div", { class: "bar", style: "flex-wrap:nowrap" }, search), h("div", { class: "bar spread" }, found, unforce), table.element),
+      h("div", { style: "height:.9rem" }), detail)));
+  plant().then(find);
+  return {
+    update(page, head, fresh) {
+      values = fresh;
+      unforce.disabled = !head.forced || !may("setter");
+      table.update(rows);
+    },
+    watch: () => [],
+  };
+}

@@ -1,0 +1,1 @@
+"""The page of a really running cell, seen through a real browser."""
