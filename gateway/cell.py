@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 from gateway.cell_controller import Controller
 from gateway.cell_modbus import Modbus
+from gateway.cell_positions import Position
 from gateway.cell_program import Program
 from gateway.cell_routes import Route
 from gateway.cell_web import Web
@@ -245,10 +246,11 @@ class Handshake:
     """[handshake.NAME]: the bits an old program starts a move with, as DBn.Dw.b."""
 
     pattern: str
-    start: str
-    busy: str
-    done: str
+    start: str = ""  # request or strobe; number-select needs none
+    busy: str = ""
+    done: str = ""  # acknowledgement of level-ack, toggle, strobe-parity
     refused: str = ""
+    parity: str = "even"  # strobe-parity: ones of code and parity bit together
 
 
 @dataclass(frozen=True, slots=True)
@@ -534,6 +536,7 @@ class Cell:
     line: tuple[Line, ...] = ()
     db: tuple[Db, ...] = ()
     handshake: Mapping[str, Handshake] = field(default_factory=dict)
+    position: tuple[Position, ...] = ()
     io: tuple[Io, ...] = ()
     bus: tuple[Bus, ...] = ()
     axis: tuple[Axis, ...] = ()
@@ -588,8 +591,6 @@ class Cell:
                 line.port.split(":")[0],
                 ("sim", "pty", "tcp", "rfc2217", line.port if line.port.startswith("/") else "sim"),
             )
-        for name, handshake in self.handshake.items():
-            yield f"handshake.{name}.pattern", handshake.pattern, ("start-busy-done",)
         for bus in self.bus:
             yield f"bus.{bus.name}.protocol", bus.protocol, ("servodyn", "canopen", "rho3-io")
         for axis in self.axis:

@@ -219,10 +219,18 @@ class Db(Table):
 
 class Handshake(Table):
     pattern: Literal["start-busy-done", "level-ack", "toggle", "strobe-parity", "number-select"]
-    start: str
-    busy: str
-    done: str
+    start: str = ""
+    busy: str = ""
+    done: str = ""
     refused: str = ""
+    parity: Literal["even", "odd"] = "even"
+
+
+class Position(Table):
+    number: int = Field(ge=1, le=65535)
+    at: dict[str, float] = Field(min_length=1)
+    speed: float = Field(default=100.0, gt=0, le=100, json_schema_extra=unit("%"))
+    comment: str = ""
 
 
 class IoDevice(Table):
@@ -478,6 +486,7 @@ class CellFile(Table):
     line: list[Line] = []
     db: list[Db] = []
     handshake: dict[str, Handshake] = {}
+    position: list[Position] = []
     io: list[Io] = []
     bus: list[Bus] = []
     defaults: Defaults = Defaults()

@@ -6,10 +6,11 @@ Where the cell declares no blocks, DB 10 is the command block, DB 11 the status 
 
 import struct
 import time
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from gateway.assembly import Door
-from gateway.cell import Db, Entry, Handshake, Line
+from gateway.cell import Cell, Db, Entry, Handshake, Line
 from gateway.couplingareas import RECEIVED_DB, SENT_DB
 from gateway.doors import Tell
 from gateway.image import RegionWriter
@@ -19,6 +20,7 @@ from gateway.pure.command_block import COMMAND_WORDS, STATUS_WORDS, Code, Comman
 from gateway.pure.computerlink import ComputerLink
 from gateway.pure.datadoor import RC_NAMES, DataBlock, DataDoor, HandshakeBits, Slot
 from gateway.pure.dialects import BUEP64, buep64_fault, link_profile, rk512_dialect
+from gateway.pure.handshakes import Handshaking, Pattern
 from gateway.pure.line_blocks import block_key
 from gateway.pure.line_jobs import OwnJob, OwnJobs
 from gateway.pure.office import Office, OnLoss
@@ -98,8 +100,9 @@ class LineDoor(SerialDoor):
             return services.variables.value_of(name, self)
 
         return DataDoor(
-            blocks, names, compile_handshake(handshake) if handshake else None, command, value, bad_number, level, tuple(inputs)
-        )
+            blocks, names, compile_handshake(handshake) if handshake else None, command, value, bad_number, level, tuple(inputs),
+            *compile_pattern(services.cell),
+        )  # fmt: skip
 
     # ---- life --------------------------------------------------------------------------------------------------------
     def restart(self) -> None:
@@ -314,13 +317,23 @@ def _word_of(address: str | None) -> tuple[int, int] | None:
 def compile_handshake(handshake: Handshake) -> HandshakeBits:
     """start-busy-done with its bits found."""
 
-    def bit(text: str) -> tuple[int, int, int]:
+    def bit(text: str) -> tuple[int, int, int] | None:
+        if not text:
+            return None
         place = parse(text)
         assert isinstance(place, DataBit)  # the cell's checks have seen to it
         return place.db, place.word, place.bit
 
-    refused = bit(handshake.refused) if handshake.refused else None
-    return HandshakeBits(bit(handshake.start), bit(handshake.busy), bit(handshake.done), refused)
+    return HandshakeBits(bit(handshake.start), bit(handshake.busy), bit(handshake.done), bit(handshake.refused))
+
+
+def compile_pattern(cell: Cell) -> tuple[Handshaking | None, dict[int, tuple[Mapping[str, float], float]]]:
+    """The pattern of [handshake.move], None for start-busy-done, which the data door plays itself; and what its numbers select."""
+    positions = {position.number: (position.at, position.speed / 100.0) for position in cell.position}
+    handshake = cell.handshake.get("move")
+    if handshake is None or handshake.pattern == Pattern.START_BUSY_DONE.value:
+        return None, positions
+    return Handshaking(Pattern(handshake.pattern), positions, odd=handshake.parity == "odd"), positions
 
 
 def compile_block(db: Db) -> DataBlock:

@@ -28,7 +28,9 @@ HARMLESS = frozenset(
     "__future__ abc array binascii bisect collections copy dataclasses decimal difflib enum fractions functools heapq itertools "
     "json math numbers operator re statistics string struct textwrap types typing unicodedata zlib".split()
 )
-TABLES = tuple(f"gateway.cell_{name}" for name in ("controller", "modbus", "program", "routes", "web"))  # tables of a cell, one file each
+TABLES = tuple(
+    f"gateway.cell_{name}" for name in ("controller", "modbus", "positions", "program", "routes", "web")
+)  # tables of a cell, one file each
 # Pure folders (and single files, which others may then import): what they may import beside HARMLESS.
 ALLOWED: dict[str, frozenset[str]] = {
     "protocols": frozenset({"protocols"}),

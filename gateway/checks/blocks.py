@@ -11,6 +11,20 @@ from gateway.pure.reasons import Reason
 SERVING = ("rk512", "buep64")  # layers
 DOUBLE = ("DH", "KG", "REAL")
 FULL = 100.0  # %
+NEEDED = {  # bits a handshake pattern cannot do without
+    "start-busy-done": ("start", "busy", "done"),
+    "level-ack": ("start", "done"),
+    "toggle": ("start", "done"),
+    "strobe-parity": ("start", "done"),
+    "number-select": ("done",),
+}
+CARRIED: dict[str, set[str]] = {  # names its telegrams have to carry
+    "start-busy-done": {"move.start"},
+    "level-ack": {"move.start"},
+    "toggle": {"move.start"},
+    "strobe-parity": {"move.start", "move.number", "move.parity"},
+    "number-select": {"move.number"},
+}
 LARGEST = {"cell.life": 0x7FFF, "error.first.code": max(Reason)}  # numbers of ours and their largest value
 BYTE = ("KH", "KM", "KF", "KC")
 COUNTS = {  # type -> smallest and largest count of a whole number (STEP 5)
@@ -261,13 +275,20 @@ def handshakes(check: Context) -> None:
             text = getattr(shake, key)
             if text:
                 _bit(check, f"handshake.{name}.{key}", text, writer)
+            elif key in NEEDED[shake.pattern]:
+                check.fault(f"handshake.{name}.{key}", text, f'pattern = "{shake.pattern}" needs this bit, as DB10.D0.8')
         if name != "move":
             check.fault(f"handshake.{name}", name, "only [handshake.move] exists")
         _targets(check, shake)
 
 
 def _targets(check: Context, shake: Handshake) -> None:
-    wanted = any(entry.to and entry.to.endswith(".target") for block in check.cell.db for entry in block.entries)
+    written = {entry.to for block in check.cell.db for entry in block.entries if entry.to}
+    wanted = any(name.endswith(".target") for name in written) or bool(check.cell.position)
+    for name in CARRIED[shake.pattern] - written:
+        check.fault("handshake.move.pattern", shake.pattern, f'no entry writes to = "{name}"')
+    if shake.pattern == "number-select" and not check.cell.position:
+        check.fault("handshake.move.pattern", shake.pattern, "no [[position]]: what should a number select?")
     if not wanted and check.cell.db:
         check.fault("handshake.move", shake.start, 'no entry writes a target (to = "move.AXIS.target"): what should it start?')
 
@@ -291,4 +312,22 @@ def _bit(check: Context, key: str, text: str, writer: str) -> None:
         check.fault(key, text, f'DB {address.db} has no entry at "D {address.word}.{address.bit}"')
 
 
-CHECKS = (block_heads, places, writers, names, ranges, handshakes)
+def positions(check: Context) -> None:
+    """Numbers stand once, axes exist, targets lie inside the travel."""
+    axes = {axis.name: axis for axis in check.cell.axis}
+    seen: set[int] = set()
+    for position in check.cell.position:
+        key = f"position.{position.number}"
+        if position.number in seen:
+            check.fault(f"{key}.number", position.number, "this number stands twice")
+        seen.add(position.number)
+        for name, target in position.at.items():
+            if check.unknown(f"{key}.at", name, "axis") or name not in axes:
+                continue
+            limits = axes[name].limits
+            if not limits.min <= target <= limits.max:
+                span = f"{number(limits.min)}..{number(limits.max)}"
+                check.fault(f"{key}.at", f"{name} = {number(target)}", "outside the axis' limits", span, axes[name].unit)
+
+
+CHECKS = (block_heads, places, writers, names, ranges, handshakes, positions)

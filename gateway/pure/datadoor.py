@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from gateway.pure.command_block import Code, Command
+from gateway.pure.handshakes import Asked, Handshaking
 from gateway.pure.line_blocks import block_name
 from gateway.pure.reasons import CommandState
 from protocols.base.errors import ProtocolError
@@ -61,9 +62,9 @@ class Slot:
 class HandshakeBits:
     """start-busy-done: the bits of one old program."""
 
-    start: tuple[int, int, int]  # db, word, bit
-    busy: tuple[int, int, int]
-    done: tuple[int, int, int]
+    start: tuple[int, int, int] | None  # db, word, bit
+    busy: tuple[int, int, int] | None
+    done: tuple[int, int, int] | None
     refused: tuple[int, int, int] | None
 
 
@@ -133,9 +134,12 @@ class DataDoor:
         bad_number: Callable[[str, str], None],
         level: Callable[[str, bool], None],
         inputs: Sequence[str] = (),
+        pattern: Handshaking | None = None,
+        positions: Mapping[int, tuple[Mapping[str, float], float]] | None = None,
     ) -> None:
         """`command` takes fresh commands, `value` gives status by name, `bad_number(name, text)` hears of numbers that are none or out of
-        min..max, `level(name, bit)` of entries that are RC inputs: cell.feed_allow, ... and `inputs`, the signals that entries name."""
+        min..max, `level(name, bit)` of entries that are RC inputs: cell.feed_allow, ... and `inputs`, the signals that entries name.
+        `pattern`: another handshake than start-busy-done; `positions`: what its numbers select, targets and speed (0..1)."""
         self.blocks: Mapping[int, DataBlock] = {block.number: block for block in blocks}
         self.life: int | None = None  # life word of the last telegram, if it wrote one
         self.clamped = 0
@@ -143,6 +147,7 @@ class DataDoor:
         self._handshake = handshake
         self._inputs = (*RC_NAMES, *inputs)
         self._command, self._value, self._bad, self._level = command, value, bad_number, level
+        self._pattern, self._positions, self._asked = pattern, positions or {}, Asked()
         self._levels: dict[str, float] = {}
         self._told: dict[Slot, str] = {}  # what was said of a bad number that still stands
         self._primed: set[str] = set()
@@ -156,6 +161,8 @@ class DataDoor:
     def restart(self) -> None:
         """Start of services or return of the link: the next telegram only says where the bits stand (AX-141)."""
         self._primed.clear()
+        if self._pattern is not None:
+            self._pattern.restart()
         for block in self.blocks.values():
             block.fresh = False
 
@@ -212,11 +219,27 @@ class DataDoor:
             self._command(Command(Code.REFERENCE, all_axes))
         if self._edge("cell.resume", levels) == 1:
             self._command(Command(Code.RESUME))
+        if self._pattern is not None:
+            self._ask(self._pattern, levels)
+            return
         start = self._edge("move.start", levels)
         if start == 1:
             self._start()
         elif start == -1:
             self._answered = True
+
+    def _ask(self, pattern: Handshaking, levels: Mapping[str, float]) -> None:
+        """What this telegram says of the request; what it does not carry stands as before."""
+        if not {"move.start", "move.number", "move.parity"} & levels.keys():
+            return
+        old = self._asked
+        self._asked = Asked(
+            bool(levels.get("move.start", old.start)),
+            round(levels.get("move.number", old.number)),
+            bool(levels.get("move.parity", old.parity)),
+        )
+        if pattern.see(self._asked):
+            self._start(self._positions.get(self._asked.number))
 
     def _edge(self, name: str, levels: Mapping[str, float]) -> int:
         """1 rising, -1 falling, 0 none or not known yet."""
@@ -244,12 +267,13 @@ class DataDoor:
         if fresh or (primed and now != before and self._value("cell.control")):
             self._command(Command(Code.OVERRIDE, velocity=now / 100.0))
 
-    def _start(self) -> None:
-        """The targets of the same telegram, or the latest ones written before it."""
-        mask = sum(1 << n for n, name in enumerate(self._axes) if name in self._targets)
-        targets = tuple(self._targets.get(name, 0.0) for name in self._axes) + (0.0,) * (12 - len(self._axes))
+    def _start(self, position: tuple[Mapping[str, float], float] | None = None) -> None:
+        """The selected position, or the targets of the same telegram, or the latest ones written before it."""
+        at, speed = (self._targets, self._speed) if position is None else position
+        mask = sum(1 << n for n, name in enumerate(self._axes) if name in at)
+        targets = tuple(at.get(name, 0.0) for name in self._axes) + (0.0,) * (12 - len(self._axes))
         self._answered = False
-        self._command(Command(Code.PTP_ABSOLUTE, mask, self._speed, 1.0, targets))
+        self._command(Command(Code.PTP_ABSOLUTE, mask, speed, 1.0, targets))
 
     def settle(self, *, at_rest: bool) -> None:
         """Call when time has passed: control is released at rest, after drives-on fell."""
@@ -261,9 +285,13 @@ class DataDoor:
     def move_state(self, state: CommandState) -> None:
         """What became of the last move; shown in the handshake bits until start falls."""
         self._move = state
+        if self._pattern is not None:
+            self._pattern.hear(state)
 
     def handshake_bit(self, key: str) -> bool:
         """busy, done, refused of the last move; done and refused fall with the start bit."""
+        if self._pattern is not None:
+            return self._pattern.bit(key)
         if key == "busy":
             return self._move in (CommandState.ACCEPTED, CommandState.RUNNING)
         if self._answered:
@@ -280,7 +308,7 @@ class DataDoor:
         bits = self._handshake
         if bits is not None:
             for place, key in ((bits.busy, "busy"), (bits.done, "done")):
-                if place[0] == db:
+                if place is not None and place[0] == db:
                     block.put_bit(place[1], place[2], self.handshake_bit(key))
             if bits.refused is not None and bits.refused[0] == db and self.handshake_bit("refused"):
                 block.put_bit(bits.refused[1], bits.refused[2], True)  # the bit may also be the cell's error bit

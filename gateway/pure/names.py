@@ -41,6 +41,8 @@ NAMES = (
     Name("cell.override", Kind.PERCENT, to=True, from_=True),
     Name("axis.AXIS.reference", Kind.BIT, to=True),
     Name("move.start", Kind.BIT, to=True),
+    Name("move.number", Kind.NUMBER, to=True),
+    Name("move.parity", Kind.BIT, to=True),
     Name("move.AXIS.target", Kind.WAY, to=True),
     Name("move.speed", Kind.PERCENT, to=True),
     Name("line.LINE.life", Kind.NUMBER, to=True),

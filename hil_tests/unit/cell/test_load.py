@@ -60,7 +60,6 @@ def test_the_demo_cell_plays_and_the_examples_say_what_does_not() -> None:
     ("edit", "reason"),
     [
         (('port     = "sim"                     # a simulated', 'port     = "COM5" #'), "line.plc1.port = COM5"),
-        (('pattern  = "start-busy-done"', 'pattern  = "toggle"'), "handshake.move.pattern = toggle"),
         (('to = "cell.reset", ', 'to = "USER_1_RCI", '), "db.10[D 0.2] = USER_1_RCI"),
         (('to = "axis.*.reference",', 'to = "axis.A1.reference",'), "db.10[D 0.3] = axis.A1.reference"),
         (('view           = "rho3"', 'float = "CDAB"'), "modbus.plc2.float = CDAB"),

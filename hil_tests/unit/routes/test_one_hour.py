@@ -62,7 +62,7 @@ def test_after_an_hour_of_links_up_and_down_every_value_was_right_or_marked() ->
     chance = random.Random(1)
     a, b = Writer(10, chance), Writer(20, chance)
     out = bytearray(64)
-    plan: list[tuple[str, str, str, str, RouteSettings, Writer, Right]] = [  # from, form, to, form, settings, writer, what of its telegram is right
+    plan: list[tuple[str, str, str, str, RouteSettings, Writer, Right]] = [
         ("DB10.DW0", "KF", "DB30.DW0", "KF", RouteSettings("kf"), a, lambda w: signed(w[0])),
         ("DB10.DW1", "u16", "DB30.DD2", "s32", RouteSettings("wide", scale=10.0, offset=-5.0), a, lambda w: w[1] * 10 - 5),
         ("DB10.D2.3", "", "DB30.D4.0", "", RouteSettings("bit", loss=Loss.ZERO), a, lambda w: w[2] >> 3 & 1),
@@ -96,7 +96,7 @@ def test_after_an_hour_of_links_up_and_down_every_value_was_right_or_marked() ->
                     assert number_at(targets[n], out) == 7
     assert min(a.outages, b.outages) > 100 and min(seen_valid) > 2_000 and min(seen_lost) > 2_000
     for n, route in enumerate(table.routes):
-        right = plan[n][6](plan[n][5].sent)
-        fits = route.settings.low <= right <= route.settings.high
+        last = plan[n][6](plan[n][5].sent)
+        fits = route.settings.low <= last <= route.settings.high
         assert route.valid is fits
-        assert not fits or number_at(targets[n], out) == right
+        assert not fits or number_at(targets[n], out) == last
