@@ -66,7 +66,7 @@ class RunPlan:
     p5_ms: int
     buses: Mapping[str, str]  # bus -> url of its CAN port
     lines: Mapping[str, str]  # line -> url of its byte port
-    modbus: Mapping[str, tuple[str, int]]
+    modbus: Mapping[str, tuple[str, int] | str]  # server -> host and port, or url of its serial port; client -> url
     doors: tuple[Door, ...]
     record: pathlib.Path | None = None
     children: tuple[Child, ...] = field(default_factory=tuple)
@@ -77,6 +77,11 @@ class RunPlan:
     @property
     def journal(self) -> pathlib.Path:
         return self.folder / "journal.jsonl"
+
+    def modbus_place(self, name: str) -> str:
+        """Where that Modbus server or client is, in words."""
+        place = self.modbus[name]
+        return place if isinstance(place, str) else f"{place[0]}:{place[1]}"
 
     def door(self, name: str) -> Door:
         """The door of that name; KeyError names those that exist."""
@@ -149,10 +154,8 @@ def plan_run(
         core.append(
             Child("planner", "gateway.processes.planner", (), ("axes", "blocks", "pieces", "planner"), "planner", PLANNER_LIFE_MS * MS)
         )
-    binds = {
-        m.name: ("127.0.0.1" if simulated else m.host, modbus_port if modbus_port is not None else (1502 if simulated else m.port))
-        for m in cell.modbus
-    }
+    binds, cables = modbus_ports(cell, slug, simulated, modbus_port, baud)
+    sims += cables
     web = page_of(cell, web_port, simulated=simulated)
     if web is not None:
         core.append(Child("web", "gateway.processes.web", (), ("axes", "rc_in", "rc_out", "links", *(("planner",) if cell.robot else ()))))
@@ -188,7 +191,9 @@ def emulators(
     children = []
     absent = cell.plant.absent if cell.plant else ()
     buses_with_io = {
-        bus.name: modules for bus in cell.bus if bus.name in buses and bus.name not in absent and (modules := module_arguments(cell, bus, buses[bus.name]))
+        bus.name: modules
+        for bus in cell.bus
+        if bus.name in buses and bus.name not in absent and (modules := module_arguments(cell, bus, buses[bus.name]))
     }
     children += [Child(f"modules-{name}", "gateway.processes.io_modules", each, announces=True) for name, each in buses_with_io.items()]
     for name, url in buses.items():
@@ -226,6 +231,28 @@ def make_regions(plan: RunPlan) -> dict[str, int]:
 def command_line(child: Child) -> list[str]:
     """How a child is started; fds are added by the supervisor."""
     return [sys.executable, "-m", child.module, *child.arguments]
+
+
+def modbus_ports(
+    cell: Cell, slug: str, simulated: bool, port: int | None, baud: int | None
+) -> tuple[dict[str, tuple[str, int] | str], list[Child]]:
+    """Where Modbus servers listen and clients speak, and the cables of simulated lines; `port` is the first TCP server's."""
+    places: dict[str, tuple[str, int] | str] = {}
+    cables: list[Child] = []
+    for modbus in cell.modbus:
+        if modbus.serial and (simulated or modbus.port_ == "sim"):
+            name = f"{slug}-{modbus.name}"
+            pace = str(baud or int(modbus.format.split()[0]))
+            arguments = ("--name", name, "--baud", pace, "--plain", "A")
+            cables.append(Child(f"line-{modbus.name}", "gateway.processes.line", arguments, announces=True))
+            places[modbus.name] = f"pty:{runtime_dir() / name}-b"
+        elif modbus.port_:
+            places[modbus.name] = modbus.port_
+        else:
+            own = modbus.port if not simulated or modbus.port >= 1024 else 1000 + modbus.port  # 502 and 802 want a permission
+            places[modbus.name] = ("127.0.0.1" if simulated else modbus.host, own if port is None else port)
+            port = None
+    return places, cables
 
 
 def load_plan(fd: int) -> RunPlan:

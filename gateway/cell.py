@@ -576,7 +576,6 @@ class Cell:
         reasons = [f"{key} = {value}" for key, value, played in self._choices() if value not in played]
         reasons += [] if simulated else [f"io.{io.name}.device.type = {io.device.type}" for io in self.io]
         reasons += [f"db.{db.number}[{entry.at}] = {entry.signal}" for db in self.db for entry in db.entries if not _served(entry.signal)]
-        reasons += [f"modbus.{door.name}.registers" for door in self.modbus if door.registers]
         if self.robot is not None and self.robot.kinematics not in PLANNED_KINEMATICS:
             reasons.append(f"robot.kinematics = {self.robot.kinematics}")
         reasons += [] if self.retain is None else ["retain.values"]
@@ -601,10 +600,6 @@ class Cell:
             yield f"axis.{axis.name}.home.by", axis.home.by, by
             if axis.home.by == "gateway":
                 yield f"axis.{axis.name}.home.mode", axis.home.mode, (0, 1, 2, 3)
-        for door in self.modbus:
-            yield f"modbus.{door.name}.float", door.float, ("ABCD",)
-            yield f"modbus.{door.name}.role", door.role, ("server",)
-            yield f"modbus.{door.name}.framing", door.framing, ("tcp",)
 
     def axis_named(self, name: str) -> Axis:
         """The axis of that name; KeyError names those that exist."""

@@ -80,6 +80,24 @@ class ModbusDevice:
 
 
 @dataclass(frozen=True, slots=True)
+class ModbusValue:
+    """One [[modbus.value]] table of a client: a value of a device and the named value it goes to or comes from."""
+
+    device: str
+    table: str  # coil | discrete | input | holding
+    at: int  # protocol address, base 0
+    type: str  # bit INT16 UINT16 INT32 UINT32 INT64 UINT64 REAL LREAL
+    to: str = ""  # read every `every_ms` into this name
+    from_: str = ""  # written when this name changes, and every `every_ms`
+    every_ms: int = 100
+    scale: float = 1.0  # value = number x scale
+
+    @property
+    def name(self) -> str:
+        return self.to or self.from_
+
+
+@dataclass(frozen=True, slots=True)
 class Modbus:
     """[[modbus]]: a server (one door) or a client."""
 
@@ -107,6 +125,7 @@ class Modbus:
     limits: ModbusLimits = ModbusLimits()
     # client
     device: tuple[ModbusDevice, ...] = ()
+    value: tuple[ModbusValue, ...] = ()
 
     @property
     def host(self) -> str:

@@ -7,6 +7,7 @@ from pydantic import BaseModel, ConfigDict, Field
 BAUDS = "300|600|1200|2400|4800|9600|19200|38400|57600|115200"
 OnLoss = Literal["hold", "finish_move", "stop_on_path", "quick_stop"]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]*$", json_schema_extra={"allowed": "letters, digits, _ and -"})]
+OWN_NAME = r"[a-z]\w*(\.\w+)+"  # as gateway.pure.addresses reads it
 Order = Literal["ABCD", "CDAB", "BADC", "DCBA"]
 Spans = list[Annotated[str, Field(pattern=r"^\d{1,5}(\.\.\d{1,5})?$", json_schema_extra={"allowed": '"0..63" or "7"'})]]
 View = Literal["rho3", "registers"]
@@ -78,6 +79,19 @@ class ModbusDevice(Table):
     most_bits: int = Field(default=2000, ge=1, le=2000)
 
 
+class ModbusValue(Table):
+    device: Name
+    table: Literal["coil", "discrete", "input", "holding"]
+    at: int = Field(ge=0, le=65535)
+    type: Literal["bit", "INT16", "UINT16", "INT32", "UINT32", "INT64", "UINT64", "REAL", "LREAL"]
+    to: str = Field(default="", pattern=rf"^({OWN_NAME})?$", json_schema_extra={"allowed": "a name of the cell's own, as tank.level"})
+    from_: str = Field(
+        default="", alias="from", pattern=rf"^({OWN_NAME})?$", json_schema_extra={"allowed": "a name of the cell's own, as tank.level"}
+    )
+    every_ms: int = Field(default=100, ge=5, le=3_600_000, json_schema_extra=in_unit("ms"))
+    scale: float = 1.0
+
+
 class Modbus(Table):
     name: Name
     role: Literal["server", "client"] = "server"
@@ -108,3 +122,4 @@ class Modbus(Table):
     tls: ModbusTls | None = None
     limits: ModbusLimits = ModbusLimits()
     device: list[ModbusDevice] = []
+    value: list[ModbusValue] = []

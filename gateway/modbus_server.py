@@ -80,7 +80,7 @@ class ModbusServer:
             raise ValueError(f"held_bytes: {self.limits.held_bytes}; at least {2 * CHUNK_ANSWERS} bytes")
         self.desk = Desk(view_for, unit, on_request, Station(identity, unit), line=rtu)
         self.rtu, self.tls = rtu, tls
-        self._rights_for = rights_for
+        self.rights_for = rights_for
         self._allow = None if allow is None else [ipaddress.ip_network(text, strict=False) for text in allow]
         self._host, self._port = host, port
         self._connections: set[_Connection] = set()
@@ -140,8 +140,8 @@ class ModbusServer:
 
     def rights_of(self, host: str, transport: asyncio.Transport) -> tuple[Rights, str] | None:
         """What a new partner may do, and his role; None: nothing at all."""
-        if self._rights_for is not None:
-            return self._rights_for(transport)
+        if self.rights_for is not None:
+            return self.rights_for(transport)
         return Rights(write=self.may_write(host)), ""
 
     def enter(self, connection: "_Connection", host: str) -> bool:

@@ -1,29 +1,96 @@
-"""The door of a Modbus TCP server: RC signals by their bit numbers, and the own command block (AX-012)."""
+"""The door of a Modbus server: RC signals by their bit numbers, the own command block (AX-012), registers of the cell file.
 
+Over TCP, over TLS, RTU in a TCP stream, RTU on a serial port: the door is the same, only what carries the bytes differs.
+"""
+
+import asyncio
+import ipaddress
+import pathlib
 import time
 from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from gateway.cell_modbus import Modbus
+from gateway.cell_modbus import Modbus, ModbusRole
 from gateway.doors import BaseDoor
-from gateway.modbus_server import ModbusServer
+from gateway.modbus_line import ModbusLine
+from gateway.modbus_server import Limits, ModbusServer
+from gateway.pure.modbus_registers import Placed, Registers, RegistersView, place
 from gateway.pure.modbus_view import RhoView
 from gateway.pure.records import InputImage, Quality
+from protocols.base.machine import ms
+from protocols.modbus.rights import Rights, Span
+from protocols.modbus.station import Identity
 from protocols.modbus.view import View
 
-WRITES = (5, 6, 15, 16)
+if TYPE_CHECKING:
+    from gateway.modbusclients import ModbusClients
+    from gateway.processes.services import Services
+
+WRITES = (5, 6, 15, 16, 21, 22, 23)
+Bind = tuple[str, int] | str  # host and port, or the url of a serial port
+
+
+@dataclass(frozen=True, slots=True)
+class CellSide:
+    """What the rest of the services gives a door."""
+
+    inputs: InputImage
+    owned: Collection[int]
+    flush: Callable[[], None]
+    value: Callable[[str], float]
+    block: Callable[[int], bytes | None]
+    errors: Callable[[], Sequence[int]]
+    axes: Sequence[str]
+    folder: pathlib.Path  # beside which certificates are looked for
+
+
+def side_of(services: "Services", door: "ModbusDoor", owned: Collection[int]) -> CellSide:
+    """The services as a door sees them."""
+
+    def block(number: int) -> bytes | None:
+        for other in services.doors:
+            data = getattr(other, "data", None)
+            if data is not None and number in data.blocks:
+                return bytes(data.fill(number))
+        return None
+
+    return CellSide(
+        services.inputs,
+        owned,
+        services.flush,
+        lambda name: services.variables.value_of(name, door),
+        block,
+        lambda: [code for code, _ in services.values.errors],
+        [axis.name for axis in services.cell.axis],
+        pathlib.Path(services.cell.file).resolve().parent,
+    )
+
+
+def modbus_clients(services: "Services") -> "ModbusClients | None":
+    """The clients of a cell that has some."""
+    if not any(modbus.role == "client" for modbus in services.cell.modbus):
+        return None
+    from gateway.modbusclients import ModbusClients
+
+    return ModbusClients(services)
+
+
+def placed(settings: Modbus, axes: Sequence[str]) -> list[Placed]:
+    """[[modbus.registers]] one value after another."""
+    return [each for table in settings.registers for each in place(table.at, table.from_, table.type, axes)]
 
 
 class ModbusDoor(BaseDoor):
-    """One Modbus TCP server."""
+    """One Modbus server."""
 
     view: RhoView
-    server: ModbusServer
+    server: ModbusServer | ModbusLine
     _writer = ""  # host:port of the client that wrote last
 
-    def listen(
-        self, settings: Modbus, bind: tuple[str, int], inputs: InputImage, owned: Collection[int], flush: Callable[[], None]
-    ) -> None:
-        """Make view and server; not started yet.  `flush` puts orders into the ring at once."""
+    def listen(self, settings: Modbus, bind: Bind, side: CellSide) -> None:
+        """Make views and server; not started yet."""
+        inputs, flush = side.inputs, side.flush
 
         def written(octets: Collection[int]) -> None:
             now = time.monotonic_ns()
@@ -36,19 +103,57 @@ class ModbusDoor(BaseDoor):
             self.view.status = self.block.status_words(self.status)  # the answer to the next read is fresh without waiting for a tick
             flush()
 
-        self.view = RhoView(inputs, owned, written, command if settings.command_block else None)
+        extras = placed(settings, side.axes)
+        registers = Registers(extras, side.value, settings.float) if extras else None
+        taken = command if settings.command_block else None
+        self.view = RhoView(inputs, side.owned, written, taken, registers, side.block, side.errors)
         self.view.command_words = self.block.words
+        bare = RegistersView(Registers(extras, side.value, settings.float))
+        views: dict[int, View] = {unit.unit: self.view if unit.view == "rho3" else bare for unit in settings.units}
+        views[settings.unit] = self.view if settings.view == "rho3" else bare
+        self.server = self._line(settings, bind, views) if isinstance(bind, str) else self._tcp(settings, bind, views, side.folder)
 
-        def view_for(unit: int) -> View | None:
-            return self.view if unit == settings.unit else None
+    def _line(self, settings: Modbus, url: str, views: dict[int, View]) -> ModbusLine:
+        from drivers.ports.open import open_bytes
+        from protocols.modbus.timing import timing
 
-        self.server = ModbusServer(
-            view_for,
+        silences = timing(int(settings.format.split()[0]), patience=ms(settings.patience_ms))
+        return ModbusLine(
+            lambda: open_bytes(url, settings.format),
+            silences,
+            views.get,
+            unit=settings.unit,
+            name=settings.name,
+            on_request=self._answered,
+            identity=identity(settings),
+        )
+
+    def _tcp(self, settings: Modbus, bind: tuple[str, int], views: dict[int, View], folder: pathlib.Path) -> ModbusServer:
+        limits = Limits(
+            clients=settings.limits.clients,
+            per_address=settings.limits.per_address,
+            receive_limit_ns=ms(settings.limits.receive_ms),
+            stall_limit_ns=ms(settings.limits.stall_ms),
+            idle_limit_ns=ms(settings.limits.idle_ms) or None,
+        )
+        server = ModbusServer(
+            views.get,
             *bind,
             unit=settings.unit,
             allow=settings.allow or None,
+            limits=limits,
             on_request=self._answered,
+            rtu=settings.framing == "rtu",
+            identity=identity(settings),
         )
+        if settings.tls is not None:
+            from gateway.modbus_tls import TlsRights, server_context  # cryptography only where a cell asks for it
+
+            server.tls = server_context(settings.tls, folder)
+            server.rights_for = TlsRights({role.role: role_rights(role) for role in settings.roles})
+        elif settings.writers:
+            server.rights_for = WriterRights(settings)
+        return server
 
     def _answered(self, address: str, function: int) -> None:
         """Life of this door: requests of the client that writes; until somebody has written, of any (AX-148)."""
@@ -56,3 +161,40 @@ class ModbusDoor(BaseDoor):
             self._writer = address
         if self._writer in ("", address):
             self.heard(time.monotonic_ns())
+
+
+def identity(settings: Modbus) -> Identity:
+    """How a server calls itself (FC 17, FC 43/14)."""
+    from importlib.metadata import version
+
+    return Identity(revision=version("axisgate"), model=settings.view, application=settings.name)
+
+
+class WriterRights:
+    """[[modbus.writers]]: who may write where; everybody else reads (AX-343)."""
+
+    def __init__(self, settings: Modbus) -> None:
+        self._writers = [
+            (ipaddress.ip_network(writer.from_, strict=False), Rights(coils=spans(writer.coils), holding=spans(writer.holding)))
+            for writer in settings.writers
+        ]
+
+    def __call__(self, transport: asyncio.Transport) -> tuple[Rights, str] | None:
+        """By the partner's address; the first table that fits decides."""
+        partner = ipaddress.ip_address(str(transport.get_extra_info("peername")[0]).partition("%")[0])
+        if isinstance(partner, ipaddress.IPv6Address) and partner.ipv4_mapped is not None:
+            partner = partner.ipv4_mapped
+        return next((rights for network, rights in self._writers if partner in network), Rights(write=False)), ""
+
+
+def role_rights(role: ModbusRole) -> Rights:
+    """What [[modbus.roles]] says; a table left out means all of it."""
+    coils = None if role.coils is None else spans(role.coils)
+    holding = None if role.holding is None else spans(role.holding)
+    return Rights(role.read, role.write, coils, holding)
+
+
+def spans(texts: Sequence[str]) -> tuple[Span, ...]:
+    """ "0..63" or "7"."""
+    pairs = [text.partition("..") for text in texts]
+    return tuple((int(first), int(last or first)) for first, _, last in pairs)

@@ -50,8 +50,9 @@ def factor_of(unit: str) -> float | None:
 
 
 def named_values(cell: Cell) -> Values:
-    """The store with every name the cell's telegrams use and axisgate does not already know."""
-    return Values(written(cell.telegram) | set(watched(cell.telegram)), signals(cell.telegram) | outcomes(cell.telegram))
+    """The store with every name the cell's telegrams and Modbus clients use and axisgate does not already know."""
+    asked = {value.name for modbus in cell.modbus for value in modbus.value}
+    return Values(written(cell.telegram) | set(watched(cell.telegram)) | asked, signals(cell.telegram) | outcomes(cell.telegram))
 
 
 def written(telegrams: Iterable[Telegram]) -> set[str]:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 
 from gateway.cell import Cell, Notice
-from gateway.checks import axes, blocks, buses, canopen, controller, doors, lines, notes, programs, rho3can, routes, telegrams, web
+from gateway.checks import axes, blocks, buses, canopen, controller, doors, lines, modbus, notes, programs, rho3can, routes, telegrams, web
 from gateway.checks.context import Context
 from gateway.faults import Fault
 from gateway.pure.signals import SignalList
@@ -17,6 +17,7 @@ def cross_faults(cell: Cell, known: Mapping[str, frozenset[str]], signals: Signa
     for check in (
         *doors.CHECKS,
         *lines.CHECKS,
+        *modbus.CHECKS,
         *blocks.CHECKS,
         *buses.CHECKS,
         *rho3can.CHECKS,
@@ -34,4 +35,8 @@ def cross_faults(cell: Cell, known: Mapping[str, frozenset[str]], signals: Signa
 
 def notices(cell: Cell) -> list[Notice]:
     """Warnings and notes of a cell without faults, in the order of a reader's questions."""
-    return [notice for check in (*telegrams.NOTES, *lines.NOTES, *rho3can.NOTES, *notes.NOTES, *canopen.NOTES, *routes.NOTES, *controller.NOTES) for notice in check(cell)]
+    return [
+        notice
+        for check in (*telegrams.NOTES, *lines.NOTES, *rho3can.NOTES, *notes.NOTES, *canopen.NOTES, *routes.NOTES, *controller.NOTES)
+        for notice in check(cell)
+    ]

@@ -37,7 +37,9 @@ def names(check: Context) -> None:
     ports = [(line.port, f"line.{line.name}.port") for line in cell.line] + [(bus.port, f"bus.{bus.name}.port") for bus in cell.bus]
     for value, first, place in twice((port, place) for port, place in ports if port not in FREE_PORTS):
         check.fault(place, value, f"{first} has this port already")
-    for value, first, place in twice((door.bind, f"modbus.{door.name}.bind") for door in cell.modbus if door.port):
+    for value, first, place in twice(
+        (door.bind, f"modbus.{door.name}.bind") for door in cell.modbus if door.port and door.role == "server" and not door.serial
+    ):
         check.fault(place, value, f"{first} listens there already")
 
 
@@ -91,13 +93,6 @@ def _same(at: str, address: DataWord) -> bool:
         return False
 
 
-def modbus(check: Context) -> None:
-    """Port numbers that exist."""
-    for door in check.cell.modbus:
-        if door.port > 65535:
-            check.fault(f"modbus.{door.name}.bind", door.bind, "", "port 0..65535 (0: any free one)")
-
-
 def rc_inputs(check: Context) -> None:
     """Every RC input byte has one owning door; assumed inputs are enabling inputs."""
     doors = check.known["line"] | check.known["modbus"]
@@ -142,4 +137,4 @@ def signals(check: Context) -> None:
         taken[place] = name
 
 
-CHECKS = (safety, names, lines, modbus, rc_inputs, signals)
+CHECKS = (safety, names, lines, rc_inputs, signals)

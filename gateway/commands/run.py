@@ -102,7 +102,7 @@ def describe(plan: RunPlan) -> dict[str, object]:
         "buses": dict(plan.buses),
         "lines": dict(plan.lines),
         "web": plan.web.bind if plan.web else None,
-        "modbus": {name: f"{host}:{port}" for name, (host, port) in plan.modbus.items()},
+        "modbus": {name: plan.modbus_place(name) for name in plan.modbus},
         "doors": [{"number": door.number, "name": door.name, "kind": door.kind} for door in plan.doors],
         "processes": [{"name": child.name, "module": child.module, "arguments": list(child.arguments)} for child in plan.children],
     }

@@ -24,7 +24,7 @@ from gateway.io_office import IoOffice
 from gateway.journal import Journal
 from gateway.lastplace import judge, remember
 from gateway.linedoor import LineDoor
-from gateway.modbusdoor import ModbusDoor
+from gateway.modbusdoor import ModbusDoor, modbus_clients, side_of
 from gateway.pagedesk import Desks
 from gateway.programdesk import ProgramDesk
 from gateway.pure.office import Office
@@ -94,6 +94,7 @@ class Services:
         self.canopen = CanopenOffice(plan, fds, self.journal.write)
         self.contacts = IoOffice(self, fds)
         self.bridge = Bridge(self, fds)
+        self.clients = modbus_clients(self)
         self.timer = Timerfd()
         self.tools = Desks(self)
         self.variables = Variables(self)
@@ -112,7 +113,7 @@ class Services:
             watch = LinkWatch(ms(modbus.max_silence_ms), has_life_word=False)
             made = ModbusDoor(door, self.office, watch, on_loss_of(modbus.on_loss), region, self.journal.write)
             owned = [octet for octet, owner in self.cell.rc_inputs.owner.items() if owner == door.name]
-            made.listen(modbus, self.plan.modbus[door.name], self.inputs, owned, self.flush)
+            made.listen(modbus, self.plan.modbus[door.name], side_of(self, made, owned))
             return made
         line = next(x for x in self.cell.line if x.name == door.name)
         watch = LinkWatch(ms(line.supervision.max_silence_ms), has_life_word=line.supervision.life_word is not None)
@@ -127,6 +128,8 @@ class Services:
         loop.add_reader(self.timer.fileno(), self._on_timer)
         self.timer.set(time.monotonic_ns() + TICK_NS, TICK_NS)
         self.contacts.start()
+        if self.clients is not None:
+            self.clients.start()
         self.bridge.start(loop)
         self.tick()
         for door in self.doors:
@@ -139,6 +142,8 @@ class Services:
         variables.close()
         self.canopen.stop()
         self.contacts.close()
+        if self.clients is not None:
+            self.clients.close()
         if not self.plan.simulated:
             remember(self.cell, self.values.state)
         for door in self.doors:
@@ -179,6 +184,8 @@ class Services:
         self.tools.wake(now)
         self._age_inputs(now)
         self.signals.step(now)
+        if self.clients is not None:
+            self.clients.step(now)
         self._refresh(now)
         self.flush()
         self.links.beat(now)
@@ -307,8 +314,9 @@ class Services:
             "owner": self.office.owner,
             "forced": len(self.tools.forces.bits),
             **self.canopen.status(),
-            **self.bridge.status(),
             **self.signals.status(),
+            **self.bridge.status(),
+            **(self.clients.status() if self.clients is not None else {}),
             "errors": [{"code": code, "text": words} for code, words in self.values.errors[:8]],
             "inputs": {str(octet): self.inputs.values[octet] for octet in self.owned},
         }

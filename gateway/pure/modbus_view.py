@@ -1,5 +1,7 @@
 """The rho3 view of a Modbus unit (AX-012): coil N = RC input bit N, discrete input N = RC output bit N, holding 0-63 RC inputs,
-input registers 0-63 RC outputs, holding 1000.. command block, input 1000.. status block.  Protocol addresses, base 0.
+input registers 0-63 RC outputs, holding 1000.. command block, input 1000.. status block.  Protocol addresses, base 0.  Beside it:
+exception status (FC 7) = RC outputs 64..71, files (FC 20) = the data blocks, file N is DB N, queue at 2000 (FC 24) = numbers of the
+standing errors, first one first (AX-342); registers of the cell file (AX-347).
 
 Word r = bytes 2r (high), 2r+1 (low), the same as RK512 data words (AX-010).
 """
@@ -7,11 +9,14 @@ Word r = bytes 2r (high), 2r+1 (low), the same as RK512 data words (AX-010).
 from collections.abc import Callable, Collection, Sequence
 
 from gateway.pure.command_block import COMMAND_WORDS, STATUS_WORDS
+from gateway.pure.modbus_registers import Registers
 from gateway.pure.records import RC_BYTES, InputImage, get_bit, set_bit
 from protocols.modbus.view import ExceptionCode, Kind
 
 BLOCK_AT = 1000
 RC_WORDS = RC_BYTES // 2
+STATUS_BYTE = 8  # RC outputs 64..71: ready, ready2, drives on, emergency stop latched (AX-002)
+ERRORS_AT, MOST_ERRORS = 2000, 31
 MISSING = ExceptionCode.ILLEGAL_DATA_ADDRESS
 
 
@@ -24,12 +29,17 @@ class RhoView:
         owned: Collection[int],
         written: Callable[[Collection[int]], None],
         command: Callable[[int, Sequence[int]], None] | None,
+        registers: Registers | None = None,
+        block: Callable[[int], bytes | None] = lambda number: None,
+        errors: Callable[[], Sequence[int]] = tuple,
     ) -> None:
-        """`owned`: RC input bytes this door may write; `written` is told which it wrote; `command` takes command words (first, values)."""
+        """`owned`: RC input bytes this door may write; `written` is told which it wrote; `command` takes command words (first, values);
+        `block` gives a data block as it stands (None: there is none), `errors` the numbers of the standing errors."""
         self.outputs: bytes = bytes(RC_BYTES)  # RC outputs; replaced whole at every tick
         self.status: Sequence[int] = [0] * STATUS_WORDS
         self.command_words: Sequence[int] = [0] * COMMAND_WORDS
         self._inputs, self._owned, self._written, self._command = inputs, frozenset(owned), written, command
+        self._registers, self._block, self._errors = registers, block, errors
 
     def read_bits(self, kind: Kind, address: int, count: int) -> Sequence[bool] | ExceptionCode:
         """Coils: RC inputs; discrete inputs: RC outputs."""
@@ -40,6 +50,8 @@ class RhoView:
 
     def read_words(self, kind: Kind, address: int, count: int) -> Sequence[int] | ExceptionCode:
         """Holding: RC inputs and command block; input: RC outputs and status block."""
+        if self._registers is not None and address in self._registers:
+            return self._registers.read(address, count)
         holding = kind is Kind.HOLDING_REGISTERS
         if address >= BLOCK_AT and self._command is not None:
             block = self.command_words if holding else self.status
@@ -74,3 +86,23 @@ class RhoView:
             self._inputs.values[2 * r : 2 * r + 2] = value.to_bytes(2, "big")
         self._written(touched)
         return None
+
+    # ---- beside the tables
+    def exception_status(self) -> int:
+        """RC outputs 64..71."""
+        return self.outputs[STATUS_BYTE]
+
+    def read_record(self, file: int, record: int, count: int) -> Sequence[int] | ExceptionCode:
+        """Words of data block `file`, high byte first."""
+        data = self._block(file)
+        if data is None or 2 * (record + count) > len(data):
+            return MISSING
+        return [data[2 * r] << 8 | data[2 * r + 1] for r in range(record, record + count)]
+
+    def write_record(self, file: int, record: int, values: Sequence[int]) -> ExceptionCode | None:
+        """A block has one writer, the partner on its line: never this door."""
+        return MISSING
+
+    def read_queue(self, address: int) -> Sequence[int] | ExceptionCode:
+        """Standing errors; reading takes none away."""
+        return [number & 0xFFFF for number in self._errors()][:MOST_ERRORS] if address == ERRORS_AT else MISSING

@@ -62,7 +62,6 @@ def test_the_demo_cell_plays_and_the_examples_say_what_does_not() -> None:
         (('port     = "sim"                     # a simulated', 'port     = "COM5" #'), "line.plc1.port = COM5"),
         (('to = "cell.reset", ', 'to = "USER_1_RCI", '), "db.10[D 0.2] = USER_1_RCI"),
         (('to = "axis.*.reference",', 'to = "axis.A1.reference",'), "db.10[D 0.3] = axis.A1.reference"),
-        (('view           = "rho3"', 'float = "CDAB"'), "modbus.plc2.float = CDAB"),
     ],
 )
 def test_what_the_shape_allows_but_nothing_plays_is_named(edit: tuple[str, str], reason: str) -> None:

@@ -1,0 +1,110 @@
+"""[[modbus]]: ports and framing that fit, units that are one, registers that do not overlap, names that exist, values of clients."""
+
+import ipaddress
+from collections.abc import Iterator, Sequence
+
+from gateway.cell_modbus import Modbus, ModbusValue
+from gateway.checks.context import Context, near, twice
+from gateway.pure.modbus_registers import place
+from gateway.pure.names import lookup, spelled
+from protocols.modbus.numbers import words_of
+
+RC_END, BLOCK, BLOCK_END = 64, 1000, 1064
+
+
+def modbus(check: Context) -> None:
+    """Every table by its role."""
+    for door in check.cell.modbus:
+        key = f"modbus.{door.name}"
+        if door.role == "client":
+            _client(check, door, key)
+        else:
+            _server(check, door, key)
+
+
+def _server(check: Context, door: Modbus, key: str) -> None:
+    if door.port > 65535:
+        check.fault(f"{key}.bind", door.bind, "", "port 0..65535 (0: any free one)")
+    if door.port_.startswith(("tcp://", "rfc2217://")):
+        check.fault(f"{key}.port", door.port_, 'a server on TCP has `bind`; `port` is the serial port of framing = "rtu"')
+    if door.serial and door.framing != "rtu":
+        check.fault(f"{key}.framing", door.framing, 'a serial port carries RTU: framing = "rtu"')
+    if door.tls is not None and (door.serial or door.framing == "rtu"):
+        check.fault(f"{key}.tls", "", "TLS carries Modbus TCP only: leave framing and port away")
+    if (door.tls is None) == bool(door.roles):
+        hint = (
+            "roles come out of certificates: [modbus.tls] is missing" if door.roles else "without [[modbus.roles]] nobody may do anything"
+        )
+        check.fault(f"{key}.{'roles' if door.roles else 'tls'}", "", hint)
+    if door.writers and (door.allow or door.tls is not None):
+        check.fault(f"{key}.writers", "", "either allow (anywhere), writers (by addresses) or roles (by certificate): keep one of them")
+    if door.device or door.value:
+        check.fault(f"{key}.role", door.role, 'device and value belong to role = "client"')
+    for text, where in (*((text, "allow") for text in door.allow), *((writer.from_, "writers") for writer in door.writers)):
+        _network(check, f"{key}.{where}", text)
+    for value, _, where in twice([(door.unit, "unit"), *((unit.unit, f"units[{n}]") for n, unit in enumerate(door.units))]):
+        check.fault(f"{key}.{where}", value, "the unit id stands twice")
+    _registers(check, door, key)
+
+
+def _network(check: Context, key: str, text: str) -> None:
+    try:
+        ipaddress.ip_network(text, strict=False)
+    except ValueError:
+        check.fault(key, text, "", 'an address or a network, "10.0.0.5" or "10.0.0.0/24"')
+
+
+def _registers(check: Context, door: Modbus, key: str) -> None:
+    """Extras beside the view: known names, no register twice, none of the view's."""
+    axes = [axis.name for axis in check.cell.axis]
+    taken = dict.fromkeys(range(RC_END), "RC signals of the view") if door.view == "rho3" else {}
+    if door.command_block and door.view == "rho3":
+        taken |= dict.fromkeys(range(BLOCK, BLOCK_END), "the command and status block")
+    for table in door.registers:
+        where = f"{key}.registers[{table.at}]"
+        found = lookup(table.from_)
+        axis = table.from_.split(".")[1] if table.from_.startswith("axis.") else "*"
+        if found is None or (axis != "*" and axis not in axes):
+            check.fault(where, table.from_, near(table.from_, spelled(axes, [])) or "no such value; `axisgate var --names` lists them")
+            continue
+        for placed in place(table.at, table.from_, table.type, axes):
+            for register in range(placed.at, placed.at + placed.words):
+                owner = taken.setdefault(register, placed.name)
+                if register > 0xFFFF or owner != placed.name:
+                    hint = "beyond register 65535" if register > 0xFFFF else f"register {register} is taken by {owner}"
+                    check.fault(where, placed.name, hint)
+                    break
+
+
+def _client(check: Context, door: Modbus, key: str) -> None:
+    if not door.port_:
+        check.fault(f"{key}.port", "", 'a client needs the port of its devices: "tcp://10.0.0.7:502", "/dev/ttyUSB0"')
+    if door.serial and door.framing != "rtu":
+        check.fault(f"{key}.framing", door.framing, 'a serial port carries RTU: framing = "rtu"')
+    if not door.device:
+        check.fault(f"{key}.device", "", "a client without a [[modbus.device]] asks nobody")
+    devices = [device.name for device in door.device]
+    for value, _, _ in twice((name, f"{n}") for n, name in enumerate(devices)):
+        check.fault(f"{key}.device", value, "the name stands twice among the devices")
+    for n, value in enumerate(door.value):
+        for hint in _value_faults(value, devices):
+            check.fault(f"{key}.value[{n}]", value.name or value.table, hint)
+
+
+def _value_faults(value: ModbusValue, devices: Sequence[str]) -> Iterator[str]:
+    bits = value.table in ("coil", "discrete")
+    if value.device not in devices:
+        yield f"no device {value.device}; {near(value.device, devices) or 'there is ' + (', '.join(devices) or 'none')}"
+    if bool(value.to) == bool(value.from_):
+        yield "exactly one of `to` (read into this name) and `from` (written when this name changes)"
+    if bits is not (value.type == "bit"):
+        yield "coils and discrete inputs are bits, registers are numbers: table and type do not fit"
+    if value.from_ and value.table in ("discrete", "input"):
+        yield f"{value.table} values can only be read: use coil or holding"
+    if value.scale == 0:
+        yield "scale 0 leaves nothing of a value"
+    if not bits and value.type != "bit" and value.at + words_of(value.type) > 0x10000:
+        yield f"{value.type} at {value.at} goes beyond register 65535"
+
+
+CHECKS = (modbus,)

@@ -1,0 +1,186 @@
+"""Modbus clients of a cell: values of other devices into named values, named values into other devices.
+
+Routes, telegrams and blocks reach them by their names.  A value whose device is away is marked old; a value that is written is written
+when it changes and again every `every_ms`, and only while it is good.  Loaded only where a cell has a client.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from typing import TYPE_CHECKING
+
+from gateway.cell_modbus import Modbus, ModbusDevice, ModbusValue
+from gateway.modbus_client import Device, Group, Kind, Link, ModbusClient, Result, write_bits_pdu, write_words_pdu
+from gateway.pure.records import Quality
+from protocols.base.errors import EncodeError
+from protocols.base.machine import Ns, ms
+from protocols.modbus.master import Done
+from protocols.modbus.numbers import decode_number, encode_number, words_of
+
+if TYPE_CHECKING:
+    from gateway.processes.services import Services
+
+KINDS = {"coil": Kind.COILS, "discrete": Kind.DISCRETE_INPUTS, "input": Kind.INPUT_REGISTERS, "holding": Kind.HOLDING_REGISTERS}
+
+
+def size_of(value: ModbusValue) -> int:
+    """Bits or registers it takes."""
+    return 1 if value.type == "bit" else words_of(value.type)
+
+
+@dataclass(slots=True)
+class Block:
+    """Values read by one group."""
+
+    device: str
+    table: str
+    every_ms: int
+    first: int
+    end: int
+    values: list[ModbusValue] = field(default_factory=list)
+
+
+def blocks_of(values: Sequence[ModbusValue]) -> list[Block]:
+    """Values next to each other in one table, with one period, are read together: they are of one moment."""
+    blocks: list[Block] = []
+    for value in sorted((each for each in values if each.to), key=lambda each: (each.device, each.table, each.every_ms, each.at)):
+        last = blocks[-1] if blocks else None
+        same = last is not None and (last.device, last.table, last.every_ms) == (value.device, value.table, value.every_ms)
+        if last is None or not same or value.at > last.end:
+            last = Block(value.device, value.table, value.every_ms, value.at, value.at)
+            blocks.append(last)
+        last.values.append(value)
+        last.end = max(last.end, value.at + size_of(value))
+    return blocks
+
+
+def device_of(settings: ModbusDevice) -> Device:
+    """The client's view of a [[modbus.device]]."""
+    return Device(
+        settings.name,
+        settings.unit,
+        ms(settings.timeout_ms),
+        ms(settings.pause_ms),
+        settings.retries,
+        settings.busy_retries,
+        ms(settings.busy_pause_ms),
+        settings.repeat_writes,
+        settings.demote_after,
+        ms(settings.probe_ms),
+        settings.most_words,
+        settings.most_bits,
+    )
+
+
+@dataclass(slots=True)
+class Written:
+    """A value that goes out."""
+
+    value: ModbusValue
+    order: str
+    shown: float | None = None  # what the device has taken last
+    next: Ns = 0
+    waiting: bool = False
+
+
+class ClientLink:
+    """One [[modbus]] with role client."""
+
+    def __init__(self, services: "Services", settings: Modbus, url: str) -> None:
+        self._services, self.settings = services, settings
+        self._orders = {device.name: device.order for device in settings.device}
+        link = Link(url, settings.framing, settings.format, ms(settings.patience_ms))
+        self.client = ModbusClient(link, [device_of(device) for device in settings.device], self._told)
+        self._written = [Written(value, self._orders[value.device]) for value in settings.value if value.from_]
+
+    def start(self) -> None:
+        """Begins; inside the loop."""
+        for n, block in enumerate(blocks_of(self.settings.value)):
+            group = Group(f"{n}", block.device, KINDS[block.table], block.first, block.end - block.first, ms(block.every_ms))
+            self.client.poll(group, partial(self._read, block, n))
+        self.client.start()
+
+    def step(self, now: Ns) -> None:
+        """Values that changed, or are due again, are written."""
+        for written in self._written:
+            sample = self._services.named.sample(written.value.from_)
+            value = sample.value
+            if written.waiting or sample.quality is not Quality.GOOD or not isinstance(value, int | float):
+                continue
+            if value != written.shown or now >= written.next:
+                self._write(written, float(value), now)
+
+    def status(self) -> dict[str, object]:
+        """For tools."""
+        devices = {
+            name: {"alive": seen.alive, "dead": seen.dead, "losses": seen.losses, "requests": seen.requests, "timeouts": seen.timeouts}
+            for name, seen in self.client.devices.items()
+        }
+        return {"connected": self.client.connected, "why": self.client.why, "devices": devices}
+
+    def _read(self, block: Block, n: int, values: tuple[int, ...] | None, now: Ns) -> None:
+        source = f"modbus.{self.settings.name}.{n}"
+        if values is None:
+            self._services.named.source_gone(source)
+            return
+        for value in block.values:
+            part = values[value.at - block.first : value.at - block.first + size_of(value)]
+            number = float(part[0]) if value.type == "bit" else decode_number(part, value.type, self._orders[value.device])
+            if math.isfinite(number):
+                self._services.named.put(value.to, number * value.scale, now, source)
+        self._services.settle()
+
+    def _write(self, written: Written, value: float, now: Ns) -> None:
+        settings = written.value
+        written.next = now + ms(settings.every_ms)
+        try:
+            pdu = pdu_of(settings, value, written.order)
+        except EncodeError:
+            return  # it does not fit: the device keeps what it has, the route or telegram behind it is told by its own limits
+
+        def told(result: Result) -> None:
+            written.waiting = False
+            written.shown = value if isinstance(result, Done) else None
+
+        written.waiting = True
+        self.client.order(settings.device, pdu, told)
+
+    def _told(self, device: str, alive: bool) -> None:
+        words = "answers" if alive else "does not answer"
+        self._services.journal.write("link", f"Modbus client {self.settings.name}: device {device} {words}")
+
+
+def pdu_of(value: ModbusValue, number: float, order: str) -> bytes:
+    """The write request.  EncodeError: the number does not fit its type."""
+    if value.type == "bit":
+        return write_bits_pdu(value.at, [bool(number)])
+    return write_words_pdu(value.at, encode_number(number / value.scale, value.type, order))
+
+
+class ModbusClients:
+    """All clients of a cell; nothing at all without one."""
+
+    def __init__(self, services: "Services") -> None:
+        self.links = [
+            ClientLink(services, each, str(services.plan.modbus[each.name])) for each in services.cell.modbus if each.role == "client"
+        ]
+
+    def start(self) -> None:
+        """Inside the loop."""
+        for link in self.links:
+            link.start()
+
+    def step(self, now: Ns) -> None:
+        """At each tick."""
+        for link in self.links:
+            link.step(now)
+
+    def close(self) -> None:
+        """Gives the ports back."""
+        for link in self.links:
+            link.client.close()
+
+    def status(self) -> dict[str, object]:
+        """For `links`."""
+        return {"modbus_clients": {link.settings.name: link.status() for link in self.links}} if self.links else {}
