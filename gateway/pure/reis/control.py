@@ -38,7 +38,11 @@ FAULTS = (  # first fault code of CiA 402 -> regulator error, the last that is n
     (0x0000, POWER), (0x2300, 657), (0x2400, POWER), (0x3100, 653), (0x3400, POWER), (0x4200, 656), (0x4300, 656), (0x4310, 656),
     (0x4400, 658), (0x4500, POWER), (0x7300, 662), (0x7400, POWER), (0x8100, WATCHDOG), (0x8400, 671), (0x8600, LAG), (0x8700, POWER),
 )  # fmt: skip
-_ROBOTS = [(row.byte, row.bytes, row.bit) for row in SYSTEM if row.writer == "robot"]
+_ROBOTS = [(row.byte, row.bytes) for row in SYSTEM if row.writer == "robot" and row.bit is None]
+_ROBOTS_BITS = {  # byte -> bits of it that are the robot's
+    byte: sum(1 << row.bit for row in SYSTEM if row.writer == "robot" and row.byte == byte and row.bit is not None)
+    for byte in {row.byte for row in SYSTEM if row.bit is not None}
+}
 
 
 def regulator_number(fault_code: int) -> int:
@@ -158,14 +162,18 @@ class ReisControl:
         return bytes(self.markers.byte(byte) for byte in range(SIZE))
 
     def write_flags(self, first: int, data: bytes) -> bool:
-        """Markers from `first` on, as the PLC's program would; False, and nothing is written, where a byte is not the PLC's."""
+        """Markers from `first` on, as the PLC's program would; False, and nothing is written, where a byte is not the PLC's.
+
+        Of a byte both write, the robot's bits stay.
+        """
         if first + len(data) > SIZE or any(_of_robot(byte) for byte in range(first, first + len(data))):
             return False
         if any(byte >= OUTPUTS and byte - OUTPUTS in self.setup.robot_only for byte in range(first, first + len(data))):
             return False
         for byte, value in enumerate(data, first):
             if byte < OUTPUTS:
-                self.markers.set_byte(byte, value)
+                kept = _ROBOTS_BITS.get(byte, 0)
+                self.markers.set_byte(byte, value & ~kept | self.markers.byte(byte) & kept)
                 continue
             for bit in range(8):
                 self.shared.by_plc(bool(value >> bit & 1), byte - OUTPUTS, bit)
@@ -218,7 +226,7 @@ class ReisControl:
 
 def _of_robot(byte: int) -> bool:
     """Whether the system alone writes this byte: all of it, or binary inputs."""
-    return INPUTS <= byte < OUTPUTS or any(bit is None and first <= byte < first + size for first, size, bit in _ROBOTS)
+    return INPUTS <= byte < OUTPUTS or any(first <= byte < first + size for first, size in _ROBOTS)
 
 
 def _number(name: str, text: str) -> int:

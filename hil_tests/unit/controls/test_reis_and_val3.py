@@ -1,0 +1,168 @@
+"""The Reis and the VAL 3 view in a running cell: robotstar 4, 5.8, 5.9, 8.1; val3 3.5; AX-336, AX-337, AX-338."""
+
+import pytest
+
+from gateway.pure.command_block import Code
+from gateway.pure.reasons import CommandState
+from gateway.pure.records import Motion, Quality, set_bit
+from gateway.pure.reis.control import regulator_number
+from hil_tests.unit.controls.bench import AUTO, PLC, ControlBench, cell_with
+
+REIS = cell_with('kind = "reis"\nrobot_only = [7]\nplc_only = [8]')
+POINTS = """
+kind = "val3"
+[[controller.point]]
+name = "gripper"
+board = "BasicIO-1"
+module = "\\\\dout"
+address = "3"
+output = true
+bit = 705
+[[controller.point]]
+name = "part"
+board = "BasicIO-1"
+module = "\\\\din"
+address = "0"
+bit = 200
+[[controller.point]]
+name = "force"
+board = "AnaIO"
+module = "aout"
+address = "0"
+output = true
+byte = 100
+steps = 100
+min = -50.0
+max = 50.0
+"""
+VAL3 = cell_with(POINTS)
+OVERRIDE, ERROR, ACTUAL = 1436, 944, 1024
+
+
+@pytest.fixture
+def robot() -> ControlBench:
+    made = ControlBench(REIS)
+    made.run(0.3)
+    return made
+
+
+def moving(robot: ControlBench) -> ControlBench:
+    for code in (Code.REQUEST_CONTROL, Code.OVERRIDE, Code.ENABLE):
+        assert robot.settle(robot.give(code, 3)).state is CommandState.DONE
+    robot.give(Code.PTP_ABSOLUTE, 1, 0.5, (800.0,))
+    robot.run(0.5)
+    return robot
+
+
+def test_what_the_axes_do_stands_in_the_system_markers(robot: ControlBench) -> None:
+    moving(robot.put(AUTO))
+    markers = robot.reis.markers
+    assert markers.bit(1021, 2) and markers.bit(1021, 5) and markers.bit(1020, 6) and markers.bit(1020, 4)
+    assert [markers.byte(1022), markers.byte(1023)] == [3, 0], "AUTO is 0300, high byte first"
+    assert abs(markers.number(ACTUAL) - robot.place() * 100) < 500
+    robot.put(off=(AUTO,))
+    assert [markers.byte(1022), markers.byte(1023)] == [1, 1]
+
+
+def test_the_override_marker_commands_when_it_changes(robot: ControlBench) -> None:
+    moving(robot)
+    robot.reis.markers.set_number(OVERRIDE, 40)
+    robot.cycle(3)
+    assert robot.core.state.override == 0.4
+    robot.settle(robot.give(Code.OVERRIDE, velocity=0.9))
+    robot.run(0.1)
+    assert robot.core.state.override == 0.9, "a marker that stands commands nothing"
+
+
+def test_hold_motion_stops_on_the_path_and_goes_on(robot: ControlBench) -> None:
+    moving(robot)
+    assert robot.control.write_flags(1020, b"\x80")
+    robot.run(1.0)
+    assert robot.core.state.motion is Motion.STOPPED
+    assert robot.control.flag_bytes()[1020] == 0b1101_0000, "bits of the robot stay its own"
+    assert robot.control.write_flags(1020, b"\x0f")
+    robot.run(4.0)
+    assert abs(robot.place() - 800.0) < 0.1
+
+
+def test_a_lost_drive_is_a_regulator_error(robot: ControlBench) -> None:
+    moving(robot)
+    robot.silent = {1}
+    robot.run(0.3)
+    markers = robot.reis.markers
+    assert markers.number(ERROR) == 667 and markers.bit(1021, 0)
+    assert any(line == "Servoregulator error 667: CAN-Watchdog, axis A1" for line in robot.told)
+    robot.silent = set()
+    robot.run(0.3)
+    assert markers.number(ERROR) == 0 and not markers.bit(1021, 0)
+
+
+@pytest.mark.parametrize(
+    "code, number", [(0x8611, 647), (0x2310, 657), (0x3210, 653), (0x4310, 656), (0x4410, 658), (0x7305, 662), (0xFF00, 654), (7, 654)]
+)
+def test_fault_codes_of_drives_as_regulator_errors(code: int, number: int) -> None:
+    assert regulator_number(code) == number
+
+
+def test_outputs_are_shared_and_inputs_come_from_the_doors(robot: ControlBench) -> None:
+    control = robot.control
+    set_bit(robot.inputs.values, (88 + 3) * 8 + 2, True)
+    control.put("reis.output.5.3", 1)
+    robot.cycle(2)
+    assert control.flag_bytes()[1971] == 0b100 and control.flag_bytes()[2013] == 0b1000
+    assert control.value("reis.ibin_out.2") == 0x800 and control.outputs[88 + 5] == 0b1000
+    control.put("reis.output.6.0", 0)
+    assert control.write_flags(2008 + 6, b"\x01")
+    robot.cycle(2)
+    assert control.value("reis.output.6.0") == 1.0, "the PLC's value remains"
+    assert not control.write_flags(2008 + 7, b"\x01"), "given to the robot alone"
+    with pytest.raises(ValueError, match="belongs to the PLC"):
+        control.put("reis.output.8.0", 1)
+    assert not control.write_flags(1968, b"\x01") and not control.write_flags(944, b"\x01") and control.write_flags(0, b"\x07\x08")
+    assert control.flag_bytes()[:2] == b"\x07\x08"
+
+
+def test_points_are_values_and_a_lost_door_is_a_fault_of_its_board() -> None:
+    bench = ControlBench(VAL3)
+    bench.cycle(2)
+    control = bench.control
+    control.put("dio.gripper", 1)
+    control.put("aio.force", 12.5)
+    bench.put(200)
+    assert bench.output(705) and int.from_bytes(control.outputs[100:102], "little", signed=True) == 1250
+    assert [control.value(name) for name in ("dio.part", "aio.force", "dio.part.status")] == [1.0, 12.5, 0.0]
+    bench.quality(Quality.BAD, 25)
+    assert control.value("dio.part.status") == -3.0 == control.value("dio.gripper.status")
+    with pytest.raises(ValueError, match="125"):
+        control.value("dio.part")
+    bench.quality(Quality.GOOD, 25)
+    assert control.value("dio.part") == 1.0
+
+
+def test_an_operator_locks_and_simulates() -> None:
+    bench = ControlBench(VAL3)
+    bench.put(200)
+    control = bench.control
+    control.put("dio.gripper.lock", 1)
+    control.put("dio.gripper", 1)
+    assert control.value("dio.gripper.status") == 1.0 and control.value("dio.gripper") == 0.0
+    bench.cycle(2)
+    assert not bench.output(705)
+    control.put("dio.gripper.lock", 0)
+    control.put("dio.gripper", 1)
+    assert control.value("dio.gripper") == 1.0
+    control.put("dio.part.simulate", 0)
+    assert control.value("dio.part") == 0.0 and control.value("dio.part.status") == 2.0
+    control.put("dio.part.real", 1)
+    assert control.value("dio.part") == 1.0
+    for name, kind in (("dio.part", ValueError), ("dio.part.status", KeyError), ("aio.part", KeyError), ("dio.other", KeyError)):
+        with pytest.raises(kind):
+            control.put(name, 1)
+    assert bench.control.status()["not_working"] == {}
+
+
+def test_the_outputs_of_the_cycle_reach_the_doors_of_every_kind(robot: ControlBench) -> None:
+    moving(robot)
+    val3 = ControlBench(VAL3)
+    val3.run(0.3)
+    assert robot.output(66) and robot.output(64) and val3.output(64) and robot.office.owner == PLC
