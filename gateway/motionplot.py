@@ -1,12 +1,14 @@
 """The page `axisgate motion plot` writes: path, speed, acceleration, jerk, axis loads and corner deviations of one program."""
 
 import html
+from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gateway.svg import Chart, Line, draw
 from motion.planner.robot import Machine
-from motion.planner.trace import Trace
+from motion.planner.trace import Findings, Trace, tool_places
 from motion.program.blocks import Program
 from motion.units import from_si
 
@@ -23,6 +25,8 @@ svg text { font: 11px system-ui, sans-serif; fill: var(--ink); } svg .title { fo
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; } th, td { padding: 3px 12px 3px 0; text-align: right; }
 th { border-bottom: 1px solid var(--grid); } .over { color: var(--bound); font-weight: 600; }
 """
+Array = NDArray[np.float64]
+WAY_POINTS = 80  # of each stretch
 ORDERS = ((1, "speed"), (2, "acceleration"), (3, "jerk"))
 
 
@@ -34,7 +38,7 @@ def page(program: Program, machine: Machine, trace: Trace) -> str:
         f"<p>robot {html.escape(program.robot)}, {len(program.blocks)} blocks, {trace.t[-1]:.3f} s at 100 %, set values on a grid of "
         f"{trace.period * 1e3:g} ms.</p>",
         "<h2>Path of the tool</h2>",
-        *(draw(chart, 860, 420) for chart in _planes(trace)),
+        *(draw(chart, 860, 420) for chart in _planes(trace.tool, np.searchsorted(trace.t, [t for _, t in trace.ends]).tolist())),
         "<h2>Along time</h2>",
         *(draw(chart) for chart in _over_time(machine, trace)),
         "<h2>Largest loads</h2>",
@@ -49,10 +53,19 @@ def page(program: Program, machine: Machine, trace: Trace) -> str:
     )
 
 
-def _planes(trace: Trace) -> list[Chart]:
-    """The plane with the most in it first."""
-    x, y, z = (trace.tool[:, k] * 1e3 for k in range(3))
-    marks = np.searchsorted(trace.t, [t for _, t in trace.ends])
+def way_charts(machine: Machine, findings: Findings) -> list[Chart]:
+    """The path of a program alone, without its times: what `route_of` found, from above and from the side."""
+    tools, ends = [], []
+    for stretch in findings.stretches:
+        tools.append(tool_places(stretch, machine, WAY_POINTS))
+        if stretch.stop:
+            ends.append(sum(len(part) for part in tools) - 1)
+    return _planes(np.concatenate(tools), ends) if tools else []
+
+
+def _planes(tool: Array, marks: Sequence[int]) -> list[Chart]:
+    """tool: (n, 3) m; marks: where it rests.  The plane with the most in it first."""
+    x, y, z = (tool[:, k] * 1e3 for k in range(3))
     planes = [("seen from above", "x mm", "y mm", x, y)]
     side = ("x mm", x) if np.ptp(x) >= np.ptp(y) else ("y mm", y)
     if np.ptp(z) > 1e-6:

@@ -9,8 +9,9 @@ import signal
 import sys
 import tempfile
 
-from drivers.ports.base import PortError
+from drivers.ports.base import PortError, runtime_dir
 from drivers.ports.can import open_can
+from hil_tests import demo_page
 from hil_tests.lab.scenario import Scenario, ScenarioFailed
 
 EXAMPLES = """examples:
@@ -85,6 +86,9 @@ def play(scenario: Scenario, arguments: argparse.Namespace) -> int:
         return failure.code
     finally:
         scenario.close()
+    page = (scenario.folder if arguments.keep or arguments.records else runtime_dir()) / "demo.html"
+    demo_page.write(page, verdicts)
+    scenario.say(f"page with the verdicts, and the paths of a SCARA and a six-axis arm: {page}")
     if arguments.json:
         print(json.dumps([{"name": v.name, "value": v.value, "limit": v.limit, "ok": v.ok} for v in verdicts], indent=1))
     return 0 if all(verdict.ok for verdict in verdicts) else 1

@@ -132,12 +132,16 @@ def _tool_at(machine: Machine, q: Array, tool: Pose | None) -> tuple[float, floa
 def corner_report(stretch: Stretch, machine: Machine) -> CornerReport:
     """Smallest distance of a corner from the point it rounds, on 200 places of it."""
     block: Block = stretch.source
-    tool = block.tool.pose
-    s = np.linspace(0.0, stretch.path.length, 201)
-    places = np.array([_tool_at(machine, q, tool) for q in stretch.path.at(s)[:, : machine.axes]])
+    places = tool_places(stretch, machine, 201)
     point = _point(stretch, machine)
     away = np.linalg.norm(places - point, axis=1)
     return CornerReport(stretch.block, block.line, float(np.min(away)), float(away[0]), float(away[-1]))
+
+
+def tool_places(stretch: Stretch, machine: Machine, count: int) -> Array:
+    """(count, 3) m: where the tool is on the way of a stretch."""
+    s = np.linspace(0.0, stretch.path.length, count)
+    return np.array([_tool_at(machine, q, stretch.source.tool.pose) for q in stretch.path.at(s)[:, : machine.axes]])
 
 
 def _point(stretch: Stretch, machine: Machine) -> Array:

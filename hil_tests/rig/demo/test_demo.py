@@ -33,6 +33,8 @@ def test_the_whole_scenario_holds_by_the_witnesses(tmp_path: pathlib.Path) -> No
     verdicts = json.loads(done.stdout)
     assert len(verdicts) == VERDICTS
     assert [verdict for verdict in verdicts if not verdict["ok"]] == []
+    page = (tmp_path / "records" / "demo.html").read_text()
+    assert page.count("<svg") == 4 and "SCARA" in page and "Six-axis arm" in page and "FAILS" not in page
     assert {path.name for path in (tmp_path / "records").iterdir()} >= {"bus-drives.log", "emulator-drives.rec", "line-plc1.rec"}
 
 
