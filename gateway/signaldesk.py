@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from gateway.image import RegionReader
 from gateway.pure.command_block import Code, Command
 from gateway.pure.errorlist import ErrorList, Reset
+from gateway.pure.modbus_view import RhoView
 from gateway.pure.reasons import CommandState, text
 from gateway.pure.records import RC_BYTES
 from protocols.base.machine import Ns
@@ -50,6 +51,10 @@ class SignalDesk:
         doors = {door.name: door.number for door in services.plan.doors}
         self.control, faults = make_control(services.cell, services.owned, doors, services.office, self.errors, now)
         services.rc_out.control = self.control
+        for door in services.doors:
+            view = getattr(door, "view", None)
+            if isinstance(view, RhoView):
+                view.flags = self.control
         for fault in faults:
             services.journal.write("plc", fault)
 

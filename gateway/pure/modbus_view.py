@@ -1,12 +1,14 @@
 """The rho3 view of a Modbus unit (AX-012): coil N = RC input bit N, discrete input N = RC output bit N, holding 0-63 RC inputs,
 input registers 0-63 RC outputs, holding 1000.. command block, input 1000.. status block.  Protocol addresses, base 0.  Beside it:
 exception status (FC 7) = RC outputs 64..71, files (FC 20) = the data blocks, file N is DB N, queue at 2000 (FC 24) = numbers of the
-standing errors, first one first (AX-342); registers of the cell file (AX-347).
+standing errors, first one first (AX-342); registers of the cell file (AX-347); holding 3000.. flags or markers where the cell has a
+control, word r = bytes 2r (high), 2r+1 (AX-339).
 
 Word r = bytes 2r (high), 2r+1 (low), the same as RK512 data words (AX-010).
 """
 
 from collections.abc import Callable, Collection, Sequence
+from typing import Protocol
 
 from gateway.pure.command_block import COMMAND_WORDS, STATUS_WORDS
 from gateway.pure.modbus_registers import Registers
@@ -17,7 +19,18 @@ BLOCK_AT = 1000
 RC_WORDS = RC_BYTES // 2
 STATUS_BYTE = 8  # RC outputs 64..71: ready, ready2, drives on, emergency stop latched (AX-002)
 ERRORS_AT, MOST_ERRORS = 2000, 31
+FLAGS_AT = 3000
 MISSING = ExceptionCode.ILLEGAL_DATA_ADDRESS
+
+
+class Flags(Protocol):
+    """Flags or markers of the control a cell has."""
+
+    def flag_bytes(self) -> bytes:
+        """From M 0 on."""
+
+    def write_flags(self, first: int, data: bytes) -> bool:
+        """From byte `first` on; False: not there, or not the PLC's."""
 
 
 class RhoView:
@@ -38,6 +51,7 @@ class RhoView:
         self.outputs: bytes = bytes(RC_BYTES)  # RC outputs; replaced whole at every tick
         self.status: Sequence[int] = [0] * STATUS_WORDS
         self.command_words: Sequence[int] = [0] * COMMAND_WORDS
+        self.flags: Flags | None = None  # of the control, where there is one
         self._inputs, self._owned, self._written, self._command = inputs, frozenset(owned), written, command
         self._registers, self._block, self._errors = registers, block, errors
 
@@ -53,6 +67,11 @@ class RhoView:
         if self._registers is not None and address in self._registers:
             return self._registers.read(address, count)
         holding = kind is Kind.HOLDING_REGISTERS
+        if holding and address >= FLAGS_AT and self.flags is not None:
+            flags, first = self.flags.flag_bytes(), address - FLAGS_AT
+            if 2 * (first + count) > len(flags):
+                return MISSING
+            return [flags[2 * r] << 8 | flags[2 * r + 1] for r in range(first, first + count)]
         if address >= BLOCK_AT and self._command is not None:
             block = self.command_words if holding else self.status
             first = address - BLOCK_AT
@@ -73,7 +92,10 @@ class RhoView:
         return None
 
     def write_words(self, address: int, values: Sequence[int]) -> ExceptionCode | None:
-        """RC inputs this door owns, or the command block."""
+        """RC inputs this door owns, the command block, or flags."""
+        if address >= FLAGS_AT and self.flags is not None:
+            data = b"".join(value.to_bytes(2, "big") for value in values)
+            return None if self.flags.write_flags(2 * (address - FLAGS_AT), data) else MISSING
         if address >= BLOCK_AT and self._command is not None:
             if address - BLOCK_AT + len(values) > COMMAND_WORDS:
                 return MISSING

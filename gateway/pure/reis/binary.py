@@ -41,6 +41,10 @@ class BinaryIo:
         check_place(byte, 0)
         return self._bytes(area)[self._first + byte]
 
+    def content(self, area: Area) -> bytes:
+        """All 40 bytes of an area."""
+        return bytes(self._bytes(area)[self._first : self._first + BYTES])
+
     def read_bit(self, area: Area, byte: int, bit: int) -> bool:
         """Input or output `byte`.`bit` as the circuit diagram numbers it."""
         check_place(byte, bit)

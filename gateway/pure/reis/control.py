@@ -159,7 +159,7 @@ class ReisControl:
     # ---- what others see -----------------------------------------------------------------------------------------------
     def flag_bytes(self) -> bytes:
         """M0..M2047."""
-        return bytes(self.markers.byte(byte) for byte in range(SIZE))
+        return self.markers.content()
 
     def write_flags(self, first: int, data: bytes) -> bool:
         """Markers from `first` on, as the PLC's program would; False, and nothing is written, where a byte is not the PLC's.

@@ -135,6 +135,10 @@ class Markers:
         for at, part in enumerate((value & (1 << 8 * size) - 1).to_bytes(size, "little")):
             self.set_byte(byte + at, part)
 
+    def content(self) -> bytes:
+        """M0..M2047 as they stand."""
+        return bytes(self._own) + self._io.content(Area.INPUT) + self._io.content(Area.OUTPUT)
+
     def retained(self) -> bytes:
         """What outlives power-off: markers, without the binary inputs and outputs."""
         return bytes(self._own)
