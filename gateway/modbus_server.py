@@ -24,7 +24,7 @@ from protocols.modbus.rtu import RtuTcpFraming
 from protocols.modbus.station import Identity, Station
 from protocols.modbus.view import View
 
-__all__ = ["Client", "Counters", "Limits", "ModbusServer", "OnRequest"]
+__all__ = ["Client", "Counters", "Limits", "ModbusServer", "OnRequest", "RightsFor"]
 
 DEFAULT_PORT = 1502  # 502 needs a permission on most systems (AX-012)
 CHUNK_BYTES = 1024  # read at once: also one client's turn before the next one's

@@ -2,13 +2,14 @@
 
 import asyncio
 import socket
+import ssl
 import struct
 import threading
 import time
 from collections.abc import Callable
 from typing import Self
 
-from gateway.modbus_server import Limits, ModbusServer, OnRequest
+from gateway.modbus_server import Limits, ModbusServer, OnRequest, RightsFor
 from hil_tests.lab.modbus_view import MemoryView
 from protocols.modbus.view import View
 
@@ -75,10 +76,15 @@ class Running:
         allow: list[str] | None = None,
         on_request: OnRequest | None = None,
         view_for: Callable[[int], View | None] | None = None,
+        rtu: bool = False,
+        rights_for: RightsFor | None = None,
+        tls: ssl.SSLContext | None = None,
     ) -> None:
         self.view = view or MemoryView()
         chosen = view_for or (lambda unit: self.view if unit == 1 else None)
-        self.server = ModbusServer(chosen, port=0, allow=allow, limits=limits, on_request=on_request)
+        self.server = ModbusServer(
+            chosen, port=0, allow=allow, limits=limits, on_request=on_request, rtu=rtu, rights_for=rights_for, tls=tls
+        )
         self.loop = asyncio.new_event_loop()
         self.complaints: list[str] = []
         self.loop.set_exception_handler(lambda _, context: self.complaints.append(str(context)))
