@@ -75,6 +75,33 @@ def sleep_until(due_ns: int, spin_ns: int = 0) -> int:
     return now
 
 
+class Alarm:
+    """Wakes on the instants of a grid: asleep as long as it can be, awake for the rest.
+
+    How long it has to be awake is learned: an instant missed by some microseconds is answered by waking earlier from then on, one that
+    is met by waking a little later, so that SHRINK / (GROW + SHRINK) of them, 2 %, are missed (AX-433).
+    """
+
+    FIRST_NS, LONGEST_NS, SHORTEST_NS = 60_000, 120_000, 5_000
+    GROW_NS, SHRINK_NS = 4_000, 80
+
+    def __init__(self) -> None:
+        self.ahead_ns = self.FIRST_NS
+
+    def until(self, due_ns: int) -> int:
+        """Sleep to `due_ns` of the monotonic clock; the time it is on return (>= due_ns)."""
+        wake = due_ns - self.ahead_ns
+        while (now := time.monotonic_ns()) < wake:
+            time.sleep((wake - now) * 1e-9)
+        if now > due_ns:
+            self.ahead_ns = min(self.ahead_ns + self.GROW_NS, self.LONGEST_NS)
+            return now
+        self.ahead_ns = max(self.ahead_ns - self.SHRINK_NS, self.SHORTEST_NS)
+        while now < due_ns:
+            now = time.monotonic_ns()
+        return now
+
+
 def die_with_parent(parent_pid: int | None = None, number: int = signal.SIGTERM) -> None:
     """The kernel sends us `number` when our parent (the thread that started us) ends; at once if `parent_pid` is gone already."""
     _libc.prctl(PR_SET_PDEATHSIG, number, 0, 0, 0)

@@ -15,6 +15,8 @@ def fits_int32(inc: int) -> bool:
 
 def saturated_rpm(speed_rpm: float) -> tuple[int, bool]:
     """Nearest int16, symmetric, and whether something was cut off; what is no number counts as 0 and cut off."""
+    if -INT16_MAX <= speed_rpm <= INT16_MAX:
+        return round(speed_rpm), False
     if not math.isfinite(speed_rpm):
         return 0, True
     nearest = round(speed_rpm)

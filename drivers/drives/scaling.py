@@ -6,7 +6,7 @@ that of the set-point output (P401.8); they belong together: with only one of th
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 
 class ScalingError(ValueError):
@@ -23,6 +23,9 @@ class Scaling:
     direction: int = 1  # +1, -1: axis positive = increments rising, falling
     zero_inc: float = 0.0  # increments where the axis reads 0; referencing finds it
     output: int = 0  # +1, -1: sign of what is sent; 0: as direction
+    inc_per_unit: float = field(init=False, repr=False, compare=False)  # increments for one m or rad, signed
+    _sent_per_unit: float = field(init=False, repr=False, compare=False)  # as it is sent: the other way where the output is reversed
+    _rpm: float = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         for name, value in (("inc_per_turn", self.inc_per_turn), ("gear", self.gear), ("feed_per_turn", self.feed_per_turn)):
@@ -34,15 +37,16 @@ class Scaling:
             raise ScalingError(f"output {self.output} is neither 1 nor -1 nor 0 (as direction)")
         if not math.isfinite(self.zero_inc):
             raise ScalingError(f"zero_inc {self.zero_inc} is no number")
-
-    @property
-    def inc_per_unit(self) -> float:
-        """Increments for one m or rad, signed."""
-        return self.direction * self.gear * self.inc_per_turn / self.feed_per_turn
+        # Computed once: the cycle asks for them several times an axis
+        sent = self.output * self.direction or 1
+        per_unit = self.direction * self.gear * self.inc_per_turn / self.feed_per_turn
+        object.__setattr__(self, "inc_per_unit", per_unit)
+        object.__setattr__(self, "_sent_per_unit", per_unit * sent)
+        object.__setattr__(self, "_rpm", 60.0 * self.direction * sent * self.gear)
 
     def to_inc(self, q: float) -> int:
         """m or rad -> the nearest increment; not limited to int32 (the Drive refuses what does not fit)."""
-        return round(self.zero_inc + q * self.inc_per_unit * self._sent)
+        return round(self.zero_inc + q * self._sent_per_unit)
 
     def to_si(self, inc: float) -> float:
         """Increments -> m or rad."""
@@ -50,12 +54,7 @@ class Scaling:
 
     def to_rpm(self, speed: float) -> float:
         """m/s or rad/s of the axis -> rpm of the motor, signed."""
-        return 60.0 * self.direction * self._sent * self.gear * speed / self.feed_per_turn
-
-    @property
-    def _sent(self) -> int:
-        """-1 where the set values go the other way than the measuring system."""
-        return self.output * self.direction or 1
+        return self._rpm * speed / self.feed_per_turn
 
     def speed_from_inc(self, inc_per_s: float) -> float:
         """inc/s -> m/s or rad/s of the axis."""

@@ -78,7 +78,9 @@ class Drive:
     def __init__(self, settings: DriveSettings | None = None) -> None:
         self._settings = settings or DriveSettings()
         self._phase = Phase.OFF
-        self._row = ROWS[Phase.OFF]  # of the present phase, kept: it is asked for many times a cycle
+        self._row = ROWS[Phase.OFF]  # of the present phase; kept, as the next two: they are asked for many times a cycle
+        self.power = Power.OFF  # seen from outside
+        self.follows = False  # takes the demanded position
         self._cycles = 0  # in the present phase
         self._on_before = self._reset_before = True
         self._asked = False  # an edge of `on` that waits for OFF
@@ -97,19 +99,9 @@ class Drive:
         self.events: list[Event] = []  # of the last step
 
     @property
-    def power(self) -> Power:
-        """Seen from outside."""
-        return self._row.power
-
-    @property
     def phase(self) -> Phase:
         """Exactly."""
         return self._phase
-
-    @property
-    def follows(self) -> bool:
-        """Takes the demanded position."""
-        return self._phase is Phase.ENABLED
 
     @property
     def homing(self) -> Homing:
@@ -128,7 +120,8 @@ class Drive:
     def step(self, actual: Actual | None, demand: Demand) -> SetValue:
         """actual: of this SYNC, None when none came.  The set value for the next SYNC."""
         self.events = []
-        self._note_edges(demand)
+        if self._asked or self._reset_left or demand.on is not self._on_before or demand.reset is not self._reset_before:
+            self._note_edges(demand)  # nothing to note otherwise
         if isinstance(actual, ActualValue):
             self._judge(actual, demand)
         else:
@@ -188,6 +181,7 @@ class Drive:
     def _go(self, phase: Phase, event: Event | None = None) -> None:
         self._phase, self._cycles, self._refused = phase, 0, False
         self._row = ROWS[phase]
+        self.power, self.follows = self._row.power, phase is Phase.ENABLED
         if event is not None:
             self.events.append(event)
         if phase in ON_REACHING:
@@ -223,13 +217,5 @@ class Drive:
             speed, cut = saturated_rpm(demand.speed_rpm)
             self.saturated += cut
         self._life = (self._life + 1) & 0xFF
-        return SetValue(
-            enable=row.enable,
-            drive_on=row.drive_on,
-            limit_switch=demand.limit_switch,
-            fault_reset=self._reset_left > 0,
-            brake_open=row.enable,
-            life=self._life,
-            position_inc=self.set_inc,
-            speed_rpm=speed,
-        )
+        on = row.enable
+        return SetValue(on, row.drive_on, demand.limit_switch, self._reset_left > 0, on, self._life, self.set_inc, speed)

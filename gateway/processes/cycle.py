@@ -40,12 +40,11 @@ from gateway.pure.records import (
     unpack_order,
 )
 from gateway.pure.rho3can.family import RhoFamily
-from gateway.realtime import die_with_parent, go_realtime, sleep_until
+from gateway.realtime import Alarm, die_with_parent, go_realtime
 from protocols.base.errors import DecodeError
 from protocols.base.machine import Frame
 
 PRIORITY = 40  # broker 30, emulator 20, line process 15: all below the cycle
-SPIN_NS = 100_000
 PIECES_SHARE = 8  # of the period may be spent on the planner's pieces; the rest waits in the ring
 THINKING_NS, THINKING_SHARE = 3_000_000, 0.4  # kept free for the core at the end of a cycle: the smaller of both (AX-149)
 REOPEN_NS = 200_000_000
@@ -67,7 +66,8 @@ class BusLink:
         self.foreign = 0
         self.last_error = ""
         self.acyclic: deque[Frame] = deque()  # from the master, one leaves with each burst
-        self._retry_ns = 0
+        self.late = 0  # actual values that came in the cycle after theirs
+        self._retry_ns = self._sent_ns = 0
         self._burst: list[Frame] = []
 
     def prepare(self, values: Sequence[SetRecord]) -> None:
@@ -81,6 +81,7 @@ class BusLink:
         assert self.port is not None
         if self.acyclic:
             self._burst.append(self.acyclic.popleft())
+        self._sent_ns = now
         try:
             self.refused += len(self._burst) - self.port.send(self._burst)
         except PortError as error:
@@ -88,8 +89,9 @@ class BusLink:
             return False
         return True
 
-    def receive(self, actuals: list[Actual | None], *, late: bool = False) -> int:
-        """Take what came; how many axes answered for the first time in this cycle.  `late`: it belongs to a cycle that is over."""
+    def receive(self, actuals: list[Actual | None]) -> int:
+        """Take what came; how many axes answered for the first time since the burst.  What the bus saw before it belongs to a cycle that
+        is over: counted as late."""
         if self.port is None:
             return 0
         try:
@@ -97,7 +99,7 @@ class BusLink:
         except PortError as error:
             self._lose(error)
             return 0
-        fresh, hear = 0, self.family.hear
+        fresh, hear, sent_ns = 0, self.family.hear, self._sent_ns
         for frame in frames:
             try:
                 heard = hear(frame)
@@ -107,12 +109,16 @@ class BusLink:
             if heard is None:
                 continue
             index, actual = heard
-            if late:
-                fresh += 1
+            if frame.stamp_ns < sent_ns:
+                self.late += 1
                 continue
             fresh += actuals[index] is None
             actuals[index] = actual
         return fresh
+
+    def receive_rest(self, axes: int) -> None:
+        """Before the next burst: modules of inputs are not waited for, but what they said counts."""
+        self.late += self.receive([None] * axes)
 
     def close(self) -> None:
         if self.port is not None:
@@ -178,6 +184,7 @@ class Cycle:
         self._image = InputImage()
         self._image_index = -1
         self._services_pid = self.links.writer_pid
+        self._alarm = Alarm()
         self._stop = False
 
     def run(self) -> None:
@@ -189,7 +196,7 @@ class Cycle:
         for bus in self.buses:
             bus.family.began(due)
         while not self._stop:
-            now = sleep_until(due, SPIN_NS)
+            now = self._alarm.until(due)
             missed = (now - due) // self.period_ns
             if missed > 0:
                 self.core.skipped(missed)
@@ -205,11 +212,10 @@ class Cycle:
     def _cycle(self, due: int, now: int) -> None:
         core = self.core
         actuals: list[Actual | None] = [None] * len(core.plans)
-        for bus in self.buses:
-            core.state.late += bus.receive(actuals, late=True)
         if self.acyclic.published != self.acyclic.position:
             self._take_acyclic()
         for bus, family in self.with_io:
+            bus.receive_rest(len(actuals))
             for said in (*family.exchange(self._inputs(), core.outputs, now, up=bus.port is not None), *family.take_news()):
                 print(f"{bus.url}: {said}", flush=True)
         up = [bus for bus in self.buses if bus.send(now)]
@@ -219,6 +225,7 @@ class Cycle:
         missing = self._collect(up, actuals, due + patience_ns(self.period_ns))
         got = time.monotonic_ns()
         core.state.incomplete += missing > 0
+        core.state.late = sum(bus.late for bus in self.buses)
         self._watch_services()
         self._take_pieces()
         values = core.step(actuals, self._inputs(), self._take_orders(), self.links.life[1], now)
@@ -265,6 +272,9 @@ class Cycle:
     def _collect(self, up: Sequence[BusLink], actuals: list[Actual | None], until: int) -> int:
         """Wait for all actual values, at most to `until`; how many are missing."""
         missing = sum(bus.family.expected for bus in self.buses)
+        if not missing:  # nobody is waited for, but frames aside come all the same
+            for bus in up:
+                bus.receive(actuals)
         ports = [bus.port for bus in up if bus.port is not None]
         while missing and ports:
             left = until - time.monotonic_ns()

@@ -11,20 +11,18 @@ from drivers.drives.limits import LagMonitor, LagState
 from drivers.drives.referencing import Referencing, RunState
 from gateway.pure.coreaxis import CoreAxis, HeldAxis
 from gateway.pure.coreprogram import ProgramRun
+from gateway.pure.corepublish import Publisher
 from gateway.pure.permits import AS_SHIPPED, EVERY, NO_PERMIT, EnablingInputs, RcNumbers
 from gateway.pure.plannerrecords import Part, PieceRecord
 from gateway.pure.reasons import Reason
 from gateway.pure.records import (
     RC_BYTES,
-    AxisFlag,
-    AxisState,
     CellState,
     InputImage,
     Motion,
     Order,
     OrderRecord,
     Permit,
-    set_bit,
 )
 from motion.errors import MotionError
 from motion.pieces import decode
@@ -33,19 +31,16 @@ from motion.timed import decode_any
 from protocols.base.machine import Ns, ms
 
 ARRIVAL_S = 2.0  # after the set values: an axis that is not in its window by then has not arrived
-AT_REST_S = 0.02  # in position: inside the window for this long
 LOST_STOP_S = 2.0  # an axis still moving so long after its chain or control input was lost is switched off
-# The cycle asks for these several times an axis: arithmetic of enum flags costs microseconds, numbers and tables nothing.
-FLAGS = tuple(AxisFlag(bits) for bits in range(1 << len(AxisFlag)))
-ENABLED, REFERENCED, IN_POSITION, FAULT, LOST, HOMING, WARNING, ON, UNCONFIGURED = (int(flag) for flag in AxisFlag)
 CHAIN, CONTROL, FEED, RUN, TRAVEL = (int(permit) for permit in Permit)
 FLOW = FEED | RUN
-MOTIONS = (
-    (State.IDLE, Motion.IDLE),
-    (State.RUNNING, Motion.RUNNING),
-    (State.STOPPING, Motion.STOPPING),
-    (State.STOPPED, Motion.STOPPED),
-)
+MOTIONS = {
+    State.IDLE: Motion.IDLE,
+    State.RUNNING: Motion.RUNNING,
+    State.STOPPING: Motion.STOPPING,
+    State.STOPPED: Motion.STOPPED,
+}
+BROKEN = ((Power.FAULT, Reason.DRIVE_FAULT), (Power.LOST, Reason.DRIVE_LOST))
 TOO_MANY_SKIPPED = 3  # SYNCs skipped in a row: stop on the path
 SERVICES_LIMIT = ms(250)  # life counter of services older than this: dead
 
@@ -72,7 +67,8 @@ class Core:
             axis.referenced = axis.plan.absolute
         self._stepper = Stepper(len(axes), period_s)
         self._stepper.set_override(0.0)
-        self._numbers, self._finish = numbers, finish_without_services
+        self._publisher = Publisher(self.state, self.outputs, numbers, period_s)
+        self._finish = finish_without_services
         self._enabling_inputs = EnablingInputs(numbers, assumed)
         self._permits = 0
         self._override = 0.0
@@ -354,14 +350,17 @@ class Core:
     def _drive(self, actuals: Sequence[Actual | None]) -> list[SetRecord]:
         sample = self._stepper.step()
         for n, axis in enumerate(self._axes):
-            axis.active_inc, axis.received_inc, axis.sent_inc = axis.received_inc, axis.sent_inc, axis.drive.set_inc
+            drive = axis.drive
+            axis.active_inc, axis.received_inc, axis.sent_inc = axis.received_inc, axis.sent_inc, drive.set_inc
             axis.speed = 0.0
             if axis.run is not None:
                 self._step_homing(axis, actuals[n])
-            elif axis.drive.follows and not axis.by_drive:
+            elif drive.follows and not axis.by_drive:
                 axis.set, axis.speed = sample.q[n], sample.qd[n]
         values = [axis.drive.step(actual, self._demand(axis)) for axis, actual in zip(self._axes, actuals, strict=True)]
         for axis in self._axes:
+            axis.power = axis.drive.power
+            axis.behind = (axis.active_inc - axis.drive.position_inc) / axis.scaling.inc_per_unit
             if axis.by_drive:
                 self._judge_drive_homing(axis)
         self._accept_positions()
@@ -392,14 +391,9 @@ class Core:
 
     def _demand(self, axis: HeldAxis) -> Demand:
         scaling = axis.scaling
-        return Demand(
-            on=axis.wanted,
-            reset=self._reset,
-            position_inc=scaling.to_inc(axis.set),
-            speed_rpm=scaling.to_rpm(axis.speed),
-            limit_switch=axis.referenced and axis.plan.reference is not None,
-            home=axis.by_drive,
-        )
+        inc, rpm = scaling.to_inc(axis.set), scaling.to_rpm(axis.speed)
+        limit_switch = axis.referenced and axis.plan.reference is not None
+        return Demand(axis.wanted, self._reset, inc, rpm, limit_switch, axis.by_drive)
 
     def _judge_drive_homing(self, axis: HeldAxis) -> None:
         """The drive stands in its home position: from now on its increments mean what the plan says (AX-306)."""
@@ -454,17 +448,18 @@ class Core:
             if actual is None or axis.by_drive or not axis.drive.follows:  # a drive that references leads its position itself
                 axis.lag.clear()
                 continue
-            lag = axis.scaling.to_si(axis.active_inc) - axis.scaling.to_si(actual.position_inc)
-            if axis.lag.check(lag) is LagState.TRIPPED:
+            if axis.lag.check(axis.behind) is LagState.TRIPPED:
                 self.state.stop_cause = Reason.FOLLOWING_ERROR
                 self._off(Reason.FOLLOWING_ERROR)
-        powers = [axis.drive.power for axis in self._axes if axis.wanted]
-        for power, reason in ((Power.FAULT, Reason.DRIVE_FAULT), (Power.LOST, Reason.DRIVE_LOST)):
+        powers = [axis.power for axis in self._axes if axis.wanted]
+        for power, reason in BROKEN:
             if power in powers:
                 self.state.stop_cause = reason
                 self._off(reason)  # the axes move together or not at all
-        if any(axis.drive.events for axis in self._axes):
-            self._judge_events()
+        for axis in self._axes:
+            if axis.drive.events:
+                self._judge_events()
+                break
         job, mask = self._enabling
         if job and self._all_enabled(mask):
             self._enabling = (0, 0)
@@ -494,44 +489,9 @@ class Core:
         if self._homing or any(axis.run is not None or axis.by_drive for axis in self._axes):
             state.motion = Motion.REFERENCING
         else:
-            state.motion = next(motion for known, motion in MOTIONS if known is stepper)
+            state.motion = MOTIONS[stepper]
         if state.motion is Motion.IDLE and (self._running or self._program.job):
             state.motion = Motion.RUNNING  # the axes are still on their last increments, or a program is being prepared
         state.override = self._override
         state.job = self._homing or self._running
-        at_rest = state.motion in (Motion.IDLE, Motion.STOPPED)
-        flags = [self._publish_axis(state.axes[n], axis, at_rest=at_rest) for n, axis in enumerate(self._axes)]
-        powers = [axis.drive.power for axis in self._axes]
-        state.ready = not state.emergency and not any(power in (Power.FAULT, Power.LOST) for power in powers)
-        numbers, outputs = self._numbers, self.outputs
-        set_bit(outputs, numbers.ready, state.ready)
-        set_bit(outputs, numbers.ready2, state.ready)
-        set_bit(outputs, numbers.drives_on, all(power is Power.ENABLED for power in powers))
-        set_bit(outputs, numbers.emergency, state.emergency)
-        for n, bits in enumerate(flags):
-            set_bit(outputs, numbers.in_position + n, bool(bits & IN_POSITION))
-            set_bit(outputs, numbers.referenced + n, bool(bits & REFERENCED))
-
-    def _publish_axis(self, out: AxisState, axis: HeldAxis, *, at_rest: bool) -> int:
-        """The bits of AxisFlag."""
-        drive, power = axis.drive, axis.drive.power
-        out.actual = axis.scaling.to_si(drive.position_inc)
-        out.set, out.speed = axis.set, axis.speed
-        out.lag = axis.scaling.to_si(axis.active_inc) - out.actual
-        out.torque = drive.torque_permille / 1000.0
-        enabled = power is Power.ENABLED
-        inside = enabled and at_rest and abs(axis.set - out.actual) <= axis.plan.window
-        axis.quiet = axis.quiet + 1 if inside else 0
-        flags = (
-            enabled * ENABLED
-            | axis.referenced * REFERENCED
-            | (axis.quiet * self._period >= AT_REST_S) * IN_POSITION
-            | (power is Power.FAULT) * FAULT
-            | (power is Power.LOST) * LOST
-            | (axis.run is not None or axis.by_drive) * HOMING
-            | (axis.lag.state is LagState.WARNING) * WARNING
-            | axis.wanted * ON
-            | (not drive.configured) * UNCONFIGURED
-        )
-        out.flags, out.fault_code, out.power = FLAGS[flags], drive.fault_code, power.value
-        return flags
+        self._publisher.publish(self._axes)

@@ -6,7 +6,7 @@ Apart from the core: whoever only describes axes (services, commands) does not l
 import math
 from dataclasses import dataclass
 
-from drivers.drives.family import CyclicDrive, DriveHoming, DriveMaker
+from drivers.drives.family import CyclicDrive, DriveHoming, DriveMaker, Power
 from drivers.drives.limits import LagMonitor
 from drivers.drives.referencing import ReferenceSettings, Referencing
 from drivers.drives.scaling import Scaling
@@ -50,3 +50,5 @@ class HeldAxis:
     epoch: int = 0  # of the drive's increments; another one voids the reference (AX-110)
     speed: float = 0.0
     quiet: int = 0  # cycles inside the window
+    power: Power = Power.OFF  # of the drive, after its step of this cycle
+    behind: float = 0.0  # active_inc - where the drive says it is, in m or rad

@@ -221,6 +221,13 @@ def set_bit(image: bytearray, number: int, value: bool) -> None:
         image[number >> 3] &= ~(1 << (number & 7))
 
 
+def set_bits(image: bytearray, first: int, count: int, values: int) -> None:
+    """Bits `first` .. `first + count - 1`; bit 0 of `values` is the first of them."""
+    start, stop, shift = first >> 3, (first + count + 7) >> 3, first & 7
+    word = int.from_bytes(image[start:stop], "little") & ~(((1 << count) - 1) << shift) | values << shift
+    image[start:stop] = word.to_bytes(stop - start, "little")
+
+
 def get_bit(image: bytes | bytearray, number: int) -> bool:
     """The reverse of set_bit."""
     return bool(image[number >> 3] >> (number & 7) & 1)

@@ -42,6 +42,7 @@ class ActualValue(NamedTuple):
 
 SET_SIGNALS = SetValue._fields
 ACTUAL_SIGNALS = ActualValue._fields
+ACTUAL_FLAGS = ACTUAL_SIGNALS.index("fault_code")  # so many come first; in a layout of somebody's own they may have more bits than one
 
 
 class Codec:
@@ -89,10 +90,10 @@ class Codec:
         place = self._actual_axes.get(frame.identifier)
         if place is None:
             raise DecodeError(f"identifier {frame.identifier} is no actual value of this bus: {frame.data.hex(' ')}")
-        ready, power, enabled, fault, warning, limit, switch, brake, code, position, torque = place[1].unpack(frame.data)
-        return place[0], ActualValue(
-            ready == 1, power == 1, enabled == 1, fault == 1, warning == 1, limit == 1, switch == 1, brake == 1, code, position, torque
-        )
+        values = place[1].unpack(frame.data)
+        if place[1].flags < ACTUAL_FLAGS:  # a layout of somebody's own with wider ones: 1 counts
+            values[:ACTUAL_FLAGS] = [value == 1 for value in values[:ACTUAL_FLAGS]]
+        return place[0], ActualValue._make(values)
 
 
 def _side(

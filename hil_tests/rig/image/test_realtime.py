@@ -7,7 +7,10 @@ import subprocess
 import sys
 import time
 
-from gateway.realtime import Timerfd, die_with_parent, go_realtime, sleep_until
+import pytest
+
+from gateway import realtime
+from gateway.realtime import Alarm, Timerfd, die_with_parent, go_realtime, sleep_until
 
 MS = 1_000_000
 
@@ -20,6 +23,50 @@ def test_sleep_until_never_returns_early_and_not_at_all_late_for_a_past_instant(
     start = time.monotonic_ns()
     assert sleep_until(start - MS) >= start
     assert time.monotonic_ns() < start + 500 * MS
+
+
+class Machine:
+    """A clock whose sleeps overshoot: 30 us as a rule, 70 us once in ten, 3 ms once in a thousand."""
+
+    def __init__(self) -> None:
+        self.now, self.sleeps = 1_000_000_000, 0
+
+    def monotonic_ns(self) -> int:
+        self.now += 200
+        return self.now
+
+    def sleep(self, seconds: float) -> None:
+        self.sleeps += 1
+        over = 3_000_000 if self.sleeps % 1000 == 0 else 70_000 if self.sleeps % 10 == 0 else 30_000
+        self.now += round(seconds * 1e9) + over
+
+
+def test_an_alarm_learns_how_early_it_has_to_wake(monkeypatch: pytest.MonkeyPatch) -> None:
+    """AX-433: awake for as long as this machine's sleep overshoots, and no longer."""
+    machine = Machine()
+    monkeypatch.setattr(realtime, "time", machine)
+    alarm, due, late, awake = Alarm(), machine.now, [], 0
+    for _ in range(20_000):
+        due = max(due, machine.now) + 4 * MS
+        slept = machine.sleeps
+        reached = alarm.until(due)
+        assert reached >= due and machine.sleeps == slept + 1
+        late.append(reached - due)
+        awake += alarm.ahead_ns
+    assert sum(late_ns > 1_000 for late_ns in late) / len(late) < 0.03, "2 % are meant"
+    assert 68_000 < awake / len(late) < 90_000, "as long as one sleep in ten asks for, not as the one in a thousand"
+    assert sorted(late)[len(late) * 99 // 100] < 10_000
+
+
+def test_an_alarm_on_a_good_machine_is_hardly_awake(monkeypatch: pytest.MonkeyPatch) -> None:
+    machine = Machine()
+    monkeypatch.setattr(machine, "sleep", lambda seconds: setattr(machine, "now", machine.now + round(seconds * 1e9)))
+    monkeypatch.setattr(realtime, "time", machine)
+    alarm, due = Alarm(), machine.now
+    for _ in range(5_000):
+        due += 4 * MS
+        assert alarm.until(due) >= due
+    assert alarm.ahead_ns <= 2 * Alarm.SHORTEST_NS
 
 
 def test_a_signal_does_not_shorten_the_sleep() -> None:
