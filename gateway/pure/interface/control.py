@@ -217,6 +217,17 @@ class RhoControl:
         self.image.flags[first : first + len(data)] = data
         return True
 
+    def retained(self) -> bytes:
+        """All flags."""
+        return bytes(self.image.flags)
+
+    def restore(self, flags: bytes, counters: Mapping[int, int]) -> None:
+        """Flags and counters as they were kept; a decrement flag that stands counts nothing."""
+        self.image.flags[: len(flags)] = flags
+        for number, value in counters.items():
+            if number < len(self.interface.timers.counters):
+                self.interface.timers.counters[number] = value
+
     def timer(self, number: int) -> int | None:
         """Rest of timer `number` in ms; None: there is none."""
         left = self.interface.timers.left

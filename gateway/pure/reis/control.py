@@ -180,6 +180,20 @@ class ReisControl:
         self.shared.end_of_cycle()
         return True
 
+    def retained(self) -> bytes:
+        """Markers without what the robot tells anew at every start; binary inputs and outputs read 0."""
+        kept = bytearray(self.markers.retained())
+        for first, size in _ROBOTS:
+            if first < len(kept):
+                kept[first : first + size] = bytes(size)
+        return bytes(kept).ljust(SIZE, b"\0")
+
+    def restore(self, flags: bytes, counters: Mapping[int, int]) -> None:
+        """Markers as they were kept; what stands in them then commands nothing."""
+        if flags:
+            self.markers.power_on(flags[:INPUTS])
+            self._percent = self.markers.number(OVERRIDE)
+
     def timer(self, number: int) -> int | None:
         """The timers of the integrated PLC are not played."""
         return None

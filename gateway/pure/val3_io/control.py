@@ -4,7 +4,7 @@ Source: val3 3.5; AX-338.  dio.NAME and aio.NAME are values of the cell; dio.NAM
 dio.NAME.lock = 1 or 0, simulates with dio.NAME.simulate = value and ends that with dio.NAME.real = 1.
 """
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 
 from gateway.pure.interface.image import PicImage
 from gateway.pure.records import RC_BYTES, CellState, InputImage
@@ -58,6 +58,13 @@ class Val3Control:
     def write_flags(self, first: int, data: bytes) -> bool:
         """There are none."""
         return False
+
+    def retained(self) -> bytes:
+        """Nothing."""
+        return b""
+
+    def restore(self, flags: bytes, counters: Mapping[int, int]) -> None:
+        """There is nothing to restore."""
 
     def timer(self, number: int) -> int | None:
         """There are none."""
