@@ -610,6 +610,6 @@ class Cell:
 
 
 def _served(signal: str) -> bool:
-    """Names a data block may hold that this version does not serve yet: RC signals, one axis' own reference, the safety contact."""
+    """Names a data block may hold that this version does not serve yet: one axis' own reference, the safety contact."""
     one_axis = signal.startswith("axis.") and signal.endswith(".reference") and signal != "axis.*.reference"
-    return not (one_axis or signal == "cell.safety_ok" or signal.upper().endswith(("_RCI", "_RCO")))
+    return not (one_axis or signal == "cell.safety_ok")
