@@ -75,6 +75,8 @@ class Variables:
         """One request; never raises."""
         try:
             request = json.loads(line)
+            if request.get("op") in ("contacts", "force"):
+                return self._services.contacts.answer(request)
             told = self._services.tools.answer(request)
             if told is not None:
                 return told
@@ -159,9 +161,9 @@ class Variables:
         if isinstance(place, RcBit):
             return self._bit(place)
         found = self._operands.number(place) if isinstance(place, Operand) else None
-        if found is None:
+        if found is None or not isinstance(place, Operand):
             raise KeyError(name)
-        return float(found)
+        return float(found - (1 << 32) if place.bytes == 4 and found >> 31 else found)  # a double word is a DH
 
     def names(self) -> list[str]:
         """Every name that can be read."""
