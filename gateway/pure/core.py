@@ -467,6 +467,7 @@ class Core:
     def _judge_events(self) -> None:
         """What drives did by themselves; of an axis nobody wants on it is no matter."""
         if any(axis.wanted and (Event.DROPPED in axis.drive.events or Event.TIMEOUT in axis.drive.events) for axis in self._axes):
+            self.state.stop_cause = Reason.DRIVE_FAULT
             self._off(Reason.DRIVE_FAULT)  # a drive that left control by itself: only a fresh command brings it back
         if any(axis.wanted and (Event.JUMP in axis.drive.events or Event.RANGE in axis.drive.events) for axis in self._axes):
             self.state.stop_cause = Reason.SET_VALUE

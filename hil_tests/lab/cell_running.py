@@ -50,6 +50,7 @@ HOME = (10.0, 10.0, 5.0, 0.0, 0.0, 0.0)  # mm and deg: where referencing ends
 TARGET = (70.0, 70.0, 33.0, 8.0, 8.0, 8.0)  # near it, so that referencing again is short
 SETTLE_S = 0.3  # ten time constants of the position loops and more
 SPARE = 6  # repetitions of one run that a busy machine may spoil
+DRIVES_OFF = 2  # reason
 STOLEN = (16, 17, 18, 27)  # reasons: drive fault, drive lost, following error, overrun
 
 
@@ -235,6 +236,8 @@ class CellRun:
         status = self.plc.command(code, mask, velocity, targets)
         if status.state != DONE and status.reason in STOLEN:
             raise Disturbed(f"code {code}: reason {status.reason}")
+        if status.reason == DRIVES_OFF and (cause := self.state().stop_cause) in STOLEN:
+            raise Disturbed(f"code {code}: the drives went off since the command before, stop cause {cause}")
         assert status.state == DONE, f"code {code}: {status}\n{self.words()}"
         return status
 

@@ -243,3 +243,17 @@ def test_following_error_beyond_the_limit_takes_the_drives_off() -> None:
     cell.core._axes[1].lag._trip = 1e-4
     cell.run(0.1)
     assert (move.state, move.reason) == (CommandState.ABORTED, Reason.FOLLOWING_ERROR)
+
+
+def test_a_drive_that_leaves_control_by_itself_takes_all_off_and_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
+    cell = CellBench().ready()
+    move = cell.give(Code.PTP_ABSOLUTE, targets=FAR)
+    cell.run(0.2)
+    drive = cell.core._axes[1].drive
+    assert isinstance(drive, Drive)
+    heard = drive._judge
+    monkeypatch.setattr(drive, "_judge", lambda actual, demand: heard(actual._replace(enabled=False), demand))
+    cell.cycle()
+    assert (move.reason, cell.core.state.stop_cause) == (Reason.DRIVE_FAULT, Reason.DRIVE_FAULT)
+    cell.run(1.0)
+    assert not any(axis.flags & AxisFlag.ENABLED for axis in cell.core.state.axes[:6])
