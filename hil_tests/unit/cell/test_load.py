@@ -60,7 +60,7 @@ def test_the_demo_cell_plays_and_the_examples_say_what_does_not() -> None:
     ("edit", "reason"),
     [
         (('port     = "sim"                     # a simulated', 'port     = "COM5" #'), "line.plc1.port = COM5"),
-        (('to = "cell.reset", ', 'to = "USER_1_RCI", '), "db.10[D 0.2] = USER_1_RCI"),
+        (('to = "cell.reset", ', 'to = "cell.safety_ok", '), "db.10[D 0.2] = cell.safety_ok"),
         (('to = "axis.*.reference",', 'to = "axis.A1.reference",'), "db.10[D 0.3] = axis.A1.reference"),
     ],
 )
