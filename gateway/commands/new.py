@@ -1,0 +1,80 @@
+"""`axisgate new --from KIND FILE`: a commented cell file out of five questions; it passes check and plays under run --sim."""
+
+import argparse
+import contextlib
+import json
+import os
+import pathlib
+import sys
+
+from gateway.errors import Exit
+from gateway.pure.line_texts import LANGUAGES, language_of
+from gateway.starting.cell_text import cell_text
+from gateway.starting.questions import QUESTIONS, BadAnswer, Question, answered
+
+EXAMPLES = """examples:
+  axisgate new --from s5-rk512 hall3.toml                        asks five questions, Enter takes the value in brackets
+  axisgate new --from rho3 line2.toml --answer axes=6 --defaults asks nothing
+  axisgate new --from modbus saw.toml --answer bind=0.0.0.0:502 --json
+exit code: 0 written, 2 an answer no cell can be made of, or the file is there already, 3 it cannot be written"""
+
+
+def main(argv: list[str]) -> int:
+    parser = argparse.ArgumentParser(
+        "axisgate new", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("file", metavar="FILE", type=pathlib.Path, help="cell file to write; never overwritten")
+    parser.add_argument("--from", dest="kind", choices=tuple(QUESTIONS), required=True, help="what stands there today")
+    parser.add_argument("--answer", metavar="KEY=VALUE", action="append", default=[], help="answers a question beforehand")
+    parser.add_argument("--defaults", action="store_true", help="asks nothing: defaults where no --answer stands")
+    parser.add_argument("--language", choices=LANGUAGES, help="of the cell; else the system's")
+    parser.add_argument("--json", action="store_true", help="file and answers as JSON")
+    options = parser.parse_args(argv)
+    try:
+        answers = answered(options.kind, given(options.answer), default if options.defaults else ask)
+        text = cell_text(options.kind, answers, options.language or language_of(None, os.environ))
+        with options.file.open("x", encoding="utf-8") as file:
+            file.write(text)
+    except BadAnswer as error:
+        print(f"axisgate new: {error}; nothing was written", file=sys.stderr)
+        return Exit.INVALID
+    except FileExistsError:
+        print(f"axisgate new: {options.file} is there already and stays as it is; name another file", file=sys.stderr)
+        return Exit.INVALID
+    except OSError as error:
+        print(f"axisgate new: {options.file}: {error.strerror}; nothing was written", file=sys.stderr)
+        return Exit.ENVIRONMENT
+    if options.json:
+        print(json.dumps({"file": str(options.file), "from": options.kind, "answers": answers}))
+    else:
+        print(f"{options.file} written.  next: axisgate check {options.file}      then: axisgate run {options.file} --sim")
+    return Exit.OK
+
+
+def given(pairs: list[str]) -> dict[str, str]:
+    """KEY=VALUE pairs; raises BadAnswer."""
+    for pair in pairs:
+        if "=" not in pair:
+            raise BadAnswer(f"--answer {pair}: KEY=VALUE is needed")
+    return {key.strip(): value for key, _, value in (pair.partition("=") for pair in pairs)}
+
+
+def default(question: Question) -> str:
+    """Nobody is asked."""
+    return question.default
+
+
+def ask(question: Question) -> str:
+    """On the terminal, again until the answer can be used; from a pipe a line each, defaults behind its end."""
+    while True:
+        answer = ""
+        with contextlib.suppress(EOFError):
+            answer = input(f"{question.text} [{question.default}] ")
+        if not sys.stdin.isatty():
+            return answer
+        try:
+            question.check((answer or question.default).strip())
+        except ValueError as error:
+            print(f"  {answer}: {error}")
+            continue
+        return answer

@@ -1,0 +1,75 @@
+"""`axisgate new` and `axisgate assess` as somebody types them."""
+
+import json
+import pathlib
+import subprocess
+import sys
+
+import pytest
+
+from gateway.config import load_cell
+from gateway.starting.questions import QUESTIONS
+
+
+def axisgate(*arguments: str, typed: str = "") -> "subprocess.CompletedProcess[str]":
+    return subprocess.run(
+        [sys.executable, "-m", "gateway", *arguments], input=typed, capture_output=True, text=True, timeout=60, check=False
+    )
+
+
+@pytest.mark.parametrize("kind", QUESTIONS)
+def test_every_kind_of_new_cell_passes_check_as_it_is(kind: str, tmp_path: pathlib.Path) -> None:
+    file = tmp_path / "cell.toml"
+    made = axisgate("new", "--from", kind, str(file), "--defaults", "--json")
+    assert (made.returncode, json.loads(made.stdout)["file"]) == (0, str(file)), made.stderr
+    checked = axisgate("check", str(file))
+    assert checked.returncode == 0, checked.stdout + checked.stderr
+    assert ": 0 errors" in checked.stdout and "not playable" not in checked.stdout
+
+
+def test_five_answers_from_the_keyboard_stand_in_the_cell(tmp_path: pathlib.Path) -> None:
+    file = tmp_path / "hall3.toml"
+    made = axisgate("new", "--from", "s5-rk512", str(file), typed="Hall 3\n\nsiemens-cp340\n5\n20\n")
+    assert made.returncode == 0, made.stderr
+    cell = load_cell(str(file))
+    assert (cell.cell.name, cell.line[0].profile, len(cell.axis), [block.number for block in cell.db]) == (
+        "Hall 3",
+        "siemens-cp340",
+        5,
+        [20, 21],
+    )
+    assert cell.line[0].port == "sim", "an empty line takes the value in brackets"
+    assert f"next: axisgate check {file}" in made.stdout
+
+
+def test_a_file_that_is_there_is_never_written_over(tmp_path: pathlib.Path) -> None:
+    file = tmp_path / "cell.toml"
+    file.write_text("mine\n")
+    made = axisgate("new", "--from", "modbus", str(file), "--defaults")
+    assert (made.returncode, file.read_text()) == (2, "mine\n")
+    assert "stays as it is" in made.stderr
+
+
+@pytest.mark.parametrize(
+    "answer, words", [("axes=7", "a number from 1 to 6"), ("bind=1502", "HOST:PORT"), ("colour=red", "not asked for modbus")]
+)
+def test_an_answer_no_cell_can_be_made_of_writes_nothing(answer: str, words: str, tmp_path: pathlib.Path) -> None:
+    made = axisgate("new", "--from", "modbus", str(tmp_path / "cell.toml"), "--defaults", "--answer", answer)
+    assert made.returncode == 2 and words in made.stderr
+    assert not (tmp_path / "cell.toml").exists()
+
+
+def test_assess_asks_ten_questions_and_leaves_a_page_to_print(tmp_path: pathlib.Path) -> None:
+    page = tmp_path / "assessment.html"
+    typed = "rho3\n3\n6\nservodyn\nrk512\nno\nyes\nprinted\nyes\nJ. <Muster>\n"
+    done = axisgate("assess", "--json", "--html", str(page), typed=typed)
+    found = json.loads(done.stdout)
+    assert (done.returncode, found["verdict"], len(found["reasons"])) == (0, "with", 10), done.stderr
+    assert "J. &lt;Muster&gt;" in page.read_text(encoding="utf-8")
+
+
+def test_a_no_is_exit_1_and_a_missing_answer_is_named() -> None:
+    refused = axisgate("assess", typed="rho3\n3\n6\nanalog\nrk512\nno\nno\nyes\nyes\nJ. Muster\n")
+    assert refused.returncode == 1 and "new drives on CAN first" in refused.stdout
+    missing = axisgate("assess", typed="rho3\n")
+    assert missing.returncode == 2 and "p15: numbers with commas, or - is needed" in missing.stderr
