@@ -12,6 +12,7 @@ from gateway.cell_controller import Controller
 from gateway.cell_modbus import Modbus
 from gateway.cell_positions import Position
 from gateway.cell_program import Program
+from gateway.cell_retain import Retain
 from gateway.cell_routes import Route
 from gateway.cell_web import Web
 
@@ -469,13 +470,6 @@ class Telegram:
 
 
 @dataclass(frozen=True, slots=True)
-class Retain:
-    """[retain]: values that survive power-off (not played yet)."""
-
-    values: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
 class Span:
     """`reference_switch = { from = .., to = .. }` in axis units: the switch is 1 between both."""
 
@@ -574,11 +568,9 @@ class Cell:
         `simulated`: contacts of I/O couplers are left out, nothing is wired to them.
         """
         reasons = [f"{key} = {value}" for key, value, played in self._choices() if value not in played]
-        reasons += [] if simulated else [f"io.{io.name}.device.type = {io.device.type}" for io in self.io]
         reasons += [f"db.{db.number}[{entry.at}] = {entry.signal}" for db in self.db for entry in db.entries if not _served(entry.signal)]
         if self.robot is not None and self.robot.kinematics not in PLANNED_KINEMATICS:
             reasons.append(f"robot.kinematics = {self.robot.kinematics}")
-        reasons += [] if self.retain is None else ["retain.values"]
         return reasons
 
     def _choices(self) -> Iterator[tuple[str, str | int, tuple[str | int, ...]]]:
@@ -595,7 +587,8 @@ class Cell:
         for axis in self.axis:
             yield f"axis.{axis.name}.drive.type", axis.drive.type, ("servodyn", "cia402")
             yield f"axis.{axis.name}.mode", axis.mode, ("csp",)
-            yield f"axis.{axis.name}.brake", axis.brake, ("drive", "none")
+            contact = any(io.signal == f"axis.{axis.name}.brake" for io in self.io)
+            yield f"axis.{axis.name}.brake", axis.brake, ("drive", "none", *(("gateway",) if contact else ()))
             by = ("gateway", "none") if axis.drive.type == "servodyn" else ("gateway", "drive", "none")  # a booster never references itself
             yield f"axis.{axis.name}.home.by", axis.home.by, by
             if axis.home.by == "gateway":

@@ -53,6 +53,12 @@ class Control(Protocol):
     def write_flags(self, first: int, data: bytes) -> bool:
         """From byte `first` on; False: not there, or not the PLC's."""
 
+    def retained(self) -> bytes:
+        """Flags or markers worth keeping over power-off."""
+
+    def restore(self, flags: bytes, counters: Mapping[int, int]) -> None:
+        """What was kept, before the first step; b"": nothing was."""
+
     def timer(self, number: int) -> int | None:
         """Rest in ms; None: none of that number."""
 

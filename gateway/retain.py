@@ -24,13 +24,8 @@ from drivers.ports.base import runtime_dir
 from gateway.cell import Cell
 from gateway.files import PACKAGED
 from gateway.retainfile import Record, RetainError, RetainFile, Value, open_file
+from gateway.retaingroups import group_of
 
-GROUPS = {  # what may be kept; commands, releases, start bits and RC inputs are none of them
-    "flags": "markers and flags of the control, M0 .. as bytes",
-    "counter": "counters of the PIC: what is left to count",
-    "order": "named values of telegrams and routes that hold data",
-    "belt": "offsets of belts",
-}
 PAUSE_S = 0.05  # changes within it become one transaction
 RETRY_S = 1.0  # after a write that failed
 WAITING_RECORDS = 1000  # records of histories not yet written; the oldest is dropped and counted
@@ -49,7 +44,9 @@ class Retained:
         self.failures = 0  # writes that failed
         self.writes = 0
         self._file = self._opened(path)
+        self._last: dict[str, Record] = {}
         self._values = self._read()
+        self._blocks: dict[str, bytes] = {}  # as they were kept last
         self._waiting: dict[str, Value] = {}
         self._records: deque[tuple[str, Record]] = deque()
         self._change = threading.Condition()
@@ -85,7 +82,10 @@ class Retained:
 
     def keep_block(self, name: str, data: bytes) -> None:
         """Bytes as they are now."""
-        self.keep_all({f"{name}{at}": octet for at, octet in enumerate(data)})
+        last = self._blocks.get(name, b"")
+        if data != last:
+            self._blocks[name] = data
+            self.keep_all({f"{name}{at}": octet for at, octet in enumerate(data) if at >= len(last) or octet != last[at]})
 
     def keep_all(self, values: Mapping[str, Value]) -> None:
         """Values that belong together: all of them reach the disk or none.  A number no file can hold is left out."""
@@ -124,6 +124,15 @@ class Retained:
             self._thread.join(timeout_s)
         if self._file is not None and not self._thread.is_alive():
             self._file.close()
+
+    @property
+    def on(self) -> bool:
+        """Whether anything outlives this run."""
+        return self._file is not None
+
+    def last(self, kind: str) -> Record | None:
+        """The newest record of a kind as the last run left it; None: there is none, or it cannot be read."""
+        return self._last.get(kind)
 
     # ---- the thread --------------------------------------------------------------------------------------------------
     def _work(self) -> None:
@@ -185,18 +194,15 @@ class Retained:
     def _read(self) -> dict[str, Value]:
         if self._file is None:
             return {}
-        values, spoiled = self._file.values()
+        try:
+            values, spoiled = self._file.values()
+            self._last = {kind: records[-1] for kind in self._file.kinds() if (records := self._file.history(kind))}
+        except RetainError as error:
+            self.events.append(f"retained data: {error}; defaults count")
+            return {}
         if spoiled:
             self.events.append(f"retained data: {self._file.path}: {', '.join(spoiled[:8])} damaged; their defaults count")
         return values
-
-
-def group_of(name: str) -> str:
-    """The group a name belongs to.  ValueError: what stands under this name must not outlive a run."""
-    group = name.partition(".")[0]
-    if group not in GROUPS:
-        raise ValueError(f"{name}: is not kept over a restart; groups that are: {', '.join(GROUPS)}")
-    return group
 
 
 def _storable(value: Value) -> bool:
@@ -218,6 +224,11 @@ def history(path: pathlib.Path, kind: str) -> list[Record]:
     """Records of a kind for tools, oldest first; [] where there is no file.  RetainError."""
     if not path.exists():
         return []
-    opened = open_file(path)
-    with contextlib.closing(opened.file) as file:
+    with contextlib.closing(open_file(path, repair=False).file) as file:
         return file.history(kind)
+
+
+def append(path: pathlib.Path, kind: str, record: Record) -> None:
+    """One record of a history, by a tool; on return it has reached the disk.  RetainError: it has not."""
+    with contextlib.closing(open_file(path, repair=False).file) as file:
+        file.write({}, [(kind, record)])

@@ -18,7 +18,8 @@ Record = dict[str, object]
 
 APPLICATION, FORMAT = 0x41784772, 1  # "AxGr": whose file it is; the shape of its tables
 BUSY_S = 2.0  # patience with a tool that writes at the same moment
-HISTORY = 1000  # records kept of each kind
+HISTORY = 1000  # records kept of each kind but these:
+FOR_GOOD = ("zero", "configuration")
 TABLES = """
 CREATE TABLE value (name TEXT PRIMARY KEY, data NOT NULL, crc INTEGER NOT NULL) WITHOUT ROWID;
 CREATE TABLE history (id INTEGER PRIMARY KEY AUTOINCREMENT, kind TEXT NOT NULL, data TEXT NOT NULL, crc INTEGER NOT NULL);
@@ -26,7 +27,7 @@ CREATE INDEX history_kind ON history (kind, id);
 """
 
 
-class RetainError(Exception):
+class RetainError(OSError):
     """The file cannot be read or written; the message names it."""
 
 
@@ -70,7 +71,7 @@ class RetainFile:
                 transaction.executemany(
                     "INSERT INTO history (kind, data, crc) VALUES (?, ?, ?)", [(k, text, _crc(k, text)) for k, text in added]
                 )
-                for kind in {kind for kind, _ in added}:
+                for kind in {kind for kind, _ in added if kind not in FOR_GOOD}:
                     transaction.execute(
                         "DELETE FROM history WHERE kind = ?1 AND id <= "
                         "(SELECT id FROM history WHERE kind = ?1 ORDER BY id DESC LIMIT 1 OFFSET ?2)",
@@ -90,14 +91,19 @@ class RetainFile:
             raise RetainError(f"{self.path}: cannot be read: {error}") from error
 
 
-def open_file(path: pathlib.Path) -> Opened:
-    """The file, made where it is missing; one that is none of ours any more is set aside under a name that is told.  RetainError."""
+def open_file(path: pathlib.Path, *, repair: bool = True) -> Opened:
+    """The file, made where it is missing; one that is damaged is set aside under a name that is told.
+
+    RetainError: it cannot be opened; without `repair` also when it is damaged.
+    """
     try:
         path.parent.mkdir(mode=0o755, parents=True, exist_ok=True)
         return Opened(_sound(path), ())
     except sqlite3.OperationalError as error:  # not the file's fault: permission, disk, lock
         raise RetainError(f"{path}: cannot be opened: {error}") from error
     except sqlite3.DatabaseError as error:
+        if not repair:
+            raise RetainError(f"{path}: damaged ({error}); the next start of the cell sets it aside and says so") from error
         aside = set_aside(path)
         told = f"retained data: {path} is damaged ({error}); set aside as {aside.name}, started with defaults"
         try:

@@ -50,6 +50,7 @@ class SignalDesk:
 
         doors = {door.name: door.number for door in services.plan.doors}
         self.control, faults = make_control(services.cell, services.owned, doors, services.office, self.errors, now)
+        services.retain.restore(self.control)
         services.rc_out.control = self.control
         for door in services.doors:
             view = getattr(door, "view", None)

@@ -1,6 +1,7 @@
-"""Zeros of absolute axes: one line for each that was ever set, in zero/CELL.jsonl beside the cell file; the last one of an axis counts.
+"""Zeros of absolute axes: one record for each that was ever set, in the retained data of the cell (gateway.retain); the last one counts.
 
-A simulated or shipped cell keeps them in the runtime folder instead: packaged files are nobody's to write.
+Lines of zero/CELL.jsonl, where earlier versions wrote them, are read first.  A shipped cell keeps its data in the runtime folder:
+packaged files are nobody's to write.
 """
 
 import json
@@ -18,7 +19,7 @@ Entry = dict[str, object]
 
 
 def path_of(cell: Cell) -> pathlib.Path:
-    """The history of this cell."""
+    """Where earlier versions kept the history of this cell; the last places of its axes lie beside it."""
     file = pathlib.Path(cell.file).resolve()
     folder = runtime_dir() if file.is_relative_to(PACKAGED) or not os.access(file.parent, os.W_OK) else file.parent
     return folder / "zero" / f"{file.stem}.jsonl"
@@ -29,9 +30,19 @@ def history(cell: Cell, axis: str) -> list[Entry]:
     try:
         lines = path_of(cell).read_text().splitlines()
     except OSError:
-        return []
+        lines = []
     entries: list[Entry] = [json.loads(line) for line in lines if line.strip()]
-    return [entry for entry in entries if entry["axis"] == axis]
+    return [entry for entry in [*entries, *_kept(cell)] if entry["axis"] == axis]
+
+
+def _kept(cell: Cell) -> list[Entry]:
+    from gateway import retain  # only where there is something to read
+
+    path = retain.path_of(cell)
+    try:
+        return retain.history(path, "zero") if path.exists() else []
+    except OSError:  # told and set aside by the run; without a zero the axis is not referenced
+        return []
 
 
 def zero_inc(cell: Cell, axis: str) -> float | None:
@@ -59,9 +70,9 @@ def entry(cell: Cell, axis: Axis, reading: float, at: float, who: str) -> Entry:
 
 
 def append(cell: Cell, line: Entry) -> pathlib.Path:
-    """Kept for good; nothing is ever taken out."""
-    path = path_of(cell)
-    path.parent.mkdir(mode=0o755, parents=True, exist_ok=True)
-    with path.open("a") as file:
-        file.write(json.dumps(line) + "\n")
+    """Kept for good; nothing is ever taken out.  The file it stands in.  RetainError: it does not."""
+    from gateway import retain
+
+    path = retain.path_of(cell)
+    retain.append(path, "zero", line)
     return path

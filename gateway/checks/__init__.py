@@ -3,7 +3,23 @@
 from collections.abc import Callable, Mapping
 
 from gateway.cell import Cell, Notice
-from gateway.checks import axes, blocks, buses, canopen, controller, doors, lines, modbus, notes, programs, rho3can, routes, telegrams, web
+from gateway.checks import (
+    axes,
+    blocks,
+    buses,
+    canopen,
+    controller,
+    doors,
+    lines,
+    modbus,
+    notes,
+    programs,
+    retain,
+    rho3can,
+    routes,
+    telegrams,
+    web,
+)
 from gateway.checks.context import Context
 from gateway.faults import Fault
 from gateway.pure.signals import SignalList
@@ -28,6 +44,7 @@ def cross_faults(cell: Cell, known: Mapping[str, frozenset[str]], signals: Signa
         *web.CHECKS,
         *controller.CHECKS,
         *routes.CHECKS,
+        *retain.CHECKS,
     ):
         check(context)
     return context.faults
@@ -37,6 +54,15 @@ def notices(cell: Cell) -> list[Notice]:
     """Warnings and notes of a cell without faults, in the order of a reader's questions."""
     return [
         notice
-        for check in (*telegrams.NOTES, *lines.NOTES, *rho3can.NOTES, *notes.NOTES, *canopen.NOTES, *routes.NOTES, *controller.NOTES)
+        for check in (
+            *telegrams.NOTES,
+            *lines.NOTES,
+            *rho3can.NOTES,
+            *notes.NOTES,
+            *canopen.NOTES,
+            *routes.NOTES,
+            *controller.NOTES,
+            *retain.NOTES,
+        )
         for notice in check(cell)
     ]

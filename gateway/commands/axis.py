@@ -149,7 +149,10 @@ def _zero(client: ToolClient, cell: Cell, axis: Axis, at: float, who: str) -> Ro
     if int(str(row["flags"])) & (AxisFlag.LOST | AxisFlag.ON):
         raise ToolError(f"axis {axis.name}: take the drive off first; a zero is written at rest, without power")
     entry = zeros.entry(cell, axis, float(str(row["actual"])), at, who)
-    path = zeros.append(cell, entry)
+    try:
+        path = zeros.append(cell, entry)
+    except OSError as error:
+        raise ToolError(f"axis {axis.name}: the zero was not written: {error}") from error
     sentence = (
         f"axis {axis.name}: reads {at:g} {axis.unit} here from the next start on (it read {float(str(row['actual'])):.3f}); "
         f"zero_inc {entry['zero_inc']}, entry {len(zeros.history(cell, axis.name))} of {path}"

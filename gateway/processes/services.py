@@ -44,6 +44,7 @@ from gateway.pure.records import (
 )
 from gateway.pure.supervision import LinkWatch
 from gateway.realtime import Timerfd, die_with_parent
+from gateway.retaindesk import RetainDesk
 from gateway.signaldesk import RcOutputs, SignalDesk
 from gateway.telegramdoor import TelegramDoor
 from gateway.telegramtables import named_values
@@ -79,6 +80,7 @@ class Services:
             self.inputs.quality[octet] = Quality.STALE if self.inputs.quality[octet] else Quality.BAD
         self.values = CellValues(cell)
         self.named = named_values(cell)
+        self.retain = RetainDesk(self, self.started_ns)
         standing = self.axes.read()
         first_job = 1 if standing is None else unpack_cell_state(standing).taken + 1000
         self.numbers = rc_numbers(cell)
@@ -144,6 +146,7 @@ class Services:
         self.contacts.close()
         if self.clients is not None:
             self.clients.close()
+        self.retain.close()
         if not self.plan.simulated:
             remember(self.cell, self.values.state)
         for door in self.doors:
@@ -189,6 +192,8 @@ class Services:
         self._refresh(now)
         self.flush()
         self.links.beat(now)
+        if self._ticks % LINKS_EVERY == LINKS_EVERY // 2:
+            self.retain.look()
         if self._ticks % LINKS_EVERY == 1:
             self.links.write(json.dumps(self.status()).encode().ljust(self.links.size)[: self.links.size], now)
 
@@ -315,6 +320,7 @@ class Services:
             "forced": len(self.tools.forces.bits),
             **self.canopen.status(),
             **self.signals.status(),
+            **self.retain.status(),
             **self.bridge.status(),
             **(self.clients.status() if self.clients is not None else {}),
             "errors": [{"code": code, "text": words} for code, words in self.values.errors[:8]],

@@ -1,0 +1,36 @@
+"""Cross checks of [retain]: only what may outlive power-off, and only what this cell has (AX-425)."""
+
+from collections.abc import Iterator
+
+from gateway.cell import Cell, Notice
+from gateway.checks.context import Context
+from gateway.retaingroups import GROUPS
+from gateway.telegramtables import named_values
+
+CONTROLLED = ("flags", "counter")
+
+
+def groups(context: Context) -> None:
+    """A pattern begins with a group; start bits, releases and commands have none."""
+    for number, pattern in enumerate(context.cell.retain.values if context.cell.retain else (), 1):
+        if pattern.partition(".")[0] not in GROUPS or "." not in pattern:
+            known = ", ".join(f"{group}.*" for group in GROUPS)
+            context.fault(f"retain.values[{number}]", pattern, f"kept over a restart are {known}; commands and start bits never are")
+
+
+def idle(cell: Cell) -> Iterator[Notice]:
+    """Patterns nothing of this cell answers to."""
+    kind = cell.controller.kind if cell.controller else ""
+    for number, pattern in enumerate(cell.retain.values if cell.retain else (), 1):
+        group = pattern.partition(".")[0]
+        missing = {
+            "flags": "" if kind in ("rho3", "reis") else "[controller] of kind rho3 or reis",
+            "counter": "" if kind == "rho3" else "[controller] of kind rho3",
+            "order": "" if any(name.startswith("order.") for name in named_values(cell).names()) else "a value order.* of a telegram",
+        }.get(group, "")
+        if missing:
+            yield Notice("note", f"retain.values[{number}]", f"{pattern} keeps nothing here: it needs {missing}")
+
+
+CHECKS = (groups,)
+NOTES = (idle,)
