@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from gateway.cell import Cell
 from gateway.files import read_signals
-from gateway.pure.addresses import AddressFault, Direction, Operand, RcBit, parse_operand
+from gateway.pure.addresses import AddressFault, Direction, RcBit, parse_operand
 from gateway.pure.names import lookup
 from gateway.pure.signals import SignalList, from_tables
 
@@ -19,22 +19,16 @@ def rc_place(text: str, signals: SignalList) -> RcBit | None:
     signal = signals.named(text)
     if signal is not None:
         return signal.at
-    place = operand(text, signals)
+    place = operand(text)
     return place if isinstance(place, RcBit) else None
 
 
-def operand(text: str, signals: SignalList) -> object:
-    """What parse_operand makes of it; None where it is no address."""
+def operand(text: str) -> object:
+    """What parse_operand makes of it, names of signals left out; None where it is no address."""
     try:
-        return parse_operand(text, signals.symbols())
+        return parse_operand(text)
     except AddressFault:
         return None
-
-
-def is_flag_bit(text: str, signals: SignalList) -> bool:
-    """M 6.3, M1020.4."""
-    place = operand(text, signals)
-    return isinstance(place, Operand) and place.bit is not None
 
 
 def inputs_of(cell: Cell) -> Mapping[str, Mapping[str, int]]:

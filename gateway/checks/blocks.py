@@ -171,9 +171,9 @@ def names(check: Context) -> None:
                     hint = "an RC output is read with from, an RC input written with to" if wrong else 'a signal is a bit: type = "bit"'
                     check.fault(_key(block, entry), entry.signal, hint)
                 continue
-            if entry.from_ and check.cell.controller is not None and _of_control(check, entry):
-                continue
             found = lookup(entry.signal)
+            if found is None and entry.from_ and check.cell.controller is not None and _of_control(check, entry):
+                continue
             if found is None:
                 hint = (
                     near(entry.signal, suggestions) or f"known are {', '.join(spelled(['AXIS'], ['LINE']))} and the signals of the RC list"
@@ -185,7 +185,7 @@ def names(check: Context) -> None:
 
 def _of_control(check: Context, entry: Entry) -> bool:
     """A flag, timer, counter, byte or word of the control, or one of its values."""
-    place = operand(entry.signal, check.signals)
+    place = operand(entry.signal)
     return isinstance(place, Operand) or entry.signal in names_of(check.cell)
 
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 from gateway.cell import Cell, Notice
 from gateway.cell_controller import Controller, ControllerPoint, ProcessStep
-from gateway.checks.context import Context, number, twice
+from gateway.checks.context import Context, number
 from gateway.controllers import Control, dat_tables, make_control
 from gateway.pure.errorlist import ErrorList
 from gateway.pure.office import Office
@@ -82,7 +82,7 @@ def _step(check: Context, key: str, step: ProcessStep) -> None:
 
 def _point(check: Context, table: Controller, point: ControllerPoint) -> bool:
     key, before = f"controller.point.{point.name}", len(check.faults)
-    if any(value == point.name for value, _, _ in twice((each.name, "") for each in table.point)):
+    if sum(each.name == point.name for each in table.point) > 1:
         check.fault(key, point.name, "two points of one name")
     if (point.bit is None) is (point.byte is None) or (point.byte is None) is not (point.steps == 0):
         check.fault(key, point.name, "a digital point has bit = N, an analog one byte = N and steps = so many a unit")
