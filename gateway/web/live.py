@@ -139,7 +139,8 @@ class Live:
         head = self.regions.head()
         head["errors"] = [self._told(error) for error in head["errors"]]
         head["holder"] = self.hands.name
-        head["links"] = [[door["name"], door["alive"]] for door in self.regions.status.get("doors", [])]
+        known = head["services_alive"]  # of services that are away nobody knows what their links do
+        head["links"] = [[door["name"], door["alive"] if known else None] for door in self.regions.status.get("doors", [])]
         return head
 
     @staticmethod

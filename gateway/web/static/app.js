@@ -78,7 +78,7 @@ function head(state) {
   if (!state.cycle_alive) chips.push(chip("bad", t("cycle does not run")));
   if (!state.services_alive) chips.push(chip("bad", t("services start again")));
   if (state.emergency) chips.push(chip("bad", t("emergency stop latched")));
-  for (const [link, alive] of state.links) chips.push(chip(alive ? "good" : "bad", `${link} ${alive ? t("alive") : t("silent")}`));
+  for (const [link, alive] of state.links) chips.push(alive === null ? chip("warn", `${link} ${t("not known")}`) : chip(alive ? "good" : "bad", `${link} ${alive ? t("alive") : t("silent")}`));
   chips.push(chip(state.ready ? "good" : "warn", state.ready ? t("ready") : t("not ready")));
   chips.push(chip(state.enabled ? "good" : "plain", `${t("drives on")} ${state.enabled}/${state.axes}`));
   chips.push(chip(state.motion ? "warn" : "plain", t(MOTION[state.motion])));

@@ -68,6 +68,7 @@ export class Robot3d {
     const tip = lines[0]?.at(-1);
     if (tip) { this.middle ??= new THREE.Vector3(tip[0] / 2, tip[1] / 2, 0.4 * this.reach); this.middle.lerp(new THREE.Vector3(tip[0] / 2, tip[1] / 2, 0.4 * this.reach), 0.1); }
     this.draw();
+    if (rods.length) this.box.dataset.drawn = "1";
   }
 
   hands() {

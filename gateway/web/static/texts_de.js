@@ -3,7 +3,7 @@ export const DE = {
   "at rest": "steht", "moving": "fährt", "stopping": "bremst", "stopped on the path": "auf der Bahn angehalten", "referencing": "referenziert",
   "refused": "abgelehnt", "Light": "Hell", "Dark": "Dunkel", "Set password": "Passwort setzen", "Log in": "Anmelden", "Log out": "Abmelden", "Cancel": "Abbrechen",
   "simulation": "Simulation", "cycle does not run": "Zyklus läuft nicht", "services start again": "Dienste starten neu", "emergency stop latched": "Not-Halt gespeichert",
-  "alive": "verbunden", "silent": "stumm", "ready": "bereit", "not ready": "nicht bereit", "drives on": "Antriebe ein", "override": "Override", "forced": "gesteuert",
+  "alive": "verbunden", "not known": "unbekannt", "silent": "stumm", "ready": "bereit", "not ready": "nicht bereit", "drives on": "Antriebe ein", "override": "Override", "forced": "gesteuert",
   "no connection": "keine Verbindung", "Connection lost; values are old. It connects again by itself.": "Verbindung verloren; die Werte sind alt. Sie kommt von selbst wieder.",
   "Set the first password": "Erstes Passwort setzen", "Nobody may change anything before. The first user is the administrator; 10 characters or more.": "Vorher darf niemand etwas ändern. Der erste Benutzer ist Verwalter; mindestens 10 Zeichen.",
   "Name": "Name", "Password": "Passwort", "Logged in as": "Angemeldet als", "To the content": "Zum Inhalt", "STOP": "STOPP", "Stops all axes on the path. Not an emergency stop.": "Hält alle Achsen auf der Bahn an. Kein Not-Halt.", "Stop is ordered": "Stopp ist befohlen",

@@ -46,12 +46,15 @@ export function mount(root, { t, cell, live, may, me, post }) {
     { title: t("state"), cell: (row, td) => { const [kind, words] = drive(row, t); const c = td.firstChild || td.appendChild(chip(kind, words)); put(c, words); mark(c, `chip ${kind}`); } },
     { title: t("set"), n: true, cell: text((row) => row.set, 3) },
     { title: t("actual"), n: true, cell: text((row) => row.actual, 3) },
-    { title: "", cell: text((row) => info.get(row.name).unit) },
     { title: t("lag"), n: true, cell: (row, td) => { put(td, number(row.lag, 3)); const a = info.get(row.name); td.classList.toggle("badq", a.warn !== null && Math.abs(row.lag) > a.warn); } },
     { title: t("torque %"), n: true, cell: text((row) => row.torque, 1) },
     { title: t("limits"), cell: place },
-    { title: t("referenced"), cell: text((row) => (row.flags & FLAG.REFERENCED ? t("yes") : t("no"))) },
-    { title: t("jog, hold the key"), cell: (row, td) => { if (!td.firstChild) { const n = info.get(row.name).n; td.append(h("span", { class: "bar", style: "margin:0;flex-wrap:nowrap" }, key(n, -1), key(n, 1), h("button", { type: "button", class: "tiny", "data-ref": row.name, onclick: () => order("reference", 1 << n) }, t("reference")))); } } },
+    { title: t("referenced"), cell: (row, td) => {
+      const n = info.get(row.name).n;
+      if (!td.firstChild) td.append(h("span", { class: "bar", style: "margin:0;flex-wrap:nowrap" }, h("span", { "data-referenced": row.name }), h("button", { type: "button", class: "tiny", "data-ref": row.name, onclick: () => order("reference", 1 << n) }, t("reference"))));
+      put(td.firstChild.firstChild, row.flags & FLAG.REFERENCED ? t("yes") : t("no"));
+    } },
+    { title: t("jog, hold the key"), cell: (row, td) => { if (!td.firstChild) { const n = info.get(row.name).n; td.append(h("span", { class: "bar", style: "margin:0;flex-wrap:nowrap" }, key(n, -1), key(n, 1))); } } },
   ], (row) => row.name, { label: t("Axes") });
 
   function place(row, td) {

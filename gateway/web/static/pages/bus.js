@@ -14,7 +14,7 @@ export function mount(root, { t, cell }) {
       { title: t("frames"), n: true, cell: text((row) => row.count) },
       { title: t("shortest ms"), n: true, cell: text((row) => row.min_ms, 2) },
       { title: t("longest ms"), n: true, cell: text((row) => row.max_ms, 2) },
-      { title: t("bytes"), cell: (row, td) => { put(td, row.data); mark(td, "mono"); } },
+      { title: t("bytes"), cell: (row, td) => { put(td, row.data); mark(td, "whole"); } },
       { title: t("decoded"), cell: (row, td) => { put(td, row.text); mark(td, "mono small"); } },
     ], (row) => row.id, { label: `${t("Bus")} ${bus.name}` });
     const list = h("pre", { class: "scroll", style: "max-height:16rem", tabindex: "0" });

@@ -44,7 +44,7 @@ export function mount(root, { t, cell, post }) {
     update(page, head) {
       for (const [link, alive] of head.links) {
         const own = plugs.get(link);
-        if (own) { put(own.link, alive ? t("link alive") : t("link silent")); mark(own.link, `chip ${alive ? "good" : "bad"}`); }
+        if (own) { put(own.link, alive ? t("link alive") : alive === null ? t("not known") : t("link silent")); mark(own.link, `chip ${alive ? "good" : "bad"}`); }
       }
       if (!page || page.gone) return;
       for (const [name, told] of Object.entries(page.cables)) {

@@ -4,6 +4,7 @@ import { drive, errors, age } from "../parts.js";
 import { language } from "../texts.js";
 
 export function mount(root, { t, cell }) {
+  let old = false;
   const first = h("div", { id: "first-out" });
   const processes = new Table([
     { title: t("process"), cell: text((row) => row.name) },
@@ -13,11 +14,11 @@ export function mount(root, { t, cell }) {
   ], (row) => row.name, { label: t("Processes") });
   const links = new Table([
     { title: t("link"), cell: text((row) => `${row.number} ${row.name}`) },
-    { title: t("state"), cell: (row, td) => state(td, row.alive ? "good" : "bad", row.alive ? t("alive") : t("silent")) },
+    { title: t("state"), cell: (row, td) => state(td, old ? "warn" : row.alive ? "good" : "bad", old ? t("not known") : row.alive ? t("alive") : t("silent")) },
     { title: t("losses"), n: true, cell: text((row) => row.losses) },
     { title: t("last command"), cell: text((row) => `${row.state.toLowerCase()}${row.reason === "NONE" ? "" : `: ${row.reason.toLowerCase()}`}`) },
     { title: t("advice"), cell: text((row) => [row.why, row.advice].filter(Boolean).join("; ")) },
-  ], (row) => row.number, { label: t("Links") });
+  ], (row) => row.number, { label: t("Links"), row: () => (old ? "stale" : "") });
   const drives = new Table([
     { title: t("axis"), cell: text((row) => row.name) },
     { title: t("drive"), cell: (row, td) => { const [kind, words] = drive(row, t); state(td, kind, words); } },
@@ -40,6 +41,7 @@ export function mount(root, { t, cell }) {
   return {
     update(page, head) {
       errors(first, head, t, language());
+      old = !head.services_alive;
       if (!page || page.gone) return;
       processes.update(page.processes);
       links.update(page.doors);

@@ -112,7 +112,7 @@ export function mount(root, { t, get, post, may, live }) {
     find();
   }
   root.append(h("div", { class: "grid" },
-    h("section", { class: "card w3" }, h("h2", {}, t("Tree")), tree),
+    h("section", { class: "card side" }, h("h2", {}, t("Tree")), tree),
     h("div", { class: "w9" }, h("section", { class: "card" }, h("div", { class: "bar", style: "flex-wrap:nowrap" }, search), h("div", { class: "bar spread" }, found, unforce), table.element),
       h("div", { style: "height:.9rem" }), detail)));
   plant().then(find);
