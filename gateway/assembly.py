@@ -12,7 +12,7 @@ from gateway.cell import Cell
 from gateway.cell_web import Web
 from gateway.families import DRIVE_PROTOCOLS
 from gateway.image import create_region, create_ring
-from gateway.io_regions import joined_regions, make_joined
+from gateway.io_regions import joined_regions, make_joined, simulated_couplers
 from gateway.programplan import ProgramPlan, plan_programs
 from gateway.pure import plannerrecords, records
 from gateway.pure.records import (
@@ -196,6 +196,7 @@ def emulators(
         if bus.name in buses and bus.name not in absent and (modules := module_arguments(cell, bus, buses[bus.name]))
     }
     children += [Child(f"modules-{name}", "gateway.processes.io_modules", each, announces=True) for name, each in buses_with_io.items()]
+    children += coupler_children(cell, slug, buses)
     for name, url in buses.items():
         if not any(axis.drive.bus == name for axis in cell.axis):
             continue  # digital I/O only
@@ -204,6 +205,14 @@ def emulators(
         arguments = ("--settings", str(settings), "--bus", url, "--name", f"{slug}-{name}", *kept)
         children.append(Child(f"emulator-{name}", "gateway.processes.emulator", arguments, announces=True))
     return children
+
+
+def coupler_children(cell: Cell, slug: str, buses: Mapping[str, str]) -> list[Child]:
+    """One process for the emulated CiA 401 couplers of each bus."""
+    return [
+        Child(f"couplers-{name}", "gateway.processes.couplers", arguments, announces=True)
+        for name, arguments in simulated_couplers(cell, slug, buses).items()
+    ]
 
 
 def make_regions(plan: RunPlan) -> dict[str, int]:

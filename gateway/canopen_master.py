@@ -21,7 +21,9 @@ from canopen.emcy import EmcyError
 from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError, SdoError
 
 from drivers.drives import cia402_boot as plans
+from drivers.drives import io_boot
 from drivers.drives.cia402_boot import Answer, Booted, BootRefused, NodePlan, Refused, Silent
+from drivers.drives.io_boot import CouplerPlan
 from drivers.ports import cycle_bus
 from gateway.edsfile import canopen_dictionary
 from protocols.canopen import cobid
@@ -84,6 +86,13 @@ class MasterLink(cycle_bus.CycleLink, Protocol):
 
 T = TypeVar("T")
 Say = Callable[[str, str, Mapping[str, object]], None]  # kind, sentence, facts
+
+
+def start_up(plan: NodePlan, *, adopting: bool) -> plans.Plan:
+    """The plan of a drive or of an I/O coupler."""
+    if isinstance(plan, CouplerPlan):
+        return io_boot.adopt(plan) if adopting else io_boot.boot(plan)
+    return plans.adopt(plan) if adopting else plans.boot(plan)
 
 
 class CanopenMaster:
@@ -219,7 +228,7 @@ class CanopenMaster:
         try:
             with node.lock:
                 boots = node.boots
-                booted = self._carry(node, plans.adopt(plan) if adopting else plans.boot(plan))
+                booted = self._carry(node, start_up(plan, adopting=adopting))
                 if node.boots > boots + (not adopting) or node.asked != asked:
                     raise BootRefused("was reset while it was started up", dead=True)
         except BootRefused as refusal:

@@ -28,6 +28,7 @@ class CanopenOffice:
         from gateway.canopen_link import Rings
         from gateway.canopen_plans import node_plans
         from gateway.canopen_sheets import read_eds
+        from gateway.io_plan import coupler_plans
 
         self.rings = Rings(fds["acyclic"], fds["heard"], len(buses))
         for number, bus in enumerate(buses):
@@ -36,7 +37,7 @@ class CanopenOffice:
             here = {axis.drive.node: (n, axis) for n, axis in enumerate(plan.cell.axis) if axis.drive.bus == bus.name and axis.drive.node}
             read = {axis.drive.eds: read_eds(plan.cell, axis, simulated=plan.simulated) for _, axis in here.values()}
             sheets = {node: sheet.dictionary for node, (_, axis) in here.items() if (sheet := read[axis.drive.eds]) is not None}
-            nodes = node_plans(plan.cell, bus, plan.p5_ms, simulated=plan.simulated)
+            nodes = [*node_plans(plan.cell, bus, plan.p5_ms, simulated=plan.simulated), *coupler_plans(plan.cell, bus)]
             self.masters[bus.name] = canopen_master.CanopenMaster(
                 bus.name, self.rings.links[number], nodes, lambda kind, words, facts: write(kind, words, **facts), sheets, self._language
             )

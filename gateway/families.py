@@ -12,10 +12,12 @@ def make_family(cell: Cell, bus: Bus, p5_ms: int) -> BusFamily:
     on_it = [(n, axis) for n, axis in enumerate(cell.axis) if axis.drive.bus == bus.name]
     if bus.protocol == "canopen":
         from drivers.drives.cia402_family import Cia402Family
+        from gateway.io_plan import with_couplers
 
         nodes = [(n, axis.drive.node) for n, axis in on_it if axis.drive.node is not None]
         beat = max(1, bus.heartbeat_ms // p5_ms)
-        return Cia402Family(nodes, beat, (MISSED + 1) * bus.heartbeat_ms // p5_ms + 1)
+        family = Cia402Family(nodes, beat, (MISSED + 1) * bus.heartbeat_ms // p5_ms + 1)
+        return with_couplers(cell, bus, family, p5_ms) if cell.io else family
     from gateway.rho3_buses import IO_PROTOCOL, with_rho3
 
     if bus.protocol == IO_PROTOCOL:

@@ -3,13 +3,15 @@
 from collections.abc import Mapping, Sequence
 
 from drivers.drives.cia402_family import GATEWAY_NODE
+from drivers.drives.family import BusFamily
 from drivers.drives.io_boot import CouplerPlan
 from gateway.cell import Bus, Cell, Io
 from gateway.pure.addresses import Direction, RcBit
 from gateway.pure.contacts import Output, source_of
-from gateway.pure.coupler401 import Coupler
+from gateway.pure.coupler401 import Coupler, CouplerFamily
 from gateway.routeplaces import symbols_of
 
+PATIENCE = 4  # heartbeats of a coupler that may stay away
 COUPLER, MODBUS, CHIP = "canopen-401", "modbus", "gpiochip"
 
 
@@ -44,24 +46,35 @@ def couplers_of(cell: Cell, bus: str) -> list[Coupler]:
     ]
 
 
+def with_couplers(cell: Cell, bus: Bus, drives: BusFamily, p5_ms: int) -> BusFamily:
+    """The drives' family, with the couplers of the bus around it where it has some."""
+    couplers = couplers_of(cell, bus.name)
+    return CouplerFamily(drives, couplers, PATIENCE * bus.heartbeat_ms // p5_ms + 1) if couplers else drives
+
+
 def coupler_plans(cell: Cell, bus: Bus) -> list[tuple[str, CouplerPlan]]:
-    """What the master tells each coupler; outputs with `on_loss` fall by themselves when the gateway's heartbeat stays away."""
+    """What the master tells each coupler; its outputs fall by themselves when the gateway's heartbeat stays away."""
     return [
         (
             f"coupler {coupler.node}",
-            CouplerPlan(coupler.node, (), heartbeat_ms=bus.heartbeat_ms, gateway=GATEWAY_NODE, falls=falls(cell.io, coupler)),
+            CouplerPlan(
+                coupler.node,
+                (),
+                heartbeat_ms=bus.heartbeat_ms,
+                gateway=GATEWAY_NODE,
+                falls=falls(cell.io, coupler),
+                channels=max(coupler.outputs, default=-1) + 1,
+            ),
         )
         for coupler in couplers_of(cell, bus.name)
     ]
 
 
 def falls(contacts: Sequence[Io], coupler: Coupler) -> tuple[tuple[int, int, int], ...]:
-    """(byte, mask of outputs that take a value, their values) for 6206h and 6207h."""
+    """(byte, mask of outputs that take a value, their values) for 6206h and 6207h: on_loss, or 0."""
     found: dict[int, tuple[int, int]] = {}
     for channel, number in coupler.outputs.items():
         mask, values = found.get(channel // 8, (0, 0))
-        loss = contacts[number].on_loss
-        if loss is not None:
-            mask, values = mask | 1 << channel % 8, values | loss << channel % 8
-        found[channel // 8] = (mask, values)
+        loss = contacts[number].on_loss or 0
+        found[channel // 8] = (mask | 1 << channel % 8, values | loss << channel % 8)
     return tuple((octet, mask, values) for octet, (mask, values) in sorted(found.items()))

@@ -1,6 +1,7 @@
 """Regions and processes a run has only where its cell joins values or has contacts: the cycle's wake-up, contacts out and in."""
 
 import os
+from collections.abc import Mapping
 
 from gateway.cell import Cell
 from gateway.image import create_region
@@ -31,3 +32,16 @@ def _made(name: str) -> int:
     if name == "wake":
         return os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
     return create_region(name, *((RC_BYTES, MARKS_LAYOUT) if name == "marks" else (SAID_BYTES, SAID_LAYOUT)))
+
+
+def simulated_couplers(cell: Cell, slug: str, buses: Mapping[str, str]) -> dict[str, tuple[str, ...]]:
+    """Bus -> arguments of the process that emulates its couplers in a simulated run."""
+    absent = cell.plant.absent if cell.plant else ()
+    nodes: dict[str, set[int]] = {}
+    for io in cell.io:
+        if io.device.type == "canopen-401" and io.device.node is not None and io.device.bus in buses and io.device.bus not in absent:
+            nodes.setdefault(io.device.bus, set()).add(io.device.node)
+    return {
+        bus: ("--bus", buses[bus], "--name", f"{slug}-{bus}-io", "--nodes", ",".join(map(str, sorted(found))))
+        for bus, found in nodes.items()
+    }

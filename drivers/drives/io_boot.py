@@ -24,7 +24,7 @@ from drivers.drives.cia402_boot import (
 from protocols.canopen.nmt import Command, State
 
 PROFILE = 401
-ERROR_MODE, ERROR_VALUE, INTERRUPTS, TPDO1, CONSUMER, PRODUCER = 0x6206, 0x6207, 0x6005, 0x1800, 0x1016, 0x1017
+ERROR_MODE, ERROR_VALUE, INTERRUPTS, RPDO1_MAP, TPDO1, CONSUMER, PRODUCER = 0x6206, 0x6207, 0x6005, 0x1600, 0x1800, 0x1016, 0x1017
 EVENT_MS = 100  # inputs are told again so often though nothing has changed
 
 
@@ -33,13 +33,15 @@ class CouplerPlan(NodePlan):
     """`falls`: byte of outputs (0 = channels 0..7) -> (mask of outputs with an error value, their values)."""
 
     falls: tuple[tuple[int, int, int], ...] = ()
+    channels: int = 0  # outputs the cell uses: the highest channel and one
 
 
 def boot(plan: CouplerPlan) -> Plan:
-    """From whatever state to operational.  Raises BootRefused."""
+    """From whatever state to operational; `Booted.mode` is the length of RPDO1 in bytes as the coupler has it.  Raises BootRefused."""
     notes: list[str] = []
     yield Nmt(Command.RESET_COMMUNICATION, State.INITIALISING)
     identity = yield from _identity()
+    size = yield from _size(plan)
     yield from _write(CONSUMER, 1, (plan.gateway << 16 | plan.consumer_ms).to_bytes(4, "little"), notes, must=bool(plan.falls))
     yield from _write(PRODUCER, 0, plan.heartbeat_ms.to_bytes(2, "little"), notes)
     for octet, mask, values in plan.falls:
@@ -48,7 +50,7 @@ def boot(plan: CouplerPlan) -> Plan:
     yield from _write(INTERRUPTS, 0, b"\1", notes, must=False)
     yield from _write(TPDO1, 5, EVENT_MS.to_bytes(2, "little"), notes, must=False)
     yield Nmt(Command.START, State.OPERATIONAL)
-    return Booted(plan.node, identity, 0, 0, {}, tuple(notes))
+    return Booted(plan.node, identity, size, 0, {}, tuple(notes))
 
 
 def adopt(plan: CouplerPlan) -> Plan:
@@ -69,6 +71,21 @@ def _identity() -> Generator[Step, Answer, Identity]:
         answer = yield Read(0x1018, sub)
         found.append(int.from_bytes(answer, "little") if isinstance(answer, bytes) else None)
     return Identity(*found)
+
+
+def _size(plan: CouplerPlan) -> Generator[Step, Answer, int]:
+    """A shorter RPDO is thrown away by the coupler, so its own map counts; a coupler that does not tell takes what the cell needs."""
+    needed = (plan.channels + 7) // 8
+    count = yield Read(RPDO1_MAP, 0)
+    if not isinstance(count, bytes) or not count or not needed:
+        return needed
+    bits = 0
+    for sub in range(1, count[0] + 1):
+        word = yield Read(RPDO1_MAP, sub)
+        bits += word[0] if isinstance(word, bytes) and word else 0
+    if bits < plan.channels:
+        raise BootRefused(f"{bits} outputs mapped, the cell uses channel {plan.channels - 1}", (RPDO1_MAP, 0))
+    return (bits + 7) // 8
 
 
 def _write(index: int, sub: int, data: bytes, notes: list[str], *, must: bool = True) -> Generator[Step, Answer, None]:

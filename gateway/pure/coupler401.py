@@ -25,6 +25,7 @@ class Coupler:
     node: int
     outputs: Mapping[int, int] = field(default_factory=dict)
     inputs: Mapping[int, int] = field(default_factory=dict)
+    mapped: int = 0  # bytes of RPDO1 as the master found them
     released: bool = False
     heard: bytes = b""  # last TPDO1 since the release
     silent: int = 0  # cycles since anything came from it
@@ -33,8 +34,8 @@ class Coupler:
 
     @property
     def size(self) -> int:
-        """Bytes of RPDO1."""
-        return max(self.outputs, default=-8) // 8 + 1
+        """Bytes of RPDO1; 0: the cell uses no output."""
+        return max(self.mapped, max(self.outputs) // 8 + 1) if self.outputs else 0
 
 
 class CouplerFamily:
@@ -113,7 +114,7 @@ class CouplerFamily:
         if coupler is None:
             self.drives.release(node, mode)
         else:
-            coupler.released, coupler.sent, coupler.silent, coupler.due = True, b"", 0, 0
+            coupler.released, coupler.mapped, coupler.sent, coupler.silent, coupler.due = True, mode, b"", 0, 0
 
     def hold(self, node: int) -> None:
         """Nothing any more until it is configured again."""

@@ -1,0 +1,96 @@
+"""CiA 401 couplers of the shipped S5 cell under --sim: contacts, the watchdog, and what falls by itself when the cycle is dead."""
+
+import contextlib
+import json
+import os
+import signal
+import time
+from typing import Any
+
+from gateway.processes.emulator_control import EmulatorControl
+from gateway.processes.supervisor import ask
+from hil_tests.lab.joined_running import JoinedRun, cell_copy, running_joined
+
+MORE = """
+[[io]]
+name   = "watchdog"
+device = { type = "canopen-401", bus = "can0", node = 20, output = 1 }
+signal = "cell.watchdog"
+toggle_ms = 20
+on_loss = 0
+[[io]]
+name   = "lamp"
+device = { type = "canopen-401", bus = "can0", node = 20, output = 9 }
+signal = "cell.error"
+on_loss = 1
+[[io]]
+name   = "door"
+device = { type = "canopen-401", bus = "can0", node = 20, input = 10 }
+signal = "cell.safety_ok"
+"""
+
+
+class Coupler:
+    """The emulated node 20 as its terminals are."""
+
+    def __init__(self, run: JoinedRun) -> None:
+        self._control = EmulatorControl(f"{run.name}-can0-io")
+
+    def outputs(self) -> int:
+        octets = bytes.fromhex(self._control.ask("state")["nodes"]["20"]["outputs"])
+        return int.from_bytes(octets, "little")
+
+    def wire(self, channel: int, level: bool) -> None:
+        self._control.ask("wire", node=20, channel=channel, on=level)
+
+
+def contact(run: JoinedRun, name: str) -> dict[str, Any]:
+    return next(row for row in run.ask(op="contacts")["contacts"] if row["name"] == name)
+
+
+def toggles(coupler: Coupler) -> bool:
+    """Whether the watchdog is seen at both levels within a tenth of a second."""
+    levels = set()
+    for _ in range(20):
+        levels.add(coupler.outputs() >> 1 & 1)
+        time.sleep(0.005)
+    return len(levels) == 2
+
+
+def cycle_pid(run: JoinedRun) -> int:
+    with ask(run.name, "status") as connection:
+        status = json.loads(connection.makefile().readline())
+    return int(next(process["pid"] for process in status["processes"] if process["name"] == "cycle"))
+
+
+def test_contacts_of_a_coupler_follow_the_cell_and_the_watchdog_stands_with_the_cycle() -> None:
+    with running_joined(lambda folder: cell_copy("s5-rk512", folder, more=MORE), "contacts") as run:
+        run.until(lambda: contact(run, "ready_contact")["quality"] == "GOOD", "the coupler is started up", 40.0)
+        coupler = Coupler(run)
+        run.until(lambda: toggles(coupler), "the watchdog toggles")
+        run.until(lambda: coupler.outputs() >> 9 & 1 == contact(run, "lamp")["value"], "the lamp shows what the services say")
+        coupler.wire(10, True)
+        run.until(lambda: contact(run, "door")["value"] == 1 and contact(run, "door")["quality"] == "GOOD", "the input is heard")
+        coupler.wire(10, False)
+        run.until(lambda: contact(run, "door")["value"] == 0, "and heard again")
+
+        refused = run.ask(op="force", name="watchdog", value=1)
+        assert "never forced" in refused["error"]
+        lamp = coupler.outputs() >> 9 & 1
+        run.ask(op="force", name="lamp", value=1 - lamp, seconds=30)
+        run.until(lambda: coupler.outputs() >> 9 & 1 == 1 - lamp, "the lamp is forced")
+        run.ask(op="force", name="lamp", value=None)
+        run.until(lambda: coupler.outputs() >> 9 & 1 == lamp, "and free again")
+
+        pid = cycle_pid(run)
+        os.kill(pid, signal.SIGSTOP)
+        try:
+            run.until(
+                lambda: coupler.outputs() & 0b11 == 0 and coupler.outputs() >> 9 & 1 == 1, "without a cycle outputs fall by themselves"
+            )
+            assert not toggles(coupler), "the watchdog stands"
+        finally:
+            with contextlib.suppress(ProcessLookupError):  # the supervisor was quicker
+                os.kill(pid, signal.SIGCONT)
+        run.until(lambda: contact(run, "door")["quality"] == "GOOD", "everything is back", 40.0)
+        run.until(lambda: toggles(coupler), "the watchdog toggles again")
