@@ -92,31 +92,31 @@ class CellState:
     axes: list[AxisState] = field(default_factory=lambda: [AxisState() for _ in range(AXES)])
 
 
-_HEAD_NAMES = (
+STATE_NAMES = (
     "cycle", "sync_ns", "generation", "motion", "override", "job", "progress", "done_job", "failed_job", "failed_reason", "taken",
     "emergency", "ready", "permits", "stop_cause", "skipped", "incomplete", "late", "services_lost", "piece", "compute_ns",
 )  # fmt: skip
-_HEAD = struct.Struct("=QqQBdQdQQHQBBBHQQQQQQ")
-_AXIS = struct.Struct("=dddddHHB")  # flags, fault code (CiA 402: 16 bits), power
-CELL_STATE_SIZE = _HEAD.size + AXES * _AXIS.size
-CELL_STATE_LAYOUT = f"cell-state/1 {_HEAD.format} {AXES}x{_AXIS.format}"
+STATE_HEAD = struct.Struct("=QqQBdQdQQHQBBBHQQQQQQ")
+STATE_AXIS = struct.Struct("=dddddHHB")  # flags, fault code (CiA 402: 16 bits), power
+CELL_STATE_SIZE = STATE_HEAD.size + AXES * STATE_AXIS.size
+CELL_STATE_LAYOUT = f"cell-state/1 {STATE_HEAD.format} {AXES}x{STATE_AXIS.format}"
 
 
 def pack_cell_state(state: CellState) -> bytes:
     """CellState as CELL_STATE_SIZE bytes."""
-    head = _HEAD.pack(*[getattr(state, name) for name in _HEAD_NAMES])
-    return head + b"".join(_AXIS.pack(a.actual, a.set, a.speed, a.lag, a.torque, a.flags, a.fault_code, a.power) for a in state.axes)
+    head = STATE_HEAD.pack(*[getattr(state, name) for name in STATE_NAMES])
+    return head + b"".join(STATE_AXIS.pack(a.actual, a.set, a.speed, a.lag, a.torque, a.flags, a.fault_code, a.power) for a in state.axes)
 
 
 def unpack_cell_state(data: bytes) -> CellState:
     """The reverse of pack_cell_state."""
-    head = _HEAD.unpack_from(data)
+    head = STATE_HEAD.unpack_from(data)
     state = CellState()
-    for name, value in zip(_HEAD_NAMES, head, strict=True):
+    for name, value in zip(STATE_NAMES, head, strict=True):
         setattr(state, name, value)
     state.motion, state.emergency, state.ready = Motion(state.motion), bool(state.emergency), bool(state.ready)
     for number in range(AXES):
-        actual, set_, speed, lag, torque, flags, fault, power = _AXIS.unpack_from(data, _HEAD.size + number * _AXIS.size)
+        actual, set_, speed, lag, torque, flags, fault, power = STATE_AXIS.unpack_from(data, STATE_HEAD.size + number * STATE_AXIS.size)
         state.axes[number] = AxisState(actual, set_, speed, lag, torque, AxisFlag(flags), fault, power)
     return state
 
