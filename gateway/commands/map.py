@@ -1,0 +1,49 @@
+"""Print what stands where at the doors of a cell: Modbus registers, data blocks, signals, wiring."""
+
+import argparse
+import pathlib
+import sys
+
+from gateway.cellmap import SHEETS
+from gateway.commands.common import DONE, ENVIRONMENT, FINDING, load
+from gateway.pure.sheets import FORMS, render
+
+EXAMPLES = """examples:
+  axisgate map demo --modbus                                all registers with both ways of counting
+  axisgate map cell.toml --db --format csv -o blocks.csv    for a spreadsheet: semicolon, decimal comma
+  axisgate map cell.toml --wiring --signals --format html -o map.html    prints on A4
+exit code: 0 printed, 1 the cell has none of it, 2 cell invalid, 3 the file cannot be written"""
+FOOTER = "axisgate is not a safety device: emergency stop, guards and enabling devices belong in certified hardware."
+
+
+def main(argv: list[str]) -> int:
+    parser = argparse.ArgumentParser(
+        prog="axisgate map", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("cell")
+    for name in SHEETS:
+        parser.add_argument(f"--{name}", action="store_true")
+    parser.add_argument("--format", choices=FORMS, default="md")
+    parser.add_argument("--json", action="store_true", help="the same as --format json")
+    parser.add_argument("-o", "--output", metavar="FILE", help="instead of standard output")
+    arguments = parser.parse_args(argv)
+    wanted = [name for name in SHEETS if getattr(arguments, name)]
+    if not wanted:
+        parser.error(f"say what: {', '.join(f'--{name}' for name in SHEETS)}")
+    cell = load(arguments.cell)
+    if isinstance(cell, int):
+        return cell
+    sheets = [sheet for name in wanted for sheet in SHEETS[name](cell)]
+    if not sheets:
+        print(f"axisgate map: {arguments.cell} has no {' and no '.join(wanted)}; axisgate map --wiring shows what it has", file=sys.stderr)
+        return FINDING
+    text = render(cell.cell.name, sheets, "json" if arguments.json else arguments.format, FOOTER)
+    if not arguments.output:
+        print(text, end="")
+        return DONE
+    try:
+        pathlib.Path(arguments.output).write_text(text, encoding="utf-8", newline="")
+    except OSError as error:
+        print(f"axisgate map: {arguments.output}: {error.strerror}; name another file with -o", file=sys.stderr)
+        return ENVIRONMENT
+    return DONE
