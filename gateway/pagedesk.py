@@ -1,7 +1,7 @@
 """The services' side of the page: a door of its own beside the commissioning tools', and what only a page asks for.
 
 Requests come as those of tools do (gateway.variables), with "door": 91.  alive: the page's holder of control is there; look: data
-blocks, named values, forces; tap: characters of the lines; force, unforce: RC inputs (AX-472).
+blocks, named values, forces; tap: characters of the lines; force_input, unforce_input: RC inputs (AX-472).
 """
 
 import time
@@ -49,8 +49,8 @@ class Desks:
                 return self._look()
             case "tap":
                 return self._tapped(request)
-            case "force" | "unforce" as op:
-                return self._force(request, lay=op == "force")
+            case "force_input" | "unforce_input" as op:
+                return self._force(request, lay=op == "force_input")
         return self._page.answer(request)
 
     def _look(self) -> dict[str, object]:

@@ -76,11 +76,11 @@ class Api:
 
     async def force(self, call: Call) -> Row:
         body: Force = call.body
-        return await self.live.desk.ask("force", bit=body.bit, value=body.value, who=call.person.name)
+        return await self.live.desk.ask("force_input", bit=body.bit, value=body.value, who=call.person.name)
 
     async def unforce(self, call: Call) -> Row:
         body: Unforce = call.body
-        return await self.live.desk.ask("unforce", bit=body.bit, who=call.person.name)
+        return await self.live.desk.ask("unforce_input", bit=body.bit, who=call.person.name)
 
     async def put(self, call: Call) -> Row:
         body: Put = call.body
