@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from gateway.cell import Cell
 from gateway.files import read_signals
-from gateway.pure.addresses import AddressFault, Direction, RcBit, parse_operand
+from gateway.pure.addresses import AddressFault, Direction, Kind, Operand, RcBit, parse_operand
 from gateway.pure.names import lookup
 from gateway.pure.signals import SignalList, from_tables
 
@@ -29,6 +29,18 @@ def operand(text: str) -> object:
         return parse_operand(text)
     except AddressFault:
         return None
+
+
+def flag_operand(text: str) -> Operand | None:
+    """M 6.3, MB 7, MW 10, MD 1436; None for anything else."""
+    place = operand(text)
+    return place if isinstance(place, Operand) and place.kind is Kind.FLAG else None
+
+
+def flags_of(cell: Cell, line: str) -> Mapping[str, Operand]:
+    """`to` of a line's entries that are flags of the control."""
+    entries = [entry.to for block in cell.db if block.line == line for entry in block.entries if entry.to and lookup(entry.to) is None]
+    return {to: place for to in entries if (place := flag_operand(to)) is not None} if cell.controller is not None else {}
 
 
 def inputs_of(cell: Cell) -> Mapping[str, Mapping[str, int]]:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from gateway.assembly import Door
 from gateway.cell import Cell, Db, Entry, Handshake, Line
 from gateway.couplingareas import RECEIVED_DB, SENT_DB
+from gateway.dbsignals import flags_of
 from gateway.doors import Tell
 from gateway.image import RegionWriter
 from gateway.lineareas import LineAreas
@@ -80,6 +81,7 @@ class LineDoor(SerialDoor):
         services = self._services
         handshake = services.cell.handshake.get("move")
         inputs = services.entry_inputs.get(self.name, {})
+        flags = flags_of(services.cell, self.name)
 
         def command(fresh: Command) -> None:
             self.office.command(self.number, fresh, time.monotonic_ns())
@@ -87,11 +89,14 @@ class LineDoor(SerialDoor):
         def bad_number(name: str, words: str) -> None:
             self._tell("command", f"door {self.number}: {words}", door=self.number, what="refused")
 
-        def level(name: str, value: bool) -> None:
+        def level(name: str, value: float) -> None:
+            if name in flags:
+                services.variables.write_flag(flags[name], round(value))
+                return
             number: int = getattr(services.numbers, RC_NAMES[name]) if name in RC_NAMES else inputs[name]
             octet = number >> 3
             if services.owned.get(octet) == self.number:
-                set_bit(services.inputs.values, number, value)
+                set_bit(services.inputs.values, number, bool(value))
                 services.inputs.quality[octet], services.inputs.stamps[octet] = Quality.GOOD, time.monotonic_ns()
 
         names = [axis.name for axis in services.cell.axis]
@@ -100,7 +105,7 @@ class LineDoor(SerialDoor):
             return services.variables.value_of(name, self)
 
         return DataDoor(
-            blocks, names, compile_handshake(handshake) if handshake else None, command, value, bad_number, level, tuple(inputs),
+            blocks, names, compile_handshake(handshake) if handshake else None, command, value, bad_number, level, (*inputs, *flags),
             *compile_pattern(services.cell),
         )  # fmt: skip
 

@@ -53,18 +53,28 @@ class Operands:
         control = self._services.signals.control
         if place.kind is not Kind.FLAG or control is None:
             return {"error": f"{text}: only flags are written here; inputs are their door's, outputs and timers the control's"}
-        size = place.bytes or 1
+        bits = 8 * place.bytes or 1
         try:
             number = int(value, 0)
-            data = (number & (1 << 8 * size) - 1 if number < 0 else number).to_bytes(size, self._order())
-        except (ValueError, OverflowError):
-            return {"error": f"{text} = {value!r}: a whole number of {8 * size if place.bytes else 1} bits is expected"}
-        if place.bit is not None:
-            if number not in (0, 1):
-                return {"error": f"{text} = {value}: 0 or 1"}
-            old = control.flag_bytes()[place.number]
-            data = bytes((old | 1 << place.bit if number else old & ~(1 << place.bit),))
-        return None if control.write_flags(place.number, data) else {"error": f"{text}: the system writes it, or there is no such flag"}
+        except ValueError:
+            number = 1 << bits
+        if not -(1 << bits - 1) * (bits > 1) <= number < 1 << bits:
+            return {"error": f"{text} = {value!r}: a whole number of {bits} bits is expected"}
+        return None if self.write(place, number) else {"error": f"{text}: the system writes it, or there is no such flag"}
+
+    def write(self, place: Operand, number: int) -> bool:
+        """A flag, or the low bytes of the number to flag bytes; False: the system's, or not there."""
+        control = self._services.signals.control
+        if control is None:
+            return False
+        if place.bit is None:
+            size = place.bytes
+            return control.write_flags(place.number, (number & (1 << 8 * size) - 1).to_bytes(size, self._order()))
+        flags = control.flag_bytes()
+        if place.number >= len(flags):
+            return False
+        old, mask = flags[place.number], 1 << place.bit
+        return control.write_flags(place.number, bytes((old | mask if number else old & ~mask,)))
 
     def _area(self, kind: Kind) -> bytes:
         services = self._services

@@ -165,6 +165,10 @@ class Variables:
             raise KeyError(name)
         return float(found - (1 << 32) if place.bytes == 4 and found >> 31 else found)  # a double word is a DH
 
+    def write_flag(self, place: Operand, value: int) -> None:
+        """A block's entry that is a flag of the control; what does not fit is cut off, as a PLC's load and transfer does."""
+        self._operands.write(place, value)
+
     def names(self) -> list[str]:
         """Every name that can be read."""
         control = self._services.signals.control

@@ -3,7 +3,7 @@
 from gateway.cell import Axis, Db, Entry, Handshake
 from gateway.checks.context import Context, near, number
 from gateway.checks.controller import names_of
-from gateway.dbsignals import operand, rc_place
+from gateway.dbsignals import flag_operand, operand, rc_place
 from gateway.pure.addresses import AddressFault, DataBit, DataWord, Direction, Operand, Part, bits_of, parse
 from gateway.pure.names import Found, Kind, lookup, spelled
 from gateway.pure.reasons import Reason
@@ -172,7 +172,7 @@ def names(check: Context) -> None:
                     check.fault(_key(block, entry), entry.signal, hint)
                 continue
             found = lookup(entry.signal)
-            if found is None and entry.from_ and check.cell.controller is not None and _of_control(check, entry):
+            if found is None and check.cell.controller is not None and _of_control(check, entry):
                 continue
             if found is None:
                 hint = (
@@ -184,9 +184,10 @@ def names(check: Context) -> None:
 
 
 def _of_control(check: Context, entry: Entry) -> bool:
-    """A flag, timer, counter, byte or word of the control, or one of its values."""
-    place = operand(entry.signal)
-    return isinstance(place, Operand) or entry.signal in names_of(check.cell)
+    """A flag, timer, counter, byte or word of the control, or one of its values; flags alone are written."""
+    if entry.to is not None:
+        return flag_operand(entry.to) is not None
+    return isinstance(operand(entry.signal), Operand) or entry.signal in names_of(check.cell)
 
 
 def _kind(check: Context, block: Db, entry: Entry, found: Found) -> None:

@@ -132,13 +132,13 @@ class DataDoor:
         command: Callable[[Command], None],
         value: Callable[[str], float],
         bad_number: Callable[[str, str], None],
-        level: Callable[[str, bool], None],
+        level: Callable[[str, float], None],
         inputs: Sequence[str] = (),
         pattern: Handshaking | None = None,
         positions: Mapping[int, tuple[Mapping[str, float], float]] | None = None,
     ) -> None:
         """`command` takes fresh commands, `value` gives status by name, `bad_number(name, text)` hears of numbers that are none or out of
-        min..max, `level(name, bit)` of entries that are RC inputs: cell.feed_allow, ... and `inputs`, the signals that entries name.
+        min..max, `level(name, value)` of entries that are RC inputs: cell.feed_allow, ... and `inputs`, signals and flags;
         `pattern`: another handshake than start-busy-done; `positions`: what its numbers select, targets and speed (0..1)."""
         self.blocks: Mapping[int, DataBlock] = {block.number: block for block in blocks}
         self.life: int | None = None  # life word of the last telegram, if it wrote one
@@ -201,7 +201,7 @@ class DataDoor:
         all_axes = (1 << len(self._axes)) - 1
         for name in self._inputs:
             if name in levels:
-                self._level(name, bool(levels[name]))
+                self._level(name, levels[name])
         on = self._edge("drives.on", levels)
         if self._edge("cell.stop", levels) == 1:
             self._command(Command(Code.STOP))

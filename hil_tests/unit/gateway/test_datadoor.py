@@ -18,7 +18,7 @@ class Door:
         self.commands: list[Command] = []
         self.bad: list[str] = []
         self.values: dict[str, float] = {}
-        self.levels: dict[str, bool] = {}
+        self.levels: dict[str, float] = {}
         blocks = [compile_block(db) for db in DEMO.db]
         names = [axis.name for axis in DEMO.axis]
         handshake = compile_handshake(DEMO.handshake["move"])
