@@ -221,6 +221,11 @@ class Follower:
         self._tau = min(max(self._tau, 0.0), self._end)
         return self._progress()
 
+    @property
+    def within(self) -> float:
+        """Time at full speed since the piece under way began."""
+        return self._tau - self._begins[self._index] if self._begins else 0.0
+
     def _change(self, wanted: float) -> None:
         """c for this period, towards the wanted omega."""
         h, w, u = self._h, self._omega, self._u

@@ -109,6 +109,11 @@ class Stepper:
         """Way left on the running piece, in its s."""
         return self._piece.length - self._motion[0] if self._piece else 0.0
 
+    @property
+    def within(self) -> float:
+        """Time at full speed since the timed piece under way began."""
+        return self._follower.within if self._follower else 0.0
+
     def place(self, position: Sequence[float]) -> None:
         """The axes stand here (after enabling, referencing); only without a piece."""
         if self._state is not State.IDLE or self._piece or self._queue:

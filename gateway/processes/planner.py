@@ -10,10 +10,12 @@ import signal
 import time
 
 from gateway.assembly import RunPlan, load_plan
+from gateway.axes import rc_numbers
 from gateway.files import read_text
 from gateway.image import RegionReader, RegionWriter, RingReader, RingWriter, fds_from_text
 from gateway.journal import Journal
 from gateway.programplan import machine_of_cell, written_for
+from gateway.pure.permits import free_outputs
 from gateway.pure.plannerrecords import SAY_LAYOUT, PlannerState, pack_piece, pack_planner, unpack_block
 from gateway.pure.programs import Programs
 from gateway.pure.records import CellState, Motion, unpack_cell_state
@@ -37,7 +39,7 @@ class PlannerProcess:
         self.pieces = RingWriter(fds["pieces"], "pieces")
         self.region = RegionWriter(fds["planner"], "planner")
         self.count = len(plan.cell.axis)
-        self.programs = Programs(self.machine, self.mask, self.text)
+        self.programs = Programs(self.machine, self.mask, self.text, free_outputs(rc_numbers(plan.cell), self.count))
         self._told: tuple[int, str] = (0, "")
         self._stop = False
 

@@ -13,7 +13,7 @@ from gateway.pure.coreaxis import CoreAxis, HeldAxis
 from gateway.pure.coreprogram import ProgramRun
 from gateway.pure.corepublish import Publisher
 from gateway.pure.permits import AS_SHIPPED, EVERY, NO_PERMIT, EnablingInputs, RcNumbers
-from gateway.pure.plannerrecords import Part, PieceRecord
+from gateway.pure.plannerrecords import Part, PieceRecord, switch_of
 from gateway.pure.reasons import Reason
 from gateway.pure.records import (
     RC_BYTES,
@@ -23,6 +23,7 @@ from gateway.pure.records import (
     Order,
     OrderRecord,
     Permit,
+    set_bit,
 )
 from motion.errors import MotionError
 from motion.pieces import decode
@@ -253,6 +254,8 @@ class Core:
             return
         if record.part is Part.FAULT:
             self._end_program(Reason.PROGRAM_FAULT)
+        elif record.part is Part.OUTPUT:
+            program.switch(switch_of(record))
         elif record.part is Part.LAST:
             program.complete = True
             if not program.begun:
@@ -292,6 +295,7 @@ class Core:
     def _end_program(self, reason: Reason) -> None:
         """It failed; what was committed of it is run."""
         self._fail(self._program.job, reason)
+        self._program.switches.clear()
         if self._program.begun:
             self._program.complete = True
         else:
@@ -349,6 +353,9 @@ class Core:
     # ---- set values --------------------------------------------------------------------------------------------------
     def _drive(self, actuals: Sequence[Actual | None]) -> list[SetRecord]:
         sample = self._stepper.step()
+        if self._program.switches:
+            for switch in self._program.passed(sample.piece_id, self._stepper.within):
+                set_bit(self.outputs, switch.number, switch.value)
         for n, axis in enumerate(self._axes):
             drive = axis.drive
             axis.active_inc, axis.received_inc, axis.sent_inc = axis.received_inc, axis.sent_inc, drive.set_inc

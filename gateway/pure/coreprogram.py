@@ -1,6 +1,12 @@
 """Which program the cycle runs: a job is ordered once, only its pieces are taken, and it is over once (AX-322).  Pure."""
 
-from dataclasses import dataclass
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from gateway.pure.plannerrecords import VOID, SwitchAt
+
+REACHED = 1e-9  # s at full speed
 
 
 @dataclass(slots=True)
@@ -10,16 +16,32 @@ class ProgramRun:
     job: int = 0
     begun: bool = False
     complete: bool = False
+    switches: deque[SwitchAt] = field(default_factory=deque)  # outputs to come, in the order of the way
 
     def order(self, job: int) -> None:
         """From now on pieces of this job are taken."""
         self.job, self.begun, self.complete = job, False, False
+        self.switches.clear()
 
     def clear(self) -> None:
         """It is over: what still comes of it is dropped."""
-        self.job, self.begun, self.complete = 0, False, False
+        self.order(0)
 
     @property
     def waits(self) -> bool:
         """More of it has to come before it is done."""
         return self.job != 0 and not self.complete
+
+    def switch(self, entry: SwitchAt) -> None:
+        """One more output to come."""
+        if entry.number != VOID:
+            self.switches.append(entry)
+            return
+        while self.switches and self.switches[-1].piece >= entry.piece:
+            self.switches.pop()
+
+    def passed(self, piece: int, after: float) -> Iterator[SwitchAt]:
+        """Outputs whose place lies behind the set values; each comes once, also when the path is run back and forth."""
+        waiting = self.switches
+        while waiting and (waiting[0].piece < piece or (waiting[0].piece == piece and after >= waiting[0].after - REACHED)):
+            yield waiting.popleft()

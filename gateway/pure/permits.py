@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from gateway.pure.records import ALL_PERMITS, InputImage, Permit, Quality
+from gateway.pure.records import ALL_PERMITS, RC_BYTES, InputImage, Permit, Quality
 from protocols.base.machine import Ns, ms
 
 INPUTS_HOLD = ms(4_000)  # enabling inputs outlive a services restart by this much (AX-143)
@@ -29,6 +29,15 @@ class RcNumbers:
 
 
 AS_SHIPPED = RcNumbers()
+
+
+def free_outputs(numbers: RcNumbers, axes: int) -> frozenset[int]:
+    """RC outputs of the image that axisgate itself does not write."""
+    own = {numbers.ready, numbers.ready2, numbers.drives_on, numbers.emergency}
+    own |= {first + n for first in (numbers.in_position, numbers.referenced) for n in range(axes)}
+    return frozenset(range(8 * RC_BYTES)) - own
+
+
 PERMITS = (("chain", Permit.CHAIN), ("control", Permit.CONTROL), ("feed", Permit.FEED), ("run", Permit.RUN), ("travel", Permit.TRAVEL))
 EVERY = tuple(Permit(bits) for bits in range(int(ALL_PERMITS) + 1))  # arithmetic of flags costs microseconds, a table nothing
 

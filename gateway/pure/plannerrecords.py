@@ -92,6 +92,7 @@ class Part(IntEnum):
     PIECE = 1
     LAST = 2  # the job ends where the pieces before end
     FAULT = 3  # a block of the job cannot be run: it is over where the pieces before end
+    OUTPUT = 4  # an RC output changes at a place of a piece that follows (SwitchAt)
 
 
 _PIECE = struct.Struct("=II QQ")
@@ -107,6 +108,32 @@ class PieceRecord:
     job: int
     generation: int
     piece: bytes = b""
+
+
+@dataclass(frozen=True, slots=True)
+class SwitchAt:
+    """RC output `number` becomes 0 or 1 so long (s at full speed) after the beginning of a piece; number -1: what was said of this piece
+    and later ones is void."""
+
+    piece: int
+    after: float
+    number: int
+    value: bool = False
+
+
+VOID = -1
+_SWITCH = struct.Struct("=Qdi?")
+
+
+def switch_record(job: int, generation: int, switch: SwitchAt) -> PieceRecord:
+    """As a record of the pieces ring."""
+    body = _SWITCH.pack(switch.piece, switch.after, switch.number, switch.value)
+    return PieceRecord(Part.OUTPUT, job, generation, body.ljust(RECORD_SIZE, b"\0"))
+
+
+def switch_of(record: PieceRecord) -> SwitchAt:
+    """The reverse of switch_record."""
+    return SwitchAt(*_SWITCH.unpack_from(record.piece))
 
 
 def pack_piece(record: PieceRecord) -> bytes:

@@ -5,10 +5,10 @@ as enough is known; or it is a program of the cell (RUN), which is read whole an
 to the cycle (AX-322).  A fault in a block ends the job, and what was handed on before ends at rest.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Container, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
-from gateway.pure.plannerrecords import AHEAD, BlockRecord, Part, PieceRecord, PlannerState, Say, run_of
+from gateway.pure.plannerrecords import AHEAD, VOID, BlockRecord, Part, PieceRecord, PlannerState, Say, SwitchAt, run_of, switch_record
 from motion.errors import MotionError
 from motion.planner.planner import Planner
 from motion.planner.robot import Machine
@@ -19,6 +19,7 @@ from motion.timed import encode_timed
 
 QUIET_TURNS = 6  # turns without a new block after which what is known is run
 ALWAYS = 1 << 62
+OUTPUTS_ARE = "programs switch RC outputs to 0 or 1, and none that axisgate itself writes (ready, drives on, in position ..)"
 
 
 def _no_programs(number: int) -> str:
@@ -33,6 +34,7 @@ class Programs:
     machine_of: Callable[[str], Machine]
     mask_of: Callable[[Machine], int]
     text_of: Callable[[int], str] = _no_programs
+    outputs: Container[int] = range(0)  # RC outputs programs may switch
     state: PlannerState = PlannerState()
     generation: int = 0
     _planner: Planner | None = None
@@ -116,6 +118,9 @@ class Programs:
         for block in self._reader.take():
             planner = self._planner = self._planner or self._made(standing)
             self._line_of.append(line)
+            for output in block.outputs:
+                if output.number not in self.outputs or output.value not in (0.0, 1.0):
+                    raise BlockError(f"output {output.number}:{output.value:g}: {OUTPUTS_ARE}", block=len(self._line_of))
             planner.add(block)
 
     def _end(self) -> None:
@@ -200,16 +205,21 @@ class Programs:
         waiting = [number for number in self._begins if number > self._at]
         if len(waiting) >= AHEAD and tau < planner.end:
             return
-        at = planner.end
-        for made in planner.plan(tau, hurry=self._quiet > QUIET_TURNS):
+        at, job = planner.end, self.state.job
+        pieces = planner.plan(tau, hurry=self._quiet > QUIET_TURNS)
+        marks = planner.take_marks()
+        for made in pieces:
             if made.new_tail:
+                self._out.append(switch_record(job, self.generation, SwitchAt(made.id, 0.0, VOID)))
                 at = self._begins[made.id]
                 for number in [number for number in self._begins if number >= made.id]:
                     del self._begins[number]
             self._begins[made.id] = at
             at += made.duration
             self._last_id, self._spare = made.id, made.id + 1
-            self._out.append(PieceRecord(Part.PIECE, self.state.job, self.generation, encode_timed(made)))
+            for _, after, number, value in (mark for mark in marks if mark.piece == made.id):
+                self._out.append(switch_record(job, self.generation, SwitchAt(made.id, after, number, value != 0.0)))
+            self._out.append(PieceRecord(Part.PIECE, job, self.generation, encode_timed(made)))
 
     def _tau(self, piece: int, planner: Planner) -> float:
         """Where the follower may be at the latest: the end of the piece under way, or of all there is when it has run out."""

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from motion.errors import MotionError
 from motion.kinematics.base import Joints
 from motion.planner.commit import timed_pieces
+from motion.planner.marks import Mark, check_outputs, marks_of
 from motion.planner.robot import Machine
 from motion.planner.route import Kind, Route, Stretch
 from motion.planner.runs import Run, make_run
@@ -85,6 +86,7 @@ class Planner:
     _fresh: deque[Stretch] = field(init=False, default_factory=deque)  # known, not planned
     _planned: deque[_Planned] = field(init=False, default_factory=deque)
     _done: int = field(init=False, default=0)  # blocks behind the axes
+    _marks: list[Mark] = field(init=False, default_factory=list)
 
     def __post_init__(self) -> None:
         self._route = Route(self.machine, self.start)
@@ -131,18 +133,24 @@ class Planner:
         if not self.room:
             raise MotionError(f"{self.waiting} blocks are waiting, {self.capacity} may")
         number = self._route.add(block)
-        self._fresh.extend(self._route.take())
+        self._take()
         return number
 
     def finish(self) -> None:
         """The last block is run to its target and the axes stop there."""
         self._route.finish()
-        self._fresh.extend(self._route.take())
+        self._take()
+
+    def _take(self) -> None:
+        for stretch in self._route.take():
+            check_outputs(stretch)
+            self._fresh.append(stretch)
 
     def reset(self, standing: Sequence[float]) -> None:
         """Everything is dropped, a new chain begins (tau 0); the axes stand here."""
         self._route.reset(standing)
         self._fresh.clear()
+        self._marks.clear()
         self._planned.clear()
         self._done = self._route.added
 
@@ -159,6 +167,11 @@ class Planner:
             if self.end - tau > 2 * self.horizon_s:
                 break
         return pieces
+
+    def take_marks(self) -> list[Mark]:
+        """Outputs on the pieces handed on since the last call; marks of pieces a new tail replaces are void."""
+        marks, self._marks = self._marks, []
+        return marks
 
     def _next(self, tau: float, hurry: bool) -> list[TimedPiece] | None:
         """One more law, or None when it can wait."""
@@ -228,6 +241,7 @@ class Planner:
         blocks = block_ends(run) if len(run.stretches) <= NAMED else ()
         pieces = timed_pieces(run.path, run.limits, law, first_id=number, mask=self.mask, blocks=blocks, new_tail=first_id is not None)
         self.next_id = number + len(pieces)
+        self._marks = [mark for mark in self._marks if mark.piece < number] + marks_of(run, law, pieces, goes_on=first_id is not None)
         cuts, at = [], begin
         for piece in pieces:
             cuts.append((at, piece.id))

@@ -11,10 +11,11 @@ from gateway.axes import limits_of
 from gateway.cell import Home, Plant
 from gateway.pure.command_block import Code, Command
 from gateway.pure.office import Job, Office
+from gateway.pure.permits import AS_SHIPPED, free_outputs
 from gateway.pure.plannerrecords import PieceRecord, ProgramFacts, pack_piece, run_record, unpack_piece
 from gateway.pure.programs import Programs
 from gateway.pure.reasons import CommandState, Reason
-from gateway.pure.records import Motion, Order, OrderRecord
+from gateway.pure.records import Motion, Order, OrderRecord, get_bit
 from hil_tests.lab.cellbench import ALL, DEMO, CellBench
 from motion.errors import MotionError
 from motion.kinematics.identity import Identity
@@ -41,7 +42,8 @@ class WithPlanner:
         for code in (Code.REQUEST_CONTROL, Code.OVERRIDE, Code.ENABLE):
             assert self.cell.settle(self.cell.give(code)).state is CommandState.DONE
         self.texts: dict[int, str] = {}
-        self.programs = Programs(lambda _: Machine(Identity(LIMITS), LIMITS), lambda _: ALL, self.text)
+        free = free_outputs(AS_SHIPPED, len(LIMITS))
+        self.programs = Programs(lambda _: Machine(Identity(LIMITS), LIMITS), lambda _: ALL, self.text, free)
         self.alive = True
         self.held: list[PieceRecord] = []
         self.cell.each = self.turn
@@ -287,6 +289,40 @@ def test_a_planner_that_comes_late_lets_the_axes_rest_and_they_go_on_where_they_
     assert job.state is CommandState.RUNNING
     both.alive = True
     assert both.finished(job).state is CommandState.DONE and both.at(10.0)
+
+
+def test_outputs_of_a_program_switch_where_the_set_values_pass_their_places(both: WithPlanner) -> None:
+    outputs = both.cell.core.outputs
+    job = both.order(f"ptp joints {joints(20)} out=400:1", f"ptp joints {joints(60)} out=400:0,401:1")
+    seen: list[tuple[float, bool, bool]] = []
+    each = both.cell.each
+
+    def look() -> None:
+        seen.append((both.places()[0], get_bit(outputs, 400), get_bit(outputs, 401)))
+        each()
+
+    both.cell.each = look
+    both.cell.run(0.4)
+    both.cell.settle(both.cell.give(Code.STOP))
+    both.cell.settle(both.cell.give(Code.RESUME))
+    assert both.finished(job).state is CommandState.DONE
+    assert all(on is (place >= 20.0 - 1e-9) for place, on, _ in seen if place < 60.0 - 1e-9), "at the end of the first block"
+    assert seen[-1][1:] == (False, True) and all(not after for place, _, after in seen if place < 60.0 - 1e-9)
+
+
+@pytest.mark.parametrize("out", ["66:1", "400:2"])
+def test_outputs_that_are_not_a_programs_business_are_refused_before_anything_moves(both: WithPlanner, out: str) -> None:
+    job = both.order(f"ptp joints {joints(20)} out={out}")
+    assert both.still(0.2) and (job.state, job.reason) == (CommandState.REFUSED, Reason.PROGRAM_FAULT) and "output" in job.detail
+
+
+def test_outputs_of_a_program_that_was_abandoned_do_not_switch_later(both: WithPlanner) -> None:
+    job = both.order(f"ptp joints {joints(60)} out=400:1")
+    both.cell.run(0.25)
+    both.cell.settle(both.cell.give(Code.STOP))
+    both.cell.settle(both.cell.give(Code.ABANDON))
+    assert both.finished(both.order(f"ptp joints {joints(60)}")).state is CommandState.DONE
+    assert job.reason is Reason.ABANDONED and not get_bit(both.cell.core.outputs, 400)
 
 
 def test_no_move_begins_beside_a_program_that_is_prepared(both: WithPlanner) -> None:

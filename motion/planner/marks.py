@@ -1,0 +1,84 @@
+"""Outputs of blocks as places on timed pieces: which piece, and how long after its beginning (blocks.Output)."""
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from motion.planner.route import Kind, Stretch
+from motion.planner.runs import WAY, Run
+from motion.program.blocks import Interpolation
+from motion.program.errors import BlockError
+from motion.timed import TimedPiece
+from motion.timing.law import Law
+
+SMALLEST = 1e-12  # m or rad of the path
+LOOKS = 4000  # at the way along a run
+WHOLE = 1.0 - 1e-9  # of a block: its end is reached
+
+
+class Mark(NamedTuple):
+    """Output `number` becomes `value` so long (s at full speed) after the beginning of a piece."""
+
+    piece: int
+    after: float
+    number: int
+    value: float
+
+
+def check_outputs(stretch: Stretch) -> None:
+    """An output so far before the end of its block that the block has not begun there: BlockError."""
+    block = stretch.source
+    for output in block.outputs:
+        if output.before and block.kind is Interpolation.PTP:
+            raise BlockError(f"output {output.number}: a distance along a PTP block has no meaning", block=stretch.block)
+        if output.before > stretch.way + SMALLEST:
+            long, before = stretch.way * 1e3, output.before * 1e3
+            raise BlockError(f"output {output.number}: {before:g} mm before the end of a block of {long:.3f} mm", block=stretch.block)
+
+
+def marks_of(run: Run, law: Law, pieces: Sequence[TimedPiece], *, goes_on: bool) -> list[Mark]:
+    """Marks on the pieces of one law along the run, in the order of the way.  goes_on: what lies at its very beginning or before belongs
+    to the pieces it goes on from."""
+    places = sorted(_places(run), key=lambda each: each[0])  # at one place as the text has them
+    begins = np.concatenate([[0.0], np.cumsum([piece.duration for piece in pieces])])
+    marks = []
+    for s, number, value in places:
+        if s > law.s[-1] + SMALLEST or s < law.s[0] or (goes_on and s <= law.s[0] + SMALLEST):
+            continue
+        tau = _when(law, s)
+        index = min(max(int(np.searchsorted(begins, tau, side="left")) - 1, 0), len(pieces) - 1)
+        marks.append(Mark(pieces[index].id, tau - float(begins[index]), number, value))
+    return marks
+
+
+def _places(run: Run) -> Iterator[tuple[float, int, float]]:
+    """(s on the run, output, value) of every output whose block ends on it."""
+    for stretch, start in zip(run.stretches, run.starts, strict=True):
+        outputs = stretch.source.outputs
+        if not outputs or not _ends(stretch):
+            continue
+        end = start + stretch.path.length * (0.5 if stretch.kind is Kind.CORNER else 1.0)
+        for output in outputs:
+            yield _before(run, end, output.before) if output.before else end, output.number, output.value
+
+
+def _before(run: Run, end: float, distance: float) -> float:
+    """s where the tool is so far (m) before its place at s = end."""
+    s = np.linspace(0.0, end, max(int(LOOKS * end / run.path.length), 2))
+    ways = run.path.at(s)[:, WAY]
+    return float(np.interp(ways[-1] - distance, ways, s))
+
+
+def _when(law: Law, s: float) -> float:
+    """Time at which the law is there: not before it."""
+    k = min(int(np.searchsorted(law.s, s - SMALLEST, side="left")), len(law.s) - 1)
+    if k == 0:
+        return 0.0
+    share = (s - law.s[k - 1]) / max(law.s[k] - law.s[k - 1], SMALLEST)
+    return float(law.step * (k - 1 + min(max(share, 0.0), 1.0)))
+
+
+def _ends(stretch: Stretch) -> bool:
+    """The end of its block lies on it: in the middle of a corner, else at its own end."""
+    return stretch.kind is Kind.CORNER or stretch.share[1] >= WHOLE
