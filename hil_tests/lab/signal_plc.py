@@ -49,6 +49,26 @@ profile = "rho3"
 types = ["D", "E", "A", "M", "T", "Z"]
 [line.supervision]
 max_silence_ms = 8000
+[[db]]
+number = 30
+words = 8
+writer = "plc"
+line = "rack"
+entries = [
+  {{ at = "DW 0", type = "KH", to = "MW 0" }},
+  {{ at = "DD 4", type = "DH", to = "MD 40" }},
+  {{ at = "D 7.3", type = "bit", to = "M 50.7" }},
+]
+[[db]]
+number = 31
+words = 8
+writer = "axisgate"
+line = "rack"
+entries = [
+  {{ at = "DW 0", type = "KF", from = "Z 0" }},
+  {{ at = "D 1.0", type = "bit", from = "I8.0" }},
+  {{ at = "DD 2", type = "DH", from = "MD 40" }},
+]
 [[modbus]]
 name = "net"
 bind = "127.0.0.1:1502"
@@ -119,6 +139,14 @@ class Rack:
         done = self.job(self._station.fetch(block, word, words, time.monotonic_ns()))
         assert isinstance(done, Done), done
         return done.data
+
+    def area(self, kind: str, address: int, amount: int) -> bytes:
+        """FETCH of E, A, M (bytes) or T, Z (words), the header written by hand."""
+        size = amount * (2 if kind in "TZ" else 1)
+        header = b"\0\0E" + kind.encode() + address.to_bytes(2, "big") + amount.to_bytes(2, "big") + b"\xff\xff"
+        done = self.job(self._station.command(header, size + size % 2, time.monotonic_ns()))
+        assert isinstance(done, Done), done
+        return done.data[:size]
 
     def write(self, first: int, data: bytes) -> None:
         """A job that fails is given again, as a PLC's program would: services may just be starting."""

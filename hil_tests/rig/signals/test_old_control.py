@@ -7,6 +7,7 @@ import socket
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import pytest
 
@@ -14,6 +15,7 @@ from drivers.ports.base import runtime_dir
 from drivers.ports.open import open_bytes
 from gateway.pure.records import AxisFlag, Motion
 from hil_tests.lab.cell_running import CellRun, running_cell
+from hil_tests.lab.rk512_active import Done, Refused
 from hil_tests.lab.signal_plc import Net, Rack, SignalPlc, signal_cell
 from hil_tests.lab.sync_line import SyncLine
 
@@ -26,6 +28,7 @@ EXPROG = "02 = PICK ; to the fixture\r\n04 = FAR\r\n05 = NOWHERE\r\n0G = BAD\r\n
 PROGRAMS = """
 kind = "rho3"
 files = "dat"
+remote = true
 [[controller.process]]
 name = "PICK"
 steps = [ { to = { A1 = 40.0 } }, { output = 7 } ]
@@ -33,6 +36,7 @@ steps = [ { to = { A1 = 40.0 } }, { output = 7 } ]
 name = "FAR"
 steps = [ { to = { A1 = 1900.0 }, speed = "5 %" } ]
 """
+COUPLED = "P14 = [5]\nP20 = 15\nP21 = [10, 54, 20, 64]"
 
 
 @dataclass
@@ -70,7 +74,7 @@ def plant_over(door: str, folder: pathlib.Path) -> Iterator[Plant]:
     (folder / "dat").mkdir()
     (folder / "dat" / "exprog.dat").write_bytes(EXPROG.encode("cp437"))
     (folder / "dat" / "PHGCODE.DAT").write_text("4 = 7.1\n")
-    with running_cell(signal_cell(folder, door, PROGRAMS), f"old-{door}", plc=False) as run:
+    with running_cell(signal_cell(folder, door, PROGRAMS, rho3=COUPLED), f"old-{door}", plc=False) as run:
         if door == "net":
             yield Plant(run, SignalPlc(Net(run.port)))
             return
@@ -177,10 +181,57 @@ def test_services_that_come_back_to_standing_bits_start_nothing(plant: Plant) ->
     run.forgive("services")
 
 
+@RACK
+def test_the_plc_finds_its_own_addresses_flags_and_counters(plant: Plant) -> None:
+    """P20 = 15, P21 = 10, 54, 20, 64: I10.0 is RC output 16, O20.0 RC input 8; the board stands behind (rho3 3.6)."""
+    plant.ready()
+    rack = plant.plc.way
+    assert isinstance(rack, Rack)
+    inputs = rack.area("E", 0, 64)
+    assert inputs[10 + 15 - 2] >> 4 == 5, "MA_TYP at RC outputs 124..127"
+    assert rack.area("A", 20 + 2 - 1, 2) == bytes(plant.plc.image[:2]), "RC input bytes 2 and 3"
+    blocks = rack.fetch(0, 50, block=23)
+    assert [blocks[:2], blocks[50:52]] == [b"\x00\x02", b"\x01\x02"] and blocks[2:50] == rack.area("E", 10, 48)
+    frame = bytes((0, *plant.plc.image)).ljust(50, b"\0")  # from RC input byte 1 on, which nobody owns
+    assert isinstance(rack.send(0, b"\x00\x02" + frame[:48], block=22), Done)
+    assert isinstance(rack.send(0, b"\x01\x02" + frame[48:].ljust(48, b"\0"), block=22), Refused), "taken whole or not at all"
+    assert rack.area("Z", 0, 2) == b"\x00\x05\x00\x00", "P14"
+    for level in (b"\x01\x00", b"\x00\x00"):
+        assert isinstance(rack.send(0, level + bytes(14), block=30), Done)
+        assert rack.area("M", 0, 2) == level[:1] + b"\xfe", "counters 1..7 have nothing to count"
+        time.sleep(0.1)  # the control looks every 5 ms
+    plant.plc.until(lambda plc: rack.area("Z", 0, 1) == b"\x00\x04", "counter 0 counted down once by M 0.0")
+    assert isinstance(rack.send(4, b"\xff\xff\xff\xfe", block=30), Done)
+    assert rack.fetch(0, 4, block=31) == b"\x00\x04" + bytes((0, 1)) + b"\xff\xff\xff\xfe", "the counter, READY, a double word of flags"
+
+
+@RACK
+def test_tools_read_the_same_values_and_work_the_panel(plant: Plant) -> None:
+    plant.ready()
+    for address, value in (("EB 8", plant.plc.look().seen[0]), ("M 0.0", 0), ("MD 40", -2), ("T 0", 0), ("K01_A_MN_RCI", 0), ("RC 1.8", 1)):
+        assert asked(plant, {"op": "get", "address": address})["value"] == value, address
+    assert asked(plant, {"op": "set", "address": "MB 60", "value": "91"})["value"] == 91
+    assert "error" in asked(plant, {"op": "set", "address": "MB 60", "value": "256"})
+    assert "error" in asked(plant, {"op": "get", "address": "Z 8"}), "P3 = 8"
+    shown = asked(plant, {"op": "panel", "mode": "7.12.1"})
+    assert shown["mode"] == "7.12.1"
+    plant.plc.until(lambda plc: plc.output(115) and not plc.output(104), "the panel shows machine statuses")
+    assert asked(plant, {"op": "panel"})["screen"] == ["Machine statuses    ", "MSD.DAT not found   ", " " * 20, " " * 20]
+    asked(plant, {"op": "panel", "mode": "0", "key": "ENTER"})
+    plant.plc.until(lambda plc: plc.output(104), "the basic level")
+    assert "control" in str(asked(plant, {"op": "panel", "mode": "11.1"})["error"]), "the PLC has it"
+
+
 def links(plant: Plant) -> dict[str, dict[str, list[dict[str, object]]]]:
     """What services tell tools."""
+    found: dict[str, dict[str, list[dict[str, object]]]] = asked(plant, {"op": "status"})
+    return found
+
+
+def asked(plant: Plant, request: dict[str, str]) -> dict[str, Any]:
+    """One question of a tool."""
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as link:
         link.connect(str(runtime_dir() / f"{plant.run.name}-services.sock"))
-        link.sendall(b'{"op": "status"}\n')
-        found: dict[str, dict[str, list[dict[str, object]]]] = json.loads(link.makefile().readline())
+        link.sendall(json.dumps(request).encode() + b"\n")
+        found: dict[str, Any] = json.loads(link.makefile().readline())
         return found
