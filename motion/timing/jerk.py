@@ -45,7 +45,7 @@ def jerk_limited(path: JointPath, limits: LawLimits, start: tuple[float, float, 
     law = guess
     for _ in range(REPAIRS):
         beta = _warp(path, limits, guess, tight, slow)
-        law = guess.warped(beta, path.length)
+        law = guess.warped(beta, path.length).calmed()
         at, excess, fast = _excess(path, limits, law)
         if max(float(np.max(excess)), float(np.max(fast))) <= 1.0:
             return law
