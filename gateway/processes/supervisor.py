@@ -32,6 +32,8 @@ REQUEST_NS = 2_000_000_000  # patience with a tool that has connected and says n
 REQUEST_BYTES = 4096
 TOOLS = 32  # connected at once; more wait
 POLL_S = 0.01
+# A pool of threads nobody needs would keep a killed cycle from being buried, and it takes 80 MB (AX-434)
+ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1"}
 
 
 @dataclass(slots=True)
@@ -120,6 +122,7 @@ class Supervisor:
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             pass_fds=keep,
+            env=os.environ | ONE_THREAD,
             start_new_session=True,
             preexec_fn=functools.partial(die_with_parent, os.getpid(), signal.SIGKILL),  # noqa: PLW1509 no thread here; a hung child dies, too
         )

@@ -36,6 +36,7 @@ def test_drives_stop_by_themselves_and_nothing_moves_until_a_fresh_command(numbe
             death(run, number)
             recover()
 
+        assert len(os.listdir(f"/proc/{run.pid('cycle')}/task")) == 1, "the cycle owns its process"
         run.ready()
         run.repeat(REPETITIONS, once, recover)
 
