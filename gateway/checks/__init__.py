@@ -8,6 +8,7 @@ from gateway.checks import (
     blocks,
     buses,
     canopen,
+    contacts,
     controller,
     doors,
     lines,
@@ -44,6 +45,7 @@ def cross_faults(cell: Cell, known: Mapping[str, frozenset[str]], signals: Signa
         *web.CHECKS,
         *controller.CHECKS,
         *routes.CHECKS,
+        *contacts.CHECKS,
         *retain.CHECKS,
     ):
         check(context)

@@ -82,7 +82,9 @@ def contacts(check: Context) -> None:
             check.unknown(f"{key}.bus", io.device.bus, "bus")
         if (io.device.input is None) == (io.device.output is None):
             check.fault(key, "", "exactly one of input = n and output = n")
-        places.append(((io.device.bus, io.device.node, io.device.input, io.device.output), key))
+        device = io.device
+        whose = (device.bus, device.node, device.url, device.unit, device.chip)
+        places.append(((*whose, device.input, device.output), key))
     for _, first, place in twice(places):
         check.fault(place, "", f"{first} is this contact already")
 
