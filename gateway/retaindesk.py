@@ -1,7 +1,7 @@
 """Retained data of a run inside the services: what a start brings back, and what is kept while it runs (AX-423, AX-425).
 
 Brought back: flags, markers and counters of the control, named values (marked stale: their source has not spoken yet).  Not brought
-back, whatever [retain] says: signals of telegrams, RC inputs, commands, control.
+back, whatever [retain] says: signals of telegrams and values whose edge sends one, RC inputs, commands, control.
 """
 
 import pathlib
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from gateway.clock import wall
 from gateway.pure.errorlist import ErrorRecord
 from gateway.pure.records import Quality
+from gateway.telegramtables import watched
 from protocols.base.machine import Ns
 
 if TYPE_CHECKING:
@@ -53,9 +54,9 @@ class RetainDesk:
         control.restore(bytes(flags), {number: left for number, left in counters.items() if isinstance(left, int) and left >= 0})
 
     def _restore_named(self, kept: "Retained", now: Ns) -> None:
-        named = self._services.named
+        named, sets_off = self._services.named, set(watched(self._services.cell.telegram))
         for name, value in kept.values("order").items():
-            if name in named and name not in named.signals and not isinstance(value, bytes):
+            if name in named and name not in named.signals | sets_off and not isinstance(value, bytes):
                 named.put(name, value, now, SOURCE)
         named.source_gone(SOURCE)
 
