@@ -34,6 +34,7 @@ from hil_tests.lab.plc2 import (
     ENABLE,
     OVERRIDE,
     PTP,
+    REFUSED,
     REFERENCE,
     REQUEST,
     RESET,
@@ -234,10 +235,7 @@ class CellRun:
     def command(self, code: int, mask: int = 0, velocity: float = 1.0, targets: Sequence[float] = ()) -> Status:
         """A command that is to be done; Disturbed when a drive or the clock gave up by itself meanwhile."""
         status = self.plc.command(code, mask, velocity, targets)
-        if status.state != DONE and status.reason in STOLEN:
-            raise Disturbed(f"code {code}: reason {status.reason}")
-        if status.reason == DRIVES_OFF and (cause := self.state().stop_cause) in STOLEN:
-            raise Disturbed(f"code {code}: the drives went off since the command before, stop cause {cause}")
+        self._stolen(status)
         assert status.state == DONE, f"code {code}: {status}\n{self.words()}"
         return status
 
@@ -259,10 +257,16 @@ class CellRun:
         self.plc.send(PTP, ALL, velocity, TARGET)
         time.sleep(0.4)
         status = self.plc.wait(lambda s: True, 2)
-        if status.state == ABORTED and status.reason in STOLEN:
-            raise Disturbed(f"the move ended by itself, reason {status.reason}")
-        assert status.state in (ACCEPTED, RUNNING), status
+        self._stolen(status)
+        assert status.state in (ACCEPTED, RUNNING), f"{status}\n{self.words()}"
         return start
+
+    def _stolen(self, status: Status) -> None:
+        """Disturbed when a drive or the clock gave up by itself: during this command, or after the one before."""
+        if status.state in (ABORTED, REFUSED) and status.reason in STOLEN:
+            raise Disturbed(f"the command ended by itself, reason {status.reason}")
+        if status.reason == DRIVES_OFF and (cause := self.state().stop_cause) in STOLEN:
+            raise Disturbed(f"the drives went off since the command before, stop cause {cause}")
 
     def home_again(self) -> None:
         """A fresh move works, and it ends where it should: by the emulator's record."""
