@@ -141,12 +141,12 @@ class Rack:
         return done.data
 
     def area(self, kind: str, address: int, amount: int) -> bytes:
-        """FETCH of E, A, M (bytes) or T, Z (words), the header written by hand."""
+        """FETCH of E, A, M (an even number of bytes) or T, Z (words), the header written by hand."""
         size = amount * (2 if kind in "TZ" else 1)
         header = b"\0\0E" + kind.encode() + address.to_bytes(2, "big") + amount.to_bytes(2, "big") + b"\xff\xff"
-        done = self.job(self._station.command(header, size + size % 2, time.monotonic_ns()))
+        done = self.job(self._station.command(header, size, time.monotonic_ns()))
         assert isinstance(done, Done), done
-        return done.data[:size]
+        return done.data
 
     def write(self, first: int, data: bytes) -> None:
         """A job that fails is given again, as a PLC's program would: services may just be starting."""
