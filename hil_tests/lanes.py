@@ -14,6 +14,7 @@ import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 REFERENCES = ROOT / "build"  # C references: hil_tests/bench/NAME.c becomes build/NAME
+NODE_MODULES = REFERENCES / "node/node_modules"  # put there by hil_tests/rig/setup.sh tools
 DEBIAN = pathlib.Path("/etc/debian_version")
 
 
@@ -36,7 +37,18 @@ def _tshark() -> str | None:
     return None if shutil.which("tshark") else "tshark not found (Debian: apt-get install tshark)"
 
 
-NEEDS: dict[str, Callable[[], str | None]] = {"vcan": _vcan, "mbpoll": _mbpoll, "cref": _cref, "tshark": _tshark}  # marker = lane
+def _npm() -> str | None:
+    there = shutil.which("node") and (NODE_MODULES / "modbus-serial").exists()
+    return None if there else "node or build/node/node_modules/modbus-serial not found (make tools)"
+
+
+NEEDS: dict[str, Callable[[], str | None]] = {
+    "vcan": _vcan,
+    "mbpoll": _mbpoll,
+    "cref": _cref,
+    "tshark": _tshark,
+    "npm": _npm,
+}  # marker = lane
 FOLDERS = {"unit": "pure", "conformance": "pure", "properties": "pure", "rig": "rig", "matrix": "rig"}
 
 

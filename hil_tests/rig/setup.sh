@@ -1,7 +1,7 @@
 #!/bin/sh
 # What axisgate needs of the system beside Python packages; installs it as root on Debian, else says in one line what is missing.
 #   setup.sh python PYTHON   a Python >= 3.11 with venv; exit 3 without it
-#   setup.sh tools           lanes vcan, mbpoll, cref, tshark, the page in a browser and the benchmarks; never fails: a lane says what it lacks
+#   setup.sh tools           lanes vcan, mbpoll, cref, tshark, npm, the page in a browser and the benchmarks; never fails: a lane says what it lacks
 set -u
 
 install() {  # packages ...
@@ -36,11 +36,19 @@ tools)
     has tshark || missing="$missing tshark"
     has chromium || missing="$missing chromium"
     has mosquitto || missing="$missing mosquitto"
+    has node || missing="$missing nodejs"
+    has npm || missing="$missing npm"
     { has cc || has gcc; } || missing="$missing gcc"
     [ -f /usr/include/stdio.h ] || missing="$missing libc6-dev"
     [ -f /usr/include/modbus/modbus.h ] || missing="$missing libmodbus-dev"
     # shellcheck disable=SC2086 # a list of words
     [ -z "$missing" ] || install $missing || true
+    if has npm && [ ! -d build/node/node_modules/modbus-serial ]; then
+        echo "set-up: installing modbus-serial (npm) into build/node"
+        mkdir -p build/node
+        npm install --silent --no-audit --no-fund --omit=optional --prefix build/node modbus-serial@8 >build/node/install.log 2>&1 ||
+            echo "set-up: npm could not fetch modbus-serial (build/node/install.log)"
+    fi
     ;;
 *)
     echo "usage: setup.sh python|tools" >&2; exit 2
