@@ -12,6 +12,7 @@ from gateway.pure.plannerrecords import AHEAD, VOID, BlockRecord, Part, PieceRec
 from motion.errors import MotionError
 from motion.planner.planner import Planner
 from motion.planner.robot import Machine
+from motion.program.blocks import Block
 from motion.program.errors import BlockError, TextError
 from motion.program.factors import FULL, Factors
 from motion.program.text import Reader
@@ -118,10 +119,17 @@ class Programs:
         for block in self._reader.take():
             planner = self._planner = self._planner or self._made(standing)
             self._line_of.append(line)
-            for output in block.outputs:
-                if output.number not in self.outputs or output.value not in (0.0, 1.0):
-                    raise BlockError(f"output {output.number}:{output.value:g}: {OUTPUTS_ARE}", block=len(self._line_of))
+            self._check(block)
             planner.add(block)
+
+    def _check(self, block: Block) -> None:
+        """What the cell itself, and not the robot, refuses."""
+        number = len(self._line_of)
+        if block.until is not None:
+            raise BlockError(f"until={block.until.number}: a cell does not watch inputs during a block yet", block=number)
+        for output in block.outputs:
+            if output.number not in self.outputs or output.value not in (0.0, 1.0):
+                raise BlockError(f"output {output.number}:{output.value:g}: {OUTPUTS_ARE}", block=number)
 
     def _end(self) -> None:
         self._ended = True

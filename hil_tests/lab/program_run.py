@@ -14,7 +14,7 @@ from gateway.image import RegionReader, recv_fds
 from gateway.processes.supervisor import ask
 from gateway.programplan import machine_of_cell
 from gateway.pure.plannerrecords import PlannerState, unpack_planner
-from gateway.pure.records import AxisFlag, CellState, Motion, unpack_cell_state
+from gateway.pure.records import AxisFlag, CellState, Motion, get_bit, unpack_cell_state
 from hil_tests.lab.arms import Array
 from hil_tests.lab.cell_running import CellRun, running_cell
 from hil_tests.lab.plc2 import ENABLE, OVERRIDE, REQUEST, RESET, Status
@@ -39,6 +39,7 @@ class ProgramRun:
         with ask(run.name, "regions") as connection:
             self._fds = recv_fds(connection)
         self._state, self._planner = RegionReader(self._fds["axes"], "axes"), RegionReader(self._fds["planner"], "planner")
+        self._outputs = RegionReader(self._fds["rc_out"], "rc_out")
 
     def close(self) -> None:
         for fd in self._fds.values():
@@ -54,6 +55,12 @@ class ProgramRun:
         payload = self._planner.read()
         assert payload is not None
         return unpack_planner(payload)
+
+    def output(self, number: int) -> bool:
+        """RC output as doors read it."""
+        payload = self._outputs.read()
+        assert payload is not None
+        return get_bit(payload, number)
 
     def sets(self) -> tuple[float, ...]:
         """Set values, SI."""

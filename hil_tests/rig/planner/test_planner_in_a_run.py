@@ -4,6 +4,7 @@ Every way out of a program ends at rest on its path: stop, a silent owner, drive
 without a fresh command.
 """
 
+import json
 import os
 import signal
 from collections.abc import Iterator
@@ -11,9 +12,10 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
+from gateway.commands import motion_run
 from gateway.pure.reasons import Reason
 from gateway.pure.records import Motion
-from hil_tests.lab.plc2 import ABANDON, ABORTED, ACCEPTED, DISABLE, DONE, ENABLE, OVERRIDE, REFUSED, RESUME, RUNNING, STOP
+from hil_tests.lab.plc2 import ABANDON, ABORTED, ACCEPTED, DISABLE, DONE, ENABLE, OVERRIDE, REFUSED, RELEASE, RESUME, RUNNING, STOP
 from hil_tests.lab.program_run import ON_PATH, PROGRAM, ProgramRun, along, away, program_run
 
 HEAD = "robot sr60-like\nangles rho3\naxes deg deg mm deg\nstart 0 90 -200 0\n"
@@ -24,7 +26,7 @@ PROGRAMS = {
 ptp pose 350 -50 105 180 0 0
 set radius=12.5
 linear pose 350 50 105 180 0 0
-linear pose 350 50 80 180 0 0 blend=off
+linear pose 350 50 80 180 0 0 blend=off out=400:1@10,401:1,400:0
 """,
     3: HEAD + "ptp joints 20 80 -180 10\n# too far\nptp joints 20 80 -180 3000\n",
     4: HEAD + "set speed=10\n" + "".join(f"ptp joints {10 * (n % 2)} 90 -200 {10 * n}\n" for n in range(1, 21)),
@@ -59,8 +61,10 @@ def test_a_program_ordered_by_a_plc_keeps_its_path_at_any_override_through_stop_
     assert home.still()
     rows.append(np.array([home.sets()]))
     assert home.command(OVERRIDE, 0, 1.0).state == DONE
+    assert not home.output(400) and not home.output(401)
     assert home.command(RESUME).state == DONE
     rows.append(home.watch("at rest", lambda s: s.motion is Motion.IDLE))
+    assert home.output(401) and not home.output(400)
     every = np.concatenate(rows)
     assert away(every, path) < ON_PATH
     assert every[-1] == pytest.approx(path[-1], abs=1e-9)
@@ -82,6 +86,18 @@ def test_refusals_come_before_anything_moves_and_say_why(home: ProgramRun) -> No
     assert (off.state, off.reason) == (REFUSED, Reason.DRIVES_OFF)
     assert home.command(ENABLE, home.all).state == DONE
     assert max(abs(a - b) for a, b in zip(home.sets(), before, strict=True)) < 1e-3
+
+
+def test_a_tool_runs_a_program_when_it_has_control_and_is_told_why_not(home: ProgramRun, capsys: pytest.CaptureFixture[str]) -> None:
+    cell, name = home.run.cell, home.run.name
+    assert motion_run.main([cell, "9", "--name", name]) == 2 and "there is 1 p1" in capsys.readouterr().err
+    assert motion_run.main([cell, "2", "--name", "nobody"]) == 3
+    assert motion_run.main([cell, "p2", "--name", name]) == 1 and "NOT_OWNER" in capsys.readouterr().err
+    assert home.command(RELEASE).state == DONE
+    assert motion_run.main([cell, "3", "--name", name]) == 1 and "line 7: block 2, axis A4" in capsys.readouterr().out
+    assert motion_run.main([cell, "p2", "--name", name, "--json", "--speed", "90"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert (told["state"], told["program"]) == ("DONE", 2) and told["axes"]["A3"] == pytest.approx(-220.0, abs=0.5)
 
 
 def test_a_silent_owner_stops_it_on_the_path_and_it_does_not_go_on_by_itself(home: ProgramRun) -> None:

@@ -310,10 +310,10 @@ def test_outputs_of_a_program_switch_where_the_set_values_pass_their_places(both
     assert seen[-1][1:] == (False, True) and all(not after for place, _, after in seen if place < 60.0 - 1e-9)
 
 
-@pytest.mark.parametrize("out", ["66:1", "400:2"])
-def test_outputs_that_are_not_a_programs_business_are_refused_before_anything_moves(both: WithPlanner, out: str) -> None:
-    job = both.order(f"ptp joints {joints(20)} out={out}")
-    assert both.still(0.2) and (job.state, job.reason) == (CommandState.REFUSED, Reason.PROGRAM_FAULT) and "output" in job.detail
+@pytest.mark.parametrize(("key", "words"), [("out=66:1", "output 66"), ("out=400:2", "output 400"), ("until=7", "until=7")])
+def test_what_the_cell_cannot_do_for_a_program_is_refused_before_anything_moves(both: WithPlanner, key: str, words: str) -> None:
+    job = both.order(f"ptp joints {joints(20)} {key}")
+    assert both.still(0.2) and (job.state, job.reason) == (CommandState.REFUSED, Reason.PROGRAM_FAULT) and words in job.detail
 
 
 def test_outputs_of_a_program_that_was_abandoned_do_not_switch_later(both: WithPlanner) -> None:
