@@ -89,7 +89,7 @@ class Change:
 
     def _begin(self, u: float) -> None:
         self.prepare()
-        self._count = len(self._every)
+        self._count = self._places
         self._foreseen = np.zeros(self._count)
         self._foreseen[0] = u
 
@@ -108,7 +108,8 @@ class Change:
         ahead = max(AHEAD * ramp, 4 * h)
         self._dt = dt = max(h, ahead / PLACES)
         count = ceil(ahead / dt) + 2
-        self._every = np.arange(count)
+        self._places = count
+        self._tables = np.empty((7, self._track.columns, count))
         self._before = dt * np.tri(count, k=-1)
         self._summing = 0.5 * dt * (np.tri(count, k=-1) + np.tri(count))
         self._summing[:, 0] -= 0.5 * dt
@@ -136,22 +137,33 @@ class Change:
         taus: of the places, then of the middles of the periods that begin there: c is that of a period.
         """
         count = len(v)
-        rows = self._track.at(taus)
-        here, rows = rows[:count], rows[count:]
-        square = (flip * omega * omega)[:, None]
-        lowest = np.maximum(-(here[:, Part.REACH] + square * here[:, Part.BEND]).min(axis=1), -self._most_u * (1.0 if braking else CALM))
+        rows = self._track.at(taus).transpose(1, 2, 0)  # (parts, columns, places)
+        here, rows = rows[:, :, :count], rows[:, :, count:]
+        bound, lean, gain, steady, pull, above, below = (
+            self._tables
+        )  # columns first, in one run of memory: so minima over columns are quick
+        np.multiply(here[Part.BEND], flip * omega * omega, out=bound)
+        bound += here[Part.REACH]
+        lowest = np.maximum(-bound.min(axis=0), -self._most_u * (1.0 if braking else CALM))
         v0 = v.item(0)
         v = np.minimum(v, -self._probe) if v0 <= 0.0 else np.where(v > 0.0, v, np.minimum(v, -self._probe))
         middle = omega + (0.5 * self._h * flip) * v
-        pull = rows[:, Part.PULL]
-        lean = middle[:, None] * rows[:, Part.LEAN]
-        steady = (flip * middle * middle * middle)[:, None] * rows[:, Part.TWIST]
-        gain = 1.0 + (0.5 * self._h) * lean  # c changes v, and v the jerk, while the period lasts
-        steady, turned, pull = steady / gain, v[:, None] * lean / gain, pull / np.abs(gain)
-        above, below = pull - steady, pull + steady
-        rises, falls = (above - turned).min(axis=1), -(below + turned).min(axis=1)
-        idle = above.min(axis=1)
-        free = idle + below.min(axis=1)
+        np.multiply(rows[Part.LEAN], middle, out=lean)
+        np.multiply(lean, 0.5 * self._h, out=gain)
+        gain += 1.0  # c changes v, and v the jerk, while the period lasts
+        np.multiply(rows[Part.TWIST], flip * middle * middle * middle, out=steady)
+        steady /= gain
+        lean *= v
+        lean /= gain
+        np.absolute(gain, out=gain)
+        np.divide(rows[Part.PULL], gain, out=pull)
+        np.subtract(pull, steady, out=above)
+        np.add(pull, steady, out=below)
+        idle, foot = above.min(axis=0), below.min(axis=0)
+        above -= lean
+        below += lean
+        rises, falls = above.min(axis=0), -below.min(axis=0)
+        free = idle + foot
         # both ends of what c may be are bent towards one another with growing |v|: chords from v = 0 to the v foreseen are on the safe side
         room = rises - falls
         edge = v * free / np.maximum(free - room, 1e-9 * free)
@@ -160,11 +172,12 @@ class Change:
         slope = (idle - rises) / v  # the more v is below that place the slower it rises
         if 0.0 >= v0 > v.item(0):
             share = v0 / v.item(0)
-            falls[0] = share * falls[0] - (1.0 - share) * below[0].min()
+            falls[0] = share * falls[0] - (1.0 - share) * foot[0]
+        tight = float(pull[:, 0].min())
         if room.item(0) < 0.0:  # an axis that turns back can hardly be helped by c: the others decide
-            heavy = pull[0] <= HEAVY * pull[0].min()
-            rises[0], falls[0] = (above - turned)[0, heavy].min(), -(below + turned)[0, heavy].min()
-        self._reserve = RESERVE * float(pull[0].min())
+            heavy = pull[:, 0] <= HEAVY * tight
+            rises[0], falls[0] = above[heavy, 0].min(), -below[heavy, 0].min()
+        self._reserve = RESERVE * tight
         most = self._most_c
         rises, falls = np.minimum(rises, most), np.maximum(falls, -most)
         self.room = min(rises.item(1), -falls.item(1))

@@ -46,7 +46,7 @@ class Track:
     def __init__(self, columns: int, step: float, window: float) -> None:
         self.step, self.count = step, 0
         self.ramp = 0.0  # s from no to full acceleration, of the slowest column
-        self._columns = columns
+        self.columns = columns
         self._window = window  # over which the acceleration's change is told: what a judge of the set values sees
         self._store = np.zeros((1024, len(Part), columns))
         self._inverse = 1.0 / step
@@ -64,7 +64,7 @@ class Track:
         going = [one for one in before if one.mask == piece.mask] if before and before[0].mask == piece.mask else []
         first = max(int((begin - h if going else begin) / self.step + 1), 0) if begin > 0.0 else 0
         grid: Array = (np.arange(first, int((begin + piece.duration) / self.step) + 1, dtype=np.float64) + 0.5) * self.step - begin
-        table = np.zeros((len(grid), len(Part), self._columns))
+        table = np.zeros((len(grid), len(Part), self.columns))
         table[:, Part.REACH], table[:, Part.PULL] = ACCEL_TOP / LEAST, JERK_TOP / LEAST
         if len(grid) == 0:
             return Rows(first, table)
