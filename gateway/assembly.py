@@ -12,7 +12,7 @@ from gateway.cell import Cell
 from gateway.cell_web import Web
 from gateway.families import DRIVE_PROTOCOLS
 from gateway.image import create_region, create_ring
-from gateway.io_regions import joined_regions, make_joined, simulated_couplers
+from gateway.io_regions import chips, joined_regions, make_joined, simulated_couplers
 from gateway.programplan import ProgramPlan, plan_programs
 from gateway.pure import plannerrecords, records
 from gateway.pure.records import (
@@ -30,6 +30,7 @@ ORDERS = 256  # records in the command ring: far more than one door can issue in
 DOOR_BYTES = 256  # command words (128 bytes at most) and status words (128) of one door
 LINKS_BYTES = 16384
 MS = 1_000_000
+CHIPS_LIFE_MS = 1_000  # a chip behind USB may take its time; its contacts are marked meanwhile
 PLANNER_LIFE_MS = 10_000  # a law of a long run takes a second, much more on a busy machine; nothing depends on it meanwhile (AX-420)
 
 
@@ -159,6 +160,8 @@ def plan_run(
     web = page_of(cell, web_port, simulated=simulated)
     if web is not None:
         core.append(Child("web", "gateway.processes.web", (), ("axes", "rc_in", "rc_out", "links", *(("planner",) if cell.robot else ()))))
+    if chips(cell) and not simulated:
+        core.append(Child("chips", "gateway.processes.chips", (), ("axes", "rc_out", "links", "io_out", "io_chip"), "io_chip", CHIPS_LIFE_MS * MS))
     children, zeros, programs = (*sims, *core), known_zeros(cell), plan_programs(cell)
     return RunPlan(slug, cell, simulated, folder, period_ms, buses, lines, binds, doors, record, children, zeros, web, programs)
 

@@ -8,7 +8,7 @@ from hil_tests.lab.joined_running import P5_MS
 
 def test_half_of_all_values_are_on_the_bus_and_back_within_the_bounds_of_the_bench() -> None:
     """The bench judges the 99th percentile on a quiet machine; a shared one is judged by its median."""
-    out, back = measure(40, P5_MS)
-    assert len(out) == len(back) == 40 and min(out) > 0
+    out, back = measure(25, P5_MS)
+    assert len(out) == len(back) == 25 and min(out) > 0
     assert statistics.median(out) <= ONE_WAY_LIMIT
     assert statistics.median(back) <= BOTH_WAYS_LIMIT
