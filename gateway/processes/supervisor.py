@@ -320,8 +320,10 @@ class Supervisor:
         now = now_ns()
         return {
             "cell": self.plan.cell.cell.name,
+            "file": str(pathlib.Path(self.plan.cell.file).resolve()),
             "folder": str(self.plan.folder),
             "simulated": self.plan.simulated,
+            "p5_ms": self.plan.p5_ms,
             "alarms": [running.alarm for running in self._running if running.alarm],
             "processes": [
                 {

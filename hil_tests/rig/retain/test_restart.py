@@ -9,6 +9,8 @@ import sqlite3
 
 import pytest
 
+from gateway.commands.backup import main as backup_command
+from gateway.commands.restore import main as restore_command
 from gateway.config import load_cell
 from gateway.faults import CellFaults
 from gateway.processes.supervisor import ask
@@ -55,7 +57,7 @@ def assert_back(run: JoinedRun) -> None:
     assert run.value("I 8.2") == 0 and run.ask(op="axes")["axes"][0]["flags"] == 0, "drives are off"
 
 
-def test_values_come_back_after_a_kill_and_after_a_stop_and_start_bits_never() -> None:
+def test_values_come_back_after_a_kill_and_after_a_stop_and_start_bits_never(capsys: pytest.CaptureFixture[str]) -> None:
     with runtime_folder() as folder:
         cell, path = cell_copy("host-telegrams", folder, more=MORE), folder / "run" / NAME / "retain.sqlite"
         path.parent.mkdir(parents=True)
@@ -74,6 +76,9 @@ def test_values_come_back_after_a_kill_and_after_a_stop_and_start_bits_never() -
             run.until(lambda: run.value("order.number") == 4711, "services are back", 60.0)
             assert_back(run)
             assert run.ask(op="set", address="order.pallet", value="12")["value"] == 12
+            assert backup_command([str(cell), "--to", str(folder / "saved.zip")]) == 0, "a running gateway goes on"
+            assert restore_command([str(folder / "saved.zip"), "--to", str(folder), "--dry-run"]) == 3
+            assert f"{NAME} is running this cell" in capsys.readouterr().err
         finally:
             run.stop()
         assert kept_values(folder)["order.pallet"] == 12, "an end in order writes what was new"

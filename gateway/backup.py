@@ -1,0 +1,265 @@
+"""Backup of a cell as one ZIP file: the cell, the files it names, its DAT files, its retained data, a manifest with their sums (AX-426)."""
+
+import contextlib
+import hashlib
+import importlib.metadata
+import json
+import os
+import pathlib
+import shutil
+import sqlite3
+import tempfile
+import tomllib
+import zipfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from gateway import retain, zeros
+from gateway.cell import Cell
+from gateway.clock import wall
+from gateway.config import load_cell
+from gateway.faults import CellFaults
+from gateway.files import read_text
+from gateway.retainfile import RetainError, open_file
+
+FORMAT = 1
+MANIFEST = "manifest.json"
+MOST_BYTES = 512 << 20  # all files of a backup together
+RETAINED = "retained data"
+
+
+class BackupError(Exception):
+    """The file is no backup, or does not fit here; the message says why."""
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """One file of a backup; `name`: relative to the folder of the cell."""
+
+    name: str
+    role: str  # cell file | named by the cell | retained data | zeros
+    size: int
+    sha256: str
+
+
+@dataclass(frozen=True, slots=True)
+class Manifest:
+    """What a backup says about itself."""
+
+    version: str  # of axisgate
+    wall: str
+    cell: str  # name of the cell file
+    title: str
+    parts: tuple[Part, ...]
+    left_out: tuple[str, ...] = ()  # files the cell names that lie elsewhere
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """What restoring does with one file: new | same | replaced."""
+
+    part: Part
+    what: str
+
+
+def make(cell: Cell, target: pathlib.Path) -> Manifest:
+    """Writes the backup; whoever runs the cell need not stop.  OSError."""
+    with tempfile.TemporaryDirectory(prefix="axisgate-") as folder:
+        found, left_out = sources(cell, pathlib.Path(folder))
+        parts = tuple(Part(name, role, path.stat().st_size, sum_of(path)) for name, (role, path) in found.items())
+        file = pathlib.Path(cell.file)
+        manifest = Manifest(version(), wall(), file.name, cell.cell.name, parts, tuple(left_out))
+        partial = target.with_name(target.name + ".part")
+        with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED) as archive:
+            archive.writestr(MANIFEST, json.dumps(_as_json(manifest), indent=1, ensure_ascii=False))
+            for name, (_, path) in found.items():
+                archive.write(path, name)
+    read(partial)  # what cannot be read back is no backup
+    partial.replace(target)
+    return manifest
+
+
+def sources(cell: Cell, scratch: pathlib.Path) -> tuple[dict[str, tuple[str, pathlib.Path]], list[str]]:
+    """Name in the backup -> (role, file), and what the cell names that lies elsewhere."""
+    file = pathlib.Path(cell.file).resolve()
+    found = {file.name: ("cell file", file)}
+    left_out = []
+    for path in named_by(file):
+        if path.is_relative_to(file.parent):
+            found.setdefault(str(path.relative_to(file.parent)), ("named by the cell", path))
+        else:
+            left_out.append(str(path))
+    kept = retain.path_of(cell)
+    if kept.exists():
+        copied(kept, scratch / "retained.sqlite")
+        found[f"retain/{file.stem}.sqlite"] = (RETAINED, scratch / "retained.sqlite")
+    for path in (zeros.path_of(cell), zeros.path_of(cell).with_suffix(".enable.jsonl")):
+        if path.exists():
+            found[f"zero/{path.name}"] = ("zeros", path)
+    return found, left_out
+
+
+def named_by(file: pathlib.Path) -> list[pathlib.Path]:
+    """Files any value of the cell file names, and those of folders it names; packaged ones come with axisgate."""
+    found: dict[pathlib.Path, None] = {}
+    for text in _strings(tomllib.loads(read_text(file))):
+        with contextlib.suppress(OSError, ValueError):  # values that are no file names at all
+            path = (file.parent / text).resolve()
+            if text.strip("./") and path.is_file() and path != file:
+                found[path] = None
+            elif text.strip("./") and path.is_dir() and path.is_relative_to(file.parent) and path != file.parent:
+                found.update(dict.fromkeys(sorted(each for each in path.iterdir() if each.is_file())))
+    return [path for path in found if not str(path).startswith(("/dev/", "/proc/", "/sys/"))]
+
+
+def copied(source: pathlib.Path, target: pathlib.Path) -> None:
+    """A consistent copy of retained data that may be in use.  OSError."""
+    try:
+        closing, connect = contextlib.closing, sqlite3.connect
+        with closing(connect(f"file:{source}?mode=ro", uri=True)) as here, closing(connect(target)) as there:
+            here.backup(there)
+        open_file(target, repair=False).file.close()
+    except sqlite3.Error as error:
+        raise RetainError(f"{source}: cannot be read: {error}") from error
+
+
+# ---- reading one back
+
+
+def read(path: pathlib.Path) -> Manifest:
+    """The manifest of a backup whose files are all there and unchanged.  BackupError; OSError."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            manifest = _manifest(json.loads(archive.read(MANIFEST)))
+            listed = sorted([MANIFEST, *(part.name for part in manifest.parts)])
+            if sorted(archive.namelist()) != listed:
+                raise BackupError(f"{path}: holds {', '.join(sorted(archive.namelist()))}; its manifest lists {', '.join(listed)}")
+            if sum(part.size for part in manifest.parts) > MOST_BYTES:
+                raise BackupError(f"{path}: more than {MOST_BYTES >> 20} MiB")
+            for part in manifest.parts:
+                _judge(path, archive, part)
+    except (zipfile.BadZipFile, KeyError, ValueError, EOFError, NotImplementedError, RuntimeError) as error:
+        raise BackupError(f"{path}: is no backup of axisgate: {error}") from error
+    return manifest
+
+
+def steps(manifest: Manifest, folder: pathlib.Path) -> list[Step]:
+    """What restoring into `folder` would do."""
+    found = []
+    for part in manifest.parts:
+        there = folder / part.name
+        same = there.is_file() and there.stat().st_size == part.size and sum_of(there) == part.sha256
+        found.append(Step(part, "same" if same else "replaced" if there.exists() else "new"))
+    return found
+
+
+def try_out(path: pathlib.Path, manifest: Manifest) -> None:
+    """Unpacks it elsewhere and checks the cell.  BackupError."""
+    with tempfile.TemporaryDirectory(prefix="axisgate-") as scratch, zipfile.ZipFile(path) as archive:
+        archive.extractall(scratch, [part.name for part in manifest.parts])
+        check(pathlib.Path(scratch), manifest)
+
+
+def restore(path: pathlib.Path, manifest: Manifest, folder: pathlib.Path) -> list[pathlib.Path]:
+    """Puts the files in place; what stood there is kept beside, and its names come back.  BackupError: nothing was changed.
+
+    Everything is unpacked beside its place and checked first, so a fault changes nothing; then each file is replaced as a whole.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    kept: list[pathlib.Path] = []
+    with tempfile.TemporaryDirectory(prefix=".restore-", dir=folder) as scratch:
+        unpacked = pathlib.Path(scratch)
+        with zipfile.ZipFile(path) as archive:
+            archive.extractall(unpacked, [part.name for part in manifest.parts])
+        check(unpacked, manifest)
+        for step in steps(manifest, folder):
+            place = folder / step.part.name
+            place.parent.mkdir(parents=True, exist_ok=True)
+            if step.what == "same":
+                continue
+            if step.what == "replaced":
+                kept.append(_put_by(place, step.part))
+            if step.part.role == RETAINED:
+                for log in ("-wal", "-shm"):
+                    place.with_name(place.name + log).unlink(missing_ok=True)
+            os.replace(unpacked / step.part.name, place)
+    return kept
+
+
+def check(folder: pathlib.Path, manifest: Manifest) -> Cell:
+    """The cell as it was unpacked.  BackupError: this version of axisgate does not take it."""
+    if _number(manifest.version) > _number(version()):
+        raise BackupError(f"made by axisgate {manifest.version}; this is {version()}, which is older")
+    try:
+        for part in manifest.parts:
+            if part.role == RETAINED:
+                open_file(folder / part.name, repair=False).file.close()
+        return load_cell(str(folder / manifest.cell))
+    except CellFaults as found:
+        raise BackupError("\n".join(["its cell has faults here:", *map(str, found.faults)])) from found
+    except RetainError as error:
+        raise BackupError(str(error)) from error
+
+
+def version() -> str:
+    """Of this axisgate."""
+    return importlib.metadata.version("axisgate")
+
+
+def sum_of(path: pathlib.Path) -> str:
+    """SHA-256 of a file."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _put_by(place: pathlib.Path, part: Part) -> pathlib.Path:
+    mark = wall()[:19].replace(":", "")
+    number = next(n for n in range(1, 10_000) if not place.with_name(f"{place.name}.before-{mark}-{n}").exists())
+    old = place.with_name(f"{place.name}.before-{mark}-{number}")
+    if part.role == RETAINED:
+        with contextlib.suppress(OSError, sqlite3.Error):
+            copied(place, old)  # with what stands in its log
+            return old
+    shutil.copy2(place, old)
+    return old
+
+
+def _judge(path: pathlib.Path, archive: zipfile.ZipFile, part: Part) -> None:
+    name = pathlib.PurePosixPath(part.name)
+    if name.is_absolute() or ".." in name.parts or "\\" in part.name or archive.getinfo(part.name).file_size != part.size:
+        raise BackupError(f"{path}: {part.name}: name or size is not what a backup has")
+    if hashlib.sha256(archive.read(part.name)).hexdigest() != part.sha256:
+        raise BackupError(f"{path}: {part.name} is not what was saved (its sum differs)")
+
+
+def _manifest(raw: dict[str, object]) -> Manifest:
+    if raw.get("format") != FORMAT:
+        raise BackupError(f"format {raw.get('format')!r} of the backup; {FORMAT} is known")
+    parts = raw["parts"]
+    if not isinstance(parts, list):
+        raise ValueError("parts of the manifest")
+    made = tuple(Part(str(p["name"]), str(p["role"]), int(p["size"]), str(p["sha256"])) for p in parts)
+    left_out = raw.get("left_out")
+    names = tuple(map(str, left_out)) if isinstance(left_out, list) else ()
+    return Manifest(str(raw["version"]), str(raw["wall"]), str(raw["cell"]), str(raw["title"]), made, names)
+
+
+def _as_json(manifest: Manifest) -> dict[str, object]:
+    parts = [{"name": p.name, "role": p.role, "size": p.size, "sha256": p.sha256} for p in manifest.parts]
+    head = {"format": FORMAT, "version": manifest.version, "wall": manifest.wall, "cell": manifest.cell, "title": manifest.title}
+    return {**head, "parts": parts, "left_out": list(manifest.left_out)}
+
+
+def _number(text: str) -> tuple[int, ...]:
+    return tuple(int(part) for part in text.split(".")[:3] if part.isdigit())
+
+
+def _strings(value: object) -> Iterator[str]:
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, dict):
+        for each in value.values():
+            yield from _strings(each)
+    elif isinstance(value, list):
+        for each in value:
+            yield from _strings(each)

@@ -1,0 +1,43 @@
+"""Save a cell in one file: the cell file, the tables and DAT files it names, its retained data; a running gateway goes on."""
+
+import argparse
+import json
+import pathlib
+import sys
+
+from gateway import backup
+from gateway.commands.common import DONE, ENVIRONMENT, load
+
+EXAMPLES = """examples:
+  axisgate backup cell.toml --to cell-2026-11-21.zip           everything that makes this cell
+  axisgate backup cell.toml --to /media/usb/cell.zip --json    what went into it, for scripts
+  axisgate restore cell-2026-11-21.zip --to /etc/axisgate --dry-run    what restoring it would do
+exit code: 0 saved, 2 the cell is invalid, 3 it cannot be written"""
+
+
+def main(argv: list[str]) -> int:
+    parser = argparse.ArgumentParser(
+        "axisgate backup", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("cell", metavar="CELL", help="cell file, or the name of a shipped one")
+    parser.add_argument("--to", metavar="FILE", required=True, type=pathlib.Path, help="the ZIP file to write")
+    parser.add_argument("--json", action="store_true", help="what went into it, as JSON on standard output")
+    options = parser.parse_args(argv)
+    cell = load(options.cell)
+    if isinstance(cell, int):
+        return cell
+    try:
+        manifest = backup.make(cell, options.to)
+    except (OSError, backup.BackupError) as error:
+        print(f"axisgate backup: {error}", file=sys.stderr)
+        return ENVIRONMENT
+    if options.json:
+        rows = [{"name": part.name, "role": part.role, "size": part.size, "sha256": part.sha256} for part in manifest.parts]
+        print(json.dumps({"file": str(options.to), "version": manifest.version, "parts": rows, "left_out": manifest.left_out}, indent=1))
+        return DONE
+    for part in manifest.parts:
+        print(f"{part.role:18} {part.size:>9}  {part.name}")
+    for name in manifest.left_out:
+        print(f"left out: {name} lies outside the folder of the cell; save it yourself")
+    print(f"{options.to}: {len(manifest.parts)} files; try it: axisgate restore {options.to} --to FOLDER --dry-run")
+    return DONE

@@ -1,0 +1,135 @@
+"""`axisgate backup` and `restore`: what goes in comes back, and nothing else does (AX-426)."""
+
+import hashlib
+import json
+import pathlib
+import zipfile
+
+import pytest
+
+from gateway import backup, zeros
+from gateway.commands.backup import main as save
+from gateway.commands.restore import main as put_back
+from gateway.config import load_cell
+from gateway.retain import Retained, path_of
+from hil_tests.lab.joined_running import cell_copy
+
+MORE = """
+[controller]
+kind = "rho3"
+files = "dat"
+[retain]
+values = ["counter.*"]
+"""
+
+
+@pytest.fixture
+def plant(tmp_path: pathlib.Path) -> pathlib.Path:
+    """A cell with DAT files, a layout beside it, retained data in use and a zero."""
+    folder = tmp_path / "plant"
+    (folder / "dat").mkdir(parents=True)
+    (folder / "dat" / "MSD.DAT").write_bytes(b"01 = 'clamp open'\r\n\x1a")
+    (folder / "own.dbc").write_text((pathlib.Path(backup.__file__).parents[1] / "configs/drives/servodyn_gc.dbc").read_text())
+    layout = ('axes     = "1"', 'axes     = "1"\nlayout   = "own.dbc"')
+    cell = cell_copy("host-telegrams", folder, layout, more=MORE)
+    kept = Retained(path_of(load_cell(str(cell))), ("counter.*",))
+    kept.keep("counter.3", 42)
+    kept.record("error", {"code": 647})
+    assert kept.flush()
+    zeros.append(load_cell(str(cell)), {"axis": "A1", "zero_inc": 12.5})
+    return cell
+
+
+def saved(cell: pathlib.Path) -> pathlib.Path:
+    assert save([str(cell), "--to", str(cell.parent.parent / "saved.zip")]) == 0
+    return cell.parent.parent / "saved.zip"
+
+
+def test_what_goes_in_comes_back(plant: pathlib.Path, tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file, other = saved(plant), tmp_path / "other"
+    capsys.readouterr()
+    assert put_back([str(file), "--to", str(other), "--dry-run", "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    named = {row["name"]: (row["role"], row["what"]) for row in told["files"]}
+    assert named == {
+        "host-telegrams.toml": ("cell file", "new"),
+        "own.dbc": ("named by the cell", "new"),
+        "dat/MSD.DAT": ("named by the cell", "new"),
+        "retain/host-telegrams.sqlite": ("retained data", "new"),
+    }
+    assert told["version"] == backup.version() and not other.exists(), "a dry run changes nothing"
+    assert put_back([str(file), "--to", str(other)]) == 0
+    again = load_cell(str(other / "host-telegrams.toml"))
+    for name in ("host-telegrams.toml", "own.dbc", "dat/MSD.DAT"):
+        assert (other / name).read_bytes() == (plant.parent / name).read_bytes()
+    assert Retained(path_of(again), ("counter.*",)).value("counter.3", 0) == 42
+    assert zeros.zero_inc(again, "A1") == 12.5
+
+
+def test_other_files_are_refused_then_kept_beside(plant: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file, folder = saved(plant), plant.parent
+    old = plant.read_text().replace("Host line", "Changed line")
+    plant.write_text(old)
+    kept = Retained(path_of(load_cell(str(plant))), ("counter.*",))
+    kept.keep("counter.3", 43)
+    kept.close()
+    assert put_back([str(file), "--to", str(folder)]) == 1
+    assert "--replace" in capsys.readouterr().err and plant.read_text() == old, "nothing was changed"
+    assert put_back([str(file), "--to", str(folder), "--replace"]) == 0
+    assert "Host line" in plant.read_text()
+    assert [path.read_text() for path in folder.glob("host-telegrams.toml.before-*")] == [old]
+    assert Retained(path_of(load_cell(str(plant))), ("counter.*",)).value("counter.3", 0) == 42
+    assert len(list((folder / "retain").glob("*.before-*"))) == 1
+
+
+@pytest.mark.parametrize("spoil", ["byte", "missing", "more", "path", "version", "no zip", "cell", "database"])
+def test_a_spoiled_backup_changes_nothing(
+    plant: pathlib.Path, tmp_path: pathlib.Path, spoil: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file, bad, other = saved(plant), tmp_path / "bad.zip", tmp_path / "other"
+    with zipfile.ZipFile(file) as archive:
+        parts = {name: archive.read(name) for name in archive.namelist()}
+    manifest = json.loads(parts["manifest.json"])
+    match spoil:
+        case "byte":
+            parts["own.dbc"] = parts["own.dbc"][:-1] + b"X"
+        case "missing":
+            del parts["dat/MSD.DAT"]
+        case "more":
+            parts["surprise.txt"] = b"?"
+        case "path":
+            row = next(row for row in manifest["parts"] if row["name"] == "own.dbc")
+            row["name"] = "../own.dbc"
+            parts["../own.dbc"] = parts.pop("own.dbc")
+        case "version":
+            manifest["version"] = "99.0.0"
+        case "cell" | "database":
+            name = "host-telegrams.toml" if spoil == "cell" else "retain/host-telegrams.sqlite"
+            parts[name] = b"format = 1\n[cell]\n" if spoil == "cell" else b"spoiled" * 1000
+            row = next(row for row in manifest["parts"] if row["name"] == name)
+            row["size"], row["sha256"] = len(parts[name]), hashlib.sha256(parts[name]).hexdigest()
+    parts["manifest.json"] = json.dumps(manifest).encode()
+    with zipfile.ZipFile(bad, "w") as archive:
+        for name, body in parts.items():
+            archive.writestr(name, body)
+    if spoil == "no zip":
+        bad.write_bytes(b"PK nothing")
+    capsys.readouterr()
+    assert put_back([str(bad), "--to", str(other)]) == 2
+    assert not (tmp_path / "own.dbc").exists() and (not other.exists() or list(other.iterdir()) == [])
+    said = capsys.readouterr().err
+    wanted = {"byte": "own.dbc is not what was saved", "missing": "its manifest lists", "more": "surprise.txt", "path": "../own.dbc: name"}
+    last = {"version": "which is older", "no zip": "is no backup", "cell": "its cell has faults here", "database": "damaged"}
+    assert {**wanted, **last}[spoil] in said
+
+
+def test_words_for_the_command_line(plant: pathlib.Path, tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert save([str(plant), "--to", str(tmp_path / "no" / "folder.zip")]) == 3
+    assert save([str(tmp_path / "nothing.toml"), "--to", str(tmp_path / "x.zip")]) == 2
+    assert put_back([str(tmp_path / "nothing.zip"), "--to", str(tmp_path)]) == 2
+    outside = tmp_path / "outside.dbc"
+    outside.write_text((plant.parent / "own.dbc").read_text())
+    plant.write_text(plant.read_text().replace('"own.dbc"', '"../outside.dbc"'))
+    capsys.readouterr()
+    assert save([str(plant), "--to", str(tmp_path / "x.zip")]) == 0
+    assert f"left out: {outside}" in capsys.readouterr().out
