@@ -115,8 +115,9 @@ def core_axes(cell: Cell, p5_ms: float, zeros: Mapping[str, float] = NO_ZEROS, *
         drive = drive_of(axis, max(1024, round(step)), p5_ms)
         lag = axis.following_error
         warn, trip = (to_si(lag.warn, axis.unit), to_si(lag.trip, axis.unit)) if lag else (float("inf"), float("inf"))
+        standing = to_si(lag.standstill, axis.unit) if lag and lag.standstill is not None else float("inf")
         window = WINDOW_TURNS * axis.drive.inc_per_turn / abs(scaling.inc_per_unit)
-        found.append(CoreAxis(axis.name, scaling, reference_of(axis, scaling), window, drive, warn, trip, zeroed))
+        found.append(CoreAxis(axis.name, scaling, reference_of(axis, scaling), window, drive, warn, trip, standing, zeroed))
     return found
 
 

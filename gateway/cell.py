@@ -349,6 +349,7 @@ class FollowingError:
 
     warn: float
     trip: float
+    standstill: float | None = None  # so far a standing axis may be off; None: as far as a moving one
 
 
 @dataclass(frozen=True, slots=True)
@@ -569,7 +570,7 @@ class Cell:
         """
         reasons = [f"{key} = {value}" for key, value, played in self._choices() if value not in played]
         reasons += [f"db.{db.number}[{entry.at}] = {entry.signal}" for db in self.db for entry in db.entries if not _served(entry.signal)]
-        if self.robot is not None and self.robot.kinematics not in PLANNED_KINEMATICS:
+        if self.robot is not None and self.program and self.robot.kinematics not in PLANNED_KINEMATICS:  # nothing else asks for them
             reasons.append(f"robot.kinematics = {self.robot.kinematics}")
         return reasons
 

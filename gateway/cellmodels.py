@@ -304,6 +304,7 @@ class AxisLimits(Table):
 class FollowingError(Table):
     warn: float = Field(gt=0, json_schema_extra=unit("{u}"))
     trip: float = Field(gt=0, json_schema_extra=unit("{u}"))
+    standstill: float | None = Field(default=None, gt=0, json_schema_extra=unit("{u}"))
 
 
 class Home(Table):

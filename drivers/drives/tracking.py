@@ -4,39 +4,51 @@ Source: robotstar 8.1 (L4696-4697): 647 tracking distance too long (axis cannot 
 standstill position).  How a standstill begins is ours (AX-268).
 """
 
+import math
+from collections.abc import Mapping
+
 from drivers.drives.limits import LagMonitor, LagState
 
 TRACKING, STANDSTILL = 647, 648
+WORDS: Mapping[int, tuple[str, str]] = {  # English, German
+    TRACKING: ("tracking distance too long", "Schleppabstand zu gross"),
+    STANDSTILL: ("axis left its standstill position", "Achse hat die Stillstandsposition verlassen"),
+}
 
 
 class Tracking:
     """One axis; any unit, all the same one.  A finding stays until clear()."""
 
-    def __init__(self, window: float, limit: float, settle_cycles: int) -> None:
-        """`window`: how far a standing axis may be off; `limit`: largest lag of a moving one; both also catch what is no number.
+    def __init__(self, standing: float = math.inf, warn: float = math.inf, trip: float = math.inf, settle_cycles: int = 0) -> None:
+        """`standing`: how far a standing axis may be off; `warn`, `trip`: lag of a moving one; all also catch what is no number.
 
         `settle_cycles`: so long after its set value came to rest an axis is still given the wider limit.
         """
-        self._standing, self._moving = LagMonitor(window, window), LagMonitor(limit, limit)
-        self._settle = settle_cycles
+        self.lag = LagMonitor(warn, trip)
+        self._standing, self._settle = standing, settle_cycles
         self._still = 0  # cycles since the set value changed last
         self._last: float | None = None
         self.number = 0  # 647, 648, or 0
 
-    def check(self, set_position: float, actual: float) -> int:
-        """Once per cycle with the set position active at this SYNC; the number of the error list, 0: all is well."""
-        self._still = self._still + 1 if set_position == self._last else 0
-        self._last = set_position
+    def check(self, set_position: float, behind: float) -> int:
+        """Once per cycle: the set position active at this SYNC and its distance from the axis; the error's number, 0: all is well."""
+        if set_position == self._last:
+            self._still += 1
+        else:
+            self._still, self._last = 0, set_position
         if not self.number:
-            lag = set_position - actual
-            if self._moving.check(lag) is LagState.TRIPPED:
+            if self.lag.check(behind) is LagState.TRIPPED:
                 self.number = TRACKING if self._still < self._settle else STANDSTILL
-            elif self._still >= self._settle and self._standing.check(lag) is LagState.TRIPPED:
+            elif self._still >= self._settle and not abs(behind) <= self._standing:
                 self.number = STANDSTILL
         return self.number
 
     def clear(self) -> None:
         """Not in control: nothing is supervised."""
-        self._standing.clear()
-        self._moving.clear()
+        self.lag.clear()
         self._still, self._last, self.number = 0, None, 0
+
+
+def sentence(number: int, language: str = "en") -> str:
+    """ "647 tracking distance too long"."""
+    return f"{number} {WORDS[number][1 if language == 'de' else 0]}"

@@ -271,6 +271,9 @@ class Services:
                 errors.append((Reason.DRIVE_NOT_STARTED, text(Reason.DRIVE_NOT_STARTED, detail=f"{axis.name}: {why}")))
             elif flags & AxisFlag.LOST:
                 errors.append((Reason.DRIVE_LOST, text(Reason.DRIVE_LOST, detail=axis.name)))
+        strayed = self.office.strayed(self.plan.cell.cell.language)
+        if strayed:
+            errors.append((Reason.FOLLOWING_ERROR, text(Reason.FOLLOWING_ERROR, detail=strayed)))
         if state.stop_cause and state.stop_cause not in (e[0] for e in errors):
             errors.append((state.stop_cause, text(Reason(state.stop_cause))))
         for door, refusal in list(self.values.refusals.items()):

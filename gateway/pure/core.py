@@ -7,8 +7,8 @@ doors should decide.  A new core starts with drives off, override 0, nothing ref
 from collections.abc import Sequence
 
 from drivers.drives.family import Actual, Demand, DriveHoming, Event, Homing, Power, SetRecord
-from drivers.drives.limits import LagMonitor, LagState
 from drivers.drives.referencing import Referencing, RunState
+from drivers.drives.tracking import Tracking
 from gateway.pure.coreaxis import CoreAxis, HeldAxis
 from gateway.pure.coreprogram import ProgramRun
 from gateway.pure.corepublish import Publisher
@@ -32,6 +32,7 @@ from motion.timed import decode_any
 from protocols.base.machine import Ns, ms
 
 ARRIVAL_S = 2.0  # after the set values: an axis that is not in its window by then has not arrived
+SETTLE_S = 0.5  # after its last set value an axis has so long to come to its place; then it stands (AX-268)
 LOST_STOP_S = 2.0  # an axis still moving so long after its chain or control input was lost is switched off
 CHAIN, CONTROL, FEED, RUN, TRAVEL = (int(permit) for permit in Permit)
 FLOW = FEED | RUN
@@ -63,7 +64,7 @@ class Core:
         self.outputs = bytearray(RC_BYTES)
         self._period = period_s
         self.plans = tuple(axes)
-        self._axes = [HeldAxis(plan, plan.drive.make(), LagMonitor(plan.lag_warn, plan.lag_trip), plan.scaling) for plan in axes]
+        self._axes = [HeldAxis(plan, plan.drive.make(), self._tracking(plan), plan.scaling) for plan in axes]
         for axis in self._axes:
             axis.referenced = axis.plan.absolute
         self._stepper = Stepper(len(axes), period_s)
@@ -83,6 +84,9 @@ class Core:
         self._services_alive = False
         self._settled = False
         self._lost_cycles = 0  # since chain or control was lost
+
+    def _tracking(self, plan: CoreAxis) -> Tracking:
+        return Tracking(plan.standing, plan.lag_warn, plan.lag_trip, round(SETTLE_S / self._period))
 
     # ---- one cycle ---------------------------------------------------------------------------------------------------
     def idle(self) -> list[SetRecord]:
@@ -167,6 +171,8 @@ class Core:
             self.state.emergency = False
         self.state.stop_cause = 0
         self._reset = True
+        for axis in self._axes:
+            axis.finding = 0
 
     # ---- orders ------------------------------------------------------------------------------------------------------
     def _obey(self, record: OrderRecord) -> None:
@@ -210,7 +216,7 @@ class Core:
             state.stop_cause = 0
             for n, axis in enumerate(self._axes):
                 if record.mask >> n & 1:
-                    axis.wanted = True
+                    axis.wanted, axis.finding = True, 0
             self._enabling = (record.job, record.mask)
 
     def _reference(self, record: OrderRecord) -> None:
@@ -453,9 +459,11 @@ class Core:
         self._reset = False
         for axis, actual in zip(self._axes, actuals, strict=True):
             if actual is None or axis.by_drive or not axis.drive.follows:  # a drive that references leads its position itself
-                axis.lag.clear()
+                axis.tracking.clear()
                 continue
-            if axis.lag.check(axis.behind) is LagState.TRIPPED:
+            number = axis.tracking.check(axis.active_inc, axis.behind)
+            if number:
+                axis.finding = number
                 self.state.stop_cause = Reason.FOLLOWING_ERROR
                 self._off(Reason.FOLLOWING_ERROR)
         powers = [axis.power for axis in self._axes if axis.wanted]

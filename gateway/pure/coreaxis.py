@@ -7,9 +7,9 @@ import math
 from dataclasses import dataclass
 
 from drivers.drives.family import CyclicDrive, DriveHoming, DriveMaker, Power
-from drivers.drives.limits import LagMonitor
 from drivers.drives.referencing import ReferenceSettings, Referencing
 from drivers.drives.scaling import Scaling
+from drivers.drives.tracking import Tracking
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,6 +23,7 @@ class CoreAxis:
     drive: DriveMaker
     lag_warn: float = math.inf
     lag_trip: float = math.inf
+    standing: float = math.inf  # so far an axis may be from where it has to stand still
     zeroed: bool = True  # False: absolute, and nobody has said yet where it reads 0
 
     @property
@@ -37,7 +38,7 @@ class HeldAxis:
 
     plan: CoreAxis
     drive: CyclicDrive
-    lag: LagMonitor
+    tracking: Tracking
     scaling: Scaling
     wanted: bool = False  # drives on asked for
     referenced: bool = False
@@ -51,4 +52,5 @@ class HeldAxis:
     speed: float = 0.0
     quiet: int = 0  # cycles inside the window
     power: Power = Power.OFF  # of the drive, after its step of this cycle
+    finding: int = 0  # 647, 648: why the axis was switched off last; until somebody acknowledges it
     behind: float = 0.0  # active_inc - where the drive says it is, in m or rad

@@ -54,9 +54,9 @@ class Publisher:
             | (power is Power.FAULT) * FAULT
             | (power is Power.LOST) * LOST
             | (axis.run is not None or axis.by_drive) * HOMING
-            | (axis.lag.state is LagState.WARNING) * WARNING
+            | (axis.tracking.lag.state is LagState.WARNING) * WARNING
             | axis.wanted * ON
             | (not drive.configured) * UNCONFIGURED
         )
-        out.flags, out.fault_code, out.power = FLAGS[flags], drive.fault_code, POWER_NUMBERS[power]
+        out.flags, out.fault_code, out.power, out.finding = FLAGS[flags], drive.fault_code, POWER_NUMBERS[power], axis.finding
         return flags

@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 
+from drivers.drives.tracking import sentence
 from gateway.pure.command_block import Code, Command
 from gateway.pure.control import NOBODY, Control
 from gateway.pure.plannerrecords import PlannerState, ProgramFacts, ProgramOrder
@@ -178,11 +179,19 @@ class Office:
         return CommandState.REFUSED if refused else CommandState.ABORTED
 
     def _fault(self, job: Job, outcome: Reason) -> str:
-        """The planner's words: line, block, axis and the manual's number."""
+        """The planner's words: line, block, axis and the manual's number; or which axis did not follow."""
+        if outcome is Reason.FOLLOWING_ERROR:
+            return self.strayed()
         planner = self.planner
         if outcome is not Reason.PROGRAM_FAULT or planner is None or planner.failed_job != job.watch:
             return ""
         return planner.fault
+
+    def strayed(self, language: str = "en") -> str:
+        """Axes that did not follow or did not stand, each with the number and words of the old error list; empty: none."""
+        found = self.cell.axes if self.cell is not None else []
+        told = [(axis.name, found[n].finding) for n, axis in enumerate(self.axes[: len(found)]) if found[n].finding]
+        return ", ".join(f"{name} {sentence(number, language)}" for name, number in told)
 
     def _outcome(self, job: Job, cell: CellState) -> Reason | None:
         """NONE: done; a reason: aborted; None: still open."""

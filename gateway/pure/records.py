@@ -62,6 +62,7 @@ class AxisState:
     flags: AxisFlag = AxisFlag(0)
     fault_code: int = 0
     power: int = 0
+    finding: int = 0  # 647, 648 (drivers.drives.tracking), 0: none
 
 
 @dataclass(slots=True)
@@ -97,7 +98,7 @@ STATE_NAMES = (
     "emergency", "ready", "permits", "stop_cause", "skipped", "incomplete", "late", "services_lost", "piece", "compute_ns",
 )  # fmt: skip
 STATE_HEAD = struct.Struct("=QqQBdQdQQHQBBBHQQQQQQ")
-STATE_AXIS = struct.Struct("=dddddHHB")  # flags, fault code (CiA 402: 16 bits), power
+STATE_AXIS = struct.Struct("=dddddHHBH")  # flags, fault code (CiA 402: 16 bits), power, finding
 CELL_STATE_SIZE = STATE_HEAD.size + AXES * STATE_AXIS.size
 CELL_STATE_LAYOUT = f"cell-state/1 {STATE_HEAD.format} {AXES}x{STATE_AXIS.format}"
 
@@ -105,7 +106,8 @@ CELL_STATE_LAYOUT = f"cell-state/1 {STATE_HEAD.format} {AXES}x{STATE_AXIS.format
 def pack_cell_state(state: CellState) -> bytes:
     """CellState as CELL_STATE_SIZE bytes."""
     head = STATE_HEAD.pack(*[getattr(state, name) for name in STATE_NAMES])
-    return head + b"".join(STATE_AXIS.pack(a.actual, a.set, a.speed, a.lag, a.torque, a.flags, a.fault_code, a.power) for a in state.axes)
+    pack = STATE_AXIS.pack
+    return head + b"".join(pack(a.actual, a.set, a.speed, a.lag, a.torque, a.flags, a.fault_code, a.power, a.finding) for a in state.axes)
 
 
 def unpack_cell_state(data: bytes) -> CellState:
@@ -116,8 +118,9 @@ def unpack_cell_state(data: bytes) -> CellState:
         setattr(state, name, value)
     state.motion, state.emergency, state.ready = Motion(state.motion), bool(state.emergency), bool(state.ready)
     for number in range(AXES):
-        actual, set_, speed, lag, torque, flags, fault, power = STATE_AXIS.unpack_from(data, STATE_HEAD.size + number * STATE_AXIS.size)
-        state.axes[number] = AxisState(actual, set_, speed, lag, torque, AxisFlag(flags), fault, power)
+        values = STATE_AXIS.unpack_from(data, STATE_HEAD.size + number * STATE_AXIS.size)
+        actual, set_, speed, lag, torque, flags, fault, power, finding = values
+        state.axes[number] = AxisState(actual, set_, speed, lag, torque, AxisFlag(flags), fault, power, finding)
     return state
 
 

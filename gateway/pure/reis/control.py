@@ -113,6 +113,8 @@ class ReisControl:
                 seen[regulator_number(axis.fault_code), number] = None
             elif axis.flags & AxisFlag.LOST:
                 seen[WATCHDOG, number] = None
+            elif axis.finding:
+                seen[axis.finding, number] = None
         told = []
         for error in seen:
             if error not in self._standing:

@@ -97,6 +97,17 @@ def test_a_lost_drive_is_a_regulator_error(robot: ControlBench) -> None:
     assert markers.number(ERROR) == 0 and not markers.bit(1021, 0)
 
 
+def test_an_axis_that_does_not_follow_is_647_until_it_is_acknowledged(robot: ControlBench) -> None:
+    moving(robot)
+    robot.core._axes[0].tracking.lag._trip = 1e-6
+    robot.run(0.2)
+    assert robot.reis.markers.number(ERROR) == 647 and robot.reis.markers.bit(1021, 0)
+    assert "Servoregulator error 647: tracking distance too long, axis A1" in robot.told
+    robot.settle(robot.give(Code.FAULT_RESET))
+    robot.run(0.1)
+    assert robot.reis.markers.number(ERROR) == 0 and not robot.reis.markers.bit(1021, 0)
+
+
 @pytest.mark.parametrize(
     "code, number", [(0x8611, 647), (0x2310, 657), (0x3210, 653), (0x4310, 656), (0x4410, 658), (0x7305, 662), (0xFF00, 654), (7, 654)]
 )

@@ -167,7 +167,7 @@ def watched(axis: OneAxis, watch: Tracking, seconds: float) -> int:
     for _ in range(round(seconds * 1e9 / axis.period_ns)):
         axis.cycle()
         sets = [*sets[1:], axis.set]
-        number = watch.check(sets[0], axis.position)
+        number = watch.check(sets[0], sets[0] - axis.position)
         if number:
             return number
     return 0
@@ -177,7 +177,7 @@ def watched(axis: OneAxis, watch: Tracking, seconds: float) -> int:
 def test_an_axis_pushed_out_of_standstill_is_648() -> None:
     axis = OneAxis(Scaling())
     axis.enable()
-    watch = Tracking(window=0.02, limit=0.5, settle_cycles=25)
+    watch = Tracking(standing=0.02, trip=0.5, settle_cycles=25)
     assert outcome(watched, axis, watch, 0.5) == 0
     axis.slave.load_torque(1, 25.0)  # more than the motor has
     assert outcome(watched, axis, watch, 0.5) == 648
@@ -192,7 +192,7 @@ def test_a_following_error_above_the_limit_is_647() -> None:
         axis = OneAxis(Scaling())
         axis.enable()
         axis.goal, axis.speed = axis.set + 30.0, 20.0
-        assert outcome(watched, axis, Tracking(0.02, limit, 25), 1.0) == number, limit
+        assert outcome(watched, axis, Tracking(0.02, limit, limit, 25), 1.0) == number, limit
 
 
 def test_the_booster_says_647_itself_when_its_own_window_is_left() -> None:
@@ -204,5 +204,5 @@ def test_the_booster_says_647_itself_when_its_own_window_is_left() -> None:
 
 
 def test_what_is_no_number_is_never_well() -> None:
-    watch = Tracking(0.02, 0.5, 25)
-    assert watch.check(float("nan"), 0.0) == 647
+    watch = Tracking(0.02, 0.5, 0.5, 25)
+    assert watch.check(0.0, float("nan")) == 647

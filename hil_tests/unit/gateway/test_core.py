@@ -1,13 +1,17 @@
 """The cycle's core with the emulated drives in virtual time: what the axes do for which command, and what they never do by themselves."""
 
+from dataclasses import replace
+
 import pytest
 
 from drivers.drives.servodyn import Drive, DriveSettings
+from drivers.emulator.servodyn_slave import ServodynSlave
+from gateway.cell import FollowingError
 from gateway.pure.command_block import Code
 from gateway.pure.core import SERVICES_LIMIT
 from gateway.pure.reasons import CommandState, Reason
 from gateway.pure.records import AxisFlag, Motion, Permit, Quality
-from hil_tests.lab.cellbench import ALL, CellBench
+from hil_tests.lab.cellbench import ALL, DEMO, CellBench
 
 FAR = (1200.0, 800.0, 500.0, 120.0, -80.0, 250.0)
 MIDDLE = (400.0, 300.0, 200.0, 30.0, -20.0, 90.0)
@@ -240,9 +244,27 @@ def test_following_error_beyond_the_limit_takes_the_drives_off() -> None:
     cell = CellBench().ready()
     move = cell.give(Code.PTP_ABSOLUTE, targets=FAR)
     cell.run(0.4)
-    cell.core._axes[1].lag._trip = 1e-4
+    cell.core._axes[1].tracking.lag._trip = 1e-4
     cell.run(0.1)
     assert (move.state, move.reason) == (CommandState.ABORTED, Reason.FOLLOWING_ERROR)
+    assert move.detail == cell.office.strayed() == "A2 647 tracking distance too long"
+    assert cell.office.strayed("de") == "A2 647 Schleppabstand zu gross"
+
+
+def test_an_axis_pushed_out_of_its_standstill_takes_the_drives_off_with_648() -> None:
+    axes = [replace(axis, following_error=FollowingError(16.0, 20.0, standstill=0.5)) for axis in DEMO.axis]
+    cell = CellBench(cell=replace(DEMO, axis=tuple(axes))).ready()
+    cell.settle(cell.give(Code.PTP_ABSOLUTE, targets=MIDDLE))
+    cell.run(1.0)
+    assert cell.core.state.stop_cause == 0 and cell.office.strayed() == ""
+    assert isinstance(cell.slave, ServodynSlave)
+    cell.slave.load_torque(3, 25.0)  # more than the motor has
+    cell.run(0.3)
+    assert [axis.finding for axis in cell.core.state.axes[:4]] == [0, 0, 648, 0]
+    assert cell.core.state.stop_cause == Reason.FOLLOWING_ERROR and not cell.core.state.axes[0].flags & AxisFlag.ENABLED
+    assert cell.office.strayed() == "A3 648 axis left its standstill position"
+    cell.settle(cell.give(Code.FAULT_RESET))
+    assert cell.office.strayed() == "" and cell.core.state.stop_cause == 0
 
 
 def test_a_drive_that_leaves_control_by_itself_takes_all_off_and_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
