@@ -136,7 +136,12 @@ def openapi(endpoints: list[Endpoint], version: str) -> Row:
         said |= {"responses": answers, "x-role": each.role.name.lower()}
         parameters = [{"name": name, "in": "query", "schema": {"type": kind}, "required": False} for name, kind in each.query]
         parameters += [
-            {"name": part[1:-1], "in": "path", "required": True, "schema": {"type": "integer", "minimum": 0, "maximum": 1 << 53}}
+            {
+                "name": part[1:-1].partition(":")[0],
+                "in": "path",
+                "required": True,
+                "schema": {"type": "integer", "minimum": 0, "maximum": 1 << 53},
+            }
             for part in each.path.split("/")
             if part.startswith("{")
         ]

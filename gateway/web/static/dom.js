@@ -33,7 +33,7 @@ export function facts(pairs) {
   return h("dl", { class: "facts" }, pairs.flatMap(([name, value]) => [h("dt", {}, name), h("dd", {}, value instanceof Node ? value : String(value))]));
 }
 
-// columns: [{ title, n: right-aligned, cell: (row, td) => writes into td }]; rows are known by key(row).
+// columns: [{ title, n: right-aligned, free: may break anywhere, cell: (row, td) => writes into td }]; rows are known by key(row).
 export class Table {
   constructor(columns, key, options = {}) {
     this.columns = columns;
@@ -54,7 +54,7 @@ export class Table {
       const key = String(this.key(row));
       let tr = this.rows.get(key);
       if (!tr) {
-        tr = h("tr", {}, this.columns.map((column) => h("td", { class: column.n ? "n" : "" })));
+        tr = h("tr", {}, this.columns.map((column) => h("td", { class: column.n ? "n" : column.free ? "free" : "" })));
         this.rows.set(key, tr);
       }
       const place = before ? before.nextSibling : this.body.firstChild;

@@ -26,7 +26,7 @@ export function mount(root, { t, get, post, me, may, login }) {
   ], (row) => row.label, { label: t("Tokens") });
   const audit = new Table([
     { title: t("number"), n: true, cell: text((row) => row.number) }, { title: t("time"), cell: text((row) => row.wall.slice(0, 19).replace("T", " ")) }, { title: t("who"), cell: text((row) => row.who) },
-    { title: t("from where"), cell: text((row) => row.source) }, { title: t("what"), cell: text((row) => row.what) }, { title: t("particulars"), cell: text((row) => row.detail) }, { title: t("hash"), cell: text((row) => row.hash.slice(0, 12)) },
+    { title: t("from where"), cell: text((row) => row.source) }, { title: t("what"), cell: text((row) => row.what) }, { title: t("particulars"), free: true, cell: text((row) => row.detail) }, { title: t("hash"), cell: text((row) => row.hash.slice(0, 12)) },
   ], (row) => row.number, { tall: true, label: t("Audit") });
   const chain = h("span");
   grid.append(

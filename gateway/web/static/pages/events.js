@@ -12,12 +12,12 @@ export function mount(root, { t, get }) {
     { title: t("time"), n: true, cell: text((row) => (row.wall || "").slice(11, 23)) },
     { title: t("process"), cell: text((row) => row.process) },
     { title: t("kind"), cell: text((row) => t(row.kind)) },
-    { title: t("event"), cell: text((row) => row.text) },
+    { title: t("event"), free: true, cell: text((row) => row.text) },
   ], (row) => row.n, { tall: true, label: t("Events"), row: (row) => (row.kind === "alarm" || row.kind === "force" ? "badq" : "") });
   const known = new Table([
     { title: t("number"), n: true, cell: text((row) => row.code) },
-    { title: t("text"), cell: text((row) => row[language()]) },
-    { title: t("What to do"), cell: text((row) => row[`do_${language()}`]) },
+    { title: t("text"), free: true, cell: text((row) => row[language()]) },
+    { title: t("What to do"), free: true, cell: text((row) => row[`do_${language()}`]) },
   ], (row) => row.code, { tall: true, label: t("Error catalogue") });
   const wanted = h("input", { type: "search", id: "catalogue", placeholder: t("number or word"), "aria-label": t("Error catalogue"), oninput: () => know() });
   let catalogue = [];

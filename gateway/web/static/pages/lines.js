@@ -38,7 +38,7 @@ export function mount(root, { t, cell }) {
         const rows = told.filter((row) => dull.checked || row.kind.length > 3).slice(-60).reverse();
         const first = told[0]?.ms ?? 0;
         box.body.replaceChildren(...rows.map((row) => h("tr", { class: row.ok === false || ["BROKEN", "DAMAGED", "STRAY"].includes(row.kind) ? "badq" : "" },
-          h("td", { class: "n" }, `${(row.ms - first).toFixed(1)} ms`), h("td", {}, SIDES[row.side]), h("td", {}, row.kind), h("td", {}, row.text), h("td", { class: "mono small" }, row.hex))));
+          h("td", { class: "n" }, `${(row.ms - first).toFixed(1)} ms`), h("td", {}, SIDES[row.side]), h("td", {}, row.kind), h("td", { class: "free" }, row.text), h("td", { class: "free mono small" }, row.hex))));
       }
     },
   };

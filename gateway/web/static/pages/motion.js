@@ -19,11 +19,12 @@ export function mount(root, { t, cell, me, may, post }) {
   const trail = [];
   let scene = null;
   let gone = false;
+  let lines = null; // a robot at rest is told once: the picture may be made later
   root.append(h("div", { class: "bar" }, control, hold, resume, abandon, h("label", {}, `${t("override")} %`, override), wipe),
     h("div", { class: "grid" },
       h("section", { class: "card w8" }, canvas, h("p", { class: "soft small" }, cell.robot.why || `${cell.robot.kind} ${cell.robot.model}`), h("p", { class: "soft small" }, t("Drag to turn, wheel or + and - to come nearer; arrow keys turn, too."))),
       h("section", { class: "card w4" }, h("h2", {}, t("Motion")), queue, h("div", { style: "height:.7rem" }), table.element)));
-  import("../robot3d.js").then(({ Robot3d }) => { if (!gone) scene = new Robot3d(canvas, cell.robot.reach || 1); })
+  import("../robot3d.js").then(({ Robot3d }) => { if (gone) return; scene = new Robot3d(canvas, cell.robot.reach || 1); if (lines) scene.show(lines, trail); })
     .catch((error) => canvas.append(h("p", { class: "badq", style: "padding:1rem" }, `${t("This browser draws no 3D")}: ${error.message}`)));
   return {
     update(page, head) {
@@ -41,7 +42,8 @@ export function mount(root, { t, cell, me, may, post }) {
       const tip = page.lines[0]?.at(-1);
       const last = trail.at(-1);
       if (tip && (!last || Math.hypot(tip[0] - last[0], tip[1] - last[1], tip[2] - last[2]) > 5e-4)) { trail.push(tip); if (trail.length > TRAIL) trail.shift(); }
-      scene?.show(page.lines, trail);
+      lines = page.lines;
+      scene?.show(lines, trail);
     },
     theme: () => scene?.theme(),
     unmount() { gone = true; scene?.close(); },

@@ -1,0 +1,1 @@
+"""Pure parts of the page, and of its side in the services."""
