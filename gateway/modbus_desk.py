@@ -31,10 +31,10 @@ class Client:
     exceptions: int = 0
     foreign: int = 0
     role: str = ""  # TLS
+    limited: bool = False  # `rights` have to be asked for each request
 
-    @property
-    def may_write(self) -> bool:
-        return self.rights.write
+    def __post_init__(self) -> None:
+        self.limited = self.rights.limited
 
 
 @dataclass(slots=True)
@@ -106,7 +106,7 @@ class Desk:
     def _answer(self, unit: int, pdu: bytes, client: Client) -> bytes:
         rights = client.rights
         view = self._view_for(unit if self._line else home_unit(unit, self._unit))
-        if rights.limited and view is not None and refusal(pdu, rights.write, self._line) is None:
+        if client.limited and view is not None and refusal(pdu, rights.write, self._line) is None:
             denied = rights.refusal(pdu)
             if denied is not None:
                 return exception(pdu[0], denied)

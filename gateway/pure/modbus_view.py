@@ -7,6 +7,7 @@ control, word r = bytes 2r (high), 2r+1 (AX-339).
 Word r = bytes 2r (high), 2r+1 (low), the same as RK512 data words (AX-010).
 """
 
+import struct
 from collections.abc import Callable, Collection, Sequence
 from typing import Protocol
 
@@ -17,6 +18,7 @@ from protocols.modbus.view import ExceptionCode, Kind
 
 BLOCK_AT = 1000
 RC_WORDS = RC_BYTES // 2
+WORDS = tuple(struct.Struct(f">{count}H") for count in range(RC_WORDS + 1))
 STATUS_BYTE = 8  # RC outputs 64..71: ready, ready2, drives on, emergency stop latched (AX-002)
 ERRORS_AT, MOST_ERRORS = 2000, 31
 FLAGS_AT = 3000
@@ -79,7 +81,7 @@ class RhoView:
         if address + count > RC_WORDS:
             return MISSING
         image = self._inputs.values if holding else self.outputs
-        return [image[2 * r] << 8 | image[2 * r + 1] for r in range(address, address + count)]
+        return WORDS[count].unpack_from(image, 2 * address)
 
     def write_bits(self, address: int, values: Sequence[bool]) -> ExceptionCode | None:
         """RC inputs, only in bytes this door owns; all or nothing."""

@@ -1,4 +1,4 @@
-"""Measure: cycle, 3964r, emulator, drives, motion, route, or all (all rewrites docs/benchmarks.md)."""
+"""Measure: cycle, 3964r, emulator, drives, motion, modbus, route, or all (all rewrites docs/benchmarks.md)."""
 
 import argparse
 import datetime
@@ -56,6 +56,12 @@ def route(arguments: argparse.Namespace) -> list[Figure]:
     return figures()
 
 
+def modbus(arguments: argparse.Namespace) -> list[Figure]:
+    from hil_tests.bench.modbus_bench import figures
+
+    return figures()
+
+
 BENCHES: dict[str, Callable[[argparse.Namespace], list[Figure]]] = {
     "cycle": cycle,
     "3964r": p3964r,
@@ -63,6 +69,7 @@ BENCHES: dict[str, Callable[[argparse.Namespace], list[Figure]]] = {
     "drives": drives,
     "motion": motion,
     "route": route,
+    "modbus": modbus,
 }
 
 

@@ -185,7 +185,7 @@ def test_only_allowed_addresses_write_and_everybody_reads(allow: list[str] | Non
     with Running(allow=allow) as running, running.client() as client:
         assert client.ask("06 0003 1234") == answer
         assert client.ask("03 0003 0001") == ("03 02 12 34" if answer[:2] == "06" else "03 02 00 00")
-        assert running.server.clients[0].may_write == (answer[:2] == "06")
+        assert running.server.clients[0].rights.write == (answer[:2] == "06")
 
 
 def test_an_ipv4_partner_on_an_ipv6_socket_is_the_same_partner() -> None:
