@@ -44,6 +44,7 @@ class SignalDesk:
         self._noted: list[tuple[int, str]] = []
         self._heard: Ns = 0
         self._panel: Ns = 0
+        self._seen = b""
         if services.cell.controller is None:
             return
         from gateway.controllers import make_control  # only cells that have one pay for it
@@ -67,12 +68,18 @@ class SignalDesk:
         services = self._services
         heard = max((door.watch.last_ns for door in services.doors), default=0)
         cycle = services.rc_out.region.read() or bytes(RC_BYTES)
+        self._seen = bytes(services.inputs.values)
         rho = self.rho3
         if rho is not None:
             rho.panel_used = bool(self._panel) and now - self._panel < PANEL_NS
         for line in control.step(services.tools.forces.over(services.inputs), cycle, services.values.state, now, heard=heard > self._heard):
             services.journal.write("plc", line)
         self._heard = heard
+
+    def inputs_came(self, now: Ns) -> None:
+        """A door has written: an edge must not be lost because the next telegram comes before our next cycle."""
+        if self.control is not None and self._services.inputs.values != self._seen:
+            self.step(now)
 
     def note(self, errors: list[tuple[int, str]], now: Ns) -> None:
         """What stands in the cell by axisgate's own numbers goes into the same list; gone with its cause."""

@@ -143,7 +143,8 @@ def test_a_program_is_selected_by_its_code_and_taken_off_again(plant: Plant) -> 
     plc.until(lambda plc: plc.output(SELECT_ERROR), "a program nobody has")
     assert abs(plant.actual() - before) < 0.1
     plant.select(4)
-    plc.until(lambda plc: plc.output(SELECTED) and plant.actual() > 42.0, "FAR under way")
+    plc.until(lambda plc: plc.output(SELECTED), "FAR selected")
+    plc.until(lambda plc: plant.actual() > 42.0, "FAR under way")
     plant.select(4, ABORT)
     plc.until(lambda plc: plc.output(ABORTED), "aborted")
     plc.until(lambda plc: plant.run.state().motion is Motion.IDLE, "at rest, the rest of the move is gone")
@@ -163,7 +164,7 @@ def test_services_that_come_back_to_standing_bits_start_nothing(plant: Plant) ->
     plc, run = plant.plc, plant.run
     plant.ready()
     plant.select(2)
-    plc.until(lambda plc: plc.output(SELECTED) and abs(plant.actual() - 40.0) < 0.1, "PICK at its place")
+    plc.until(lambda plc: abs(plant.actual() - 40.0) < 0.1, "PICK at its place")
     plc.put(off=(CHAIN,))
     plc.until(lambda plc: plc.output(EMERGENCY) and plant.drives() == [False, False], "EMERGENCY STOP")
     plc.put(CHAIN)
