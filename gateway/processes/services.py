@@ -285,7 +285,9 @@ class Services:
     # ---- orders ------------------------------------------------------------------------------------------------------
     def flush(self) -> None:
         """Orders into the ring, events into the journal, inputs into their region; also right after a command."""
-        self.bridge.step(time.monotonic_ns())
+        now = time.monotonic_ns()
+        self.bridge.step(now)
+        self.signals.inputs_came(now)
         for event in self.office.take_events():
             self.journal.write("command", event.sentence(), door=event.door, code=event.code, what=event.what, reason=int(event.reason))
             if event.what in ("refused", "aborted"):
