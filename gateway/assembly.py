@@ -24,6 +24,7 @@ from gateway.pure.records import (
     TRACE_LAYOUT,
     TRACE_RECORDS,
 )
+from gateway.pure.scope.records import SCOPE_BYTES, SCOPE_LAYOUT, SCOPE_RECORDS
 from motion.pieces import RECORD_SIZE
 
 ORDERS = 256  # records in the command ring: far more than one door can issue in a cycle
@@ -146,7 +147,7 @@ def plan_run(
     )
     regions = ("rc_in", "rc_out", "axes", "links", "orders", "acyclic", "heard", *joined_regions(cell))
     core = [
-        Child("cycle", "gateway.processes.cycle", (), (*regions, "trace"), "axes", max(5 * period_ms, 50) * MS),
+        Child("cycle", "gateway.processes.cycle", (), (*regions, "trace", "scope"), "axes", max(5 * period_ms, 50) * MS),
         Child("services", "gateway.processes.services", (), (*regions, *(f"door-{door.number}" for door in doors)), "links", 250 * MS),
     ]
     if cell.robot is not None:
@@ -161,7 +162,9 @@ def plan_run(
     if web is not None:
         core.append(Child("web", "gateway.processes.web", (), ("axes", "rc_in", "rc_out", "links", *(("planner",) if cell.robot else ()))))
     if chips(cell) and not simulated:
-        core.append(Child("chips", "gateway.processes.chips", (), ("axes", "rc_out", "links", "io_out", "io_chip"), "io_chip", CHIPS_LIFE_MS * MS))
+        core.append(
+            Child("chips", "gateway.processes.chips", (), ("axes", "rc_out", "links", "io_out", "io_chip"), "io_chip", CHIPS_LIFE_MS * MS)
+        )
     children, zeros, programs = (*sims, *core), known_zeros(cell), plan_programs(cell)
     return RunPlan(slug, cell, simulated, folder, period_ms, buses, lines, binds, doors, record, children, zeros, web, programs)
 
@@ -229,6 +232,7 @@ def make_regions(plan: RunPlan) -> dict[str, int]:
     }
     fds["acyclic"] = create_ring("acyclic", ASIDE_BYTES, ACYCLIC_RECORDS, ASIDE_LAYOUT)
     fds["heard"] = create_ring("heard", ASIDE_BYTES, HEARD_RECORDS, ASIDE_LAYOUT)
+    fds["scope"] = create_ring("scope", SCOPE_BYTES, SCOPE_RECORDS, SCOPE_LAYOUT)
     fds["trace"] = create_ring("trace", TRACE_BYTES, TRACE_RECORDS, TRACE_LAYOUT)
     if plan.cell.robot is not None:
         fds["blocks"] = create_ring("blocks", plannerrecords.SAY_SIZE, plannerrecords.BLOCKS, plannerrecords.SAY_LAYOUT)

@@ -40,6 +40,7 @@ from gateway.pure.records import (
     unpack_order,
 )
 from gateway.pure.rho3can.family import RhoFamily
+from gateway.pure.scope.records import SCOPE_LAYOUT, pack_scope
 from gateway.realtime import Alarm, die_with_parent, go_realtime
 from protocols.base.errors import DecodeError
 from protocols.base.machine import Frame
@@ -177,6 +178,7 @@ class Cycle:
         self._planner_pid = self.planner.writer_pid if self.planner else 0
         self.axes = RegionWriter(fds["axes"], "axes")
         self.outputs = RegionWriter(fds["rc_out"], "rc_out")
+        self.scope = RingWriter(fds["scope"], "scope", SCOPE_LAYOUT)
         self.trace = RingWriter(fds["trace"], "trace", TRACE_LAYOUT)
         self.wake = fds.get("wake")  # for what is joined once per cycle (AX-398)
         self.contacts = cycle_contacts(cell, [bus.family for bus in self.buses], fds, plan.p5_ms)
@@ -234,11 +236,13 @@ class Cycle:
         self._prepare(values)
         ready = time.monotonic_ns()
         core.state.compute_ns = ready - got
-        self.axes.write(pack_cell_state(core.state), now)
+        state = pack_cell_state(core.state)
+        self.axes.write(state, now)
         self.outputs.write(core.outputs, now)
         if self.marks is not None:
             self.marks.turn(now)
         self.axes.beat(now)
+        self.scope.put(pack_scope(state, core.outputs, self._image.values))
         if self.wake is not None:
             os.eventfd_write(self.wake, 1)
         self.trace.put(pack_trace(core.state.cycle, due, sent, got, ready, missing))
