@@ -13,7 +13,7 @@ from gateway.pure.coreaxis import CoreAxis, HeldAxis
 from gateway.pure.coreprogram import ProgramRun
 from gateway.pure.corepublish import Publisher
 from gateway.pure.permits import AS_SHIPPED, EVERY, NO_PERMIT, EnablingInputs, RcNumbers
-from gateway.pure.plannerrecords import Part, PieceRecord, switch_of
+from gateway.pure.plannerrecords import Part, PieceRecord, switch_of, until_of
 from gateway.pure.reasons import Reason
 from gateway.pure.records import (
     RC_BYTES,
@@ -27,7 +27,7 @@ from gateway.pure.records import (
 )
 from motion.errors import MotionError
 from motion.pieces import decode
-from motion.stepper import State, Stepper
+from motion.stepper import Sample, State, Stepper
 from motion.timed import decode_any
 from protocols.base.machine import Ns, ms
 
@@ -72,6 +72,7 @@ class Core:
         self._publisher = Publisher(self.state, self.outputs, numbers, period_s)
         self._finish = finish_without_services
         self._enabling_inputs = EnablingInputs(numbers, assumed)
+        self._inputs = InputImage()
         self._permits = 0
         self._override = 0.0
         self._job_masks: dict[int, int] = {}
@@ -99,6 +100,7 @@ class Core:
         """actuals: (axes,) of this SYNC, None where the telegram did not come; services_ns: stamp of the services' last beat."""
         self.state.cycle += 1
         self.state.sync_ns = now
+        self._inputs = inputs
         self._judge_inputs(inputs, services_ns, now)
         self._judge_services(services_ns, now)
         for order in orders:
@@ -182,6 +184,8 @@ class Core:
             case Order.ENABLE:
                 self._enable(record)
             case Order.DISABLE:
+                if record.reason:
+                    state.stop_cause = record.reason
                 self._off(Reason(record.reason) if record.reason else Reason.DRIVES_OFF, record.mask)
             case Order.REFERENCE:
                 self._reference(record)
@@ -260,6 +264,10 @@ class Core:
             return
         if record.part is Part.FAULT:
             self._end_program(Reason.PROGRAM_FAULT)
+        elif record.part is Part.UNTIL:
+            program.until = until_of(record)
+        elif record.part is Part.REST:
+            program.rests = True
         elif record.part is Part.OUTPUT:
             program.switch(switch_of(record))
         elif record.part is Part.LAST:
@@ -272,6 +280,10 @@ class Core:
 
     def _take_piece(self, data: bytes) -> None:
         program = self._program
+        if self._stepper.state is State.IDLE and program.sees(self._inputs):
+            program.met = True  # it stands already: there is no movement (rho3 4.3)
+        if program.met:
+            return
         try:
             piece = decode_any(data)
             if self._homing or self.state.emergency or self._running not in (0, program.job) or not self._all_enabled(piece.mask):
@@ -359,9 +371,8 @@ class Core:
     # ---- set values --------------------------------------------------------------------------------------------------
     def _drive(self, actuals: Sequence[Actual | None]) -> list[SetRecord]:
         sample = self._stepper.step()
-        if self._program.switches:
-            for switch in self._program.passed(sample.piece_id, self._stepper.within):
-                set_bit(self.outputs, switch.number, switch.value)
+        if self._program.job:
+            self._attend(sample)
         for n, axis in enumerate(self._axes):
             drive = axis.drive
             axis.active_inc, axis.received_inc, axis.sent_inc = axis.received_inc, axis.sent_inc, drive.set_inc
@@ -381,6 +392,18 @@ class Core:
             self._arrive()
         self.state.progress, self.state.piece = sample.s, sample.piece_id
         return values
+
+    def _attend(self, sample: Sample) -> None:
+        """What belongs to a program beside its path: outputs, the input its part ends with, the end of a part."""
+        program, stepper = self._program, self._stepper
+        for switch in program.passed(sample.piece_id, stepper.within):
+            set_bit(self.outputs, switch.number, switch.value)
+        if stepper.state is State.RUNNING and program.sees(self._inputs):
+            stepper.abandon()
+            program.met = True
+        if program.rests and stepper.state is State.IDLE:
+            program.part_over()
+            self.state.parts += 1
 
     def _program_over(self) -> bool:
         return self._program.complete and self._stepper.state is State.IDLE

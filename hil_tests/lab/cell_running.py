@@ -51,7 +51,7 @@ HOME = (10.0, 10.0, 5.0, 0.0, 0.0, 0.0)  # mm and deg: where referencing ends
 TARGET = (70.0, 70.0, 33.0, 8.0, 8.0, 8.0)  # near it, so that referencing again is short
 SETTLE_S = 0.3  # ten time constants of the position loops and more
 SPARE = 6  # repetitions of one run that a busy machine may spoil
-DRIVES_OFF = 2  # reason
+DRIVES_OFF, RESYNCHRONISED, LINK_LOST = 2, 20, 21  # reasons
 STOLEN = (16, 17, 18, 27)  # reasons: drive fault, drive lost, following error, overrun
 
 
@@ -265,7 +265,9 @@ class CellRun:
         """Disturbed when a drive or the clock gave up by itself: during this command, or after the one before."""
         if status.state in (ABORTED, REFUSED) and status.reason in STOLEN:
             raise Disturbed(f"the command ended by itself, reason {status.reason}")
-        if status.reason == DRIVES_OFF and (cause := self.state().stop_cause) in STOLEN:
+        if status.reason == RESYNCHRONISED:
+            raise Disturbed("PLC 2 itself was silent for so long that its link counted as lost")
+        if status.reason == DRIVES_OFF and (cause := self.state().stop_cause) in (*STOLEN, LINK_LOST):
             raise Disturbed(f"the drives went off since the command before, stop cause {cause}")
 
     def home_again(self) -> None:

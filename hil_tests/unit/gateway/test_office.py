@@ -164,6 +164,7 @@ class TestOffice:
         cell._hand_over()
         cell.run(0.5)
         assert (move.state, move.reason) == (CommandState.ABORTED, Reason.LINK_LOST)
+        assert cell.core.state.stop_cause == Reason.LINK_LOST, "every door reads why"
 
     def test_the_link_of_a_door_without_control_stops_nothing(self) -> None:
         cell = CellBench().ready()
