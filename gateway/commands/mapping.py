@@ -1,0 +1,134 @@
+"""Mapping tables between a cell and the tools of the PLC side: CSV (semicolon, decimal comma), XLSX, the assignment list Z0.SEQ."""
+
+import argparse
+import pathlib
+import sys
+import zipfile
+from collections.abc import Iterable
+
+from gateway.cell import Cell
+from gateway.commands.common import DONE, ENVIRONMENT, FINDING, USAGE, load
+from gateway.files import read_signals
+from gateway.pure.addresses import pic
+from gateway.pure.mapping import COLUMNS, MappingFault, Row, from_cells, from_csv, from_sequence, to_cells, to_csv, to_sequence, to_toml
+from gateway.pure.signals import from_tables
+
+EXAMPLES = """examples:
+  axisgate mapping s5-rk512 blocks.csv               entries and routes of a cell, to be read in a spreadsheet
+  axisgate mapping demo signals.seq --encoding cp437  the signals of the interface as an assignment list for STEP 5
+  axisgate mapping blocks.xlsx tables.toml           [[db]] and [[route]] tables for a cell file; then: axisgate check CELL
+"""
+ENCODINGS = ("utf-8-sig", "cp437", "cp850")
+SHEET = "mapping"
+
+
+def main(argv: list[str]) -> int:
+    parser = argparse.ArgumentParser(
+        prog="axisgate mapping", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("source", help="a cell, or FILE.csv, FILE.xlsx, FILE.seq")
+    parser.add_argument("target", type=pathlib.Path, help="FILE.csv, FILE.xlsx, FILE.seq or FILE.toml")
+    parser.add_argument("--encoding", choices=ENCODINGS, default="utf-8-sig", help="of CSV and SEQ; default UTF-8 with its mark")
+    arguments = parser.parse_args(argv)
+    kind = arguments.target.suffix.lower()
+    if kind not in (".csv", ".xlsx", ".seq", ".toml"):
+        print(f"axisgate mapping: {arguments.target}: ends in .csv, .xlsx, .seq or .toml", file=sys.stderr)
+        return USAGE
+    try:
+        rows = _read(arguments.source, arguments.encoding)
+        if isinstance(rows, int):
+            return rows
+        written = _write(arguments.target, rows, arguments.encoding)
+    except MappingFault as fault:
+        print(f"axisgate mapping: {arguments.source}: {fault}", file=sys.stderr)
+        return USAGE
+    except UnicodeError as fault:
+        print(f"axisgate mapping: {arguments.encoding} does not fit: {fault}; try --encoding {' or '.join(ENCODINGS)}", file=sys.stderr)
+        return USAGE
+    except OSError as fault:
+        print(f"axisgate mapping: {fault}", file=sys.stderr)
+        return ENVIRONMENT
+    print(f"{arguments.target}: {written} rows")
+    return DONE if written else FINDING
+
+
+def _read(source: str, encoding: str) -> list[Row] | int:
+    suffix = pathlib.Path(source).suffix.lower()
+    if suffix == ".xlsx":
+        import openpyxl  # heavy, and nothing else needs it
+        from openpyxl.utils.exceptions import InvalidFileException
+
+        try:
+            book = openpyxl.load_workbook(source, read_only=True, data_only=True)
+        except (InvalidFileException, zipfile.BadZipFile, KeyError, ValueError) as fault:
+            raise MappingFault(f"no XLSX file: {fault}") from None
+        return from_cells(book.worksheets[0].iter_rows(values_only=True))
+    if suffix in (".csv", ".seq"):
+        text = pathlib.Path(source).read_bytes().decode(encoding)
+        return from_csv(text) if suffix == ".csv" else from_sequence(text)
+    cell = load(source)
+    return cell if isinstance(cell, int) else rows_of(cell)
+
+
+def rows_of(cell: Cell) -> list[Row]:
+    """Entries, routes, and the signals of the interface."""
+    rows = [
+        Row(
+            "db", str(block.number), at=entry.at, type=entry.type, to=entry.to or "", from_=entry.from_ or "",
+            unit="" if entry.unit == "1" else entry.unit, min=_number(entry.min), max=_number(entry.max), edge=entry.edge or "",
+            comment=entry.comment,
+        )
+        for block in cell.db
+        for entry in block.entries
+    ]  # fmt: skip
+    rows += [
+        Row(
+            "route", name=route.name, type=route.type, to=route.to, from_=route.from_, to_type=route.to_type,
+            edge="" if route.edge == "level" else route.edge, scale="" if route.scale == 1 else _number(route.scale),
+            offset="" if route.offset == 0 else _number(route.offset), on_loss=route.on_loss, comment=route.comment,
+        )
+        for route in cell.route
+    ]  # fmt: skip
+    return rows + [
+        Row("symbol", name=signal.name, at=_german(pic(signal.at)), comment=signal.de) for signal in from_tables(read_signals()).all
+    ]
+
+
+def _german(operand: str) -> str:
+    """I8.0 -> E 8.0, O3.2 -> A 3.2: what STEP 5 of the time reads."""
+    return f"{'E' if operand[0] == 'I' else 'A'} {operand[1:]}"
+
+
+def _number(value: float | None) -> str:
+    return "" if value is None else f"{value:.9g}"
+
+
+def _write(target: pathlib.Path, rows: list[Row], encoding: str) -> int:
+    """How many rows are in the file."""
+    match target.suffix.lower():
+        case ".seq":
+            text = to_sequence(rows)
+            target.write_bytes(text.encode("cp437" if encoding == "utf-8-sig" else encoding))
+            return text.count("\r\n")
+        case ".toml":
+            target.write_text(to_toml(rows))
+            return len(rows)
+    tables = [row for row in rows if row.table != "symbol"] or rows
+    if target.suffix.lower() == ".csv":
+        target.write_bytes(to_csv(tables).encode(encoding))
+    else:
+        _write_xlsx(target, tables)
+    return len(tables)
+
+
+def _write_xlsx(target: pathlib.Path, rows: Iterable[Row]) -> None:
+    import openpyxl
+
+    book = openpyxl.Workbook()
+    sheet = book.active
+    assert sheet is not None
+    sheet.title = SHEET
+    sheet.append(list(COLUMNS))
+    for row in rows:
+        sheet.append(to_cells(row))
+    book.save(target)

@@ -1,0 +1,41 @@
+"""`axisgate mapping`: a cell's tables to every file and back, in the encodings old tools save."""
+
+import pathlib
+import tomllib
+
+import pytest
+
+from gateway.commands.mapping import main
+
+
+@pytest.mark.parametrize("suffix", ["csv", "xlsx"])
+def test_the_tables_of_a_cell_come_back_as_they_were(suffix: str, tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    table, toml = tmp_path / f"t.{suffix}", tmp_path / "t.toml"
+    assert main(["s5-rk512", str(table)]) == 0 and main([str(table), str(toml)]) == 0
+    found = tomllib.loads(toml.read_text())
+    shipped = tomllib.loads((pathlib.Path(__file__).parents[3] / "configs/cells/s5-rk512.toml").read_text())
+    assert [block["entries"] for block in found["db"]] == [
+        [{key: float(value) if key in ("min", "max") else value for key, value in entry.items()} for entry in block["entries"]]
+        for block in shipped["db"]
+    ]
+    capsys.readouterr()
+
+
+def test_signals_as_an_assignment_list_in_the_old_character_set(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    listed, table = tmp_path / "ANLAGEZ0.SEQ", tmp_path / "t.csv"
+    assert main(["demo", str(listed)]) == 0
+    assert b"E 8.0\tREADY_RCO\t" in listed.read_bytes()
+    assert main([str(listed), str(table), "--encoding", "cp437"]) == 0
+    table.write_bytes("table;name;at;comment\r\nsymbol;PUMPE;A 12.0;Kühlung läuft\r\n".encode("cp850"))
+    assert main([str(table), str(tmp_path / "p.seq"), "--encoding", "cp850"]) == 0
+    assert (tmp_path / "p.seq").read_bytes() == "A 12.0\tPUMPE\tKühlung läuft\r\n".encode("cp850")
+    assert main([str(table), str(tmp_path / "p.toml")]) == 2, "cp850 read as UTF-8 is told"
+    assert "try --encoding" in capsys.readouterr().err
+
+
+def test_files_that_are_none_are_told(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "x.xlsx").write_bytes(b"no zip")
+    assert main([str(tmp_path / "x.xlsx"), str(tmp_path / "y.csv")]) == 2
+    assert main([str(tmp_path / "absent.csv"), str(tmp_path / "y.csv")]) == 3
+    assert main(["demo", str(tmp_path / "y.pdf")]) == 2
+    assert "ends in" in capsys.readouterr().err
