@@ -21,7 +21,7 @@ from gateway.web.app import make_app
 from gateway.web.regions import Regions
 from gateway.web.store import Store
 
-NICE = 10
+NICE = 5
 
 
 def data_file(plan: RunPlan, web: Web) -> pathlib.Path:

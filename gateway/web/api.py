@@ -7,7 +7,7 @@ from starlette.responses import JSONResponse, Response
 
 from gateway.web.access import COOKIE, Access, Denied
 from gateway.web.bodies import Cable, Command, Fault, Force, Login, Named, Put, Token, Unforce, User
-from gateway.web.catalogue import catalogue
+from gateway.web.catalogue import found
 from gateway.web.endpoints import Call, Endpoint
 from gateway.web.hands import Hands
 from gateway.web.live import Live
@@ -52,7 +52,7 @@ class Api:
         return {"tree": self.names.tree(), "total": len(self.names.all)}
 
     async def errors(self, call: Call) -> Row:
-        return {"errors": catalogue()}
+        return {"errors": found(call.query.get("q", "")[:100])}
 
     async def job(self, call: Call) -> Row:
         return await self.hands.job(int(call.path["number"]))
@@ -184,7 +184,7 @@ def endpoints(api: Api) -> list[Endpoint]:
         row("GET", "/api/cell", v, "devices, wiring, check results, evidence", api.show_cell),
         row("GET", "/api/signals", v, "search values by name or address", api.search, query=(("q", "string"), ("group", "string"))),
         row("GET", "/api/tree", v, "branches of all values", api.tree),
-        row("GET", "/api/errors", v, "the error catalogue", api.errors),
+        row("GET", "/api/errors", v, "the error catalogue by number, family and number, or words", api.errors, query=(("q", "string"),)),
         row("GET", "/api/jobs/{number:int}", v, "what became of a command", api.job),
         row("POST", "/api/stop", v, "stop on the path", api.stop, changes=True),
         row("POST", "/api/command", o, "one command of the command block", api.command, Command, True),

@@ -1,27 +1,38 @@
-"""Errors as the page tells them, out of the one catalogue (AX-422): number, words in both languages, and what to do about it."""
+"""The error catalogue (AX-422) as the page asks for it."""
 
-from gateway.errors_catalogue import catalogue as everything
-from gateway.errors_catalogue import lookup
+from gateway.errors_catalogue import explain, family, lookup
+from gateway.pure.errorentries import Entry, Words
 
+MOST = 120
 OURS = "axisgate"
 
 
-def advice(code: int) -> tuple[str, str]:
-    """What to do about a reason of the status block, in English and German; empty where there is no such number."""
+def advice(code: int) -> dict[str, list[str]]:
+    """Cause, what to do and how it goes away, each English and German, of a reason in a status block; {} for none."""
     entry = lookup(OURS, code)
-    return ("", "") if entry is None else (entry.todo.en, entry.todo.de)
+    if entry is None:
+        return {}
+    return {"cause": _both(entry.cause), "do": _both(entry.todo), "reset": _both(entry.reset_words())}
 
 
-def catalogue() -> list[dict[str, object]]:
-    """Everything `axisgate explain` knows of errors: those of axisgate by their number, all others by world and number."""
-    return [
-        {
-            "code": number if name == OURS else f"{name} {number}",
-            "en": entry.text.en,
-            "de": entry.text.de,
-            "do_en": entry.todo.en,
-            "do_de": entry.todo.de,
-        }
-        for name, each in everything().items()
-        for number, entry in each.entries.items()
-    ]
+def found(words: str) -> list[dict[str, object]]:
+    """Entries of a number, a family and number, or words; without any: axisgate's own."""
+    entries = explain(words) if words.strip() else list(family(OURS).entries.values())
+    return [_row(entry) for entry in entries[:MOST]]
+
+
+def _row(entry: Entry) -> dict[str, object]:
+    return {
+        "family": entry.family,
+        "code": entry.number,
+        "text": _both(entry.text),
+        "cause": _both(entry.cause),
+        "do": _both(entry.todo),
+        "shown": _both(entry.shown),
+        "reset": _both(entry.reset_words()),
+        "source": entry.source,
+    }
+
+
+def _both(words: Words) -> list[str]:
+    return [words.en, words.de]

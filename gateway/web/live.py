@@ -145,8 +145,7 @@ class Live:
 
     @staticmethod
     def _told(error: Row) -> Row:
-        do_en, do_de = advice(int(error.get("code", 0)))
-        return {**error, "do": [do_en, do_de]}
+        return {**error, **advice(int(error.get("code", 0)))}
 
     async def _overview(self) -> Row:
         return {

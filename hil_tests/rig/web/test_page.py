@@ -216,7 +216,7 @@ def test_a_fault_is_ordered_and_named(web: WebRun, boss: Page) -> None:
     assert "What to do" in boss.inner_text("#first-out")
     web.go(boss, "events")
     boss.fill("#catalogue", "drive fault")
-    until(lambda: boss.locator("td", has_text="remove its cause").count() > 0, "the catalogue says what to do")
+    until(lambda: boss.locator("td", has_text="axisgate 16").count() == 1, "the catalogue knows its number")
     web.go(boss, "axes")
     boss.click("[data-code=fault_reset]")
     web.go(boss, "overview")

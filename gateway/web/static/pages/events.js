@@ -1,5 +1,5 @@
 // What happened, and what every number means.
-import { Table, h, put, text } from "../dom.js";
+import { Table, facts, h, put, text } from "../dom.js";
 import { errors } from "../parts.js";
 import { language } from "../texts.js";
 
@@ -14,16 +14,21 @@ export function mount(root, { t, get }) {
     { title: t("kind"), cell: text((row) => t(row.kind)) },
     { title: t("event"), free: true, cell: text((row) => row.text) },
   ], (row) => row.n, { tall: true, label: t("Events"), row: (row) => (row.kind === "alarm" || row.kind === "force" ? "badq" : "") });
+  const i = () => (language() === "de" ? 1 : 0);
   const known = new Table([
-    { title: t("number"), n: true, cell: text((row) => row.code) },
-    { title: t("text"), free: true, cell: text((row) => row[language()]) },
-    { title: t("What to do"), free: true, cell: text((row) => row[`do_${language()}`]) },
-  ], (row) => row.code, { tall: true, label: t("Error catalogue") });
-  const wanted = h("input", { type: "search", id: "catalogue", placeholder: t("number or word"), "aria-label": t("Error catalogue"), oninput: () => know() });
-  let catalogue = [];
-  const know = () => known.update(catalogue.filter((row) => JSON.stringify(row).toLowerCase().includes(wanted.value.toLowerCase())).slice(0, 300));
+    { title: t("number"), n: true, cell: text((row) => `${row.family} ${row.code}`) },
+    { title: t("text"), free: true, cell: text((row) => row.text[i()]) },
+    { title: t("What to do"), free: true, cell: (row, td) => {
+      if (td.firstChild) return;
+      td.append(h("div", {}, row.do[i()]), h("details", { class: "small" }, h("summary", {}, t("more")),
+        facts([[t("Cause"), row.cause[i()]], [t("Goes away"), row.reset[i()]], [t("The partner sees"), row.shown[i()]], [t("Source"), row.source]])));
+    } },
+  ], (row) => `${row.family} ${row.code}`, { tall: true, label: t("Error catalogue") });
+  let wait = 0;
+  const wanted = h("input", { type: "search", id: "catalogue", placeholder: t("number or word"), "aria-label": t("Error catalogue"), oninput: () => { clearTimeout(wait); wait = setTimeout(know, 150); } });
+  const know = () => get(`/api/errors?q=${encodeURIComponent(wanted.value)}`).then((told) => known.update(told.errors)).catch(() => {});
   const fill = () => table.update(last.filter((row) => (!kinds.value || row.kind === kinds.value) && row.text.toLowerCase().includes(filter.value.toLowerCase())).slice(-150).reverse());
-  get("/api/errors").then((told) => { catalogue = told.errors; know(); }).catch(() => {});
+  know();
   const gone = h("p", { class: "badq" });
   root.append(h("div", { class: "grid" },
     h("section", { class: "card w12" }, h("h2", {}, t("Errors, first one first")), standing),
