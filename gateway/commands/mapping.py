@@ -9,8 +9,8 @@ from collections.abc import Iterable
 from gateway.cell import Cell
 from gateway.commands.common import DONE, ENVIRONMENT, FINDING, USAGE, load
 from gateway.files import read_signals
+from gateway.mappingtables import COLUMNS, MappingFault, Row, from_cells, from_csv, from_sequence, to_cells, to_csv, to_sequence, to_toml
 from gateway.pure.addresses import pic
-from gateway.pure.mapping import COLUMNS, MappingFault, Row, from_cells, from_csv, from_sequence, to_cells, to_csv, to_sequence, to_toml
 from gateway.pure.signals import from_tables
 
 EXAMPLES = """examples:

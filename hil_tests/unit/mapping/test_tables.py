@@ -4,7 +4,7 @@ import tomllib
 
 import pytest
 
-from gateway.pure.mapping import COLUMNS, MappingFault, Row, from_cells, from_csv, from_sequence, to_cells, to_csv, to_sequence, to_toml
+from gateway.mappingtables import COLUMNS, MappingFault, Row, from_cells, from_csv, from_sequence, to_cells, to_csv, to_sequence, to_toml
 
 ROWS = [
     Row("db", "10", at="DW 2", type="KF", to="move.X.target", unit="0.1 mm", comment='Ziel "X"; größer'),
