@@ -9,6 +9,7 @@ import sys
 from gateway.bus_tools.logs import BadLog, read_log
 from gateway.errors import Exit
 from gateway.pure.bus_inference.dbc import SURE, as_dbc, names
+from gateway.pure.bus_inference.missing import missing
 from gateway.pure.bus_inference.proposal import NothingFound, propose
 from gateway.pure.bus_inference.roles import Inferred
 from gateway.pure.candump import frames_of
@@ -67,6 +68,7 @@ def told(found: Inferred, output: pathlib.Path | None) -> list[str]:
                 lines.append(f"  {each.name:<18} {place:<12} {each.confidence:4.2f}  {each.why}")
     sure = sum(each.confidence >= SURE for each in found.signals)
     lines.append(f"{sure} of {len(found.signals)} signals at {SURE} or above; the others are to be confirmed on the living control")
+    lines += [f"missing: {each}" for each in missing(found)]
     return [*lines, f"next: axisgate bus monitor PORT --dbc {output}" if output else "next: axisgate bus infer LOG -o proposal.dbc"]
 
 
@@ -78,5 +80,6 @@ def as_json(found: Inferred) -> dict[str, object]:
         "byte_order": "big" if found.reverse else "little",
         "axes": [dataclasses.asdict(axis) for axis in found.axes],
         "messages": names(found),
+        "missing": missing(found),
         "signals": [dataclasses.asdict(each) for each in found.signals],
     }

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from gateway.pure.bus_inference.missing import no_cycle
 from gateway.pure.bus_inference.roles import Inferred, infer
 from gateway.pure.bus_inference.series import cut
 from gateway.pure.bus_inference.signals import explained
@@ -18,6 +19,6 @@ def propose(frames: Sequence[Frame]) -> Inferred:
     """Raises NothingFound."""
     plain, backwards = cut(frames, reverse=False), cut(frames, reverse=True)
     if plain is None or backwards is None or not plain.messages:
-        raise NothingFound(f"{len(frames)} frames: no message with data comes at least 100 times in a steady cycle")
+        raise NothingFound(no_cycle(frames))
     reverse = explained(backwards) > MARGIN * explained(plain)
     return infer(backwards if reverse else plain, reverse)
