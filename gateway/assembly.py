@@ -161,6 +161,9 @@ def plan_run(
     web = page_of(cell, web_port, simulated=simulated)
     if web is not None:
         core.append(Child("web", "gateway.processes.web", (), ("axes", "rc_in", "rc_out", "links", *(("planner",) if cell.robot else ()))))
+    if cell.northbound is not None:
+        north = ("axes", "rc_in", "rc_out", "links", *(("planner",) if cell.robot else ()))
+        core.append(Child("northbound", "gateway.processes.northbound", (), north))
     if chips(cell) and not simulated:
         core.append(
             Child("chips", "gateway.processes.chips", (), ("axes", "rc_out", "links", "io_out", "io_chip"), "io_chip", CHIPS_LIFE_MS * MS)

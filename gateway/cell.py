@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 from gateway.cell_controller import Controller
 from gateway.cell_modbus import Modbus
+from gateway.cell_northbound import Northbound
 from gateway.cell_positions import Position
 from gateway.cell_program import Program
 from gateway.cell_retain import Retain
@@ -543,6 +544,7 @@ class Cell:
     retain: Retain | None = None
     plant: Plant | None = None
     web: Web | None = None
+    northbound: Northbound | None = None
     route: tuple[Route, ...] = ()
     controller: Controller | None = None
     sources: Mapping[str, Source] = field(default_factory=dict)  # "axis.1.limits.speed" -> P103[1], line 34

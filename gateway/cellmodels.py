@@ -10,6 +10,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 from gateway.cellmodels_controller import Controller
 from gateway.cellmodels_modbus import Modbus
+from gateway.cellmodels_northbound import Northbound
 
 BAUDS = "300|600|1200|2400|4800|9600|19200|38400|57600|115200"
 STEP5_TYPES = ("bit", "KF", "DH", "KH", "KM", "KY", "KC", "KT", "KZ", "KG", "REAL", "BCD")
@@ -500,5 +501,6 @@ class CellFile(Table):
     retain: Retain | None = None
     plant: Plant | None = None
     web: Web | None = None
+    northbound: Northbound | None = None
     route: list[Route] = []
     controller: Controller | None = None

@@ -12,7 +12,7 @@ from pydantic import BaseModel, ValidationError
 
 from drivers.emulator.settings import RANGES, ServoSettings
 from gateway import cell as plain
-from gateway import cell_controller, cell_modbus, cellmodels_controller, cellmodels_modbus
+from gateway import cell_controller, cell_modbus, cell_northbound, cellmodels_controller, cellmodels_modbus, cellmodels_northbound
 from gateway import cellmodels as models
 from gateway.cell import Cell, Source
 from gateway.checks import cross_faults, notices
@@ -168,7 +168,12 @@ def _tables(value: Any) -> list[dict[str, Any]]:
 
 
 # frozen data and their models, class by class of the same name
-PARTS = ((plain, models), (cell_modbus, cellmodels_modbus), (cell_controller, cellmodels_controller))
+PARTS = (
+    (plain, models),
+    (cell_modbus, cellmodels_modbus),
+    (cell_controller, cellmodels_controller),
+    (cell_northbound, cellmodels_northbound),
+)
 PLAIN: Mapping[type[BaseModel], Callable[..., object]] = {
     getattr(edge, name): getattr(inside, name)
     for inside, edge in PARTS

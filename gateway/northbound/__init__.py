@@ -1,0 +1,1 @@
+"""Values for systems above: MQTT, OPC UA, Prometheus, journald.  Read only, a process of its own, off by default."""

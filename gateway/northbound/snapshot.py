@@ -1,0 +1,37 @@
+"""What is told upwards, by name: plain values out of the regions.  Nothing is asked of cycle or services."""
+
+from typing import Any
+
+from gateway.pure.records import AxisFlag, Motion
+from gateway.web.regions import Regions
+
+Value = bool | int | float | str
+FLAGS = {"enabled": AxisFlag.ENABLED, "fault": AxisFlag.FAULT, "lost": AxisFlag.LOST, "referenced": AxisFlag.REFERENCED}
+
+
+def values(regions: Regions) -> dict[str, Value]:
+    """Every value by its name, as `axisgate var` calls them where both know it."""
+    head, found = regions.head(), dict[str, Value]()
+    for name in ("ready", "emergency", "cycle_alive", "services_alive"):
+        found[f"cell.{name}"] = bool(head[name])
+    found["cell.motion"] = Motion(head["motion"]).name if head["cycle_alive"] else "UNKNOWN"
+    found["cell.owner"], found["cell.forced"] = int(head["owner"]), int(head["forced"])
+    found["cell.override"] = float(head["override"])
+    errors = [error for error in head["errors"] if isinstance(error, dict)]
+    found["cell.error"] = bool(errors)
+    found["error.first.code"] = int(errors[0].get("code", 0)) if errors else 0
+    found["error.first.text"] = str(errors[0].get("text", "")) if errors else ""
+    for axis in regions.drives():
+        for name in ("actual", "set", "lag", "torque"):
+            found[f"axis.{axis['name']}.{name}"] = float(axis[name])
+        for name, flag in FLAGS.items():
+            found[f"axis.{axis['name']}.{name}"] = bool(axis["flags"] & flag)
+    for door in doors(regions):
+        found[f"door.{door['name']}.alive"] = bool(door.get("alive"))
+    return found
+
+
+def doors(regions: Regions) -> list[dict[str, Any]]:
+    """Status of every door, as the services told it last."""
+    listed = regions.status.get("doors", [])
+    return [door for door in listed if isinstance(door, dict) and "name" in door] if isinstance(listed, list) else []

@@ -1,0 +1,159 @@
+"""The northbound process: what [northbound] of the cell names, off by default (AX-427).
+
+It reads the regions and writes none, at the lowest priority: whatever a broker, a client or this process itself does, the side of the
+machine does not feel it.  It may die at any time; the supervisor starts it again.
+"""
+
+import argparse
+import asyncio
+import contextlib
+import json
+import os
+import pathlib
+import signal
+from collections.abc import Coroutine
+
+from drivers.ports.base import PortError
+from gateway.assembly import RunPlan, load_plan
+from gateway.cell_northbound import Northbound, place_of
+from gateway.image import fds_from_text
+from gateway.journal import Journal
+from gateway.northbound.journald import Journald, there
+from gateway.northbound.metrics import Metrics
+from gateway.northbound.snapshot import values
+from gateway.processes.supervisor import ask
+from gateway.realtime import die_with_parent
+from gateway.web.regions import Regions
+
+NICE = 19
+SAMPLE_S = 0.1
+STATUS_S = 2.0
+
+
+class Northside:
+    """Everything of one run."""
+
+    def __init__(self, plan: RunPlan, settings: Northbound, fds: dict[str, int]) -> None:
+        self.plan, self.settings = plan, settings
+        self.regions = Regions(plan, fds)
+        self.metrics = Metrics(self.regions)
+        self.journal = Journal(plan.journal, "northbound")
+        self._done = asyncio.Event()
+
+    async def run(self) -> None:
+        """Until SIGTERM."""
+        asyncio.get_running_loop().add_signal_handler(signal.SIGTERM, self._done.set)
+        while self.regions.axes.read() is None and not self._done.is_set():
+            await asyncio.sleep(SAMPLE_S)
+        self.regions.look()
+        tasks = [asyncio.create_task(part) for part in self._parts()]
+        for task in tasks:
+            task.add_done_callback(self._ended)
+        await self._done.wait()
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+        self.journal.close()
+
+    def _parts(self) -> list[Coroutine[object, object, None]]:
+        settings = self.settings
+        parts = [self._sample()]
+        if settings.mqtt is not None:
+            parts.append(self._mqtt())
+        if settings.opcua is not None:
+            parts.append(self._opcua())
+        if settings.metrics is not None:
+            parts += [self._serve_metrics(), self._ask_supervisor()]
+        if settings.journald:
+            parts.append(self._journald())
+        return parts
+
+    def _ended(self, task: "asyncio.Task[None]") -> None:
+        """One part broke: the whole process ends, and the supervisor starts it again."""
+        if not task.cancelled() and (error := task.exception()) is not None:
+            self.journal.write("alarm", f"northbound: {type(error).__name__}: {error}")
+            self._done.set()
+
+    async def _sample(self) -> None:
+        while True:
+            self.regions.look()
+            self.metrics.sample()
+            await asyncio.sleep(SAMPLE_S)
+
+    async def _mqtt(self) -> None:
+        from gateway.northbound.mqtt import MqttOut
+
+        assert self.settings.mqtt is not None
+        folder = pathlib.Path(self.plan.cell.file).parent
+        out = MqttOut(self.settings.mqtt, self.plan.slug, folder, asyncio.get_running_loop())
+        self.metrics.outbox = lambda: {
+            "connected": float(out.connected), "waiting": float(len(out.box)), "dropped_total": float(out.box.dropped)
+        }  # fmt: skip
+        out.start()
+        try:
+            while True:
+                out.tell(values(self.regions))
+                await asyncio.sleep(self.settings.period_ms / 1e3)
+        finally:
+            out.close()
+
+    async def _opcua(self) -> None:
+        from gateway.northbound.opcua import OpcuaOut
+
+        assert self.settings.opcua is not None
+        while not self.regions.status and not self._done.is_set():
+            await asyncio.sleep(SAMPLE_S)  # the doors are named by the services
+        out = OpcuaOut(self.settings.opcua, self.plan.slug, self.plan.cell.cell.name)
+        await out.start(values(self.regions))
+        try:
+            while True:
+                await out.tell(values(self.regions), stale=not self.regions.head()["cycle_alive"])
+                await asyncio.sleep(self.settings.period_ms / 1e3)
+        finally:
+            await out.stop()
+
+    async def _serve_metrics(self) -> None:
+        assert self.settings.metrics is not None
+        server = await self.metrics.serve(*place_of(self.settings.metrics.bind))
+        async with server:
+            await server.serve_forever()
+
+    async def _ask_supervisor(self) -> None:
+        while True:
+            with contextlib.suppress(OSError, ValueError, PortError):
+                self.metrics.processes = await asyncio.to_thread(self._processes)
+            await asyncio.sleep(STATUS_S)
+
+    def _processes(self) -> list[dict[str, object]]:
+        with ask(self.plan.slug, "status", 1.0) as connection:
+            told = json.loads(connection.makefile().readline())
+        return [each for each in told["processes"] if isinstance(each, dict)]
+
+    async def _journald(self) -> None:
+        out = Journald(self.plan.journal, self.plan.slug)
+        if not there():
+            self.journal.write("northbound", "no journald on this computer; the journal of the run is kept in its file")
+        try:
+            while True:
+                out.look()
+                await asyncio.sleep(SAMPLE_S)
+        finally:
+            out.close()
+
+
+def main(argv: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="axisgate northbound process", description="the northbound process; started by the supervisor")
+    parser.add_argument("--plan", type=int, required=True)
+    parser.add_argument("--fds", required=True)
+    arguments = parser.parse_args(argv)
+    die_with_parent(number=signal.SIGKILL)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    plan = load_plan(arguments.plan)
+    assert plan.cell.northbound is not None
+    os.nice(NICE)
+    asyncio.run(Northside(plan, plan.cell.northbound, fds_from_text(arguments.fds)).run())
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
