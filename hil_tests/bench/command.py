@@ -62,6 +62,12 @@ def modbus(arguments: argparse.Namespace) -> list[Figure]:
     return figures()
 
 
+def web(arguments: argparse.Namespace) -> list[Figure]:
+    from hil_tests.bench.web_bench import figures
+
+    return figures()
+
+
 BENCHES: dict[str, Callable[[argparse.Namespace], list[Figure]]] = {
     "cycle": cycle,
     "3964r": p3964r,
@@ -70,6 +76,7 @@ BENCHES: dict[str, Callable[[argparse.Namespace], list[Figure]]] = {
     "motion": motion,
     "route": route,
     "modbus": modbus,
+    "web": web,
 }
 
 

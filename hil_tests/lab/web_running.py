@@ -25,18 +25,42 @@ PAGES = ("overview", "axes", "motion", "signals", "lines", "bus", "events", "cel
 
 
 @dataclass
-class WebRun:
-    """One run and one browser."""
+class WebAsk:
+    """Requests without a browser."""
 
-    run: CellRun
     port: int
-    plc: S5Plc
-    browser: Browser
-    complaints: list[str] = field(default_factory=list)  # what pages wrote into the console
 
     @property
     def url(self) -> str:
         return f"http://127.0.0.1:{self.port}"
+
+    def ask(self, method: str, path: str, body: object = None, **headers: str) -> tuple[int, Any]:
+        """Status, and the answer's JSON."""
+        link = http.client.HTTPConnection("127.0.0.1", self.port, timeout=PATIENCE_S)
+        sent = {"content-type": "application/json", **{name.replace("_", "-"): value for name, value in headers.items()}}
+        link.request(method, path, json.dumps(body) if body is not None else None, sent)
+        answer = link.getresponse()
+        data = answer.read()
+        link.close()
+        with contextlib.suppress(ValueError):
+            return answer.status, json.loads(data)
+        return answer.status, data
+
+    def answers(self) -> bool:
+        """The page is there."""
+        with contextlib.suppress(OSError):
+            return self.ask("GET", "/api/health")[0] == 200
+        return False
+
+
+@dataclass
+class WebRun(WebAsk):
+    """One run and one browser."""
+
+    run: CellRun
+    plc: S5Plc
+    browser: Browser
+    complaints: list[str] = field(default_factory=list)  # errors in pages
 
     def context(self, *, dark: bool = False, tablet: bool = False) -> BrowserContext:
         """A browser of its own: no cookie of another."""
@@ -75,18 +99,6 @@ class WebRun:
         page.click("#send")
         page.wait_for_selector("#logout")
 
-    def ask(self, method: str, path: str, body: object = None, **headers: str) -> tuple[int, Any]:
-        """A request without a browser."""
-        link = http.client.HTTPConnection("127.0.0.1", self.port, timeout=PATIENCE_S)
-        sent = {"content-type": "application/json", **{name.replace("_", "-"): value for name, value in headers.items()}}
-        link.request(method, path, json.dumps(body) if body is not None else None, sent)
-        answer = link.getresponse()
-        data = answer.read()
-        link.close()
-        with contextlib.suppress(ValueError):
-            return answer.status, json.loads(data)
-        return answer.status, data
-
 
 def until(holds: Callable[[], bool], what: str, patience_s: float = PATIENCE_S) -> None:
     """Waits for a condition; an element that was being replaced is looked up again."""
@@ -111,15 +123,9 @@ def web_run(name: str = "web", *, p5_ms: int = 10) -> Iterator[WebRun]:
         playwright = stack.enter_context(sync_playwright())
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
         stack.callback(browser.close)
-        web = WebRun(run, port, plc, browser)
-        until(lambda: _answers(web), "the page answers")
+        web = WebRun(port, run, plc, browser)
+        until(web.answers, "the page answers")
         yield web
-
-
-def _answers(web: WebRun) -> bool:
-    with contextlib.suppress(OSError):
-        return web.ask("GET", "/api/health")[0] == 200
-    return False
 
 
 def pictures() -> pathlib.Path:
