@@ -1,4 +1,4 @@
-"""Measure: cycle, 3964r, emulator, drives, motion, modbus, route, or all (all rewrites docs/benchmarks.md)."""
+"""Measure: cycle, 3964r, emulator, drives, motion, modbus, route, web, or all (all rewrites docs/benchmarks.md)."""
 
 import argparse
 import datetime
