@@ -70,7 +70,7 @@ def first_page(web: WebAsk) -> list[Figure]:
             context = browser.new_context()
             page = context.new_page()
             answers: list[Response] = []
-            page.on("response", answers.append)
+            page.on("response", lambda answer, kept=answers: kept.append(answer))
             page.goto(f"{web.url}/overview")
             page.wait_for_selector("#state .chip")
             paints.append(float(page.evaluate(FIRST_PAINT)) / 1000.0)

@@ -125,9 +125,10 @@ function field(label, attributes) {
   return h("label", {}, label, h("input", { required: true, ...attributes }));
 }
 
-function login() {
+async function login() {
   const dialog = document.getElementById("dialog");
   if (dialog.open) return;
+  await whoami().catch(() => {}); // somebody else may have set the first password meanwhile
   const fresh = me.fresh;
   const form = h("form", { method: "dialog", onsubmit: async (event) => {
     event.preventDefault();

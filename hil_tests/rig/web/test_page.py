@@ -293,7 +293,7 @@ def test_every_page_is_pictured_readable_and_fits(web: WebRun, dark: bool) -> No
         page.evaluate("document.getElementById('toasts').replaceChildren()")
         for size, screen in (("desktop", DESKTOP), ("tablet", TABLET)):
             page.set_viewport_size(screen)
-            page.wait_for_timeout(150)  # the plot and the robot take their new size
+            page.wait_for_timeout(100)  # the plot and the robot take their new size
             page.screenshot(path=pictures() / f"{name}-{look}-{size}.png")
             assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), f"{name} is wider than a {size}"
         assert page.evaluate(CONTRAST) == [], f"{name}: text that cannot be read"
@@ -332,7 +332,7 @@ def test_schemathesis_finds_no_servers_fault(web: WebRun, boss: Page) -> None:
           headers: {'content-type': 'application/json', 'x-axisgate-csrf': me.csrf}}); return (await answer.json()).token; }"""
     )
     command = [sys.executable, "-m", "schemathesis.cli", "run", f"{web.url}/api/openapi.json", "--header", f"authorization: Bearer {token}"]
-    command += ["--checks", "not_a_server_error", "--seed", "1", "--max-examples", "3", "--max-time", "8", "--request-timeout", "20"]
+    command += ["--checks", "not_a_server_error", "--seed", "1", "--max-examples", "3", "--max-time", "5", "--request-timeout", "20"]
     command += ["--exclude-path", "/api/logout", "--phases", "coverage,fuzzing", "--warnings", "off", "--no-color", "--no-shrink"]
     found = subprocess.run(command, capture_output=True, text=True, timeout=100, check=False)
     assert found.returncode == 0, found.stdout[-3000:] + found.stderr[-1000:]

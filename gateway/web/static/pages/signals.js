@@ -73,17 +73,18 @@ export function mount(root, { t, get, post, may, live }) {
   }
   function show(row) {
     chosen = row.id;
-    detail.replaceChildren(h("h2", {}, row.name), h("p", {}, row.en ? t("en") === "de" ? row.de : row.en : ""),
+    const parts = [h("h2", {}, row.name), h("p", {}, row.en ? t("en") === "de" ? row.de : row.en : ""),
       h("p", { class: "mono small" }, row.addresses.join("   ")),
       row.source === "axisgate" ? h("p", { class: "soft" }, t("The number is axisgate's own (AX-002).")) : null,
       h("p", {}, `${t("written by")}: ${row.door || t("nobody")}`),
-      h("h2", {}, t("Where used")), row.used.length ? h("ul", {}, row.used.map((use) => h("li", {}, use))) : h("p", { class: "soft" }, t("nowhere in this cell")));
+      h("h2", {}, t("Where used")), row.used.length ? h("ul", {}, row.used.map((use) => h("li", {}, use))) : h("p", { class: "soft" }, t("nowhere in this cell"))];
+    detail.replaceChildren(...parts.filter(Boolean));
   }
   async function find() {
     try {
       const told = await get(`/api/signals?q=${encodeURIComponent(search.value)}&group=${encodeURIComponent(group)}`);
       rows = told.rows;
-      put(found, `${told.total} ${t("values")}${told.total > rows.length ? `, ${rows.length} ${t("shown")}` : ""}`);
+      put(found, `${t("found")}: ${told.total}${told.total > rows.length ? `, ${rows.length} ${t("shown")}` : ""}`);
       table.update(rows);
       table.element.classList.toggle("nowords", !rows.some((row) => row.kind === "word"));
       live.page("signals", rows.map((row) => row.id));
