@@ -88,7 +88,14 @@ class PlannerProcess:
             self.programs.prepare(standing)
         moving = state.motion is not Motion.IDLE
         pieces = self.programs.turn(
-            records, state.generation, state.piece, standing, moving=moving, taken=state.taken, failed=state.failed_job
+            records,
+            state.generation,
+            state.piece,
+            standing,
+            moving=moving,
+            taken=state.taken,
+            failed=state.failed_job,
+            parts=state.parts,
         )
         self._tell(self.programs.state)
         self.region.write(pack_planner(self.programs.state), now)  # a fault's words are there before the cycle hears of it

@@ -4,7 +4,8 @@ from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from gateway.pure.plannerrecords import VOID, SwitchAt
+from gateway.pure.plannerrecords import VOID, SwitchAt, UntilInput
+from gateway.pure.records import InputImage, Quality
 
 REACHED = 1e-9  # s at full speed
 
@@ -17,11 +18,14 @@ class ProgramRun:
     begun: bool = False
     complete: bool = False
     switches: deque[SwitchAt] = field(default_factory=deque)  # outputs to come, in the order of the way
+    until: UntilInput | None = None  # the part under way ends with it
+    met: bool = False  # it did: what still comes of the part is dropped
+    rests: bool = False  # nothing more comes of the part
 
     def order(self, job: int) -> None:
         """From now on pieces of this job are taken."""
         self.job, self.begun, self.complete = job, False, False
-        self.switches.clear()
+        self.part_over()
 
     def clear(self) -> None:
         """It is over: what still comes of it is dropped."""
@@ -31,6 +35,16 @@ class ProgramRun:
     def waits(self) -> bool:
         """More of it has to come before it is done."""
         return self.job != 0 and not self.complete
+
+    def part_over(self) -> None:
+        """The next part begins from rest."""
+        self.until, self.met, self.rests = None, False, False
+        self.switches.clear()
+
+    def sees(self, inputs: InputImage) -> bool:
+        """The input the part ends with has its value; an input that is not good has none."""
+        until = self.until
+        return until is not None and inputs.quality[until.number >> 3] == Quality.GOOD and inputs.bit(until.number) is until.level
 
     def switch(self, entry: SwitchAt) -> None:
         """One more output to come."""

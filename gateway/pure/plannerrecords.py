@@ -93,6 +93,8 @@ class Part(IntEnum):
     LAST = 2  # the job ends where the pieces before end
     FAULT = 3  # a block of the job cannot be run: it is over where the pieces before end
     OUTPUT = 4  # an RC output changes at a place of a piece that follows (SwitchAt)
+    UNTIL = 5  # the part that follows ends when an input has a value (UntilInput)
+    REST = 6  # the part ends where the pieces before end; the next one begins where the axes stand then
 
 
 _PIECE = struct.Struct("=II QQ")
@@ -121,14 +123,32 @@ class SwitchAt:
     value: bool = False
 
 
+@dataclass(frozen=True, slots=True)
+class UntilInput:
+    """RC input `number` has this value."""
+
+    number: int
+    level: bool
+
+
 VOID = -1
-_SWITCH = struct.Struct("=Qdi?")
+_SWITCH, _UNTIL = struct.Struct("=Qdi?"), struct.Struct("=i?")
 
 
 def switch_record(job: int, generation: int, switch: SwitchAt) -> PieceRecord:
     """As a record of the pieces ring."""
     body = _SWITCH.pack(switch.piece, switch.after, switch.number, switch.value)
     return PieceRecord(Part.OUTPUT, job, generation, body.ljust(RECORD_SIZE, b"\0"))
+
+
+def until_record(job: int, generation: int, until: UntilInput) -> PieceRecord:
+    """As a record of the pieces ring."""
+    return PieceRecord(Part.UNTIL, job, generation, _UNTIL.pack(until.number, until.level).ljust(RECORD_SIZE, b"\0"))
+
+
+def until_of(record: PieceRecord) -> UntilInput:
+    """The reverse of until_record."""
+    return UntilInput(*_UNTIL.unpack_from(record.piece))
 
 
 def switch_of(record: PieceRecord) -> SwitchAt:

@@ -5,13 +5,30 @@ as enough is known; or it is a program of the cell (RUN), which is read whole an
 to the cycle (AX-322).  A fault in a block ends the job, and what was handed on before ends at rest.
 """
 
+from collections import deque
 from collections.abc import Callable, Container, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
-from gateway.pure.plannerrecords import AHEAD, VOID, BlockRecord, Part, PieceRecord, PlannerState, Say, SwitchAt, run_of, switch_record
+from gateway.pure.plannerrecords import (
+    AHEAD,
+    VOID,
+    BlockRecord,
+    Part,
+    PieceRecord,
+    PlannerState,
+    Say,
+    SwitchAt,
+    UntilInput,
+    run_of,
+    switch_record,
+    until_record,
+)
+from gateway.pure.records import RC_BYTES
 from motion.errors import MotionError
+from motion.planner.marks import check_outputs
 from motion.planner.planner import Planner
 from motion.planner.robot import Machine
+from motion.planner.route import Route
 from motion.program.blocks import Block
 from motion.program.errors import BlockError, TextError
 from motion.program.factors import FULL, Factors
@@ -21,6 +38,11 @@ from motion.timed import encode_timed
 QUIET_TURNS = 6  # turns without a new block after which what is known is run
 ALWAYS = 1 << 62
 OUTPUTS_ARE = "programs switch RC outputs to 0 or 1, and none that axisgate itself writes (ready, drives on, in position ..)"
+
+
+def _moved(error: BlockError, blocks: int) -> BlockError:
+    """The same fault, so many blocks later in the program."""
+    return BlockError(error.what, code=error.code, block=error.block + blocks, axis=error.axis, source=error.source)
 
 
 def _no_programs(number: int) -> str:
@@ -48,6 +70,12 @@ class Programs:
     _ended: bool = False
     _last_id: int = 0  # of the pieces handed on
     _at: int = 0  # last piece of the job the cycle was seen on; 0: it has not begun
+    _trial: Route | None = None  # of the blocks behind the first one that ends with an input
+    _tried: int = 0  # blocks before those
+    _later: deque[list[Block]] = field(default_factory=deque)  # parts to come
+    _handed: bool = False  # the part under way is handed on whole, and another one follows
+    _parts: int = 0  # over, as the cycle counts them
+    _before: int = 0  # blocks before the part under way
     _begins: dict[int, float] = field(default_factory=dict)  # piece -> tau
     _spare: int = 1  # ids go on over jobs: a chain never meets an older number
 
@@ -61,9 +89,11 @@ class Programs:
         moving: bool,
         taken: int = ALWAYS,
         failed: int = 0,
+        parts: int = 0,
     ) -> list[PieceRecord]:
         """records: new ones; the rest is the cycle's: its generation, the piece under way (0: none), where the axes stand, whether they
-        move, the last order it took (nothing is handed on before it knows of the job), the job that failed last."""
+        move, the last order it took (nothing is handed on before it knows of the job), the job that failed last, the number of parts
+        that are over."""
         if generation != self.generation:
             self.generation = generation
             self._drop()
@@ -72,6 +102,9 @@ class Programs:
         self._quiet += 1
         for record in records:
             self._heard(record, standing)
+        if self.state.job and self._handed and parts != self._parts:
+            self._next_part(standing)
+        self._parts = parts
         self._plan(piece, moving, taken)
         out, self._out = self._out, []
         return out
@@ -99,6 +132,8 @@ class Programs:
         self.state = PlannerState(job=job, failed_job=self.state.failed_job)
         self._reader, self._planner, self._factors, self._ended = Reader(), None, FULL, False
         self._lines, self._line_of, self._at = None, [], 0
+        self._trial, self._handed, self._before = None, False, 0
+        self._later.clear()
 
     def _obey(self, record: BlockRecord, standing: Sequence[float]) -> None:
         if record.say is Say.RUN:
@@ -120,16 +155,58 @@ class Programs:
             planner = self._planner = self._planner or self._made(standing)
             self._line_of.append(line)
             self._check(block)
-            planner.add(block)
+            self._add(planner, block)
 
     def _check(self, block: Block) -> None:
         """What the cell itself, and not the robot, refuses."""
         number = len(self._line_of)
-        if block.until is not None:
-            raise BlockError(f"until={block.until.number}: a cell does not watch inputs during a block yet", block=number)
+        if block.until is not None and (self._lines is None or block.until.number not in range(8 * RC_BYTES)):
+            raise BlockError(f"until={block.until.number}: an RC input is needed, in a program of the cell", block=number)
         for output in block.outputs:
             if output.number not in self.outputs or output.value not in (0.0, 1.0):
                 raise BlockError(f"output {output.number}:{output.value:g}: {OUTPUTS_ARE}", block=number)
+
+    def _add(self, planner: Planner, block: Block) -> None:
+        """A block that ends with an input is a part of its own: where the next one begins is known only then.  What comes after is tried as
+        if the block had reached its target."""
+        if self._trial is None and block.until is None:
+            planner.add(block)
+            return
+        if self._trial is None:
+            planner.finish()
+            self._trial, self._tried = Route(planner.machine, planner.standing), len(self._line_of) - 1
+        alone = block.until is not None or not self._later or self._later[-1][-1].until is not None
+        try:
+            if alone:
+                self._trial.finish()
+            self._trial.add(block)
+            if block.until is not None:
+                self._trial.finish()
+            for stretch in self._trial.take():
+                check_outputs(stretch)
+        except BlockError as error:
+            raise _moved(error, self._tried) from error
+        if alone:
+            self._later.append([])
+        self._later[-1].append(block)
+
+    def _next_part(self, standing: Sequence[float]) -> None:
+        """The axes rest, wherever the part before ended."""
+        blocks = self._later.popleft()
+        self._begins.clear()
+        self._at, self._handed = 0, False
+        self._before += self._planner.added if self._planner is not None else 0
+        try:
+            planner = self._planner = self._made(standing)
+            for block in blocks:
+                planner.add(block)
+            planner.finish()
+        except BlockError as error:
+            self._fail(_moved(error, self._before))
+            return
+        until = blocks[0].until
+        if until is not None:
+            self._out.append(until_record(self.state.job, self.generation, UntilInput(until.number, until.value)))
 
     def _end(self) -> None:
         self._ended = True
@@ -179,7 +256,7 @@ class Programs:
     # ---- what is handed on ---------------------------------------------------------------------------------------------------
     def _plan(self, piece: int, moving: bool, taken: int) -> None:
         planner, state = self._planner, self.state
-        if not state.job or self._lines is not None or taken < state.job:
+        if not state.job or self._lines is not None or taken < state.job or self._handed:
             return
         if planner is None:
             if self._ended and not state.ended:  # a program without blocks
@@ -198,12 +275,21 @@ class Programs:
         for number in [number for number in self._begins if number < self._at - 1]:
             del self._begins[number]
         block, share = planner.place(tau)
-        last = self._ended and not planner.open and not state.ended
+        over = self._ended and not planner.open and not state.ended
+        last = over and not self._later
+        if over and self._later:
+            self._handed = True
+            self._out.append(PieceRecord(Part.REST, state.job, self.generation))
         if last:
             self._out.append(PieceRecord(Part.LAST, state.job, self.generation))
         new = len(self._out) - before
         self.state = replace(
-            self.state, block=block, share=share, waiting=planner.waiting, handed=state.handed + new, ended=state.ended or last
+            self.state,
+            block=self._before + block,
+            share=share,
+            waiting=planner.waiting,
+            handed=state.handed + new,
+            ended=state.ended or last,
         )
         if self.state.ended and not moving and piece in (0, self._last_id) and not new:
             self.state = replace(self.state, job=0)

@@ -90,14 +90,16 @@ class CellState:
     services_lost: int = 0  # times the services' life stood still
     piece: int = 0  # id of the planner's piece under way, 0: none
     compute_ns: int = 0  # time of the last cycle from the last actual value to set values ready
+    parts: int = 0  # parts of programs that are over: the axes rest, and the planner goes on from where they stand
     axes: list[AxisState] = field(default_factory=lambda: [AxisState() for _ in range(AXES)])
 
 
 STATE_NAMES = (
     "cycle", "sync_ns", "generation", "motion", "override", "job", "progress", "done_job", "failed_job", "failed_reason", "taken",
     "emergency", "ready", "permits", "stop_cause", "skipped", "incomplete", "late", "services_lost", "piece", "compute_ns",
+    "parts",
 )  # fmt: skip
-STATE_HEAD = struct.Struct("=QqQBdQdQQHQBBBHQQQQQQ")
+STATE_HEAD = struct.Struct("=QqQBdQdQQHQBBBHQQQQQQQ")
 STATE_AXIS = struct.Struct("=dddddHHBH")  # flags, fault code (CiA 402: 16 bits), power, finding
 CELL_STATE_SIZE = STATE_HEAD.size + AXES * STATE_AXIS.size
 CELL_STATE_LAYOUT = f"cell-state/1 {STATE_HEAD.format} {AXES}x{STATE_AXIS.format}"

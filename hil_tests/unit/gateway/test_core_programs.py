@@ -4,6 +4,7 @@ A program is ordered by a door (office), its order reaches the cycle, and only t
 """
 
 from dataclasses import replace
+from itertools import pairwise
 
 import pytest
 
@@ -64,7 +65,14 @@ class WithPlanner:
                 self.programs.prepare(standing)
             moving = state.motion is not Motion.IDLE
             self.held += self.programs.turn(
-                said, state.generation, state.piece, standing, moving=moving, taken=state.taken, failed=state.failed_job
+                said,
+                state.generation,
+                state.piece,
+                standing,
+                moving=moving,
+                taken=state.taken,
+                failed=state.failed_job,
+                parts=state.parts,
             )
             office.planner = self.programs.state
         for record in self.held[:2]:
@@ -310,7 +318,7 @@ def test_outputs_of_a_program_switch_where_the_set_values_pass_their_places(both
     assert seen[-1][1:] == (False, True) and all(not after for place, _, after in seen if place < 60.0 - 1e-9)
 
 
-@pytest.mark.parametrize(("key", "words"), [("out=66:1", "output 66"), ("out=400:2", "output 400"), ("until=7", "until=7")])
+@pytest.mark.parametrize(("key", "words"), [("out=66:1", "output 66"), ("out=400:2", "output 400"), ("until=1024", "until=1024")])
 def test_what_the_cell_cannot_do_for_a_program_is_refused_before_anything_moves(both: WithPlanner, key: str, words: str) -> None:
     job = both.order(f"ptp joints {joints(20)} {key}")
     assert both.still(0.2) and (job.state, job.reason) == (CommandState.REFUSED, Reason.PROGRAM_FAULT) and words in job.detail
@@ -323,6 +331,55 @@ def test_outputs_of_a_program_that_was_abandoned_do_not_switch_later(both: WithP
     both.cell.settle(both.cell.give(Code.ABANDON))
     assert both.finished(both.order(f"ptp joints {joints(60)}")).state is CommandState.DONE
     assert job.reason is Reason.ABANDONED and not get_bit(both.cell.core.outputs, 400)
+
+
+PROBE = 300  # an RC input
+
+
+def test_a_block_ends_when_its_input_comes_and_the_next_begins_where_the_axes_stand(both: WithPlanner) -> None:
+    both.cell.permit(PROBE, value=False)
+    seen: list[float] = []
+    each = both.cell.each
+
+    def look() -> None:
+        seen.append(both.places()[0])
+        each()
+
+    both.cell.each = look
+    job = both.order(f"ptp joints {joints(6)}", f"ptp joints {joints(90)} until={PROBE}", f"ptp joints {joints(10)} out=400:1")
+    for _ in range(2000):
+        both.cell.cycle()
+        if both.places()[0] > 15.0:
+            break
+    both.cell.permit(PROBE)
+    assert both.finished(job).state is CommandState.DONE and both.at(10.0) and get_bit(both.cell.core.outputs, 400)
+    assert 15.0 < max(seen) < 85.0, "it stopped on its way"
+    assert max(abs(b - a) for a, b in pairwise(seen)) < 1.0, "without a jump"
+
+
+def test_an_input_that_never_comes_lets_the_block_reach_its_target(both: WithPlanner) -> None:
+    both.cell.permit(PROBE, value=False)
+    job = both.order(f"ptp joints {joints(20)} until={PROBE} out=400:1", f"ptp joints {joints(30)} until={PROBE}")
+    assert both.finished(job).state is CommandState.DONE and both.at(30.0) and get_bit(both.cell.core.outputs, 400)
+
+
+def test_an_input_that_stands_already_lets_nothing_move(both: WithPlanner) -> None:
+    both.cell.permit(PROBE, value=False)
+    before = both.places()
+    job = both.order(f"ptp joints {joints(60)} until=!{PROBE} out=400:1")
+    assert both.finished(job).state is CommandState.DONE and both.places() == before
+    assert not get_bit(both.cell.core.outputs, 400), "its end was not reached"
+
+
+def test_an_input_nobody_writes_has_no_value(both: WithPlanner) -> None:
+    assert both.finished(both.order(f"ptp joints {joints(8)} until=!{PROBE}")).state is CommandState.DONE and both.at(8.0)
+
+
+def test_blocks_behind_one_that_ends_with_an_input_are_tried_before_anything_moves(both: WithPlanner) -> None:
+    both.cell.permit(PROBE, value=False)
+    job = both.order(f"ptp joints {joints(20)}", f"ptp joints {joints(30)} until={PROBE}", "# far", f"ptp joints {joints(1e5)}")
+    assert both.still(0.3) and (job.state, job.reason) == (CommandState.REFUSED, Reason.PROGRAM_FAULT)
+    assert "line 5: block 3, axis A1" in job.detail
 
 
 def test_no_move_begins_beside_a_program_that_is_prepared(both: WithPlanner) -> None:
