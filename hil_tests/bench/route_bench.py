@@ -62,6 +62,13 @@ class _Ear:
                         self._last = frame.data[VALUE]
                         self.first[self._last] = frame.stamp_ns
 
+    def wait(self, value: int) -> None:
+        """The frame is on the bus before the client reads it back; this thread may be later."""
+        end = time.monotonic() + 5.0
+        while value not in self.first:
+            assert time.monotonic() < end, f"value {value} was never seen on the bus"
+            time.sleep(0.001)
+
     def close(self) -> None:
         self._stop.set()
         self._thread.join(5)
@@ -85,6 +92,7 @@ def _rounds(run: JoinedRun, rounds: int, p5_ms: int, chance: random.Random) -> t
                     if time.monotonic_ns() - began > 1_000_000_000:
                         raise AssertionError(f"value {value} did not come back within 1 s\n{run.words()}")
                 ended = time.monotonic_ns()
+                ear.wait(value)
                 back.append((ended - began) / period)
                 out.append((ear.first[value] - began) / period)
     finally:

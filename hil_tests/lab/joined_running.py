@@ -68,7 +68,16 @@ class JoinedRun:
                 self.process.wait()
 
     def ask(self, **request: object) -> dict[str, Any]:
-        """One request to the services."""
+        """One request to the services; they may be starting (again)."""
+        end = time.monotonic() + LIMIT_S
+        while True:
+            try:
+                return self._ask(request)
+            except (OSError, ValueError):
+                assert time.monotonic() < end, f"the services do not answer\n{self.words()}"
+                time.sleep(0.05)
+
+    def _ask(self, request: dict[str, object]) -> dict[str, Any]:
         with socket.socket(socket.AF_UNIX) as connection:
             connection.settimeout(5)
             connection.connect(str(runtime_dir() / f"{self.name}-services.sock"))
@@ -77,10 +86,8 @@ class JoinedRun:
             return found
 
     def value(self, address: str) -> Any:
-        """As `axisgate var` reads it; None while the services do not answer."""
-        with contextlib.suppress(OSError, ValueError):
-            return self.ask(op="get", address=address).get("value")
-        return None
+        """As `axisgate var` reads it."""
+        return self.ask(op="get", address=address).get("value")
 
     def until(self, condition: Callable[[], object], what: str, limit_s: float = LIMIT_S) -> None:
         """Waits; an AssertionError with the run's words when it does not come."""

@@ -76,20 +76,25 @@ def test_contacts_of_a_coupler_follow_the_cell_and_the_watchdog_stands_with_the_
 
         refused = run.ask(op="force", name="watchdog", value=1)
         assert "never forced" in refused["error"]
-        lamp = coupler.outputs() >> 9 & 1
-        run.ask(op="force", name="lamp", value=1 - lamp, seconds=30)
-        run.until(lambda: coupler.outputs() >> 9 & 1 == 1 - lamp, "the lamp is forced")
+
+        def lamp() -> int:
+            return coupler.outputs() >> 9 & 1
+
+        run.ask(op="force", name="lamp", value=0, seconds=30)
+        run.until(lambda: not lamp(), "the lamp is forced out")
+        run.ask(op="force", name="lamp", value=1, seconds=30)
+        run.until(lamp, "the lamp is forced on")
         run.ask(op="force", name="lamp", value=None)
-        run.until(lambda: coupler.outputs() >> 9 & 1 == lamp, "and free again")
+        run.until(lambda: lamp() == run.value("cell.error"), "and free again")
 
         pid = cycle_pid(run)
+        run.process.send_signal(signal.SIGSTOP)  # the supervisor: it would bury the cycle at once
         os.kill(pid, signal.SIGSTOP)
         try:
-            run.until(
-                lambda: coupler.outputs() & 0b11 == 0 and coupler.outputs() >> 9 & 1 == 1, "without a cycle outputs fall by themselves"
-            )
+            run.until(lambda: coupler.outputs() & 0b11 == 0 and lamp(), "without a cycle outputs fall by themselves")
             assert not toggles(coupler), "the watchdog stands"
         finally:
+            run.process.send_signal(signal.SIGCONT)
             with contextlib.suppress(ProcessLookupError):  # the supervisor was quicker
                 os.kill(pid, signal.SIGCONT)
         run.until(lambda: contact(run, "door")["quality"] == "GOOD", "everything is back", 40.0)
