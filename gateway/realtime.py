@@ -79,11 +79,11 @@ class Alarm:
     """Wakes on the instants of a grid: asleep as long as it can be, awake for the rest.
 
     How long it has to be awake is learned: an instant missed by some microseconds is answered by waking earlier from then on, one that
-    is met by waking a little later, so that SHRINK / (GROW + SHRINK) of them, 2 %, are missed (AX-433).
+    is met by waking a little later, so that SHRINK / (GROW + SHRINK) of them, 1 %, are missed (AX-433).
     """
 
     FIRST_NS, LONGEST_NS, SHORTEST_NS = 60_000, 120_000, 5_000
-    GROW_NS, SHRINK_NS = 4_000, 80
+    GROW_NS, SHRINK_NS = 4_000, 40
 
     def __init__(self) -> None:
         self.ahead_ns = self.FIRST_NS

@@ -15,7 +15,7 @@ class ServodynFamily:
         self.codec = codec
         self.aside: list[Frame] = []
         self._axes = tuple(axes)
-        self._indices = {module: index for index, module in axes}
+        self._readers = {codec.actual_id(module): (index, codec.reader(module)) for index, module in axes}
 
     @property
     def expected(self) -> int:
@@ -34,11 +34,11 @@ class ServodynFamily:
 
     def hear(self, frame: Frame) -> Heard | None:
         """The actual value of an axis; raises DecodeError for a frame this bus does not have."""
-        module, actual = self.codec.decode_actual(frame)
-        index = self._indices.get(module)
-        if index is None:
+        known = self._readers.get(frame.identifier)
+        if known is None:
+            module, _ = self.codec.decode_actual(frame)
             raise DecodeError(f"identifier {frame.identifier}: module {module} has no axis in this cell")
-        return Heard(index, actual)
+        return Heard(known[0], known[1](frame.data))
 
     def release(self, node: int, mode: int) -> None:
         """Boosters need no start-up."""

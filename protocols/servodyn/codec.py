@@ -1,6 +1,6 @@
 """Set values and actual values of SERVODYN-GC drives; the layouts say which bit is which (default AX-001, not verified on hardware)."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 from protocols.base.errors import DecodeError, EncodeError
@@ -61,6 +61,7 @@ class Codec:
         self.axes = tuple(sorted(self._set_packers))
         if not faults and self.axes != tuple(sorted(self._actual_packers)):
             faults.append(f"SET_n of {list(self.axes)} but ACT_n of {sorted(self._actual_packers)}: every axis needs both")
+        self._readers = {axis: _reader(packer) for axis, packer in self._actual_packers.items()}
         identifiers = [SYNC_ID, *self._set_ids.values(), *self._actual_ids.values()]
         if len(set(identifiers)) != len(identifiers):
             faults.append("an identifier stands twice among SYNC, SET_n and ACT_n")
@@ -90,10 +91,29 @@ class Codec:
         place = self._actual_axes.get(frame.identifier)
         if place is None:
             raise DecodeError(f"identifier {frame.identifier} is no actual value of this bus: {frame.data.hex(' ')}")
-        values = place[1].unpack(frame.data)
-        if place[1].flags < ACTUAL_FLAGS:  # a layout of somebody's own with wider ones: 1 counts
-            values[:ACTUAL_FLAGS] = [value == 1 for value in values[:ACTUAL_FLAGS]]
-        return place[0], ActualValue._make(values)
+        return place[0], self._readers[place[0]](frame.data)
+
+    def actual_id(self, axis: int) -> int:
+        """Identifier of the actual values of module 1..6; KeyError where there is none."""
+        return self._actual_ids[axis]
+
+    def reader(self, axis: int) -> Callable[[bytes], ActualValue]:
+        """Decodes what this module says; DecodeError as `decode_actual`."""
+        return self._readers[axis]
+
+
+def _reader(packer: Packer) -> Callable[[bytes], ActualValue]:
+    unpack = packer.unpack
+
+    def read(data: bytes) -> ActualValue:
+        return ActualValue._make(unpack(data))
+
+    def read_wider(data: bytes) -> ActualValue:
+        """A layout of somebody's own with flags of more bits than one: 1 counts."""
+        values = unpack(data)
+        return ActualValue._make([*(value == 1 for value in values[:ACTUAL_FLAGS]), *values[ACTUAL_FLAGS:]])
+
+    return read if packer.flags >= ACTUAL_FLAGS else read_wider
 
 
 def _side(

@@ -7,7 +7,9 @@ from hypothesis import strategies as st
 
 from gateway.dbcfile import load_layouts
 from gateway.files import find_config
+from hil_tests.lab.bus_recording import layout
 from hil_tests.lab.servodyn_bus import CODEC
+from protocols.base.dbc import compile_dbc
 from protocols.base.errors import DecodeError, EncodeError
 from protocols.base.machine import Frame
 from protocols.servodyn.codec import ActualValue, Codec, SetValue
@@ -135,3 +137,20 @@ def test_an_axis_with_set_values_only_is_refused() -> None:
 
 def test_the_file_says_that_nobody_verified_it_on_hardware() -> None:
     assert "not verified on hardware" in FILE.read_text() and "axisgate's own" in FILE.read_text()
+
+
+def test_flags_of_a_layout_of_somebodys_own_may_have_more_bits_than_one() -> None:
+    """Two bits for ready: only 1 is ready; what was seen before does not hide what comes next."""
+    text = "ready 0|2+,power_on 2|1+,enabled 3|1+,fault 4|1+,warning 5|1+,limit_active 6|1+,reference_switch 7|1+,brake_open 8|1+,"
+    actual = text + "fault_code 12|4+,position_inc 16|32-,torque_permille 48|16-"
+    sets = "enable 0|1+,drive_on 1|1+,limit_switch 2|1+,fault_reset 3|1+,brake_open 4|1+,life 8|8+,position_inc 16|32-,speed_rpm 48|16-"
+    codec = Codec(compile_dbc(layout(sets, actual)))
+    for low, ready in ((1, True), (0, False), (2, False), (3, False), (1, True)):
+        axis, value = codec.decode_actual(Frame(610, bytes((low | 0x0C, 0x51, 7, 0, 0, 0, 0xFE, 0xFF))))
+        assert (axis, value.ready, value.enabled, value.brake_open, value.fault_code) == (1, ready, True, True, 5)
+        assert (value.position_inc, value.torque_permille) == (7, -2)
+        assert value.ready is ready
+    values = SetValue(enable=True, drive_on=True, life=9, position_inc=-5)
+    assert codec.decode_set(codec.encode_set(2, values)) == (2, values)
+    with pytest.raises(EncodeError, match="life = 256 is outside 0..255"):
+        codec.encode_set(2, values._replace(life=256))
