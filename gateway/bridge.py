@@ -103,6 +103,19 @@ class Bridge:
         lost = [route.settings.name for route in routes if not route.valid]
         return {"routes": {"count": len(routes), "lost": lost[:8], "misfits": sum(route.misfits for route in routes)}} if routes else {}
 
+    def told(self, name: str) -> dict[str, object] | None:
+        """`io.NAME` and `route.NAME` for tools; None: it is neither."""
+        kind, _, rest = name.partition(".")
+        contacts = self._services.contacts
+        if kind == "io" and rest in contacts.by_name:
+            said = contacts.said[contacts.by_name[rest]]
+            return {"value": int(said.value), "quality": said.quality.name}
+        route = next((route for route in self.table.routes if kind == "route" and route.settings.name == rest), None)
+        if route is None:
+            return None
+        value = "never written" if route.value is None else route.value
+        return {"value": value, "valid": route.valid, "life": route.life, "misfits": route.misfits}
+
     # ---- where values come from --------------------------------------------------------------------------------------
     def _reader(self, place: Place) -> Read:
         match place.world:

@@ -565,11 +565,8 @@ class Cell:
     def notes(self) -> tuple[Notice, ...]:
         return tuple(notice for notice in self.notices if notice.level == "note")
 
-    def not_playable(self, *, simulated: bool = False) -> list[str]:
-        """What this file asks for and `run` cannot play yet, each by its key; empty: all of it runs.
-
-        `simulated`: contacts of I/O couplers are left out, nothing is wired to them.
-        """
+    def not_playable(self) -> list[str]:
+        """What this file asks for and `run` cannot play yet, each by its key; empty: all of it runs."""
         reasons = [f"{key} = {value}" for key, value, played in self._choices() if value not in played]
         reasons += [f"db.{db.number}[{entry.at}] = {entry.signal}" for db in self.db for entry in db.entries if not _served(entry.signal)]
         if self.robot is not None and self.program and self.robot.kinematics not in PLANNED_KINEMATICS:  # nothing else asks for them

@@ -175,6 +175,9 @@ class Variables:
         return [*self._services.values.names(), *self._services.named.names(), *(control.names() if control is not None else ())]
 
     def _named(self, text: str, name: str) -> dict[str, object]:
+        joined = self._services.bridge.told(name)
+        if joined is not None:
+            return {"address": text, "place": name, **joined}
         values, control = self._services.values, self._services.signals.control
         if control is not None and name in control.names():
             return {"address": text, "place": name, "value": control.value(name)}

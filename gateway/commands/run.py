@@ -80,7 +80,7 @@ def why_not(cell: Cell, *, simulated: bool, p5: int | None) -> str:
     """Empty, or why this cell cannot be played here."""
     if p5 is not None and not 2 <= p5 <= 32:
         return f"--p5 {p5}: the clock is 2..32 ms (drives on CAN, rho3 P5)"
-    missing = cell.not_playable(simulated=simulated or cell.cell.target == "simulation")
+    missing = cell.not_playable()
     if missing:
         return "this version cannot play: " + "; ".join(missing)
     if not cell.axis:

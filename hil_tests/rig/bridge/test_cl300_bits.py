@@ -36,3 +36,5 @@ def test_a_cl300_sees_its_bits_go_over_can_blocks_and_a_lost_coupling_is_marked(
         run.until(lambda: [run.value(f"A 3.{bit}") for bit in range(5)] == [0] * 5, "a silent CL300 allows nothing")
         plc.speaking = True
         run.until(lambda: run.value("A 3.0") == 1 and seen(1) == 9, "it is back")
+        told = run.ask(op="get", address="route.echo")
+        assert told["value"] == 9.0 and told["valid"] and told["life"] > 0

@@ -49,4 +49,4 @@ def test_a_dcf_that_maps_the_controlword_twice_is_refused_with_both_places() -> 
 
 
 def test_the_shipped_cells_have_no_collision() -> None:
-    assert load_cell("demo-402").not_playable() == [] and load_cell("s5-rk512").not_playable(simulated=True) == []
+    assert load_cell("demo-402").not_playable() == [] and load_cell("s5-rk512").not_playable() == []

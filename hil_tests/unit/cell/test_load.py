@@ -52,7 +52,6 @@ def test_shipped_cells_are_valid(name: str) -> None:
 def test_the_demo_cell_plays_and_the_examples_say_what_does_not() -> None:
     assert load_cell("demo").not_playable() == []
     assert load_cell("s5-rk512").not_playable() == []
-    assert load_cell("s5-rk512").not_playable(simulated=True) == []
     assert load_cell("rho3-servodyn").not_playable() == []
 
 
