@@ -17,6 +17,7 @@ from gateway.telegramtables import named_values
 AXIS_FIELDS = ("actual", "set", "lag", "speed", "torque", "enabled", "referenced", "in_position", "fault")
 CELL_FIELDS = ("ready", "drives_on", "emergency_stop", "error", "life", "override", "motion")
 MOST = 200  # rows of one answer
+TOLD = 16  # places of use told in a row, and searched by
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,8 +43,8 @@ class Entry:
 
     def row(self) -> dict[str, object]:
         """For the page."""
-        names = ("id", "group", "name", "addresses", "kind", "type", "unit", "en", "de", "source", "door", "used", "forcible")
-        return {name: getattr(self, name) for name in names}
+        names = ("id", "group", "name", "addresses", "kind", "type", "unit", "en", "de", "source", "door", "forcible")
+        return {**{name: getattr(self, name) for name in names}, "used": self.used[:TOLD], "used_more": max(0, len(self.used) - TOLD)}
 
 
 class Names:
@@ -89,7 +90,8 @@ class Names:
         number, signal = place.number, self.signals.at(place)
         inward = place.direction is Direction.INPUT
         table = f"{number + 1:05d}" if inward else f"{10001 + number}"
-        addresses = (f"{'RCI' if inward else 'RCO'} {number}", pic(place), table, *(signal.also if signal else ()))
+        register = str((40001 if inward else 30001) + number // 16)  # AX-012: word r is bytes 2r and 2r+1
+        addresses = (f"{'RCI' if inward else 'RCO'} {number}", pic(place), table, register, *(signal.also if signal else ()))
         owner = self.cell.rc_inputs.owner.get(number >> 3, "") if inward else "cycle"
         name = signal.name if signal else f"{'RC input' if inward else 'RC output'} {number}"
         used = self._used.get(f"{prefix}:{number}", ())
@@ -189,7 +191,7 @@ def _telegrams(cell: Cell, used: dict[str, list[str]]) -> None:
 def _searchable(entry: Entry) -> str:
     """Everything an entry can be found by; addresses also without their spaces."""
     tight = [each.replace(" ", "") for each in entry.addresses]
-    return "\n".join((entry.name, entry.id, *entry.addresses, *tight, entry.en, entry.de, entry.group, *entry.used)).casefold()
+    return "\n".join((entry.name, entry.id, *entry.addresses, *tight, entry.en, entry.de, entry.group, *entry.used[:TOLD])).casefold()
 
 
 def _is(entry: Entry, wanted: str) -> bool:

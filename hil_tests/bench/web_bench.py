@@ -70,7 +70,11 @@ def first_page(web: WebAsk) -> list[Figure]:
             context = browser.new_context()
             page = context.new_page()
             answers: list[Response] = []
-            page.on("response", lambda answer, kept=answers: kept.append(answer))
+
+            def keep(answer: Response, kept: list[Response] = answers) -> None:
+                kept.append(answer)
+
+            page.on("response", keep)
             page.goto(f"{web.url}/overview")
             page.wait_for_selector("#state .chip")
             paints.append(float(page.evaluate(FIRST_PAINT)) / 1000.0)

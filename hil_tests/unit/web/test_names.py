@@ -31,6 +31,13 @@ def test_every_address_leads_to_its_value_first(names: Names, words: str, found:
     assert rows[0].id == found
 
 
+def test_a_register_leads_to_its_sixteen_bits(names: Names) -> None:
+    total, rows = names.search("40002")
+    assert [row.id for row in rows] == [f"in:{n}" for n in range(16, 32)]
+    assert total == 16
+    assert [row.id for row in names.search("30005")[1]][:1] == ["out:64"]
+
+
 def test_all_words_must_occur_and_the_answer_is_limited(names: Names) -> None:
     total, rows = names.search("axis actual")
     assert {row.id for row in rows if row.id.startswith("axis.")} == {f"axis.A{n}.actual" for n in range(1, 7)}
