@@ -152,5 +152,5 @@ def test_flags_of_a_layout_of_somebodys_own_may_have_more_bits_than_one() -> Non
         assert value.ready is ready
     values = SetValue(enable=True, drive_on=True, life=9, position_inc=-5)
     assert codec.decode_set(codec.encode_set(2, values)) == (2, values)
-    with pytest.raises(EncodeError, match="life = 256 is outside 0..255"):
+    with pytest.raises(EncodeError, match=r"life = 256 is outside 0\.\.255"):
         codec.encode_set(2, values._replace(life=256))
