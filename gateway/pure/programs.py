@@ -69,7 +69,8 @@ class Programs:
     _quiet: int = 0
     _ended: bool = False
     _last_id: int = 0  # of the pieces handed on
-    _at: int = 0  # last piece of the job the cycle was seen on; 0: it has not begun
+    _at: int = 0  # last piece of the part the cycle was seen on; 0: it has not begun
+    _rest: float | None = None  # tau at which it ran out, until it goes on
     _trial: Route | None = None  # of the blocks behind the first one that ends with an input
     _tried: int = 0  # blocks before those
     _later: deque[list[Block]] = field(default_factory=deque)  # parts to come
@@ -131,7 +132,7 @@ class Programs:
         self._begins.clear()
         self.state = PlannerState(job=job, failed_job=self.state.failed_job)
         self._reader, self._planner, self._factors, self._ended = Reader(), None, FULL, False
-        self._lines, self._line_of, self._at = None, [], 0
+        self._lines, self._line_of, self._at, self._rest = None, [], 0, None
         self._trial, self._handed, self._before = None, False, 0
         self._later.clear()
 
@@ -194,7 +195,7 @@ class Programs:
         """The axes rest, wherever the part before ended."""
         blocks = self._later.popleft()
         self._begins.clear()
-        self._at, self._handed = 0, False
+        self._at, self._rest, self._handed = 0, None, False
         self._before += self._planner.added if self._planner is not None else 0
         try:
             planner = self._planner = self._made(standing)
@@ -264,7 +265,9 @@ class Programs:
                 self._out.append(PieceRecord(Part.LAST, state.job, self.generation))
             return
         if piece in self._begins:
-            self._at = piece
+            self._at, self._rest = piece, None
+        elif self._at and not piece and self._rest is None:  # it has run out: all that was handed on is run
+            self._at, self._rest = self._last_id, planner.end
         tau = self._tau(piece, planner)
         before = len(self._out)
         try:
@@ -297,7 +300,7 @@ class Programs:
     def _hand_on(self, planner: Planner, tau: float) -> None:
         """Pieces that are due; raises MotionError where a path has no law."""
         waiting = [number for number in self._begins if number > self._at]
-        if len(waiting) >= AHEAD and tau < planner.end:
+        if len(waiting) >= AHEAD:
             return
         at, job = planner.end, self.state.job
         pieces = planner.plan(tau, hurry=self._quiet > QUIET_TURNS)
@@ -319,4 +322,4 @@ class Programs:
         """Where the follower may be at the latest: the end of the piece under way, or of all there is when it has run out."""
         if piece in self._begins:
             return self._begins.get(piece + 1, planner.end)
-        return planner.end if self._at else 0.0
+        return 0.0 if self._rest is None else self._rest

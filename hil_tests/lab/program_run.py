@@ -23,6 +23,7 @@ from motion.program.text import read
 
 CELLS = pathlib.Path(__file__).parents[2] / "configs" / "cells"
 PROGRAM = 13
+PROBE = 464  # RC input USER_1: the PLC's; enabling inputs are assumed, so that a silent PLC takes none of them away
 NOT_THERE = AxisFlag.UNCONFIGURED | AxisFlag.LOST
 ON_PATH = 2e-6  # m or rad: set values of the cycle against the route as planned on paper
 
@@ -96,6 +97,11 @@ class ProgramRun:
         """PLC 2's command, whatever comes of it."""
         return self.plc.command(code, mask, velocity)
 
+    def probe(self, value: bool) -> None:
+        """PLC 2 writes RC input PROBE."""
+        with self.plc._lock:
+            assert not self.plc._client.write_coil(PROBE, value).isError()
+
     def ready(self) -> None:
         """Every drive is started up; control, drives on, override 100 %."""
         self.watch("drives are started up", lambda s: s.cycle > 0 and not any(a.flags & NOT_THERE for a in s.axes[: self.axes]), 60.0)
@@ -117,7 +123,7 @@ def program_run(folder: pathlib.Path, cell: str, programs: dict[int, str], name:
     for number, text in programs.items():
         (folder / f"p{number}.txt").write_text(text)
     path = folder / f"{cell}.toml"
-    head = head.replace('owner = { "3" = "plc" }', f"assume = {list(INPUT_SIGNALS)}")  # a silent PLC takes no input away
+    head = head.replace('owner = { "3" = "plc" }', f'owner = {{ "{PROBE >> 3}" = "plc" }}\nassume = {list(INPUT_SIGNALS)}')
     path.write_text(head + tables + rest[rest.index("# ---- drives") :])
     with running_cell(str(path), name) as run, contextlib.closing(ProgramRun(run, programs)) as found:
         yield found

@@ -16,7 +16,7 @@ from gateway.commands import motion_run
 from gateway.pure.reasons import Reason
 from gateway.pure.records import Motion
 from hil_tests.lab.plc2 import ABANDON, ABORTED, ACCEPTED, DISABLE, DONE, ENABLE, OVERRIDE, REFUSED, RELEASE, RESUME, RUNNING, STOP
-from hil_tests.lab.program_run import ON_PATH, PROGRAM, ProgramRun, along, away, program_run
+from hil_tests.lab.program_run import ON_PATH, PROBE, PROGRAM, ProgramRun, along, away, program_run
 
 HEAD = "robot sr60-like\nangles rho3\naxes deg deg mm deg\nstart 0 90 -200 0\n"
 PROGRAMS = {
@@ -30,6 +30,7 @@ linear pose 350 50 80 180 0 0 blend=off out=400:1@10,401:1,400:0
 """,
     3: HEAD + "ptp joints 20 80 -180 10\n# too far\nptp joints 20 80 -180 3000\n",
     4: HEAD + "set speed=10\n" + "".join(f"ptp joints {10 * (n % 2)} 90 -200 {10 * n}\n" for n in range(1, 21)),
+    5: HEAD + f"ptp joints 60 90 -200 0 speed=10 until={PROBE}\nptp joints 0 90 -200 0\n",
 }
 
 
@@ -98,6 +99,18 @@ def test_a_tool_runs_a_program_when_it_has_control_and_is_told_why_not(home: Pro
     assert motion_run.main([cell, "p2", "--name", name, "--json", "--speed", "90"]) == 0
     told = json.loads(capsys.readouterr().out)
     assert (told["state"], told["program"]) == ("DONE", 2) and told["axes"]["A3"] == pytest.approx(-220.0, abs=0.5)
+
+
+def test_an_input_ends_a_block_on_its_path_and_the_next_one_begins_there(home: ProgramRun) -> None:
+    home.probe(False)
+    home.plc.send(PROGRAM, 5)
+    home.watch("some way", lambda s: s.axes[0].set > 0.1)
+    home.probe(True)
+    rows = home.watch("done", lambda s: s.motion is Motion.IDLE)
+    assert home.plc.wait(lambda s: s.state in (DONE, ABORTED), 5).state == DONE
+    assert 0.1 < rows[:, 0].max() < 0.9 and rows[-1][0] == pytest.approx(0.0, abs=1e-9)
+    home.probe(True)
+    assert home.command(PROGRAM, 5).state == DONE and home.state().axes[0].set == pytest.approx(0.0, abs=1e-9)
 
 
 def test_a_silent_owner_stops_it_on_the_path_and_it_does_not_go_on_by_itself(home: ProgramRun) -> None:

@@ -13,7 +13,7 @@ from gateway.cell import Home, Plant
 from gateway.pure.command_block import Code, Command
 from gateway.pure.office import Job, Office
 from gateway.pure.permits import AS_SHIPPED, free_outputs
-from gateway.pure.plannerrecords import PieceRecord, ProgramFacts, pack_piece, run_record, unpack_piece
+from gateway.pure.plannerrecords import AHEAD, PieceRecord, ProgramFacts, pack_piece, run_record, unpack_piece
 from gateway.pure.programs import Programs
 from gateway.pure.reasons import CommandState, Reason
 from gateway.pure.records import Motion, Order, OrderRecord, get_bit
@@ -297,6 +297,16 @@ def test_a_planner_that_comes_late_lets_the_axes_rest_and_they_go_on_where_they_
     assert job.state is CommandState.RUNNING
     both.alive = True
     assert both.finished(job).state is CommandState.DONE and both.at(10.0)
+
+
+def test_what_lies_ahead_stays_small_also_after_the_axes_ran_out(both: WithPlanner) -> None:
+    both.order(*(f"ptp joints {joints(10 * (n % 2))} speed=10" for n in range(1, 60)))
+    both.cell.run(0.1)
+    said, standing = both.programs, [axis.set for axis in both.cell.core.state.axes[: len(LIMITS)]]
+    ahead: list[PieceRecord] = []
+    for piece in (said._last_id, *[0] * 150):  # on its last piece, and then at rest without taking anything
+        ahead += said.turn([], 1, piece, standing, moving=True)
+    assert AHEAD < len(ahead) < 3 * AHEAD, "once for either, and a law more"
 
 
 def test_outputs_of_a_program_switch_where_the_set_values_pass_their_places(both: WithPlanner) -> None:
