@@ -2,12 +2,12 @@
 
 from collections.abc import Sequence
 
-from drivers.emulator import cia402_slave, servodyn_slave
+from drivers.emulator import cia402_seat, servodyn_slave
 from drivers.emulator.cia402_slave import Cia402Slave
 from drivers.emulator.servodyn_slave import ServodynSlave
 from protocols.base.machine import Frame, FrameFault, Ns
 
-Event = servodyn_slave.Event | cia402_slave.Event
+Event = servodyn_slave.Event | cia402_seat.Event
 
 
 class BothFamilies:

@@ -44,8 +44,7 @@ class Cia402Axis(DriveMotion):
         self._after: State | None = None  # where the stop under way leads; None: holds
         self._opening = self._braking = False
         self._stop_by = NEVER
-        self._sync_due: Ns = NEVER
-        self._brake_due = self._tick_due = NEVER
+        self._sync_due = self._brake_due = self._tick_due = NEVER
         self._boot_due = steps(settings.servo.boot_s + settings.servo.charge_s)
         self._hook()
         self.reset(0)
@@ -72,7 +71,7 @@ class Cia402Axis(DriveMotion):
 
     @property
     def due_ns(self) -> Ns:
-        """The next instant at which something happens by itself."""
+        """When something happens by itself next."""
         due = self.start + self.due * STEP_NS if self.due < NEVER else NEVER
         return due if due < self._sync_due else self._sync_due
 
@@ -449,48 +448,3 @@ class Cia402Axis(DriveMotion):
         self._block()
         self._boot_due = self.servo.step + steps(self.settings.servo.boot_s + self.settings.servo.charge_s)
         self._schedule()
-
-    # -- to order ---------------------------------------------------------------------------------
-
-    def cause(self, error: Error, present: bool) -> None:
-        """A fault whose cause stands until it is taken away."""
-        if present:
-            self.causes.add(error)
-            self.fail(error)
-        else:
-            self.causes.discard(error)
-
-    def reschedule(self) -> None:
-        """After something was done from outside."""
-        self._schedule()
-
-    def encoder(self, factor: int) -> None:
-        """1 true, -1 counts backwards, 0 stuck."""
-        self.servo.encoder(factor)
-        self._fresh = False
-        self.watch_switches()
-
-    def jump_encoder(self, increments: int) -> None:
-        self.servo.jump(increments)
-        self._fresh = False
-        self.watch_switches()
-
-    def stick_brake(self, stuck: bool) -> None:
-        """The brake does not open (mechanically), whatever it is told."""
-        self.brake_stuck = stuck
-        if stuck:
-            self.servo.close_brake()
-        elif self.brake_open:
-            self.servo.open_brake()
-
-    def power_off(self) -> None:
-        self.reset(self.now)
-        self._boot_due = NEVER
-        self._schedule()
-
-    def power_on(self) -> None:
-        """The counter knows what its encoder knows; homing is lost unless the encoder keeps its turns."""
-        self.servo.power_up()
-        if not self.settings.multiturn_turns:
-            self.homed, self.shift = False, 0
-        self.reset(self.now)

@@ -6,13 +6,15 @@ first `wake` or frame, and `deadline` is 0 until then.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 
 from drivers.emulator import record
 from drivers.emulator.canopen_node import CanopenNode, Handler
 from drivers.emulator.canopen_objects import Objects
-from drivers.emulator.cia402_axis import NEVER, Cia402Axis
+from drivers.emulator.cia402_axis import NEVER
 from drivers.emulator.cia402_errors import CAUSES
+from drivers.emulator.cia402_orders import OrderedAxis
+from drivers.emulator.cia402_seat import SPREAD, Counters, Event, Seat
 from drivers.emulator.servo import STEP_NS
 from drivers.emulator.servodyn_slave import AHEAD_MARGIN_NS
 from drivers.emulator.settings import BusSettings, to_dict
@@ -20,43 +22,6 @@ from protocols.base.machine import Frame, FrameFault, Ns, ms
 from protocols.canopen import cobid
 from protocols.canopen.dictionary import ObjectDictionary
 from protocols.canopen.sdo import Abort
-
-_SPREAD = 2147483647  # Park and Miller, as the servo's disturbance
-
-
-@dataclass(frozen=True, slots=True)
-class NodeFault:
-    node: int
-    code: int
-    stamp_ns: Ns
-
-
-Event = NodeFault
-
-
-@dataclass(slots=True)
-class Counters:
-    frames: int = 0  # that some node listens to
-    syncs: int = 0
-    out_of_order: int = 0
-    late: int = 0  # SYNCs handed in more than a cycle after their stamp
-    dropped: int = 0  # telegrams swallowed to order
-    error_frames: int = 0
-
-
-@dataclass(slots=True)
-class Seat:
-    """One node of the bus and what the bus does with its frames."""
-
-    number: int  # in the settings; its node number may be changed by LSS
-    node: CanopenNode
-    axis: Cia402Axis
-    delay_ns: Ns = 0
-    spread_ns: Ns = 0
-    random: int = 1
-    drop_actual: int = 0
-    drop_set: int = 0
-    bus_off: bool = False  # with the whole interface: the next frame heard ends it
 
 
 class Cia402Slave:
@@ -84,16 +49,16 @@ class Cia402Slave:
     def _seat_of(self, number: int, dictionary: ObjectDictionary, substeps: int) -> Seat:
         drive = self.settings.nodes[number]
         seed = self.settings.seed * 7919 + number
-        axes: list[Cia402Axis] = []
+        axes: list[OrderedAxis] = []
 
-        def application(objects: Objects, node: CanopenNode) -> Cia402Axis:
-            axes.append(Cia402Axis(drive, self.cycle_ns, seed, objects, node, substeps))
+        def application(objects: Objects, node: CanopenNode) -> OrderedAxis:
+            axes.append(OrderedAxis(drive, self.cycle_ns, seed, objects, node, substeps))
             return axes[0]
 
         node = CanopenNode(dictionary, number, application)
         node.lss.identity = node.lss.identity._replace(serial=drive.serial)
         node.boot_ns = round(drive.servo.boot_s * 1e9)
-        return Seat(number, node, axes[0], round(drive.tpdo_delay_us * 1e3), round(drive.tpdo_spread_us * 1e3), seed % (_SPREAD - 1) + 1)
+        return Seat(number, node, axes[0], round(drive.tpdo_delay_us * 1e3), round(drive.tpdo_spread_us * 1e3), seed % (SPREAD - 1) + 1)
 
     # -- FrameMachine ---------------------------------------------------------------------------
 
@@ -297,7 +262,7 @@ class Cia402Slave:
                 self._output.append(frame)
 
     def _delay(self, seat: Seat, frame: Frame, stamp: Ns) -> None:
-        seat.random = seat.random * 16807 % _SPREAD
+        seat.random = seat.random * 16807 % SPREAD
         self._order += 1
         self._later.append((stamp + seat.delay_ns + seat.random % (seat.spread_ns + 1), self._order, frame))
         self._later.sort()
@@ -325,7 +290,7 @@ class Cia402Slave:
         rows, self._rows = bytes(self._rows), bytearray()
         return rows
 
-    def axis(self, number: int) -> Cia402Axis:
+    def axis(self, number: int) -> OrderedAxis:
         """Raises KeyError when the bus has no such node."""
         return self.seat(number).axis
 
@@ -337,30 +302,7 @@ class Cia402Slave:
 
     def state(self) -> dict[str, object]:
         """What a tester wants to see, as plain JSON values."""
-        nodes = {}
-        for seat in self.seats:
-            axis, servo = seat.axis, seat.axis.servo
-            nodes[str(seat.number)] = {
-                "node": seat.node.number,
-                "nmt": seat.node.state.name.lower(),
-                "silent": seat.node.silent,
-                "state": axis.state.name.lower(),
-                "statusword": axis.statusword,
-                "mode": axis.mode.code,
-                "error_code": axis.value((0x603F, 0)),
-                "brake_open": axis.brake_open,
-                "warning": axis.warning,
-                "homed": axis.homed,
-                "position_inc": int(servo.counter_inc // 1.0) + axis.shift,
-                "position_rad": servo.position_rad,
-                "speed_rad_s": servo.speed_rad_s,
-                "torque_nm": servo.torque_nm,
-                "inputs": axis.switches.inputs(servo.position_rad),
-                "i2t": servo.i2t,
-                "winding_c": servo.winding_c,
-                "sync_worst_us": axis.sync_watch.worst // 1000,
-                "sync_outside": axis.sync_watch.outside,
-            }
+        nodes = {str(seat.number): seat.seen() for seat in self.seats}
         return {"bus_time_ns": self._time, "counters": asdict(self.counters), "nodes": nodes}
 
     # -- faults to order (act at the bus time reached) --------------------------------------------
@@ -437,7 +379,7 @@ class Cia402Slave:
     def local_control(self, node: int, local: bool) -> None:
         """Somebody works at the drive's own panel: bit 9 of the statusword falls, 6040h is refused."""
 
-        def act(axis: Cia402Axis) -> None:
+        def act(axis: OrderedAxis) -> None:
             axis.local = local
 
         self._order_axis(node, act)
@@ -455,7 +397,7 @@ class Cia402Slave:
         if not seat.node.silent:
             seat.node.bus_off(self._time)
 
-    def _order_axis(self, number: int, act: Callable[[Cia402Axis], None]) -> None:
+    def _order_axis(self, number: int, act: Callable[[OrderedAxis], None]) -> None:
         seat = self.seat(number)
         if self._start is not None:
             seat.axis.advance(self._time)
