@@ -111,6 +111,7 @@ export class Robot3d {
   close() {
     this.watch.disconnect();
     this.renderer.dispose();
+    this.renderer.forceContextLoss();
     this.renderer.domElement.remove();
   }
 }
