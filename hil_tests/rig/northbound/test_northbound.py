@@ -223,22 +223,6 @@ def toggled(north: North) -> bool:
     return True
 
 
-def test_a_broker_that_hangs_or_dies_is_never_felt_below(north: North) -> None:
-    if north.broker.process is None:
-        north.broker.start()
-    until(lambda: north.metric("axisgate_mqtt_connected") == 1, "connected")
-    assert north.broker.process is not None
-    os.kill(north.broker.process.pid, signal.SIGSTOP)
-    before = cycles(north.run)
-    until(lambda: cycles(north.run) > before + 50, "the cycle goes on beside a broker that hangs")
-    os.kill(north.broker.process.pid, signal.SIGCONT)
-    os.kill(north.pid("northbound"), signal.SIGSTOP)
-    before = cycles(north.run)
-    until(lambda: cycles(north.run) > before + 50, "and beside a northbound process that hangs")
-    os.kill(north.pid("northbound"), signal.SIGKILL)
-    until(lambda: served(north), "the supervisor starts it again")
-
-
 def served(north: North) -> bool:
     with contextlib.suppress(OSError):
         return north.get("/health")[0] == 200
@@ -298,3 +282,19 @@ async def _looked_at(client: Client, north: North) -> None:
         assert time.monotonic() < end
         await asyncio.sleep(0.02)
     assert heard[0] is True
+
+
+def test_a_broker_that_hangs_or_dies_is_never_felt_below(north: North) -> None:
+    if north.broker.process is None:
+        north.broker.start()
+    until(lambda: north.metric("axisgate_mqtt_connected") == 1, "connected")
+    assert north.broker.process is not None
+    os.kill(north.broker.process.pid, signal.SIGSTOP)
+    before = cycles(north.run)
+    until(lambda: cycles(north.run) > before + 50, "the cycle goes on beside a broker that hangs")
+    os.kill(north.broker.process.pid, signal.SIGCONT)
+    os.kill(north.pid("northbound"), signal.SIGSTOP)
+    before = cycles(north.run)
+    until(lambda: cycles(north.run) > before + 50, "and beside a northbound process that hangs")
+    os.kill(north.pid("northbound"), signal.SIGKILL)
+    until(lambda: served(north), "the supervisor starts it again")

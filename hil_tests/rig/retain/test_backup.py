@@ -82,15 +82,24 @@ def test_other_files_are_refused_then_kept_beside(plant: pathlib.Path, capsys: p
     assert len(list((folder / "retain").glob("*.before-*"))) == 1
 
 
-@pytest.mark.parametrize("spoil", ["byte", "missing", "more", "path", "version", "no zip", "cell", "database"])
-def test_a_spoiled_backup_changes_nothing(
-    plant: pathlib.Path, tmp_path: pathlib.Path, spoil: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    file, bad, other = saved(plant), tmp_path / "bad.zip", tmp_path / "other"
+SPOILED = {
+    "byte": "own.dbc is not what was saved",
+    "missing": "its manifest lists",
+    "more": "surprise.txt",
+    "path": "../own.dbc: name",
+    "version": "which is older",
+    "no zip": "is no backup",
+    "cell": "its cell has faults here",
+    "database": "damaged",
+}
+
+
+def spoiled(file: pathlib.Path, bad: pathlib.Path, how: str) -> None:
+    """A backup with one thing wrong."""
     with zipfile.ZipFile(file) as archive:
         parts = {name: archive.read(name) for name in archive.namelist()}
     manifest = json.loads(parts["manifest.json"])
-    match spoil:
+    match how:
         case "byte":
             parts["own.dbc"] = parts["own.dbc"][:-1] + b"X"
         case "missing":
@@ -104,23 +113,26 @@ def test_a_spoiled_backup_changes_nothing(
         case "version":
             manifest["version"] = "99.0.0"
         case "cell" | "database":
-            name = "host-telegrams.toml" if spoil == "cell" else "retain/host-telegrams.sqlite"
-            parts[name] = b"format = 1\n[cell]\n" if spoil == "cell" else b"spoiled" * 1000
+            name = "host-telegrams.toml" if how == "cell" else "retain/host-telegrams.sqlite"
+            parts[name] = b"format = 1\n[cell]\n" if how == "cell" else b"spoiled" * 1000
             row = next(row for row in manifest["parts"] if row["name"] == name)
             row["size"], row["sha256"] = len(parts[name]), hashlib.sha256(parts[name]).hexdigest()
     parts["manifest.json"] = json.dumps(manifest).encode()
     with zipfile.ZipFile(bad, "w") as archive:
         for name, body in parts.items():
             archive.writestr(name, body)
-    if spoil == "no zip":
+    if how == "no zip":
         bad.write_bytes(b"PK nothing")
-    capsys.readouterr()
-    assert put_back([str(bad), "--to", str(other)]) == 2
-    assert not (tmp_path / "own.dbc").exists() and (not other.exists() or list(other.iterdir()) == [])
-    said = capsys.readouterr().err
-    wanted = {"byte": "own.dbc is not what was saved", "missing": "its manifest lists", "more": "surprise.txt", "path": "../own.dbc: name"}
-    last = {"version": "which is older", "no zip": "is no backup", "cell": "its cell has faults here", "database": "damaged"}
-    assert {**wanted, **last}[spoil] in said
+
+
+def test_a_spoiled_backup_changes_nothing(plant: pathlib.Path, tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file, bad, other = saved(plant), tmp_path / "bad.zip", tmp_path / "other"
+    for how, words in SPOILED.items():
+        spoiled(file, bad, how)
+        capsys.readouterr()
+        assert put_back([str(bad), "--to", str(other)]) == 2, how
+        assert words in capsys.readouterr().err, how
+        assert not (tmp_path / "own.dbc").exists() and (not other.exists() or list(other.iterdir()) == []), how
 
 
 def test_words_for_the_command_line(plant: pathlib.Path, tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
