@@ -23,7 +23,7 @@ def answering(typed: str) -> Callable[[str], str]:
 
 
 def real(folder: pathlib.Path, *changes: tuple[str, str]) -> Cell:
-    """The S5 cell as somebody's own file on a real bus, without the couplers this version does not play."""
+    """The S5 cell as somebody's own file on a real bus, without its couplers."""
     text = find_config("s5-rk512", "cells").read_text()
     start, end = text.index("[[io]]"), text.index("# ---- drives")
     text = text[:start] + text[end:]

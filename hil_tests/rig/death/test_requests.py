@@ -102,7 +102,6 @@ def test_a_second_run_of_that_name_is_refused_in_one_line(run: CellRun) -> None:
 @pytest.mark.parametrize(
     "arguments, code, says",
     [
-        (("s5-rk512",), 3, "this version cannot play: io.ready_contact.device.type = canopen-401"),
         (("no-such-cell",), 2, "no-such-cell: no such file; looked for"),
         (("demo", "--sim", "--p5", "99"), 2, "--p5 99: the clock is 2..32 ms"),
         (("demo", "--sim", "--p5", "1"), 2, "--p5 1: the clock is 2..32 ms"),

@@ -2,6 +2,7 @@
 
 import pytest
 
+from gateway.commands.run import why_not
 from gateway.config import CellFaults, load_cell
 from gateway.files import find_config, read_text
 
@@ -100,3 +101,10 @@ def test_what_is_refused_and_why(more: str, key: str, words: str) -> None:
     found = faults(more)
     assert [fault[0] for fault in found] == [key], found
     assert words in found[0][1]
+
+
+def test_a_brake_at_the_gateway_plays_only_with_a_contact_that_shows_it() -> None:
+    cell = S5.replace('brake            = "drive"', 'brake            = "gateway"')
+    assert "axis.Z.brake = gateway" in why_not(load_cell("c.toml", cell), simulated=True, p5=None)
+    contacts = "".join(io(f"brake_{axis}", f"{CAN}, output = {n}", f"axis.{axis}.brake") for n, axis in enumerate("XYZ", 4))
+    assert why_not(load_cell("c.toml", cell + contacts), simulated=True, p5=None) == ""
