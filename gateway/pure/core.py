@@ -184,8 +184,6 @@ class Core:
             case Order.ENABLE:
                 self._enable(record)
             case Order.DISABLE:
-                if record.reason:
-                    state.stop_cause = record.reason
                 self._off(Reason(record.reason) if record.reason else Reason.DRIVES_OFF, record.mask)
             case Order.REFERENCE:
                 self._reference(record)
@@ -338,6 +336,8 @@ class Core:
             axis.wanted = False
         if not moved:
             return
+        if reason is not Reason.DRIVES_OFF:
+            self.state.stop_cause = reason  # also at rest: whoever finds the drives off reads why
         if self._homing:
             self._end_homing(reason)
         for axis in moved:

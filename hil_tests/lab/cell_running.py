@@ -51,7 +51,7 @@ HOME = (10.0, 10.0, 5.0, 0.0, 0.0, 0.0)  # mm and deg: where referencing ends
 TARGET = (70.0, 70.0, 33.0, 8.0, 8.0, 8.0)  # near it, so that referencing again is short
 SETTLE_S = 0.3  # ten time constants of the position loops and more
 SPARE = 6  # repetitions of one run that a busy machine may spoil
-DRIVES_OFF, RESYNCHRONISED, LINK_LOST = 2, 20, 21  # reasons
+DRIVES_OFF, RESYNCHRONISED, LINK_LOST, INPUT_LOST = 2, 20, 21, 26  # reasons; the last three: PLC 2 was not served in time
 STOLEN = (16, 17, 18, 27)  # reasons: drive fault, drive lost, following error, overrun
 
 
@@ -234,7 +234,9 @@ class CellRun:
     # ---- PLC 2 -------------------------------------------------------------------------------------------------------
     def command(self, code: int, mask: int = 0, velocity: float = 1.0, targets: Sequence[float] = ()) -> Status:
         """A command that is to be done; Disturbed when a drive or the clock gave up by itself meanwhile."""
-        status = self.plc.command(code, mask, velocity, targets)
+        self.plc.send(code, mask, velocity, targets)
+        ends = (DONE, REFUSED, ABORTED)
+        status = self.plc.wait(lambda s: s.toggle == self.plc.toggle and (s.state in ends or s.reason == RESYNCHRONISED), 20.0)
         self._stolen(status)
         assert status.state == DONE, f"code {code}: {status}\n{self.words()}"
         return status
@@ -267,7 +269,7 @@ class CellRun:
             raise Disturbed(f"the command ended by itself, reason {status.reason}")
         if status.reason == RESYNCHRONISED:
             raise Disturbed("PLC 2 itself was silent for so long that its link counted as lost")
-        if status.reason == DRIVES_OFF and (cause := self.state().stop_cause) in (*STOLEN, LINK_LOST):
+        if status.reason == DRIVES_OFF and (cause := self.state().stop_cause) in (*STOLEN, LINK_LOST, INPUT_LOST):
             raise Disturbed(f"the drives went off since the command before, stop cause {cause}")
 
     def home_again(self) -> None:
@@ -284,7 +286,7 @@ class CellRun:
 
     def repeat(self, times: int, body: Callable[[int], None], again: Callable[[], None]) -> None:
         """`times` repetitions that count; `again` brings the cell back to where body begins."""
-        counted = 0
+        counted = self.disturbed = 0
         while counted < times:
             try:
                 body(counted)

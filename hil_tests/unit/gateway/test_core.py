@@ -1,5 +1,6 @@
 """The cycle's core with the emulated drives in virtual time: what the axes do for which command, and what they never do by themselves."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
@@ -279,3 +280,24 @@ def test_a_drive_that_leaves_control_by_itself_takes_all_off_and_says_why(monkey
     assert (move.reason, cell.core.state.stop_cause) == (Reason.DRIVE_FAULT, Reason.DRIVE_FAULT)
     cell.run(1.0)
     assert not any(axis.flags & AxisFlag.ENABLED for axis in cell.core.state.axes[:6])
+
+
+def lose(cell: CellBench) -> None:
+    """The door of the enabling inputs is gone."""
+    cell.inputs.quality[3] = Quality.BAD
+
+
+@pytest.mark.parametrize(
+    "take, reason",
+    [(lambda cell: cell.permit(25, value=False), Reason.CONTROL_NOT_ALLOWED), (lose, Reason.INPUT_LOST)],
+    ids=["taken", "lost"],
+)
+def test_drives_that_go_off_at_rest_say_why(take: Callable[[CellBench], None], reason: Reason) -> None:
+    cell = CellBench().ready()
+    take(cell)
+    cell.run(1.0)
+    assert not any(axis.flags & AxisFlag.ENABLED for axis in cell.core.state.axes[:6])
+    assert cell.core.state.stop_cause == reason
+    cell.permit(25)
+    cell.run(0.1)
+    assert cell.settle(cell.give(Code.ENABLE)).state is CommandState.DONE and cell.core.state.stop_cause == 0
