@@ -1,11 +1,12 @@
 """A PLC that knows only the old control's signals works a running cell over both doors: rho 3 Releases part 2 to 8 (rho3 3.1 to 3.3)."""
 
 import contextlib
+import functools
 import json
 import pathlib
 import socket
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,7 +15,7 @@ import pytest
 from drivers.ports.base import runtime_dir
 from drivers.ports.open import open_bytes
 from gateway.pure.records import AxisFlag, Motion
-from hil_tests.lab.cell_running import CellRun, running_cell
+from hil_tests.lab.cell_running import STOLEN, CellRun, Disturbed, running_cell
 from hil_tests.lab.rk512_active import Done, Refused
 from hil_tests.lab.signal_plc import Net, Rack, SignalPlc, signal_cell
 from hil_tests.lab.sync_line import SyncLine
@@ -82,6 +83,33 @@ def plant_over(door: str, folder: pathlib.Path) -> Iterator[Plant]:
             yield Plant(run, SignalPlc(Rack(line, station)))
 
 
+PLAYS = 4  # of one test, where a busy machine let drives or cycle give up
+
+
+def replayed(test: Callable[[Plant], None]) -> Callable[[Plant], None]:
+    """Again where a drive was lost, the clock was late or a process was taken for hung: that repetition proves nothing."""
+
+    @functools.wraps(test)
+    def played(plant: Plant) -> None:
+        for left in reversed(range(PLAYS)):
+            before = lapses(plant.run)
+            try:
+                test(plant)
+                return
+            except (AssertionError, OSError, ValueError) as failed:
+                disturbed = plant.run.state().stop_cause in STOLEN or lapses(plant.run) > before
+                if not left or not disturbed:
+                    raise
+                print(f"played again: {Disturbed(str(failed))}")
+
+    return played
+
+
+def lapses(run: CellRun) -> int:
+    """How often a process was ended because it showed no life."""
+    return sum("showed no life" in entry["text"] for entry in run.journal("process"))
+
+
 BOTH = pytest.mark.parametrize("plant", ["rack", pytest.param("net", marks=pytest.mark.mbpoll)], indirect=True)
 RACK = pytest.mark.parametrize("plant", ["rack"], indirect=True)
 
@@ -93,6 +121,7 @@ def plant(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
 
 
 @RACK
+@replayed
 def test_drive_on_by_its_edge_for_all_and_for_single_axes(plant: Plant) -> None:
     plc = plant.plc
     plant.ready()
@@ -108,6 +137,7 @@ def test_drive_on_by_its_edge_for_all_and_for_single_axes(plant: Plant) -> None:
 
 
 @BOTH
+@replayed
 def test_errors_are_shown_as_codes_and_acknowledged_by_their_own_signals(plant: Plant) -> None:
     plc = plant.plc
     plant.ready()
@@ -130,6 +160,7 @@ def test_errors_are_shown_as_codes_and_acknowledged_by_their_own_signals(plant: 
 
 
 @BOTH
+@replayed
 def test_a_program_is_selected_by_its_code_and_taken_off_again(plant: Plant) -> None:
     plc = plant.plc
     plant.ready()
@@ -160,6 +191,7 @@ def test_a_program_is_selected_by_its_code_and_taken_off_again(plant: Plant) -> 
 
 
 @RACK
+@replayed
 def test_services_that_come_back_to_standing_bits_start_nothing(plant: Plant) -> None:
     plc, run = plant.plc, plant.run
     plant.ready()
@@ -183,6 +215,7 @@ def test_services_that_come_back_to_standing_bits_start_nothing(plant: Plant) ->
 
 
 @RACK
+@replayed
 def test_the_plc_finds_its_own_addresses_flags_and_counters(plant: Plant) -> None:
     """P20 = 15, P21 = 10, 54, 20, 64: I10.0 is RC output 16, O20.0 RC input 8; the board stands behind (rho3 3.6)."""
     plant.ready()
@@ -207,6 +240,7 @@ def test_the_plc_finds_its_own_addresses_flags_and_counters(plant: Plant) -> Non
 
 
 @RACK
+@replayed
 def test_tools_read_the_same_values_and_work_the_panel(plant: Plant) -> None:
     plant.ready()
     for address, value in (("EB 8", plant.plc.look().seen[0]), ("M 0.0", 0), ("MD 40", -2), ("T 0", 0), ("K01_A_MN_RCI", 0), ("RC 1.8", 1)):
