@@ -15,6 +15,7 @@ from gateway.web.hands import NotYours
 from gateway.web.store import Role, StoreError
 
 BODY_LIMIT = 16384
+ALWAYS = ("/stop", "/setup", "/login", "/logout")  # also in read-only mode: who looks from elsewhere has to say who he is
 Row = dict[str, Any]
 
 
@@ -86,7 +87,7 @@ def _judge(endpoint: Endpoint, access: Access, request: Request) -> Person:
     if not endpoint.changes:
         access.role(person, endpoint.role)
         return person
-    if access.web.read_only and not endpoint.path.endswith(("/stop", "/logout")):
+    if access.web.read_only and not endpoint.path.endswith(ALWAYS):
         raise Denied(403, "the page is read-only ([web] read_only = true)")
     role = Role.VIEWER if endpoint.plant and access.simulated and person.local else endpoint.role
     access.may(request, person, role)
