@@ -7,7 +7,7 @@ from gateway.cell import Cell
 from gateway.image import RegionReader, RegionWriter
 from gateway.io_plan import COUPLER, outputs_of
 from gateway.io_regions import MARKS_LAYOUT
-from gateway.pure.contacts import CONTACTS, SAID_LAYOUT, Outputs, Said, pack_said, unpack_said
+from gateway.pure.contacts import SAID_LAYOUT, Outputs, Said, pack_said, unpack_said
 from gateway.pure.coupler401 import CouplerFamily
 from gateway.pure.records import RC_BYTES, CellState, Quality
 from gateway.pure.rho3can.family import RhoFamily
@@ -25,13 +25,17 @@ class CycleContacts:
         self._said = RegionReader(fds["io_out"], "io_out", SAID_LAYOUT)
         self._heard = RegionWriter(fds["io_in"], "io_in", SAID_LAYOUT)
         self._written = b""
+        self._count = len(cell.io)
+        self._payload: bytes | None = None
+        self._told: list[Said] = []
 
     def turn(self, state: CellState, rc_outputs: bytes | bytearray, services_ns: Ns, now: Ns) -> None:
         """`services_ns`: stamp of the services' last beat."""
         payload = self._said.read()
-        said = unpack_said(payload) if payload is not None and now - services_ns < SERVICES_GONE else []
-        shown = self._outputs.show(state, rc_outputs, said)
-        heard = [Said()] * CONTACTS
+        if payload is not None and payload is not self._payload:
+            self._payload, self._told = payload, unpack_said(payload)
+        shown = self._outputs.show(state, rc_outputs, self._told if now - services_ns < SERVICES_GONE else [])
+        heard = [Said()] * self._count
         for family in self._families:
             family.show(shown)
             for number, what in family.said().items():

@@ -46,6 +46,7 @@ class IoOffice:
         ]
         self._out = RegionWriter(fds["io_out"], "io_out", SAID_LAYOUT) if "io_out" in fds else None
         self._written = b""
+        self._payloads: dict[str, tuple[bytes, list[Said]]] = {}
         self.modbus = None
         if any(io.device.type == MODBUS for io in cell.io):
             from gateway.io_modbus import ModbusContacts  # only where a cell asks for it
@@ -88,12 +89,19 @@ class IoOffice:
             payload = region.read()
             if payload is None:
                 continue
-            heard = unpack_said(payload)
+            heard = self._heard(kind, payload)
             fresh = kind != CHIP or now - region.life[1] < ms(1000)  # the chips' process may be gone
             for n, io in enumerate(self.contacts):
                 if io.device.type == kind:
                     self.said[n] = heard[n] if fresh else heard[n]._replace(quality=Quality.BAD)
         self._drive(now)
+
+    def _heard(self, kind: str, payload: bytes) -> list[Said]:
+        """Unpacked only when it is another payload than before."""
+        before = self._payloads.get(kind)
+        if before is None or before[0] is not payload:
+            before = self._payloads[kind] = (payload, unpack_said(payload))
+        return before[1]
 
     def show(self, now: Ns) -> None:
         """Outputs to whoever drives them."""
