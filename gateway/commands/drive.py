@@ -94,9 +94,12 @@ def _commission(cell: Cell, arguments: argparse.Namespace) -> int:
         print(f"axis {axis.name}, node {plan.node}: {node.health.value}: {node.why}", file=sys.stderr)
         return FINDING
     identity = booted.identity
-    if arguments.mode:
-        way = inc_to_unit(axis, moved.end_inc - moved.start_inc) if moved is not None else 0.0
-        print(f"axis {axis.name}: {arguments.mode.upper()} moved it by {way:.3f} {axis.unit}; switched off again", file=sys.stderr)
+    if moved is not None:
+        before, after = inc_to_unit(axis, moved.start_inc), inc_to_unit(axis, moved.end_inc)
+        outcome = f"moved it by {after - before:.3f} {axis.unit}"
+        if arguments.mode == "hm":  # its zero has jumped: a difference would be no way
+            outcome = f"found its home; it reads {after:.3f} {axis.unit}, before it read {before:.3f}"
+        print(f"axis {axis.name}: {arguments.mode.upper()} {outcome}; switched off again", file=sys.stderr)
     if arguments.json:
         told = {"axis": axis.name, "node": plan.node, "serial": identity.serial, "vendor": identity.vendor, "product": identity.product}
         print(json.dumps({**told, "options": booted.options, "notes": booted.notes}))

@@ -86,6 +86,11 @@ def test_commission_moves_an_emulated_drive_in_every_mode_without_a_cycle(
                 told = capsys.readouterr().err
                 moved = float(told.split("moved it by ")[1].split(" mm")[0])
                 assert f"{mode.upper()} moved it" in told and moved == pytest.approx(5.0, abs=0.8), told
+            assert drive_command.main(["commission", "demo-402", "A2", "--port", "broker:modes", "--mode", "hm"]) == 0
+            told = capsys.readouterr().err
+            assert "HM found its home; it reads -0.000 mm" in told.replace(" 0.000 mm", " -0.000 mm"), told
+            before = float(told.split("before it read ")[1].split(";")[0])
+            assert before == pytest.approx(15.0, abs=1.5), "where the three moves had brought it"
         finally:
             drives.terminate()
             drives.communicate(timeout=10)
