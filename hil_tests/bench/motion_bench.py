@@ -1,5 +1,5 @@
 """All figures of the motion core, in one list: what a step costs, whole programs through planner and follower, streams of short
-segments, and the rows of paths and times (motion_figures) and of kinematics (kinematics_bench).
+segments, and the rows of paths and times (motion_figures), of belts (belt_figures) and of kinematics (kinematics_bench).
 
 Reference of the step costs: one bare ruckig sample (`Trajectory.at_time`, one degree of freedom), the least any stepper on ruckig can
 cost.  Shares of limits are taken from set values at 1 ms by finite differences.
@@ -12,7 +12,7 @@ from collections.abc import Callable
 
 import ruckig
 
-from hil_tests.bench import kinematics_bench, motion_figures
+from hil_tests.bench import belt_figures, kinematics_bench, motion_figures
 from hil_tests.lab import arms
 from hil_tests.lab.contour import SPEED, stream
 from motion.follower import Follower
@@ -173,7 +173,7 @@ def cycle_costs(steps: int = 20_000) -> list[Figure]:
 def run(steps: int = 100_000, programs: int = 200, segments: int = 150_000) -> list[Figure]:
     """All figures, as `axisgate bench motion` prints them."""
     found = [*step_figures(steps), *cycle_costs(), *limits_of_programs(programs), *streams(segments)]
-    for rows in (motion_figures.figures(), kinematics_bench.run()):
+    for rows in (motion_figures.figures(), belt_figures.figures(), kinematics_bench.run()):
         found += [dict(figure) for figure in rows]
     return found
 

@@ -20,6 +20,7 @@ from motion.planner.marks import Mark, check_outputs, marks_of
 from motion.planner.robot import Machine
 from motion.planner.route import Kind, Route, Stretch
 from motion.planner.runs import Run, make_run
+from motion.planner.squares import quicker
 from motion.planner.straight import straight_law
 from motion.planner.swift import STEP_S, Swift, cropped, swift, width_s
 from motion.planner.timegiven import time_given
@@ -33,6 +34,7 @@ LOOK_AHEAD = 512  # blocks that may wait (owed: 256)
 WINDOW = 256  # stretches one law spans at most
 LEAD_S = 0.15  # a tail that begins sooner is not replaced any more: its replacement might come too late
 HORIZON_S = 0.6  # with more than this ahead (at full speed) the tail is left alone; laws: AX-421
+PAUSE_S = 1e-3  # between two runs: the jerk one ends with and the jerk the next begins with do not add up (AX-317)
 NAMED = 32  # stretches in a run up to which its pieces end where blocks end
 SMALLEST = 1e-9
 
@@ -208,13 +210,16 @@ class Planner:
 
     def _from_rest(self, row: list[Stretch]) -> list[TimedPiece]:
         """A law of its own: near the optimum where the path ends at rest by itself, a quick one where it will go on."""
+        if row[-1].stop:
+            row, *later = quicker(row, self.machine, lambda run: law_of(run).duration, self.factors)
+            self._fresh.extendleft(stretch for part in reversed(later) for stretch in reversed(part))
         run = make_run(row, self.machine, self.factors)
         if row[-1].stop:
             pace = row[0].source.pace
             if pace.time is not None and all(stretch.block == row[0].block for stretch in row):
                 law = time_given(run.path.length, pace.time, pace.ramp, width_s(run.limits))
             else:
-                law = law_of(run)
+                law = law_of(run).later(PAUSE_S if self._planned else 0.0)
             return self._commit(run, law, self.end, None, _Origin(None, 0, 0.0))
         width = width_s(run.limits)
         made = swift(run.path, run.limits, width)

@@ -8,7 +8,7 @@ where it stood before.
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import Enum
 
 import numpy as np
@@ -58,6 +58,9 @@ class Stretch:
     following: Block | None = None  # of a corner
     stop: bool = False  # the axes rest at its end
     way: float = 0.0  # whole length of the block (of a corner: of the one before)
+    square: Callable[[], tuple[JointPath, JointPath]] | None = field(
+        default=None, compare=False
+    )  # of a corner: to the point, and on from it
 
 
 @dataclass
@@ -254,12 +257,18 @@ class Route:
             self._run_out(last)
             return 0.0
         self._main(last, last.length - leave)
+        assert self._now.tail is not None
+        here = self._now.tail.q(self._now.tail.length)
         rounded = self._corner(last, leg, leave, reach)
         if rounded is None:
             self._run_out(last)
             return 0.0
         shares = (1.0 - leave / last.length, reach / leg.length)
-        self._put(Stretch(rounded, last.number, Kind.CORNER, last.block, shares, leg.block, way=last.length))
+
+        def square() -> tuple[JointPath, JointPath]:
+            return self._axes_of(last, last.length - leave, last.length, here), self._axes_of(leg, 0.0, reach, leg.start)
+
+        self._put(Stretch(rounded, last.number, Kind.CORNER, last.block, shares, leg.block, way=last.length, square=square))
         return reach
 
     def _join_slopes(self, last: Leg, leg: Leg, leave: float) -> float:

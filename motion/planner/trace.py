@@ -11,7 +11,8 @@ from motion.frames import Pose
 from motion.planner.planner import law_of
 from motion.planner.robot import Machine
 from motion.planner.route import Kind, Route, Stretch
-from motion.planner.runs import runs
+from motion.planner.runs import make_run, runs
+from motion.planner.squares import quicker
 from motion.program.blocks import Block, PoseTarget, Program
 from motion.program.errors import BlockError
 from motion.program.factors import FULL, Factors
@@ -96,7 +97,9 @@ def _numbered(error: BlockError, number: int) -> BlockError:
 def trace(stretches: Sequence[Stretch], machine: Machine, factors: Factors = FULL, period: float = PERIOD_S) -> Trace:
     """Runs all whole runs; raises MotionError where a path cannot be run at all."""
     parts, blocks, ends, clock = [], [], [], 0.0
-    for run in runs(stretches, machine, factors):
+    whole = runs(stretches, machine, factors)
+    rows = [row for run in whole for row in quicker(run.stretches, machine, lambda one: law_of(one).duration, factors)]
+    for run in (make_run(row, machine, factors) for row in rows):
         law = law_of(run)
         count = math.ceil(law.duration / period)
         s = law.at(np.arange(count + 1, dtype=np.float64) * period)
@@ -113,7 +116,7 @@ def trace(stretches: Sequence[Stretch], machine: Machine, factors: Factors = FUL
         np.array(places),
         np.array(blocks or [0]),
         period,
-        tuple(corner_report(stretch, machine) for stretch in stretches if stretch.kind is Kind.CORNER),
+        tuple(corner_report(stretch, machine) for row in rows for stretch in row if stretch.kind is Kind.CORNER),
         tuple(ends),
     )
 

@@ -4,7 +4,8 @@ A corner is judged on its own two legs first (from rest, over the corner, to res
 stopping at every corner, so the result is never slower than exact stops.
 """
 
-from collections.abc import Sequence
+import functools
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from motion.errors import MotionError
@@ -14,6 +15,7 @@ from motion.timing.law import Law
 from motion.timing.limits import LawLimits
 
 EDGE = 1e-9  # of a leg: less of it is not driven
+CLEAR = 0.9  # of the time of exact stops, by the quick estimate: less, and nothing more is asked
 
 
 @dataclass(frozen=True)
@@ -32,22 +34,40 @@ def fastest(legs: Sequence[JointPath], corners: Sequence[Rounded | None], limits
     """Runs from rest to rest, and for each corner whether it is passed.  corners: one less than legs; None: exact stop is asked for."""
     if len(corners) != len(legs) - 1:
         raise MotionError(f"{len(corners)} corners for {len(legs)} legs")
-    alone = [(leg, jerk_limited(leg, limits)) for leg in legs]
-    passed = [
-        corner is not None
-        and jerk_limited(assembled(legs[k : k + 2], [corner]), limits).duration < alone[k][1].duration + alone[k + 1][1].duration
-        for k, corner in enumerate(corners)
+
+    @functools.cache
+    def run(first: int, last: int) -> Run:
+        path = assembled(legs[first : last + 1], corners[first:last])
+        return path, jerk_limited(path, limits)
+
+    def seconds(first: int, last: int) -> float:
+        return run(first, last)[1].duration
+
+    chosen = passed([corner is not None for corner in corners], seconds, seconds)
+    return [run(first, last) for first, last in groups(chosen)], chosen
+
+
+def passed(may: Sequence[bool], quick: Callable[[int, int], float], exact: Callable[[int, int], float]) -> list[bool]:
+    """For each corner whether it is passed.  may: whether it can be; quick, exact: seconds of legs first .. last, all corners between
+    them passed, as estimated and as the law has it."""
+    chosen = [
+        possible and (quick(k, k + 1) < CLEAR * (quick(k, k) + quick(k + 1, k + 1)) or exact(k, k + 1) < exact(k, k) + exact(k + 1, k + 1))
+        for k, possible in enumerate(may)
     ]
-    runs: list[Run] = []
-    begin = 0
-    for k in range(len(legs)):
-        if k == len(legs) - 1 or not passed[k]:
-            path = assembled(legs[begin : k + 1], corners[begin:k])
-            runs.append((path, jerk_limited(path, limits)) if k > begin else alone[k])
+    alone = [(k, k) for k in range(len(may) + 1)]
+    if sum(quick(*one) for one in groups(chosen)) < CLEAR * sum(quick(*one) for one in alone):
+        return chosen
+    return chosen if sum(exact(*one) for one in groups(chosen)) <= sum(exact(*one) for one in alone) else [False] * len(may)
+
+
+def groups(chosen: Sequence[bool]) -> list[tuple[int, int]]:
+    """(first, last) leg of each run from rest to rest."""
+    found, begin = [], 0
+    for k in range(len(chosen) + 1):
+        if k == len(chosen) or not chosen[k]:
+            found.append((begin, k))
             begin = k + 1
-    if duration(runs) > duration(alone):
-        return alone, [False] * len(corners)
-    return runs, passed
+    return found
 
 
 def duration(runs: Sequence[Run]) -> float:

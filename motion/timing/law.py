@@ -1,5 +1,6 @@
 """A law s(t): where on the path at which time.  Even time grid, quintic between its points."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -80,6 +81,13 @@ class Law:
     def slower(self, factor: float) -> "Law":
         """The same in `factor` times the time; from rest only."""
         return Law(self.s, self.speed / factor, self.accel / factor**2, self.step * factor)
+
+    def later(self, seconds: float) -> "Law":
+        """The same after so long a rest (rounded up to whole steps); from rest only."""
+        count = math.ceil(seconds / self.step - 1e-9)
+        none = np.zeros(count)
+        rest = np.full(count, self.s[0])
+        return Law(np.concatenate([rest, self.s]), np.concatenate([none, self.speed]), np.concatenate([none, self.accel]), self.step)
 
     def at(self, t: Array) -> Array:
         """s at these times; the ends beyond them."""
