@@ -25,7 +25,7 @@ import pytest
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 HARMLESS = frozenset(
-    "__future__ abc array binascii bisect collections copy dataclasses decimal difflib enum fractions functools heapq itertools "
+    "__future__ abc array binascii bisect collections copy dataclasses decimal difflib enum fractions functools heapq html itertools "
     "json math numbers operator re statistics string struct textwrap types typing unicodedata zlib".split()
 )
 TABLES = tuple(
