@@ -72,19 +72,19 @@ class Api:
         return await self.hands.command(call.person.key, call.person.name, body.code, body.mask, **rest)
 
     async def permit(self, call: Call) -> Row:
-        return await self.live.desk.ask("permit")
+        return await self.hands.desk.ask("permit")
 
     async def force(self, call: Call) -> Row:
         body: Force = call.body
-        return await self.live.desk.ask("force_input", bit=body.bit, value=body.value, who=call.person.name)
+        return await self.hands.desk.ask("force_input", bit=body.bit, value=body.value, who=call.person.name)
 
     async def unforce(self, call: Call) -> Row:
         body: Unforce = call.body
-        return await self.live.desk.ask("unforce_input", bit=body.bit, who=call.person.name)
+        return await self.hands.desk.ask("unforce_input", bit=body.bit, who=call.person.name)
 
     async def put(self, call: Call) -> Row:
         body: Put = call.body
-        return await self.live.desk.ask("set", address=body.address, value=body.value)
+        return await self.hands.desk.ask("set", address=body.address, value=body.value)
 
     # ---- the simulation ---------------------------------------------------------------------------------------------------
     async def cable(self, call: Call) -> Row:

@@ -18,7 +18,7 @@ from gateway.cell_web import Web
 from gateway.web.access import Access, Denied
 from gateway.web.api import Api, endpoints
 from gateway.web.cellview import described
-from gateway.web.desk import ServicesDesk
+from gateway.web.desk import GLANCE_S, ServicesDesk
 from gateway.web.endpoints import openapi, routes
 from gateway.web.hands import Hands
 from gateway.web.live import Live
@@ -63,10 +63,10 @@ class Headers:
 
 def make_app(plan: RunPlan, web: Web, regions: Regions, store: Store) -> Starlette:
     """Everything of one run, wired."""
-    desk = ServicesDesk(plan.slug)
+    desk, looker = ServicesDesk(plan.slug), ServicesDesk(plan.slug, GLANCE_S)
     hands = Hands(desk, regions, plan.cell.axis)
     plant = Plant(plan)
-    live = Live(plan, regions, desk, hands, plant)
+    live = Live(plan, regions, looker, hands, plant)
     access = Access(store, web, simulated=plan.simulated)
     api = Api(live, Names(plan.cell), access, described(plan, plant, live.skeleton))
     table = endpoints(api)
@@ -91,6 +91,7 @@ def make_app(plan: RunPlan, web: Web, regions: Regions, store: Store) -> Starlet
         await asyncio.gather(*tasks, return_exceptions=True)
         plant.close()
         desk.close()
+        looker.close()
 
     app = Starlette(
         routes=[

@@ -8,7 +8,10 @@ from typing import Any
 from drivers.ports.base import runtime_dir
 from gateway.cell_web import PAGE_DOOR
 
-PATIENCE_S = 2.0
+PATIENCE_S = 4.0  # services are back within 3 s of their death
+GLANCE_S = 0.4  # of looks, ten times a second: an answer that is late is not waited for
+AGAIN_S = 0.1
+HAND_S = 2.0  # of what is simulated
 LONGEST = 1 << 20
 Row = dict[str, Any]
 
@@ -24,8 +27,8 @@ class Refused(Exception):
 class Link:
     """One connection of JSON lines that is made again when it broke; one request at a time."""
 
-    def __init__(self, path: str, what: str) -> None:
-        self.path, self.what = path, what
+    def __init__(self, path: str, what: str, patience_s: float = PATIENCE_S) -> None:
+        self.path, self.what, self._patience_s = path, what, patience_s
         self._lock = asyncio.Lock()
         self._reader: asyncio.StreamReader | None = None
         self._writer: asyncio.StreamWriter | None = None
@@ -34,15 +37,23 @@ class Link:
         """The answer; Gone: the socket does not answer."""
         async with self._lock:
             try:
-                async with asyncio.timeout(PATIENCE_S):
+                async with asyncio.timeout(self._patience_s):
                     return await self._asked(request)
             except (OSError, TimeoutError, ValueError, asyncio.IncompleteReadError) as error:
                 self.close()
                 raise Gone(f"{self.what}: no answer") from error
+            except asyncio.CancelledError:
+                self.close()  # its answer must not be taken for the next request's
+                raise
 
     async def _asked(self, request: dict[str, object]) -> Row:
-        if self._writer is None:
-            self._reader, self._writer = await asyncio.open_unix_connection(self.path, limit=LONGEST)
+        if self._reader is not None and self._reader.at_eof():  # it went away since the last request: nothing was sent to the new one yet
+            self.close()
+        while self._writer is None:
+            try:
+                self._reader, self._writer = await asyncio.open_unix_connection(self.path, limit=LONGEST)
+            except OSError:
+                await asyncio.sleep(AGAIN_S)  # within our patience, and before anything was sent: no command is given twice
         assert self._reader is not None
         self._writer.write(json.dumps(request).encode() + b"\n")
         await self._writer.drain()
@@ -65,8 +76,8 @@ class Link:
 class ServicesDesk:
     """Door 91 of the services."""
 
-    def __init__(self, slug: str) -> None:
-        self._link = Link(str(runtime_dir() / f"{slug}-services.sock"), "services")
+    def __init__(self, slug: str, patience_s: float = PATIENCE_S) -> None:
+        self._link = Link(str(runtime_dir() / f"{slug}-services.sock"), "services", patience_s)
 
     async def ask(self, op: str, **request: object) -> Row:
         """Gone; Refused with the services' words."""
@@ -85,7 +96,7 @@ class ServicesDesk:
 
 async def supervisor(slug: str, op: str, **more: str) -> Row:
     """One request to the supervisor, which closes after its answer.  Gone."""
-    link = Link(str(runtime_dir() / f"{slug}.sock"), "supervisor")
+    link = Link(str(runtime_dir() / f"{slug}.sock"), "supervisor", GLANCE_S)
     try:
         return await link.ask(op=op, **more)
     finally:
@@ -96,7 +107,7 @@ class Hand:
     """A line process' or an emulator's control socket: {"do": ...} in, {"ok": ...} out."""
 
     def __init__(self, path: str, what: str) -> None:
-        self._link = Link(path, what)
+        self._link = Link(path, what, HAND_S)
 
     async def ask(self, do: str, **arguments: object) -> Row:
         """Gone; Refused with its words."""
