@@ -12,7 +12,7 @@ from protocols.base.step5 import Step5Type, decode, encode, range_of
 ORDERS = ("ABCD", "CDAB", "BADC", "DCBA")
 BIT = "bit"
 _WHOLE = {"u8": (1, False), "s8": (1, True), "u16": (2, False), "s16": (2, True), "u32": (4, False), "s32": (4, True)}
-_STEP5 = {kind.value: kind for kind in Step5Type if kind.value in ("KF", "KH", "KM", "DH", "KZ", "KG", "REAL", "BCD")}
+_STEP5: dict[str, Step5Type] = {kind.value: kind for kind in Step5Type if kind.value in ("KF", "KH", "KM", "DH", "KZ", "KG", "REAL", "BCD")}
 FORMS = (BIT, *_WHOLE, *_STEP5)
 FLOATS = ("KG", "REAL")
 
