@@ -36,6 +36,7 @@ def described(plan: RunPlan, plant: Plant, skeleton: Skeleton) -> Row:
             {"name": io.name, "signal": io.signal, "device": f"{io.device.type} {io.device.bus} {io.device.node or ''}"} for io in cell.io
         ],
         "safety": {name: str(getattr(cell.safety, name)) for name in cell.safety.__slots__} if cell.safety else {},
+        "routes": [{"name": r.name, "from": r.from_, "to": r.to, "type": r.type, "edge": r.edge, "on_loss": r.on_loss} for r in cell.route],
         "wiring": wiring(cell),
         "notices": [{"level": notice.level, "where": notice.where, "text": notice.text} for notice in cell.notices],
         "evidence": evidence(plan),

@@ -173,6 +173,9 @@ def _uses(cell: Cell) -> dict[str, list[str]]:
                     used[f"in:{number}"].append(f"modbus {server.name}: coil {number}")
     for contact in cell.io:
         used[contact.signal].append(f"io {contact.name}")
+    for route in cell.route:
+        used[route.from_].append(f"route {route.name} to {route.to}")
+        used[route.to].append(f"route {route.name} from {route.from_}")
     _telegrams(cell, used)
     for name, _ in PERMITS:
         used[f"in:{getattr(AS_SHIPPED, name)}"].append(f"cycle: enabling input {name}")
