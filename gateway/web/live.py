@@ -12,17 +12,16 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from gateway.assembly import RunPlan
-from gateway.pure.records import Quality
 from gateway.web.busview import BusView
 from gateway.web.catalogue import advice
 from gateway.web.desk import Gone, Refused, ServicesDesk, supervisor
 from gateway.web.events import Events
 from gateway.web.hands import Hands
 from gateway.web.lineview import LineViews
-from gateway.web.names import AXIS_FIELDS
 from gateway.web.plantview import Plant
 from gateway.web.regions import Regions
 from gateway.web.skeleton import Skeleton
+from gateway.web.watched import Watched
 
 TICK_S = 0.1
 MOST_WATCHED = 400  # values of one page
@@ -63,7 +62,7 @@ class Live:
         self.processes: Row = {}
         self.head = "null"
         self.values: Row = {}  # of everything watched
-        self._looked: Row = {"blocks": {}, "named": {}, "forced": {}}
+        self.watched = Watched(regions)
         self._ticks = 0
         self.topics = {
             "overview": Topic(self._overview, 2),
@@ -160,7 +159,7 @@ class Live:
         return {"axes": self.regions.drives(), "ns": self.regions.state.sync_ns}
 
     async def _signals(self) -> Row:
-        return {"forced": self._looked["forced"]}
+        return {"forced": self.watched.looked["forced"]}
 
     async def _lines(self) -> Row:
         return {"lines": await self.lines.look(), "doors": self.regions.status.get("doors", [])}
@@ -191,64 +190,5 @@ class Live:
     # ---- watched values ----------------------------------------------------------------------------------------------------
     async def _watch(self) -> None:
         wanted = {name for viewer in self.viewers for name in viewer.watch}
-        try:
-            self._looked = await self.desk.ask("look")
-            fresh = True
-        except (Gone, Refused):
-            fresh = False
-        rows = {row["name"]: row for row in self.regions.drives()}
-        self.values = {name: value for name in wanted if (value := self._value(name, rows, fresh=fresh)) is not None}
-
-    def _value(self, name: str, rows: dict[str, Row], *, fresh: bool) -> list[object] | None:
-        """[value, quality 0..2, age ms, forced]; None: no such value."""
-        kind, _, rest = name.partition(":")
-        match kind:
-            case "in":
-                forced = rest in self._looked["forced"]
-                return [*self.regions.input_bit(int(rest)), forced]
-            case "out":
-                return [*self.regions.output_bit(int(rest)), False]
-            case "db":
-                return self._word(rest, fresh=fresh)
-            case "named":
-                found = self._looked["named"].get(rest)
-                return None if found is None else [found[0], found[1] if fresh else int(Quality.STALE), found[2], False]
-        return self._own(name, rows)
-
-    def _word(self, rest: str, *, fresh: bool) -> list[object] | None:
-        """Data blocks: four bytes from the word on, or a bit."""
-        block, _, where = rest.partition(":")
-        found = self._looked["blocks"].get(block)
-        if found is None:
-            return None
-        data = bytes.fromhex(found["hex"])
-        quality = int(Quality.GOOD if fresh and found["alive"] else Quality.STALE)
-        word, dot, bit = where.partition(".")
-        if dot:
-            value = int.from_bytes(data[2 * int(word) : 2 * int(word) + 2], "big") >> int(bit) & 1
-            return [value, quality, None, False]
-        at = 2 * int("".join(c for c in word if c.isdigit()))
-        return [data[at : at + 4].hex(), quality, None, False]
-
-    def _own(self, name: str, rows: dict[str, Row]) -> list[object] | None:
-        age = self.regions.ages()[0]
-        quality = int(Quality.GOOD if age < 250 else Quality.STALE)
-        shown = None if age == float("inf") else round(age)
-        match name.split("."):
-            case ["axis", axis, key] if axis in rows and key in AXIS_FIELDS:
-                row = rows[axis]
-                flags = {"enabled": 1, "referenced": 2, "in_position": 4, "fault": 24}
-                return [int(bool(row["flags"] & flags[key])) if key in flags else row[key], quality, shown, False]
-            case ["cell", key]:
-                state = self.regions.state
-                values: dict[str, object] = {
-                    "ready": int(state.ready),
-                    "drives_on": int(all(row["flags"] & 1 for row in rows.values())),
-                    "emergency_stop": int(state.emergency),
-                    "error": int(bool(self.regions.status.get("errors"))),
-                    "life": state.cycle & 0x7FFF,
-                    "override": round(state.override * 100.0, 1),
-                    "motion": int(state.motion),
-                }
-                return [values[key], quality, shown, False] if key in values else None
-        return None
+        await self.watched.look(self.desk)
+        self.values = self.watched.values(wanted)

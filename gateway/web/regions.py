@@ -2,9 +2,9 @@
 
 import json
 import time
-from typing import Any
+from typing import Any, Protocol
 
-from gateway.assembly import RunPlan
+from gateway.cell import Cell
 from gateway.image import RegionReader
 from gateway.pure.permits import PERMITS
 from gateway.pure.plannerrecords import unpack_planner
@@ -16,10 +16,22 @@ STALE_NS = 250_000_000  # a cycle or services silent for so long: everything it 
 Row = dict[str, Any]
 
 
+class Shown(Protocol):
+    """What is to be known of a run."""
+
+    @property
+    def cell(self) -> Cell:
+        """Its axes, in the order of the regions."""
+
+    @property
+    def p5_ms(self) -> int:
+        """Its clock."""
+
+
 class Regions:
     """What cycle and services published last, as plain dictionaries in the axes' own units."""
 
-    def __init__(self, plan: RunPlan, fds: dict[str, int]) -> None:
+    def __init__(self, plan: Shown, fds: dict[str, int]) -> None:
         self.plan = plan
         self.axes = RegionReader(fds["axes"], "axes")
         self.rc_in = RegionReader(fds["rc_in"], "rc_in")
