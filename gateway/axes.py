@@ -10,7 +10,8 @@ from drivers.drives.scaling import Scaling
 from drivers.drives.servodyn import DriveSettings
 from gateway.cell import Axis, Cell
 from gateway.pure.coreaxis import CoreAxis
-from gateway.pure.office import AxisFacts, Planner
+from gateway.pure.jobs import AxisFacts
+from gateway.pure.office import Planner
 from gateway.pure.permits import RcNumbers
 from gateway.pure.reasons import Reason, Refusal
 from gateway.pure.records import Permit

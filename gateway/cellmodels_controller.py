@@ -1,23 +1,13 @@
 """The edge of [controller]: pydantic models of gateway.cell_controller."""
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
-Percent = Annotated[str, Field(pattern=r"^(100|\d{1,2})(\.\d+)? %$", json_schema_extra={"allowed": '"0 %".."100 %"'})]
+from gateway.cellmodels_base import Percent, Table, unit
+
 PointName = Annotated[str, Field(pattern=r"^[A-Za-z]\w*$", json_schema_extra={"allowed": "letters, digits and _"})]
 OutputByte = Annotated[int, Field(ge=0, le=39)]
-
-
-def unit(text: str) -> dict[str, Any]:
-    """Marks a field with its unit."""
-    return {"unit": text}
-
-
-class Table(BaseModel):
-    """Base of these tables."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
 
 class ProcessStep(Table):

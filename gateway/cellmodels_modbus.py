@@ -1,27 +1,16 @@
 """The edge of [[modbus]]: pydantic models of gateway.cell_modbus."""
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
-BAUDS = "300|600|1200|2400|4800|9600|19200|38400|57600|115200"
-OnLoss = Literal["hold", "finish_move", "stop_on_path", "quick_stop"]
-Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]*$", json_schema_extra={"allowed": "letters, digits, _ and -"})]
+from gateway.cellmodels_base import BAUDS, Name, OnLoss, Table
+from gateway.cellmodels_base import unit as in_unit
+
 OWN_NAME = r"[a-z]\w*(\.\w+)+"  # as gateway.pure.addresses reads it
 Order = Literal["ABCD", "CDAB", "BADC", "DCBA"]
 Spans = list[Annotated[str, Field(pattern=r"^\d{1,5}(\.\.\d{1,5})?$", json_schema_extra={"allowed": '"0..63" or "7"'})]]
 View = Literal["rho3", "registers"]
-
-
-def in_unit(text: str) -> dict[str, Any]:
-    """Marks a field with its unit."""
-    return {"unit": text}
-
-
-class Table(BaseModel):
-    """Base of these tables."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
 
 class ModbusRegisters(Table):

@@ -2,15 +2,11 @@
 
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
+
+from gateway.cellmodels_base import Table
 
 Bind = Annotated[str, Field(pattern=r"^\S+:\d{1,5}$", json_schema_extra={"allowed": "address:port"})]
-
-
-class Table(BaseModel):
-    """Base of these tables."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
 
 class NorthMqtt(Table):

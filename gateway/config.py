@@ -12,7 +12,22 @@ from pydantic import BaseModel, ValidationError
 
 from drivers.emulator.settings import RANGES, ServoSettings
 from gateway import cell as plain
-from gateway import cell_controller, cell_modbus, cell_northbound, cellmodels_controller, cellmodels_modbus, cellmodels_northbound
+from gateway import (
+    cell_axes,
+    cell_buses,
+    cell_controller,
+    cell_lines,
+    cell_modbus,
+    cell_northbound,
+    cell_rho3,
+    cellmodels_axes,
+    cellmodels_buses,
+    cellmodels_controller,
+    cellmodels_lines,
+    cellmodels_modbus,
+    cellmodels_northbound,
+    cellmodels_rho3,
+)
 from gateway import cellmodels as models
 from gateway.cell import Cell, Source
 from gateway.checks import cross_faults, notices
@@ -170,6 +185,10 @@ def _tables(value: Any) -> list[dict[str, Any]]:
 # frozen data and their models, class by class of the same name
 PARTS = (
     (plain, models),
+    (cell_axes, cellmodels_axes),
+    (cell_buses, cellmodels_buses),
+    (cell_lines, cellmodels_lines),
+    (cell_rho3, cellmodels_rho3),
     (cell_modbus, cellmodels_modbus),
     (cell_controller, cellmodels_controller),
     (cell_northbound, cellmodels_northbound),

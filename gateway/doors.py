@@ -8,7 +8,8 @@ from gateway.cell import Cell
 from gateway.image import RegionWriter
 from gateway.pure.command_block import COMMAND_WORDS, STATUS_WORDS, Command, CommandBlock, Status
 from gateway.pure.datadoor import DataDoor
-from gateway.pure.office import Office, OnLoss
+from gateway.pure.jobs import OnLoss
+from gateway.pure.office import Office
 from gateway.pure.reasons import CommandState, Reason
 from gateway.pure.records import AxisFlag, CellState
 from gateway.pure.supervision import LinkEvent, LinkWatch

@@ -6,7 +6,6 @@ import functools
 import tomllib
 from collections.abc import Mapping
 
-from gateway.errors import ErrorRecord
 from gateway.files import PACKAGED, read_text
 from gateway.pure.errorentries import Entry, Family, family_of, find
 
@@ -41,11 +40,6 @@ def lookup(name: str, number: int) -> Entry | None:
 def explain(key: str) -> list[Entry]:
     """What `647`, `reis 647`, `rk512 14h`, `system error 133` or words of a text mean."""
     return find(catalogue().values(), key)
-
-
-def of_record(record: ErrorRecord) -> Entry | None:
-    """The catalogue's entry of an error in the list of the control: its source is the family."""
-    return lookup(record.source, record.code)
 
 
 def _rank(name: str) -> int:

@@ -11,7 +11,9 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from drivers.emulator.settings import RANGES
-from gateway.cellmodels import STEP5_TYPES, CellFile, PlantAxis
+from gateway.cellmodels import CellFile
+from gateway.cellmodels_axes import PlantAxis
+from gateway.cellmodels_lines import STEP5_TYPES
 from gateway.faults import Fault
 from gateway.pure.tomllines import Path, nearest
 

@@ -7,7 +7,7 @@ from gateway.modbus_client import Device, Group, Kind, Link, ModbusClient, Resul
 from gateway.pure.contacts import Outputs, Said
 from gateway.pure.records import RC_BYTES, Quality
 from protocols.base.machine import Ns, ms
-from protocols.modbus.master import Done
+from protocols.modbus.orders import Done
 
 if TYPE_CHECKING:
     from gateway.io_office import IoOffice

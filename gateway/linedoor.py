@@ -22,9 +22,10 @@ from gateway.pure.computerlink import ComputerLink
 from gateway.pure.datadoor import RC_NAMES, DataBlock, DataDoor, HandshakeBits, Slot
 from gateway.pure.dialects import BUEP64, buep64_fault, link_profile, rk512_dialect
 from gateway.pure.handshakes import Handshaking, Pattern
+from gateway.pure.jobs import OnLoss
 from gateway.pure.line_blocks import block_key
 from gateway.pure.line_jobs import OwnJob, OwnJobs
-from gateway.pure.office import Office, OnLoss
+from gateway.pure.office import Office
 from gateway.pure.records import RC_BYTES, Motion, Quality, set_bit
 from gateway.pure.supervision import LinkWatch
 from gateway.serialdoor import SerialDoor

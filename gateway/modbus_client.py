@@ -19,7 +19,8 @@ from drivers.ports.base import BytePort
 from drivers.ports.open import open_bytes
 from gateway.lineloop import LineRunner
 from protocols.base.machine import Ns, ms
-from protocols.modbus.master import (
+from protocols.modbus.master import Master, Seen
+from protocols.modbus.orders import (
     Device,
     DeviceBack,
     DeviceLost,
@@ -28,11 +29,9 @@ from protocols.modbus.master import (
     Failed,
     Failure,
     Group,
-    Master,
     Polled,
     PollFailed,
     Refused,
-    Seen,
     read_pdu,
     values_of,
 )

@@ -15,8 +15,8 @@ from gateway.modbus_client import Device, Group, Kind, Link, ModbusClient, Resul
 from gateway.pure.records import Quality
 from protocols.base.errors import EncodeError
 from protocols.base.machine import Ns, ms
-from protocols.modbus.master import Done
 from protocols.modbus.numbers import decode_number, encode_number, words_of
+from protocols.modbus.orders import Done
 
 if TYPE_CHECKING:
     from gateway.processes.services import Services

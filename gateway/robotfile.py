@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, Field, ValidationError
 
-from gateway.cellmodels import Table
+from gateway.cellmodels_base import Table
 from gateway.files import beside, find_config, read_text
 from motion import robot as plain
 from motion.conventions import convention

@@ -12,7 +12,8 @@ from gateway.image import RegionWriter
 from gateway.linejournal import journaled
 from gateway.lineloop import LineRunner
 from gateway.linetap import Tap
-from gateway.pure.office import Office, OnLoss
+from gateway.pure.jobs import OnLoss
+from gateway.pure.office import Office
 from gateway.pure.supervision import LinkWatch
 from protocols.base.machine import Machine, Ns
 from protocols.p3964r.events import SamePriority

@@ -11,7 +11,8 @@ from gateway.cell import Line
 from gateway.doors import Tell
 from gateway.image import RegionWriter
 from gateway.pure.dialects import link_profile
-from gateway.pure.office import Office, OnLoss
+from gateway.pure.jobs import OnLoss
+from gateway.pure.office import Office
 from gateway.pure.supervision import LinkWatch
 from gateway.serialdoor import SerialDoor
 from gateway.telegramtables import incoming, is_incoming, outgoing

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from drivers.drives.cia402_boot import Refused
 from gateway.pure.command_block import Code, Command
-from gateway.pure.office import Job, OnLoss
+from gateway.pure.jobs import Job, OnLoss
 from gateway.pure.records import AXES, Quality, set_bit
 from protocols.base.machine import Ns, ms
 

@@ -29,7 +29,8 @@ HARMLESS = frozenset(
     "json math numbers operator re statistics string struct textwrap types typing unicodedata zlib".split()
 )
 TABLES = tuple(
-    f"gateway.cell_{name}" for name in ("controller", "modbus", "northbound", "positions", "program", "retain", "routes", "web")
+    f"gateway.cell_{name}"
+    for name in ("axes", "buses", "controller", "lines", "modbus", "northbound", "positions", "program", "retain", "rho3", "routes", "web")
 )  # tables of a cell, one file each
 # Pure folders (and single files, which others may then import): what they may import beside HARMLESS.
 ALLOWED: dict[str, frozenset[str]] = {

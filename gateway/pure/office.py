@@ -6,84 +6,19 @@ a new office has no jobs, so a standing command starts nothing (design: a comman
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from enum import Enum
 
 from drivers.drives.tracking import sentence
 from gateway.pure.command_block import Code, Command
 from gateway.pure.control import NOBODY, Control
+from gateway.pure.jobs import AxisFacts, DoorState, Job, OfficeEvent, OnLoss
 from gateway.pure.plannerrecords import PlannerState, ProgramFacts, ProgramOrder
-from gateway.pure.reasons import CommandState, Reason, Refusal, text
+from gateway.pure.reasons import CommandState, Reason, Refusal
 from gateway.pure.records import AxisFlag, CellState, Motion, Order, OrderRecord, Permit
 from protocols.base.machine import Ns, ms
 
 ENABLE_PATIENCE = ms(5_000)  # brake, power and enabling of six drives take well under 2 s
 RESET_PATIENCE = ms(2_000)
 TINY, TRAVELS = 1e-6, 10.0  # AX-010: what looks like a number in another format
-
-
-@dataclass(frozen=True, slots=True)
-class AxisFacts:
-    """What the office must know of an axis; positions in the axis' own unit."""
-
-    name: str
-    unit: str  # mm | deg
-    si: float  # one unit in m or rad
-    low: float
-    high: float
-
-
-class OnLoss(Enum):
-    """What happens to a running move when the owner's link dies."""
-
-    HOLD = "hold"
-    FINISH = "finish_move"
-    STOP = "stop_on_path"
-    QUICK_STOP = "quick_stop"
-
-
-@dataclass(slots=True)
-class Job:
-    """One command of one door and what became of it."""
-
-    id: int
-    door: int
-    code: int
-    state: CommandState = CommandState.ACCEPTED
-    reason: Reason = Reason.NONE
-    detail: str = ""
-    mask: int = 0
-    until: Ns | None = None  # aborted with TIME_OUT then
-    watch: int = 0  # job whose end is this job's end (resume watches the move)
-
-    @property
-    def open(self) -> bool:
-        return self.state in (CommandState.ACCEPTED, CommandState.RUNNING)
-
-
-@dataclass(slots=True)
-class DoorState:
-    """The last command of a door and the last one of each code."""
-
-    last: Job | None = None
-    by_code: dict[int, Job] = field(default_factory=dict)
-
-
-@dataclass(frozen=True, slots=True)
-class OfficeEvent:
-    """Something a person wants to read in the journal."""
-
-    what: str  # accepted | done | refused | aborted | stopped | control
-    door: int
-    code: int
-    reason: Reason
-    detail: str
-
-    def sentence(self, language: str = "en") -> str:
-        """One line for log and page."""
-        name = Code(self.code).name.lower() if self.code in Code._value2member_map_ else f"code {self.code}"
-        why = text(self.reason, language, self.detail)
-        return f"door {self.door}: {name} {self.what}" + (f": {why}" if why else "")
 
 
 Planner = Callable[[Sequence[float], Sequence[float], int, float, float, int], bytes]  # start, target (SI), mask, v, a, job -> piece

@@ -11,8 +11,9 @@ from hil_tests.soak.store import Store
 from protocols.base.machine import Damage, Machine, Ns, ms
 from protocols.modbus.answering import answer
 from protocols.modbus.crc import sealed
-from protocols.modbus.master import Device, Done, Failed, Group, Master, Refused, read_pdu
+from protocols.modbus.master import Master
 from protocols.modbus.mbap import Closing, Framing, Request
+from protocols.modbus.orders import Device, Done, Failed, Group, Refused, read_pdu
 from protocols.modbus.rtu import RtuFraming, RtuTcpFraming
 from protocols.modbus.station import Station
 from protocols.modbus.timing import OVER_TCP, timing

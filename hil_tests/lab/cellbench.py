@@ -12,7 +12,8 @@ from gateway.config import load_cell
 from gateway.plant import bus_settings
 from gateway.pure.command_block import Code, Command
 from gateway.pure.core import Core
-from gateway.pure.office import Job, Office
+from gateway.pure.jobs import Job
+from gateway.pure.office import Office
 from gateway.pure.records import InputImage, OrderRecord, Quality, pack_cell_state, pack_order, set_bit, unpack_cell_state, unpack_order
 from hil_tests.lab.servodyn_bus import CODEC
 from motion.pieces import RECORD_SIZE

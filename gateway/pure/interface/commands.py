@@ -9,7 +9,8 @@ from collections.abc import Mapping
 from gateway.pure.command_block import Code, Command
 from gateway.pure.interface.drives import Asked
 from gateway.pure.interface.steps import Step
-from gateway.pure.office import Job, Office
+from gateway.pure.jobs import Job
+from gateway.pure.office import Office
 from gateway.pure.records import AXES, Motion
 from protocols.base.machine import Ns
 

@@ -21,7 +21,8 @@ from gateway.pure.interface.numbers import AS_SHIPPED, Numbers
 from gateway.pure.interface.steps import Step, body_maker, fault_of
 from gateway.pure.interface.supervision import PlcWatch
 from gateway.pure.interface.whole import Installation, Seen, SignalInterface
-from gateway.pure.office import Job, Office
+from gateway.pure.jobs import Job
+from gateway.pure.office import Office
 from gateway.pure.records import RC_BYTES, CellState, InputImage, Permit, get_bit, set_bit
 from protocols.base.machine import Ns
 

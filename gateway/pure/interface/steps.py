@@ -11,7 +11,7 @@ from typing import Protocol
 from gateway.pure.functions.processes import Body, ProcessFault, Turn
 from gateway.pure.interface.modes import OperatingModes, Refusal, RuntimeFault
 from gateway.pure.interface.user import UserPorts
-from gateway.pure.office import Job
+from gateway.pure.jobs import Job
 from gateway.pure.reasons import CommandState, text
 from protocols.base.machine import Ns
 

@@ -9,7 +9,8 @@ from gateway.assembly import DOOR_BYTES, Door
 from gateway.axes import axis_facts, make_planner
 from gateway.image import RegionWriter, create_region
 from gateway.modbusdoor import ModbusDoor
-from gateway.pure.office import Office, OnLoss
+from gateway.pure.jobs import OnLoss
+from gateway.pure.office import Office
 from gateway.pure.supervision import LinkWatch
 from hil_tests.lab.cellbench import DEMO
 from protocols.base.machine import ms

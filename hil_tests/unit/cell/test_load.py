@@ -6,10 +6,9 @@ from typing import Any
 
 import pytest
 
-from gateway import cell as plain
 from gateway import cellmodels as models
 from gateway.cell import Cell
-from gateway.config import CellFaults, Fault, load_cell
+from gateway.config import PARTS, CellFaults, Fault, load_cell
 from gateway.files import find_config, read_text
 
 SHIPPED = ("demo", "s5-rk512", "rho3-servodyn")
@@ -123,12 +122,16 @@ def test_defaults_reach_every_axis_that_does_not_say_otherwise() -> None:
 
 def test_the_models_and_the_data_have_the_same_shape() -> None:
     extra = {"Cell": {"file", "sources", "notices"}, "CellFile": {"defaults"}}
-    for name, kind in vars(plain).items():
-        if not (isinstance(kind, type) and dataclasses.is_dataclass(kind)) or name in ("Source", "Notice"):
-            continue
-        model: Any = models.CellFile if name == "Cell" else getattr(models, name)
-        fields = {field.name for field in dataclasses.fields(kind)} - extra.get(name, set())
-        assert fields == set(model.model_fields) - extra.get(model.__name__, set()), name
+    seen = 0
+    for inside, edge in PARTS:
+        for name, kind in vars(inside).items():
+            if not dataclasses.is_dataclass(kind) or kind.__module__ != inside.__name__ or name in ("Source", "Notice"):
+                continue
+            model: Any = models.CellFile if name == "Cell" else getattr(edge, name)
+            fields = {field.name for field in dataclasses.fields(kind)} - extra.get(name, set())
+            assert fields == set(model.model_fields) - extra.get(model.__name__, set()), name
+            seen += 1
+    assert seen > 50
 
 
 # ------------------------------------------------------------------------------------------------------ what is not valid

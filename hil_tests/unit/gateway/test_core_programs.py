@@ -11,7 +11,8 @@ import pytest
 from gateway.axes import limits_of
 from gateway.cell import Home, Plant
 from gateway.pure.command_block import Code, Command
-from gateway.pure.office import Job, Office
+from gateway.pure.jobs import Job
+from gateway.pure.office import Office
 from gateway.pure.permits import AS_SHIPPED, free_outputs
 from gateway.pure.plannerrecords import AHEAD, PieceRecord, ProgramFacts, pack_piece, run_record, unpack_piece
 from gateway.pure.programs import Programs

@@ -6,7 +6,7 @@ import pytest
 
 from gateway.pure.command_block import COMMAND_WORDS, STATUS_WORDS, TOGGLE, Code, Command, CommandBlock, Status, real, real_words
 from gateway.pure.control import NOBODY, Control
-from gateway.pure.office import OnLoss
+from gateway.pure.jobs import OnLoss
 from gateway.pure.reasons import CommandState, Reason, Refusal, text
 from gateway.pure.records import CellState, Motion
 from gateway.pure.supervision import LinkEvent, LinkWatch

@@ -12,7 +12,9 @@ from hil_tests.lab.bench import Bench
 from protocols.base.errors import DecodeError, EncodeError
 from protocols.base.machine import Ns, ms
 from protocols.modbus.crc import crc, sealed
-from protocols.modbus.master import (
+from protocols.modbus.master import Master
+from protocols.modbus.numbers import ORDERS, decode_number, encode_number
+from protocols.modbus.orders import (
     Device,
     DeviceBack,
     DeviceLost,
@@ -21,13 +23,11 @@ from protocols.modbus.master import (
     Failed,
     Failure,
     Group,
-    Master,
     Polled,
     PollFailed,
     Refused,
     read_pdu,
 )
-from protocols.modbus.numbers import ORDERS, decode_number, encode_number
 from protocols.modbus.timing import OVER_TCP, timing
 from protocols.modbus.view import Kind
 from protocols.modbus.wires import RtuWire, TcpWire

@@ -1,0 +1,24 @@
+"""What all models of the cell file share: the strict table, names, units.
+
+Strict, frozen, unknown keys forbidden.  Field names are the keys of the file (`from` by alias); a test compares both sides.
+"""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+BAUDS = "300|600|1200|2400|4800|9600|19200|38400|57600|115200"
+OnLoss = Literal["hold", "finish_move", "stop_on_path", "quick_stop"]
+Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]*$", json_schema_extra={"allowed": "letters, digits, _ and -"})]
+Percent = Annotated[str, Field(pattern=r"^(100|\d{1,2})(\.\d+)? %$", json_schema_extra={"allowed": '"0 %".."100 %"'})]
+
+
+def unit(text: str) -> dict[str, Any]:
+    """Marks a field with its unit; {u} stands for the unit of the axis."""
+    return {"unit": text}
+
+
+class Table(BaseModel):
+    """Base of every table."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
