@@ -1,4 +1,5 @@
-"""[[position]] of a cell file as plain frozen data: what a number of the handshakes number-select and strobe-parity means."""
+"""[[position]] of a cell file as plain frozen data: what a number of the handshakes number-select and strobe-parity means, beside the
+numbers of [[program]]."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -121,9 +121,10 @@ class LineDoor(SerialDoor):
         """At each tick: our own jobs, coordination flags, the handshake's outcome, and control given back at rest."""
         self._give_own_jobs(time.monotonic_ns())
         if self.data is not None:
-            job = self.office.door(self.number).by_code.get(Code.PTP_ABSOLUTE)
-            if job is not None:
-                self.data.move_state(job.state)
+            jobs = self.office.door(self.number).by_code
+            ordered = [jobs[code] for code in (Code.PTP_ABSOLUTE, Code.PROGRAM) if code in jobs]
+            if ordered:
+                self.data.move_state(max(ordered, key=lambda job: job.id).state)
             state = self._services.values.state
             self.data.settle(at_rest=state.motion in (Motion.IDLE, Motion.STOPPED))
         self.reset_used_flags()
@@ -333,13 +334,15 @@ def compile_handshake(handshake: Handshake) -> HandshakeBits:
     return HandshakeBits(bit(handshake.start), bit(handshake.busy), bit(handshake.done), bit(handshake.refused))
 
 
-def compile_pattern(cell: Cell) -> tuple[Handshaking | None, dict[int, tuple[Mapping[str, float], float]]]:
-    """The pattern of [handshake.move], None for start-busy-done, which the data door plays itself; and what its numbers select."""
+def compile_pattern(cell: Cell) -> tuple[Handshaking | None, dict[int, tuple[Mapping[str, float], float]], frozenset[int]]:
+    """The pattern of [handshake.move], None for start-busy-done, which the data door plays itself; what its numbers select: positions,
+    programs."""
     positions = {position.number: (position.at, position.speed / 100.0) for position in cell.position}
+    programs = frozenset(program.number for program in cell.program)
     handshake = cell.handshake.get("move")
     if handshake is None or handshake.pattern == Pattern.START_BUSY_DONE.value:
-        return None, positions
-    return Handshaking(Pattern(handshake.pattern), positions, odd=handshake.parity == "odd"), positions
+        return None, positions, programs
+    return Handshaking(Pattern(handshake.pattern), positions.keys() | programs, odd=handshake.parity == "odd"), positions, programs
 
 
 def compile_block(db: Db) -> DataBlock:

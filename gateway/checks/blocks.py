@@ -285,11 +285,12 @@ def handshakes(check: Context) -> None:
 
 def _targets(check: Context, shake: Handshake) -> None:
     written = {entry.to for block in check.cell.db for entry in block.entries if entry.to}
-    wanted = any(name.endswith(".target") for name in written) or bool(check.cell.position)
+    numbers = shake.pattern in ("number-select", "strobe-parity") and bool(check.cell.program)
+    wanted = numbers or any(name.endswith(".target") for name in written) or bool(check.cell.position)
     for name in CARRIED[shake.pattern] - written:
         check.fault("handshake.move.pattern", shake.pattern, f'no entry writes to = "{name}"')
-    if shake.pattern == "number-select" and not check.cell.position:
-        check.fault("handshake.move.pattern", shake.pattern, "no [[position]]: what should a number select?")
+    if shake.pattern == "number-select" and not (check.cell.position or check.cell.program):
+        check.fault("handshake.move.pattern", shake.pattern, "no [[position]] and no [[program]]: what should a number select?")
     if not wanted and check.cell.db:
         check.fault("handshake.move", shake.start, 'no entry writes a target (to = "move.AXIS.target"): what should it start?')
 
@@ -314,14 +315,17 @@ def _bit(check: Context, key: str, text: str, writer: str) -> None:
 
 
 def positions(check: Context) -> None:
-    """Numbers stand once, axes exist, targets lie inside the travel."""
+    """Numbers stand once, among the programs too; axes exist, targets lie inside the travel."""
     axes = {axis.name: axis for axis in check.cell.axis}
+    programs = {program.number for program in check.cell.program}
     seen: set[int] = set()
     for position in check.cell.position:
         key = f"position.{position.number}"
         if position.number in seen:
             check.fault(f"{key}.number", position.number, "this number stands twice")
         seen.add(position.number)
+        if position.number in programs:
+            check.fault(f"{key}.number", position.number, "a [[program]] has this number: which one should it select?")
         for name, target in position.at.items():
             if check.unknown(f"{key}.at", name, "axis") or name not in axes:
                 continue

@@ -4,7 +4,7 @@ A SEND is taken whole: all its words first, then its edges, in a fixed order (AX
 of services or a lost link the first telegram only tells where the bits stand, so a standing start bit starts nothing.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from gateway.pure.command_block import Code, Command
@@ -136,10 +136,12 @@ class DataDoor:
         inputs: Sequence[str] = (),
         pattern: Handshaking | None = None,
         positions: Mapping[int, tuple[Mapping[str, float], float]] | None = None,
+        programs: Collection[int] = (),
     ) -> None:
         """`command` takes fresh commands, `value` gives status by name, `bad_number(name, text)` hears of numbers that are none or out of
         min..max, `level(name, value)` of entries that are RC inputs: cell.feed_allow, ... and `inputs`, signals and flags;
-        `pattern`: another handshake than start-busy-done; `positions`: what its numbers select, targets and speed (0..1)."""
+        `pattern`: another handshake than start-busy-done; `positions`: what its numbers select, targets and speed (0..1); `programs`:
+        numbers that select a program of the cell (AX-406)."""
         self.blocks: Mapping[int, DataBlock] = {block.number: block for block in blocks}
         self.life: int | None = None  # life word of the last telegram, if it wrote one
         self.clamped = 0
@@ -147,7 +149,7 @@ class DataDoor:
         self._handshake = handshake
         self._inputs = (*RC_NAMES, *inputs)
         self._command, self._value, self._bad, self._level = command, value, bad_number, level
-        self._pattern, self._positions, self._asked = pattern, positions or {}, Asked()
+        self._pattern, self._positions, self._programs, self._asked = pattern, positions or {}, frozenset(programs), Asked()
         self._levels: dict[str, float] = {}
         self._told: dict[Slot, str] = {}  # what was said of a bad number that still stands
         self._primed: set[str] = set()
@@ -238,8 +240,13 @@ class DataDoor:
             round(levels.get("move.number", old.number)),
             bool(levels.get("move.parity", old.parity)),
         )
-        if pattern.see(self._asked):
-            self._start(self._positions.get(self._asked.number))
+        number = self._asked.number
+        if not pattern.see(self._asked):
+            return
+        if pattern.selects and number in self._programs:
+            self._command(Command(Code.PROGRAM, number, self._speed, 1.0))
+        else:
+            self._start(self._positions.get(number) if pattern.selects else None)
 
     def _edge(self, name: str, levels: Mapping[str, float]) -> int:
         """1 rising, -1 falling, 0 none or not known yet."""

@@ -21,7 +21,7 @@ class Pattern(Enum):
     LEVEL_ACK = "level-ack"  # request stands until the acknowledgement stands; that falls with the request
     TOGGLE = "toggle"  # every change of the bit is a request; the answer copies the bit when it is done
     STROBE_PARITY = "strobe-parity"  # a code with its parity, taken at the strobe's rising edge
-    NUMBER_SELECT = "number-select"  # a number other than 0 selects a position; 0 lies between two of them
+    NUMBER_SELECT = "number-select"  # a number other than 0 selects a position or a program; 0 lies between two of them
 
 
 class State(Enum):
@@ -108,7 +108,7 @@ class Handshaking:
     """One exchange after the other with one partner."""
 
     def __init__(self, pattern: Pattern, numbers: Collection[int] = (), *, odd: bool = False) -> None:
-        """`numbers`: positions that exist; `odd`: number and parity bit together have an odd count of ones."""
+        """`numbers`: positions and programs that exist; `odd`: number and parity bit together have an odd count of ones."""
         self.pattern, self._table = pattern, TABLES[pattern]
         self._numbers, self._odd = frozenset(numbers), odd
         self.state = State.IDLE
@@ -118,6 +118,11 @@ class Handshaking:
     def restart(self) -> None:
         """Start of services or return of the link: the next telegram only says where the bits stand."""
         self._before, self.state = None, State.IDLE
+
+    @property
+    def selects(self) -> bool:
+        """The request carries a number that means something."""
+        return self.pattern in (Pattern.NUMBER_SELECT, Pattern.STROBE_PARITY)
 
     def see(self, asked: Asked) -> bool:
         """One telegram; True: start now, with the targets or the number it carries."""
@@ -158,10 +163,8 @@ class Handshaking:
     def _judged(self, asked: Asked) -> Event:
         if self.pattern is Pattern.STROBE_PARITY and (asked.number.bit_count() + asked.parity) % 2 != self._odd:
             return Event.WRONG
-        selects = self.pattern in (Pattern.NUMBER_SELECT, Pattern.STROBE_PARITY) and (
-            self._numbers or self.pattern is Pattern.NUMBER_SELECT
-        )
-        return Event.WRONG if selects and asked.number not in self._numbers else Event.ASKS
+        known = self.selects and (self._numbers or self.pattern is Pattern.NUMBER_SELECT)
+        return Event.WRONG if known and asked.number not in self._numbers else Event.ASKS
 
     def _go(self, event: Event) -> bool:
         found = self._table.get((self.state, event))

@@ -8,11 +8,13 @@ from gateway.linedoor import compile_block, compile_handshake, compile_pattern
 from gateway.pure.command_block import Code, Command
 from gateway.pure.datadoor import DataDoor
 from gateway.pure.reasons import CommandState
+from hil_tests.lab.numbered_cell import numbered_cell
 
 S5 = read_text(find_config("s5-rk512", "cells"))
 MOVE = S5[S5.index("[handshake.move]") : S5.index("# ---- real contacts")]
 START = '  { at = "D 0.8",  type = "bit", to = "move.start" },\n'
 NUMBER = '  { at = "DW 6", type = "KF", to = "move.number" },\n'
+LAST = '  { at = "DW 31",  type = "KF",  to = "line.plc.life" },\n'
 PARITY = '  { at = "D 0.9", type = "bit", to = "move.parity" },\n'
 SELECT = """[handshake.move]
 pattern = "{pattern}"
@@ -53,7 +55,7 @@ class Door:
             self.words[int(name[1:])] = value
         before = len(self.commands)
         self.door.written(10, 0, b"".join(word.to_bytes(2, "big") for word in self.words), 0)
-        return [command for command in self.commands[before:] if command.code is Code.PTP_ABSOLUTE]
+        return [command for command in self.commands[before:] if command.code in (Code.PTP_ABSOLUTE, Code.PROGRAM)]
 
     def answer(self) -> tuple[bool, bool]:
         """(done, refused) in DB 11."""
@@ -72,6 +74,26 @@ def test_a_number_selects_its_position_once_and_is_done_until_zero() -> None:
     assert door.send(w6=9) == [] and door.answer() == (False, True)
     assert door.send(w6=0) == []
     assert door.send(w6=8)[0].mask == 0b010
+
+
+def test_a_number_of_a_program_orders_it_once_and_zero_lies_between_two() -> None:
+    door = Door(numbered_cell(number=20))
+    (order,) = door.send(w6=20)
+    assert (order.code, order.mask, order.velocity, order.acceleration) == (Code.PROGRAM, 20, 1.0, 1.0)
+    assert door.send() == [] == door.send(w6=7), "no second start while the first one is under way"
+    door.door.move_state(CommandState.DONE)
+    assert door.answer() == (True, False)
+    assert door.send(w6=0) == [] and door.send(w6=21) == [] and door.answer() == (False, True)
+    assert door.send(w6=0) == [] and door.send(w6=20)[0].code is Code.PROGRAM
+    door.door.move_state(CommandState.REFUSED)
+    assert door.answer() == (False, True)
+
+
+def test_a_strobed_code_orders_a_program_at_the_speed_of_its_block() -> None:
+    strobed = numbered_cell(number=20).replace('pattern = "number-select"', 'pattern = "strobe-parity"\nstart   = "DB10.D0.8"')
+    door = Door(strobed.replace(LAST, START + PARITY + LAST))
+    (order,) = door.send(w0=0x100, w5=40, w6=20)
+    assert (order.code, order.mask, order.velocity) == (Code.PROGRAM, 20, 0.4)
 
 
 def test_a_strobe_takes_number_and_parity_of_the_same_telegram() -> None:
@@ -109,6 +131,7 @@ def test_a_link_that_returns_with_a_standing_number_moves_nothing() -> None:
         (text("toggle").replace("number = 8", "number = 7"), "position.7.number"),
         (text("toggle").replace("Y = 1.0", "Y = 9999.0"), "position.8.at"),
         (text("toggle").replace("Y = 1.0", "Q = 1.0"), "position.8.at"),
+        (numbered_cell(number=7), "position.7.number"),
     ],
 )
 def test_what_check_says_of_patterns_and_positions(cell_text: str, key: str) -> None:
