@@ -11,6 +11,7 @@ from gateway.pure.contacts import SAID_LAYOUT, Outputs, Said, pack_said, unpack_
 from gateway.pure.coupler401 import CouplerFamily
 from gateway.pure.records import RC_BYTES, CellState, Quality
 from gateway.pure.rho3can.family import RhoFamily
+from gateway.pure.rho3can.ledger import LEDGER_LAYOUT, Ledger
 from protocols.base.machine import Ns, ms
 
 SERVICES_GONE: Ns = ms(250)
@@ -63,6 +64,21 @@ class InputMarks:
         if marks != self._written:
             self._written = bytes(marks)
             self._region.write(marks, now)
+
+
+class IoErrors:
+    """Runtime errors of I/O blocks and parameter downloads to the services: the cell's errors 380, 381, 645, 650 (AX-431)."""
+
+    def __init__(self, families: Sequence[RhoFamily], fd: int) -> None:
+        self._ledger = Ledger()
+        for family in families:
+            family.ledger = self._ledger
+        self._region = RegionWriter(fd, "io_errors", LEDGER_LAYOUT)
+
+    def turn(self, now: Ns) -> None:
+        """Once per cycle."""
+        if self._ledger.changed:
+            self._region.write(self._ledger.pack(), now)
 
 
 def cycle_contacts(cell: Cell, families: Sequence[BusFamily], fds: Mapping[str, int], p5_ms: int) -> CycleContacts | None:

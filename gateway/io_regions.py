@@ -7,8 +7,10 @@ from gateway.cell import Cell
 from gateway.image import create_region
 from gateway.pure.contacts import SAID_BYTES, SAID_LAYOUT
 from gateway.pure.records import RC_BYTES
+from gateway.pure.rho3can.ledger import LEDGER_BYTES, LEDGER_LAYOUT
 
 MARKS_LAYOUT = f"marks/1 quality of {RC_BYTES} RC output bytes"
+SHAPES = {"marks": (RC_BYTES, MARKS_LAYOUT), "io_errors": (LEDGER_BYTES, LEDGER_LAYOUT)}
 
 
 def chips(cell: Cell) -> bool:
@@ -20,7 +22,8 @@ def joined_regions(cell: Cell) -> tuple[str, ...]:
     """Names for cycle and services."""
     joined = ("wake", "marks") if cell.io or cell.route else ()
     contacts = ("io_out", "io_in", *(("io_chip",) if chips(cell) else ())) if cell.io else ()
-    return (*joined, *contacts)
+    blocks = ("io_errors",) if cell.rho3 is not None else ()
+    return (*joined, *contacts, *blocks)
 
 
 def make_joined(cell: Cell) -> dict[str, int]:
@@ -31,7 +34,7 @@ def make_joined(cell: Cell) -> dict[str, int]:
 def _made(name: str) -> int:
     if name == "wake":
         return os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
-    return create_region(name, *((RC_BYTES, MARKS_LAYOUT) if name == "marks" else (SAID_BYTES, SAID_LAYOUT)))
+    return create_region(name, *SHAPES.get(name, (SAID_BYTES, SAID_LAYOUT)))
 
 
 def simulated_couplers(cell: Cell, slug: str, buses: Mapping[str, str]) -> dict[str, tuple[str, ...]]:

@@ -40,7 +40,7 @@ def with_rho3(cell: Cell, bus: Bus, drives: BusFamily | None) -> BusFamily:
     settings, sent = io_settings(cell, bus), downloads(cell, bus)
     if drives is not None and settings is None and not sent:
         return drives
-    return RhoFamily(IoBus(settings, time.monotonic_ns()) if settings else None, drives, sent)
+    return RhoFamily(IoBus(settings, time.monotonic_ns()) if settings else None, drives, sent, cell.bus.index(bus) + 1)
 
 
 def module_arguments(cell: Cell, bus: Bus, url: str) -> tuple[str, ...]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from gateway.image import RegionReader
 from gateway.pure.command_block import Code, Command
 from gateway.pure.errorlist import ErrorList, Reset
+from gateway.pure.interface.errors import RESETS, RHO3, kind_of
 from gateway.pure.modbus_view import RhoView
 from gateway.pure.reasons import CommandState, text
 from gateway.pure.records import RC_BYTES
@@ -20,6 +21,11 @@ if TYPE_CHECKING:
 
 PANEL_NS = 2_000_000_000  # the panel counts as used for so long after a key
 RESET_MODE = "11.1"
+
+
+def _source(code: int) -> str:
+    """Whose number it is: parameters are refused with numbers of the Reis list."""
+    return RHO3 if code in range(380, 382) else "reis"
 
 
 class RcOutputs:
@@ -91,6 +97,17 @@ class SignalDesk:
             if (code, words) not in self._noted:
                 self.errors.report(code, words, now, reset=Reset.ITSELF)
         self._noted = list(errors)
+
+    def came(self, code: int, where: str, now: Ns) -> None:
+        """An error with a number of the rho 3, or of the Reis list (645, 650); 0 has none and stands among axisgate's own."""
+        if code:  # without a control nobody acknowledges
+            reset = Reset.ITSELF if self.control is None else RESETS[kind_of(code)]
+            self.errors.report(code, where, now, source=_source(code), reset=reset)
+
+    def gone(self, code: int, where: str) -> None:
+        """Its cause is away; it stays until it is acknowledged."""
+        if code:
+            self.errors.gone(code, where, _source(code))
 
     @property
     def rho3(self) -> "RhoControl | None":

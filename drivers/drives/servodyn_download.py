@@ -5,7 +5,7 @@ Source: rho 3 Releases part 5, 7.2 (L7539-7547): parameters are transmitted in t
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import Enum, auto
+from enum import Enum, IntEnum, auto
 
 from protocols.servodyn.parameters import Answer, Request, Status, Value
 
@@ -20,14 +20,26 @@ class DownloadState(Enum):
     FAILED = auto()
 
 
-REFUSED = {  # status -> (number of the error list, German, English); 645 and 650: robotstar 8.1 (L4694, L4702)
-    Status.UNKNOWN: (0, "Parameter {0} kennt der Antrieb nicht", "the drive does not know parameter {0}"),
-    Status.RANGE: (650, "Parameter {0} ausserhalb des Wertebereichs", "parameter {0} exceeds its value range"),
-    Status.DRIVES_ON: (
+class Cause(IntEnum):
+    """Why a parameter was not taken; the first three are what the drive answers."""
+
+    UNKNOWN = Status.UNKNOWN
+    RANGE = Status.RANGE
+    DRIVES_ON = Status.DRIVES_ON
+    SILENT = 4
+    OTHER_VALUE = 5
+
+
+TEXTS = {  # number of the error list, German, English; 645 and 650: robotstar 8.1 (L4694, L4702)
+    Cause.UNKNOWN: (0, "Parameter {0} kennt der Antrieb nicht", "the drive does not know parameter {0}"),
+    Cause.RANGE: (650, "Parameter {0} ausserhalb des Wertebereichs", "parameter {0} exceeds its value range"),
+    Cause.DRIVES_ON: (
         645,
         "Parameter {0}: Aenderung bei eingeschalteten Antrieben nicht zulaessig",
         "parameter {0}: data change not admitted with drives active",
     ),
+    Cause.SILENT: (0, "Antrieb antwortet nicht auf Parameter {0}", "no answer to parameter {0}"),
+    Cause.OTHER_VALUE: (0, "Parameter {0}: anderer Wert gelesen als gesendet", "parameter {0}: another value read back than sent"),
 }
 
 
@@ -39,6 +51,13 @@ class DownloadError:
     parameter: int
     german: str
     english: str
+    cause: Cause
+
+
+def download_error(cause: Cause, parameter: int) -> DownloadError:
+    """With its number and sentences."""
+    number, german, english = TEXTS[cause]
+    return DownloadError(number, parameter, german.format(parameter), english.format(parameter), cause)
 
 
 class Download:
@@ -69,7 +88,7 @@ class Download:
             self._waited += 1
             return None
         if self._attempts == ATTEMPTS:
-            self.error = DownloadError(0, number, f"Antrieb antwortet nicht auf Parameter {number}", f"no answer to parameter {number}")
+            self.error = download_error(Cause.SILENT, number)
             return None
         self._attempts, self._waited = self._attempts + 1, 0
         return Request(number, value, self._sequence)
@@ -79,11 +98,11 @@ class Download:
             return  # of an earlier attempt, or nobody's
         number, value = self._left[0]
         if answer.status is not Status.TAKEN:
-            code, german, english = REFUSED[answer.status]
-            self.error = DownloadError(code, number, german.format(number), english.format(number))
+            self.error = download_error(Cause(answer.status), number)
         elif abs(float(answer.value) - float(value)) > NEAR * max(1.0, abs(float(value))):
             said = f"parameter {number}: {value} sent, {answer.value} read back"
-            self.error = DownloadError(0, number, f"Parameter {number}: {value} gesendet, {answer.value} gelesen", said)
+            german = f"Parameter {number}: {value} gesendet, {answer.value} gelesen"
+            self.error = DownloadError(0, number, german, said, Cause.OTHER_VALUE)
         else:
             self.taken[number] = answer.value
             self._left.pop(0)

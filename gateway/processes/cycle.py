@@ -22,7 +22,7 @@ from gateway.assembly import RunPlan, load_plan
 from gateway.axes import assumed_permits, core_axes, rc_numbers
 from gateway.families import make_family
 from gateway.image import RegionReader, RegionWriter, RingReader, RingWriter, fds_from_text
-from gateway.io_cycle import InputMarks, cycle_contacts
+from gateway.io_cycle import InputMarks, IoErrors, cycle_contacts
 from gateway.pure.core import Core
 from gateway.pure.plannerrecords import PIECE_LAYOUT, unpack_piece
 from gateway.pure.records import (
@@ -183,6 +183,7 @@ class Cycle:
         self.wake = fds.get("wake")  # for what is joined once per cycle (AX-398)
         self.contacts = cycle_contacts(cell, [bus.family for bus in self.buses], fds, plan.p5_ms)
         self.marks = InputMarks([family for _, family in self.with_io], fds["marks"]) if "marks" in fds else None
+        self.io_errors = IoErrors([family for _, family in self.with_io], fds["io_errors"]) if "io_errors" in fds else None
         self._image = InputImage()
         self._image_index = -1
         self._services_pid = self.links.writer_pid
@@ -241,6 +242,8 @@ class Cycle:
         self.outputs.write(core.outputs, now)
         if self.marks is not None:
             self.marks.turn(now)
+        if self.io_errors is not None:
+            self.io_errors.turn(now)
         self.axes.beat(now)
         self.scope.put(pack_scope(state, core.outputs, self._image.values))
         if self.wake is not None:

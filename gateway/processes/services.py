@@ -20,6 +20,7 @@ from gateway.canopen_office import CanopenOffice
 from gateway.dbsignals import inputs_of
 from gateway.doors import BaseDoor, CellValues, on_loss_of
 from gateway.image import RegionReader, RegionWriter, RingWriter, fds_from_text
+from gateway.io_errors import IoComplaints
 from gateway.io_office import IoOffice
 from gateway.journal import Journal
 from gateway.lastplace import judge, remember
@@ -102,6 +103,7 @@ class Services:
         self.variables = Variables(self)
         self.signals = SignalDesk(self, self.started_ns)
         self._state_index = -1
+        self.complaints = IoComplaints(fds, self.journal, self.cell.cell.language)
         self._places_judged = False
         self._ticks = 0
         self._inputs_written = b""
@@ -276,11 +278,12 @@ class Services:
             errors.append((Reason.FOLLOWING_ERROR, text(Reason.FOLLOWING_ERROR, detail=strayed)))
         if state.stop_cause and state.stop_cause not in (e[0] for e in errors):
             errors.append((state.stop_cause, text(Reason(state.stop_cause))))
+        io = self.complaints.look(self.signals, now)
         for door, refusal in list(self.values.refusals.items()):
             if now - refusal[2] > REFUSALS_KEPT_NS:
                 del self.values.refusals[door]
-        self.values.errors = errors
-        self.signals.note(errors, now)
+        self.values.errors = errors + io
+        self.signals.note([*errors, *((code, words) for code, words in io if code == Reason.DRIVE_NOT_STARTED)], now)
 
     # ---- orders ------------------------------------------------------------------------------------------------------
     def flush(self) -> None:

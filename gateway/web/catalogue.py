@@ -8,8 +8,8 @@ OURS = "axisgate"
 
 
 def advice(code: int) -> dict[str, list[str]]:
-    """Cause, what to do and how it goes away, each English and German, of a reason in a status block; {} for none."""
-    entry = lookup(OURS, code)
+    """Cause, what to do and how it goes away, each English and German, of an error of the cell; {} for none.  Ours are below 256."""
+    entry = lookup(OURS, code) or lookup("rho3", code) or lookup("reis-servo", code)
     if entry is None:
         return {}
     return {"cause": _both(entry.cause), "do": _both(entry.todo), "reset": _both(entry.reset_words())}

@@ -53,6 +53,7 @@ SETTLE_S = 0.3  # ten time constants of the position loops and more
 PLC_PRIORITY = 10  # below the line process
 SPARE = 6  # repetitions of one run that a busy machine may spoil
 DRIVES_OFF, RESYNCHRONISED, LINK_LOST, INPUT_LOST = 2, 20, 21, 26  # reasons; the last three: PLC 2 was not served in time
+KEPT_ROWS = 500
 STOLEN = (16, 17, 18, 27)  # reasons: drive fault, drive lost, following error, overrun
 
 
@@ -120,7 +121,7 @@ class CellRun:
         self.demo = load_cell(cell)
         self.port = free_port()
         self.process = self._start()
-        self._log_at = 0
+        self._log_at = self._record_from = 0
         self._log: list[buslog.Logged | buslog.Remark] = []
         self.plc = CyclicPlc("127.0.0.1", self.port)
         self.disturbed = 0
@@ -228,7 +229,19 @@ class CellRun:
             control = EmulatorControl(f"{self.name}-drives")
             control.ask("flush")
             control.close()
-        return read_record((self.folder / "emulator-drives.rec").read_bytes())
+        with (self.folder / "emulator-drives.rec").open("rb") as file:
+            head = file.readline()
+            file.seek(len(head) + self._record_from)
+            return read_record(head + file.read())
+
+    def forget(self) -> None:
+        """What the witnesses saw up to here is not read again, but for the last rows of the record: reading minutes of it takes so
+        long that PLC 2, a thread of this process, would be silent meanwhile."""
+        self._log = [entry for entry in self.bus() if isinstance(entry, buslog.Remark)]
+        with (self.folder / "emulator-drives.rec").open("rb") as file:
+            head = file.readline()
+            whole = (os.fstat(file.fileno()).st_size - len(head)) // (size := json.loads(head)["row_bytes"])
+        self._record_from = max(0, whole - KEPT_ROWS) * size
 
     def bus(self) -> list[buslog.Logged | buslog.Remark]:
         """The broker's log, as far as it is written (it hands over batches: some frames may be on their way)."""

@@ -11,6 +11,7 @@ from drivers.drives.family import BusFamily, Heard, SetRecord
 from drivers.drives.servodyn_download import Download, DownloadState
 from gateway.pure.records import InputImage, Quality
 from gateway.pure.rho3can.blocks import IoBus
+from gateway.pure.rho3can.ledger import Ledger
 from gateway.pure.rho3can.messages import IoError
 from protocols.base.errors import DecodeError
 from protocols.base.machine import Frame, Ns
@@ -29,8 +30,13 @@ class Parameters:
 class RhoFamily:
     """A BusFamily.  `exchange` once per cycle, before the burst: what the last SYNC asked for has come by then."""
 
-    def __init__(self, io: IoBus | None, drives: BusFamily | None = None, downloads: Mapping[int, Parameters] | None = None) -> None:
-        """`downloads`: module on this bus -> its parameters; until they are through, the drive is not asked to come on."""
+    def __init__(
+        self, io: IoBus | None, drives: BusFamily | None = None, downloads: Mapping[int, Parameters] | None = None, number: int = 1
+    ) -> None:
+        """`downloads`: module on this bus -> its parameters; until they are through, the drive is not asked to come on.  `number`: of
+        the bus, for messages."""
+        self.ledger = Ledger()  # shared with the other buses of the cycle
+        self._number = number
         self.io, self.drives = io, drives
         self.aside: list[Frame] = [] if drives is None else drives.aside
         self._downloads = dict(downloads or {})
@@ -88,6 +94,8 @@ class RhoFamily:
         self._outputs_at = slice(self._outputs_at.start, self._outputs_at.start + len(fresh))
         found = [*self._errors, *io.cycle(now), *io.sent(len(io.settings.outputs) if up else 0)]
         self._errors = []
+        if found:
+            self.ledger.note(found)
         for block in io.settings.inputs:
             inputs[block.start : block.span.stop] = io.image[block.start : block.span.stop]
         return [str(error) for error in found]
@@ -95,8 +103,10 @@ class RhoFamily:
     def take_news(self) -> list[str]:
         """Downloads that ended since the last call, in words."""
         ended = [(slot, each.run) for slot, each in self._downloads.items() if each.run.state is not DownloadState.RUNNING]
-        for slot, _ in ended:
+        for slot, run in ended:
             del self._downloads[slot]
+            if run.error is not None:
+                self.ledger.refused(self._number, slot, run.error)
         return [_words(slot, run) for slot, run in ended]
 
     def release(self, node: int, mode: int) -> None:

@@ -49,6 +49,7 @@ def test_drives_stop_by_themselves_and_nothing_moves_until_a_fresh_command(cell:
 
 def death(run: CellRun, number: signal.Signals) -> None:
     """In the middle of a move; then everything the rules say about the time after it."""
+    run.forget()
     start = run.under_way(0.1)
     dead, at = run.kill("cycle", number)
     run.back("cycle", dead)

@@ -47,6 +47,7 @@ def test_drives_stop_by_themselves_when_the_heartbeat_stays_away(cell: CellRun, 
 
 def loss(run: CellRun, number: signal.Signals) -> None:
     """In the middle of a move; the last heartbeat on the bus is when the drives' time began."""
+    run.forget()
     run.under_way(0.1)
     dead, at = run.kill("cycle", number)
     run.back("cycle", dead)

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from drivers.drives.cia402_words import GERMAN
-from drivers.drives.servodyn_download import REFUSED
+from drivers.drives.servodyn_download import TEXTS as PARAMETERS
 from drivers.drives.servodyn_words import FAULTS
 from gateway.errors_catalogue import catalogue, explain, lookup
 from gateway.pure.errorentries import CatalogueError, Entry, family_of
@@ -162,7 +162,7 @@ def test_drive_faults_are_those_of_the_catalogue() -> None:
     said = {code: (row.what.english, row.what.german, row.todo.english, row.todo.german) for code, row in FAULTS.items()}
     listed = catalogue()["servodyn"].entries
     assert {code: (e.text.en, e.text.de, e.todo.en, e.todo.de) for code, e in listed.items()} == said
-    old = {row.number for row in FAULTS.values() if row.number} | {number for number, _, _ in REFUSED.values() if number}
+    old = {row.number for row in FAULTS.values() if row.number} | {number for number, _, _ in PARAMETERS.values() if number}
     assert [number for number in sorted(old) if lookup("reis-servo", number) is None] == []
     assert {code: e.text.en for code, e in catalogue()["cia402"].entries.items()} == {c: m for c, m in MEANINGS.items() if c}
     for code, german in GERMAN.items():
