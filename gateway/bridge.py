@@ -7,6 +7,7 @@ as well, or a dead cycle would keep a lost source unnoticed.
 import os
 import time
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import TYPE_CHECKING
 
 from gateway.image import RegionReader
@@ -16,7 +17,7 @@ from gateway.pure.datadoor import DataBlock
 from gateway.pure.records import Quality
 from gateway.pure.routes.places import Place, World, number_at, put_at
 from gateway.pure.routes.route import RouteTable
-from gateway.routeplaces import Compiled, compile_routes
+from gateway.routeplaces import Compiled, compile_routes, register_key
 from protocols.base.machine import Ns, ms
 
 if TYPE_CHECKING:
@@ -127,7 +128,13 @@ class Bridge:
                 return self._from_outputs(place)
             case World.CONTACT:
                 return lambda: self._services.contacts.read(place.name)
+            case World.REGISTER:
+                return partial(self._from_register, register_key(place, reads=True))
         return self._from_name(place.name)
+
+    def _from_register(self, key: str) -> float | None:
+        clients = self._services.clients
+        return clients.registers.get(key) if clients is not None else None
 
     def _block(self, place: Place) -> DataBlock:
         door = next(door for door in self._services.doors if isinstance(door, LineDoor) and door.name == place.name)
@@ -186,12 +193,19 @@ class Bridge:
                 return lambda value: put_at(place, services.inputs.values, value)
             case World.CONTACT:
                 return lambda value: services.contacts.write(place.name, bool(value))
+            case World.REGISTER:
+                return partial(self._to_register, register_key(place, reads=False))
 
         def name(value: float) -> None:
             services.named.put(place.name, value, time.monotonic_ns(), f"route.{route}")
             services.settle()
 
         return name
+
+    def _to_register(self, key: str, value: float) -> None:
+        clients = self._services.clients
+        if clients is not None:
+            clients.registers[key] = value
 
 
 def _octets(compiled: list[Compiled]) -> dict[int, list[int]]:

@@ -1,9 +1,9 @@
 """`axisgate map`: what stands where at the doors of a cell, out of the cell itself; so the sheet and the running gateway cannot differ."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 from gateway.cell import Cell
-from gateway.cell_modbus import Modbus
+from gateway.cell_modbus import Modbus, ModbusValue
 from gateway.files import read_signals
 from gateway.modbusdoor import placed
 from gateway.pure.addresses import AddressFault, Direction, RcBit, cl300, pic, rc
@@ -13,6 +13,7 @@ from gateway.pure.records import RC_BYTES
 from gateway.pure.sheets import Cell as Field
 from gateway.pure.sheets import Sheet
 from gateway.pure.signals import Signal, SignalList, from_tables
+from gateway.routeplaces import routed_values
 
 COMMAND_HEAD = ("bit 15 toggle, bits 0-7 code", "axis mask", "velocity, 0.01 %", "acceleration, 0.01 %")
 STATUS_HEAD = (
@@ -43,7 +44,7 @@ def modbus_sheets(cell: Cell) -> list[Sheet]:
     sheets = []
     for door in cell.modbus:
         if door.role == "client":
-            sheets.append(_client(door))
+            sheets.append(_client(door, routed_values(cell).get(door.name, ())))
             continue
         where = door.port_ or door.bind
         for unit, view in ((door.unit, door.view), *((each.unit, each.view) for each in door.units)):
@@ -111,11 +112,11 @@ def _block_rows(cell: Cell) -> Iterator[tuple[Field, ...]]:
             yield row("input register", word + 2, 2, "REAL", f"status: lag {axis.name}, {axis.unit}")
 
 
-def _client(door: Modbus) -> Sheet:
+def _client(door: Modbus, routed: Sequence[ModbusValue]) -> Sheet:
     tables = {"coil": "coil", "discrete": "discrete input", "input": "input register", "holding": "holding register"}
     rows = tuple(
         (each.device, tables[each.table], each.at, reference(tables[each.table], each.at), each.type, each.to, each.from_, each.every_ms)
-        for each in door.value
+        for each in (*door.value, *routed)
     )
     columns = ("device", "table", "address (base 0)", "reference (base 1)", "type", "read into", "written from", "every ms")
     units = ", ".join(f"{device.name} = unit {device.unit} {device.order}" for device in door.device)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from gateway.cell_modbus import Modbus, ModbusDevice, ModbusValue
 from gateway.modbus_client import Device, Group, Kind, Link, ModbusClient, Result, write_bits_pdu, write_words_pdu
 from gateway.pure.records import Quality
+from gateway.routeplaces import routed_values
 from protocols.base.errors import EncodeError
 from protocols.base.machine import Ns, ms
 from protocols.modbus.numbers import decode_number, encode_number, words_of
@@ -85,18 +86,22 @@ class Written:
 
 
 class ClientLink:
-    """One [[modbus]] with role client."""
+    """One [[modbus]] with role client.  `routed`: values of registers that stand in routes, `registers`: how they are, by their keys."""
 
-    def __init__(self, services: "Services", settings: Modbus, url: str) -> None:
-        self._services, self.settings = services, settings
+    def __init__(
+        self, services: "Services", settings: Modbus, url: str, routed: Sequence[ModbusValue], registers: dict[str, float | None]
+    ) -> None:
+        self._services, self.settings, self._registers = services, settings, registers
+        self._values = (*settings.value, *routed)
+        registers |= dict.fromkeys((value.name for value in routed), None)
         self._orders = {device.name: device.order for device in settings.device}
         link = Link(url, settings.framing, settings.format, ms(settings.patience_ms))
         self.client = ModbusClient(link, [device_of(device) for device in settings.device], self._told)
-        self._written = [Written(value, self._orders[value.device]) for value in settings.value if value.from_]
+        self._written = [Written(value, self._orders[value.device]) for value in self._values if value.from_]
 
     def start(self) -> None:
         """Begins; inside the loop."""
-        for n, block in enumerate(blocks_of(self.settings.value)):
+        for n, block in enumerate(blocks_of(self._values)):
             group = Group(f"{n}", block.device, KINDS[block.table], block.first, block.end - block.first, ms(block.every_ms))
             self.client.poll(group, partial(self._read, block, n))
         self.client.start()
@@ -104,12 +109,17 @@ class ClientLink:
     def step(self, now: Ns) -> None:
         """Values that changed, or are due again, are written."""
         for written in self._written:
-            sample = self._services.named.sample(written.value.from_)
-            value = sample.value
-            if written.waiting or sample.quality is not Quality.GOOD or not isinstance(value, int | float):
-                continue
-            if value != written.shown or now >= written.next:
-                self._write(written, float(value), now)
+            value = self._given(written.value.from_)
+            if not written.waiting and value is not None and (value != written.shown or now >= written.next):
+                self._write(written, value, now)
+
+    def _given(self, name: str) -> float | None:
+        """What is to be written; None: nobody vouches for it.  What a route shows while it is lost is its own business."""
+        if name in self._registers:
+            return self._registers[name]
+        sample = self._services.named.sample(name)
+        value = sample.value
+        return float(value) if sample.quality is Quality.GOOD and isinstance(value, int | float) else None
 
     def status(self) -> dict[str, object]:
         """For tools."""
@@ -123,11 +133,16 @@ class ClientLink:
         source = f"modbus.{self.settings.name}.{n}"
         if values is None:
             self._services.named.source_gone(source)
+            for value in block.values:
+                if value.to in self._registers:
+                    self._registers[value.to] = None
             return
         for value in block.values:
             part = values[value.at - block.first : value.at - block.first + size_of(value)]
             number = float(part[0]) if value.type == "bit" else decode_number(part, value.type, self._orders[value.device])
-            if math.isfinite(number):
+            if value.to in self._registers:
+                self._registers[value.to] = number if math.isfinite(number) else None
+            elif math.isfinite(number):
                 self._services.named.put(value.to, number * value.scale, now, source)
         self._services.settle()
 
@@ -162,8 +177,12 @@ class ModbusClients:
     """All clients of a cell; nothing at all without one."""
 
     def __init__(self, services: "Services") -> None:
+        self.registers: dict[str, float | None] = {}  # those at the ends of routes, by `register_key`; None: not read, or lost
+        routed = routed_values(services.cell)
         self.links = [
-            ClientLink(services, each, str(services.plan.modbus[each.name])) for each in services.cell.modbus if each.role == "client"
+            ClientLink(services, each, str(services.plan.modbus[each.name]), routed.get(each.name, ()), self.registers)
+            for each in services.cell.modbus
+            if each.role == "client"
         ]
 
     def start(self) -> None:

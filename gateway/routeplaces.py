@@ -4,12 +4,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from gateway.cell import Cell
+from gateway.cell_modbus import ModbusValue
 from gateway.cell_routes import Route
 from gateway.files import read_signals
 from gateway.pure.addresses import RcBit
 from gateway.pure.routes.forms import BIT, span_of
 from gateway.pure.routes.judge import Joined
-from gateway.pure.routes.places import Place, World, place_of
+from gateway.pure.routes.places import NO_DEVICES, REGISTER_TYPES, Place, World, place_of
 from gateway.pure.routes.route import Edge, Loss, RouteSettings
 from gateway.pure.signals import SignalList, from_tables
 from protocols.base.machine import ms
@@ -49,12 +50,22 @@ def lines_of(cell: Cell) -> Mapping[int, str]:
     return {number: next(iter(lines)) for number, lines in served.items() if len(lines) == 1}
 
 
-def compile_route(route: Route, symbols: Mapping[str, RcBit], lines: Mapping[int, str]) -> Compiled:
+def devices_of(cell: Cell) -> Mapping[str, str]:
+    """DEVICE, where one client alone has it, and CLIENT.DEVICE -> CLIENT.DEVICE."""
+    full = [(device.name, f"{client.name}.{device.name}") for client in cell.modbus if client.role == "client" for device in client.device]
+    short = [name for name, _ in full]
+    return {**{name: whole for name, whole in full if short.count(name) == 1}, **{whole: whole for _, whole in full}}
+
+
+def compile_route(
+    route: Route, symbols: Mapping[str, RcBit], lines: Mapping[int, str], devices: Mapping[str, str] = NO_DEVICES
+) -> Compiled:
     """Raises AddressFault for a place that is none; the cell's checks have named it before."""
-    source = place_of(route.from_, route.type, route.order, symbols, lines)
+    source = place_of(route.from_, route.type, route.order, symbols, lines, devices)
     to_type = route.to_type or route.type
-    target = place_of(route.to, to_type, route.to_order, symbols, lines)
-    low, high = span_of(target.form) if target.world in (World.BLOCK, World.RC_INPUT) else (float("-inf"), float("inf"))
+    target = place_of(route.to, to_type, route.to_order, symbols, lines, devices)
+    bounded = target.world in (World.BLOCK, World.RC_INPUT, World.REGISTER)
+    low, high = span_of(target.form) if bounded else (float("-inf"), float("inf"))
     settings = RouteSettings(
         route.name, route.scale, route.offset, low, high, Edge(route.edge), ms(route.pulse_ms), ms(route.debounce_ms), ms(route.every_ms),
         Loss(route.on_loss), route.loss_value, ms(route.loss_after_ms),
@@ -66,5 +77,30 @@ def compile_route(route: Route, symbols: Mapping[str, RcBit], lines: Mapping[int
 
 def compile_routes(cell: Cell) -> list[Compiled]:
     """All routes of a checked cell."""
-    symbols, lines = symbols_of(cell), lines_of(cell)
-    return [compile_route(route, symbols, lines) for route in cell.route]
+    symbols, lines, devices = symbols_of(cell), lines_of(cell), devices_of(cell)
+    return [compile_route(route, symbols, lines, devices) for route in cell.route]
+
+
+TABLES = {0: "coil", 1: "discrete", 3: "input", 4: "holding"}
+POLL_MS = 100  # of a register no route limits
+
+
+def register_key(place: Place, *, reads: bool) -> str:
+    """Under this name the client of a register keeps its value; what is read there and what is written there are two things."""
+    return f"{'from' if reads else 'to'} {place.name}.{TABLES[place.db]}.{place.byte}.{place.form}"
+
+
+def routed_values(cell: Cell) -> Mapping[str, list[ModbusValue]]:
+    """Client -> values its devices are asked for, or given, because a route begins or ends there (AX-407)."""
+    found: dict[str, dict[str, ModbusValue]] = {}
+    for compiled in compile_routes(cell):
+        every_ms = compiled.settings.rate_ns // ms(1) or POLL_MS
+        for place, reads in ((compiled.source, True), (compiled.target, False)):
+            if place.world is not World.REGISTER:
+                continue
+            client, _, device = place.name.partition(".")
+            key, type_ = register_key(place, reads=reads), REGISTER_TYPES[place.form]
+            mine = found.setdefault(client, {})
+            every_ms = min(every_ms, mine[key].every_ms) if key in mine else every_ms
+            mine[key] = ModbusValue(device, TABLES[place.db], place.byte, type_, key if reads else "", "" if reads else key, every_ms)
+    return {client: list(values.values()) for client, values in found.items()}

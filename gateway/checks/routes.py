@@ -13,8 +13,9 @@ from gateway.pure.names import Kind, lookup
 from gateway.pure.routes.forms import BIT, FLOATS, span_of
 from gateway.pure.routes.judge import Span, rings, two_writers
 from gateway.pure.routes.places import Place, World
-from gateway.routeplaces import Compiled, compile_route, lines_of, symbols_of
+from gateway.routeplaces import POLL_MS, Compiled, compile_route, devices_of, lines_of, symbols_of
 from gateway.telegramtables import named_values
+from protocols.modbus.numbers import words_of
 
 CYCLES = 2  # from one door to the bus, or to the other door (route.one_way)
 
@@ -24,7 +25,7 @@ def routes(check: Context) -> None:
     cell = check.cell
     if not cell.route:
         return
-    symbols, lines = symbols_of(cell, check.signals), lines_of(cell)
+    symbols, lines, devices = symbols_of(cell, check.signals), lines_of(cell), devices_of(cell)
     compiled: dict[str, Compiled] = {}
     for route in cell.route:
         key = f"route.{route.name}"
@@ -32,7 +33,7 @@ def routes(check: Context) -> None:
             check.fault(f"{key}.name", route.name, "another route has this name")
             continue
         try:
-            compiled[route.name] = compile_route(route, symbols, lines)
+            compiled[route.name] = compile_route(route, symbols, lines, devices)
         except AddressFault as fault:
             check.fault(key, f"{route.from_} -> {route.to}", str(fault))
             continue
@@ -102,10 +103,25 @@ def _target(check: Context, key: str, text: str, place: Place) -> None:
             )
         case World.CONTACT:
             _contact(check, key, text, place.name, output=True)
+        case World.REGISTER:
+            _register(check, key, text, place)
         case World.NAME:
             if place.name not in named_values(check.cell):
                 hint = "commands come through doors" if lookup(place.name) else _near_value(check, place.name)
                 check.fault(key, text, f"a route writes values a telegram of the cell carries; {hint}")
+
+
+def _register(check: Context, key: str, text: str, place: Place) -> None:
+    """A target at a device: one that can be written, and by nobody else."""
+    if place.db not in (0, 4):
+        check.fault(key, text, "discrete inputs and input registers can only be read: a coil (00001) or a holding register (40001)")
+    client, _, device = place.name.partition(".")
+    for modbus in check.cell.modbus:
+        for value in modbus.value if modbus.name == client else ():
+            words = 1 if value.type == "bit" else words_of(value.type)
+            table = f"table {0 if value.table == 'coil' else 4} of {client}.{value.device}"
+            if value.from_ and value.device == device and place.span.meets(Span(table, 16 * value.at, 16 * words)):
+                check.fault(key, text, f"two writers: [[modbus.value]] from {value.from_} is written there")
 
 
 def _block(cell: Cell, place: Place) -> Db | None:
@@ -175,7 +191,7 @@ def _near_value(check: Context, name: str) -> str:
 def _overflow(check: Context, route: Route, compiled: Compiled) -> None:
     """The largest source value against the target's form; floats say nothing about how large they get."""
     span = _source_span(check.cell, compiled.source)
-    if span is None or compiled.target.world not in (World.BLOCK, World.RC_INPUT) or route.edge in ("rising", "falling"):
+    if span is None or compiled.target.world not in (World.BLOCK, World.RC_INPUT, World.REGISTER) or route.edge in ("rising", "falling"):
         return
     ends = sorted(value * route.scale + route.offset for value in span)
     low, high = span_of(compiled.target.form)
@@ -210,6 +226,8 @@ def expected_ms(cell: Cell, compiled: Compiled) -> float:
         if place.world is World.BLOCK and place.name in lines:
             line = lines[place.name]
             total += sum(job_ms(line, block.words) for block in cell.db if block.line == line.name)
+        elif place.world is World.REGISTER and place is compiled.source:
+            total += compiled.settings.rate_ns / 1e6 or POLL_MS
     return total
 
 
@@ -237,9 +255,9 @@ def reach(cell: Cell) -> Iterator[Notice]:
     """What each route needs, where it is more than the cycle."""
     if not cell.route:
         return
-    symbols, lines = symbols_of(cell), lines_of(cell)
+    symbols, lines, devices = symbols_of(cell), lines_of(cell), devices_of(cell)
     for route in cell.route:
-        needed = expected_ms(cell, compile_route(route, symbols, lines))
+        needed = expected_ms(cell, compile_route(route, symbols, lines, devices))
         if needed > 10 * cell.cycle_ms:
             yield Notice("note", f"route {route.name}", f"{route.from_} -> {route.to}: at worst {needed:.0f} ms from partner to partner")
 

@@ -17,6 +17,8 @@ from gateway.pure.addresses import (
     Operand,
     Part,
     RcBit,
+    Register,
+    Table,
     bits_of,
     parse_operand,
 )
@@ -33,11 +35,21 @@ class World(Enum):
     RC_OUTPUT = "RC output"
     NAME = "value"
     CONTACT = "contact"
+    REGISTER = "register"  # or coil, of a device a Modbus client asks
+
+
+REGISTER_TYPES = {  # number form -> type of a Modbus client's value; the order is the device's
+    BIT: "bit", "u16": "UINT16", "KH": "UINT16", "KM": "UINT16", "s16": "INT16", "KF": "INT16",
+    "u32": "UINT32", "s32": "INT32", "DH": "INT32", "REAL": "REAL",
+}  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """One end.  `byte`, `bit`, `form`, `order` say where in a block or image; `name` is the value or contact, or a block's line."""
+    """One end.  `byte`, `bit`, `form`, `order` say where in a block or image; `name` is the value or contact, or a block's line.
+
+    A register: `name` is CLIENT.DEVICE, `db` the table (0 coils, 1 discrete inputs, 3 input, 4 holding registers), `byte` its address.
+    """
 
     world: World
     name: str = ""
@@ -61,16 +73,26 @@ class Place:
                 return Span(f"DB {self.db} of line {self.name}", 8 * self.byte + (7 - self.bit if self.form == BIT else 0), width)
             case World.RC_INPUT | World.RC_OUTPUT:
                 return Span(self.world.value, 8 * self.byte + (self.bit if self.form == BIT else 0), width)
+            case World.REGISTER:
+                return Span(f"table {self.db} of {self.name}", 16 * self.byte, 16 if self.form == BIT else width)
         return Span(f"{self.world.value} {self.name}")
 
 
-def place_of(text: str, form: str, order: str, symbols: Mapping[str, RcBit], line_of: Mapping[int, str]) -> Place:
-    """`form` "" is a bit or a name; `line_of`: data block -> the one line it is served on.  Raises AddressFault."""
+NO_DEVICES: Mapping[str, str] = {}
+
+
+def place_of(
+    text: str, form: str, order: str, symbols: Mapping[str, RcBit], line_of: Mapping[int, str], devices: Mapping[str, str] = NO_DEVICES
+) -> Place:
+    """`form` "" is a bit or a name; `line_of`: data block -> the one line it is served on; `devices`: what stands before the colon of a
+    register -> CLIENT.DEVICE.  Raises AddressFault."""
     if form and form not in FORMS:
         raise AddressFault(f"{form!r} is no number form; {' '.join(FORMS)} are")
     line, colon, rest = text.partition(":")
     where = parse_operand(rest if colon else text, symbols)
     match where:
+        case Register(table, address) if colon:
+            return _register(text, devices.get(line.strip(), ""), table, address, form, order)
         case CellName(name):
             return Place(World.CONTACT, name[3:]) if name.startswith("io.") else Place(World.NAME, name)
         case DataBit(db, word, bit):
@@ -87,8 +109,25 @@ def place_of(text: str, form: str, order: str, symbols: Mapping[str, RcBit], lin
             _need(text, form, size)
             return Place(World.RC_INPUT if where.kind is Kind.OUTPUT else World.RC_OUTPUT, "", 0, number, 0, form, order)
     raise AddressFault(
-        f"{text!r}: a route joins data blocks (DB30.DW0), RC inputs and outputs (AW 92, E 8.0), values and contacts (io.lamp)"
+        f"{text!r}: a route joins data blocks (DB30.DW0), RC inputs and outputs (AW 92, E 8.0), values, contacts (io.lamp) and "
+        "registers of Modbus devices (DEVICE:40001)"
     )
+
+
+def _register(text: str, device: str, table: Table, address: int, form: str, order: str) -> Place:
+    if not device:
+        raise AddressFault(f"{text!r}: before the colon stands a [[modbus.device]] of a client (or CLIENT.DEVICE, where two have the name)")
+    bits = table in (Table.COIL, Table.DISCRETE)
+    if bits:
+        _need(text, form, 0)
+    elif form not in REGISTER_TYPES or form == BIT:
+        raise AddressFault(f"{text!r}: registers hold {' '.join(each for each in REGISTER_TYPES if each != BIT)}: type = one of them")
+    if order != "ABCD":
+        raise AddressFault(f"{text!r}: words lie in the order of their device: order stands at the [[modbus.device]]")
+    kind = BIT if bits else form
+    if address + max(1, size_of(kind) // 2) > 0x10000:
+        raise AddressFault(f"{text!r}: {kind} goes beyond register 65535")
+    return Place(World.REGISTER, device, table.value, address, 0, kind)
 
 
 def number_at(place: Place, data: bytes | bytearray) -> float | None:

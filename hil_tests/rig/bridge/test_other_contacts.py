@@ -20,7 +20,7 @@ from gateway.processes.chips import Chip, Chips
 from gateway.pure.contacts import Said, unpack_said
 from gateway.pure.records import CellState, Quality, pack_cell_state
 from hil_tests.lab.cell_running import runtime_folder
-from hil_tests.lab.joined_running import cell_copy, running_joined
+from hil_tests.lab.joined_running import JoinedRun, cell_copy, running_joined
 from hil_tests.lab.modbus_running import Running
 from hil_tests.lab.modbus_view import MemoryView
 from protocols.base.machine import Ns
@@ -49,6 +49,30 @@ name = "button_to_lamp"
 from = "io.button"
 to   = "io.lamp"
 on_loss = "zero"
+[[modbus]]
+name = "coupler"
+role = "client"
+port = "tcp://127.0.0.1:{port}"
+[[modbus.device]]
+name  = "tank"
+order = "CDAB"
+probe_ms = 200
+[[route]]
+name  = "level"
+from  = "tank:30011"
+type  = "REAL"
+to    = "coupler.tank:40021"
+to_type = "s16"
+scale = 10.0
+every_ms = 20
+on_loss = "value"
+loss_value = -1
+[[route]]
+name  = "pump"
+from  = "tank:10006"
+to    = "tank:00006"
+edge  = "level"
+every_ms = 20
 """
 
 
@@ -68,6 +92,7 @@ def test_a_modbus_coupler_shows_outputs_gives_inputs_and_is_bad_while_it_is_away
             run.until(lambda: not coupler.bits[Kind.COILS][4], "and puts it out")
             run.until(lambda: coupler.bits[Kind.COILS][3], "the watchdog toggles")
             run.until(lambda: not coupler.bits[Kind.COILS][3], "the watchdog toggles back")
+            _registers_of_a_device(run, coupler)
             command = [sys.executable, "-m", "gateway", "io", "test", str(run.folder / "cl300-bits.toml"), "--name", "coils"]
             told = subprocess.run([*command, "--yes", "--json"], capture_output=True, text=True, timeout=60, check=False)
             results = {row["name"]: row for row in json.loads(told.stdout)["results"]}
@@ -79,6 +104,21 @@ def test_a_modbus_coupler_shows_outputs_gives_inputs_and_is_bad_while_it_is_away
             assert asked.returncode == 1 and "not seen at 0" in asked.stdout and "Somebody may be standing there" in asked.stderr
             asyncio.run_coroutine_threadsafe(server.server.close(), server.loop).result(10)
             run.until(lambda: said("button")["quality"] == "BAD" and said("ready")["quality"] == "BAD", "a coupler that is away is told")
+
+
+def _registers_of_a_device(run: JoinedRun, coupler: MemoryView) -> None:
+    """AX-407: registers and coils of a client's device at both ends of a route; a route that is lost still gives its loss value."""
+    holding, level = coupler.words[Kind.HOLDING_REGISTERS], coupler.words[Kind.INPUT_REGISTERS]
+    run.until(lambda: holding[20] == 0, "0.0 has come over")
+    level[10:12] = [0x0000, 0xC049]  # -3.140625, low word first
+    run.until(lambda: holding[20] == 0x10000 - 31, "ten times as a whole number")
+    coupler.bits[Kind.DISCRETE_INPUTS][5] = True
+    run.until(lambda: coupler.bits[Kind.COILS][5], "a coil follows a discrete input")
+    level[10:12] = [0x0000, 0x7FC0]  # not a number
+    run.until(lambda: holding[20] == 0xFFFF, "lost: -1")
+    assert run.ask(op="get", address="route.level")["valid"] is False
+    level[10:12] = [0x0000, 0x3FC0]
+    run.until(lambda: holding[20] == 15, "and back")
 
 
 class Watched(Chip):

@@ -5,6 +5,7 @@ import pytest
 from gateway.commands.run import why_not
 from gateway.config import CellFaults, load_cell
 from gateway.files import find_config, read_text
+from gateway.routeplaces import routed_values
 
 S5 = read_text(find_config("s5-rk512", "cells"))
 BLOCK = """
@@ -34,6 +35,20 @@ def io(name: str, device: str, signal: str, more: str = "") -> str:
     return f'\n[[io]]\nname = "{name}"\ndevice = {{ {device} }}\nsignal = "{signal}"\n{more}\n'
 
 
+CLIENT = """
+[[modbus]]
+name = "coupler"
+role = "client"
+port = "tcp://10.0.0.7:502"
+[[modbus.device]]
+name = "tank"
+[[modbus.value]]
+device = "tank"
+table = "holding"
+at = 10
+type = "REAL"
+from = "tank.goal"
+"""
 CAN, TCP = 'type = "canopen-401", bus = "can0", node = 20', 'type = "modbus", url = "tcp://10.0.0.9:502"'
 GOOD = (
     route("a", from_="DB10.DW2", type="KF", to="DB30.DW2", valid="DB30.D1.0", life="DB30.DW3", within_ms=600)
@@ -51,9 +66,34 @@ def test_routes_and_contacts_that_are_right_pass() -> None:
     assert [fault for fault in faults(GOOD) if fault[0] != "io.feed.signal"] == []
 
 
+def test_routes_begin_and_end_in_registers_of_devices() -> None:
+    """AX-407."""
+    good = (
+        CLIENT + route("r", from_="tank:30001", type="s16", to="DB30.DW2", to_type="KF") + route("w", from_="io.safety_ok", to="tank:00007")
+    )
+    assert faults(good) == []
+    assert [value.name for value in routed_values(load_cell("c.toml", S5 + BLOCK + good))["coupler"]] == [
+        "from coupler.tank.input.0.s16",
+        "to coupler.tank.coil.6.bit",
+    ]
+
+
 @pytest.mark.parametrize(
     ("more", "key", "words"),
     [
+        (CLIENT + route("r", from_="tonk:30001", type="s16", to="DB30.DW2"), "route.r", "[[modbus.device]] of a client"),
+        (CLIENT + route("r", from_="DB10.DW2", type="KF", to="tank:30001"), "route.r.to", "can only be read"),
+        (CLIENT + route("r", from_="DB10.DW2", type="KF", to="tank:40012"), "route.r.to", "two writers: [[modbus.value]] from tank.goal"),
+        (CLIENT + route("r", from_="tank:30001", type="u16", to="DB30.DW2", to_type="KF"), "route.r.to", "overflow"),
+        (CLIENT + route("r", from_="DB10.DW2", type="KF", to="tank:40001", to_type="u16"), "route.r.to", "overflow"),
+        (CLIENT + route("r", from_="tank:10001", to="DB30.D1.0", within_ms=200), "route.r.within_ms", "polling does not fit"),
+        (
+            CLIENT
+            + route("q", from_="DB10.DW2", type="KF", to="tank:40001", to_type="s32")
+            + route("r", from_="DB10.DW3", type="KF", to="tank:40002"),
+            "route.r.to",
+            "route q writes it already",
+        ),
         (route("r", from_="DB10.DW2", to="DB30.DW2"), "route.r", "which number form"),
         (route("r", from_="DB10.DW2", type="KF", to="DB30.DW0"), "route.r.to", "overlaps the entry DW 0"),
         (route("r", from_="DB10.D0.9", to="DB30.D1.3"), "route.r.to", "overlaps the entry D 1.3"),

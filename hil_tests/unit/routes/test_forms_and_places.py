@@ -12,10 +12,11 @@ from protocols.base.errors import DecodeError, EncodeError
 
 SYMBOLS = {"K01_A_MN_RCI": RcBit(Direction.INPUT, 38)}
 LINES = {10: "plc", 30: "host"}
+DEVICES = {"tank": "coupler.tank", "coupler.tank": "coupler.tank"}
 
 
 def place(text: str, form: str = "", order: str = "ABCD") -> Place:
-    return place_of(text, form, order, SYMBOLS, LINES)
+    return place_of(text, form, order, SYMBOLS, LINES, DEVICES)
 
 
 @pytest.mark.parametrize(
@@ -113,3 +114,35 @@ def test_two_writers_and_rings_are_found_once() -> None:
     assert rings([Joined("one", a, a)]) == [("one",)]
     assert rings([Joined("one", a, b), Joined("two", b, c)]) == []
     assert rings([Joined("one", a, c, (b,)), Joined("two", b, a)]) == [("one", "two")], "a mark feeds as well"
+
+
+@pytest.mark.parametrize(
+    ("text", "form", "found"),
+    [
+        ("tank:40001", "REAL", Place(World.REGISTER, "coupler.tank", 4, 0, 0, "REAL")),
+        ("coupler.tank:30065", "s16", Place(World.REGISTER, "coupler.tank", 3, 64, 0, "s16")),
+        ("tank:00007", "", Place(World.REGISTER, "coupler.tank", 0, 6, 0, "bit")),
+        ("tank:465536", "u16", Place(World.REGISTER, "coupler.tank", 4, 65535, 0, "u16")),
+    ],
+)
+def test_registers_of_a_device_are_ends_of_routes(text: str, form: str, found: Place) -> None:
+    """AX-407."""
+    assert place(text, form) == found
+
+
+@pytest.mark.parametrize(
+    ("text", "form", "order"),
+    [
+        ("tonk:40001", "u16", "ABCD"), ("40001", "u16", "ABCD"), ("tank:40001", "", "ABCD"), ("tank:40001", "KG", "ABCD"),
+        ("tank:00001", "u16", "ABCD"), ("tank:40001", "u32", "CDAB"), ("tank:465536", "u32", "ABCD"),
+    ],
+)  # fmt: skip
+def test_registers_that_are_no_end_are_refused(text: str, form: str, order: str) -> None:
+    with pytest.raises(AddressFault):
+        place(text, form, order)
+
+
+def test_registers_meet_where_their_words_meet() -> None:
+    wide, second, coil = place("tank:40001", "REAL"), place("tank:40002", "u16"), place("tank:00002")
+    assert wide.span.meets(second.span) and not second.span.meets(place("tank:40003", "u16").span) and not second.span.meets(coil.span)
+    assert coil.span.meets(coil.span) and not coil.span.meets(place("tank:00001").span)
