@@ -1,4 +1,4 @@
-"""What every test run of axisgate has: lanes, the purity guard, requirement marks, the guest for vcan."""
+"""What every test run of axisgate has: lanes, the purity guard, requirement marks, the guest, the second process for pure tests."""
 
 import os
 import pathlib
@@ -9,8 +9,11 @@ import pytest
 
 from hil_tests.lanes import Lanes
 from hil_tests.matrix.marks import Marks
+from hil_tests.pair import MATE, Mate, Pair
+from hil_tests.pair import REPORTS as MATES_REPORTS
 from hil_tests.purity import Purity
-from hil_tests.rig.uml.lane import GuestLane, Reporter, inside
+from hil_tests.reports import Reporter
+from hil_tests.rig.uml.lane import REPORTS, GuestLane
 
 RUNTIME = "AXISGATE_RUNTIME"
 MINE = pytest.StashKey[pathlib.Path]()
@@ -28,7 +31,14 @@ def pytest_configure(config: pytest.Config) -> None:
     plugins.register(Lanes(), "axisgate-lanes")
     plugins.register(Purity(), "axisgate-purity")
     plugins.register(Marks(config.getoption("--matrix")), "axisgate-marks")
-    plugins.register(Reporter(config) if inside() else GuestLane(config), "axisgate-guest")
+    if REPORTS in os.environ:  # inside the guest
+        plugins.register(Reporter(config, pathlib.Path(os.environ[REPORTS])), "axisgate-reporter")
+    elif MATE in os.environ:  # the second process of the pure tests
+        plugins.register(Reporter(config, pathlib.Path(os.environ[MATE], MATES_REPORTS)), "axisgate-reporter")
+        plugins.register(Mate(pathlib.Path(os.environ[MATE])), "axisgate-mate")
+    else:
+        plugins.register(GuestLane(config), "axisgate-guest")
+        plugins.register(Pair(config), "axisgate-pair")
 
 
 def pytest_unconfigure(config: pytest.Config) -> None:

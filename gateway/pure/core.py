@@ -481,8 +481,9 @@ class Core:
     def _watch(self, actuals: Sequence[Actual | None]) -> None:
         self._reset = False
         for axis, actual in zip(self._axes, actuals, strict=True):
-            if actual is None or axis.by_drive or not axis.drive.follows:  # a drive that references leads its position itself
-                axis.tracking.clear()
+            gap, axis.gap = axis.gap, actual is None
+            if gap or actual is None or axis.by_drive or not axis.drive.follows:  # a drive that references leads its position itself
+                axis.tracking.clear()  # after a gap: the first answer may be the one that was missing, one cycle old (AX-560)
                 continue
             number = axis.tracking.check(axis.active_inc, axis.behind)
             if number:

@@ -52,5 +52,6 @@ class HeldAxis:
     speed: float = 0.0
     quiet: int = 0  # cycles inside the window
     power: Power = Power.OFF  # of the drive, after its step of this cycle
+    gap: bool = False  # no actual value in the cycle before
     finding: int = 0  # 647, 648: why the axis was switched off last; until somebody acknowledges it
     behind: float = 0.0  # active_inc - where the drive says it is, in m or rad

@@ -27,7 +27,7 @@ FAMILY = ServodynFamily(CODEC, [(n, n + 1) for n in range(6)])
 
 
 class CellBench:
-    """One door (number 1) commands; `silent` axes do not answer; time is `now`."""
+    """One door (number 1) commands; `silent` axes do not answer, `late` ones when the next cycle waits for its own; time is `now`."""
 
     def __init__(self, p5_ms: int = 4, *, finish_without_services: bool = False, cell: Cell = DEMO) -> None:
         self.cell, self.p5_ms = cell, p5_ms
@@ -42,6 +42,8 @@ class CellBench:
         self.services_alive = True
         self.services_ns: Ns = START
         self.silent: set[int] = set()
+        self.late: set[int] = set()
+        self._kept: dict[int, Actual] = {}
         self.orders: list[OrderRecord] = []
         self.burst: list[Frame] = self.family.burst(self.core.idle())
         self.each: Callable[[], None] = lambda: None
@@ -68,8 +70,12 @@ class CellBench:
             actuals: list[Actual | None] = [None] * len(self.cell.axis)
             for frame in self.slave.take_output():
                 heard = self.family.hear(frame)
-                if heard is not None and heard.axis + 1 not in self.silent:
-                    actuals[heard.axis] = heard.actual
+                if heard is None or heard.axis + 1 in self.silent:
+                    continue
+                if heard.axis + 1 in self.late:
+                    self._kept[heard.axis] = heard.actual
+                else:
+                    actuals[heard.axis] = self._kept.pop(heard.axis, heard.actual)  # the first one counts, the next comes too late
             if self.services_alive:
                 self.services_ns = self.now
             orders, self.orders = self.orders, []

@@ -1,4 +1,4 @@
-"""`axisgate demo` on a real vcan0 at P5 = 20 ms: its own verdicts, and what Debian's candump wrote down beside it.
+"""`axisgate demo` on a real vcan0 (P5 20 ms; 32 where the host spoilt that): its verdicts, and what Debian's candump wrote down.
 
 The frames are counted from candump's log alone.  A cycle goes from one SYNC to the next.  All of them are judged, from the first SYNC on
 the bus (the drives are up before the cycle process starts) to the last but one; the last may be cut off by the end of the recording.
@@ -22,7 +22,7 @@ pytestmark = [pytest.mark.vcan, pytest.mark.timeout(600)]  # the demo lasts a mi
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 KEPT = ROOT / "build" / "uml" / "demo"  # what the last run left, on the host: records, summary, what it said
-P5_MS = 20
+P5_MS = (20, 20, 32, 32, 32, 32)  # a run that the host spoilt is played again; the longer cycle outlives longer times without a processor
 DRIVES = range(1, 7)
 SETS, ACTUALS = [200 + 10 * n for n in DRIVES], [600 + 10 * n for n in DRIVES]
 THE_13 = [100, *SETS, *ACTUALS]
@@ -31,8 +31,9 @@ VERDICTS = 15
 
 @dataclass(frozen=True, slots=True)
 class Played:
-    """One demo: exit code, summary, what it said, candump's frames (a list for each cycle), when the guest did not run (s, wall clock)."""
+    """One demo: P5, exit code, summary, what it said, candump's frames (a list for each cycle), when the guest stood still (s)."""
 
+    p5_ms: int
     code: int
     verdicts: list[dict[str, object]]
     said: str
@@ -42,21 +43,21 @@ class Played:
 
 @pytest.fixture(scope="module")
 def played(tmp_path_factory: pytest.TempPathFactory) -> Played:
-    """Played once; once more, at most four times, where something failed and the witness says that the host took the processor away."""
-    for spare in (4, 3, 2, 1, 0):
-        found = play(tmp_path_factory)
+    """Played once; once more, at most five times, where something failed and the witness says that the host took the processor away."""
+    for p5_ms in P5_MS:
+        found = play(p5_ms, tmp_path_factory)
         good = found.code == 0 and all(whole(cycle) for cycle in found.cycles)
-        if good or not found.stolen or not spare:
+        if good or not found.stolen:
             break
         longest = max(to - since for since, to in found.stolen)
-        print(f"the demo is played once more: the host took the processor {len(found.stolen)} times, at most {longest * 1000:.0f} ms")
+        print(f"P5 {p5_ms} ms was spoilt: the host took the processor {len(found.stolen)} times, at most {longest * 1000:.0f} ms")
     return found
 
 
-def play(tmp_path_factory: pytest.TempPathFactory) -> Played:
+def play(p5_ms: int, tmp_path_factory: pytest.TempPathFactory) -> Played:
     """Recorded in the guest's memory, kept on the host."""
     records = tmp_path_factory.mktemp("demo")
-    command = [sys.executable, "-m", "gateway", "demo", "--bus", "socketcan:vcan0", "--p5", str(P5_MS), "--records", str(records), "--json"]
+    command = [sys.executable, "-m", "gateway", "demo", "--bus", "socketcan:vcan0", "--p5", str(p5_ms), "--records", str(records), "--json"]
     environment = {**os.environ, "AXISGATE_RUNTIME": str(tmp_path_factory.mktemp("run"))}
     with witness(records / "stolen.txt"):
         done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=120, check=False)
@@ -65,7 +66,7 @@ def play(tmp_path_factory: pytest.TempPathFactory) -> Played:
     shutil.rmtree(KEPT, ignore_errors=True)
     shutil.copytree(records, KEPT)
     cycles = cycles_of(read(records / "bus-drives.log"))
-    return Played(done.returncode, json.loads(done.stdout or "[]"), done.stderr, cycles, stolen(records / "stolen.txt"))
+    return Played(p5_ms, done.returncode, json.loads(done.stdout or "[]"), done.stderr, cycles, stolen(records / "stolen.txt"))
 
 
 def cycles_of(frames: list[Recorded]) -> list[list[Recorded]]:
@@ -88,7 +89,7 @@ def test_the_whole_scenario_is_played_and_every_verdict_holds(played: Played) ->
 def test_every_cycle_of_candumps_log_holds_the_13_frames_once_each(played: Played) -> None:
     wrong = [(n, [frame.identifier for frame in cycle]) for n, cycle in enumerate(played.cycles) if not whole(cycle)]
     assert wrong == [], f"of {len(played.cycles)} cycles"
-    assert len(played.cycles) > 30_000 // P5_MS, "half a minute at least"
+    assert len(played.cycles) > 30_000 // played.p5_ms, "half a minute at least"
 
 
 def whole(cycle: list[Recorded]) -> bool:

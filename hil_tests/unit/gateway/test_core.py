@@ -252,6 +252,25 @@ def test_following_error_beyond_the_limit_takes_the_drives_off() -> None:
     assert cell.office.strayed("de") == "A2 647 Schleppabstand zu gross"
 
 
+def test_an_answer_that_comes_a_cycle_late_is_no_following_error() -> None:
+    """AX-560: at full speed it seems to lag by the travel of a cycle more."""
+    cell = CellBench(p5_ms=20).ready()
+    move = cell.give(Code.PTP_ABSOLUTE, targets=FAR)
+    cell.run(0.5)
+    axis = cell.core._axes[0]
+    axis.tracking.lag._trip = abs(axis.behind) * 1.2
+    travel = axis.speed * 0.02
+    assert travel > abs(axis.behind) * 0.5, "so it would count"
+    cell.late = {1}
+    cell.cycle()
+    cell.late = set()
+    cell.cycle(3)
+    assert (move.state, cell.core.state.stop_cause) == (CommandState.RUNNING, 0)
+    axis.tracking.lag._trip = abs(axis.behind) * 0.8
+    cell.cycle()
+    assert cell.core.state.stop_cause == Reason.FOLLOWING_ERROR, "and it is judged again"
+
+
 def test_an_axis_pushed_out_of_its_standstill_takes_the_drives_off_with_648() -> None:
     axes = [replace(axis, following_error=FollowingError(16.0, 20.0, standstill=0.5)) for axis in DEMO.axis]
     cell = CellBench(cell=replace(DEMO, axis=tuple(axes))).ready()

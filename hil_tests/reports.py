@@ -1,0 +1,53 @@
+"""Tests that ran in another process, reported here one by one, under the same test ids."""
+
+import contextlib
+import json
+import os
+import pathlib
+import signal
+from collections.abc import Mapping, Sequence
+
+import pytest
+
+Reports = Mapping[str, Sequence[pytest.TestReport]]  # by test id
+
+
+class Reporter:
+    """There: every report becomes a line of JSON in a file."""
+
+    def __init__(self, config: pytest.Config, path: pathlib.Path) -> None:
+        self._config, self._path = config, path
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        data = self._config.hook.pytest_report_to_serializable(config=self._config, report=report)
+        with self._path.open("a", encoding="utf-8") as file:
+            print(json.dumps(data), file=file, flush=True)
+            os.fsync(file.fileno())  # a guest that dies has told all it knew
+
+
+def read(config: pytest.Config, path: pathlib.Path) -> Reports:
+    """What the other process has told; nothing if it never began."""
+    results: dict[str, list[pytest.TestReport]] = {}
+    for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else ():
+        with contextlib.suppress(json.JSONDecodeError):  # the half line of a process that died
+            report = config.hook.pytest_report_from_serializable(config=config, data=json.loads(line))
+            results.setdefault(report.nodeid, []).append(report)
+    return results
+
+
+def replay(item: pytest.Item, nextitem: pytest.Item | None, reports: Reports, why: str) -> None:
+    """Tells the results of this test; one that did not end has failed, and `why` says what is known."""
+    told = reports.get(item.nodeid, ())
+    item.ihook.pytest_runtest_logstart(nodeid=item.nodeid, location=item.location)
+    for report in told:
+        item.ihook.pytest_runtest_logreport(report=report)
+    if not any(report.when == "teardown" for report in told):
+        failed = pytest.TestReport(item.nodeid, item.location, dict.fromkeys(item.keywords, 1), "failed", why, "call")
+        item.ihook.pytest_runtest_logreport(report=failed)
+    item.ihook.pytest_runtest_logfinish(nodeid=item.nodeid, location=item.location)
+    item.session._setupstate.teardown_exact(nextitem)  # this item's packages were never set up here
+
+
+def no_time_out() -> None:
+    """pytest-timeout's clock is for one test; the other process runs all of its tests under its own limit."""
+    signal.setitimer(signal.ITIMER_REAL, 0)
