@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 from gateway.cell import Cell
 from gateway.cell_modbus import Modbus, ModbusValue
+from gateway.cellmap_pictures import reference, reis_rows, val3_rows
 from gateway.files import read_signals
 from gateway.modbusdoor import placed
 from gateway.pure.addresses import AddressFault, Direction, RcBit, cl300, pic, rc
@@ -20,7 +21,6 @@ STATUS_HEAD = (
     *("bit 15 acknowledged toggle, bits 0-7 state", "reason", "mask: enabled", "mask: in position", "mask: referenced", "mask: fault"),
     *("override, 0.01 %", "life counter", "owner of the control", "reserved"),
 )
-REFERENCES = {"coil": 1, "discrete input": 10001, "input register": 30001, "holding register": 40001}
 MODBUS_COLUMNS = ("table", "address (base 0)", "reference (base 1)", "words or bits", "type", "access", "value", "text")
 
 
@@ -28,12 +28,6 @@ def signals_of(cell: Cell) -> SignalList:
     """The numbered signals as this cell has them, for the axes it has."""
     named = from_tables(read_signals(), {"axis": max(len(cell.axis), 1)})
     return named.moved({name: bit for name, bit in cell.signals.items() if named.named(name) is not None})
-
-
-def reference(table: str, address: int) -> str:
-    """As manuals count: 40001; six digits beyond 9999, where five do not reach."""
-    first = REFERENCES[table]
-    return f"{first + address:05d}" if address < 9999 else f"{first // 10000}{address + 1:05d}"
 
 
 # --------------------------------------------------------------------------------------------------------------- Modbus
@@ -69,6 +63,10 @@ def _server_rows(cell: Cell, door: Modbus, view: str) -> Iterator[tuple[Field, .
         yield from _signal_rows(cell, door)
         if door.command_block:
             yield from _block_rows(cell)
+    elif view == "reis":
+        yield from reis_rows(cell, door)
+    elif view == "val3":
+        yield from val3_rows(cell, door)
     for each in placed(door, [axis.name for axis in cell.axis]):
         for table in ("holding register", "input register"):
             yield (table, each.at, reference(table, each.at), each.words, each.type, "R", each.name, "")

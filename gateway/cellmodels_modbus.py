@@ -10,7 +10,7 @@ from gateway.cellmodels_base import unit as in_unit
 OWN_NAME = r"[a-z]\w*(\.\w+)+"  # as gateway.pure.addresses reads it
 Order = Literal["ABCD", "CDAB", "BADC", "DCBA"]
 Spans = list[Annotated[str, Field(pattern=r"^\d{1,5}(\.\.\d{1,5})?$", json_schema_extra={"allowed": '"0..63" or "7"'})]]
-View = Literal["rho3", "registers"]
+View = Literal["rho3", "registers", "reis", "val3"]
 
 
 class ModbusRegisters(Table):

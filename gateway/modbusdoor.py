@@ -11,6 +11,7 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from gateway.cell_controller import Controller
 from gateway.cell_modbus import Modbus, ModbusRole
 from gateway.doors import BaseDoor
 from gateway.modbus_line import ModbusLine
@@ -25,6 +26,7 @@ from protocols.modbus.view import View
 
 if TYPE_CHECKING:
     from gateway.modbusclients import ModbusClients
+    from gateway.modbuspictures import ReisView, Val3View
     from gateway.processes.services import Services
 
 WRITES = (5, 6, 15, 16, 21, 22, 23)
@@ -42,6 +44,7 @@ class CellSide:
     block: Callable[[int], bytes | None]
     errors: Callable[[], Sequence[int]]
     axes: Sequence[str]
+    controller: Controller | None
     folder: pathlib.Path  # beside which certificates are looked for
 
 
@@ -63,6 +66,7 @@ def side_of(services: "Services", door: "ModbusDoor", owned: Collection[int]) ->
         block,
         lambda: [code for code, _ in services.values.errors],
         [axis.name for axis in services.cell.axis],
+        services.cell.controller,
         pathlib.Path(services.cell.file).resolve().parent,
     )
 
@@ -86,6 +90,7 @@ class ModbusDoor(BaseDoor):
 
     view: RhoView
     server: ModbusServer | ModbusLine
+    pictures: "tuple[ReisView | Val3View, ...]" = ()  # units that show another control's
     _writer = ""  # host:port of the client that wrote last
 
     def listen(self, settings: Modbus, bind: Bind, side: CellSide) -> None:
@@ -109,9 +114,24 @@ class ModbusDoor(BaseDoor):
         self.view = RhoView(inputs, side.owned, written, taken, registers, side.block, side.errors)
         self.view.command_words = self.block.words
         bare = RegistersView(Registers(extras, side.value, settings.float))
-        views: dict[int, View] = {unit.unit: self.view if unit.view == "rho3" else bare for unit in settings.units}
-        views[settings.unit] = self.view if settings.view == "rho3" else bare
+        shown: dict[str, View] = {"rho3": self.view, "registers": bare}
+        asked = {settings.view, *(unit.view for unit in settings.units)}
+        if asked & {"reis", "val3"} and side.controller is not None:  # the cell's checks have seen to its kind
+            from gateway.modbuspictures import picture
+
+            shown[side.controller.kind] = made = picture(side.controller, inputs, side.owned, written, registers, settings.float)
+            self.pictures = (made,)
+        views = {unit.unit: shown[unit.view] for unit in settings.units}
+        views[settings.unit] = shown[settings.view]
         self.server = self._line(settings, bind, views) if isinstance(bind, str) else self._tcp(settings, bind, views, side.folder)
+
+    def show(self, outputs: bytes | None) -> None:
+        """What the next requests read; None: RC outputs have not been published yet."""
+        self.view.status = self.block.status_words(self.status)
+        if outputs is not None:
+            self.view.outputs = outputs
+            for picture in self.pictures:
+                picture.image.outputs = outputs
 
     def _line(self, settings: Modbus, url: str, views: dict[int, View]) -> ModbusLine:
         from drivers.ports.open import open_bytes

@@ -63,6 +63,11 @@ class SignalDesk:
             view = getattr(door, "view", None)
             if isinstance(view, RhoView):
                 view.flags = self.control
+            for shown in getattr(door, "pictures", ()):
+                from gateway.modbuspictures import join
+
+                if self.control is not None:
+                    join(shown, self.control)
         for fault in faults:
             services.journal.write("plc", fault)
 

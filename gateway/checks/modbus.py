@@ -5,8 +5,13 @@ from collections.abc import Iterator, Sequence
 
 from gateway.cell_modbus import Modbus, ModbusValue
 from gateway.checks.context import Context, near, twice
+from gateway.modbuspictures import PICTURES
+from gateway.pure.modbus_pictures import STATES_AT
 from gateway.pure.modbus_registers import place
+from gateway.pure.modbus_view import FLAGS_AT
 from gateway.pure.names import lookup, spelled
+from gateway.pure.reis.binary import BYTES
+from gateway.pure.reis.markers import SIZE
 from protocols.modbus.numbers import words_of
 
 RC_END, BLOCK, BLOCK_END = 64, 1000, 1064
@@ -42,6 +47,10 @@ def _server(check: Context, door: Modbus, key: str) -> None:
         check.fault(f"{key}.role", door.role, 'device and value belong to role = "client"')
     for text, where in (*((text, "allow") for text in door.allow), *((writer.from_, "writers") for writer in door.writers)):
         _network(check, f"{key}.{where}", text)
+    kind = check.cell.controller.kind if check.cell.controller is not None else ""
+    for view, where in ((door.view, "view"), *((unit.view, f"units[{n}]") for n, unit in enumerate(door.units))):
+        if view in PICTURES and kind != view:
+            check.fault(f"{key}.{where}", view, f'this picture is of a control the cell has not: [controller] kind = "{view}"')
     for value, _, where in twice([(door.unit, "unit"), *((unit.unit, f"units[{n}]") for n, unit in enumerate(door.units))]):
         check.fault(f"{key}.{where}", value, "the unit id stands twice")
     _registers(check, door, key)
@@ -57,8 +66,10 @@ def _network(check: Context, key: str, text: str) -> None:
 def _registers(check: Context, door: Modbus, key: str) -> None:
     """Extras beside the view: known names, no register twice, none of the view's."""
     axes = [axis.name for axis in check.cell.axis]
-    taken = dict.fromkeys(range(RC_END), "RC signals of the view") if door.view == "rho3" else {}
-    if door.command_block and door.view == "rho3":
+    taken: dict[int, str] = {}
+    for view in {door.view, *(unit.view for unit in door.units)}:
+        taken |= dict.fromkeys(_of_view(check, view), "RC signals of the view" if view == "rho3" else f"the view {view}")
+    if door.command_block and "rho3" in (door.view, *(unit.view for unit in door.units)):
         taken |= dict.fromkeys(range(BLOCK, BLOCK_END), "the command and status block")
     for table in door.registers:
         where = f"{key}.registers[{table.at}]"
@@ -74,6 +85,20 @@ def _registers(check: Context, door: Modbus, key: str) -> None:
                     hint = "beyond register 65535" if register > 0xFFFF else f"register {register} is taken by {owner}"
                     check.fault(where, placed.name, hint)
                     break
+
+
+def _of_view(check: Context, view: str) -> list[int]:
+    """Registers a view has of its own."""
+    points = check.cell.controller.point if check.cell.controller is not None else ()
+    analog = [sum(1 for point in points if point.steps and point.output is output) for output in (False, True)]
+    match view:
+        case "rho3":
+            return list(range(RC_END))
+        case "reis":
+            return [*range(BYTES // 2), *range(FLAGS_AT, FLAGS_AT + SIZE // 2)]
+        case "val3":
+            return [*range(2 * max(analog)), *range(STATES_AT, STATES_AT + len(points))]
+    return []
 
 
 def _client(check: Context, door: Modbus, key: str) -> None:

@@ -254,9 +254,7 @@ class Services:
         for door in self.doors:
             door.refresh(state, places, self.values.life, now)
             if isinstance(door, ModbusDoor):
-                door.view.status = door.block.status_words(door.status)
-                if outputs is not None:
-                    door.view.outputs = outputs
+                door.show(outputs)
 
     def _collect_errors(self, state: CellState, now: int) -> None:
         errors: list[tuple[int, str]] = []

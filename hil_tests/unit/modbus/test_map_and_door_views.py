@@ -10,7 +10,8 @@ import pytest
 
 from gateway import cell_modbus, cellmodels_modbus
 from gateway.cell import Cell
-from gateway.cellmap import modbus_sheets, reference, signal_sheets
+from gateway.cellmap import modbus_sheets, signal_sheets
+from gateway.cellmap_pictures import reference
 from gateway.checks.modbus import modbus as _checked
 from gateway.commands.map import main
 from gateway.config import load_cell
