@@ -43,7 +43,10 @@ class LagMonitor:
     def check(self, lag: float) -> LagState:
         """lag = set position active at this SYNC - position latched at this SYNC."""
         size = abs(lag)
-        self.worst = max(self.worst, size)
+        if size > self.worst:
+            self.worst = size
+        if self.state is LagState.OK and size <= self._warn and size <= self._trip:  # nearly always
+            return LagState.OK
         warned = self.state is LagState.WARNING and size > self._warn * RELEASE
         if self.state is LagState.TRIPPED or not size <= self._trip:  # what is no number trips
             self.state = LagState.TRIPPED

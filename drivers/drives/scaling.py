@@ -24,8 +24,8 @@ class Scaling:
     zero_inc: float = 0.0  # increments where the axis reads 0; referencing finds it
     output: int = 0  # +1, -1: sign of what is sent; 0: as direction
     inc_per_unit: float = field(init=False, repr=False, compare=False)  # increments for one m or rad, signed
-    _sent_per_unit: float = field(init=False, repr=False, compare=False)  # as it is sent: the other way where the output is reversed
-    _rpm: float = field(init=False, repr=False, compare=False)
+    sent_per_unit: float = field(init=False, repr=False, compare=False)  # as it is sent: the other way where the output is reversed
+    rpm_per_unit: float = field(init=False, repr=False, compare=False)  # rpm of the motor for 1 m/s or rad/s, signed
 
     def __post_init__(self) -> None:
         for name, value in (("inc_per_turn", self.inc_per_turn), ("gear", self.gear), ("feed_per_turn", self.feed_per_turn)):
@@ -41,12 +41,12 @@ class Scaling:
         sent = self.output * self.direction or 1
         per_unit = self.direction * self.gear * self.inc_per_turn / self.feed_per_turn
         object.__setattr__(self, "inc_per_unit", per_unit)
-        object.__setattr__(self, "_sent_per_unit", per_unit * sent)
-        object.__setattr__(self, "_rpm", 60.0 * self.direction * sent * self.gear)
+        object.__setattr__(self, "sent_per_unit", per_unit * sent)
+        object.__setattr__(self, "rpm_per_unit", 60.0 * self.direction * sent * self.gear / self.feed_per_turn)
 
     def to_inc(self, q: float) -> int:
         """m or rad -> the nearest increment; not limited to int32 (the Drive refuses what does not fit)."""
-        return round(self.zero_inc + q * self._sent_per_unit)
+        return round(self.zero_inc + q * self.sent_per_unit)
 
     def to_si(self, inc: float) -> float:
         """Increments -> m or rad."""
@@ -54,7 +54,7 @@ class Scaling:
 
     def to_rpm(self, speed: float) -> float:
         """m/s or rad/s of the axis -> rpm of the motor, signed."""
-        return self._rpm * speed / self.feed_per_turn
+        return self.rpm_per_unit * speed
 
     def speed_from_inc(self, inc_per_s: float) -> float:
         """inc/s -> m/s or rad/s of the axis."""

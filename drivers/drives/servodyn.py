@@ -8,12 +8,13 @@ from dataclasses import dataclass
 from enum import Enum, auto
 
 from drivers.drives.family import Actual, Demand, Event, Homing, Power
-from drivers.drives.limits import fits_int32, saturated_rpm
+from drivers.drives.limits import INT32_MAX, INT32_MIN, fits_int32, saturated_rpm
 from protocols.servodyn.codec import ActualValue, SetValue
 
 __all__ = ["LOST_AFTER", "Demand", "Drive", "DriveSettings", "Event", "Phase", "Power"]
 
 LOST_AFTER = 2  # actual values missing in a row
+_new = tuple.__new__  # of a record without counting its fields again: once an axis and cycle
 RESET_CYCLES = 5  # the reset bit stands so long for one edge of the demand: one lost telegram does not swallow it
 
 
@@ -118,16 +119,34 @@ class Drive:
         return SetValue()
 
     def step(self, actual: Actual | None, demand: Demand) -> SetValue:
-        """actual: of this SYNC, None when none came.  The set value for the next SYNC."""
-        self.events = []
-        if self._asked or self._reset_left or demand.on is not self._on_before or demand.reset is not self._reset_before:
+        """actual: of this SYNC, None when none came.  The set value for the next SYNC.
+
+        Its position is the actual one until control is reported, then held, then the demanded one if it may be sent.
+        """
+        on, reset, wanted_inc, wanted_rpm, limit_switch, _ = demand
+        if self.events:
+            self.events = []
+        if self._asked or self._reset_left or on is not self._on_before or reset is not self._reset_before:
             self._note_edges(demand)  # nothing to note otherwise
-        if isinstance(actual, ActualValue):
-            self._judge(actual, demand)
-        else:
+        if not isinstance(actual, ActualValue):
             self._miss()
-        self._place(demand)
-        return self._set_value(demand)
+        elif self.follows and on and actual.enabled and not actual.fault:  # nothing to judge, nothing awaited
+            self.missing, self.position_inc, self.torque_permille = 0, actual.position_inc, actual.torque_permille
+            self.fault_code, self.warning = actual.fault_code, actual.warning
+        else:
+            self._judge(actual, demand)
+        speed, self._life = 0, self._life + 1 & 0xFF
+        if self.follows:
+            self._take(wanted_inc)
+            if not self._refused:
+                speed, cut = saturated_rpm(wanted_rpm)
+                self.saturated += cut
+        elif self._phase is not Phase.RELEASING:
+            self._following = True
+            self.set_inc = self.position_inc
+        row = self._row
+        enable = row.enable
+        return _new(SetValue, (enable, row.drive_on, limit_switch, self._reset_left > 0, enable, self._life, self.set_inc, speed))
 
     def _note_edges(self, demand: Demand) -> None:
         rising = demand.on and not self._on_before
@@ -187,35 +206,16 @@ class Drive:
         if phase in ON_REACHING:
             self.events.append(ON_REACHING[phase])
 
-    def _place(self, demand: Demand) -> None:
-        """The set position: the actual one until control is reported, then held, then the demanded one if it may be sent."""
-        if self._phase not in IN_CONTROL:
-            self._following = True
-            self.set_inc = self.position_inc
-        elif self._phase is Phase.ENABLED:
-            self._take(demand.position_inc)
-
     def _take(self, inc: int) -> None:
+        """The demanded set position, if it may be sent."""
         window = self._settings.jump_inc if self._following else self._settings.step_inc
-        if not fits_int32(inc):
-            self._refuse(Event.RANGE)
-        elif abs(inc - self.set_inc) > window:
-            self._refuse(Event.JUMP)
-        else:
+        if -window <= inc - self.set_inc <= window and INT32_MIN <= inc <= INT32_MAX:
             self.set_inc, self._following, self._refused = inc, False, False
+        else:
+            self._refuse(Event.JUMP if fits_int32(inc) else Event.RANGE)
 
     def _refuse(self, why: Event) -> None:
         """The last position stays; told once until a good one comes."""
         if not self._refused:
             self.events.append(why)
         self._refused = True
-
-    def _set_value(self, demand: Demand) -> SetValue:
-        row = self._row
-        speed = 0
-        if self._phase is Phase.ENABLED and not self._refused:
-            speed, cut = saturated_rpm(demand.speed_rpm)
-            self.saturated += cut
-        self._life = (self._life + 1) & 0xFF
-        on = row.enable
-        return SetValue(on, row.drive_on, demand.limit_switch, self._reset_left > 0, on, self._life, self.set_inc, speed)

@@ -16,6 +16,7 @@ class ServodynFamily:
         self.aside: list[Frame] = []
         self._axes = tuple(axes)
         self._readers = {codec.actual_id(module): (index, codec.reader(module)) for index, module in axes}
+        self._writers = [(index, codec.writer(module)) for index, module in axes]
 
     @property
     def expected(self) -> int:
@@ -25,20 +26,20 @@ class ServodynFamily:
     def burst(self, values: Sequence[SetRecord]) -> list[Frame]:
         """SYNC and the set values of this bus; TypeError when a drive of another family was put on it."""
         frames = [SYNC]
-        for index, module in self._axes:
+        for index, write in self._writers:
             value = values[index]
             if not isinstance(value, SetValue):
                 raise TypeError(f"axis {index + 1}: {type(value).__name__} on a SERVODYN bus")
-            frames.append(self.codec.encode_set(module, value))
+            frames.append(write(value))
         return frames
 
     def hear(self, frame: Frame) -> Heard | None:
         """The actual value of an axis; raises DecodeError for a frame this bus does not have."""
         known = self._readers.get(frame.identifier)
-        if known is None:
-            module, _ = self.codec.decode_actual(frame)
-            raise DecodeError(f"identifier {frame.identifier}: module {module} has no axis in this cell")
-        return Heard(known[0], known[1](frame.data))
+        if known is not None:
+            return tuple.__new__(Heard, (known[0], known[1](frame.data)))
+        module, _ = self.codec.decode_actual(frame)
+        raise DecodeError(f"identifier {frame.identifier}: module {module} has no axis in this cell")
 
     def release(self, node: int, mode: int) -> None:
         """Boosters need no start-up."""

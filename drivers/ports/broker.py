@@ -151,10 +151,10 @@ class BrokerPort:
     def receive(self) -> list[Frame]:
         """Everything that waits, stamped by the broker."""
         frames: list[Frame] = []
-        records = self._link.receive()
+        records, make, not_data = self._link.receive(), tuple.__new__, self.not_data
         for can_id, length, _, data, stamp, _ in records:
-            if can_id < EFF_FLAG and not can_id & self.not_data:
-                frames.append(Frame(can_id, data[:length], stamp))
+            if can_id < EFF_FLAG and not can_id & not_data:
+                frames.append(make(Frame, (can_id, data[:length], stamp)))
             elif can_id & ERR_FLAG:
                 self.counters.faults += 1
                 self._faults.append((fault_of(can_id, data[:length]), stamp))

@@ -44,6 +44,7 @@ MOTIONS = {
 }
 BROKEN = ((Power.FAULT, Reason.DRIVE_FAULT), (Power.LOST, Reason.DRIVE_LOST))
 TOO_MANY_SKIPPED = 3  # SYNCs skipped in a row: stop on the path
+_new = tuple.__new__  # of a record without counting its fields again: once an axis and cycle
 SERVICES_LIMIT = ms(250)  # life counter of services older than this: dead
 
 
@@ -80,10 +81,13 @@ class Core:
         self._program = ProgramRun()  # done when nothing more comes and all is run
         self._arriving = 0  # cycles since the set values of the running job arrived
         self._homing = 0  # job of the reference run
+        self._referencing = False  # it is under way, or an axis still comes to rest from it
         self._enabling: tuple[int, int] = (0, 0)  # job, mask
         self._reset = False
         self._services_alive = False
         self._settled = False
+        self._settled_axes = False  # every drive follows, and none lost its increments
+        self._eventful = False  # a drive did something by itself in this cycle
         self._lost_cycles = 0  # since chain or control was lost
 
     def _tracking(self, plan: CoreAxis) -> Tracking:
@@ -233,7 +237,7 @@ class Core:
                     axis.by_drive = True
                 else:
                     axis.run = Referencing(plan, axis.drive.position_inc)
-        self._homing = record.job
+        self._homing, self._referencing = record.job, True
 
     def _move(self, record: OrderRecord) -> None:
         try:
@@ -370,24 +374,40 @@ class Core:
 
     # ---- set values --------------------------------------------------------------------------------------------------
     def _drive(self, actuals: Sequence[Actual | None]) -> list[SetRecord]:
+        """One pass over the axes: all of it happens once per SYNC and axis."""
         sample = self._stepper.step()
         if self._program.job:
             self._attend(sample)
-        for n, axis in enumerate(self._axes):
-            drive = axis.drive
+        if self._referencing:
+            self._step_runs(actuals)
+        values: list[SetRecord] = []
+        reset, settled, self._eventful = self._reset, True, False
+        for axis, actual, q, speed in zip(self._axes, actuals, sample.q, sample.qd, strict=True):
+            drive, scaling = axis.drive, axis.scaling
             axis.active_inc, axis.received_inc, axis.sent_inc = axis.received_inc, axis.sent_inc, drive.set_inc
-            axis.speed = 0.0
-            if axis.run is not None:
-                self._step_homing(axis, actuals[n])
+            if axis.led:
+                axis.led = False
             elif drive.follows and not axis.by_drive:
-                axis.set, axis.speed = sample.q[n], sample.qd[n]
-        values = [axis.drive.step(actual, self._demand(axis)) for axis, actual in zip(self._axes, actuals, strict=True)]
-        for axis in self._axes:
-            axis.power = axis.drive.power
-            axis.behind = (axis.active_inc - axis.drive.position_inc) / axis.scaling.inc_per_unit
-            if axis.by_drive:
-                self._judge_drive_homing(axis)
-        self._accept_positions()
+                axis.set, axis.speed = q, speed
+            else:
+                axis.speed = 0.0
+            inc = round(scaling.zero_inc + axis.set * scaling.sent_per_unit)  # as to_inc and to_rpm: a call costs as much as the sum
+            limit_switch = axis.referenced and axis.limited
+            demand = (axis.wanted, reset, inc, axis.speed * scaling.rpm_per_unit, limit_switch, axis.by_drive)
+            values.append(drive.step(actual, _new(Demand, demand)))
+            power = drive.power
+            if power is not axis.power:
+                axis.power, axis.power_number = power, power.value
+            if not drive.follows or drive.epoch != axis.epoch:
+                settled = False
+            if drive.events:
+                self._eventful = True
+            axis.behind = (axis.active_inc - drive.position_inc) / scaling.inc_per_unit
+        self._settled_axes = settled
+        if self._referencing:
+            self._judge_runs()
+        if self._referencing or not settled:
+            self._accept_positions()
         if self._running and (self._program_over() if self._program.begun else sample.done_id == self._running):
             self._arrive()
         self.state.progress, self.state.piece = sample.s, sample.piece_id
@@ -425,11 +445,16 @@ class Core:
         if self._program.begun:
             self._program.clear()
 
-    def _demand(self, axis: HeldAxis) -> Demand:
-        scaling = axis.scaling
-        inc, rpm = scaling.to_inc(axis.set), scaling.to_rpm(axis.speed)
-        limit_switch = axis.referenced and axis.plan.reference is not None
-        return Demand(axis.wanted, self._reset, inc, rpm, limit_switch, axis.by_drive)
+    def _step_runs(self, actuals: Sequence[Actual | None]) -> None:
+        for axis, actual in zip(self._axes, actuals, strict=True):
+            if axis.run is not None:
+                axis.led = True
+                self._step_homing(axis, actual)
+
+    def _judge_runs(self) -> None:
+        for axis in self._axes:
+            if axis.by_drive:
+                self._judge_drive_homing(axis)
 
     def _judge_drive_homing(self, axis: HeldAxis) -> None:
         """The drive stands in its home position: from now on its increments mean what the plan says (AX-306)."""
@@ -484,24 +509,24 @@ class Core:
             gap, axis.gap = axis.gap, actual is None
             if gap or actual is None or axis.by_drive or not axis.drive.follows:  # a drive that references leads its position itself
                 axis.tracking.clear()  # after a gap: the first answer may be the one that was missing, one cycle old (AX-560)
-                continue
-            number = axis.tracking.check(axis.active_inc, axis.behind)
-            if number:
+            elif number := axis.tracking.check(axis.active_inc, axis.behind):
                 axis.finding = number
                 self.state.stop_cause = Reason.FOLLOWING_ERROR
                 self._off(Reason.FOLLOWING_ERROR)
+        if not self._settled_axes:
+            self._judge_powers()
+        if self._eventful:
+            self._judge_events()
+        job, mask = self._enabling
+        if job and self._all_enabled(mask):
+            self._enabling = (0, 0)
+
+    def _judge_powers(self) -> None:
         powers = [axis.power for axis in self._axes if axis.wanted]
         for power, reason in BROKEN:
             if power in powers:
                 self.state.stop_cause = reason
                 self._off(reason)  # the axes move together or not at all
-        for axis in self._axes:
-            if axis.drive.events:
-                self._judge_events()
-                break
-        job, mask = self._enabling
-        if job and self._all_enabled(mask):
-            self._enabling = (0, 0)
 
     def _judge_events(self) -> None:
         """What drives did by themselves; of an axis nobody wants on it is no matter."""
@@ -526,12 +551,12 @@ class Core:
     # ---- what others see ---------------------------------------------------------------------------------------------
     def _publish(self) -> None:
         state, stepper = self.state, self._stepper.state
-        if self._homing or any(axis.run is not None or axis.by_drive for axis in self._axes):
-            state.motion = Motion.REFERENCING
-        else:
-            state.motion = MOTIONS[stepper]
-        if state.motion is Motion.IDLE and (self._running or self._program.job):
-            state.motion = Motion.RUNNING  # the axes are still on their last increments, or a program is being prepared
+        if self._referencing:
+            self._referencing = self._homing != 0 or any(axis.run is not None or axis.by_drive for axis in self._axes)
+        motion = Motion.REFERENCING if self._referencing else MOTIONS[stepper]
+        if motion is Motion.IDLE and (self._running or self._program.job):
+            motion = Motion.RUNNING  # the axes are still on their last increments, or a program is being prepared
+        state.motion = motion
         state.override = self._override
         state.job = self._homing or self._running
         self._publisher.publish(self._axes)

@@ -4,7 +4,7 @@ Apart from the core: whoever only describes axes (services, commands) does not l
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from drivers.drives.family import CyclicDrive, DriveHoming, DriveMaker, Power
 from drivers.drives.referencing import ReferenceSettings, Referencing
@@ -43,6 +43,7 @@ class HeldAxis:
     wanted: bool = False  # drives on asked for
     referenced: bool = False
     run: Referencing | None = None  # by the gateway
+    led: bool = False  # set position and speed of this cycle come from the run
     by_drive: bool = False  # the drive references by itself
     set: float = 0.0  # set position sent for the next SYNC
     active_inc: int = 0  # where the drive is asked to be at this SYNC: sent two bursts ago, activated by the last SYNC (AX-144)
@@ -53,5 +54,10 @@ class HeldAxis:
     quiet: int = 0  # cycles inside the window
     power: Power = Power.OFF  # of the drive, after its step of this cycle
     gap: bool = False  # no actual value in the cycle before
+    power_number: int = 0  # its value: asking an enum for it costs a microsecond
+    limited: bool = field(init=False)  # has a place where it was referenced: travel limits of the drive hold from there
     finding: int = 0  # 647, 648: why the axis was switched off last; until somebody acknowledges it
     behind: float = 0.0  # active_inc - where the drive says it is, in m or rad
+
+    def __post_init__(self) -> None:
+        self.limited = self.plan.reference is not None

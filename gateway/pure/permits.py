@@ -1,6 +1,7 @@
 """Enabling inputs as the cycle judges them: standing, taken away by a living door, or lost with it (AX-002, AX-143)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from operator import itemgetter
 
 from gateway.pure.records import ALL_PERMITS, RC_BYTES, InputImage, Permit, Quality
 from protocols.base.machine import Ns, ms
@@ -60,6 +61,8 @@ class EnablingInputs:
         """`assumed`: inputs that are not wired here and count as 1 ([rc_inputs] assume)."""
         self._numbers = numbers
         self._before = 0
+        self._steady: PermitView | None = None  # the judgement while the bytes stay as they are
+        self._seen: tuple[bool, object, object] | None = None
         self.assume(assumed)
         self._reset_bit = True  # a control reset that stands at start is no edge
 
@@ -67,10 +70,21 @@ class EnablingInputs:
         """From here on these count as 1 and the others are read."""
         self._assumed = int(assumed)
         self._places = [(getattr(self._numbers, name), int(permit)) for name, permit in PERMITS if not permit & assumed]
+        self._look = itemgetter(*sorted({number >> 3 for number in (self._numbers.reset, *(number for number, _ in self._places))}))
+        self._steady = self._seen = None
 
     def judge(self, inputs: InputImage, services_ns: Ns, now: Ns) -> PermitView:
         """`services_ns`: last sign of life of whoever writes the inputs."""
         held = services_ns != 0 and now - services_ns < INPUTS_HOLD
+        seen = (held, self._look(inputs.values), self._look(inputs.quality))
+        if seen == self._seen and self._steady is not None:
+            return self._steady
+        view = self._judge(inputs, held=held)
+        # Edges are of this cycle only: the next one with the same bytes has none
+        self._seen, self._steady = seen, replace(view, just_lost=0, reset=False)
+        return view
+
+    def _judge(self, inputs: InputImage, *, held: bool) -> PermitView:
         permits, lost, quality = self._assumed, 0, inputs.quality
         for number, permit in self._places:
             if not held or quality[number >> 3] == BAD:

@@ -3,6 +3,7 @@
 Signals are little endian (DBC "@1"), raw counts without scale; the unit stands in the signal's name or in `unit` for people.
 """
 
+import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -32,14 +33,31 @@ class Layout:
     signals: tuple[Signal, ...]
 
 
+NATURAL = {(8, False): "B", (8, True): "b", (16, False): "H", (16, True): "h", (32, False): "I", (32, True): "i"}
+
+
+def _plain(length: int, flag_bits: int, wide: Sequence[Signal]) -> struct.Struct | None:
+    """The whole message as byte 0 with the flags and numbers behind it, in the order of `wide`; None: it is not so simple."""
+    code, at = "<B", 1
+    for signal in wide:
+        kind = NATURAL.get((signal.bits, signal.signed))
+        low = -(1 << signal.bits - 1) if signal.signed else 0
+        if kind is None or signal.start % 8 or signal.start // 8 < at or (signal.low, signal.high) != (low, low + (1 << signal.bits) - 1):
+            return None
+        code += f"{signal.start // 8 - at}x{kind}"
+        at = (signal.start + signal.bits) // 8
+    return struct.Struct(f"{code}{length - at}x") if flag_bits < 256 and at <= length else None
+
+
 class Packer:
     """A layout compiled for the signals `names`, in this order.
 
     Bits of signals that are not named are sent as 0 and ignored when received.  The first `flags` signals have one bit each; what they can
-    be together is worked out once and looked up then: a drive's bits stay the same for thousands of cycles.
+    be together is worked out once and looked up then: a drive's bits stay the same for thousands of cycles.  Flags in byte 0 before whole
+    numbers of their full range, as SERVODYN-GC's are, are read and written at one go.
     """
 
-    __slots__ = ("_fields", "_flag_bits", "_flag_words", "_length", "_name", "_seen", "_signals", "flags")
+    __slots__ = ("_fields", "_flag_bits", "_flag_words", "_length", "_name", "_plain", "_seen", "_signals", "flags")
 
     def __init__(self, layout: Layout, names: Sequence[str]) -> None:
         """Raises EncodeError with the list of missing signals when the layout does not have all names."""
@@ -55,6 +73,7 @@ class Packer:
         self._seen: dict[int, tuple[int, ...]] = {}
         wide = self._signals[self.flags :]
         self._fields = tuple((s.start, (1 << s.bits) - 1, 1 << (s.bits - 1) if s.signed else 0, s.low, s.high) for s in wide)
+        self._plain = _plain(self._length, self._flag_bits, wide)
 
     def pack(self, values: Sequence[int]) -> bytes:
         """Raises EncodeError naming signal, value and range."""
@@ -62,28 +81,40 @@ class Packer:
         word = self._flag_words.get(flags, -1)
         if word < 0:
             word = self._flag_words[flags] = self._flag_word(flags)
+        if self._plain is not None:
+            try:
+                return self._plain.pack(word, *values[self.flags :])
+            except struct.error as error:
+                raise EncodeError(self._complaint(values)) from error
         for value, (start, mask, _sign, low, high) in zip(values[self.flags :], self._fields, strict=True):
             if not low <= value <= high:
                 raise EncodeError(self._complaint(values))
             word |= (value & mask) << start
         return word.to_bytes(self._length, "little")
 
-    def unpack(self, data: bytes) -> list[int]:
+    def unpack(self, data: bytes) -> tuple[int, ...]:
         """Flags as bool.  Raises DecodeError with the bytes when the length is wrong or a value is outside its range."""
         if len(data) != self._length:
             raise DecodeError(f"{self._name}: {self._length} bytes expected, {len(data)} received: {data.hex(' ')}")
+        if self._plain is not None:
+            numbers: tuple[int, ...] = self._plain.unpack(data)
+            bits = numbers[0] & self._flag_bits
+            flags = self._seen.get(bits)
+            return (self._see(bits) if flags is None else flags) + numbers[1:]
         word = int.from_bytes(data, "little")
         bits = word & self._flag_bits
-        flags = self._seen.get(bits)
-        if flags is None:
-            flags = self._seen[bits] = tuple(bool(word >> s.start & 1) for s in self._signals[: self.flags])
-        values = [*flags]
+        values = [*(self._seen.get(bits) or self._see(bits))]
         for start, mask, sign, low, high in self._fields:
             value = (((word >> start) & mask) ^ sign) - sign
             if not low <= value <= high:
                 raise DecodeError(f"{self._outside(len(values), value)}: {data.hex(' ')}")
             values.append(value)
-        return values
+        return tuple(values)
+
+    def _see(self, bits: int) -> tuple[int, ...]:
+        """Flags as bool, kept for the next time."""
+        flags = self._seen[bits] = tuple(bool(bits >> s.start & 1) for s in self._signals[: self.flags])
+        return flags
 
     def _flag_word(self, flags: tuple[int, ...]) -> int:
         if not all(value in (0, 1) for value in flags):

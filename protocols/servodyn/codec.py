@@ -74,6 +74,15 @@ class Codec:
         """Raises EncodeError naming signal, value and range."""
         return Frame(self._set_ids[axis], self._set_packers[axis].pack(value))
 
+    def writer(self, axis: int) -> Callable[[SetValue], Frame]:
+        """Encodes for this module; EncodeError as `encode_set`."""
+        identifier, pack, make = self._set_ids[axis], self._set_packers[axis].pack, tuple.__new__
+
+        def write(value: SetValue) -> Frame:
+            return make(Frame, (identifier, pack(value), 0))
+
+        return write
+
     def encode_actual(self, axis: int, value: ActualValue) -> Frame:
         """Raises EncodeError naming signal, value and range."""
         return Frame(self._actual_ids[axis], self._actual_packers[axis].pack(value))
@@ -103,10 +112,10 @@ class Codec:
 
 
 def _reader(packer: Packer) -> Callable[[bytes], ActualValue]:
-    unpack = packer.unpack
+    unpack, make = packer.unpack, tuple.__new__  # _make would only count the values again
 
     def read(data: bytes) -> ActualValue:
-        return ActualValue._make(unpack(data))
+        return make(ActualValue, unpack(data))
 
     def read_wider(data: bytes) -> ActualValue:
         """A layout of somebody's own with flags of more bits than one: 1 counts."""

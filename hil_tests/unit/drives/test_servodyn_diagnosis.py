@@ -25,7 +25,7 @@ def said(drive: Drive) -> Diagnosis | str:
 # ------------------------------------------------------------------------------------------------ ENABLE LIMIT SWITCH
 
 
-@pytest.mark.requirement("RHO-CAN-21", by="gateway.pure.core:Core._demand")
+@pytest.mark.requirement("RHO-CAN-21", by="gateway.pure.core:Core._drive")
 def test_the_bit_is_set_once_referencing_and_its_offset_are_done() -> None:
     bench = CellBench()
     during, after = set(), set()

@@ -293,8 +293,8 @@ def test_a_drive_that_leaves_control_by_itself_takes_all_off_and_says_why(monkey
     cell.run(0.2)
     drive = cell.core._axes[1].drive
     assert isinstance(drive, Drive)
-    heard = drive._judge
-    monkeypatch.setattr(drive, "_judge", lambda actual, demand: heard(actual._replace(enabled=False), demand))
+    heard = drive.step
+    monkeypatch.setattr(drive, "step", lambda actual, demand: heard(actual._replace(enabled=False), demand))
     cell.cycle()
     assert (move.reason, cell.core.state.stop_cause) == (Reason.DRIVE_FAULT, Reason.DRIVE_FAULT)
     cell.run(1.0)
