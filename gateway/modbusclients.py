@@ -5,11 +5,14 @@ when it changes and again every `every_ms`, and only while it is good.  Loaded o
 """
 
 import math
-from collections.abc import Sequence
+import pathlib
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING
 
+from drivers.ports.base import BytePort
+from drivers.ports.open import tcp_address
 from gateway.cell_modbus import Modbus, ModbusDevice, ModbusValue
 from gateway.modbus_client import Device, Group, Kind, Link, ModbusClient, Result, write_bits_pdu, write_words_pdu
 from gateway.pure.records import Quality
@@ -74,6 +77,21 @@ def device_of(settings: ModbusDevice) -> Device:
     )
 
 
+def secured(settings: Modbus, url: str, folder: pathlib.Path) -> Callable[[], BytePort] | None:
+    """Opens the connection inside TLS, with the files as they are then; None: the client of this table has none."""
+    tls = settings.tls
+    if tls is None:
+        return None
+
+    def opened() -> BytePort:
+        from drivers.ports.tls import TlsPort
+        from gateway.modbus_tls import client_context  # cryptography only where a cell asks for it
+
+        return TlsPort(*tcp_address(url), client_context(tls, folder))
+
+    return opened
+
+
 @dataclass(slots=True)
 class Written:
     """A value that goes out."""
@@ -96,7 +114,8 @@ class ClientLink:
         registers |= dict.fromkeys((value.name for value in routed), None)
         self._orders = {device.name: device.order for device in settings.device}
         link = Link(url, settings.framing, settings.format, ms(settings.patience_ms))
-        self.client = ModbusClient(link, [device_of(device) for device in settings.device], self._told)
+        folder = pathlib.Path(services.cell.file).resolve().parent
+        self.client = ModbusClient(link, [device_of(device) for device in settings.device], self._told, secured(settings, url, folder))
         self._written = [Written(value, self._orders[value.device]) for value in self._values if value.from_]
 
     def start(self) -> None:

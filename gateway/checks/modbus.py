@@ -106,6 +106,8 @@ def _client(check: Context, door: Modbus, key: str) -> None:
         check.fault(f"{key}.port", "", 'a client needs the port of its devices: "tcp://10.0.0.7:502", "/dev/ttyUSB0"')
     if door.serial and door.framing != "rtu":
         check.fault(f"{key}.framing", door.framing, 'a serial port carries RTU: framing = "rtu"')
+    if door.tls is not None and (not door.port_.startswith("tcp://") or door.framing == "rtu"):
+        check.fault(f"{key}.tls", "", 'TLS carries Modbus TCP only: port = "tcp://host:802", no framing')
     if not door.device:
         check.fault(f"{key}.device", "", "a client without a [[modbus.device]] asks nobody")
     devices = [device.name for device in door.device]

@@ -1,5 +1,6 @@
 """Modbus/TCP Security: certificates on both sides, roles out of them, rights by role.  The test makes its own certificates."""
 
+import asyncio
 import datetime
 import pathlib
 import socket
@@ -15,8 +16,10 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import NameOID
 
 from drivers.ports.base import PortError
-from gateway.cell_modbus import ModbusRole, ModbusTls
+from gateway.cell_modbus import Modbus, ModbusRole, ModbusTls
+from gateway.modbus_client import Device, Link, ModbusClient, ModbusRefused
 from gateway.modbus_tls import ROLE_OID, TlsRights, client_context, role_of, server_context
+from gateway.modbusclients import secured
 from gateway.modbusdoor import role_rights
 from hil_tests.lab.modbus_running import Running
 from protocols.modbus.view import Kind
@@ -161,3 +164,40 @@ def test_a_role_that_cannot_be_read_is_none(plant: Authority, data: bytes) -> No
 def test_a_missing_file_is_named(plant: Authority) -> None:
     with pytest.raises(PortError, match=r"absent\.pem"):
         server_context(ModbusTls("absent.pem", "absent.key", "plant.pem"), plant.folder)
+
+
+def test_a_client_of_a_cell_asks_inside_tls_and_may_what_its_role_may(plant: Authority) -> None:
+    settings = Modbus("coupler", role="client", port_="tcp://127.0.0.1:802", tls=plant.issue("cell", "operator"))
+
+    async def play(running: Running) -> int:
+        url = f"tcp://127.0.0.1:{running.port}"
+        client = ModbusClient(Link(url), [Device("tank")], None, secured(settings, url, plant.folder))
+        client.start()
+        try:
+            async with asyncio.timeout(30):
+                while not client.connected:
+                    await asyncio.sleep(0.01)
+                await client.write_words("tank", 3, [0x1234])
+                assert running.view.words[Kind.HOLDING_REGISTERS][3] == 0x1234
+                with pytest.raises(ModbusRefused) as refused:
+                    await client.write_words("tank", 20, [1])
+                running.view.words[Kind.HOLDING_REGISTERS][:120] = list(range(120))
+                answers = await asyncio.gather(*(client.read("tank", Kind.HOLDING_REGISTERS, 0, 120) for _ in range(20)))
+                assert set(answers) == {tuple(range(120))}
+                return refused.value.code
+        finally:
+            client.close()
+
+    rights = TlsRights({role.role: role_rights(role) for role in ROLES})
+    with Running(tls=server_context(plant.issue("coupler"), plant.folder), rights_for=rights) as server:
+        assert asyncio.run(play(server)) == 2
+
+
+def test_a_client_whose_server_is_of_another_authority_says_so(running: Running, plant: Authority) -> None:
+    Authority(plant.folder, "foreign")
+    mine = plant.issue("wary", "engineer")
+    settings = Modbus("coupler", role="client", tls=ModbusTls(mine.certificate, mine.key, "foreign.pem"))
+    opened = secured(settings, f"tcp://127.0.0.1:{running.port}", plant.folder)
+    assert opened is not None
+    with pytest.raises(PortError, match="both sides need certificates"):
+        opened()

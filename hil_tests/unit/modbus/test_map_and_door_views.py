@@ -198,6 +198,13 @@ from = "tank.pump"
     "more, old, new, fault",
     [
         (CLIENT, 'port = "tcp://10.0.0.7:502"\n', "", "modbus.coupler.port"),
+        (
+            CLIENT,
+            'port = "tcp',
+            'tls = { certificate = "a", key = "b", ca = "c" }\nframing = "rtu"\nport = "tcp',
+            "TLS carries Modbus TCP only",
+        ),
+        (CLIENT, 'port = "tcp', 'tls = { certificate = "a", key = "b", ca = "c" }\nport = "tcp', ""),
         (CLIENT, 'device = "tank"\ntable = "coil"', 'device = "tonk"\ntable = "coil"', "did you mean tank"),
         (CLIENT, 'to = "tank.heat"', 'to = "tank.heat"\nfrom = "tank.heat"', "exactly one of"),
         (CLIENT, 'type = "bit"', 'type = "REAL"', "do not fit"),
