@@ -19,7 +19,7 @@ class Rings:
         """File descriptors of the rings and the number of drive buses; this process becomes the writer of `acyclic`."""
         self._out = RingWriter(acyclic, "acyclic", ASIDE_LAYOUT)
         self._in = RingReader(heard, "heard", ASIDE_LAYOUT)
-        self._lock = threading.Lock()
+        self._put_lock, self._take_lock = threading.Lock(), threading.Lock()  # who sends waits for nobody who reads
         self._waiting: list[deque[Frame]] = [deque(maxlen=KEPT) for _ in range(buses)]
         self.links = [RingLink(self, number) for number in range(buses)]
 
@@ -30,12 +30,12 @@ class Rings:
 
     def put(self, record: AsideRecord) -> None:
         """One record to the cycle."""
-        with self._lock:
+        with self._put_lock:
             self._out.put(pack_aside(record))
 
     def take(self, bus: int) -> list[Frame]:
         """What waits for one bus."""
-        with self._lock:
+        with self._take_lock:
             while records := self._in.take(256):
                 for _, data in records:
                     record = unpack_aside(data)

@@ -10,6 +10,7 @@ import functools
 import logging
 import threading
 import time
+import traceback
 from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
@@ -84,6 +85,35 @@ class MasterLink(cycle_bus.CycleLink, Protocol):
     def hold(self, node: int) -> None: ...  # it is no longer
 
 
+class Receiving(can.Listener):
+    """Keeps the receiving thread alive: one frame or one look at the ring that fails is told, and the next one is received.
+
+    Without it python-can ends the thread, and canopen raises that one error in every dialogue from then on.
+    """
+
+    def __init__(self, network: canopen.Network, told: Callable[[str], None]) -> None:
+        self._network, self._told = network, told
+
+    def on_message_received(self, msg: can.Message) -> None:
+        """canopen's own listener takes it."""
+
+    def on_error(self, exc: Exception) -> None:
+        if self._network.notifier is not None:
+            self._network.notifier.exception = None
+        self._told(f"receiving failed and goes on: {place_of(exc)}")
+        time.sleep(TICK_S)  # an error that stands must not become a busy loop
+
+    def stop(self) -> None:
+        """Nothing is open."""
+
+
+def place_of(error: BaseException) -> str:
+    """Kind, words and the innermost line."""
+    frames = traceback.extract_tb(error.__traceback__)
+    place = f" ({frames[-1].filename.rpartition('/')[2]}:{frames[-1].lineno} in {frames[-1].name})" if frames else ""
+    return f"{type(error).__name__}: {error}{place}"
+
+
 T = TypeVar("T")
 Say = Callable[[str, str, Mapping[str, object]], None]  # kind, sentence, facts
 
@@ -113,6 +143,7 @@ class CanopenMaster:
         self._channel, self._link, self._say = channel, link, say
         self._sheets = sheets or {}
         self._stop = threading.Event()
+        self._quiet_until = 0.0
         self._network: canopen.Network | None = None
         self._remote: dict[int, canopen.RemoteNode] = {}
         self._keeper = threading.Thread(target=self._keep, name=f"canopen {channel}", daemon=True)
@@ -130,6 +161,8 @@ class CanopenMaster:
         self._network = canopen.Network(can.Bus(interface="cycle", channel=self._channel))
         self._network.NOTIFIER_CYCLE = 0.2
         self._network.connect()
+        assert self._network.notifier is not None
+        self._network.notifier.add_listener(Receiving(self._network, self._ring_failed))
         known: dict[int, canopen.ObjectDictionary] = {}  # nodes of one type share what is known of them
         for number, node in self.nodes.items():
             sheet = self._sheets.get(number)
@@ -141,6 +174,13 @@ class CanopenMaster:
             remote.emcy.add_callback(functools.partial(self._on_emergency, node))
             self._network.subscribe(cobid.heartbeat(number), self._on_heartbeat)
             self._remote[number] = remote
+
+    def _ring_failed(self, words: str) -> None:
+        """At most once a second."""
+        now = time.monotonic()
+        if now >= self._quiet_until:
+            self._quiet_until = now + TELL_S
+            self._say("alarm", f"{self._channel}: {words}", {})
 
     def stop(self) -> None:
         """Ends all threads; nodes stay as they are."""
@@ -234,7 +274,7 @@ class CanopenMaster:
         except BootRefused as refusal:
             self._failed(node, refusal)
         except Exception as error:  # a thread that died in silence would leave the node waiting for ever
-            self._failed(node, BootRefused(f"{type(error).__name__}: {error}"))
+            self._failed(node, BootRefused(place_of(error), dead=True))  # nothing the node said: tried again soon
         else:
             node.seen = time.monotonic()
             node.booted, node.attempts, node.why = booted, 0, ""
