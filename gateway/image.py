@@ -31,7 +31,6 @@ NAME_AT, NAME_BYTES, LAYOUT_AT, LAYOUT_BYTES = 128, 32, 160, 96
 MAX_FDS = 250  # SCM_MAX_FD of Linux is 253
 
 _barrier = threading.Lock()
-_barrier.acquire()
 
 
 class ImageError(Exception):
@@ -39,9 +38,12 @@ class ImageError(Exception):
 
 
 def _fence() -> None:
-    """Stores before it are seen before stores after it: release and acquire of an uncontended lock (x86-64 would not need it)."""
-    _barrier.release()
-    _barrier.acquire()
+    """Stores before it are seen before stores after it: the first release and the second acquire (x86-64 would not need it).  Taken
+    twice, not left held in between: the services read and write from several threads."""
+    with _barrier:
+        pass
+    with _barrier:
+        pass
 
 
 def _hash(layout: str) -> int:
