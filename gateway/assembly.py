@@ -160,7 +160,9 @@ def plan_run(
     sims += cables
     web = page_of(cell, web_port, simulated=simulated)
     if web is not None:
-        core.append(Child("web", "gateway.processes.web", (), ("axes", "rc_in", "rc_out", "links", *(("planner",) if cell.robot else ()))))
+        core.append(
+            Child("web", "gateway.processes.web", (), ("axes", "rc_in", "rc_out", "links", "scope", *(("planner",) if cell.robot else ())))
+        )
     if cell.northbound is not None:
         north = ("axes", "rc_in", "rc_out", "links", *(("planner",) if cell.robot else ()))
         core.append(Child("northbound", "gateway.processes.northbound", (), north))

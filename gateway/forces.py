@@ -1,4 +1,4 @@
-"""Forced RC inputs: an overlay with its own mark over what the doors write (design: section 5; AX-472).
+"""Forced RC inputs and data words: an overlay with its own mark over what the doors write (design: section 5; AX-472, AX-498).
 
 A force lives in the services: it ends with them and nothing forced survives a restart.  The five enabling inputs are forced in a
 simulation only.
@@ -7,14 +7,16 @@ simulation only.
 from gateway.pure.records import RC_BYTES, InputImage, Quality, set_bit
 from protocols.base.machine import Ns
 
-MOST = 256  # forces at once
+MOST = 256  # forces of each kind at once
+Place = tuple[int, int]  # line_blocks.block_key, word
 
 
 class Forces:
-    """RC input bit -> value that stands whatever its door writes."""
+    """RC input bit -> value that stands whatever its door writes; data word -> mask of forced bits and their values."""
 
     def __init__(self) -> None:
         self.bits: dict[int, bool] = {}
+        self.words: dict[Place, tuple[int, int]] = {}
         self._stamp: Ns = 0
 
     def put(self, number: int, value: bool, now: Ns) -> None:
@@ -32,6 +34,24 @@ class Forces:
             self.bits.clear()
         else:
             self.bits.pop(number, None)
+
+    @property
+    def count(self) -> int:
+        """Everything that is forced."""
+        return len(self.bits) + len(self.words)
+
+    def put_word(self, place: Place, mask: int, value: int) -> None:
+        """The bits of the mask, beside those that are forced already; ValueError: too many."""
+        if len(self.words) >= MOST and place not in self.words:
+            raise ValueError(f"{MOST} words are forced already")
+        old_mask, old = self.words.get(place, (0, 0))
+        self.words[place] = (old_mask | mask, (old & ~mask) | (value & mask))
+
+    def drop_word(self, place: Place, mask: int = 0xFFFF) -> None:
+        """The bits of the mask."""
+        old_mask, old = self.words.pop(place, (0, 0))
+        if old_mask & ~mask:
+            self.words[place] = (old_mask & ~mask, old & ~mask)
 
     def over(self, image: InputImage) -> InputImage:
         """The image with the forces laid over it; itself where nothing is forced.

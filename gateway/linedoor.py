@@ -105,10 +105,12 @@ class LineDoor(SerialDoor):
         def value(name: str) -> float:
             return services.variables.value_of(name, self)
 
-        return DataDoor(
+        door = DataDoor(
             blocks, names, compile_handshake(handshake) if handshake else None, command, value, bad_number, level, (*inputs, *flags),
             *compile_pattern(services.cell),
         )  # fmt: skip
+        door.forced = services.forces.words
+        return door
 
     # ---- life --------------------------------------------------------------------------------------------------------
     def restart(self) -> None:

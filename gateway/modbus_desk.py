@@ -1,6 +1,6 @@
 """What all Modbus servers of ours share, whatever the bytes come on: who asked, what he may, the answer, the counters."""
 
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -16,6 +16,25 @@ EXCEPTION_BIT = 0x80
 BROADCAST = 0
 BROADCAST_FUNCTIONS = frozenset({5, 6, 8, 15, 16, 21, 22})  # what makes sense without an answer
 OnRequest = Callable[[str, int], None]
+KEPT = 128  # exchanges for pages that decode them
+SHOWN = 48  # bytes of a PDU told; its length beside it
+
+
+@dataclass(frozen=True, slots=True)
+class Exchange:
+    """One request and its answer, as they were on the wire without their frame."""
+
+    number: int  # counts from 1
+    stamp: Ns
+    address: str
+    unit: int
+    asked: bytes
+    told: bytes  # empty: answered in silence
+
+    def row(self) -> list[object]:
+        """For a page: the bytes as hex, cut; their numbers beside them."""
+        return [self.number, self.stamp, self.address, self.unit, self.asked[:SHOWN].hex(), len(self.asked), self.told[:SHOWN].hex(),
+                len(self.told)]  # fmt: skip
 
 
 @dataclass(slots=True)
@@ -73,6 +92,7 @@ class Desk:
         self.station = station or Station(number=unit)
         self.last_request_ns: Ns | None = None
         self._view_for, self._unit, self._on_request, self._line = view_for, unit, on_request, line
+        self._kept: deque[Exchange] = deque(maxlen=KEPT)
 
     def serve(self, request: Request, client: Client, now: Ns) -> bytes:
         """The answer PDU, b"" for none; a view that raises costs its request, never the connection or the loop."""
@@ -95,6 +115,7 @@ class Desk:
             self._blame(fault, request, client)
             result = exception(pdu[0], ExceptionCode.SERVER_DEVICE_FAILURE)
         station.said(pdu, result)
+        self._kept.append(Exchange(self.counters.requests, now, client.address, unit, pdu, result))
         if result and result[0] & EXCEPTION_BIT:
             client.exceptions += 1
             self.counters.exceptions[ExceptionCode(result[1])] += 1
@@ -102,6 +123,11 @@ class Desk:
             client.last_request_ns = self.last_request_ns = now
             self._tell(request, client)
         return result
+
+    def since(self, number: int) -> list[Exchange]:
+        """Exchanges after that one, as far as they are kept; all of them for a number of a predecessor's, which counted anew."""
+        number = number if number <= self.counters.requests else 0
+        return [exchange for exchange in self._kept if exchange.number > number]
 
     def _answer(self, unit: int, pdu: bytes, client: Client) -> bytes:
         rights = client.rights

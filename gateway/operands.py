@@ -81,7 +81,7 @@ class Operands:
         if kind is Kind.INPUT:
             return services.rc_out.read() or bytes(RC_BYTES)
         if kind is Kind.OUTPUT:
-            return bytes(services.tools.forces.over(services.inputs).values)
+            return bytes(services.forces.over(services.inputs).values)
         return b"" if services.signals.control is None else services.signals.control.flag_bytes()
 
     def _coordination(self, place: Operand) -> bool:

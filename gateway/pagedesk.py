@@ -1,15 +1,17 @@
 """The services' side of the page: a door of its own beside the commissioning tools', and what only a page asks for.
 
 Requests come as those of tools do (gateway.variables), with "door": 91.  alive: the page's holder of control is there; look: data
-blocks, named values, forces; tap: characters of the lines; force_input, unforce_input: RC inputs (AX-472).
+blocks, named values, forces; tap: characters of the lines, requests of the Modbus servers; force_input, unforce_input: RC inputs
+(AX-472); force_words, unforce_words: data words (AX-498).
 """
 
 import time
 from typing import TYPE_CHECKING
 
 from gateway.cell_web import PAGE_DOOR
-from gateway.forces import Forces
 from gateway.linedoor import LineDoor
+from gateway.modbusdoor import ModbusDoor
+from gateway.pure.line_blocks import block_name
 from gateway.serialdoor import SerialDoor
 from gateway.tooldesk import ENABLING_BITS, ToolDesk
 from protocols.base.machine import Damage, Ns
@@ -23,7 +25,7 @@ class Desks:
 
     def __init__(self, services: "Services") -> None:
         self._services = services
-        self.forces = Forces()
+        self.forces = services.forces
         self._tool = ToolDesk(services)
         self._page = ToolDesk(services, PAGE_DOOR, "page")
 
@@ -51,6 +53,8 @@ class Desks:
                 return self._tapped(request)
             case "force_input" | "unforce_input" as op:
                 return self._force(request, lay=op == "force_input")
+            case "force_words" | "unforce_words" as op:
+                return self._force_words(request, lay=op == "force_words")
         return self._page.answer(request)
 
     def _look(self) -> dict[str, object]:
@@ -67,7 +71,12 @@ class Desks:
             sample = services.named.sample(name)
             age = round((now - sample.stamp_ns) / 1e6) if sample.stamp_ns else None
             named[name] = [sample.value, int(sample.quality), age, sample.source]
-        return {"blocks": blocks, "named": named, "forced": {str(bit): int(value) for bit, value in self.forces.bits.items()}}
+        return {"blocks": blocks, "named": named, **self._forced()}
+
+    def _forced(self) -> dict[str, object]:
+        """RC inputs with their values; words as block:word with the mask of forced bits."""
+        words = {f"{block}:{word}": mask for (block, word), (mask, _) in self.forces.words.items()}
+        return {"forced": {str(bit): int(value) for bit, value in self.forces.bits.items()}, "forced_words": words}
 
     def _tapped(self, request: dict[str, object]) -> dict[str, object]:
         """{line: [[number, stamp ns, side, hex or kind of damage]]} after the numbers given for each line."""
@@ -78,7 +87,12 @@ class Desks:
             if isinstance(door, SerialDoor) and door.tap is not None:
                 pieces = door.tap.since(int(seen.get(door.name, 0)))
                 found[door.name] = [[n, at, side, f"!{w.name}" if isinstance(w, Damage) else w.hex()] for n, at, side, w in pieces]
-        return {"lines": found}
+        servers = {
+            door.name: [exchange.row() for exchange in door.server.desk.since(int(seen.get(door.name, 0)))]
+            for door in self._services.doors
+            if isinstance(door, ModbusDoor)
+        }
+        return {"lines": found, "modbus": servers}
 
     def _force(self, request: dict[str, object], *, lay: bool) -> dict[str, object]:
         services, who = self._services, str(request.get("who", "page"))
@@ -86,6 +100,8 @@ class Desks:
         number = None if bit is None else int(str(bit))
         if not lay:
             self.forces.drop(number)
+            if number is None:
+                self._end_words(list(self.forces.words))
             words = f"force of RC input {number} ended" if number is not None else "all forces ended"
         else:
             if number is None:
@@ -97,4 +113,34 @@ class Desks:
             words = f"RC input {number} forced to {int(value)}"
         services.journal.write("force", f"{words} by {who}", bit=number, who=who)
         services.flush()
-        return {"ok": True, "forced": {str(key): int(each) for key, each in self.forces.bits.items()}}
+        return {"ok": True, **self._forced()}
+
+    def _force_words(self, request: dict[str, object], *, lay: bool) -> dict[str, object]:
+        """{"block": key, "words": [[word, mask, value], ...]}: taken whole, so that no half of a double word stands alone."""
+        services, who, key = self._services, str(request.get("who", "page")), int(str(request["block"]))
+        door = next((each for each in services.doors if isinstance(each, LineDoor) and each.data and key in each.data.blocks), None)
+        if door is None or door.data is None:
+            raise ValueError(f"{block_name(key)}: no line of this cell declares it")
+        block, rows = door.data.blocks[key], request["words"]
+        if lay and block.from_plc and not services.plan.simulated:
+            raise ValueError(f"{block_name(key)} is the PLC's: its words command axes and are forced in a simulation only")
+        if not isinstance(rows, list) or any(not 0 <= int(word) < block.words for word, _, _ in rows):
+            raise ValueError(f"{block_name(key)}: words 0..{block.words - 1}")
+        for word, mask, value in rows:
+            if lay:
+                self.forces.put_word((key, int(word)), int(mask), int(value))
+            else:
+                self.forces.drop_word((key, int(word)), int(mask))
+        door.data.forces_changed(key, time.monotonic_ns())
+        told = ", ".join(f"DW {word} to {value:04X}h" if lay else f"DW {word}" for word, _, value in rows)
+        services.journal.write("force", f"{block_name(key)} {told} {'forced' if lay else 'no longer forced'} by {who}", block=key, who=who)
+        services.flush()
+        return {"ok": True, **self._forced()}
+
+    def _end_words(self, places: list[tuple[int, int]]) -> None:
+        for place in places:
+            self.forces.drop_word(place)
+        for key in {key for key, _ in places}:
+            for door in self._services.doors:
+                if isinstance(door, LineDoor) and door.data is not None and key in door.data.blocks:
+                    door.data.forces_changed(key, time.monotonic_ns())

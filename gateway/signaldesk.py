@@ -83,7 +83,7 @@ class SignalDesk:
         rho = self.rho3
         if rho is not None:
             rho.panel_used = bool(self._panel) and now - self._panel < PANEL_NS
-        for line in control.step(services.tools.forces.over(services.inputs), cycle, services.values.state, now, heard=heard > self._heard):
+        for line in control.step(services.forces.over(services.inputs), cycle, services.values.state, now, heard=heard > self._heard):
             services.journal.write("plc", line)
         self._heard = heard
 

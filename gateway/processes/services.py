@@ -19,6 +19,7 @@ from gateway.bridge import Bridge
 from gateway.canopen_office import CanopenOffice
 from gateway.dbsignals import inputs_of
 from gateway.doors import BaseDoor, CellValues, on_loss_of
+from gateway.forces import Forces
 from gateway.image import RegionReader, RegionWriter, RingWriter, fds_from_text
 from gateway.io_errors import IoComplaints
 from gateway.io_office import IoOffice
@@ -82,6 +83,7 @@ class Services:
         self.values = CellValues(cell)
         self.named = named_values(cell)
         self.retain = RetainDesk(self, self.started_ns)
+        self.forces = Forces()
         standing = self.axes.read()
         first_job = 1 if standing is None else unpack_cell_state(standing).taken + 1000
         self.numbers = rc_numbers(cell)
@@ -296,7 +298,7 @@ class Services:
                 self.values.refusals[event.door] = refusal
             elif event.what == "accepted":
                 self.values.refusals.pop(event.door, None)
-        payload = pack_inputs(self.tools.forces.over(self.inputs))
+        payload = pack_inputs(self.forces.over(self.inputs))
         if payload != self._inputs_written:
             self._inputs_written = payload
             self.rc_in.write(payload, time.monotonic_ns())
@@ -323,7 +325,7 @@ class Services:
                 for d in self.doors
             ],
             "owner": self.office.owner,
-            "forced": len(self.tools.forces.bits),
+            "forced": self.forces.count,
             **self.canopen.status(),
             **self.signals.status(),
             **self.retain.status(),
@@ -335,7 +337,7 @@ class Services:
 
     def input_bit(self, number: int) -> bool:
         """RC input N as it stands, a forced one as it is forced."""
-        return self.tools.forces.bits.get(number, get_bit(self.inputs.values, number))
+        return self.forces.bits.get(number, get_bit(self.inputs.values, number))
 
 
 async def _run(plan: RunPlan, fds: dict[str, int]) -> None:

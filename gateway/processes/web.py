@@ -15,10 +15,12 @@ from drivers.ports.base import runtime_dir
 from gateway.assembly import RunPlan, load_plan
 from gateway.cell_web import Web
 from gateway.files import PACKAGED
-from gateway.image import fds_from_text
+from gateway.image import RingReader, fds_from_text
+from gateway.pure.scope.records import SCOPE_LAYOUT
 from gateway.realtime import die_with_parent
 from gateway.web.app import make_app
 from gateway.web.regions import Regions
+from gateway.web.scope import Scope
 from gateway.web.store import Store
 
 NICE = 5
@@ -44,7 +46,9 @@ def main(argv: list[str] | None = None) -> int:
     assert plan.web is not None
     web, folder = plan.web, pathlib.Path(plan.cell.file).parent
     store = Store(data_file(plan, web))
-    app = make_app(plan, web, Regions(plan, fds_from_text(arguments.fds)), store)
+    fds, kept = fds_from_text(arguments.fds), data_file(plan, web)
+    scope = Scope(plan, RingReader(fds["scope"], "scope", SCOPE_LAYOUT), kept.parent / "scope" / kept.stem)
+    app = make_app(plan, web, Regions(plan, fds), store, scope)
     config = uvicorn.Config(
         app, host=web.host, port=web.port, log_level="warning", access_log=False, ws_max_size=65536, ws_per_message_deflate=False,
         ws_ping_interval=10.0, ws_ping_timeout=20.0, timeout_graceful_shutdown=1, server_header=False, limit_concurrency=200,

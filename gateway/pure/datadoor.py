@@ -145,6 +145,8 @@ class DataDoor:
         self.blocks: Mapping[int, DataBlock] = {block.number: block for block in blocks}
         self.life: int | None = None  # life word of the last telegram, if it wrote one
         self.clamped = 0
+        self.forced: Mapping[tuple[int, int], tuple[int, int]] = {}  # block, word -> mask and values that stand whoever writes (AX-498)
+        self._said = {block.number: bytearray(2 * block.words) for block in blocks}  # what the PLC wrote, without forces
         self._axes = tuple(axes)
         self._handshake = handshake
         self._inputs = (*RC_NAMES, *inputs)
@@ -170,8 +172,9 @@ class DataDoor:
 
     def written(self, db: int, word: int, data: bytes, now: Ns) -> None:
         """One SEND, already known to fit: take it whole, then act on its edges."""
-        block = self.blocks[db]
-        block.data[2 * word : 2 * word + len(data)] = data
+        block, said = self.blocks[db], self._said[db]
+        said[2 * word : 2 * word + len(data)] = data
+        block.data[2 * word : 2 * word + len(data)] = self.laid(db, bytes(said))[2 * word : 2 * word + len(data)]
         block.fresh = True
         touched = [slot for slot in block.slots if slot.word >= word and 2 * slot.word + slot.size <= 2 * word + len(data)]
         levels = {slot.name: value for slot in touched if (value := self._read(block, slot)) is not None}
@@ -182,6 +185,23 @@ class DataDoor:
             elif name == "move.speed":
                 self._speed = value / 100.0
         self._act({name: value for name, value in levels.items() if not name.endswith((".target", ".life"))})
+
+    def laid(self, db: int, data: bytes) -> bytes:
+        """The whole block with its forced words over it."""
+        mine = [(word, *over) for (block, word), over in self.forced.items() if block == db]
+        if not mine:
+            return data
+        new = bytearray(data)
+        for word, mask, value in mine:
+            old = int.from_bytes(new[2 * word : 2 * word + 2], "big")
+            new[2 * word : 2 * word + 2] = (old & ~mask | value).to_bytes(2, "big")
+        return bytes(new)
+
+    def forces_changed(self, db: int, now: Ns) -> None:
+        """A force came or went: it acts at once where the PLC has written, else with the PLC's first telegram."""
+        block = self.blocks[db]
+        if block.from_plc and block.fresh:
+            self.written(db, 0, bytes(self._said[db]), now)
 
     def _read(self, block: DataBlock, slot: Slot) -> float | None:
         """The slot's value; None when it is none or out of its range, which is told once until it changes."""
@@ -319,4 +339,4 @@ class DataDoor:
                     block.put_bit(place[1], place[2], self.handshake_bit(key))
             if bits.refused is not None and bits.refused[0] == db and self.handshake_bit("refused"):
                 block.put_bit(bits.refused[1], bits.refused[2], True)  # the bit may also be the cell's error bit
-        return bytes(block.data)
+        return self.laid(db, bytes(block.data))

@@ -6,15 +6,33 @@ from typing import Any
 from starlette.responses import JSONResponse, Response
 
 from gateway.web.access import COOKIE, Access, Denied
-from gateway.web.bodies import Cable, Command, Fault, Force, Login, Named, Put, Token, Unforce, User
+from gateway.web.bodies import (
+    Cable,
+    Command,
+    Fault,
+    FileName,
+    Force,
+    ForceWord,
+    Login,
+    Named,
+    Put,
+    Record,
+    Token,
+    Unforce,
+    UnforceWord,
+    User,
+)
 from gateway.web.catalogue import found
 from gateway.web.endpoints import Call, Endpoint
 from gateway.web.hands import Hands
 from gateway.web.live import Live
-from gateway.web.names import Names
+from gateway.web.names import Entry, Names
+from gateway.web.scope import Wanted
 from gateway.web.store import SESSION_S, Role, Store, StoreError
+from gateway.web.wordforces import forced_words
 
 Row = dict[str, Any]
+KINDS = {"scope": "application/octet-stream", "csv": "text/csv", "mf4": "application/octet-stream"}
 
 
 class Api:
@@ -82,9 +100,57 @@ class Api:
         body: Unforce = call.body
         return await self.hands.desk.ask("unforce_input", bit=body.bit, who=call.person.name)
 
+    async def force_word(self, call: Call) -> Row:
+        body: ForceWord = call.body
+        block, words = forced_words(self._entry(body.id), body.value)
+        return await self.hands.desk.ask("force_words", block=block, words=words, who=call.person.name)
+
+    async def unforce_word(self, call: Call) -> Row:
+        body: UnforceWord = call.body
+        block, words = forced_words(self._entry(body.id), None)
+        return await self.hands.desk.ask("unforce_words", block=block, words=words, who=call.person.name)
+
+    def _entry(self, id_: str) -> Entry:
+        found = self.names.by_id.get(id_)
+        if found is None:
+            raise KeyError(f"no value {id_}")
+        return found
+
     async def put(self, call: Call) -> Row:
         body: Put = call.body
         return await self.hands.desk.ask("set", address=body.address, value=body.value)
+
+    # ---- the scope --------------------------------------------------------------------------------------------------------
+    async def scope_names(self, call: Call) -> Row:
+        return {**self.live.scope.names(), "saved": self.live.scope.saved()}
+
+    async def scope_start(self, call: Call) -> Row:
+        body: Record = call.body
+        self.live.scope.start(Wanted(tuple(body.channels), body.seconds, body.pre, body.trigger, call.person.name))
+        return {"ok": True}
+
+    async def scope_stop(self, call: Call) -> Row:
+        await self.live.scope.stop()
+        return {"ok": True}
+
+    async def scope_file(self, call: Call) -> Response:
+        """The recording that is shown, as a file."""
+        kind = call.query.get("as", "scope")
+        if kind not in KINDS:
+            raise ValueError(f"as: {', '.join(KINDS)}")
+        data = await self.live.scope.export(kind)
+        name = f"{self.live.scope.name or 'recording'}.{kind}"
+        return Response(data, media_type=KINDS[kind], headers={"content-disposition": f'attachment; filename="{name}"'})
+
+    async def scope_save(self, call: Call) -> Row:
+        body: FileName = call.body
+        self.live.scope.save(body.name)
+        return {"saved": self.live.scope.saved()}
+
+    async def scope_open(self, call: Call) -> Row:
+        body: FileName = call.body
+        self.live.scope.open(body.name)
+        return {"ok": True}
 
     # ---- the simulation ---------------------------------------------------------------------------------------------------
     async def cable(self, call: Call) -> Row:
@@ -191,6 +257,14 @@ def endpoints(api: Api) -> list[Endpoint]:
         row("POST", "/api/permit", s, "set the enabling inputs of a simulation", api.permit, None, True, plant=True),
         row("POST", "/api/force", s, "force an RC input", api.force, Force, True),
         row("POST", "/api/unforce", s, "end a force, or all of them", api.unforce, Unforce, True),
+        row("POST", "/api/force/word", s, "force a data word or bit", api.force_word, ForceWord, True),
+        row("POST", "/api/unforce/word", s, "end its force", api.unforce_word, UnforceWord, True),
+        row("GET", "/api/scope/names", v, "what the scope can record, and what is kept", api.scope_names),
+        row("GET", "/api/scope/file", v, "the recording, as scope, csv or mf4", api.scope_file, query=(("as", "string"),)),
+        row("POST", "/api/scope/start", v, "record", api.scope_start, Record, True),
+        row("POST", "/api/scope/stop", v, "end the recording", api.scope_stop, None, True),
+        row("POST", "/api/scope/open", v, "show a kept recording", api.scope_open, FileName, True),
+        row("POST", "/api/scope/save", o, "keep the recording on the gateway", api.scope_save, FileName, True),
         row("POST", "/api/set", s, "write a value as the PLC would (simulation)", api.put, Put, True),
         row("POST", "/api/cable", s, "pull a simulated cable", api.cable, Cable, True, plant=True),
         row("POST", "/api/fault", s, "fault an emulated drive", api.fault, Fault, True, plant=True),

@@ -11,7 +11,8 @@ from starlette.requests import Request
 from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
-from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.types import ASGIApp, Message, Receive, Send
+from starlette.types import Scope as Connection
 
 from gateway.assembly import RunPlan
 from gateway.cell_web import Web
@@ -25,11 +26,12 @@ from gateway.web.live import Live
 from gateway.web.names import Names
 from gateway.web.plantview import Plant
 from gateway.web.regions import Regions
+from gateway.web.scope import Scope
 from gateway.web.socket import Sockets
 from gateway.web.store import Store
 
 STATIC = pathlib.Path(__file__).parent / "static"
-PAGES = ("overview", "axes", "signals", "lines", "bus", "motion", "events", "cell", "emulator", "access")
+PAGES = ("overview", "axes", "signals", "scope", "lines", "bus", "motion", "events", "cell", "emulator", "access")
 HEADERS = {
     "content-security-policy": "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; object-src 'none'; "
     "base-uri 'none'; frame-ancestors 'none'; form-action 'self'",
@@ -46,7 +48,7 @@ class Headers:
     def __init__(self, app: ASGIApp, *, tls: bool) -> None:
         self._app, self._more = app, {"strict-transport-security": "max-age=31536000"} if tls else {}
 
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+    async def __call__(self, scope: Connection, receive: Receive, send: Send) -> None:
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
@@ -61,12 +63,12 @@ class Headers:
         await self._app(scope, receive, sent)
 
 
-def make_app(plan: RunPlan, web: Web, regions: Regions, store: Store) -> Starlette:
+def make_app(plan: RunPlan, web: Web, regions: Regions, store: Store, scope: Scope) -> Starlette:
     """Everything of one run, wired."""
     desk, looker = ServicesDesk(plan.slug), ServicesDesk(plan.slug, GLANCE_S)
     hands = Hands(desk, regions, plan.cell.axis)
     plant = Plant(plan)
-    live = Live(plan, regions, looker, hands, plant)
+    live = Live(plan, regions, looker, hands, plant, scope)
     access = Access(store, web, simulated=plan.simulated)
     api = Api(live, Names(plan.cell), access, described(plan, plant, live.skeleton))
     table = endpoints(api)

@@ -62,6 +62,35 @@ class Unforce(Body):
     bit: int | None = Field(default=None, ge=0, le=1023)
 
 
+class ForceWord(Body):
+    """A data word or bit by its id, in its own type and unit."""
+
+    id: Annotated[str, Field(min_length=4, max_length=40)]
+    value: Annotated[str, Field(min_length=1, max_length=24)]
+
+
+class UnforceWord(Body):
+    id: Annotated[str, Field(min_length=4, max_length=40)]
+
+
+Channel = Annotated[str, Field(min_length=1, max_length=80)]
+
+
+class Record(Body):
+    """What the scope is to keep: up to 16 channels, from the trigger on, with what was before it."""
+
+    channels: Annotated[list[Channel], Field(min_length=1, max_length=16)]
+    seconds: float = Field(default=5.0, ge=0.01, le=600.0)
+    pre: float = Field(default=0.0, ge=0.0, le=60.0)
+    trigger: Annotated[str, Field(max_length=100)] = ""
+
+
+class FileName(Body):
+    """Of a recording; no path."""
+
+    name: Annotated[str, Field(min_length=1, max_length=60, pattern=r"^[A-Za-z0-9][A-Za-z0-9_+-]*$")]
+
+
 class Put(Body):
     """As if the PLC had written it; simulated cells only."""
 

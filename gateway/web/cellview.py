@@ -1,9 +1,11 @@
 """The cell page: what hangs where, how it is wired, what `check` says, and how far each thing was proved."""
 
+import pathlib
 from typing import Any
 
 from gateway.assembly import RunPlan
 from gateway.cell import Axis, Bus, Cell, Line
+from gateway.files import PACKAGED
 from gateway.web.plantview import Plant
 from gateway.web.skeleton import Skeleton
 
@@ -15,7 +17,7 @@ def described(plan: RunPlan, plant: Plant, skeleton: Skeleton) -> Row:
     cell = plan.cell
     return {
         "name": cell.cell.name,
-        "file": cell.file,
+        "file": shown_file(cell.file),
         "run": plan.slug,
         "replaces": cell.cell.replaces,
         "software": cell.cell.software,
@@ -43,6 +45,12 @@ def described(plan: RunPlan, plant: Plant, skeleton: Skeleton) -> Row:
         "faults": plant.known(),
         "robot": {"kind": skeleton.kind, "reach": skeleton.reach, "why": skeleton.why, "model": cell.robot.model if cell.robot else ""},
     }
+
+
+def shown_file(file: str) -> str:
+    """Where the cell stands; a shipped one by its name."""
+    path = pathlib.Path(file).resolve()
+    return f"{path.stem} (shipped with axisgate)" if path.is_relative_to(PACKAGED) else file
 
 
 def _axis(axis: Axis) -> Row:

@@ -1,13 +1,14 @@
-"""Hands at the machine: one person at a time holds the page's door, jogs while he holds a key, and gives control back (AX-475).
+"""Hands at the machine: one person at a time holds the page's door, jogs or references while he holds a key, and gives control back
+(AX-475, AX-499).
 
 The services stop the axes on the path when the page falls silent for a second; the page lets them fall silent as soon as the holder's
-own browser does.  A jog is a slow move to the limit that ends when the key is released or no longer heard of.
+own browser does.  A jog is a slow move to the limit that ends when the key is released or no longer heard of; a reference run likewise.
 """
 
 import asyncio
 import contextlib
 import time
-from collections.abc import Sequence
+from collections.abc import Awaitable, Callable, Sequence
 
 from gateway.cell import Axis
 from gateway.pure.records import AxisFlag, Motion
@@ -16,11 +17,14 @@ from gateway.web.regions import Regions
 
 ALIVE_S = 0.25  # we tell the services so often that the holder is there
 HOLDER_S = 3.0  # and no longer when his browser has been silent for so long: a busy computer delays it
-KEY_S = 0.4  # a jog key not heard of for so long has been released
+KEY_S = 0.4  # a key not heard of for so long has been released
 SLOWEST, FASTEST = 0.1, 10.0  # % of the axis' speed a jog may have
 ROOM = 0.02  # share of the travel a jog keeps from the limit
 CODES = ("enable", "disable", "reference", "ptp_absolute", "ptp_relative", "stop", "resume", "abandon", "fault_reset", "override",
          "request_control", "release_control")  # fmt: skip
+
+
+Held = tuple[str, int, int]  # "jog", axis, direction; "reference", mask, 0
 
 
 class NotYours(Exception):
@@ -34,17 +38,17 @@ class Hands:
         self.desk, self.regions, self.axes = desk, regions, axes
         self.holder, self.name = "", ""  # key of a session or token, and its person
         self._heard = 0.0
-        self._jog: tuple[int, int] | None = None
-        self._jog_heard = 0.0
-        self._jog_lock = asyncio.Lock()
+        self._held: Held | None = None
+        self._held_heard = 0.0
+        self._held_lock = asyncio.Lock()
 
     # ---- life -----------------------------------------------------------------------------------------------------------
     async def run(self) -> None:
-        """Until cancelled: tell the services that the holder is there, end jogs nobody holds any more."""
+        """Until cancelled: tell the services that the holder is there, end what nobody holds any more."""
         while True:
             await asyncio.sleep(ALIVE_S / 2)
-            if self._jog is not None and time.monotonic() - self._jog_heard > KEY_S:
-                await self.jog_end()
+            if self._held is not None and time.monotonic() - self._held_heard > KEY_S:
+                await self.let_go()
             if self.holder and time.monotonic() - self._heard > HOLDER_S:
                 self.holder = self.name = ""  # the services notice within a second and stop on the path
             if self.holder:
@@ -60,7 +64,7 @@ class Hands:
     async def command(self, key: str, name: str, code: str, mask: int = 0, **rest: object) -> Row:
         """One command of the own block; NotYours, Gone, Refused."""
         if code == "stop":
-            await self.jog_forget()
+            await self.forget()
             return await self.desk.command("stop")
         if code == "request_control":
             return await self._request(key, name)
@@ -92,16 +96,24 @@ class Hands:
     # ---- hold to run ------------------------------------------------------------------------------------------------------
     async def jog(self, key: str, axis: int, direction: int, percent: float) -> Row:
         """The key is (still) held: begins the move at the first call, keeps it at the others."""
+        speed = min(max(percent, SLOWEST), FASTEST)
+        return await self._hold(key, ("jog", axis, direction), lambda: self._begin(axis, direction, speed))
+
+    async def reference(self, key: str, mask: int) -> Row:
+        """The same for a reference run of the axes in the mask."""
+        return await self._hold(key, ("reference", mask, 0), lambda: self.desk.command("reference", mask))
+
+    async def _hold(self, key: str, held: Held, begin: Callable[[], Awaitable[Row]]) -> Row:
         self._mine(key)
-        self._jog_heard = time.monotonic()
-        async with self._jog_lock:
-            if self._jog == (axis, direction):
+        self._held_heard = time.monotonic()
+        async with self._held_lock:
+            if self._held == held:
                 return {"state": "RUNNING"}
-            if self._jog is not None:
-                return {"state": "REFUSED", "detail": "another axis is being jogged"}
-            answer = await self._begin(axis, direction, min(max(percent, SLOWEST), FASTEST))
+            if self._held is not None:
+                return {"state": "REFUSED", "detail": "another key is held"}
+            answer = await begin()
             if answer["open"]:
-                self._jog = (axis, direction)
+                self._held, self._held_heard = held, time.monotonic()
             return answer
 
     async def _begin(self, number: int, direction: int, percent: float) -> Row:
@@ -120,22 +132,22 @@ class Hands:
         unreferenced = not state.flags & AxisFlag.REFERENCED
         return await self.desk.command("ptp_relative", 1 << number, targets=targets, first_try=unreferenced, **rest)
 
-    async def jog_end(self) -> None:
-        """The key was released: stop on the path and forget the rest."""
-        async with self._jog_lock:
-            if self._jog is None:
+    async def let_go(self) -> None:
+        """The key was released, or its browser is gone: stop on the path and forget the rest."""
+        async with self._held_lock:
+            if self._held is None:
                 return
-            self._jog = None
+            self._held = None
             with contextlib.suppress(Gone, Refused):
                 await self.desk.command("stop")
                 await self._at_rest()
                 if self.regions.state.motion is Motion.STOPPED:
                     await self.desk.command("abandon")
 
-    async def jog_forget(self) -> None:
+    async def forget(self) -> None:
         """Somebody pressed stop: the rest stands, the key no longer counts."""
-        async with self._jog_lock:
-            self._jog = None
+        async with self._held_lock:
+            self._held = None
 
     async def _at_rest(self) -> None:
         for _ in range(100):

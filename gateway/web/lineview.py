@@ -1,9 +1,10 @@
-"""The lines of a run, decoded as `axisgate line monitor` does, out of what the services' taps kept."""
+"""The lines of a run and its Modbus servers in words, out of what the services' taps kept; lines as `axisgate line monitor` does."""
 
 from collections import deque
 from typing import Any
 
 from gateway.cell import Cell
+from gateway.pure import modbus_words
 from gateway.pure.line_decoder import LineDecoder
 from gateway.web.desk import ServicesDesk
 from protocols.base.machine import Damage
@@ -25,10 +26,11 @@ class LineViews:
     async def look(self) -> dict[str, list[Row]]:
         """What was said since the last look is decoded; the newest sentences of each line, oldest first.  Gone, Refused."""
         answer = await self._desk.ask("tap", since=self._seen)
-        for line, pieces in answer["lines"].items():
-            if pieces and pieces[-1][0] < self._seen.get(line, 0):  # the services were restarted and count anew
-                self._seen.pop(line)
-            self._take(line, pieces)
+        for take, found in ((self._take, answer["lines"]), (self._take_modbus, answer["modbus"])):
+            for line, pieces in found.items():
+                if pieces and pieces[-1][0] < self._seen.get(line, 0):  # the services were restarted and count anew
+                    self._seen.pop(line)
+                take(line, pieces)
         return {line: list(told)[-SHOWN:] for line, told in self._told.items()}
 
     def _take(self, line: str, pieces: list[list[Any]]) -> None:
@@ -41,3 +43,13 @@ class LineViews:
                 for one in decoder.take(stamp, side, each):
                     row = {"ms": round(one.stamp / 1e6, 1), "side": one.side, "kind": one.kind, "text": one.text}
                     told.append({**row, "hex": one.data[:64].hex(" "), "ok": one.check_ok})
+
+    def _take_modbus(self, server: str, exchanges: list[list[Any]]) -> None:
+        """One row an exchange."""
+        kept = self._told.setdefault(server, deque(maxlen=KEPT))
+        for number, stamp, address, unit, asked, long, answer, _ in exchanges:
+            self._seen[server] = number
+            pdu = bytes.fromhex(asked)
+            words = modbus_words.told(pdu, bytes.fromhex(answer))
+            row = {"n": number, "ms": round(stamp / 1e6, 1), "client": address, "unit": unit, "function": pdu[0] if pdu else 0}
+            kept.append({**row, "asked": words.asked, "answered": words.answered, "ok": words.ok, "hex": asked, "bytes": long})

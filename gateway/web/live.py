@@ -20,6 +20,7 @@ from gateway.web.hands import Hands
 from gateway.web.lineview import LineViews
 from gateway.web.plantview import Plant
 from gateway.web.regions import Regions
+from gateway.web.scope import Scope
 from gateway.web.skeleton import Skeleton
 from gateway.web.watched import Watched
 
@@ -35,6 +36,7 @@ class Viewer:
 
     page: str = "overview"
     watch: tuple[str, ...] = ()
+    holding: bool = False  # it holds a key that moves something
     tick: asyncio.Event = field(default_factory=asyncio.Event)
     versions: dict[str, int] = field(default_factory=dict)
 
@@ -52,7 +54,8 @@ class Topic:
 class Live:
     """The ticking heart of the page."""
 
-    def __init__(self, plan: RunPlan, regions: Regions, desk: ServicesDesk, hands: Hands, plant: Plant) -> None:
+    def __init__(self, plan: RunPlan, regions: Regions, desk: ServicesDesk, hands: Hands, plant: Plant, scope: Scope) -> None:
+        self.scope = scope
         self.plan, self.regions, self.desk, self.hands, self.plant = plan, regions, desk, hands, plant
         self.viewers: set[Viewer] = set()
         self.events = Events(plan.journal)
@@ -68,6 +71,7 @@ class Live:
             "overview": Topic(self._overview, 2),
             "axes": Topic(self._axes),
             "signals": Topic(self._signals, 5),
+            "scope": Topic(self._scope, 4),
             "lines": Topic(self._lines, 3),
             "bus": Topic(self._bus, 5),
             "motion": Topic(self._motion),
@@ -98,6 +102,8 @@ class Live:
         if any(viewer.watch for viewer in self.viewers):
             await self._watch()
         self.head = json.dumps(self._head(), separators=(",", ":"))
+        for name in self.topics.keys() - pages:
+            self.topics[name].text = "null"  # who opens it next is not shown what was
         for name in pages & self.topics.keys():
             topic = self.topics[name]
             if self._ticks % topic.every == 0 or topic.text == "null":
@@ -160,6 +166,9 @@ class Live:
 
     async def _signals(self) -> Row:
         return {"forced": self.watched.looked["forced"]}
+
+    async def _scope(self) -> Row:
+        return self.scope.told()
 
     async def _lines(self) -> Row:
         return {"lines": await self.lines.look(), "doors": self.regions.status.get("doors", [])}

@@ -48,6 +48,8 @@ class Sockets:
             pass
         finally:
             self.live.viewers.discard(viewer)
+            if viewer.holding and person.key == self.hands.holder:  # a finger whose browser is gone is lifted
+                await self.hands.let_go()
             sender.cancel()
             with contextlib.suppress(asyncio.CancelledError):
                 await sender
@@ -80,26 +82,38 @@ class Sockets:
                 viewer.page, viewer.versions = str(message.get("name"))[:20], {}
                 watch = message.get("watch")
                 viewer.watch = tuple(str(each)[:100] for each in watch[:MOST_WATCHED]) if isinstance(watch, list) else ()
-            case "jog":
-                return await self._jog(message, person)
+            case "jog" | "reference" as what:
+                return await self._held(what, message, viewer, person)
             case "release":
+                viewer.holding = False
                 if person.key == self.hands.holder:
-                    await self.hands.jog_end()
+                    await self.hands.let_go()
         return None
 
-    async def _jog(self, message: dict[str, Any], person: Person) -> dict[str, Any]:
-        """Refusals are told; the key is not."""
+    async def _held(self, what: str, message: dict[str, Any], viewer: Viewer, person: Person) -> dict[str, Any]:
+        """A key is held.  Refusals are told; the key is not."""
         try:
-            axis, direction, percent = int(message["axis"]), int(message["direction"]), float(message["percent"])
-            if not 0 <= axis < len(self.hands.axes) or direction not in (-1, 1) or percent != percent:
-                return {"error": "no such axis"}
             if self.access.web.read_only:
                 return {"error": "the page is read-only"}
             self.access.role(person, Role.OPERATOR)
-            return {"jog": await self.hands.jog(person.key, axis, direction, percent)}
+            answer = await (self._jog(message, person) if what == "jog" else self._reference(message, person))
+            viewer.holding = viewer.holding or answer["state"] not in ("REFUSED", "ABORTED")
+            return {"held": answer}
         except (KeyError, ValueError, TypeError):
-            return {"error": "jog: axis, direction, percent"}
+            return {"error": "jog: axis, direction, percent; reference: mask"}
         except Denied as denied:
             return {"error": denied.words}
         except (NotYours, Gone, Refused) as why:
             return {"error": str(why)}
+
+    async def _jog(self, message: dict[str, Any], person: Person) -> dict[str, Any]:
+        axis, direction, percent = int(message["axis"]), int(message["direction"]), float(message["percent"])
+        if not 0 <= axis < len(self.hands.axes) or direction not in (-1, 1) or percent != percent:
+            raise ValueError("no such axis")
+        return await self.hands.jog(person.key, axis, direction, percent)
+
+    async def _reference(self, message: dict[str, Any], person: Person) -> dict[str, Any]:
+        mask = int(message["mask"])
+        if not 0 < mask < 1 << len(self.hands.axes):
+            raise ValueError("no such axes")
+        return await self.hands.reference(person.key, mask)

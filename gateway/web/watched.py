@@ -16,7 +16,7 @@ class Watched:
 
     def __init__(self, regions: Regions) -> None:
         self.regions = regions
-        self.looked: Row = {"blocks": {}, "named": {}, "forced": {}}
+        self.looked: Row = {"blocks": {}, "named": {}, "forced": {}, "forced_words": {}}
         self.fresh = False
 
     async def look(self, desk: ServicesDesk) -> None:
@@ -57,11 +57,13 @@ class Watched:
         data = bytes.fromhex(found["hex"])
         quality = int(Quality.GOOD if self.fresh and found["alive"] else Quality.STALE)
         word, dot, bit = where.partition(".")
+        number = int("".join(c for c in word if c.isdigit()))
+        forced = self.looked["forced_words"].get(f"{block}:{number}", 0)
         if dot:
-            value = int.from_bytes(data[2 * int(word) : 2 * int(word) + 2], "big") >> int(bit) & 1
-            return [value, quality, None, False]
-        at = 2 * int("".join(c for c in word if c.isdigit()))
-        return [data[at : at + 4].hex(), quality, None, False]
+            value = int.from_bytes(data[2 * number : 2 * number + 2], "big") >> int(bit) & 1
+            return [value, quality, None, bool(forced >> int(bit) & 1)]
+        mask = {"DL": 0xFF00, "DR": 0x00FF}.get(word[-2:], 0xFFFF)
+        return [data[2 * number : 2 * number + 4].hex(), quality, None, bool(forced & mask)]
 
     def _own(self, name: str, rows: dict[str, Row]) -> list[object] | None:
         age = self.regions.ages()[0]

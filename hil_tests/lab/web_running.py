@@ -22,7 +22,7 @@ FLAGS = ["--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader", "--disa
 PATIENCE_S = 40.0
 DESKTOP, TABLET = ViewportSize(width=1366, height=850), ViewportSize(width=1024, height=768)
 ADMIN, PASSWORD = "anna", "correct horse 7"
-PAGES = ("overview", "axes", "motion", "signals", "lines", "bus", "events", "cell", "emulator", "access")
+PAGES = ("overview", "axes", "motion", "signals", "scope", "lines", "bus", "events", "cell", "emulator", "access")
 
 
 @dataclass

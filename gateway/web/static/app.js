@@ -4,7 +4,7 @@ import { chip, h, mark, put, toast } from "./dom.js";
 import { language, setLanguage, t } from "./texts.js";
 
 const PAGES = [
-  ["overview", "Overview"], ["axes", "Axes"], ["motion", "Motion"], ["signals", "Signals"], ["lines", "Lines"], ["bus", "Bus"],
+  ["overview", "Overview"], ["axes", "Axes"], ["motion", "Motion"], ["signals", "Signals"], ["scope", "Scope"], ["lines", "Lines"], ["bus", "Bus"],
   ["events", "Events"], ["cell", "Cell"], ["emulator", "Emulator"], ["access", "Access"],
 ];
 const MOTION = ["at rest", "moving", "stopping", "stopped on the path", "referencing"];
@@ -103,7 +103,7 @@ function take(message) {
     if (message.head) head(message.head);
     if (message.name === name) view?.update?.(message.page, message.head, message.values);
   } else if (message.t === "told") {
-    const refused = message.error || (message.jog?.state === "REFUSED" && (message.jog.detail || message.jog.words));
+    const refused = message.error || (message.held?.state === "REFUSED" && (message.held.detail || message.held.words));
     if (refused) toast(refused, "bad");
   }
 }

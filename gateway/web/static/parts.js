@@ -1,6 +1,20 @@
 // What several pages show.
 import { h, put } from "./dom.js";
 
+// One value out of a dialog; null when it is left.
+export function asked(t, title, value) {
+  return new Promise((resolve) => {
+    const dialog = document.getElementById("dialog");
+    const input = h("input", { id: "asked", value: String(value), maxlength: "24", autofocus: true, required: true, "aria-label": title });
+    const done = (told) => { dialog.onclose = null; dialog.close(); resolve(told); };
+    dialog.onclose = () => done(null);
+    dialog.replaceChildren(h("form", { method: "dialog", onsubmit: (event) => { event.preventDefault(); done(input.value.trim()); } },
+      h("h2", {}, title), input, h("div", { class: "bar" }, h("button", { class: "main", id: "send" }, t("force")), h("button", { type: "button", onclick: () => done(null) }, t("Cancel")))));
+    dialog.showModal();
+    input.select();
+  });
+}
+
 export const FLAG = { ENABLED: 1, REFERENCED: 2, IN_POSITION: 4, FAULT: 8, LOST: 16, HOMING: 32, WARNING: 64, ON: 128, UNCONFIGURED: 256 };
 
 export function drive(row, t) {

@@ -1,19 +1,8 @@
 // The last half minute of one axis, drawn by uPlot.
 import { h } from "./dom.js";
+import { load } from "./plot.js";
 
 const KEPT = 300;
-let loaded = null;
-
-function load() {
-  loaded ??= new Promise((resolve, reject) => {
-    document.head.append(h("link", { rel: "stylesheet", href: "/static/vendor/uplot/uPlot.min.css" }));
-    const script = h("script", { src: "/static/vendor/uplot/uPlot.iife.min.js" });
-    script.onload = () => resolve(window.uPlot);
-    script.onerror = reject;
-    document.head.append(script);
-  });
-  return loaded;
-}
 
 export class Trend {
   constructor(t) {

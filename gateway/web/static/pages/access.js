@@ -11,7 +11,7 @@ export function mount(root, { t, get, post, me, may, login }) {
   if (!may("admin")) return {};
   const roles = () => h("select", { name: "role" }, ["viewer", "operator", "setter", "admin"].map((role) => h("option", { value: role }, t(role))));
   const form = (title, path, fields, done) => {
-    const made = h("form", { class: "bar", onsubmit: async (event) => { event.preventDefault(); const told = await post(path, Object.fromEntries(new FormData(made)), done); if (told) { made.reset(); if (told.token) put(secret, `${t("The token, shown once")}: ${told.token}`); fill(); } } }, fields, h("button", { class: "main" }, title));
+    const made = h("form", { class: "bar low", onsubmit: async (event) => { event.preventDefault(); const told = await post(path, Object.fromEntries(new FormData(made)), done); if (told) { made.reset(); if (told.token) put(secret, `${t("The token, shown once")}: ${told.token}`); fill(); } } }, fields, h("button", { class: "main" }, title));
     return made;
   };
   const input = (title, attributes) => h("label", {}, title, h("input", { required: true, maxlength: "64", ...attributes }));

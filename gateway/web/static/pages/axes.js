@@ -13,9 +13,9 @@ export function mount(root, { t, cell, live, may, me, post }) {
   function order(code, mask = everything, more = {}) {
     return post("/api/command", { code, mask, ...more });
   }
-  function press(axis, direction, button) {
+  function press(button, what) {
     if (!may("operator") || held.has(button)) return;
-    const say = () => live.send({ t: "jog", axis, direction, percent: Number(speed.value) || 5 });
+    const say = () => live.send(what());
     say();
     held.set(button, setInterval(say, 150));
     button.classList.add("down");
@@ -27,16 +27,19 @@ export function mount(root, { t, cell, live, may, me, post }) {
     button.classList.remove("down");
     live.send({ t: "release" });
   }
-  function key(axis, direction) {
-    const button = h("button", { type: "button", class: "hold", "data-jog": `${axis}${direction > 0 ? "+" : "-"}`,
-      "aria-label": `${t("jog")} ${cell.axes[axis].name} ${direction > 0 ? "plus" : "minus"}` }, direction > 0 ? "+" : "\u2212");
-    button.addEventListener("pointerdown", (event) => { event.preventDefault(); button.setPointerCapture(event.pointerId); button.focus(); press(axis, direction, button); });
+  // A key that acts while it is held: mouse, finger, space bar; whatever takes it away ends it.
+  function key(attributes, title, what) {
+    const button = h("button", { type: "button", class: "hold", ...attributes }, title);
+    button.addEventListener("pointerdown", (event) => { event.preventDefault(); button.setPointerCapture(event.pointerId); button.focus(); press(button, what); });
     for (const end of ["pointerup", "pointercancel", "lostpointercapture", "blur"]) button.addEventListener(end, () => release(button));
     button.addEventListener("contextmenu", (event) => event.preventDefault());
-    button.addEventListener("keydown", (event) => { if ((event.key === " " || event.key === "Enter") && !event.repeat) { event.preventDefault(); press(axis, direction, button); } });
+    button.addEventListener("keydown", (event) => { if ((event.key === " " || event.key === "Enter") && !event.repeat) { event.preventDefault(); press(button, what); } });
     button.addEventListener("keyup", (event) => { if (event.key === " " || event.key === "Enter") release(button); });
     return button;
   }
+  const jog = (axis, direction) => key({ "data-jog": `${axis}${direction > 0 ? "+" : "-"}`, "aria-label": `${t("jog")} ${cell.axes[axis].name} ${direction > 0 ? "plus" : "minus"}` }, direction > 0 ? "+" : "\u2212",
+    () => ({ t: "jog", axis, direction, percent: Number(speed.value) || 5 }));
+  const reference = (mask, attributes, title) => key({ title: t("hold until it is done"), ...attributes }, title, () => ({ t: "reference", mask }));
   const all = () => { for (const button of [...held.keys()]) release(button); };
   document.addEventListener("visibilitychange", all);
   window.addEventListener("blur", all);
@@ -49,12 +52,12 @@ export function mount(root, { t, cell, live, may, me, post }) {
     { title: t("lag"), n: true, cell: (row, td) => { put(td, number(row.lag, 3)); const a = info.get(row.name); td.classList.toggle("badq", a.warn !== null && Math.abs(row.lag) > a.warn); } },
     { title: t("torque %"), n: true, cell: text((row) => row.torque, 1) },
     { title: t("limits"), cell: place },
-    { title: t("referenced"), cell: (row, td) => {
+    { title: t("referenced, hold the key"), cell: (row, td) => {
       const n = info.get(row.name).n;
-      if (!td.firstChild) td.append(h("span", { class: "bar", style: "margin:0;flex-wrap:nowrap" }, h("span", { "data-referenced": row.name }), h("button", { type: "button", class: "tiny", "data-ref": row.name, onclick: () => order("reference", 1 << n) }, t("reference"))));
+      if (!td.firstChild) td.append(h("span", { class: "bar", style: "margin:0;flex-wrap:nowrap" }, h("span", { "data-referenced": row.name }), reference(1 << n, { "data-ref": row.name }, t("reference"))));
       put(td.firstChild.firstChild, row.flags & FLAG.REFERENCED ? t("yes") : t("no"));
     } },
-    { title: t("jog, hold the key"), cell: (row, td) => { if (!td.firstChild) { const n = info.get(row.name).n; td.append(h("span", { class: "bar", style: "margin:0;flex-wrap:nowrap" }, key(n, -1), key(n, 1))); } } },
+    { title: t("jog, hold the key"), cell: (row, td) => { if (!td.firstChild) { const n = info.get(row.name).n; td.append(h("span", { class: "bar", style: "margin:0;flex-wrap:nowrap" }, jog(n, -1), jog(n, 1))); } } },
   ], (row) => row.name, { label: t("Axes") });
 
   function place(row, td) {
@@ -68,14 +71,15 @@ export function mount(root, { t, cell, live, may, me, post }) {
   const holder = h("span", { class: "soft", id: "holder" });
   async function refreshMe() { Object.assign(me, await (await fetch("/api/me")).json()); }
   const buttons = [
-    ["enable", "Drives on"], ["disable", "Drives off"], ["reference", "Reference all"], ["fault_reset", "Reset faults"], ["resume", "Resume"], ["abandon", "Abandon rest"],
+    ["enable", "Drives on"], ["disable", "Drives off"], ["fault_reset", "Reset faults"], ["resume", "Resume"], ["abandon", "Abandon rest"],
   ].map(([code, title]) => h("button", { type: "button", "data-code": code, onclick: () => order(code) }, t(title)));
+  buttons.splice(2, 0, reference(everything, { "data-ref": "" }, t("Reference all, hold")));
   const permit = cell.simulated ? h("button", { type: "button", id: "permit", onclick: () => post("/api/permit", undefined, "Enabling inputs are set") }, t("Set enabling inputs (simulation)")) : null;
   const override = h("input", { type: "range", id: "override", min: "0", max: "100", step: "1", value: "100", "aria-label": t("override"), onchange: () => order("override", 0, { velocity: Number(override.value) / 100 }) });
   root.append(
-    h("div", { class: "bar" }, control, holder, permit, ...buttons, h("label", {}, `${t("override")} %`, override),
+    h("div", { class: "bar low" }, control, holder, permit, ...buttons, h("label", {}, `${t("override")} %`, override),
       h("label", {}, t("jog speed, % (10 at most)"), speed)),
-    h("p", { class: "small soft" }, t("Jogging moves slowly to the limit while the key is held and stops on the path when it is released. The speed limit is not safety-rated.")),
+    h("p", { class: "small soft" }, t("Jog and reference keys act while they are held: released, or with the connection lost, the axis stops on the path. The speed limit is not safety-rated.")),
     h("section", { class: "card" }, table.element),
     h("section", { class: "card", style: "margin-top:.9rem" }, trend.element));
   return {
@@ -83,7 +87,7 @@ export function mount(root, { t, cell, live, may, me, post }) {
       put(control, me.holds ? t("Release control") : t("Request control"));
       put(holder, head.holder ? `${t("in control")}: ${head.holder}` : head.owner ? `${t("in control")}: ${t("door")} ${head.owner}` : t("nobody is in control"));
       if (me.holds && head.holder !== me.name) refreshMe();
-      for (const button of [...buttons, override]) button.disabled = !me.holds;
+      for (const button of [...buttons, override]) if (!button.classList.contains("down")) button.disabled = !me.holds;
       root.querySelectorAll("[data-jog],[data-ref]").forEach((button) => { if (!button.classList.contains("down")) button.disabled = !me.holds; });
       if (permit) permit.disabled = !(may("setter") || me.local);
       control.disabled = !may("operator");

@@ -19,7 +19,7 @@ export function mount(root, { t, cell }) {
     ], (row) => row.id, { label: `${t("Bus")} ${bus.name}` });
     const list = h("pre", { class: "scroll", style: "max-height:16rem", tabindex: "0" });
     boxes.set(bus.name, { state, load, figures, table, list });
-    root.append(h("section", { class: "card", style: "margin-bottom:.9rem" },
+    root.append(h("section", { class: "card bus", style: "margin-bottom:.9rem" },
       h("div", { class: "bar" }, h("h2", { style: "margin:0" }, `${bus.name}: ${bus.protocol}`), state, h("span", { class: "soft" }, `${bus.bitrate}   ${bus.played}`), load, figures),
       table.element, h("details", {}, h("summary", {}, t("The last frames one by one")), list)));
   }

@@ -32,8 +32,8 @@ export function mount(root, { t, get }) {
   const gone = h("p", { class: "badq" });
   root.append(h("div", { class: "grid" },
     h("section", { class: "card w12" }, h("h2", {}, t("Errors, first one first")), standing),
-    h("section", { class: "card w7" }, h("div", { class: "bar" }, h("h2", { style: "margin:0" }, t("Events")), kinds, filter), gone, table.element),
-    h("section", { class: "card w5" }, h("div", { class: "bar" }, h("h2", { style: "margin:0" }, t("Error catalogue")), wanted), known.element)));
+    h("section", { class: "card w6" }, h("div", { class: "bar" }, h("h2", { style: "margin:0" }, t("Events")), kinds, filter), gone, table.element),
+    h("section", { class: "card w6" }, h("div", { class: "bar" }, h("h2", { style: "margin:0" }, t("Error catalogue")), wanted), known.element)));
   return {
     update(page, head) {
       errors(standing, head, t, language());

@@ -7,7 +7,7 @@ export function mount(root, { t, cell }) {
   const pause = h("button", { type: "button", id: "pause", "aria-pressed": "false", onclick: () => { held = !held; pause.setAttribute("aria-pressed", String(held)); put(pause, held ? t("Go on") : t("Hold the list")); } }, t("Hold the list"));
   const dull = h("input", { type: "checkbox", id: "dull" });
   root.append(h("div", { class: "bar" }, pause, h("label", { style: "flex-direction:row;align-items:center;gap:.4rem" }, dull, t("show STX, DLE and NAK too"))));
-  if (!cell.lines.length) root.append(h("p", { class: "soft" }, t("The cell has no serial line.")));
+  if (!cell.lines.length && !cell.modbus.length) root.append(h("p", { class: "soft" }, t("The cell has no serial line.")));
   for (const line of cell.lines) {
     const state = chip("plain", "");
     const counters = h("p", { class: "small mono" });
@@ -19,6 +19,20 @@ export function mount(root, { t, cell }) {
       h("div", { class: "scroll", style: "max-height:46vh", tabindex: "0", role: "region", "aria-label": `${t("Lines")} ${line.name}` },
         h("table", {}, h("thead", {}, h("tr", {}, [t("time"), t("side"), t("what"), t("in words"), t("bytes")].map((title) => h("th", { scope: "col" }, title)))), body))));
   }
+  for (const server of cell.modbus.filter((each) => cell.doors.some((door) => door.kind === "modbus" && door.name === each.name))) {
+    const state = chip("plain", "");
+    const counters = h("p", { class: "small mono" });
+    const body = h("tbody", { "data-modbus": server.name });
+    boxes.set(server.name, { state, counters, body, modbus: true });
+    root.append(h("section", { class: "card", style: "margin-bottom:.9rem" },
+      h("div", { class: "bar" }, h("h2", { style: "margin:0" }, `${server.name}: Modbus`), state, h("span", { class: "soft" }, `${server.bind}   ${t("unit")} ${server.unit}`)), counters,
+      h("div", { class: "scroll", style: "max-height:46vh", tabindex: "0", role: "region", "aria-label": `Modbus ${server.name}` },
+        h("table", {}, h("thead", {}, h("tr", {}, [t("time"), t("client"), t("function"), t("asked"), t("answered"), t("bytes")].map((title) => h("th", { scope: "col" }, title)))), body))));
+  }
+  function exchange(row, first) {
+    return h("tr", { class: row.ok ? "" : "badq" }, h("td", { class: "n" }, `${(row.ms - first).toFixed(1)} ms`), h("td", {}, `${row.client} / ${row.unit}`), h("td", { class: "n" }, `FC ${row.function}`),
+      h("td", { class: "free" }, row.asked), h("td", { class: "free mono small" }, row.answered), h("td", { class: "free mono small" }, row.hex.replace(/(..)(?=.)/g, "$1 ")));
+  }
   const SIDES = { A: t("partner"), B: "axisgate" };
   return {
     update(page) {
@@ -28,13 +42,14 @@ export function mount(root, { t, cell }) {
         if (!box) continue;
         put(box.state, door.alive ? t("alive") : door.connected === false ? t("port is away") : t("silent"));
         mark(box.state, `chip ${door.alive ? "good" : "bad"}`);
-        const known = ["sends", "fetches", "refused", "bad_blocks", "own_jobs", "own_faults", "same_priority", "received", "sent", "unknown", "losses"];
+        const known = ["sends", "fetches", "refused", "bad_blocks", "own_jobs", "own_faults", "same_priority", "received", "sent", "unknown", "requests", "losses"];
         put(box.counters, [...known.filter((name) => name in door).map((name) => `${name.replace("_", " ")} ${door[name]}`), door.advice || "", door.why || ""].filter(Boolean).join("   "));
       }
       if (held) return;
       for (const [name, told] of Object.entries(page.lines)) {
         const box = boxes.get(name);
         if (!box) continue;
+        if (box.modbus) { box.body.replaceChildren(...told.slice(-60).reverse().map((row) => exchange(row, told[0].ms))); continue; }
         const rows = told.filter((row) => dull.checked || row.kind.length > 3).slice(-60).reverse();
         const first = told[0]?.ms ?? 0;
         box.body.replaceChildren(...rows.map((row) => h("tr", { class: row.ok === false || ["BROKEN", "DAMAGED", "STRAY"].includes(row.kind) ? "badq" : "" },

@@ -20,7 +20,7 @@ export function mount(root, { t, cell, me, may, post }) {
   let scene = null;
   let gone = false;
   let lines = null; // a robot at rest is told once: the picture may be made later
-  root.append(h("div", { class: "bar" }, control, hold, resume, abandon, h("label", {}, `${t("override")} %`, override), wipe),
+  root.append(h("div", { class: "bar low" }, control, hold, resume, abandon, h("label", {}, `${t("override")} %`, override), wipe),
     h("div", { class: "grid" },
       h("section", { class: "card w8" }, canvas, h("p", { class: "soft small" }, cell.robot.why || `${cell.robot.kind} ${cell.robot.model}`), h("p", { class: "soft small" }, t("Drag to turn, wheel or + and - to come nearer; arrow keys turn, too."))),
       h("section", { class: "card w4" }, h("h2", {}, t("Motion")), queue, h("div", { style: "height:.7rem" }), table.element)));

@@ -1,6 +1,6 @@
 // Every value by any name or address: live, with age and quality, where it is used; forced inputs are marked.
 import { Table, h, put, text } from "../dom.js";
-import { age } from "../parts.js";
+import { age, asked } from "../parts.js";
 
 export function mount(root, { t, get, post, may, live }) {
   let rows = [];
@@ -61,7 +61,19 @@ export function mount(root, { t, get, post, may, live }) {
     if (!v) return "";
     return v[3] ? t("forced") : [t("bad"), t("stale"), t("good")][v[1]];
   }
+  // A data word takes a value of its own type and unit; a bit, like an RC input, 0 or 1.
+  function forceWord(row, td) {
+    const forced = Boolean(values[row.id]?.[3]);
+    if (td.dataset.forced === String(forced)) return;
+    td.dataset.forced = String(forced);
+    const lay = (value) => post("/api/force/word", { id: row.id, value }, "The word is forced");
+    const attributes = (what) => ({ type: "button", class: "tiny", disabled: !may("setter"), "data-force": `${row.id}=${what}` });
+    const keys = row.kind === "bit" ? ["0", "1"].map((value) => h("button", { ...attributes(value), onclick: () => lay(value) }, value))
+      : [h("button", { ...attributes("value"), onclick: async () => { const value = await asked(t, `${row.addresses[0]} ${row.name}, ${row.type} ${row.unit}`, shown(row)); if (value) lay(value); } }, t("force"))];
+    td.replaceChildren(h("span", { class: "bar", style: "margin:0;flex-wrap:nowrap" }, keys, forced ? h("button", { ...attributes("end"), onclick: () => post("/api/unforce/word", { id: row.id }, "The force has ended") }, t("end")) : null));
+  }
   function force(row, td) {
+    if (row.id.startsWith("db:")) { forceWord(row, td); return; }
     if (!row.forcible) return;
     const forced = Boolean(values[row.id]?.[3]);
     if (td.dataset.forced === String(forced)) return;
@@ -86,7 +98,7 @@ export function mount(root, { t, get, post, may, live }) {
       rows = told.rows;
       put(found, `${t("found")}: ${told.total}${told.total > rows.length ? `, ${rows.length} ${t("shown")}` : ""}`);
       table.update(rows);
-      table.element.classList.toggle("nowords", !rows.some((row) => row.kind === "word"));
+      table.element.classList.toggle("nowords", rows.filter((row) => row.kind === "word").length * 2 < rows.length);
       live.page("signals", rows.map((row) => row.id));
       if (rows.length && !rows.some((row) => row.id === chosen)) show(rows[0]);
     } catch (error) { put(found, error.message); }
