@@ -1,4 +1,5 @@
-"""`make docs`: docs/decisions.md from docs/decisions.d/AX-nnn-*.md, in the order of their numbers; docs/errors.md from configs/errors.
+"""`make docs`: docs/decisions.md from docs/decisions.d/AX-nnn-*.md, in the order of their numbers; docs/errors.md from configs/errors;
+the table of functions in README.md and docs/compatibility.md from configs/evidence.toml.
 
 python docs/assemble.py [--check]      (--check: exit 1 when a page is not what its files say)
 """
@@ -8,6 +9,7 @@ import re
 import sys
 
 import error_pages
+import evidence_pages
 
 HERE = pathlib.Path(__file__).resolve().parent
 TARGET = HERE / "decisions.md"
@@ -35,7 +37,8 @@ def assembled() -> str:
 
 def main() -> int:
     page, errors = assembled(), error_pages.page()
-    pages = {TARGET: page, HERE / "errors.md": errors}
+    pages = {TARGET: page, HERE / "errors.md": errors, HERE / "compatibility.md": evidence_pages.page()}
+    pages[HERE.parent / "README.md"] = evidence_pages.readme()
     if "--check" in sys.argv[1:]:
         return int(any(not path.exists() or path.read_text(encoding="utf-8") != text for path, text in pages.items()))
     for path, text in pages.items():

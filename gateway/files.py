@@ -47,6 +47,12 @@ def read_signals(name: str = "rho3") -> list[dict[str, str | int]]:
     return tables
 
 
+def read_evidence() -> list[dict[str, object]]:
+    """The [[function]] tables: how far each function was proved."""
+    tables: list[dict[str, object]] = tomllib.loads(read_text(PACKAGED / "evidence.toml"))["function"]
+    return tables
+
+
 def _folders() -> list[pathlib.Path]:
     named = [pathlib.Path(part) for part in os.environ.get("AXISGATE_CONFIGS", "").split(":") if part]
     return [*named, PACKAGED]

@@ -1,11 +1,12 @@
 """The cell page: what hangs where, how it is wired, what `check` says, and how far each thing was proved."""
 
 import pathlib
+import re
 from typing import Any
 
 from gateway.assembly import RunPlan
 from gateway.cell import Axis, Bus, Cell, Line
-from gateway.files import PACKAGED
+from gateway.files import PACKAGED, read_evidence
 from gateway.web.plantview import Plant
 from gateway.web.skeleton import Skeleton
 
@@ -113,23 +114,36 @@ def wiring(cell: Cell) -> list[Row]:
 
 
 def evidence(plan: RunPlan) -> list[Row]:
-    """How far the parts of this cell were proved: specified, emulator, bench, plant.  Nothing here was on a bench or in a plant yet."""
+    """How far the parts of this cell were proved, out of configs/evidence.toml: specified, emulator, bench, plant."""
     cell = plan.cell
     rows: list[Row] = []
     for kind in dict.fromkeys(axis.drive.type for axis in cell.axis):
-        source = (
-            "axisgate's own byte layout, not verified on hardware (AX-001)"
-            if kind == "servodyn"
-            else "CiA 402 slave written from the standard"
-        )
-        rows.append({"what": f"drives {kind}", "level": "emulator", "why": source})
+        rows += [{"what": f"drives {kind}", **row} for row in proved(f"drive:{kind}")]
+        rows += [{"what": f"layout of {kind} telegrams", **row} for row in proved(f"layout:{kind}")]
     for bus in cell.bus:
         if bus.layout_evidence:
             rows.append({"what": f"layout of bus {bus.name}", "level": "specified", "why": bus.layout_evidence})
     for line in cell.line:
-        rows.append(
-            {"what": f"line {line.name}: {line.protocol} {line.layer}", "level": "emulator", "why": "dialogues of the manuals; no PLC yet"}
-        )
-    for server in cell.modbus:
-        rows.append({"what": f"Modbus server {server.name}", "level": "emulator", "why": "tested against libmodbus, mbpoll"})
+        for part in (line.protocol, line.layer):
+            rows += [{"what": f"line {line.name}: {part}", **row} for row in proved(f"line:{part}")]
+    rows += [{"what": f"Modbus {server.name}", **row} for server in cell.modbus for row in proved("modbus")]
+    for part, there in (("io", cell.io), ("route", cell.route), ("robot", cell.robot), ("northbound", cell.northbound)):
+        rows += [{"what": part, **row} for row in proved(part) if there]
     return rows
+
+
+def proved(part: str) -> list[Row]:
+    """Level and judge of what stands for this part in the data."""
+    found = [table for table in read_evidence() if part in _parts(table)]
+    return [{"level": table["level"], "why": plain(f"{table['what']}: {table['by']}")} for table in found]
+
+
+def _parts(table: dict[str, object]) -> list[object]:
+    parts = table.get("parts", [])
+    return parts if isinstance(parts, list) else []
+
+
+def plain(text: str) -> str:
+    """Without links and marks: the data is written for pages of text."""
+    text = re.sub(r"\s*\((?:\[[^\]]*\]\([^)]*\)(?:, )?)+\)", "", text)
+    return re.sub(r"\[([^\]]*)\]\([^)]*\)|\*\*|`", r"\1", text)

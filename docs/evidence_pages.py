@@ -1,0 +1,48 @@
+"""The table of functions with their evidence levels, out of configs/evidence.toml: in README.md and docs/compatibility.md."""
+
+import pathlib
+import re
+
+from gateway.files import read_evidence
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+TABLE = re.compile(r"\| function \| evidence \| judged by \|\n\|---\|---\|---\|\n(?:\|.*\n)*")
+LEVELS = ("specified", "emulator", "bench", "plant")
+HEAD = """# What it takes the place of, and how far that was proved
+
+Made by `make docs` from `configs/evidence.toml`; the page shows the same levels for the parts of a running cell.
+
+| level | means |
+|---|---|
+| specified | written from a manual or standard and tested against its text |
+| emulator | ran against our own other side |
+| bench | ran against foreign hardware or software on a bench |
+| plant | ran in production |
+
+> "Replaces" means: takes over the listed functions, to the listed evidence level. Functions not listed are absent. Keep the old
+> controller, its memory card and its backups; a tested way back belongs to the job.
+
+"""
+
+
+def table() -> str:
+    """Links as README has them, from the root."""
+    rows = "".join(f"| {row['what']} | {row['evidence']} | {row['by']} |\n" for row in read_evidence())
+    return f"| function | evidence | judged by |\n|---|---|---|\n{rows}"
+
+
+def readme() -> str:
+    """README with its table made anew; ValueError where it has none."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    if not TABLE.search(text):
+        raise ValueError("README.md: no table | function | evidence | judged by |")
+    made = table()
+    return TABLE.sub(lambda found: made, text, count=1)
+
+
+def page() -> str:
+    """docs/compatibility.md: first what was proved furthest."""
+    rows = sorted(read_evidence(), key=lambda row: -LEVELS.index(str(row["level"])))
+    lines = "".join(f"| {row['what']} | {row['level']} | {row['evidence']} | {row['by']} |\n" for row in rows)
+    body = f"| function | level | evidence | judged by |\n|---|---|---|---|\n{lines}"
+    return HEAD + body.replace("](docs/", "](")
