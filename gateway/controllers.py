@@ -16,18 +16,23 @@ from gateway.pure.functions.plc import Settings
 from gateway.pure.interface.control import Declared, RhoControl, Setup
 from gateway.pure.interface.coupling import Coupling, Ranges
 from gateway.pure.interface.numbers import numbers_of
+from gateway.pure.interface.panelview import TEST_MN
 from gateway.pure.interface.steps import Step
 from gateway.pure.interface.supervision import has_grace
 from gateway.pure.interface.timers import unit_of
 from gateway.pure.interface.user import OUTPUTS
 from gateway.pure.interface.whole import Installation
 from gateway.pure.office import Office
+from gateway.pure.phg.infos import SIGNALS
 from gateway.pure.records import RC_BYTES, CellState, InputImage, Permit, set_bit
 from gateway.pure.reis.control import ReisControl, ReisSetup
 from gateway.pure.reis.regulator import Reference
 from gateway.pure.signals import SignalList
 from gateway.pure.val3_io.control import Val3Control
 from gateway.pure.val3_io.system import Board, Point
+from motion.errors import MotionError
+from motion.program.factors import option_byte
+from motion.units import from_si
 from protocols.base.machine import Ns, ms
 
 COUPLED = (2, 15, 16, 19)  # P20
@@ -149,7 +154,21 @@ def rho_setup(cell: Cell, controller: Controller, tables: DatTables, owners: Map
         plc_silence=ms(controller.plc_silence_ms),
         plc_grace=not cell.cell.software or has_grace(cell.cell.software, controller.remote),
         sets_override=not any(entry.to == "cell.override" for block in cell.db for entry in block.entries),
+        units=tuple((axis.unit, from_si(1.0, axis.unit)) for axis in cell.axis),
+        info_bits={
+            name: found.at.number for name in (TEST_MN, *(row[1] for row in SIGNALS)) if (found := signals.named(name)) is not None
+        },
+        option=option_of(cell),
     )  # fmt: skip
+
+
+def option_of(cell: Cell) -> int:
+    """P25: which operation resets which factors; ValueError: not eight entries of 0 and 1."""
+    row = Parameters(cell).row("P25")
+    try:
+        return option_byte(row) if row else 0
+    except MotionError as error:
+        raise ValueError(str(error)) from error
 
 
 def installation(cell: Cell, controller: Controller) -> Installation:

@@ -10,6 +10,7 @@ from gateway.pure.command_block import Code, Command
 from gateway.pure.errorlist import ErrorList, Reset
 from gateway.pure.interface.errors import RESETS, RHO3, kind_of
 from gateway.pure.modbus_view import RhoView
+from gateway.pure.phg.modes import RESET
 from gateway.pure.reasons import CommandState, text
 from gateway.pure.records import RC_BYTES
 from protocols.base.machine import Ns
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
     from gateway.pure.interface.control import RhoControl
 
 PANEL_NS = 2_000_000_000  # the panel counts as used for so long after a key
-RESET_MODE = "11.1"
 
 
 def _source(code: int) -> str:
@@ -50,6 +50,7 @@ class SignalDesk:
         self._noted: list[tuple[int, str]] = []
         self._heard: Ns = 0
         self._panel: Ns = 0
+        self._panel_door = 0  # who pressed last
         self._seen = b""
         if services.cell.controller is None:
             return
@@ -86,6 +87,8 @@ class SignalDesk:
         for line in control.step(services.forces.over(services.inputs), cycle, services.values.state, now, heard=heard > self._heard):
             services.journal.write("plc", line)
         self._heard = heard
+        if rho is not None and self._judge_reset(rho, now):
+            services.journal.write("plc", "reset at the panel: refused")
 
     def inputs_came(self, now: Ns) -> None:
         """A door has written: an edge must not be lost because the next telegram comes before our next cycle."""
@@ -127,6 +130,19 @@ class SignalDesk:
         """For tools; nothing where there is no control."""
         return {} if self.control is None else {"controller": self.control.status()}
 
+    def _judge_reset(self, rho: "RhoControl", now: Ns) -> str:
+        """Mode 11.1 was chosen at the panel: a fault reset as any door gives it; why it is refused."""
+        if not rho.panel.reset_wanted:
+            return ""
+        rho.panel.reset_wanted = False
+        job = self._services.office.command(self._panel_door, Command(Code.FAULT_RESET), now)
+        if job.state is CommandState.REFUSED:
+            why = text(job.reason, "en", job.detail)
+            rho.panel.refuse(why)
+            return why
+        rho.panel.enter(RESET)
+        return ""
+
     # ---- the panel -------------------------------------------------------------------------------------------------------
     def panel(self, request: dict[str, object], door: int, now: Ns) -> dict[str, object]:
         """Its screen; with `key` after a key, with `mode` in another mode.  Mode 11.1 resets, and needs control for it."""
@@ -135,15 +151,13 @@ class SignalDesk:
             return {"error": 'no panel: this cell has no [controller] of kind "rho3"'}
         functions = rho.functions
         if "key" in request:
-            self._panel = now
+            self._panel, self._panel_door = now, door
             functions.press(str(request["key"]))
         if "mode" in request:
-            self._panel = now
-            mode = str(request["mode"])
-            if mode == RESET_MODE:
-                job = self._services.office.command(door, Command(Code.FAULT_RESET), now)
-                if job.state is CommandState.REFUSED:
-                    return {"error": f"mode {mode}: {text(job.reason, 'en', job.detail)}"}
-            functions.phg.mode = mode
+            self._panel, self._panel_door = now, door
+            rho.panel.go(f"0.{request['mode']}".removesuffix(".0"))
+            refused = self._judge_reset(rho, now)
+            if refused:
+                return {"error": f"mode {request['mode']}: {refused}"}
         display = functions.display
         return {"screen": list(display.screen()), "mode": functions.phg.mode, "lost_keys": display.lost_keys}

@@ -12,6 +12,7 @@ from gateway.pure.interface.steps import Step
 from gateway.pure.jobs import Job
 from gateway.pure.office import Office
 from gateway.pure.records import AXES, Motion
+from motion.program.factors import FULL, Factors
 from protocols.base.machine import Ns
 
 AT_REST = (Motion.IDLE, Motion.STOPPED)
@@ -46,13 +47,14 @@ class AxisCommands:
         if self._sets_override and cell is not None and cell.override <= 0.0 and self._office.owner == door:
             self._say(door, Command(Code.OVERRIDE, velocity=1.0), now)
 
-    def move(self, door: int, step: Step, now: Ns) -> Job:
-        """A step that moves: PTP of the axes it names, or a program of the cell."""
+    def move(self, door: int, step: Step, now: Ns, factors: Factors = FULL) -> Job:
+        """A step that moves: PTP of the axes it names, or a program of the cell; `factors`: V and A of the control (AX-495)."""
+        speed, acceleration = step.speed * factors.velocity, factors.acceleration
         if step.program is not None:
-            return self._office.order_program(door, step.program, now, step.speed)
+            return self._office.order_program(door, step.program, now, speed, acceleration)
         mask = sum(1 << number for number in step.to)
         places = tuple(step.to.get(n, 0.0) for n in range(AXES))
-        return self._say(door, Command(Code.PTP_ABSOLUTE, mask, step.speed, 1.0, places), now)
+        return self._say(door, Command(Code.PTP_ABSOLUTE, mask, speed, acceleration, places), now)
 
     def stop(self, door: int, now: Ns, give_up: Job | None = None) -> None:
         """Stops on the path; `give_up`: the move whose rest is abandoned, as where a program is taken off (L2610)."""

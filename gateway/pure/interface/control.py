@@ -18,12 +18,15 @@ from gateway.pure.interface.errors import RHO3
 from gateway.pure.interface.fastio import MultiFunction
 from gateway.pure.interface.image import PicImage
 from gateway.pure.interface.numbers import AS_SHIPPED, Numbers
+from gateway.pure.interface.panelview import PanelView
 from gateway.pure.interface.steps import Step, body_maker, fault_of
 from gateway.pure.interface.supervision import PlcWatch
 from gateway.pure.interface.whole import Installation, Seen, SignalInterface
 from gateway.pure.jobs import Job
 from gateway.pure.office import Office
+from gateway.pure.phg.panel import Panel
 from gateway.pure.records import RC_BYTES, CellState, InputImage, Permit, get_bit, set_bit
+from motion.program.factors import FactorTable, Operation
 from protocols.base.machine import Ns
 
 STARTUP = 107  # RC output: run-up finished (rho3 L728-732)
@@ -63,6 +66,9 @@ class Setup:
     plc_silence: Ns = 0  # time-out of the PLC; 0: not supervised
     plc_grace: bool = True
     sets_override: bool = True
+    units: tuple[tuple[str, float], ...] = ()  # of the axes: name, and how many of them a rad or m is
+    info_bits: Mapping[str, int] = field(default_factory=dict)  # RC inputs the pendant's INFO speaks of, by symbol
+    option: int = 0  # P25 as the option byte: what resets factors
 
 
 class RhoControl:
@@ -92,6 +98,9 @@ class RhoControl:
         self._listed: set[str] = set()  # programs with a process, as of the last cycle
         self._closed = True  # the chain, as the interface was told last
         self._now = now
+        self.state = CellState()  # as the cycle told it last
+        self.factor_table = FactorTable(setup.installation.kinematics, setup.option)
+        self.panel = Panel(self.functions.display, self.functions.phg, self.functions.statuses, PanelView(self), setup.functions.language)
 
     @property
     def outputs(self) -> bytes:
@@ -101,7 +110,7 @@ class RhoControl:
     # ---- one cycle -----------------------------------------------------------------------------------------------------
     def step(self, inputs: InputImage, cycle: bytes, state: CellState, now: Ns, *, heard: bool = False) -> list[str]:
         """`cycle`: RC outputs as the cycle published them; `heard`: the PLC has transmitted since.  What a person should read."""
-        self._now = now
+        self._now, self.state = now, state
         self._look(inputs, cycle, state)
         self._cycle_errors.look(state, now)
         self._supervise(now, heard=heard)
@@ -112,6 +121,7 @@ class RhoControl:
         self._last = now
         told = self._react(seen)
         told += [refusal.text(setup.functions.language) for refusal in self.functions.step(inputs, image.outputs, now)]
+        self.panel.step(now)
         self._end_moves()
         self._commands.drives(self._drive_on.look(image), self._drive_on.wanted, seen.disabled, now)
         self._office.bar(seen.disabled)
@@ -167,7 +177,10 @@ class RhoControl:
 
     def move(self, program: str, step: Step, now: Ns) -> Job:
         """What a program moves; refused as any other command of that door."""
-        job = self._jobs[program] = self._commands.move(self.selector, step, now)
+        process = self.processes.named(program)
+        kinematic = 1 if process is None else (process.kinematics & -process.kinematics).bit_length()  # the lowest it moves
+        factors = self.factor_table.acting(min(max(kinematic, 1), self.setup.installation.kinematics))
+        job = self._jobs[program] = self._commands.move(self.selector, step, now, factors)
         return job
 
     def start(self, name: str) -> Process:
@@ -184,6 +197,7 @@ class RhoControl:
                 self.interface.faults.came(reason.code, where=process.name, now=self._now)
                 told.append(f"{process.name}: {reason.text}")
         if seen.outcome.processes_end:
+            self.factor_table.happened(Operation.CONTROL_RESET)
             gone = self.processes.control_reset(keep_permanent=self.image.input(KEEP_PERMANENT))
             told += [f"{name}: ended by Control reset" for name in gone]
         for process in self.processes.processes:

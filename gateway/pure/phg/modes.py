@@ -62,6 +62,7 @@ TREE = """
 
 Mode = tuple[int, ...]  # () is the basic level
 BASIC: Mode = ()
+RESET: Mode = (11, 1)
 
 
 def parse_tree(text: str) -> dict[Mode, str]:

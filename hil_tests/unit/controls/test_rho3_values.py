@@ -101,7 +101,7 @@ def test_keys_screen_and_mode_of_the_panel() -> None:
     functions.press("7")
     assert functions.display.read() == "7"
     functions.display.write(Layer.WRITE, 1, "HELLO")
-    assert bench.control.status()["screen"] == ["HELLO".ljust(20), *[" " * 20] * 3]
+    assert bench.control.status()["screen"] == ["HELLO".ljust(20), "Manual".ljust(20), *[" " * 20] * 2]
     functions.phg.mode = "7.12.1"
     bench.cycle(2)
     assert bench.output(115) and not bench.output(104)

@@ -1,0 +1,119 @@
+"""A running cell in the terminal: axes, signals, lines, errors, live; or the pendant of the old control."""
+
+import argparse
+import asyncio
+import json
+import sys
+
+from gateway.commands.common import DONE, ENVIRONMENT, FINDING, USAGE
+from gateway.commands.var import runs_up
+from gateway.monitor.look import FILTERS, TABS, Look, NoRun
+from gateway.monitor.tables import Table, as_json, plain
+
+EXAMPLES = """examples:
+  axisgate monitor                                  the cell that is up; ? shows the keys
+  axisgate monitor demo --tab errors --once         what stands, with cause and what to do, as plain text
+  axisgate monitor demo --tab signals --search "DB10 target" --json | jq .signals
+  axisgate monitor old --pendant                    the pendant of the rho 3: display and keys ([controller] kind "rho3")
+  axisgate monitor old --press "MODE 7.3.2 ENTER"   keys, then what the display shows
+Where the output is no terminal it is one look as plain text without colours, as with --once.
+exit code: 0 done, 1 refused by the panel, 2 command line, 3 no such run"""
+
+
+def main(argv: list[str]) -> int:
+    arguments = make_parser().parse_args(argv)
+    up = runs_up()
+    name = arguments.run or (up[0] if len(up) == 1 else "")
+    if name not in up:
+        what = "name one of them" if len(up) > 1 else "start one with: axisgate run demo --sim"
+        asked = f"no run {name!r} is up" if name else "which run?"
+        print(f"axisgate monitor: {asked}; up are: {', '.join(up) or 'none'}; {what}", file=sys.stderr)
+        return ENVIRONMENT
+    if arguments.pendant or arguments.press:
+        return _pendant(name, arguments)
+    look = Look(name, arguments.lang or "")
+    look.search, look.filter = arguments.search, arguments.filter
+    once = arguments.once or arguments.json or not sys.stdout.isatty()
+    try:
+        if once:
+            return asyncio.run(_once(look, arguments.tab or ("all" if not arguments.search else "signals"), as_text=not arguments.json))
+        return asyncio.run(_live(look, arguments.tab or "axes"))
+    except NoRun as gone:
+        print(f"axisgate monitor: {gone}", file=sys.stderr)
+        return ENVIRONMENT
+    except KeyboardInterrupt:
+        return DONE
+
+
+def make_parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        "axisgate monitor", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("run", nargs="?", metavar="RUN", help="name of the run, when several are up")
+    parser.add_argument(
+        "--tab", choices=(*TABS, "all"), help="the tab to begin with; with --once what is printed (default all but signals)"
+    )
+    parser.add_argument("--search", default="", metavar="WORDS", help="signals: every word must occur in a name, address, text or use")
+    parser.add_argument("--filter", choices=FILTERS, default="all", help="signals: only these (default %(default)s)")
+    parser.add_argument("--pendant", action="store_true", help="the pendant of a rho 3 in place of the tabs")
+    parser.add_argument("--press", default="", metavar="KEYS", help='at the pendant, then its display: "MODE 7.1 ENTER", "INFO", "DOWN"')
+    parser.add_argument("--once", action="store_true", help="one look as plain text, then end")
+    parser.add_argument("--json", action="store_true", help="one look as a JSON object")
+    parser.add_argument("--lang", choices=("de", "en"), help="of causes and remedies (default: the cell's)")
+    return parser
+
+
+def _pendant(run: str, arguments: argparse.Namespace) -> int:
+    """On the screen, or keys and one display."""
+    from gateway.monitor.keypad import keys_of
+    from gateway.monitor.pendant import PanelError, Pendant, framed, once
+    from gateway.web.desk import Gone
+
+    try:
+        keys = keys_of(arguments.press)
+        if not (keys or arguments.once or arguments.json) and sys.stdout.isatty():
+            asyncio.run(Pendant(run).run_async())
+            return DONE
+        shown = asyncio.run(once(run, keys))
+    except ValueError as error:
+        print(f"axisgate monitor: --press: {error}", file=sys.stderr)
+        return USAGE
+    except PanelError as error:
+        print(f"axisgate monitor: {error}; next: axisgate monitor {run}", file=sys.stderr)
+        return FINDING
+    except Gone as error:
+        print(f"axisgate monitor: {error}; axisgate run CELL --sim starts one", file=sys.stderr)
+        return ENVIRONMENT
+    except KeyboardInterrupt:
+        return DONE
+    print(json.dumps(shown, ensure_ascii=False) if arguments.json else f"{framed(shown['screen'])}\nmode {shown['mode']}")
+    return DONE
+
+
+async def _once(look: Look, tab: str, *, as_text: bool) -> int:
+    """Plain tables, or one object."""
+    await look.attach()
+    await look.still()
+    wanted = [each for each in TABS if each != "signals"] if tab == "all" else [tab]
+    shown: dict[str, Table] = {}
+    for each in wanted:
+        found = await look.table(each)
+        shown |= {"doors": found[0], "said": found[1]} if each == "lines" else {each: found[0]}
+    if as_text:
+        print("\n\n".join([look.head(), *map(plain, shown.values())]))
+    else:
+        print(as_json(shown, look.figures()))
+    look.close()
+    return DONE
+
+
+async def _live(look: Look, tab: str) -> int:
+    from gateway.monitor.app import Monitor  # Textual, where there is a screen
+
+    if tab == "all":
+        print("axisgate monitor: --tab all is for --once; next: axisgate monitor --once --tab all", file=sys.stderr)
+        return USAGE
+    await look.attach()
+    await Monitor(look, tab).run_async()
+    look.close()
+    return DONE

@@ -1,0 +1,1 @@
+"""The running cell in a terminal: axes, signals, lines, errors, and the pendant."""
