@@ -63,6 +63,11 @@ def _candidates(folder: pathlib.Path, kind: str, name: str) -> list[pathlib.Path
     return [place / each for each in names for place in (folder / kind, folder)]
 
 
+def names_in(kind: str) -> list[str]:
+    """What `find_config` finds by name alone."""
+    return sorted({path.stem for folder in _folders() for path in (folder / kind).glob("*" + (SUFFIX.get(kind) or ".*"))})
+
+
 def _known(kind: str) -> str:
-    found = sorted({path.stem for folder in _folders() for path in (folder / kind).glob("*" + (SUFFIX.get(kind) or ".*"))})
+    found = names_in(kind)
     return f"; there are {', '.join(found)}" if found else ""

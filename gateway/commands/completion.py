@@ -1,0 +1,30 @@
+"""Completion of commands, options and cells for bash, zsh or fish: prints the script."""
+
+import argparse
+from importlib.metadata import entry_points
+
+from gateway.commands.common import DONE
+from gateway.completion.parsers import tree
+from gateway.completion.scripts import script
+from gateway.files import names_in
+
+EXAMPLES = """examples:
+  source <(axisgate completion bash)                                          this bash only
+  axisgate completion bash > ~/.local/share/bash-completion/completions/axisgate
+  axisgate completion zsh > "${fpath[1]}/_axisgate"                           then a new zsh
+  axisgate completion fish > ~/.config/fish/completions/axisgate.fish
+The words are those of the installed commands: print it again after an update.
+exit code: 0 done, 2 command line"""
+
+
+def main(argv: list[str]) -> int:
+    parser = argparse.ArgumentParser(
+        "axisgate completion", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("shell", choices=("bash", "zsh", "fish"))
+    arguments = parser.parse_args(argv)
+    from gateway.__main__ import GROUP, first_line
+
+    known = {entry.name: entry for entry in entry_points(group=GROUP)}
+    print(script(arguments.shell, tree(known, first_line), names_in("cells")), end="")
+    return DONE

@@ -1,0 +1,1 @@
+"""Completion for shells, made of the commands' own parsers."""
