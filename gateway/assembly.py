@@ -46,6 +46,7 @@ class Child:
     life: str = ""  # the region whose life counter it beats; empty: only its exit counts
     life_limit_ns: int = 0
     announces: bool = False  # prints `ready` when it is
+    spare: bool = False  # a second one stands by, loaded, and takes over when this one dies (AX-561)
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,7 +149,15 @@ def plan_run(
     regions = ("rc_in", "rc_out", "axes", "links", "orders", "acyclic", "heard", *joined_regions(cell))
     core = [
         Child("cycle", "gateway.processes.cycle", (), (*regions, "trace", "scope"), "axes", max(5 * period_ms, 50) * MS),
-        Child("services", "gateway.processes.services", (), (*regions, *(f"door-{door.number}" for door in doors)), "links", 250 * MS),
+        Child(
+            "services",
+            "gateway.processes.services",
+            (),
+            (*regions, *(f"door-{door.number}" for door in doors)),
+            "links",
+            250 * MS,
+            spare=True,
+        ),
     ]
     if cell.robot is not None:
         core[0] = replace(core[0], regions=(*core[0].regions, "pieces", "planner"))

@@ -28,6 +28,7 @@ from gateway.lastplace import judge, remember
 from gateway.linedoor import LineDoor
 from gateway.modbusdoor import ModbusDoor, modbus_clients, side_of
 from gateway.pagedesk import Desks
+from gateway.processes.spare import OPTION, called
 from gateway.programdesk import ProgramDesk
 from gateway.pure.office import Office
 from gateway.pure.reasons import CommandState, Reason, text
@@ -349,9 +350,12 @@ def main(argv: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="axisgate services", description="the services process; started by the supervisor")
     parser.add_argument("--plan", type=int, required=True)
     parser.add_argument("--fds", required=True)
+    parser.add_argument(OPTION, action="store_true", help="stand by until a line on standard input")
     arguments = parser.parse_args(argv)
     die_with_parent(number=signal.SIGKILL)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if arguments.spare and not called():
+        return 0
     with contextlib.suppress(KeyboardInterrupt):
         asyncio.run(_run(load_plan(arguments.plan), fds_from_text(arguments.fds)))
     return 0

@@ -22,6 +22,7 @@ from gateway.assembly import Child, RunPlan, command_line, make_regions
 from gateway.clock import now_ns
 from gateway.image import ImageError, RegionReader, fds_to_text, send_fds
 from gateway.journal import Journal, rotate
+from gateway.processes.spare import OPTION, Spare
 from gateway.realtime import die_with_parent
 
 WAITS_NS = (0, 1_000_000_000, 2_000_000_000, 5_000_000_000)
@@ -32,6 +33,7 @@ REQUEST_NS = 2_000_000_000  # patience with a tool that has connected and says n
 REQUEST_BYTES = 4096
 TOOLS = 32  # connected at once; more wait
 POLL_S = 0.01
+SPARE_NS = 1_500_000_000  # a start is over by then: loading a spare takes nothing from it
 # A pool of threads nobody needs would keep a killed cycle from being buried, and it takes 80 MB (AX-434)
 ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1"}
 
@@ -42,6 +44,7 @@ class Running:
 
     child: Child
     process: subprocess.Popen[bytes] | None = None
+    spare: Spare | None = None
     deaths: list[int] = field(default_factory=list)
     restarts: int = 0
     start_at: int | None = None  # when to start it again; None: running, not yet started, or down
@@ -52,6 +55,7 @@ class Running:
     reader: RegionReader | None = None
     last_life: int = 0
     output: bytes = b""
+    spare_at: int = 0  # not before: a spare that died is not replaced at once
 
 
 class Supervisor:
@@ -111,14 +115,13 @@ class Supervisor:
                     return 3
         return 0
 
-    def _start(self, running: Running) -> None:
-        child = running.child
+    def _spawn(self, child: Child, *, spare: bool = False) -> "subprocess.Popen[bytes]":
         fds = {name: self.fds[name] for name in child.regions}
         command = [*command_line(child), *(("--plan", str(self._plan_fd), "--fds", fds_to_text(fds)) if child.regions else ())]
         keep = (self._plan_fd, *fds.values()) if child.regions else ()
-        running.process = subprocess.Popen(
-            command,
-            stdin=subprocess.DEVNULL,
+        return subprocess.Popen(
+            [*command, OPTION] if spare else command,
+            stdin=subprocess.PIPE if spare else subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             pass_fds=keep,
@@ -126,6 +129,16 @@ class Supervisor:
             start_new_session=True,
             preexec_fn=functools.partial(die_with_parent, os.getpid(), signal.SIGKILL),  # noqa: PLW1509 no thread here; a hung child dies, too
         )
+
+    def _start(self, running: Running) -> None:
+        child = running.child
+        spare, running.spare = running.spare, None
+        if spare is not None and spare.call():
+            running.process = spare.process
+        else:
+            if spare is not None:
+                spare.end()
+            running.process = self._spawn(child)
         running.started_ns, running.start_at, running.ready, running.output = now_ns(), None, False, b""
         running.last_life = running.reader.life[0] if running.reader else 0
         assert running.process.stdout is not None
@@ -161,6 +174,15 @@ class Supervisor:
             self._buried(running, f"ended with {_how(process.returncode)}")
         elif running.reader is not None:
             self._check_life(running)
+            if running.child.spare and running.process is not None:
+                self._keep_spare(running)
+
+    def _keep_spare(self, running: Running) -> None:
+        if running.spare is not None and not running.spare.stands_by:
+            running.spare.end()
+            running.spare, running.spare_at = None, now_ns() + SPARE_NS
+        if running.spare is None and now_ns() > max(running.started_ns + SPARE_NS, running.spare_at):
+            running.spare = Spare(self._spawn(running.child, spare=True))
 
     def _check_life(self, running: Running) -> None:
         assert running.reader is not None and running.process is not None
@@ -196,6 +218,9 @@ class Supervisor:
 
     def _end_all(self) -> None:
         """Services and cycle first, simulation last; SIGTERM, then SIGKILL after 2 s."""
+        for running in self._running:
+            if running.spare is not None:
+                running.spare.end()
         for running in reversed(self._running):
             process = running.process
             if process is None or process.poll() is not None:
@@ -331,6 +356,7 @@ class Supervisor:
                     "pid": r.process.pid if r.process else None,
                     "state": "up" if r.process else "down" if r.down else "waiting",
                     "restarts": r.restarts,
+                    "spare": r.spare.process.pid if r.spare else None,
                     "life_age_ms": round((now - r.reader.life[1]) / 1e6, 1) if r.reader else None,
                 }
                 for r in self._running

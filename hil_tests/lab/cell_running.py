@@ -11,7 +11,7 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from typing import Any
 
 from drivers.emulator.record import Record
@@ -170,7 +170,7 @@ class CellRun:
             return found
 
     def processes(self) -> dict[str, dict[str, Any]]:
-        """Name -> pid, state, restarts, life_age_ms."""
+        """Name -> pid, state, restarts, spare, life_age_ms."""
         return {process["name"]: process for process in self.status()["processes"]}
 
     def pid(self, process: str) -> int:
@@ -216,6 +216,16 @@ class CellRun:
                     return now
             time.sleep(0.02)
         raise AssertionError(f"{process} did not come back within {timeout_s} s\n{self.words()}")
+
+    def spare(self, process: str, not_these: Collection[int] = (), timeout_s: float = 30.0) -> int:
+        """Pid of what stands by for it, as soon as there is one."""
+        until = time.monotonic() + timeout_s
+        while time.monotonic() < until:
+            found = self.processes()[process]["spare"]
+            if found is not None and found not in not_these:
+                return int(found)
+            time.sleep(0.02)
+        raise AssertionError(f"no spare of {process} within {timeout_s} s\n{self.words()}")
 
     def forgive(self, process: str) -> None:
         """Its deaths are forgotten, as after a repair: the next one is the first one again."""

@@ -1,5 +1,6 @@
 """Issue 2: SIGKILL of services: motion ends as configured, services back in 3 s, links by themselves; a command is taken once (AX-141)."""
 
+import os
 import pathlib
 import re
 import signal
@@ -77,6 +78,18 @@ def death(run: CellRun, *, finishes: bool) -> None:
     path = SetPath(run.demo, [e for e in run.bus() if isinstance(e, buslog.Logged) and e.stamp_ns > start])
     assert path.off_line(Move(start, time.monotonic_ns(), HOME, TARGET)) <= 1.0, "increments beside the path"
     run.home_again()
+
+
+def test_a_spare_stands_by_takes_over_and_is_replaced() -> None:
+    """AX-561; a spare that dies itself is replaced, too."""
+    with running_cell() as run:
+        first = run.spare("services")
+        os.kill(first, signal.SIGKILL)
+        second = run.spare("services", not_these={first})
+        dead, _ = run.kill("services")
+        run.back("services", dead)
+        assert run.pid("services") == second
+        assert run.spare("services", not_these={first, second}) not in (dead, second)
 
 
 def test_a_hung_services_process_is_ended_and_replaced(tmp_path: pathlib.Path) -> None:
