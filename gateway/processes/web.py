@@ -11,28 +11,17 @@ import signal
 
 import uvicorn
 
-from drivers.ports.base import runtime_dir
-from gateway.assembly import RunPlan, load_plan
-from gateway.cell_web import Web
-from gateway.files import PACKAGED
+from gateway.assembly import load_plan
 from gateway.image import RingReader, fds_from_text
 from gateway.pure.scope.records import SCOPE_LAYOUT
 from gateway.realtime import die_with_parent
 from gateway.web.app import make_app
+from gateway.web.place import data_file
 from gateway.web.regions import Regions
 from gateway.web.scope import Scope
 from gateway.web.store import Store
 
 NICE = 5
-
-
-def data_file(plan: RunPlan, web: Web) -> pathlib.Path:
-    """Users, sessions and audit: where [web] data says, else beside the cell file; of a shipped or simulated cell in the runtime folder."""
-    cell = pathlib.Path(plan.cell.file).resolve()
-    if web.data:
-        return cell.parent / web.data / f"{cell.stem}.sqlite"
-    ours = cell.is_relative_to(PACKAGED) or plan.simulated or not os.access(cell.parent, os.W_OK)
-    return (runtime_dir() if ours else cell.parent) / "web" / f"{cell.stem}.sqlite"
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -45,8 +34,8 @@ def main(argv: list[str] | None = None) -> int:
     plan = load_plan(arguments.plan)
     assert plan.web is not None
     web, folder = plan.web, pathlib.Path(plan.cell.file).parent
-    store = Store(data_file(plan, web))
-    fds, kept = fds_from_text(arguments.fds), data_file(plan, web)
+    store = Store(data_file(plan.cell, web, simulated=plan.simulated))
+    fds, kept = fds_from_text(arguments.fds), data_file(plan.cell, web, simulated=plan.simulated)
     scope = Scope(plan, RingReader(fds["scope"], "scope", SCOPE_LAYOUT), kept.parent / "scope" / kept.stem)
     app = make_app(plan, web, Regions(plan, fds), store, scope)
     config = uvicorn.Config(
