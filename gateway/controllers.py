@@ -155,6 +155,7 @@ def rho_setup(cell: Cell, controller: Controller, tables: DatTables, owners: Map
         plc_grace=not cell.cell.software or has_grace(cell.cell.software, controller.remote),
         sets_override=not any(entry.to == "cell.override" for block in cell.db for entry in block.entries),
         units=tuple((axis.unit, from_si(1.0, axis.unit)) for axis in cell.axis),
+        limits=tuple((axis.limits.min, axis.limits.max) for axis in cell.axis),
         info_bits={
             name: found.at.number for name in (TEST_MN, *(row[1] for row in SIGNALS)) if (found := signals.named(name)) is not None
         },

@@ -32,15 +32,19 @@ from gateway.pure.addresses import (
     pic,
 )
 from gateway.pure.addresses import Kind as OperandKind
+from gateway.pure.functions.system_variables import STOP_PROCESS, VariableError
 from gateway.pure.line_blocks import AREA_BYTES
+from gateway.pure.phg.catalogue import PREFIX, variable_of
 from gateway.pure.records import get_bit
 from gateway.tooldesk import TOOL_DOOR
 from protocols.modbus.view import ExceptionCode, Kind
 
 if TYPE_CHECKING:
     from gateway.processes.services import Services
+    from gateway.pure.interface.phgvalues import PhgValues
 
 LONGEST = 4096
+STOP = f"{PREFIX}{STOP_PROCESS}"  # is written and never read
 _KINDS = {
     Table.COIL: Kind.COILS,
     Table.DISCRETE: Kind.DISCRETE_INPUTS,
@@ -92,7 +96,7 @@ class Variables:
                 case "status":
                     return self._services.status()
             return {"error": f"op {request.get('op')!r}; get, set, names, panel, status are known"}
-        except AddressFault as fault:
+        except (AddressFault, VariableError) as fault:
             return {"error": str(fault)}
         except (KeyError, ValueError, TypeError, AttributeError) as fault:
             return {"error": str(fault.args[0]) if fault.args else repr(fault)}
@@ -151,10 +155,12 @@ class Variables:
         """A value of the control, or what an address points at; one that has no value now is 0."""
         control = self._services.signals.control
         try:
+            if name.startswith(PREFIX):
+                return self._phg().number(name)
             if control is not None and name in control.names():
                 return control.value(name)
             place = parse_operand(name, self._symbols)
-        except AddressFault as fault:
+        except (AddressFault, VariableError) as fault:
             raise KeyError(name) from fault
         except ValueError:
             return 0.0
@@ -174,7 +180,17 @@ class Variables:
         control = self._services.signals.control
         return [*self._services.values.names(), *self._services.named.names(), *(control.names() if control is not None else ())]
 
+    def _phg(self) -> "PhgValues":
+        """Variables of the PHG 2000; KeyError: this cell has none."""
+        rho = self._services.signals.rho3
+        if rho is None:
+            raise KeyError('phg: variables of the PHG need a cell with [controller] of kind "rho3"')
+        return rho.phg
+
     def _named(self, text: str, name: str) -> dict[str, object]:
+        if name.startswith(PREFIX):
+            variable, _ = variable_of(name)
+            return {"address": text, "place": f"{name} ({variable.name})", "value": self._phg().read(name)}
         joined = self._services.bridge.told(name)
         if joined is not None:
             return {"address": text, "place": name, **joined}
@@ -247,6 +263,10 @@ class Variables:
             return {"error": f"{text}: values are set only in a simulated run (axisgate run CELL --sim); here the PLC writes them"}
         place = parse_operand(text, self._symbols)
         control = services.signals.control
+        if isinstance(place, CellName) and place.name.startswith(PREFIX):
+            typed = _typed(value)
+            self._phg().write(place.name, int(typed) if isinstance(typed, bool) else typed)
+            return {"address": text, "place": place.name, "value": typed} if place.name == STOP else self._get(text)
         if isinstance(place, CellName) and control is not None and place.name in control.names():
             control.put(place.name, float(value))
             return self._get(text)

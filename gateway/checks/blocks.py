@@ -2,10 +2,11 @@
 
 from gateway.cell import Axis, Db, Entry, Handshake
 from gateway.checks.context import Context, near, number
-from gateway.checks.controller import names_of
+from gateway.checks.controller import names_of, phg_fault
 from gateway.dbsignals import flag_operand, operand, rc_place
 from gateway.pure.addresses import AddressFault, DataBit, DataWord, Direction, Operand, Part, bits_of, parse
 from gateway.pure.names import Found, Kind, lookup, spelled
+from gateway.pure.phg.catalogue import PREFIX
 from gateway.pure.reasons import Reason
 
 SERVING = ("rk512", "buep64")  # layers
@@ -175,7 +176,7 @@ def names(check: Context) -> None:
             if found is None and check.cell.controller is not None and _of_control(check, entry):
                 continue
             if found is None:
-                hint = (
+                hint = phg_fault(check.cell, entry.signal) or (
                     near(entry.signal, suggestions) or f"known are {', '.join(spelled(['AXIS'], ['LINE']))} and the signals of the RC list"
                 )
                 check.fault(_key(block, entry), entry.signal, f"unknown name; {hint}")
@@ -187,6 +188,8 @@ def _of_control(check: Context, entry: Entry) -> bool:
     """A flag, timer, counter, byte or word of the control, or one of its values; flags alone are written."""
     if entry.to is not None:
         return flag_operand(entry.to) is not None
+    if entry.signal.startswith(PREFIX):
+        return not phg_fault(check.cell, entry.signal)
     return isinstance(operand(entry.signal), Operand) or entry.signal in names_of(check.cell)
 
 

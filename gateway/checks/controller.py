@@ -8,7 +8,10 @@ from gateway.cell_controller import Controller, ControllerPoint, ProcessStep
 from gateway.checks.context import Context, number
 from gateway.controllers import Control, dat_tables, make_control
 from gateway.pure.errorlist import ErrorList
+from gateway.pure.functions.system_variables import VariableError
+from gateway.pure.interface.control import RhoControl
 from gateway.pure.office import Office
+from gateway.pure.phg.catalogue import PREFIX
 
 STEP_KEYS = ("to", "program", "output", "input", "wait_ms")
 
@@ -25,6 +28,22 @@ def names_of(cell: Cell) -> frozenset[str]:
     except ValueError:
         return frozenset()
     return frozenset(control.names() if control is not None else ())
+
+
+def phg_fault(cell: Cell, name: str) -> str:
+    """What is wrong with a variable of the PHG that shall be shown as a number; "" for other names and for one that is there."""
+    if not name.startswith(PREFIX):
+        return ""
+    try:
+        control = trial(cell)
+        if not isinstance(control, RhoControl):
+            return 'variables of the PHG need [controller] with kind = "rho3"'
+        control.phg.number(name)
+    except KeyError:
+        return "phg.CODE, phg.CODE.INDEX or phg.CODE.KINEMATIC.AXIS is expected, e.g. phg.33282.1.2"
+    except (VariableError, ValueError) as fault:
+        return str(fault)
+    return ""
 
 
 def controller(check: Context) -> None:

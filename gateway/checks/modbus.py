@@ -5,11 +5,13 @@ from collections.abc import Iterator, Sequence
 
 from gateway.cell_modbus import Modbus, ModbusValue
 from gateway.checks.context import Context, near, twice
+from gateway.checks.controller import phg_fault
 from gateway.modbuspictures import PICTURES
 from gateway.pure.modbus_pictures import STATES_AT
 from gateway.pure.modbus_registers import place
 from gateway.pure.modbus_view import FLAGS_AT
 from gateway.pure.names import lookup, spelled
+from gateway.pure.phg.catalogue import PREFIX
 from gateway.pure.reis.binary import BYTES
 from gateway.pure.reis.markers import SIZE
 from protocols.modbus.numbers import words_of
@@ -74,8 +76,12 @@ def _registers(check: Context, door: Modbus, key: str) -> None:
     for table in door.registers:
         where = f"{key}.registers[{table.at}]"
         found = lookup(table.from_)
+        why = phg_fault(check.cell, table.from_)
+        if why:
+            check.fault(where, table.from_, why)
+            continue
         axis = table.from_.split(".")[1] if table.from_.startswith("axis.") else "*"
-        if found is None or (axis != "*" and axis not in axes):
+        if not table.from_.startswith(PREFIX) and (found is None or (axis != "*" and axis not in axes)):
             check.fault(where, table.from_, near(table.from_, spelled(axes, [])) or "no such value; `axisgate var --names` lists them")
             continue
         for placed in place(table.at, table.from_, table.type, axes):

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from gateway.pure.phg.catalogue import PREFIX, register_type
 from protocols.base.errors import EncodeError
 from protocols.modbus.numbers import encode_number, words_of
 from protocols.modbus.view import ExceptionCode, Kind
@@ -25,7 +26,9 @@ class Placed:
 
 
 def type_of(name: str) -> str:
-    """REAL for what is measured, else one register."""
+    """REAL for what is measured, else one register; variables of the PHG by their base type."""
+    if name.startswith(PREFIX):
+        return register_type(name)
     return "REAL" if name.rpartition(".")[2] in MEASURED or name == "cell.override" else "UINT16"
 
 

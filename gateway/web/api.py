@@ -66,6 +66,9 @@ class Api:
         total, found = self.names.search(call.query.get("q", "")[:200], call.query.get("group", "")[:100])
         return {"total": total, "rows": [entry.row() for entry in found]}
 
+    async def value(self, call: Call) -> Row:
+        return await self.hands.desk.ask("get", address=call.query.get("address", "")[:100])
+
     async def tree(self, call: Call) -> Row:
         return {"tree": self.names.tree(), "total": len(self.names.all)}
 
@@ -249,6 +252,7 @@ def endpoints(api: Api) -> list[Endpoint]:
         row("GET", "/api/me", n, "who am I, and what may I", api.me),
         row("GET", "/api/cell", v, "devices, wiring, check results, evidence", api.show_cell),
         row("GET", "/api/signals", v, "search values by name or address", api.search, query=(("q", "string"), ("group", "string"))),
+        row("GET", "/api/value", v, "one value by name or address, also phg.33282.1.2", api.value, query=(("address", "string"),)),
         row("GET", "/api/tree", v, "branches of all values", api.tree),
         row("GET", "/api/errors", v, "the error catalogue by number, family and number, or words", api.errors, query=(("q", "string"),)),
         row("GET", "/api/jobs/{number:int}", v, "what became of a command", api.job),

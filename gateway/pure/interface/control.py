@@ -19,6 +19,7 @@ from gateway.pure.interface.fastio import MultiFunction
 from gateway.pure.interface.image import PicImage
 from gateway.pure.interface.numbers import AS_SHIPPED, Numbers
 from gateway.pure.interface.panelview import PanelView
+from gateway.pure.interface.phgvalues import PhgValues
 from gateway.pure.interface.steps import Step, body_maker, fault_of
 from gateway.pure.interface.supervision import PlcWatch
 from gateway.pure.interface.whole import Installation, Seen, SignalInterface
@@ -67,6 +68,7 @@ class Setup:
     plc_grace: bool = True
     sets_override: bool = True
     units: tuple[tuple[str, float], ...] = ()  # of the axes: name, and how many of them a rad or m is
+    limits: tuple[tuple[float, float], ...] = ()  # of the axes, in these units
     info_bits: Mapping[str, int] = field(default_factory=dict)  # RC inputs the pendant's INFO speaks of, by symbol
     option: int = 0  # P25 as the option byte: what resets factors
 
@@ -100,7 +102,14 @@ class RhoControl:
         self._now = now
         self.state = CellState()  # as the cycle told it last
         self.factor_table = FactorTable(setup.installation.kinematics, setup.option)
-        self.panel = Panel(self.functions.display, self.functions.phg, self.functions.statuses, PanelView(self), setup.functions.language)
+        self.panel_view = PanelView(self)
+        self.panel = Panel(self.functions.display, self.functions.phg, self.functions.statuses, self.panel_view, setup.functions.language)
+        self.phg = PhgValues(self)
+
+    @property
+    def now(self) -> Ns:
+        """Of the last cycle."""
+        return self._now
 
     @property
     def outputs(self) -> bytes:

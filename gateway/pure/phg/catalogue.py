@@ -6,6 +6,8 @@ Processes and files (34305..34570) are read and written by gateway.pure.function
 from dataclasses import dataclass
 from enum import Enum
 
+from gateway.pure.functions.system_variables import VariableError
+
 CODED = 32768  # bit 15: the index holds kinematic and component
 
 
@@ -205,3 +207,33 @@ def coded_index(kinematic: int, component: int) -> int:
 def split_index(index: int) -> tuple[int, int]:
     """(kinematic, component) of a coded index; (0, index) of a simple one, which counts over the whole system."""
     return divmod(index - CODED, 256) if index & CODED else (0, index)
+
+
+PREFIX = "phg."  # of the names cells and tools use (AX-496)
+NOT_HERE = (  # codes from .. to: nothing of the kind is in this control
+    (33041, 33060), (33285, 33288), (33292, 33292), (33295, 33296), (33299, 33300), (33539, 33541), (34050, 34059), (34561, 34570),
+    (34816, 35071),
+)  # fmt: skip
+
+
+def variable_of(name: str) -> tuple[Variable, int]:
+    """Row and index a name means.  KeyError: it is no name of a variable; VariableError: no such variable or index."""
+    parts = name.removeprefix(PREFIX).split(".")
+    if not name.startswith(PREFIX) or not 1 <= len(parts) <= 3 or not all(part.isascii() and part.isdigit() for part in parts):
+        raise KeyError(name)
+    code, *rest = (int(part) for part in parts)
+    variable = TABLE.get(code)
+    if variable is None:
+        raise VariableError(f"{name}: no such variable; rho 3 Releases L9288-9470 has 33025 to 35071")
+    if any(first <= code <= last for first, last in NOT_HERE):
+        raise VariableError(f"{name} {variable.name}: this control has none")
+    try:
+        return variable, coded_index(*rest) if len(rest) == 2 else rest[0] if rest else 0
+    except ValueError as error:
+        raise VariableError(f"{name}: {error}") from error
+
+
+def register_type(name: str) -> str:
+    """How a number stands in registers where the cell names no type."""
+    base = variable_of(name)[0].base
+    return {Base.REAL: "REAL", Base.DOUBLE: "UINT32"}.get(base, "UINT16")

@@ -5,10 +5,12 @@ import contextlib
 import fcntl
 import json
 import os
+import pathlib
 import pty
 import re
 import select
 import signal
+import socket
 import struct
 import subprocess
 import sys
@@ -18,8 +20,10 @@ from collections.abc import Callable, Coroutine, Iterator
 from typing import Any
 
 import pytest
+from pymodbus.client import ModbusTcpClient
 from textual.widgets import Input, Static, TabbedContent
 
+from drivers.ports.base import runtime_dir
 from gateway.commands.monitor import main
 from gateway.monitor.app import Monitor
 from gateway.monitor.look import Look
@@ -36,12 +40,33 @@ kind = "rho3"
 name = "PICK"
 steps = [ { wait_ms = 1 }, { input = 5 } ]
 """
+SHOWN_IN = '  { at = "DD 2", type = "DH", from = "MD 40" },\n'
+BLOCK_ENTRIES = """
+  { at = "DD 4", type = "REAL", from = "phg.33289.1.2" },
+  { at = "DW 6", type = "KF", from = "phg.33297" },
+"""
+BESIDE = 'bind = "127.0.0.1:1502"\nmax_silence_ms = 8000\n'
+REGISTERS = """
+[[modbus.registers]]
+at = 2000
+from = "phg.33289.1.2"
+[[modbus.registers]]
+at = 2002
+from = "phg.33793"
+[[modbus.registers]]
+at = 2004
+from = "phg.33297"
+"""
 
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory: pytest.TempPathFactory) -> Iterator[CellRun]:
     """Two axes, a rho 3 control, two doors nobody speaks to: EMERGENCY STOP stands."""
-    with running_cell(signal_cell(tmp_path_factory.mktemp("see"), "net", CONTROL), "see", plc=False, p5_ms=10) as run:
+    path = pathlib.Path(signal_cell(tmp_path_factory.mktemp("see"), "net", CONTROL))
+    text = path.read_text()
+    assert text.count(SHOWN_IN) == text.count(BESIDE) == 1
+    path.write_text(text.replace(SHOWN_IN, SHOWN_IN + BLOCK_ENTRIES).replace(BESIDE, BESIDE + REGISTERS))
+    with running_cell(str(path), "see", plc=False, p5_ms=10) as run:
         yield run
 
 
@@ -263,6 +288,37 @@ def dialogue(screens: Iterator[str], *words: str) -> None:
 def test_the_pendant_in_a_real_terminal(run: CellRun) -> None:
     """Its display, a mode chosen by direct selection, and its end."""
     dialogue(screen_of("m7.1\r\x11", "see", "--pendant"), "Basic level", *["Mode="] * 4, "7.1 Axis display")
+
+
+def test_variables_of_the_phg_stand_in_registers_blocks_and_var(run: CellRun) -> None:
+    with ModbusTcpClient("127.0.0.1", port=run.port) as client:
+
+        def real(at: int) -> float:
+            words = client.read_holding_registers(at, count=2).registers
+            found: float = struct.unpack(">f", struct.pack(">HH", *words))[0]
+            return found
+
+        assert (real(2000), client.read_holding_registers(2004, count=1).registers) == (2000.0, [2])
+        assert told(run, op="set", address="phg.33793", value="0.25")["value"] == 0.25
+        assert real(2002) == 0.25, "VFACTOR, written by one and read by the other"
+    assert told(run, op="get", address="DB31.DD4")["REAL"] == 2000.0 and told(run, op="get", address="DB31.DW6")["KF"] == 2
+    assert told(run, op="get", address="phg.33291.1.2") == {
+        "address": "phg.33291.1.2",
+        "place": "phg.33291.1.2 (Axis names)",
+        "value": "A2",
+    }
+    assert "is only read" in told(run, op="set", address="phg.33028.0", value="1")["error"]
+    assert "this control has none" in told(run, op="get", address="phg.33285.1")["error"]
+    assert told(run, op="set", address="phg.33793", value="1")["value"] == 1.0
+
+
+def told(run: CellRun, **request: str) -> dict[str, Any]:
+    """One question of a tool."""
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as link:
+        link.connect(str(runtime_dir() / f"{run.name}-services.sock"))
+        link.sendall(json.dumps(request).encode() + b"\n")
+        found: dict[str, Any] = json.loads(link.makefile().readline())
+        return found
 
 
 def test_looking_gave_no_command_and_no_life(run: CellRun) -> None:
