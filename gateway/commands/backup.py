@@ -11,6 +11,7 @@ from gateway.commands.common import DONE, ENVIRONMENT, load
 EXAMPLES = """examples:
   axisgate backup cell.toml --to cell-2026-11-21.zip           everything that makes this cell
   axisgate backup cell.toml --to /media/usb/cell.zip --json    what went into it, for scripts
+  axisgate backup demo --to demo.zip                           of a shipped cell, to look at
   axisgate restore cell-2026-11-21.zip --to /etc/axisgate --dry-run    what restoring it would do
 exit code: 0 saved, 2 the cell is invalid, 3 it cannot be written"""
 

@@ -11,6 +11,7 @@ import pathlib
 import resource
 import socket
 import subprocess
+import sys
 from collections.abc import Iterable
 
 from gateway.errors import Exit
@@ -20,26 +21,50 @@ EXAMPLES = """examples:
   axisgate doctor                                   everything that is plugged in
   axisgate doctor --port /dev/ttyUSB0 --can can0    one port and one CAN interface by name
   axisgate doctor --json                            the same for a program
-exit code: 0 all well, 1 something to improve, 3 a named port or interface is not there"""
+  axisgate doctor serial /dev/ttyUSB0               measured: echo of the adapter (loop plug), lateness of this machine
+  axisgate doctor can socketcan:can0 --send         the same for a CAN adapter
+  axisgate doctor --hour cell.toml                  an hour of this machine: good for the clock of the cell?
+exit code: 0 all well, 1 something to improve, 2 command line or cell, 3 a named port or interface is not there"""
 PORTS = ("/dev/serial/by-id/*", "/dev/ttyUSB*", "/dev/ttyACM*")
 TRIED_PRIORITY = 10
 IP_LIMIT_S = 5.0
 
 
 def main(argv: list[str]) -> int:
+    if argv[:1] in (["serial"], ["can"]):
+        from gateway.doctor.tools import main as measured  # its own options
+
+        return measured(argv)
     parser = argparse.ArgumentParser(
         "axisgate doctor", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--port", action="append", default=[], metavar="DEVICE", help="a serial port; may be given again")
     parser.add_argument("--can", action="append", default=[], metavar="IFACE", help="a CAN interface; may be given again")
     parser.add_argument("--json", action="store_true", help="a list of JSON objects on standard output")
+    parser.add_argument("--hour", metavar="CELL", help="measure for an hour how late this machine is, against the clock of the cell")
+    parser.add_argument("--seconds", type=float, default=3600.0, help="with --hour: another time than an hour")
     options = parser.parse_args(argv)
+    if options.hour:
+        return _hour(options)
     findings = [*real_time(read_real_time()), *ports(options.port), *buses(options.can)]
     if options.json:
         print(json.dumps([dataclasses.asdict(finding) for finding in findings], indent=1))
     else:
         print("\n".join(line for finding in findings for line in told(finding)))
     return verdict(findings)
+
+
+def _hour(options: argparse.Namespace) -> int:
+    from gateway.commands.common import load
+    from gateway.doctor.tools import hour
+
+    cell = load(options.hour)
+    if isinstance(cell, int):
+        return cell
+    if not 0 < options.seconds <= 86_400:
+        print(f"axisgate doctor: --seconds {options.seconds:g}: up to 86400", file=sys.stderr)
+        return Exit.INVALID
+    return hour(cell, options.seconds, as_json=options.json)
 
 
 def told(finding: Finding) -> list[str]:

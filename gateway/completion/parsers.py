@@ -12,6 +12,7 @@ Command = Callable[[list[str]], int]
 CELLS = ("cell", "CELL")
 BEFORE_ARGPARSE: Mapping[str, tuple[str, ...]] = {  # tools a command hands over to before its own parser, each with one of its own
     "bus": ("monitor", "log", "replay", "send", "load", "plan", "infer"),
+    "doctor": ("serial", "can"),
     "line": ("export",),
     "learn": ("line",),
     "motion": ("run",),
