@@ -17,9 +17,12 @@ if TYPE_CHECKING:
     from gateway.assembly import RunPlan
     from gateway.controllers import Control
     from gateway.processes.services import Services
+    from gateway.pure.reis.control import ReisControl
+    from gateway.pure.reis.regulator import Reference
     from gateway.retain import Retained
+    from gateway.retainfile import Record
 
-ERRORS, CONFIGURATION = "error", "configuration"  # kinds of history
+ERRORS, CONFIGURATION, SYNCHRONISM = "error", "configuration", "synchronism"  # kinds of history
 FLAGS, COUNTER, SOURCE = "flags.M", "counter", "retained"
 COUNTERS = 32  # the most a PIC has (P3)
 
@@ -30,6 +33,8 @@ class RetainDesk:
     def __init__(self, services: "Services", now: Ns) -> None:
         self._services = services
         self._errors: dict[tuple[int, str, str], ErrorRecord] = {}
+        self._synchronised: dict[int, Reference] = {}
+        self._told = False  # this run has written what its axes are synchronised with
         path = file_of(services.plan)
         self.kept = None if path is None else self._retained(path)
         if self.kept is not None:
@@ -52,6 +57,16 @@ class RetainDesk:
         numbers = [number for number in range(COUNTERS) if control.counter(number) is not None]
         counters = {number: kept.value(f"{COUNTER}.{number}", -1) for number in numbers}
         control.restore(bytes(flags), {number: left for number, left in counters.items() if isinstance(left, int) and left >= 0})
+        reis = self._reis(control)
+        if reis is not None:
+            self._synchronised = dict(known_references(kept.last(SYNCHRONISM)) or reis.synchronised)
+            reis.was_synchronised(self._synchronised)
+
+    @staticmethod
+    def _reis(control: "Control") -> "ReisControl | None":
+        from gateway.pure.reis.control import ReisControl  # loaded long ago: there is a control
+
+        return control if isinstance(control, ReisControl) else None
 
     def _restore_named(self, kept: "Retained", now: Ns) -> None:
         named, sets_off = self._services.named, set(watched(self._services.cell.telegram))
@@ -70,6 +85,10 @@ class RetainDesk:
             kept.keep_block(FLAGS, control.retained())
             counters = {f"{COUNTER}.{number}": control.counter(number) for number in range(COUNTERS)}
             kept.keep_all({name: left for name, left in counters.items() if left is not None})
+            reis = self._reis(control)
+            if reis is not None and (reis.synchronised != self._synchronised or (kept.last(SYNCHRONISM) is None and not self._told)):
+                self._synchronised, self._told = dict(reis.synchronised), True
+                kept.record(SYNCHRONISM, {str(axis): [data.home, data.offset, data.direction] for axis, data in reis.synchronised.items()})
         self._keep_named(kept)
         self._log(kept)
 
@@ -116,6 +135,18 @@ class RetainDesk:
         if self.kept is not None:
             self.look()
             self.kept.close()
+
+
+def known_references(record: "Record | None") -> "dict[int, Reference]":
+    """Machine data each axis was synchronised with, as they were kept; {}: nothing usable was."""
+    from gateway.pure.reis.regulator import Reference
+
+    known: dict[int, Reference] = {}
+    for axis, data in (record or {}).items():
+        match data:
+            case [int() | float() as home, int() as offset, int() as direction] if axis.isdecimal():
+                known[int(axis)] = Reference(float(home), offset, direction)
+    return known
 
 
 def file_of(plan: "RunPlan") -> pathlib.Path | None:

@@ -66,18 +66,18 @@ class ReisSetup:
 class ReisControl:
     """Call `step` once per cycle of the services."""
 
-    def __init__(self, setup: ReisSetup, office: Office, kept: bytes = b"", synchronised: Mapping[int, Reference] | None = None) -> None:
-        """`kept`: markers as the retained data have them, `synchronised`: what each axis was synchronised with.  IoFault: do not fit."""
+    def __init__(self, setup: ReisSetup, office: Office) -> None:
+        """IoFault: the 40 bytes do not fit."""
         self.setup, self._office = setup, office
         self.image = PicImage()
         self.io = BinaryIo(self.image, setup.first_byte)
         self.shared = SharedOutputs(self.io, setup.plc_only, setup.robot_only)
         self.markers = Markers(self.io)
-        if kept:
-            self.markers.power_on(kept)
-        known = dict(setup.references if synchronised is None else synchronised)
-        self.messages: list[Message] = start(self.markers, known, setup.references)
-        self._asynchronous = bool(self.messages)
+        self.messages: list[Message] = []
+        self.synchronised: dict[int, Reference] = {}  # axis -> machine data it was synchronised with last; kept over power-off
+        self._asynchronous: set[int] = set()  # axes whose machine data have changed since
+        self._referenced, self._seen = 0, False  # axes that were referenced at the last step; there was one
+        self.was_synchronised(setup.references)
         self._standing: set[tuple[int, int]] = set()  # regulator error, axis
         self._percent = self.markers.number(OVERRIDE)  # what stands is no order
         self._hold = True  # a hold that stands at start has stopped nothing
@@ -88,6 +88,12 @@ class ReisControl:
     def outputs(self) -> bytes:
         """RC outputs, the cycle's and the robot's."""
         return bytes(self.image.outputs)
+
+    def was_synchronised(self, known: Mapping[int, Reference]) -> None:
+        """Before the first step: what each axis was synchronised with when the control was last alive (677, 678, 679)."""
+        self.synchronised = dict(known)
+        self.messages = start(self.markers, known, self.setup.references)
+        self._asynchronous = {message.axis for message in self.messages}
 
     # ---- one cycle -----------------------------------------------------------------------------------------------------
     def step(self, inputs: InputImage, cycle: bytes, state: CellState, now: Ns, *, heard: bool = False) -> list[str]:
@@ -133,11 +139,27 @@ class ReisControl:
         axes = state.axes[: len(self.setup.axes)]
         markers.set_bit(*STARTED, True)
         markers.set_bit(*MOVES, state.motion in (Motion.RUNNING, Motion.STOPPING, Motion.REFERENCING))
+        self._note_references(state)
         markers.set_bit(*SYNCHRONOUS, not self._asynchronous and all(axis.flags & AxisFlag.REFERENCED for axis in axes))
         mode = AUTO if self.image.input(AUTO_MN) else HAND
         markers.set_number(MODE, int.from_bytes(mode.to_bytes(2, "big"), "little"), 2)
         for number, (axis, factor) in enumerate(zip(axes, self.setup.unit_per_si, strict=False)):
             markers.set_number(ACTUAL + 4 * number, round(axis.actual * factor * 100.0))
+
+    def _note_references(self, state: CellState) -> None:
+        """An axis that has just been referenced is synchronised with the machine data of today; the last one of them ends the error."""
+        before = len(self._asynchronous)
+        flags = [axis.flags for axis in state.axes[: len(self.setup.axes)]]
+        referenced = sum(1 << n for n, flag in enumerate(flags) if flag & AxisFlag.REFERENCED)
+        fresh, self._referenced = referenced & ~self._referenced, referenced
+        for number, data in self.setup.references.items():
+            if referenced >> number - 1 & 1 and ((fresh >> number - 1 & 1 and self._seen) or number not in self.synchronised):
+                self.synchronised[number] = data
+                self._asynchronous.discard(number)
+        self._seen = True
+        if before and not self._asynchronous and not self._standing:
+            self.markers.set_bit(*IN_ERROR, False)
+            self.markers.set_number(ERROR_NUMBER, 0)
 
     def _obey(self, state: CellState, now: Ns) -> None:
         """Override on change, hold motion while it stands (robotstar 5.8, M1436, M1020.7)."""

@@ -1,10 +1,13 @@
 """The Reis and the VAL 3 view in a running cell: robotstar 4, 5.8, 5.9, 8.1; val3 3.5; AX-336, AX-337, AX-338."""
 
+import dataclasses
+from typing import Any
+
 import pytest
 
 from gateway.pure.command_block import Code
 from gateway.pure.reasons import CommandState
-from gateway.pure.records import Motion, Quality, set_bit
+from gateway.pure.records import RC_BYTES, AxisFlag, AxisState, CellState, Motion, Quality, set_bit
 from gateway.pure.reis.control import regulator_number
 from hil_tests.unit.controls.bench import AUTO, PLC, ControlBench, cell_with
 
@@ -177,3 +180,42 @@ def test_the_outputs_of_the_cycle_reach_the_doors_of_every_kind(robot: ControlBe
     val3 = ControlBench(VAL3)
     val3.run(0.3)
     assert robot.output(66) and robot.output(64) and val3.output(64) and robot.office.owner == PLC
+
+
+def stepped(robot: ControlBench, *flags: AxisFlag) -> None:
+    """One step of the control alone, with axes that stand so."""
+    state = CellState(generation=1, axes=[AxisState(flags=flag) for flag in flags])
+    robot.told += robot.control.step(robot.inputs, bytes(RC_BYTES), state, 0)
+
+
+@pytest.mark.parametrize(("change", "number"), [({"home": 5.0}, 677), ({"offset": 7}, 678), ({"direction": -1}, 679)])
+def test_machine_data_that_changed_over_power_off_make_their_axis_asynchronous_until_it_is_referenced(
+    change: dict[str, Any], number: int
+) -> None:
+    """robotstar L4734-4740: 677, 678, 679 at the start, M1020.6 away; referencing again ends it."""
+    robot = ControlBench(REIS)
+    today = dict(robot.reis.setup.references)
+    robot.reis.was_synchronised({**today, 2: dataclasses.replace(today[2], **change)})
+    markers, on = robot.reis.markers, AxisFlag.REFERENCED
+    stepped(robot, on, on)
+    assert [told for told in robot.told if str(number) in told] and markers.number(ERROR) == number
+    assert not markers.bit(1020, 6) and markers.bit(1021, 0), "the drive still says referenced: it was to the old place"
+    stepped(robot, on, on)
+    stepped(robot, AxisFlag(0), on)
+    stepped(robot, on, on)
+    assert not markers.bit(1020, 6), "the other axis is not meant"
+    stepped(robot, on, AxisFlag(0))
+    assert not markers.bit(1020, 6)
+    stepped(robot, on, on)
+    assert markers.bit(1020, 6) and not markers.bit(1021, 0) and markers.number(ERROR) == 0
+    assert robot.reis.synchronised == today
+
+
+def test_an_axis_that_was_never_synchronised_is_with_its_first_reference() -> None:
+    robot = ControlBench(REIS)
+    today = dict(robot.reis.setup.references)
+    robot.reis.was_synchronised({})
+    stepped(robot, AxisFlag.REFERENCED, AxisFlag(0))
+    assert robot.reis.synchronised == {1: today[1]} and not robot.reis.markers.bit(1020, 6)
+    stepped(robot, AxisFlag.REFERENCED, AxisFlag.REFERENCED)
+    assert robot.reis.synchronised == today and robot.reis.markers.bit(1020, 6)
