@@ -15,6 +15,7 @@ from gateway.image import create_region, create_ring
 from gateway.io_regions import chips, joined_regions, make_joined, simulated_couplers
 from gateway.programplan import ProgramPlan, plan_programs
 from gateway.pure import plannerrecords, records
+from gateway.pure.recording import messages
 from gateway.pure.records import (
     ACYCLIC_RECORDS,
     ASIDE_BYTES,
@@ -31,6 +32,7 @@ ORDERS = 256  # records in the command ring: far more than one door can issue in
 DOOR_BYTES = 256  # command words (128 bytes at most) and status words (128) of one door
 LINKS_BYTES = 16384
 MS = 1_000_000
+CYCLE_RINGS = ("trace", "scope", "record", "recorder")  # what it says to whoever listens, and who that is
 CHIPS_LIFE_MS = 1_000  # a chip behind USB may take its time; its contacts are marked meanwhile
 PLANNER_LIFE_MS = 10_000  # a law of a long run takes a second, much more on a busy machine; nothing depends on it meanwhile (AX-420)
 
@@ -147,13 +149,14 @@ def plan_run(
         )
     )
     regions = ("rc_in", "rc_out", "axes", "links", "orders", "acyclic", "heard", *joined_regions(cell))
+    blocks = [f"door-{door.number}" for door in doors]
     core = [
-        Child("cycle", "gateway.processes.cycle", (), (*regions, "trace", "scope"), "axes", max(5 * period_ms, 50) * MS),
+        Child("cycle", "gateway.processes.cycle", (), (*regions, *CYCLE_RINGS), "axes", max(5 * period_ms, 50) * MS),
         Child(
             "services",
             "gateway.processes.services",
             (),
-            (*regions, *(f"door-{door.number}" for door in doors)),
+            (*regions, "told", "recorder", *blocks),
             "links",
             250 * MS,
             spare=True,
@@ -247,6 +250,9 @@ def make_regions(plan: RunPlan) -> dict[str, int]:
     fds["acyclic"] = create_ring("acyclic", ASIDE_BYTES, ACYCLIC_RECORDS, ASIDE_LAYOUT)
     fds["heard"] = create_ring("heard", ASIDE_BYTES, HEARD_RECORDS, ASIDE_LAYOUT)
     fds["scope"] = create_ring("scope", SCOPE_BYTES, SCOPE_RECORDS, SCOPE_LAYOUT)
+    fds["record"] = create_ring("record", messages.CHUNK_BYTES, messages.CHUNK_RECORDS, messages.CHUNK_LAYOUT)
+    fds["told"] = create_ring("told", messages.TOLD_BYTES, messages.TOLD_RECORDS, messages.TOLD_LAYOUT)
+    fds["recorder"] = create_region("recorder", messages.ASKED.size, messages.ASKED_LAYOUT)
     fds["trace"] = create_ring("trace", TRACE_BYTES, TRACE_RECORDS, TRACE_LAYOUT)
     if plan.cell.robot is not None:
         fds["blocks"] = create_ring("blocks", plannerrecords.SAY_SIZE, plannerrecords.BLOCKS, plannerrecords.SAY_LAYOUT)

@@ -1,7 +1,7 @@
 """What a line's door heard and said, the last few thousand characters, for pages that decode it; costs the line one append."""
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Generic, TypeVar
 
 from protocols.base.machine import Damage, Machine, Ns
@@ -14,7 +14,9 @@ Piece = tuple[int, Ns, str, bytes | Damage]  # number, stamp, side (A: the partn
 class Tap(Generic[E]):
     """A machine between loop and door that keeps what passes."""
 
-    def __init__(self, machine: Machine[E]) -> None:
+    def __init__(self, machine: Machine[E], said: Callable[[Ns, str, bytes], None] = lambda now, side, data: None) -> None:
+        """`said` hears every good character at once."""
+        self._said = said
         self._machine = machine
         self._kept: deque[Piece] = deque(maxlen=KEPT)
         self._number = 0
@@ -56,3 +58,5 @@ class Tap(Generic[E]):
         self._number += 1
         self._latest = max(now, self._latest)
         self._kept.append((self._number, self._latest, side, what))
+        if isinstance(what, bytes):
+            self._said(self._latest, side, what)

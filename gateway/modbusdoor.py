@@ -6,6 +6,7 @@ Over TCP, over TLS, RTU in a TCP stream, RTU on a serial port: the door is the s
 import asyncio
 import ipaddress
 import pathlib
+import struct
 import time
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
@@ -18,7 +19,9 @@ from gateway.modbus_line import ModbusLine
 from gateway.modbus_server import Limits, ModbusServer
 from gateway.pure.modbus_registers import Placed, Registers, RegistersView, place
 from gateway.pure.modbus_view import RhoView
+from gateway.pure.recording.messages import Source
 from gateway.pure.records import InputImage, Quality
+from gateway.recording.told import ServicesTap
 from protocols.base.machine import ms
 from protocols.modbus.rights import Rights, Span
 from protocols.modbus.station import Identity
@@ -43,6 +46,7 @@ class CellSide:
     value: Callable[[str], float]
     block: Callable[[int], bytes | None]
     errors: Callable[[], Sequence[int]]
+    recorded: ServicesTap
     axes: Sequence[str]
     controller: Controller | None
     folder: pathlib.Path  # beside which certificates are looked for
@@ -65,6 +69,7 @@ def side_of(services: "Services", door: "ModbusDoor", owned: Collection[int]) ->
         lambda name: services.variables.value_of(name, door),
         block,
         lambda: [code for code, _ in services.values.errors],
+        services.recorded,
         [axis.name for axis in services.cell.axis],
         services.cell.controller,
         pathlib.Path(services.cell.file).resolve().parent,
@@ -99,12 +104,16 @@ class ModbusDoor(BaseDoor):
 
         def written(octets: Collection[int]) -> None:
             now = time.monotonic_ns()
+            pairs = bytes(each for octet in octets for each in (octet, inputs.values[octet]))
+            side.recorded.put(now, Source.WRITTEN, self.number, pairs)
             for octet in octets:
                 inputs.quality[octet], inputs.stamps[octet] = Quality.GOOD, now
             flush()  # routes and the cycle have it now, not with the next tick
 
         def command(first: int, values: Sequence[int]) -> None:
-            self.write_words(first, values, time.monotonic_ns())
+            now = time.monotonic_ns()
+            side.recorded.put(now, Source.COMMAND, self.number, struct.pack(f"<{len(values) + 1}H", first, *values))
+            self.write_words(first, values, now)
             self.view.status = self.block.status_words(self.status)  # the answer to the next read is fresh without waiting for a tick
             flush()
 

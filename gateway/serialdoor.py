@@ -14,6 +14,7 @@ from gateway.lineloop import LineRunner
 from gateway.linetap import Tap
 from gateway.pure.jobs import OnLoss
 from gateway.pure.office import Office
+from gateway.pure.recording.messages import Source
 from gateway.pure.supervision import LinkWatch
 from protocols.base.machine import Machine, Ns
 from protocols.p3964r.events import SamePriority
@@ -55,8 +56,11 @@ class SerialDoor(BaseDoor):
 
     def open(self, url: str) -> None:
         """Start the line; inside the running loop."""
-        self.tap = Tap(journaled(self.machine, self._services.plan, self.line))
+        self.tap = Tap(journaled(self.machine, self._services.plan, self.line), self._record)
         self._runner = LineRunner[object](lambda: open_bytes(url, self.line.format), self.tap, self._on_event)
+
+    def _record(self, now: Ns, side: str, data: bytes) -> None:
+        self._services.recorded.put(now, Source.HEARD if side == "A" else Source.SAID, self.number, data)
 
     def close(self) -> None:
         """Give the port back."""

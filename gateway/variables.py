@@ -35,6 +35,7 @@ from gateway.pure.addresses import Kind as OperandKind
 from gateway.pure.functions.system_variables import STOP_PROCESS, VariableError
 from gateway.pure.line_blocks import AREA_BYTES
 from gateway.pure.phg.catalogue import PREFIX, variable_of
+from gateway.pure.recording.messages import Source
 from gateway.pure.records import get_bit
 from gateway.tooldesk import TOOL_DOOR
 from protocols.modbus.view import ExceptionCode, Kind
@@ -45,6 +46,7 @@ if TYPE_CHECKING:
 
 LONGEST = 4096
 STOP = f"{PREFIX}{STOP_PROCESS}"  # is written and never read
+ASKING = ("get", "names", "status", "axes", "job", "ticket")  # requests that change nothing
 _KINDS = {
     Table.COIL: Kind.COILS,
     Table.DISCRETE: Kind.DISCRETE_INPUTS,
@@ -79,6 +81,8 @@ class Variables:
         """One request; never raises."""
         try:
             request = json.loads(line)
+            if request.get("op") not in ASKING:
+                self._services.recorded.put(time.monotonic_ns(), Source.TOOL, TOOL_DOOR, line.strip())
             if request.get("op") in ("contacts", "force"):
                 return self._services.contacts.answer(request)
             told = self._services.tools.answer(request)

@@ -1,6 +1,9 @@
 """What the commands share: exit codes, the banner, loading a cell with its faults told."""
 
+import contextlib
+import signal
 import sys
+from collections.abc import Callable, Iterator
 
 from gateway.cell import Cell
 from gateway.config import load_cell
@@ -28,3 +31,16 @@ def load(name: str) -> Cell | int:
             print(fault, file=sys.stderr)
         print(f"axisgate: {len(faults.faults)} faults; axisgate check {name} explains them", file=sys.stderr)
         return USAGE
+
+
+@contextlib.contextmanager
+def interruptible() -> Iterator[Callable[[], bool]]:
+    """Ctrl-C, or a polite end, no longer ends the command: it asks whether that came."""
+    came: list[int] = []
+    numbers = (signal.SIGINT, signal.SIGTERM)
+    before = [signal.signal(number, lambda got, frame: came.append(got)) for number in numbers]
+    try:
+        yield lambda: bool(came)
+    finally:
+        for number, handler in zip(numbers, before, strict=True):
+            signal.signal(number, handler)

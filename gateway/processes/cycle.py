@@ -25,6 +25,7 @@ from gateway.image import RegionReader, RegionWriter, RingReader, RingWriter, fd
 from gateway.io_cycle import InputMarks, IoErrors, cycle_contacts
 from gateway.pure.core import Core
 from gateway.pure.plannerrecords import PIECE_LAYOUT, unpack_piece
+from gateway.pure.recording.messages import What
 from gateway.pure.records import (
     ASIDE_LAYOUT,
     TRACE_LAYOUT,
@@ -42,6 +43,7 @@ from gateway.pure.records import (
 from gateway.pure.rho3can.family import RhoFamily
 from gateway.pure.scope.records import SCOPE_LAYOUT, pack_scope
 from gateway.realtime import Alarm, die_with_parent, go_realtime
+from gateway.recording.tap import CycleTap
 from protocols.base.errors import DecodeError
 from protocols.base.machine import Frame
 
@@ -60,15 +62,16 @@ def patience_ns(period_ns: int) -> int:
 class BusLink:
     """One drive bus: its port and the family of drives on it."""
 
-    def __init__(self, url: str, family: BusFamily) -> None:
-        self.url, self.family = url, family
+    def __init__(self, url: str, family: BusFamily, number: int = 0) -> None:
+        self.url, self.family, self.number = url, family, number
+        self.tap: CycleTap | None = None  # while somebody records
         self.port: CanPort | None = None
         self.refused = 0  # frames the port did not take: never silent
         self.foreign = 0
         self.last_error = ""
         self.acyclic: deque[Frame] = deque()  # from the master, one leaves with each burst
         self.late = 0  # actual values that came in the cycle after theirs
-        self._retry_ns = self._sent_ns = 0
+        self._retry_ns = self.sent_ns = 0
         self._burst: list[Frame] = []
 
     def prepare(self, values: Sequence[SetRecord]) -> None:
@@ -80,9 +83,11 @@ class BusLink:
         if self.port is None and not self._open(now):
             return False
         assert self.port is not None
+        if self.tap is not None:
+            self.tap.sent(self.number, self._burst)
         if self.acyclic:
             self._burst.append(self.acyclic.popleft())
-        self._sent_ns = now
+        self.sent_ns = now
         try:
             self.refused += len(self._burst) - self.port.send(self._burst)
         except PortError as error:
@@ -100,7 +105,9 @@ class BusLink:
         except PortError as error:
             self._lose(error)
             return 0
-        fresh, hear, sent_ns = 0, self.family.hear, self._sent_ns
+        if self.tap is not None:
+            self.tap.heard(self.number, frames)
+        fresh, hear, sent_ns = 0, self.family.hear, self.sent_ns
         for frame in frames:
             try:
                 heard = hear(frame)
@@ -166,7 +173,7 @@ class Cycle:
             assumed=assumed_permits(cell),
             finish_without_services=cell.cell.on_services_loss == "finish_move",
         )
-        self.buses = [BusLink(plan.buses[bus.name], make_family(cell, bus, plan.p5_ms)) for bus in drive_buses]
+        self.buses = [BusLink(plan.buses[bus.name], make_family(cell, bus, plan.p5_ms), n) for n, bus in enumerate(drive_buses)]
         self.with_io = [(bus, bus.family) for bus in self.buses if isinstance(bus.family, RhoFamily)]
         self.inputs = RegionReader(fds["rc_in"], "rc_in")
         self.links = RegionReader(fds["links"], "links")
@@ -184,6 +191,7 @@ class Cycle:
         self.contacts = cycle_contacts(cell, [bus.family for bus in self.buses], fds, plan.p5_ms)
         self.marks = InputMarks([family for _, family in self.with_io], fds["marks"]) if "marks" in fds else None
         self.io_errors = IoErrors([family for _, family in self.with_io], fds["io_errors"]) if "io_errors" in fds else None
+        self.tap = CycleTap(self.core, self.buses, fds)
         self._image = InputImage()
         self._image_index = -1
         self._services_pid = self.links.writer_pid
@@ -200,8 +208,10 @@ class Cycle:
             bus.family.began(due)
         while not self._stop:
             now = self._alarm.until(due)
-            missed = (now - due) // self.period_ns
-            if missed > 0:
+            missed = max(0, (now - due) // self.period_ns)
+            if self.tap.on:
+                self.tap.began(now, missed)
+            if missed:
                 self.core.skipped(missed)
                 due += missed * self.period_ns
             self._cycle(due, now)
@@ -219,21 +229,31 @@ class Cycle:
             self._take_acyclic()
         for bus, family in self.with_io:
             bus.receive_rest(len(actuals))
-            for said in (*family.exchange(self._inputs(), core.outputs, now, up=bus.port is not None), *family.take_news()):
+            image = self._inputs()
+            if self.tap.on:
+                self.tap.exchange(bus.number, there=bus.port is not None)
+            for said in (*family.exchange(image, core.outputs, now, up=bus.port is not None), *family.take_news()):
                 print(f"{bus.url}: {said}", flush=True)
         up = [bus for bus in self.buses if bus.send(now)]
         sent = time.monotonic_ns()
         if any(bus not in up for bus in self.buses if not (isinstance(bus.family, RhoFamily) and bus.family.drives is None)):
             core.drives_lost()
+            if self.tap.on:
+                self.tap.put(What.DRIVES_LOST)
         missing = self._collect(up, actuals, due + patience_ns(self.period_ns))
         got = time.monotonic_ns()
         core.state.incomplete += missing > 0
         core.state.late = sum(bus.late for bus in self.buses)
         self._watch_services()
         self._take_pieces()
-        values = core.step(actuals, self._inputs(), self._take_orders(), self.links.life[1], now)
+        image, orders, services_ns = self._inputs(), self._take_orders(), self.links.life[1]
+        if self.tap.on:
+            self.tap.stepped(now, services_ns, missing)
+        values = core.step(actuals, image, orders, services_ns, now)
         if self.contacts is not None:
             self.contacts.turn(core.state, core.outputs, self.links.life[1], now)
+            if self.tap.on:
+                self.tap.contacts()
         self._prepare(values)
         ready = time.monotonic_ns()
         core.state.compute_ns = ready - got
@@ -252,6 +272,7 @@ class Cycle:
         for number, bus in enumerate(self.buses):
             if bus.family.aside:
                 self._hand_back(number, bus.family.aside)
+        self.tap.turn(now)
 
     def _prepare(self, values: Sequence[SetRecord]) -> None:
         for bus in self.buses:
@@ -264,6 +285,8 @@ class Cycle:
             if number >= len(self.buses):
                 continue
             bus = self.buses[number]
+            if self.tap.on:
+                self.tap.node(kind, number, identifier, data)
             if kind is Aside.RELEASE:
                 bus.family.release(identifier, data[0] if data else 0)
             elif kind is Aside.HOLD:
@@ -297,12 +320,15 @@ class Cycle:
         if pid != self._services_pid and pid:
             if self._services_pid:
                 self.core.services_lost()
+                if self.tap.on:
+                    self.tap.put(What.SERVICES_LOST)
             self._services_pid = pid
 
     def _inputs(self) -> InputImage:
         payload = self.inputs.read()
         if payload is not None and self.inputs.index != self._image_index:
             self._image_index, self._image = self.inputs.index, unpack_inputs(payload)
+            self.tap.image(payload)
         return self._image
 
     def _take_pieces(self) -> None:
@@ -313,14 +339,21 @@ class Cycle:
         if pid != self._planner_pid and pid:
             if self._planner_pid:
                 self.core.planner_lost()
+                if self.tap.on:
+                    self.tap.put(What.PLANNER_LOST)
             self._planner_pid = pid
         until = time.monotonic_ns() + self.period_ns // PIECES_SHARE
         while time.monotonic_ns() < until and (records := self.pieces.take(1)):
+            if self.tap.on:
+                self.tap.put(What.PIECE, records[0][1])
             self.core.feed(unpack_piece(records[0][1]))
 
     def _take_orders(self) -> list[OrderRecord]:
         """Orders meant for this very process: an older generation's are dropped (a command is taken once)."""
-        records = [unpack_order(record) for _, record in self.orders.take(8)]
+        taken = self.orders.take(8)
+        if taken and self.tap.on:
+            self.tap.orders(taken)
+        records = [unpack_order(record) for _, record in taken]
         return [record for record in records if record.generation == self.core.state.generation]
 
 

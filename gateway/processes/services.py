@@ -47,6 +47,7 @@ from gateway.pure.records import (
 )
 from gateway.pure.supervision import LinkWatch
 from gateway.realtime import Timerfd, die_with_parent
+from gateway.recording.told import ServicesTap
 from gateway.retaindesk import RetainDesk
 from gateway.signaldesk import RcOutputs, SignalDesk
 from gateway.telegramdoor import TelegramDoor
@@ -76,6 +77,7 @@ class Services:
         self.rc_in = RegionWriter(fds["rc_in"], "rc_in")
         self.links = RegionWriter(fds["links"], "links")
         self.orders = RingWriter(fds["orders"], "orders")
+        self.recorded = ServicesTap(fds)
         self.started_ns = time.monotonic_ns()
         latest = self.rc_in.latest()
         self.inputs = InputImage() if latest is None else unpack_inputs(latest)

@@ -55,6 +55,11 @@ class CouplerFamily:
         """Couplers are not waited for: they speak when something changes."""
         return self.drives.expected
 
+    @property
+    def shown(self) -> Mapping[int, bool]:
+        """What the outputs show, by contact."""
+        return self._shown
+
     def show(self, contacts: Mapping[int, bool]) -> None:
         """What the outputs show from the next burst on."""
         self._shown.update(contacts)

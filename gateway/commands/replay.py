@@ -1,0 +1,148 @@
+"""`axisgate replay`: a recording played on the core in virtual time; what would come out now, compared with what came out then."""
+
+import argparse
+import contextlib
+import json
+import pathlib
+import sys
+from collections.abc import Iterator
+from typing import Any
+
+from gateway.cell import Cell
+from gateway.commands.common import DONE, ENVIRONMENT, FINDING, USAGE, load
+from gateway.pure.recording.messages import Source, Told
+from gateway.pure.records import AxisFlag
+from gateway.recording.file import Found, RecordError, read
+from gateway.recording.replay import Verdict, recorded_cell, replay
+
+EXAMPLES = """examples:
+  axisgate replay monday.axrec                              what the file holds
+  axisgate replay monday.axrec --diff                       the cell as it was recorded: the first difference, or none
+  axisgate replay monday.axrec --diff --cell changed.toml   the same inputs with another cell: where does it part?
+exit code: 0 no difference, 1 a difference, 2 command line, cell or file, 3 the file cannot be read"""
+SOURCES = {Source.HEARD: "heard", Source.SAID: "said", Source.WRITTEN: "inputs", Source.COMMAND: "command", Source.TOOL: "tool"}
+
+
+def main(argv: list[str]) -> int:
+    parser = argparse.ArgumentParser(
+        "axisgate replay", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("file", metavar="FILE", type=pathlib.Path)
+    parser.add_argument("--diff", action="store_true", help="play it, and show the first difference")
+    parser.add_argument("--cell", metavar="CELL", help="with another cell than the recorded one")
+    parser.add_argument("--json", action="store_true")
+    options = parser.parse_args(argv)
+    if options.cell and not options.diff:
+        parser.error("--cell goes with --diff")
+    try:
+        found = read(options.file)
+        return _diff(options, found) if options.diff else _show(options, found)
+    except RecordError as error:
+        return _said(error, USAGE)
+    except OSError as error:
+        return _said(f"{error.filename}: {error.strerror}", ENVIRONMENT)
+
+
+def _said(error: object, code: int) -> int:
+    print(f"axisgate replay: {error}", file=sys.stderr)
+    return code
+
+
+def _holds(options: argparse.Namespace, found: Found) -> dict[str, Any]:
+    head = found.head
+    shown = {name: head[name] for name in ("cell", "sha256", "version", "wall", "p5_ms", "simulated")}
+    return {
+        "file": str(options.file),
+        **shown,
+        "cycles": found.cycles,
+        "segments": len(found.segments),
+        "lost": [*found.lost, *({"at_byte": at, "why": "a block of the file is spoiled"} for at in found.spoiled)],
+        "cut_bytes": found.cut,
+        "ended": found.ended,
+    }
+
+
+def _show(options: argparse.Namespace, found: Found) -> int:
+    holds = _holds(options, found)
+    if options.json:
+        print(json.dumps(holds))
+        return DONE
+    _sentences(holds)
+    print(f"next: axisgate replay {options.file} --diff")
+    return DONE
+
+
+def _sentences(holds: dict[str, Any]) -> None:
+    seconds = holds["cycles"] * holds["p5_ms"] / 1000.0
+    print(f"{holds['file']}: {holds['cell']}, {holds['wall']}, {holds['cycles']} cycles of {holds['p5_ms']} ms ({seconds:.1f} s)")
+    print(f"  cell file sha256 {holds['sha256'][:16]}, axisgate {holds['version']}, {holds['segments']} starts")
+    for entry in holds["lost"]:
+        place = f"after cycle {entry['after_cycle']}" if "after_cycle" in entry else f"at byte {entry['at_byte']}"
+        print(f"  lost {place}: {entry['why']}")
+    if holds["cut_bytes"]:
+        print(f"  {holds['cut_bytes']} bytes of a half block at the end are left out")
+    if not holds["ended"]:
+        print("  the recorder did not end it: its last half second may be missing")
+
+
+def _diff(options: argparse.Namespace, found: Found) -> int:
+    if not found.segments:
+        return _said(f"{options.file}: holds no start; a recording begins when nothing moves", USAGE)
+    with recorded_cell(found) as pristine:
+        cell: Cell = pristine
+        if options.cell:
+            other = load(options.cell)
+            if isinstance(other, int):
+                return other
+            cell = other
+        with _progress(found.cycles) as said:
+            verdict = replay(found, pristine, cell, said=said)
+    _judged(options, found, verdict)
+    return DONE if verdict.first is None else FINDING
+
+
+@contextlib.contextmanager
+def _progress(cycles: int) -> Iterator[Any]:
+    def said(done: int) -> None:
+        if sys.stderr.isatty():
+            print(f"\r{done} of {cycles} cycles", end="", file=sys.stderr, flush=True)
+
+    yield said
+    if sys.stderr.isatty():
+        print("\r" + " " * 40, end="\r", file=sys.stderr)
+
+
+def _judged(options: argparse.Namespace, found: Found, verdict: Verdict) -> None:
+    first, holds = verdict.first, _holds(options, found)
+    if options.json:
+        difference = None
+        if first is not None:
+            difference = {"cycle": first.cycle, "at_s": round(verdict.at_s, 6), "name": first.name}
+            difference |= {"expected": _plain(first.expected), "got": _plain(first.got), "more_in_this_cycle": verdict.also}
+            difference["told"] = [_told(each, first.stamp_ns) for each in verdict.told]
+        played = {"played": verdict.cycles, "played_s": round(verdict.seconds, 3), "without_outputs": verdict.without_outputs}
+        print(json.dumps({**holds, **played, "equal": first is None, "first": difference}))
+        return
+    _sentences(holds)
+    if first is None:
+        print(f"no difference in {verdict.cycles} cycles")
+        return
+    print(f"first difference: cycle {first.cycle}, {verdict.at_s:.3f} s after the beginning: {first.name}")
+    print(f"  expected {_plain(first.expected)}")
+    print(f"  got      {_plain(first.got)}")
+    if verdict.also:
+        print(f"  and {verdict.also} more in the same cycle")
+    for each in verdict.told:
+        print(f"  {_told(each, first.stamp_ns)}")
+
+
+def _plain(value: object) -> object:
+    """Enumerations by their numbers, flags by their names."""
+    if isinstance(value, AxisFlag):
+        return " ".join(flag.name or "" for flag in AxisFlag if flag & value) or "none"
+    return int(value) if isinstance(value, int) and not isinstance(value, bool) else value
+
+
+def _told(each: Told, stamp_ns: int) -> str:
+    words = each.data.decode(errors="replace") if each.source is Source.TOOL else each.data.hex(" ")
+    return f"{(each.stamp - stamp_ns) / 1e6:+.1f} ms door {each.door} {SOURCES[each.source]}: {words}"

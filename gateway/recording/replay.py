@@ -1,0 +1,148 @@
+"""Plays a recording on the core of its cell, or of another one, in virtual time, and finds the first difference (AX-485)."""
+
+import contextlib
+import pathlib
+import tempfile
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from gateway.assembly import known_zeros
+from gateway.axes import assumed_permits, core_axes, rc_numbers
+from gateway.backup import BackupError, read, restore
+from gateway.cell import Cell
+from gateway.config import load_cell
+from gateway.dbsignals import signals_of
+from gateway.families import DRIVE_PROTOCOLS, make_family
+from gateway.pure.addresses import Direction, RcBit
+from gateway.pure.core import Core
+from gateway.pure.recording.messages import Message, Told, What, unpack_told
+from gateway.pure.recording.player import Difference, Player
+from gateway.recording.file import Found, RecordError, Segment
+from gateway.recording.states import Snapshots, StateError, carry_over, frozen
+from protocols.base.errors import DecodeError
+
+TOLD_KEPT = 8  # words of doors and tools shown before a difference
+TOLD_NS = 1_000_000_000
+
+
+@dataclass(slots=True)
+class Verdict:
+    """Of one recording."""
+
+    cycles: int = 0  # played
+    seconds: float = 0.0
+    first: Difference | None = None
+    also: int = 0  # more differences in the same cycle
+    at_s: float = 0.0  # of the first difference, since the beginning of the recording
+    told: list[Told] = field(default_factory=list)  # what doors and tools said in the second before it
+    without_outputs: int = 0  # cycles that had nothing to be compared with
+
+
+@contextlib.contextmanager
+def recorded_cell(found: Found) -> Iterator[Cell]:
+    """The cell as it was then, unpacked for as long as it is needed; RecordError."""
+    with tempfile.TemporaryDirectory(prefix="axisgate-replay-") as folder:
+        place = pathlib.Path(folder)
+        zipped = place / "cell.zip"
+        zipped.write_bytes(found.cell)
+        try:
+            manifest = read(zipped)
+            restore(zipped, manifest, place / "cell")
+            yield load_cell(str(place / "cell" / manifest.cell))
+        except BackupError as error:
+            raise RecordError(f"its cell cannot be taken: {error}; axisgate replay FILE --cell CELL takes another") from error
+
+
+class Bench:
+    """Cores of one cell, as its cycle makes them."""
+
+    def __init__(self, cell: Cell, head: Mapping[str, Any], zeros: Mapping[str, float]) -> None:
+        self.cell, self._p5_ms, self._zeros = cell, int(head["p5_ms"]), zeros
+        self._simulated, self._buses = bool(head["simulated"]), list(head["buses"])
+
+    def core(self) -> tuple[Core, list[Any]]:
+        """A new one, with the families of its buses."""
+        cell, period = self.cell, self._p5_ms
+        axes = core_axes(cell, period, self._zeros, simulated=self._simulated)
+        core = Core(
+            axes,
+            period / 1000.0,
+            0,
+            numbers=rc_numbers(cell),
+            assumed=assumed_permits(cell),
+            finish_without_services=cell.cell.on_services_loss == "finish_move",
+        )
+        buses = [bus for bus in cell.bus if bus.name in self._buses and bus.protocol in DRIVE_PROTOCOLS]
+        return core, [make_family(cell, bus, period) for bus in buses]
+
+
+def replay(
+    found: Found, pristine: Cell, cell: Cell, *, stop_at_first: bool = True, said: Callable[[int], None] = lambda cycles: None
+) -> Verdict:
+    """`pristine`: the cell as recorded; `cell`: the one to be played, the same or a changed one.  RecordError."""
+    if [axis.name for axis in cell.axis] != [axis.name for axis in pristine.axis]:
+        raise RecordError(f"{cell.file}: other axes than the recording's ({', '.join(axis.name for axis in pristine.axis)})")
+    verdict = Verdict()
+    zeros = dict(found.head.get("zeros", {}))
+    before, then = Bench(pristine, found.head, zeros), Bench(cell, found.head, zeros if cell is pristine else zeros | known_zeros(cell))
+    signals = signals_of(cell)
+
+    def name(number: int) -> str:
+        signal = signals.at(RcBit(Direction.OUTPUT, number))
+        return f"rc_out.{number}" + (f" ({signal.name})" if signal is not None else "")
+
+    for segment in found.segments:
+        player = started(segment, before, then, name)
+        try:
+            if _play(segment, player, verdict, int(found.head["stamp_ns"]), said, stop=stop_at_first):
+                break
+        except DecodeError as error:
+            raise RecordError(f"after cycle {segment.start['cycle']}: {error}") from error
+    return verdict
+
+
+def started(segment: Segment, before: Bench, then: Bench, names: Callable[[int], str]) -> Player:
+    """A core and its buses in the state the segment begins with."""
+    start = segment.start
+    was_core, was_families = before.core()
+    core, families = then.core()
+    settings = Snapshots(core, families).settings
+    try:
+        core = carry_over(start["core"], frozen(was_core), core, settings)
+        families = carry_over(start["families"], frozen(was_families), families, settings)
+    except (StateError, KeyError, ValueError, TypeError, AttributeError) as error:
+        raise RecordError(f"the state after cycle {start['cycle']} does not fit this cell or version: {error}") from error
+    return Player(core, families, start["late"], start["sent"], names)
+
+
+def _play(segment: Segment, player: Player, verdict: Verdict, zero: int, said: Callable[[int], None], *, stop: bool) -> bool:
+    """True: the first difference was found."""
+    told: deque[Told] = deque(maxlen=TOLD_KEPT)
+    first_ns = 0
+    for _, script in segment.played():
+        if script[0].what is not What.BEGIN:  # what the start brought along
+            _prepare(player, script)
+            continue
+        told.extend(unpack_told(payload) for what, payload in script if what is What.TOLD)
+        differences = list(player.play(message for message in script if message.what is not What.TOLD))
+        first_ns = first_ns or player.stamp_ns
+        verdict.cycles += 1
+        verdict.without_outputs += all(what is not What.OUTPUTS for what, _ in script)
+        if verdict.cycles % 256 == 0:
+            said(verdict.cycles)
+        if differences and verdict.first is None:
+            verdict.first, verdict.also = differences[0], len(differences) - 1
+            verdict.at_s = (player.stamp_ns - zero) / 1e9
+            verdict.told = [each for each in told if player.stamp_ns - each.stamp < TOLD_NS]
+            if stop:
+                break
+    verdict.seconds += (player.stamp_ns - first_ns) / 1e9
+    return verdict.first is not None and stop
+
+
+def _prepare(player: Player, script: list[Message]) -> None:
+    for what, payload in script:
+        if what is What.IMAGE:
+            player.prepare_image(payload)

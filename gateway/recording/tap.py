@@ -1,0 +1,139 @@
+"""The cycle's end of a recording: messages into a ring, while a recorder lives; no file, nobody is waited for."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from gateway.image import RegionReader, RingWriter
+from gateway.pure.core import Core
+from gateway.pure.coupler401 import CouplerFamily
+from gateway.pure.recording.messages import (
+    ASKED_LAYOUT,
+    BEGIN,
+    CHUNK_LAYOUT,
+    NODE,
+    RECORDER_GONE,
+    STEP,
+    Phase,
+    What,
+    chunks,
+    pack,
+    pack_frames,
+    pack_shown,
+)
+from gateway.pure.records import Aside, Motion, unpack_order
+from gateway.recording.states import Snapshots, Start
+from protocols.base.machine import Frame, Ns
+
+if TYPE_CHECKING:
+    from gateway.processes.cycle import BusLink
+
+LOOK_EVERY = 16  # cycles between looks for a recorder while none is there
+
+
+class CycleTap:
+    """`on`: somebody records; the cycle calls the other methods only then, `turn` always."""
+
+    def __init__(self, core: Core, buses: Sequence["BusLink"], fds: Mapping[str, int]) -> None:
+        self.on = False
+        self._core, self._buses = core, buses
+        self._ring = RingWriter(fds["record"], "record", CHUNK_LAYOUT)
+        self._asked = RegionReader(fds["recorder"], "recorder", ASKED_LAYOUT)
+        self._answered = 0  # the last wish for a start that was met
+        self._snapshots = Snapshots(core, [bus.family for bus in buses])
+        self._heap = bytearray()
+        self._image = b""
+        self._shown: dict[int, bytes] = {}
+        self._phase = Phase.BEFORE
+
+    def put(self, what: What, payload: bytes = b"") -> None:
+        """One more call of this cycle."""
+        self._heap += pack(what, payload)
+
+    def began(self, now: Ns, missed: int) -> None:
+        """The cycle begins."""
+        self._phase = Phase.BEFORE
+        self.put(What.BEGIN, BEGIN.pack(now, missed))
+
+    def node(self, kind: Aside, bus: int, node: int, data: bytes) -> None:
+        """The master says so."""
+        if kind is Aside.RELEASE:
+            self.put(What.RELEASE, NODE.pack(bus, node, data[0] if data else 0))
+        elif kind is Aside.HOLD:
+            self.put(What.HOLD, NODE.pack(bus, node, 0))
+
+    def exchange(self, bus: int, *, there: bool) -> None:
+        """Digital I/O of a bus."""
+        self.put(What.EXCHANGE, bytes((bus, there)))
+
+    def sent(self, bus: int, frames: Sequence[Frame]) -> None:
+        """The burst; what is taken from now on answers it."""
+        self._phase = Phase.AFTER
+        self.put(What.SENT, pack_frames(bus, 1, frames))
+
+    def heard(self, bus: int, frames: Sequence[Frame]) -> None:
+        """Taken from the port."""
+        if frames:
+            self.put(What.HEARD, pack_frames(bus, self._phase, frames))
+
+    def orders(self, taken: Sequence[tuple[int, bytes]]) -> None:
+        """Records of the command ring, those for a predecessor left out."""
+        for _, record in taken:
+            if unpack_order(record).generation == self._core.state.generation:
+                self.put(What.ORDER, record)
+
+    def image(self, payload: bytes) -> None:
+        """RC inputs as they are judged from now on."""
+        if payload is not self._image:
+            self._image = payload
+            if self.on:
+                self.put(What.IMAGE, payload)
+
+    def contacts(self) -> None:
+        """What the couplers were told to show."""
+        for number, bus in enumerate(self._buses):
+            if isinstance(bus.family, CouplerFamily):
+                shown = pack_shown(number, bus.family.shown.items())
+                if shown != self._shown.get(number):
+                    self._shown[number] = shown
+                    self.put(What.SHOWN, shown)
+
+    def stepped(self, now: Ns, services_ns: Ns, missing: int) -> None:
+        """The core is about to step."""
+        self.put(What.STEP, STEP.pack(self._core.state.cycle + 1, now, services_ns, missing))
+
+    def turn(self, now: Ns) -> None:
+        """At the end of a cycle, when all is published: hand over, and look whether somebody listens."""
+        cycle = self._core.state.cycle
+        if self.on:
+            self._hand_over(cycle)
+        elif cycle % LOOK_EVERY and cycle > 1:
+            return
+        if not self._asked.published or now - self._asked.life[1] > RECORDER_GONE:
+            self._switch(on=False)
+        elif self._asked.published != self._answered and self._core.state.motion is Motion.IDLE:
+            self._start(cycle)
+
+    def _start(self, cycle: int) -> None:
+        self._answered = self._asked.published
+        self._shown.clear()
+        start = Start(
+            self._core,
+            [bus.family for bus in self._buses],
+            [bus.late for bus in self._buses],
+            [bus.sent_ns for bus in self._buses],
+        )
+        self.put(What.START, self._snapshots.take(start))
+        if self._image:
+            self.put(What.IMAGE, self._image)
+        self._switch(on=True)
+        self._hand_over(cycle)
+
+    def _switch(self, *, on: bool) -> None:
+        self.on = on
+        for bus in self._buses:
+            bus.tap = self if on else None
+
+    def _hand_over(self, cycle: int) -> None:
+        for record in chunks(cycle, self._heap):
+            self._ring.put(record)
+        self._heap.clear()
