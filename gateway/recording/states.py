@@ -8,13 +8,13 @@ import enum
 import importlib
 import io
 import pickle
-import types
 from collections import deque
 from collections.abc import Callable
 from typing import Any
 
 OURS = ("gateway.pure.", "drivers.drives.", "motion.", "protocols.")
 PLAIN = (bool, int, float, str)
+CONTAINERS = (bytearray, deque)
 
 
 class StateError(Exception):
@@ -49,7 +49,10 @@ class Snapshots:
 
     def _dump(self, root: object, look: Callable[[object], "Kept | None"]) -> bytes:
         file = io.BytesIO()
-        _Pickler(file, look).dump(root)
+        try:
+            _Pickler(file, look).dump(root)
+        except (TypeError, AttributeError, RecursionError, pickle.PicklingError) as error:
+            raise StateError(f"a state that cannot be handed over: {error}") from error
         return file.getvalue()
 
     def _learn(self, value: object) -> Kept | None:
@@ -76,8 +79,9 @@ class _Pickler(pickle.Pickler):
 
 
 def _solver(value: object) -> bool:
+    """What is no class, none of our objects and no plain container: solvers, arrays, functions, codecs."""
     kind = type(value)
-    return kind is types.FunctionType or kind.__module__.startswith("ruckig")
+    return not (isinstance(value, type) or kind in CONTAINERS or f"{kind.__module__}.".startswith((*OURS, f"{__name__}.")))
 
 
 def _is_frozen(kind: type) -> bool:

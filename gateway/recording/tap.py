@@ -1,6 +1,6 @@
 """The cycle's end of a recording: messages into a ring, while a recorder lives; no file, nobody is waited for."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from gateway.image import RegionReader, RingWriter
@@ -21,7 +21,7 @@ from gateway.pure.recording.messages import (
     pack_shown,
 )
 from gateway.pure.records import Aside, Motion, unpack_order
-from gateway.recording.states import Snapshots, Start
+from gateway.recording.states import Snapshots, Start, StateError
 from protocols.base.machine import Frame, Ns
 
 if TYPE_CHECKING:
@@ -39,7 +39,8 @@ class CycleTap:
         self._ring = RingWriter(fds["record"], "record", CHUNK_LAYOUT)
         self._asked = RegionReader(fds["recorder"], "recorder", ASKED_LAYOUT)
         self._answered = 0  # the last wish for a start that was met
-        self._snapshots = Snapshots(core, [bus.family for bus in buses])
+        self._snapshots: Snapshots | None = None
+        self._try(self._look_around)
         self._heap = bytearray()
         self._image = b""
         self._shown: dict[int, bytes] = {}
@@ -111,10 +112,22 @@ class CycleTap:
         if not self._asked.published or now - self._asked.life[1] > RECORDER_GONE:
             self._switch(on=False)
         elif self._asked.published != self._answered and self._core.state.motion is Motion.IDLE:
-            self._start(cycle)
+            self._answered = self._asked.published
+            self._try(lambda: self._start(cycle))
+
+    def _try(self, act: Callable[[], None]) -> None:
+        """A recording that is not possible must not cost the cell its cycle."""
+        try:
+            act()
+        except StateError as error:
+            print(f"cannot be recorded: {error}", flush=True)
+
+    def _look_around(self) -> None:
+        self._snapshots = Snapshots(self._core, [bus.family for bus in self._buses])
 
     def _start(self, cycle: int) -> None:
-        self._answered = self._asked.published
+        if self._snapshots is None:
+            raise StateError("what stands since the start is not known")
         self._shown.clear()
         start = Start(
             self._core,
