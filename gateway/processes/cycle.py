@@ -230,16 +230,14 @@ class Cycle:
         for bus, family in self.with_io:
             bus.receive_rest(len(actuals))
             image = self._inputs()
-            if self.tap.on:
-                self.tap.exchange(bus.number, there=bus.port is not None)
+            self.tap.exchange(bus.number, there=bus.port is not None)
             for said in (*family.exchange(image, core.outputs, now, up=bus.port is not None), *family.take_news()):
                 print(f"{bus.url}: {said}", flush=True)
         up = [bus for bus in self.buses if bus.send(now)]
         sent = time.monotonic_ns()
         if any(bus not in up for bus in self.buses if not (isinstance(bus.family, RhoFamily) and bus.family.drives is None)):
             core.drives_lost()
-            if self.tap.on:
-                self.tap.put(What.DRIVES_LOST)
+            self.tap.note(What.DRIVES_LOST)
         missing = self._collect(up, actuals, due + patience_ns(self.period_ns))
         got = time.monotonic_ns()
         core.state.incomplete += missing > 0
@@ -247,13 +245,11 @@ class Cycle:
         self._watch_services()
         self._take_pieces()
         image, orders, services_ns = self._inputs(), self._take_orders(), self.links.life[1]
-        if self.tap.on:
-            self.tap.stepped(now, services_ns, missing)
+        self.tap.stepped(now, services_ns, missing)
         values = core.step(actuals, image, orders, services_ns, now)
         if self.contacts is not None:
             self.contacts.turn(core.state, core.outputs, self.links.life[1], now)
-            if self.tap.on:
-                self.tap.contacts()
+            self.tap.contacts()
         self._prepare(values)
         ready = time.monotonic_ns()
         core.state.compute_ns = ready - got
@@ -320,8 +316,7 @@ class Cycle:
         if pid != self._services_pid and pid:
             if self._services_pid:
                 self.core.services_lost()
-                if self.tap.on:
-                    self.tap.put(What.SERVICES_LOST)
+                self.tap.note(What.SERVICES_LOST)
             self._services_pid = pid
 
     def _inputs(self) -> InputImage:
@@ -339,8 +334,7 @@ class Cycle:
         if pid != self._planner_pid and pid:
             if self._planner_pid:
                 self.core.planner_lost()
-                if self.tap.on:
-                    self.tap.put(What.PLANNER_LOST)
+                self.tap.note(What.PLANNER_LOST)
             self._planner_pid = pid
         until = time.monotonic_ns() + self.period_ns // PIECES_SHARE
         while time.monotonic_ns() < until and (records := self.pieces.take(1)):

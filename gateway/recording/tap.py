@@ -31,7 +31,7 @@ LOOK_EVERY = 16  # cycles between looks for a recorder while none is there
 
 
 class CycleTap:
-    """`on`: somebody records; the cycle calls the other methods only then, `turn` always."""
+    """`on`: somebody records."""
 
     def __init__(self, core: Core, buses: Sequence["BusLink"], fds: Mapping[str, int]) -> None:
         self.on = False
@@ -50,6 +50,11 @@ class CycleTap:
         """One more call of this cycle."""
         self._heap += pack(what, payload)
 
+    def note(self, what: What) -> None:
+        """A call without anything to it, when somebody records."""
+        if self.on:
+            self.put(what)
+
     def began(self, now: Ns, missed: int) -> None:
         """The cycle begins."""
         self._phase = Phase.BEFORE
@@ -64,7 +69,8 @@ class CycleTap:
 
     def exchange(self, bus: int, *, there: bool) -> None:
         """Digital I/O of a bus."""
-        self.put(What.EXCHANGE, bytes((bus, there)))
+        if self.on:
+            self.put(What.EXCHANGE, bytes((bus, there)))
 
     def sent(self, bus: int, frames: Sequence[Frame]) -> None:
         """The burst; what is taken from now on answers it."""
@@ -91,7 +97,7 @@ class CycleTap:
 
     def contacts(self) -> None:
         """What the couplers were told to show."""
-        for number, bus in enumerate(self._buses):
+        for number, bus in enumerate(self._buses if self.on else ()):
             if isinstance(bus.family, CouplerFamily):
                 shown = pack_shown(number, bus.family.shown.items())
                 if shown != self._shown.get(number):
@@ -100,7 +106,8 @@ class CycleTap:
 
     def stepped(self, now: Ns, services_ns: Ns, missing: int) -> None:
         """The core is about to step."""
-        self.put(What.STEP, STEP.pack(self._core.state.cycle + 1, now, services_ns, missing))
+        if self.on:
+            self.put(What.STEP, STEP.pack(self._core.state.cycle + 1, now, services_ns, missing))
 
     def turn(self, now: Ns) -> None:
         """At the end of a cycle, when all is published: hand over, and look whether somebody listens."""
