@@ -66,7 +66,7 @@ TOLD_BYTES, TOLD_RECORDS = 512, 4096
 TOLD_LAYOUT = f"told/1 {TOLD.format} {TOLD_BYTES}"
 ASKED = struct.Struct("=Q")
 ASKED_LAYOUT = f"recorder/1 {ASKED.format}"
-RECORDER_GONE: Ns = 10_000_000_000  # a recorder that died and comes back within that time has lost nothing
+RECORDER_GONE: Ns = 30_000_000_000  # a recorder that died and comes back within that time has lost nothing
 
 
 class Source(IntEnum):

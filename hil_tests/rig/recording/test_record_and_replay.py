@@ -19,7 +19,7 @@ from gateway.recording.file import Found, read
 from hil_tests.lab.cell_running import ALL, HOME, TARGET, CellRun, running_cell
 from hil_tests.lab.plc2 import PTP
 
-PATIENCE_S = 40.0
+PATIENCE_S = 90.0
 
 
 @dataclass

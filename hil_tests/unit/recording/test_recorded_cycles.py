@@ -122,7 +122,7 @@ def test_a_cycle_nobody_records_any_more_falls_silent() -> None:
     cell.record()
     cell.run(0.1)
     assert cell.tap.on
-    cell.tap.turn(cell.now + 11_000_000_000)
+    cell.tap.turn(cell.now + 31_000_000_000)
     assert not cell.tap.on and cell.bus.tap is None
 
 
