@@ -13,10 +13,14 @@ from typing import NamedTuple
 from motion.errors import PieceError
 from motion.timed import TimedPiece
 from motion.timing.change import Change
+from motion.timing.guard import correction
 from motion.timing.track import Rows, Track
 
 HISTORY = 1024  # pieces kept behind the present one, for retrace
 WAITING = 1024  # pieces that may wait
+PAST = 3  # periods a third difference looks back
+FORGOTTEN = 8  # pieces of the history dropped at most with a piece that comes: the work of a period stays bounded
+BRAKING_S = 2.0  # before the end of the history going back is stopped: nowhere else does a path begin at speed
 NEAR = 4  # pieces looked at behind a new one: more than a period together
 FIT, FIT_SPEED, FIT_ACCEL = 1e-9, 1e-6, 1e-4  # steps allowed where pieces meet: m or rad, shares of 1 + value
 
@@ -53,6 +57,7 @@ class Follower:
         self._end = 0.0
         self._done = 0
         self._way = 0.0
+        self._past: deque[list[float]] = deque(maxlen=PAST)  # positions of the periods before, of the columns of the present piece
 
     # ---- loading -------------------------------------------------------------------------------------------------------
     @property
@@ -114,9 +119,10 @@ class Follower:
             self._pieces.append(piece)
             self._track.append(table)
             self._end += piece.duration
-        while self._index > HISTORY:
+        for _ in range(min(self._index - HISTORY, FORGOTTEN * len(tail))):
             self._pieces.popleft()
             self._begins.popleft()
+            self._track.forget()
             self._index -= 1
 
     def _cut(self, first: TimedPiece) -> None:
@@ -128,7 +134,7 @@ class Follower:
         while len(self._pieces) > at:
             self._pieces.pop()
             self._end = self._begins.pop()
-        self._track.cut(self._end)
+            self._track.pop()
 
     def _check_join(self, before: TimedPiece | None, piece: TimedPiece) -> None:
         if before is None:
@@ -148,12 +154,24 @@ class Follower:
     # ---- running -------------------------------------------------------------------------------------------------------
     def step(self, wanted: float) -> Progress:
         """One period further; wanted: share of full speed, -1 .. 1."""
-        if self._omega != wanted or self._u != 0.0:
+        if wanted < 0.0 and self._forgotten:
+            wanted = 0.0
+        changing = self._omega != wanted or self._u != 0.0
+        if changing:
             self._change(wanted)
         else:
             self._tau += self._omega * self._h
-        self._tau = min(max(self._tau, 0.0), self._end)
-        return self._progress()
+        samples = self._sampled()
+        past = self._past
+        if changing and len(past) == PAST and self._correct(samples):
+            samples = self._sampled()
+        past.append([q for q, _ in samples])
+        return self._progress(samples)
+
+    @property
+    def _forgotten(self) -> bool:
+        """The path goes further back than what is kept of it, and that end is near."""
+        return self._begins[0] > 0.0 and self._tau < self._begins[0] + BRAKING_S
 
     @property
     def within(self) -> float:
@@ -170,9 +188,9 @@ class Follower:
             self._tau += wanted * h
             self._law.forget()
             return
-        c = self._law.step(self._tau, w, u, wanted)
-        self._tau += h * (w + h * (u / 2 + h * c / 6))
+        c = self._law.step(self._tau - h * (w + 0.5 * h * u), w, u, wanted)
         w, u = min(max(w + h * (u + h * c / 2), -1.0), 1.0), u + h * c
+        self._tau += h * (w + 0.5 * h * u)
         left = wanted - w
         inside = left * u >= 0.0 and 2 * abs(left) <= abs(u) * h
         if abs(u) / h + (0.0 if inside else 2 * abs(left) / h**2) <= self._law.room:
@@ -181,49 +199,74 @@ class Follower:
         self._omega, self._u = w, u
 
     # ---- sampling ------------------------------------------------------------------------------------------------------
-    def _progress(self) -> Progress:
+    def _locate(self) -> None:
+        """Piece and interval of the present tau."""
         pieces, begins = self._pieces, self._begins
-        while self._index < len(pieces) - 1 and self._tau >= begins[self._index + 1]:
+        tau = self._tau = min(max(self._tau, begins[0]), self._end)
+        while self._index < len(pieces) - 1 and tau >= begins[self._index + 1]:
             self._done = pieces[self._index].id
-            self._index, self._interval = self._index + 1, 0
-        while self._index > 0 and self._tau < begins[self._index]:
-            self._index -= 1
-            self._interval, self._done = 0, pieces[self._index - 1].id if self._index else 0
-        piece = pieces[self._index]
-        at_end = self._tau >= self._end and self._index == len(pieces) - 1
-        if at_end:
-            self._done, self._u, self._omega = piece.id, 0.0, 0.0
-        if self._tau <= 0.0 and self._omega < 0.0:
-            self._u = self._omega = 0.0
-        u = self._tau - begins[self._index]
-        times, k = piece.times, self._interval
+            self._enter(self._index + 1)
+        while self._index > 0 and tau < begins[self._index]:
+            self._enter(self._index - 1)
+            self._done = pieces[self._index - 1].id if self._index else 0
+        times, k, u = pieces[self._index].times, self._interval, tau - begins[self._index]
         while k < len(times) - 2 and u >= times[k + 1]:
             k += 1
         while k > 0 and u < times[k]:
             k -= 1
         self._interval = k
+
+    def _enter(self, index: int) -> None:
+        """Another piece is under way."""
+        before, after = self._pieces[min(index, self._index)], self._pieces[max(index, self._index)]
+        if before.mask != after.mask or abs(before.nodes[-1][-3] - after.nodes[0][-3]) > FIT:
+            self._past.clear()  # other axes, or another path: the way begins anew, at rest
+        self._index, self._interval = index, 0
+
+    def _sampled(self) -> list[tuple[float, float]]:
+        """Position and slope by tau of every column of the piece, where tau is now."""
+        self._locate()
+        piece, k = self._pieces[self._index], self._interval
+        u = self._tau - self._begins[self._index] - piece.times[k]
+        return [
+            (((((f * u + e) * u + d) * u + c) * u + b) * u + a, (((5 * f * u + 4 * e) * u + 3 * d) * u + 2 * c) * u + b)
+            for f, e, d, c, b, a in piece.quintics[k]
+        ]
+
+    def _correct(self, samples: list[tuple[float, float]]) -> bool:
+        """Move tau a little where the set values would leave the limits; whether it was moved."""
+        h, piece = self._h, self._pieces[self._index]
+        three, two, one = self._past
+        slopes = zip(samples, one, two, three, piece.accel, piece.jerk, strict=True)
+        more = correction(((q, slope, *rest) for (q, slope), *rest in slopes), h)
+        if more == 0.0:
+            return False
+        more = self._law.bounded(self._u, more)
+        self._u += h * more
+        self._omega = min(max(self._omega + 0.5 * h * h * more, -1.0), 1.0)
+        self._tau += h * h * h * more
+        return True
+
+    def _progress(self, samples: list[tuple[float, float]]) -> Progress:
+        piece = self._pieces[self._index]
+        at_end = self._tau >= self._end and self._index == len(self._pieces) - 1
+        if at_end:
+            self._done, self._u, self._omega = piece.id, 0.0, 0.0
+        if self._tau <= 0.0 and self._omega < 0.0:
+            self._u = self._omega = 0.0
+        self._way = samples[-1][0]
+        w = self._omega + self._h * self._u  # where the set value is: a period ahead of what was decided
+        still = self._omega == 0.0 and self._u == 0.0
         return Progress(
-            *self._values(piece, k, u - times[k]),
+            {axis: (q, v * w) for axis, (q, v) in zip(piece.axes, samples, strict=False)},
             piece.id,
             piece.block,
             self._way,
             self._done,
             at_end,
-            self._tau <= 0.0,
-            self._omega == 0.0 and self._u == 0.0,
+            self._tau <= 0.0 or (still and self._forgotten),
+            still,
         )
-
-    def _values(self, piece: TimedPiece, interval: int, u: float) -> tuple[dict[int, tuple[float, float]]]:
-        rows, omega = piece.quintics[interval], self._omega
-        values: dict[int, tuple[float, float]] = {}
-        for axis, (f, e, d, c, b, a) in zip(piece.axes, rows, strict=False):
-            values[axis] = (
-                ((((f * u + e) * u + d) * u + c) * u + b) * u + a,
-                ((((5 * f * u + 4 * e) * u + 3 * d) * u + 2 * c) * u + b) * omega,
-            )
-        f, e, d, c, b, a = rows[-1]
-        self._way = ((((f * u + e) * u + d) * u + c) * u + b) * u + a
-        return (values,)
 
 
 def joined(pieces: Sequence[TimedPiece]) -> bool:

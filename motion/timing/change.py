@@ -28,7 +28,8 @@ CALM = 0.4  # of the largest u where the path is to go faster: nobody waits for 
 PROBE = 0.1  # of the largest u, for a look at places where v is smaller
 RESERVE = 0.06  # of the jerk limit, kept for what was not foreseen
 TRUST = 0.5  # of a new way in what is foreseen: two of them would answer one another
-SPARE = 1.15  # ways to land are taken so much longer: they are foreseen, not known
+SPARE = 1.05  # ways to land are taken so much longer: they are foreseen, not known
+BOLD = 0.4  # of a new way deeper than the foreseen one: what an axis that is about to turn back will bear is known late
 STIFF = 0.8  # of v a period: more does its own jerk not take away
 SHARES = np.linspace(0.0, 1.0, 5)  # of the range of c, tried for the landing
 
@@ -54,6 +55,7 @@ class Change:
         self._ramp = 0.0
         self._set_up(period_s)
         self._reserve = 0.0  # of c, beyond its bound
+        self._steady = False  # a way has been driven a period long already
         self._foreseen = np.zeros(0)  # u at places dt apart, from the present one
         self.room = 0.0  # the smaller of the two bounds of c in the next period
 
@@ -61,11 +63,18 @@ class Change:
         """Nothing is foreseen: speed is steady, or the path is another one."""
         self._count = 0
 
+    def bounded(self, u: float, c: float) -> float:
+        """c, as much of it as a period may bring at this u."""
+        most = max(self._most_u, abs(u))
+        c = min(max(c, -self._most_c), self._most_c)
+        return min(max(c, (-most - u) / self._h), (most - u) / self._h)
+
     def step(self, tau: float, w: float, u: float, wanted: float) -> float:
         """c for this period, from tau, omega and u, towards the wanted omega."""
         if self._count == 0:
             self._begin(u)
         dt, seen = self._dt, self._foreseen
+        seen[0] = u
         flip = 1.0 if w > wanted or (w == wanted and u > 0.0) else -1.0
         omega = np.maximum(np.minimum(self._summing @ seen + w, max(w, wanted)), min(w, wanted))
         v0 = flip * u
@@ -73,6 +82,10 @@ class Change:
         scale, total = rise
         base = scale * (np.maximum.accumulate((lowest / scale - total)[::-1])[::-1] + total)
         least = min(max(base.item(1), v0 + falls.item(0) * dt), 0.0) if v0 <= 0.0 else v0 + falls.item(0) * dt
+        if self._steady and abs(w) > abs(wanted):
+            foreseen = flip * seen.item(1)
+            least = max(least, foreseen + BOLD * (least - foreseen)) if least < foreseen else least
+        self._steady = True
         highest = max(scale.item(1) * (total.item(1) + v0), v0 - self._most_c * dt)
         first, back = self._landing(flip * (w - wanted), v0, least, highest, rise)
         first = min(first, highest + self._reserve * dt)
@@ -89,6 +102,7 @@ class Change:
 
     def _begin(self, u: float) -> None:
         self.prepare()
+        self._steady = False
         self._count = self._places
         self._foreseen = np.zeros(self._count)
         self._foreseen[0] = u
@@ -137,7 +151,7 @@ class Change:
         taus: of the places, then of the middles of the periods that begin there: c is that of a period.
         """
         count = len(v)
-        rows = self._track.at(taus).transpose(1, 2, 0)  # (parts, columns, places)
+        rows = self._track.at(taus)  # (parts, columns, places)
         here, rows = rows[:, :, :count], rows[:, :, count:]
         bound, lean, gain, steady, pull, above, below = (
             self._tables
@@ -164,18 +178,27 @@ class Change:
         below += lean
         rises, falls = above.min(axis=0), -below.min(axis=0)
         free = idle + foot
+        tight, soft = float(pull[:, 0].min()), pull[:, 0].copy()
         # both ends of what c may be are bent towards one another with growing |v|: chords from v = 0 to the v foreseen are on the safe side
         room = rises - falls
         edge = v * free / np.maximum(free - room, 1e-9 * free)
+        further = (
+            np.maximum(np.minimum(edge, 0.0), -self._most_u) / v - 1.0
+        )  # beyond the v foreseen the chord is not safe: looked at again there
+        np.multiply(lean, further, out=gain)
+        np.subtract(above, gain, out=pull)
+        gain += below
+        spare = pull.min(axis=0) + gain.min(axis=0)
+        deep = (further > 0.0) & (spare < 0.0)
+        edge = np.where(deep, v * (1.0 + further * room / np.maximum(room - spare, 1e-9 * free)), edge)
         lowest = np.maximum(lowest, np.minimum(edge, 0.0))
         lowest[-1] = 0.0
         slope = (idle - rises) / v  # the more v is below that place the slower it rises
         if 0.0 >= v0 > v.item(0):
             share = v0 / v.item(0)
             falls[0] = share * falls[0] - (1.0 - share) * foot[0]
-        tight = float(pull[:, 0].min())
         if room.item(0) < 0.0:  # an axis that turns back can hardly be helped by c: the others decide
-            heavy = pull[:, 0] <= HEAVY * tight
+            heavy = soft <= HEAVY * tight
             rises[0], falls[0] = above[heavy, 0].min(), -below[heavy, 0].min()
         self._reserve = RESERVE * tight
         most = self._most_c

@@ -7,8 +7,11 @@ With omega = dtau/dt, u = d omega/dt, c = du/dt an axis has the acceleration ome
     |c + omega (omega^2 twist + u lean)| <= pull      lean = 3 q''/q', twist = q'''/q', pull = jerk/|q'|
 """
 
+from bisect import bisect_right
+from collections import deque
 from collections.abc import Sequence
 from enum import IntEnum
+from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
@@ -17,9 +20,10 @@ from numpy.typing import NDArray
 from motion.timed import TimedPiece
 
 Array = NDArray[np.float64]
-ACCEL_TOP, JERK_TOP = 1.01, 1.015  # shares of the limits allowed while omega changes
+ACCEL_TOP, JERK_TOP = 1.0165, 1.07  # shares of the limits allowed while omega changes
 LEAST = 1e-9  # s or s^2: q' over its limit; below it the column says nothing about u or c
 FREE = 1e8  # a limit above it is none
+VIEW = 240  # rows kept in view beside those asked for
 STILL = 1e-9  # shares of the limits below which the path itself stands: omega may be anything
 
 
@@ -37,23 +41,56 @@ class Rows(NamedTuple):
     """Of one piece: table[0] is row `first` of the track."""
 
     first: int
-    table: Array
+    table: NDArray[np.float32]
 
 
 class Track:
-    """Grows at the end, can be cut there."""
+    """Grows at the end, loses rows at both ends; what is looked at lies in a window, in one run of memory."""
 
     def __init__(self, columns: int, step: float, window: float) -> None:
-        self.step, self.count = step, 0
+        self.step = step
         self.ramp = 0.0  # s from no to full acceleration, of the slowest column
         self.columns = columns
         self._window = window  # over which the acceleration's change is told: what a judge of the set values sees
-        self._store = np.zeros((1024, len(Part), columns))
+        self._tables: deque[Rows] = deque()
+        self._firsts: deque[int] = deque()  # of the tables: each holds from there to where the next one begins
+        self._seen: Array = np.zeros((len(Part), columns, 0))  # rows _from .. _to, as (parts, columns, rows)
+        self._from = self._to = 0
         self._inverse = 1.0 / step
 
-    def cut(self, tau: float) -> None:
-        """Forget what lies behind tau."""
-        self.count = min(self.count, int(tau / self.step) + 1)
+    @property
+    def count(self) -> int:
+        """One more than the number of the last row."""
+        return self._tables[-1].first + len(self._tables[-1].table) if self._tables else 0
+
+    def append(self, rows: "Rows") -> None:
+        """Rows that `prepared` made for what comes next."""
+        rows = rows._replace(first=min(rows.first, self.count)) if self._tables else rows
+        self._tables.append(rows)
+        self._firsts.append(rows.first)
+        self._settle()
+        self._to = min(self._to, rows.first)
+
+    def pop(self) -> None:
+        """Forget the last piece."""
+        self._firsts.pop()
+        self._to = min(self._to, self._tables.pop().first)
+        if self._tables:
+            self._firsts[-1] = self._tables[-1].first
+            self._settle()
+
+    def forget(self) -> None:
+        """Forget the first piece."""
+        self._firsts.popleft()
+        self._tables.popleft()
+
+    def _settle(self) -> None:
+        """A piece shorter than the window begins no later than the rows of those behind it, which take the place of its own."""
+        for k in range(len(self._firsts) - 2, -1, -1):
+            first = min(self._tables[k].first, self._firsts[k + 1])
+            if first == self._firsts[k]:
+                return
+            self._firsts[k] = first
 
     def prepared(self, piece: TimedPiece, before: Sequence[TimedPiece], begin: float, where: Sequence[int]) -> "Rows":
         """Rows up to the piece's end, from shortly before its beginning where it goes on from others.
@@ -64,7 +101,7 @@ class Track:
         going = [one for one in before if one.mask == piece.mask] if before and before[0].mask == piece.mask else []
         first = max(int((begin - h if going else begin) / self.step + 1), 0) if begin > 0.0 else 0
         grid: Array = (np.arange(first, int((begin + piece.duration) / self.step) + 1, dtype=np.float64) + 0.5) * self.step - begin
-        table = np.zeros((len(grid), len(Part), self.columns))
+        table = np.zeros((len(grid), len(Part), self.columns), dtype=np.float32)
         table[:, Part.REACH], table[:, Part.PULL] = ACCEL_TOP / LEAST, JERK_TOP / LEAST
         if len(grid) == 0:
             return Rows(first, table)
@@ -88,24 +125,31 @@ class Track:
             table[:, part, list(where)] = values
         return Rows(first, table)
 
-    def append(self, rows: "Rows") -> None:
-        """Rows that `prepared` made for what comes next."""
-        first = min(rows.first, self.count)
-        last = first + len(rows.table)
-        while last > len(self._store):
-            self._store = np.concatenate([self._store, np.zeros_like(self._store)])
-        self._store[first:last] = rows.table
-        self.count = last
-
     def at(self, tau: Array) -> Array:
-        """(n, parts, columns)."""
-        index = np.minimum((tau * self._inverse).astype(np.intp), self.count - 1)
-        return self._store.take(index, axis=0, mode="clip")
+        """(parts, columns, n); beyond the ends the first or last row."""
+        index = (tau * self._inverse).astype(np.intp)
+        low, high = int(index.min()), int(index.max())
+        if (low < self._from and low >= self._firsts[0]) or high >= self._to:
+            self._look(low, high)
+        return self._seen.take(index - self._from, axis=2, mode="clip")
 
     def stands(self, tau: float) -> bool:
         """The path itself rests there."""
-        row = self._store[min(max(int(tau * self._inverse), 0), self.count - 1)]
+        row = self.at(np.array([tau]))[:, :, 0]
         return bool((row[Part.REACH] >= ACCEL_TOP / LEAST * (1 - 1e-6)).all() and np.abs(row[Part.BEND]).max() * LEAST < STILL)
+
+    def _look(self, low: int, high: int) -> None:
+        """Bring these rows into the window, and some more, so that it is not moved in every period."""
+        low, high = low - VIEW, high + VIEW
+        first = max(bisect_right(self._firsts, low) - 1, 0)
+        last = max(bisect_right(self._firsts, high), first + 1)
+        begins = [*islice(self._firsts, first, last), self._firsts[last] if last < len(self._firsts) else self.count]
+        tables = islice(self._tables, first, last)
+        parts = [rows.table[: end - begin] for rows, begin, end in zip(tables, begins, begins[1:], strict=False)]
+        self._seen = np.ascontiguousarray(np.concatenate(parts).transpose(1, 2, 0), dtype=np.float64)
+        self._from, self._to = begins[0], begins[-1]
+        if last == len(self._firsts):
+            self._to = max(self._to, high + 1)  # beyond the end the last row holds, until more comes
 
 
 class _Chain:

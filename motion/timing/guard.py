@@ -1,0 +1,39 @@
+"""The last look at a set value while speed changes: differences of the set values themselves, as a judge at the drive sees them.
+
+The plan of a change (motion.timing.change) knows the path at places some part of a period apart; where jerks switch in between, the
+third difference of the set values may come out higher than planned.  A set value is q(tau), and tau may still be moved: by h^3 * c it
+moves third differences by c q' and second ones by h c q'.  So the bounds of all axes leave a range of c, in closed form.
+"""
+
+from collections.abc import Iterable
+
+ACCEL_MOST, JERK_MOST = 1.018, 1.09  # shares of the limits that the set values may reach
+LEVELS = (1.0, 1.02, 1.05, 1.1, 1.2, 1.4, 1.8, 2.5)  # of these shares: where no c serves all axes, the lowest level that does
+LEAST = 1e-9  # share of a limit per unit of c: below it c says nothing to an axis
+
+Row = tuple[float, float, float, float, float, float, float]
+
+
+def correction(rows: Iterable[Row], period_s: float) -> float:
+    """What to add to c.  Rows: new position, slope q', the three positions before it (last one first), acceleration and jerk limit."""
+    h, h3 = period_s, period_s**3
+    shares: list[tuple[float, float]] = []
+    beyond = False
+    for q, slope, one, two, three, accel, jerk in rows:
+        third, second = (q - 3.0 * (one - two) - three) / (h3 * jerk * JERK_MOST), (q - 2.0 * one + two) / (h * h * accel * ACCEL_MOST)
+        beyond = beyond or not (-1.0 <= third <= 1.0 and -1.0 <= second <= 1.0)
+        shares += ((third, slope / (jerk * JERK_MOST)), (second, h * slope / (accel * ACCEL_MOST)))
+    return _nearest(shares) if beyond else 0.0
+
+
+def _nearest(shares: list[tuple[float, float]]) -> float:
+    """The c closest to 0 with which every share + c * its slope lies within the lowest level possible."""
+    for level in LEVELS:
+        low, high = -1e15, 1e15
+        for share, slope in shares:
+            if abs(slope) > LEAST:
+                one, two = (-level - share) / slope, (level - share) / slope
+                low, high = (max(low, one), min(high, two)) if slope > 0.0 else (max(low, two), min(high, one))
+        if low <= high:
+            return min(max(0.0, low), high)
+    return 0.0
