@@ -8,6 +8,7 @@ REFERENCES := $(patsubst hil_tests/bench/%.c,build/%,$(wildcard hil_tests/bench/
 DEMO ?=
 BENCH ?=
 SOAK ?=
+MOTION ?=
 FUZZ ?=
 
 .DELETE_ON_ERROR:
@@ -21,7 +22,7 @@ help:
 	@echo "make coverage-matrix  which demand of the manuals is proved by which test"
 	@echo "make mutants          would those tests notice their function breaking?"
 	@echo "make docs             docs/decisions.md from docs/decisions.d"
-	@echo "make soak             a million 3964R and RK512 telegrams, a tenth of them spoiled (SOAK=50000: fewer); then make losses"
+	@echo "make soak             a million 3964R and RK512 telegrams, a tenth of them spoiled (SOAK=50000: fewer); 1,000 motion programs (MOTION='100 20000': fewer); then make losses"
 	@echo "make losses           100 deaths of the cycle under moving drives of both families"
 	@echo "make branches         every branch of the serial protocols is tested"
 	@echo "make fuzz             bad input for Modbus, 3964R and RK512 from a seed (FUZZ='--seed 7 --seconds 600 --only rk512')"
@@ -85,6 +86,7 @@ docs: $(STAMP)
 
 soak: $(STAMP)
 	@$(PY) -m hil_tests.soak $(SOAK)
+	@$(PY) -m hil_tests.soak.motion $(MOTION)
 	@$(MAKE) --no-print-directory losses
 
 losses: $(STAMP)  # 100 deaths of the cycle: killed and stopped, boosters and CiA 402 drives, 25 each

@@ -293,7 +293,7 @@ class Changes:
             samples = run_out(loaded(pieces, len(limits)), {at: 0.3, at + 300: 1.0})
             _, accel, jerk = lab.worst_shares(np.array([pieces[0].start(), *(s.q for s in samples)]), limits)
             self.accel, self.jerk = max(self.accel, accel), max(self.jerk, jerk)
-            self.times.append(_reached(nominal, samples, at, 0.31))
+            self.times.append(reached(nominal, samples, at, 0.31))
 
 
 def override(starts: int = 33, chains: int = 20) -> list[Figure]:
@@ -327,7 +327,7 @@ def _time_scaling(pieces: list[TimedPiece], limits: list[AxisLimits], starts: in
     return worst
 
 
-def _reached(nominal: list[Sample], samples: list[Sample], at: int, share: float) -> float:
+def reached(nominal: list[Sample], samples: list[Sample], at: int, share: float) -> float:
     """ms from the order until the way goes at this share of its full speed, or is at its end."""
     ways = np.array([s.s for s in nominal])
     speeds = np.gradient(ways) / lab.MS

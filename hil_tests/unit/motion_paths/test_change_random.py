@@ -1,0 +1,30 @@
+"""Changes of speed on random chains of lines and corners: the starts that were worst before the set value was looked at once more."""
+
+import random
+
+import numpy as np
+import pytest
+
+from hil_tests.bench.motion_figures import loaded, random_pieces, reached, run_out
+from hil_tests.lab.motionpaths import portal_limits, worst_shares
+
+LIMITS = portal_limits()
+
+
+def dice_before(chain: int) -> random.Random:
+    """As random_pieces leaves it after so many chains of seed 5: three numbers a point, one a corner."""
+    dice = random.Random(5)
+    for _ in range(chain):
+        points = dice.randint(3, 5)
+        for _ in range(3 * points + points - 2):
+            dice.random()
+    return dice
+
+
+@pytest.mark.parametrize(("chain", "at"), [(24, 354), (21, 161), (12, 205), (39, 99)])
+def test_override_100_30_100_keeps_the_limits_of_axes_that_turn_back_or_ride_on_their_jerk(chain: int, at: int) -> None:
+    pieces = random_pieces(dice_before(chain), LIMITS, 3)
+    samples = run_out(loaded(pieces, 3), {at: 0.3, at + 300: 1.0})
+    speed, accel, jerk = worst_shares(np.array([pieces[0].start(), *(s.q for s in samples)]), LIMITS)
+    assert speed <= 1.0 and accel <= 1.02 and jerk <= 1.10
+    assert reached(run_out(loaded(pieces, 3), {}), samples, at, 0.31) <= 120.0
