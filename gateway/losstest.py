@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass
 from drivers.drives.cia402_family import GATEWAY_NODE
 from drivers.emulator.record import Record, Row, read
 from gateway.assembly import slug_of
-from gateway.cell import Cell
+from gateway.cell import Bus, Cell
 from gateway.clock import wall
 from gateway.commands.common import BANNER
 from gateway.families import MISSED
@@ -54,14 +54,7 @@ def losses_of(cell: Cell) -> list[str]:
 
 def measure(client: ToolClient, cell: Cell, folder: pathlib.Path, loss: str, velocity: float) -> list[Stop]:
     """One loss in the middle of a move of all axes; the cell is enabled and referenced before if need be."""
-    everything = mask_of(cell, [axis.name for axis in cell.axis])
-    client.wait_ready()
-    client.take_over()
-    client.command("enable", everything)
-    if not all(int(str(row["flags"])) & AxisFlag.REFERENCED for row in client.axes()):
-        client.command("reference", everything, timeout_s=100.0)
-    _far(client, cell, everything, velocity, low=True, wait=True)
-    _far(client, cell, everything, velocity, low=False, wait=False)
+    under_way(client, cell, mask_of(cell, [axis.name for axis in cell.axis]), velocity)
     time.sleep(0.5)
     lost_ns = _lose(client, cell, loss)
     time.sleep(PATIENCE_S)
@@ -69,10 +62,38 @@ def measure(client: ToolClient, cell: Cell, folder: pathlib.Path, loss: str, vel
         (bus.name, _record(client.run, bus.name, folder)) for bus in cell.bus if any(axis.drive.bus == bus.name for axis in cell.axis)
     ]
     if loss == "gateway":
-        with ask(client.run, "release", process="cycle") as link:
-            link.makefile().readline()
-        time.sleep(1.0)
+        cycle_again(client)
     return [_stop(cell, n, dict(records), loss, lost_ns) for n in range(len(cell.axis))]
+
+
+def under_way(client: ToolClient, cell: Cell, mask: int, velocity: float) -> None:
+    """Enabled, referenced, at one end of the travel; and off to the other one."""
+    client.wait_ready()
+    client.take_over()
+    client.command("enable", mask)
+    if not all(int(str(row["flags"])) & AxisFlag.REFERENCED for row in client.axes()):
+        client.command("reference", mask, timeout_s=100.0)
+    _far(client, cell, mask, velocity, low=True, wait=True)
+    _far(client, cell, mask, velocity, low=False, wait=False)
+
+
+def end_cycle(client: ToolClient) -> None:
+    """The cycle is ended and stays away."""
+    with ask(client.run, "hold", process="cycle") as link:
+        link.makefile().readline()
+
+
+def cycle_again(client: ToolClient) -> None:
+    """It may start again."""
+    with ask(client.run, "release", process="cycle") as link:
+        link.makefile().readline()
+    time.sleep(1.0)
+
+
+def allowed_ms(bus: Bus, period_ms: float) -> float:
+    """By when a drive has to react: its supervision time, one cycle for the drive, one for what shows it."""
+    supervision = max(2 * period_ms, bus.heartbeat_ms * MISSED) if bus.protocol == "canopen" else 2 * period_ms
+    return float(supervision + 2 * period_ms)
 
 
 def _far(client: ToolClient, cell: Cell, mask: int, velocity: float, *, low: bool, wait: bool) -> None:
@@ -92,8 +113,7 @@ def _lose(client: ToolClient, cell: Cell, loss: str) -> int:
     """What it was, from when on; the monotonic clock's ns."""
     if loss == "gateway":
         stamp = time.monotonic_ns()
-        with ask(client.run, "hold", process="cycle") as link:
-            link.makefile().readline()
+        end_cycle(client)
         return stamp
     stamp = time.monotonic_ns()
     for bus in cell.bus:
@@ -128,8 +148,7 @@ def _stop(cell: Cell, number: int, records: dict[str, Record], loss: str, lost_n
     slower = next((row for row in rows if abs(row.axes[place].speed_rad_s) < 0.95 * abs(start.speed_rad_s)), None)
     still = _standstill(rows, place)
     period = _period_ms(record)
-    supervision = max(2 * period, bus.heartbeat_ms * MISSED) if bus.protocol == "canopen" else 2 * period
-    allowed = supervision + 2 * period  # one cycle for the drive, one for the row that shows it
+    allowed = allowed_ms(bus, period)
     moving = abs(start.speed_rad_s) > STANDSTILL_RAD_S
     reaction = (slower.stamp_ns - lost_ns) / 1e6 if slower is not None and moving else 0.0
     stop_ms = (still.stamp_ns - lost_ns) / 1e6 if still is not None else float("inf")
@@ -143,7 +162,7 @@ def _stop(cell: Cell, number: int, records: dict[str, Record], loss: str, lost_n
         round(reaction, 1),
         round(stop_ms, 1),
         round(way, 3),
-        float(allowed),
+        allowed,
         good,
     )
 
@@ -165,25 +184,31 @@ def _standstill(rows: list[Row], place: int) -> Row | None:
     return found
 
 
-def report(cell: Cell, stops: list[Stop]) -> dict[str, object]:
-    """Everything a stop-time protocol needs."""
+EVIDENCE = {  # what was measured -> how it is told
+    "emulator": "evidence: emulator, not this machine. Measured at the emulated motor shaft, from the loss to the last movement.",
+    "bus": "evidence: these drives, on this bus. Measured by 6064h, from the last SYNC or heartbeat to the last change.",
+}
+
+
+def report(cell: Cell, stops: list[Stop], evidence: str = "emulator") -> dict[str, object]:
+    """Everything a stop-time protocol needs; `evidence`: key of EVIDENCE."""
     return {
-        "cell": cell.cell.name, "file": cell.file, "wall": wall(), "evidence": "emulator", "drives": fingerprint(cell),
+        "cell": cell.cell.name, "file": cell.file, "wall": wall(), "evidence": evidence, "drives": fingerprint(cell),
         "stops": [asdict(stop) for stop in stops], "good": all(stop.good for stop in stops),
     }  # fmt: skip
 
 
-def write(cell: Cell, stops: list[Stop], folder: pathlib.Path) -> tuple[pathlib.Path, pathlib.Path]:
+def write(cell: Cell, stops: list[Stop], folder: pathlib.Path, evidence: str = "emulator") -> tuple[pathlib.Path, pathlib.Path]:
     """JSON and HTML of one test."""
     folder.mkdir(parents=True, exist_ok=True)
-    told = report(cell, stops)
+    told = report(cell, stops, evidence)
     stem = folder / f"loss-test-{slug_of(cell)}"
     stem.with_suffix(".json").write_text(json.dumps(told, indent=1))
-    stem.with_suffix(".html").write_text(_page(cell, stops, str(told["wall"])))
+    stem.with_suffix(".html").write_text(_page(cell, stops, str(told["wall"]), EVIDENCE[evidence]))
     return stem.with_suffix(".json"), stem.with_suffix(".html")
 
 
-def _page(cell: Cell, stops: list[Stop], moment: str) -> str:
+def _page(cell: Cell, stops: list[Stop], moment: str, evidence: str) -> str:
     heads = ("lost", "axis", "speed", "reaction", "allowed", "stands after", "way", "verdict")
     cells = [
         (
@@ -196,7 +221,6 @@ def _page(cell: Cell, stops: list[Stop], moment: str) -> str:
     return (
         '<!doctype html><meta charset="utf-8"><title>Stop times at bus loss</title>'
         "<style>body{font:15px sans-serif;margin:2em}td,th{padding:.3em .8em;border:1px solid #999;text-align:left}</style>"
-        f"<h1>Stop times at bus loss: {html.escape(cell.cell.name)}</h1><p>{html.escape(moment)}; {html.escape(cell.file)}; "
-        "evidence: emulator, not this machine. Measured at the emulated motor shaft, from the loss to the last movement.</p>"
+        f"<h1>Stop times at bus loss: {html.escape(cell.cell.name)}</h1><p>{html.escape(moment)}; {html.escape(cell.file)}; {evidence}</p>"
         f"<table><tr>{''.join(f'<th>{head}</th>' for head in heads)}</tr>{rows}</table><p>{html.escape(BANNER)}</p>"
     )

@@ -102,7 +102,8 @@ class ToolDesk:
             told = {"flags": int(axis.flags), "fault": axis.fault_code, "words": words, "why": services.canopen.why_not(n)}
             rows.append({"name": fact.name, "unit": fact.unit, **places, **told})
         return {"axes": rows, "cycle": state.cycle, "ready": state.ready, "motion": int(state.motion), "permits": state.permits,
-                "cause": state.stop_cause, "override": state.override, "simulated": services.plan.simulated}  # fmt: skip
+                "cause": state.stop_cause, "override": state.override, "simulated": services.plan.simulated,
+                "p5_ms": services.plan.p5_ms}  # fmt: skip
 
     def _programs(self) -> dict[str, object]:
         """Programs of the cell by number, and how far the planner is; op "tool", code "program", mask = number orders one."""

@@ -1,24 +1,31 @@
 """Drives on their bus: who is there (scan), one started up and its identity pinned (commission), how they stop when we die (loss-test)."""
 
 import argparse
+import datetime
 import json
 import pathlib
 import sys
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from drivers.drives.cia402_manual import ManualError
 from drivers.ports.base import PortError
 from gateway.cell import Bus, Cell
 from gateway.commands.common import BANNER, DONE, ENVIRONMENT, FINDING, USAGE, load
 from gateway.firstenable import TEXT, confirm, unconfirmed
-from gateway.toolclient import ToolError, simulated
+from gateway.toolclient import ToolError, running, simulated
+
+if TYPE_CHECKING:
+    from gateway.losstest import Stop
 
 EXAMPLES = """examples:
   axisgate drive scan socketcan:can0                 nodes 1..127 with identity; nothing is written
   axisgate drive commission cell.toml X              start-up of one drive as the cell would do it, and the line that pins it
   axisgate drive commission cell.toml X --mode pp --way 2    and then 2 mm (or deg) in profile position; also pv, hm, ip
   axisgate drive loss-test demo-402                  stop time and way when SYNC, heartbeat or the gateway is lost (emulated drives)
+  axisgate drive loss-test cell.toml --running       the cell that runs: its cycle ends in a move; measures, writes last_stop_test
 """
+AGREED = "THE AXES MAY MOVE"
 PROFILES = {401: "I/O", 402: "drive", 406: "encoder"}
 
 
@@ -34,6 +41,8 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--way", type=float, help="commission --mode: way in the axis' unit (default: first_enable travel)")
     parser.add_argument("--lose", choices=("gateway", "sync", "heartbeat"), action="append", help="loss-test: only this (default: all)")
     parser.add_argument("--speed", type=float, default=50.0, help="loss-test: %% of the axes' speed (default %(default)s)")
+    parser.add_argument("--running", action="store_true", help="loss-test: the cell that runs, its real drives move; only --lose gateway")
+    parser.add_argument("--name", help="loss-test --running: name of the run, when it is not the file's")
     parser.add_argument("--p5", type=int, help="loss-test: clock in ms in place of the cell's")
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path(), help="loss-test: folder for JSON and HTML")
     parser.add_argument("--json", action="store_true")
@@ -44,7 +53,9 @@ def main(argv: list[str]) -> int:
         cell = load(arguments.place)
         if isinstance(cell, int):
             return cell
-        return _commission(cell, arguments) if arguments.what == "commission" else _loss_test(cell, arguments)
+        if arguments.what == "commission":
+            return _commission(cell, arguments)
+        return _loss_test_running(cell, arguments) if arguments.running else _loss_test(cell, arguments)
     except (PortError, ToolError, ManualError) as error:
         print(f"axisgate drive {arguments.what}: {error}", file=sys.stderr)
         return ENVIRONMENT
@@ -136,15 +147,60 @@ def _loss_test(cell: Cell, arguments: argparse.Namespace) -> int:
     for loss in wanted:
         with simulated(arguments.place, arguments.p5) as (client, folder):
             stops += losstest.measure(client, cell, folder, loss, arguments.speed / 100.0)
-    written = losstest.write(cell, stops, arguments.out)
-    if arguments.json:
-        print(json.dumps(losstest.report(cell, stops)))
-    else:
-        for stop in stops:
-            verdict = "" if stop.good else "  DOES NOT STOP AS WANTED"
-            print(
-                f"{stop.loss:<10} {stop.axis:<6} {stop.speed:>9.1f} {stop.unit}/s  reacts after {stop.reaction_ms:>6.1f} ms "
-                f"(allowed {stop.allowed_ms:g}), stands after {stop.stop_ms:>7.1f} ms and {stop.way:>8.3f} {stop.unit}{verdict}"
-            )
-        print(f"written: {written[0]}, {written[1]}  (emulated drives; evidence: emulator)")
+    _tell_stops(cell, stops, arguments, "emulator")
+    if not arguments.json:
+        print("last_stop_test is not written: these were emulated drives; on the machine: axisgate drive loss-test CELL --running")
     return DONE if all(stop.good for stop in stops) else FINDING
+
+
+def _tell_stops(cell: Cell, stops: "list[Stop]", arguments: argparse.Namespace, evidence: str) -> None:
+    from gateway import losstest
+
+    written = losstest.write(cell, stops, arguments.out, evidence)
+    if arguments.json:
+        print(json.dumps(losstest.report(cell, stops, evidence)))
+        return
+    for stop in stops:
+        verdict = "" if stop.good else "  DOES NOT STOP AS WANTED"
+        print(
+            f"{stop.loss:<10} {stop.axis:<6} {stop.speed:>9.1f} {stop.unit}/s  reacts after {stop.reaction_ms:>6.1f} ms "
+            f"(allowed {stop.allowed_ms:g}), stands after {stop.stop_ms:>7.1f} ms and {stop.way:>8.3f} {stop.unit}{verdict}"
+        )
+    print(f"written: {written[0]}, {written[1]}  (evidence: {evidence})")
+
+
+def _loss_test_running(cell: Cell, arguments: argparse.Namespace) -> int:
+    from gateway import losstest_bus, stopdate
+    from gateway.assembly import slug_of
+
+    if arguments.lose not in (None, ["gateway"]):
+        print("axisgate drive loss-test --running: the loss of the gateway only; the others: without --running", file=sys.stderr)
+        return USAGE
+    losstest_bus.drives_of(cell)
+    run = arguments.name or slug_of(cell)
+    with running(run) as client:
+        simulated_run = bool(client.ask("axes")["simulated"])
+        if not simulated_run and not _agreed(cell, arguments.speed):
+            return ENVIRONMENT
+        urls = {bus.name: f"broker:{run}-{bus.name}" if simulated_run else bus.port for bus in cell.bus}
+        stops = losstest_bus.measure(client, cell, urls, arguments.speed / 100.0)
+    _tell_stops(cell, stops, arguments, "emulator" if simulated_run else "bus")
+    good = all(stop.good for stop in stops)
+    if good and not simulated_run:
+        try:
+            line = stopdate.write(pathlib.Path(cell.file), datetime.date.today())
+            print(f"{cell.file}:{line}: last_stop_test is of today", file=sys.stderr)
+        except stopdate.NotWritten as error:
+            print(f"axisgate drive loss-test: last_stop_test is not written: {error}", file=sys.stderr)
+    return DONE if good else FINDING
+
+
+def _agreed(cell: Cell, speed: float) -> bool:
+    """Somebody stands there and has read what will happen."""
+    print(
+        f"{BANNER}\nAll axes of {cell.cell.name} move over 80 % of their travel at {speed:g} %, then the gateway is ended.", file=sys.stderr
+    )
+    if not sys.stdin.isatty():
+        print("axisgate drive loss-test: not agreed; start it at a terminal", file=sys.stderr)
+        return False
+    return input(f'Type "{AGREED}": ').strip().upper() == AGREED
