@@ -90,7 +90,7 @@ soak: $(STAMP)
 	@$(MAKE) --no-print-directory losses
 
 losses: $(STAMP)  # 100 deaths of the cycle: killed and stopped, boosters and CiA 402 drives, 25 each
-	@AXISGATE_LOSSES=25 $(PY) -m pytest -q hil_tests/rig/death/test_cycle_dies.py hil_tests/rig/death/test_cycle_dies_402.py
+	@AXISGATE_LOSSES=25 $(PY) -m pytest -q hil_tests/rig/death/test_cycle_dies.py hil_tests/rig/death/test_cycle_dies_402.py hil_tests/rig/death/loss_by_the_bus.py
 
 SERIAL := protocols/p3964r,protocols/rk512,protocols/buep64,protocols/telegrams
 branches: $(STAMP)

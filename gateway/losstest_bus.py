@@ -5,6 +5,7 @@ other, as fast as they answer: the cycle is ended, so the bus is free for it.  A
 measured so.
 """
 
+import contextlib
 import select
 import time
 from collections.abc import Mapping, Sequence
@@ -84,24 +85,21 @@ class Witness:
 def measure(client: ToolClient, cell: Cell, urls: Mapping[str, str], velocity: float, patience_s: float = PATIENCE_S) -> list[Stop]:
     """The cycle is ended in the middle of a move of all axes; `urls`: bus -> CAN port.  It may start again after `patience_s`."""
     axes = drives_of(cell)
-    ports = {bus.name: open_can(urls[bus.name]) for bus in cell.bus if any(axis.drive.bus == bus.name for axis in axes)}
-    try:
-        mask = mask_of(cell, [axis.name for axis in cell.axis])
-        losstest.under_way(client, cell, mask, velocity)
-        witnesses = {
-            name: Witness(port, [axis.drive.node for axis in axes if axis.drive.bus == name and axis.drive.node is not None])
-            for name, port in ports.items()
-        }
+    losstest.under_way(client, cell, mask_of(cell, [axis.name for axis in cell.axis]), velocity)
+    with contextlib.ExitStack() as stack:  # opened only now: a port nobody reads for a while is full of the past
+        witnesses: dict[str, Witness] = {}
+        for name in dict.fromkeys(axis.drive.bus for axis in axes):
+            port = open_can(urls[name])
+            stack.callback(port.close)
+            nodes = [axis.drive.node for axis in axes if axis.drive.bus == name and axis.drive.node is not None]
+            witnesses[name] = Witness(port, nodes)
         for witness in witnesses.values():
-            witness.listen(LISTEN_S)
+            witness.listen(LISTEN_S / len(witnesses))
         losstest.end_cycle(client)
         try:
             _ask_all(witnesses, patience_s)
         finally:
             losstest.cycle_again(client)
-    finally:
-        for port in ports.values():
-            port.close()
     period = float(str(client.ask("axes").get("p5_ms", cell.cycle_ms)))
     return [_stop(axis, _bus_of(cell, axis), witnesses[axis.drive.bus], period) for axis in axes]
 

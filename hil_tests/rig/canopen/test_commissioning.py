@@ -1,7 +1,6 @@
 """Commissioning commands against emulated and foreign drives: try, loss-test, positions, scan, commission."""
 
 import datetime
-import itertools
 import json
 import pathlib
 import subprocess
@@ -9,22 +8,15 @@ import sys
 
 import pytest
 
-from drivers.emulator.record import read as read_record
 from gateway import losstest, losstest_bus, stopdate
-from gateway.cell import Cell
 from gateway.commands import axis as axis_command
 from gateway.commands import drive as drive_command
 from gateway.commands import positions
 from gateway.config import load_cell
 from gateway.files import find_config
-from gateway.plant import motor_rad
 from gateway.toolclient import ToolError, simulated
-from hil_tests.lab import buslog
 from hil_tests.lab.bus_running import running_bus
 from hil_tests.lab.durand_drive import DurandDrive
-
-SECOND = 1_000_000_000
-STOLEN_MS = 150  # a shared machine may keep the emulator from speaking; the record, in bus time, is judged without it
 
 
 def test_try_both_ways_then_stop_times_at_a_lost_heartbeat(tmp_path: pathlib.Path) -> None:
@@ -41,31 +33,12 @@ def test_try_both_ways_then_stop_times_at_a_lost_heartbeat(tmp_path: pathlib.Pat
         with pytest.raises(ToolError, match=r"axis B9: no such axis; there is A1, A2"):
             client.axis("B9")
         stops = losstest.measure(client, cell, folder, "heartbeat", 0.5)
-        bus = losstest_bus.measure(client, cell, {"drives": f"broker:{client.run}-drives"}, 0.5, patience_s=1.5)
-        judge_by_record(cell, bus, folder)
     assert [stop.axis for stop in stops] == ["A1", "A2", "A3", "A4", "A5", "A6"]
     assert all(stop.good and stop.way > 0 and stop.reaction_ms <= 150 + 2 * 8 for stop in stops), stops
     assert all(60 < stop.reaction_ms < stop.stop_ms for stop in stops), "not before the drive's patience with us is over"
     data, page = losstest.write(cell, stops, tmp_path)
     assert json.loads(data.read_text())["good"] and len(json.loads(data.read_text())["stops"]) == 6
     assert "evidence: emulator" in page.read_text() and "not a safety device" in page.read_text()
-
-
-def judge_by_record(cell: Cell, stops: list[losstest.Stop], folder: pathlib.Path) -> None:
-    """What the bus told is what the emulated shafts did from the gateway's last frame in the broker's log."""
-    frames = buslog.frames((folder / "bus-drives.log").read_text().splitlines(keepends=True))
-    lives = [frame.stamp_ns for frame in frames if frame.identifier in (0x080, 0x77F)]
-    lost = next(a for a, b in itertools.pairwise([*lives, lives[-1] + SECOND]) if b - a >= SECOND and a >= lives[-1] - 20 * SECOND)
-    rows = read_record((folder / "emulator-drives.rec").read_bytes()).rows
-    at, end = (next(row for row in reversed(rows) if row.stamp_ns <= stamp) for stamp in (lost, lost + SECOND))
-    for place, (axis, stop) in enumerate(zip(cell.axis, stops, strict=True)):
-        per_rad = abs(1.0 / motor_rad(axis, 1.0))
-        speed = abs(at.axes[place].speed_rad_s) * per_rad
-        way = abs(end.axes[place].position_rad - at.axes[place].position_rad) * per_rad
-        assert 100 < stop.reaction_ms < stop.stop_ms < 1000, stop
-        assert stop.reaction_ms <= stop.allowed_ms + STOLEN_MS, stop
-        assert stop.speed == pytest.approx(speed, rel=0.1), (stop, speed)
-        assert stop.way == pytest.approx(way, abs=0.03 * speed + 0.01), (stop, way)
 
 
 def test_a_date_is_written_where_it_stands_and_a_shipped_file_is_nobodys_to_write(tmp_path: pathlib.Path) -> None:
