@@ -12,7 +12,7 @@ MOTION ?=
 FUZZ ?=
 
 .DELETE_ON_ERROR:
-.PHONY: help setup tools references demo lint test pytest bench soak fuzz branches losses mutants coverage-matrix docs lock clean
+.PHONY: help setup tools references demo lint test pytest bench soak fuzz branches losses mutants coverage-matrix docs pictures lock clean
 
 help:
 	@echo "make demo             six emulated drives, two PLCs, one cable to unplug (DEMO='--seed 7' hands options on)"
@@ -21,7 +21,8 @@ help:
 	@echo "make bench            all benchmarks; rewrites docs/benchmarks.md"
 	@echo "make coverage-matrix  which demand of the manuals is proved by which test"
 	@echo "make mutants          would those tests notice their function breaking?"
-	@echo "make docs             docs/decisions.md from docs/decisions.d"
+	@echo "make docs             pages made of decisions, errors, evidence; the site in build/site"
+	@echo "make pictures         docs/pictures from the last run of the page's tests"
 	@echo "make soak             a million 3964R and RK512 telegrams, a tenth of them spoiled (SOAK=50000: fewer); 1,000 motion programs (MOTION='100 20000': fewer); then make losses"
 	@echo "make losses           100 deaths of the cycle under moving drives of both families"
 	@echo "make branches         every branch of the serial protocols is tested"
@@ -81,8 +82,20 @@ coverage-matrix: $(STAMP) references
 mutants: $(STAMP) references
 	@$(PY) -m hil_tests.matrix.mutants
 
-docs: $(STAMP)
+DOCS := build/docs-env
+$(DOCS)/installed.stamp: docs/requirements.lock
+	@$(PYTHON) -m venv $(DOCS)
+	@$(DOCS)/bin/python -m pip install --quiet --disable-pip-version-check -r docs/requirements.lock
+	@touch $@
+
+docs: $(STAMP) $(DOCS)/installed.stamp  # pages that stand in the tree, then the site in build/site
 	@$(PY) docs/assemble.py
+	@$(PY) docs/site_pages.py
+	@NO_MKDOCS_2_WARNING=1 $(DOCS)/bin/mkdocs build --quiet --strict --config-file mkdocs.yml
+	@echo "docs: build/site/index.html"
+
+pictures: $(STAMP)  # the page's pictures from the last run of its tests (hil_tests/rig/web) into docs/pictures
+	@$(PY) docs/keep_pictures.py
 
 soak: $(STAMP)
 	@$(PY) -m hil_tests.soak $(SOAK)

@@ -460,10 +460,10 @@ def test_schemathesis_finds_no_servers_fault(web: WebRun, boss: Page) -> None:
           headers: {'content-type': 'application/json', 'x-axisgate-csrf': me.csrf}}); return (await answer.json()).token; }"""
     )
     command = [sys.executable, "-m", "schemathesis.cli", "run", f"{web.url}/api/openapi.json", "--header", f"authorization: Bearer {token}"]
-    command += ["--checks", "not_a_server_error", "--seed", "1", "--max-examples", "6", "--request-timeout", "20"]
+    command += ["--checks", "not_a_server_error", "--seed", "1", "--max-examples", "3", "--request-timeout", "20"]
     command += ["--exclude-path", "/api/logout", "--phases", "fuzzing", "--warnings", "off", "--no-color", "--no-shrink"]
     found = subprocess.run(command, capture_output=True, text=True, timeout=100, check=False)
     assert found.returncode == 0, found.stdout[-3000:] + found.stderr[-1000:]
     made = re.search(r"(\d+) generated", found.stdout)
-    assert made is not None and int(made[1]) > 100, found.stdout[-1000:]
+    assert made is not None and int(made[1]) > 60, found.stdout[-1000:]
     assert web.ask("GET", "/api/health") == (200, {"cycle": True, "services": True}), "and everything still lives"

@@ -1,0 +1,220 @@
+"""Pages of the docs site that are made of the program itself, in build/docs-src beside a copy of docs; `make docs` runs it, then MkDocs.
+
+Nothing of it is kept in the tree, so it cannot differ from what it tells.  A line `<!-- wiring: CELL -->` in a page becomes the wiring
+sheet of that shipped cell, as `axisgate map CELL --wiring` prints it.
+"""
+
+import contextlib
+import io
+import pathlib
+import re
+import shutil
+import sys
+import typing
+from collections.abc import Iterator
+from importlib.metadata import EntryPoint, entry_points
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from gateway.__main__ import load
+from gateway.cellmap import SHEETS
+from gateway.cellmodels import CellFile
+from gateway.commands.assess import WORDS
+from gateway.config import load_cell
+from gateway.files import read_signals
+from gateway.pure.sheets import render
+from gateway.starting.assessment import ASKED, assess
+
+HERE = pathlib.Path(__file__).resolve().parent
+TARGET = HERE.parent / "build" / "docs-src"
+KEPT = ("*.md", "guide/*.md", "howto/*.md", "pictures/*.png", "requirements/*.csv")
+WIRING = re.compile(r"^<!-- wiring: ([\w-]+) -->$", re.MULTILINE)
+OUTSIDE = re.compile(r"\]\((?:\.\./)+(configs|hil_tests|gateway|drivers|protocols|motion|README\.md|LICENSE)[^)]*\)")
+MADE = "Made by `make docs` out of the program; it is never edited.\n"
+
+
+# --------------------------------------------------------------------------------------------------------- cell file
+
+
+def cell_keys() -> str:
+    """Every key of the cell file: tables in the order of the file, from the models that check it."""
+    sections = [f"# Keys of the cell file\n\n{MADE}\n`axisgate explain KEY --cell CELL` tells what a key came to, and why.\n"]
+    for path, model in tables(CellFile, ""):
+        rows = "".join(_key(name, field) for name, field in model.model_fields.items() if not _inner(field))
+        if rows:
+            title = f"`{path}`" if path else "The file itself"
+            sections.append(f"## {title}\n\n| key | takes | without it |\n|---|---|---|\n{rows}")
+    return "\n".join(sections)
+
+
+def tables(model: type[BaseModel], path: str) -> Iterator[tuple[str, type[BaseModel]]]:
+    """All tables below a model with their headings as a file writes them."""
+    yield path, model
+    for name, field in model.model_fields.items():
+        inner = _inner(field)
+        if inner is not None:
+            bare = f"{path.strip('[]')}.{field.alias or name}" if path else field.alias or name
+            yield from tables(inner, f"[[{bare}]]" if _is_list(field.annotation) else f"[{bare}]")
+
+
+def _models(annotation: object) -> Iterator[type[BaseModel]]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation
+    for part in typing.get_args(annotation):
+        yield from _models(part)
+
+
+def _inner(field: FieldInfo) -> type[BaseModel] | None:
+    return next(_models(field.annotation), None)
+
+
+def _is_list(annotation: object) -> bool:
+    origin = typing.get_origin(annotation)
+    return origin is list or any(_is_list(part) for part in typing.get_args(annotation) if origin is not dict)
+
+
+def _key(name: str, field: FieldInfo) -> str:
+    extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
+    unit = f", {extra['unit']}" if "unit" in extra else ""
+    bounds = [f"{sign} {value}" for sign, value in _bounds(field)]
+    takes = ", ".join([_type(field.annotation), *bounds, *([str(extra["allowed"])] if "allowed" in extra else [])]) + unit
+    default = "must be given" if field.is_required() else "-" if field.default in ("", None, [], {}) else f"`{field.default}`"
+    return f"| `{field.alias or name}` | {_cell(takes)} | {_cell(default)} |\n"
+
+
+def _bounds(field: FieldInfo) -> Iterator[tuple[str, object]]:
+    for sign, name in ((">=", "ge"), (">", "gt"), ("<=", "le"), ("<", "lt")):
+        for meta in field.metadata:
+            if getattr(meta, name, None) is not None:
+                yield sign, getattr(meta, name)
+
+
+def _type(annotation: object) -> str:
+    names = {str: "text", int: "whole number", float: "number", bool: "true or false", type(None): ""}
+    if annotation in names:
+        return names[typing.cast(type, annotation)]
+    origin, parts = typing.get_origin(annotation), typing.get_args(annotation)
+    if origin is typing.Literal:
+        return ", ".join(f"`{part}`" for part in parts if part != "")
+    if origin is typing.Annotated:
+        return _type(parts[0])
+    words = [word for part in parts if part is not Ellipsis and (word := _type(part))]
+    if origin is dict:
+        return f"table of {words[-1]}"
+    if origin in (list, tuple):
+        return f"list of {words[0] if words else 'values'}"
+    return " or ".join(dict.fromkeys(words)) if words else getattr(annotation, "__name__", "text")
+
+
+def _cell(text: str) -> str:
+    return " ".join(text.split()).replace("|", "\\|")
+
+
+# ----------------------------------------------------------------------------------------------------------- the rest
+
+
+def commands() -> str:
+    """The help of every command."""
+    parts = [f"# Commands\n\n{MADE}\nExit codes: 0 ok; 1 valid input but a finding; 2 command line, cell or file invalid; 3 environment.\n"]
+    for entry in sorted(entry_points(group="axisgate.commands"), key=lambda entry: entry.name):
+        parts.append(f"## {entry.name}\n\n```text\n{_help(entry).rstrip()}\n```\n")
+    return "\n".join(parts)
+
+
+def _help(entry: EntryPoint) -> str:
+    said = io.StringIO()
+    with contextlib.redirect_stdout(said), contextlib.suppress(SystemExit):
+        load(entry)(["-h"])
+    return said.getvalue()
+
+
+def maps() -> str:
+    """Registers and data blocks of the demo's cell, as `axisgate map` prints them."""
+    sheet = _sheet("demo", "modbus", "db")
+    return f"# Register map of a cell\n\n{MADE}\nThis is the cell `demo`; `axisgate map CELL --modbus --db` prints yours.\n\n{sheet}"
+
+
+def signals() -> str:
+    """The signal list."""
+    rows = "".join(
+        f"| {row['direction']} {row['bit']} | `{row['name']}` | {_cell(str(row['en']))} | {_cell(str(row['de']))} | {row['source']} |\n"
+        for row in read_signals()
+    )
+    head = (
+        "`axisgate explain NAME` tells more; `[signals]` of a cell moves one to another number. *axisgate* as source: our own (AX-002).\n"
+    )
+    return f"# Signals\n\n{MADE}\n{head}\n| bit | name | text | Text | source |\n|---|---|---|---|---|\n{rows}"
+
+
+PLAIN = {"p15": "3", "axes": "6", "risk": "J. Muster"}  # an answer to each question that asks for a number or a name
+
+
+def questions() -> str:
+    """The ten questions of `axisgate assess`, and what it says to each answer."""
+    usual = {asked.key: next(iter(asked.answers), PLAIN.get(asked.key, "-")) for asked in ASKED}
+    rows = []
+    for number, asked in enumerate(ASKED, 1):
+        rows.append(f"| **{number}** | **{_cell(asked.text)}** | | {asked.free} |\n")
+        for word, meaning in asked.answers.items():
+            reason = next(reason for reason in assess({**usual, asked.key: word}) if reason.key == asked.key)
+            rows.append(f"| | {_cell(f'{word}: {meaning}' if meaning else word)} | {WORDS[reason.verdict]} | {_cell(reason.text)} |\n")
+    return "| | question and answers | verdict | reason |\n|---|---|---|---|\n" + "".join(rows)
+
+
+def pictures() -> str:
+    """Every page in both themes, at two sizes."""
+    parts = ["# The page in pictures\n\nTaken by the tests from a running cell, simulated.\n"]
+    for name in sorted({path.stem.split("-")[0] for path in (HERE / "pictures").glob("*-*-*.png")}):
+        shots = "\n".join(f"![{path.stem}](../pictures/{path.name})" for path in sorted((HERE / "pictures").glob(f"{name}-*-*.png")))
+        parts.append(f"## {name.capitalize()}\n\n{shots}\n")
+    return "\n".join(parts)
+
+
+def wiring(name: str) -> str:
+    """The wiring sheet of a shipped cell."""
+    return f"Wiring of the shipped cell `{name}` (`axisgate map {name} --wiring`):\n\n{_sheet(name, 'wiring')}"
+
+
+def _sheet(name: str, *wanted: str) -> str:
+    cell = load_cell(name)
+    text = render(cell.cell.name, [sheet for each in wanted for sheet in SHEETS[each](cell)], "md")
+    return text.partition("\n")[2].replace("\n# ", "\n## ").strip() + "\n"
+
+
+GENERATED = {
+    "reference/cell-file.md": cell_keys,
+    "reference/commands.md": commands,
+    "reference/register-map.md": maps,
+    "reference/signals.md": signals,
+    "reference/pictures.md": pictures,
+}
+
+
+def filled(text: str) -> str:
+    """A page with its sheets put in; what lies outside the site is named and not linked."""
+    text = text.replace("<!-- questions -->", questions())
+    text = WIRING.sub(lambda found: wiring(found[1]), text)
+    return OUTSIDE.sub(r"]", text)
+
+
+def main() -> int:
+    """build/docs-src anew."""
+    shutil.rmtree(TARGET, ignore_errors=True)
+    for pattern in KEPT:
+        for path in HERE.glob(pattern):
+            target = TARGET / path.relative_to(HERE)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            if path.suffix == ".md":
+                target.write_text(filled(path.read_text(encoding="utf-8")), encoding="utf-8")
+            else:
+                shutil.copy(path, target)
+    for name, make in GENERATED.items():
+        (TARGET / name).parent.mkdir(parents=True, exist_ok=True)
+        (TARGET / name).write_text(make(), encoding="utf-8")
+    print(f"{TARGET.name}: {len(list(TARGET.rglob('*.md')))} pages, {len(GENERATED)} of them made of the program")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
