@@ -14,7 +14,7 @@ export const DE = {
   "cycles": "Zyklen", "skipped": "ausgelassen", "incomplete": "unvollständig", "late": "verspätet", "computing": "Rechenzeit",
   "no telegram": "kein Telegramm", "fault": "Störung", "starting up": "läuft hoch", "on": "ein", "off": "aus", "What to do": "Was tun", "No error stands.": "Kein Fehler steht an.", "Enabling inputs missing": "Fehlende Freigaben",
   "permit chain": "Not-Halt-Kette", "permit control": "Steuerung", "permit feed": "Vorschub", "permit run": "kein Vorschub-Halt", "permit travel": "Fahren",
-  "set": "Soll", "torque %": "Moment %", "torque": "Moment", "limits": "Grenzen", "referenced": "referenziert", "yes": "ja", "no": "nein", "jog": "tippen", "jog, hold the key": "Tippen, Taste halten", "reference": "referenzieren",
+  "set": "Soll", "torque %": "Moment %", "torque": "Moment", "limits": "Grenzen", "referenced": "referenziert", "yes": "ja", "no": "nein", "jog": "tippen", "jog, hold": "Tippen, halten", "reference": "referenzieren",
   "Release control": "Steuerung abgeben", "Request control": "Steuerung anfordern", "in control": "führt", "door": "Tür", "nobody is in control": "niemand führt",
   "Drives on": "Antriebe ein", "Drives off": "Antriebe aus", "Reference all, hold": "Alle referenzieren", "Reset faults": "Quittieren", "Resume": "Fortsetzen", "Abandon rest": "Rest verwerfen", "Set enabling inputs (simulation)": "Freigaben setzen (Simulation)", "Enabling inputs are set": "Freigaben sind gesetzt",
   "jog speed, % (10 at most)": "Tippgeschwindigkeit, % (höchstens 10)", "Jog and reference keys act while they are held: released, or with the connection lost, the axis stops on the path. The speed limit is not safety-rated.": "Tipp- und Referenztasten wirken, solange sie gehalten werden: losgelassen oder mit verlorener Verbindung hält die Achse auf der Bahn. Die Geschwindigkeitsgrenze ist nicht sicherheitsbewertet.",
@@ -35,5 +35,5 @@ export const DE = {
   "Add": "Hinzufügen", "before the trigger, s": "vor dem Trigger, s", "from it on, s": "ab da, s", "cursor": "Marke", "waiting for": "wartet auf", "nothing recorded yet": "noch nichts aufgezeichnet",
   "Click sets cursor A, Shift and click cursor B; drag to come nearer, double click for all of it.": "Klick setzt Marke A, Umschalt und Klick Marke B; ziehen vergrößert, Doppelklick zeigt alles.",
   "the cycle fell silent": "der Zyklus verstummte", "the cycle was started again": "der Zyklus wurde neu gestartet", "stopped before its trigger": "vor dem Trigger beendet",
-  "hold until it is done": "halten, bis es fertig ist", "referenced, hold the key": "referenziert, Taste halten", "client": "Client", "function": "Funktion", "asked": "gefragt", "answered": "geantwortet", "The word is forced": "Das Wort ist gesteuert",
+  "hold until it is done": "halten, bis es fertig ist", "reference, hold": "Referenz, halten", "client": "Client", "function": "Funktion", "asked": "gefragt", "answered": "geantwortet", "The word is forced": "Das Wort ist gesteuert",
 };

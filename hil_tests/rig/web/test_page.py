@@ -66,6 +66,25 @@ def number(page: Page, selector: str) -> float:
     return float(page.inner_text(selector).split()[-1])
 
 
+def in_control(web: WebRun, page: Page) -> None:
+    """On the axes page with control and drives on; what a busy machine has taken away meanwhile is taken back."""
+    web.go(page, "axes")
+
+    def tried() -> bool:
+        if "drives on 6/6" in page.inner_text("#state") and page.inner_text("#control") == "Release control":
+            return True
+        page.click("#permit", timeout=2000)
+        if page.inner_text("#control") == "Request control":
+            page.click("#control", timeout=2000)
+        for code in ("fault_reset", "enable"):
+            if page.is_enabled(f"[data-code={code}]"):
+                page.click(f"[data-code={code}]", timeout=2000)
+        page.wait_for_timeout(500)
+        return False
+
+    until(tried, "control was given and the drives are on")
+
+
 def test_looking_needs_no_password_and_what_is_shown_lives(web: WebRun, guest: Page) -> None:
     assert "is not a safety device" in guest.inner_text("#foot")
     assert guest.inner_text("#cell") == web.run.demo.cell.name
@@ -152,14 +171,7 @@ def test_another_pages_requests_are_not_carried_out(web: WebRun, boss: Page) -> 
 
 
 def test_axes_are_switched_on_and_jogged_while_the_key_is_held(web: WebRun, boss: Page) -> None:
-    web.go(boss, "axes")
-    boss.click("#permit")
-    until(lambda: "emergency" not in boss.inner_text("#state"), "nothing latched")
-    boss.click("#control")
-    until(lambda: boss.inner_text("#control") == "Release control", "control was given")
-    boss.click("[data-code=fault_reset]")
-    boss.click("[data-code=enable]")
-    until(lambda: "drives on 6/6" in boss.inner_text("#state"), "the drives are on")
+    in_control(web, boss)
     boss.evaluate("fetch('/api/me').then(r => r.json()).then(me => fetch('/api/command', {method: 'POST', body: '{\"code\": \"override\"}', headers: {'content-type': 'application/json', 'x-axisgate-csrf': me.csrf}}))")  # fmt: skip  # noqa: E501
     until(lambda: "override 100 %" in boss.inner_text("#state"), "override 100 %")
     actual = "tr:has([data-jog='5+']) td:nth-child(4)"
@@ -179,7 +191,7 @@ def test_axes_are_switched_on_and_jogged_while_the_key_is_held(web: WebRun, boss
 
 
 def test_a_reference_run_lasts_as_long_as_its_key_is_held(web: WebRun, boss: Page) -> None:
-    web.go(boss, "axes")
+    in_control(web, boss)
     key = boss.locator("[data-ref=A6]")
     key.hover()
     boss.mouse.down()
@@ -194,7 +206,7 @@ def test_a_reference_run_lasts_as_long_as_its_key_is_held(web: WebRun, boss: Pag
 
 
 def test_a_lost_connection_lifts_the_finger(web: WebRun, boss: Page) -> None:
-    web.go(boss, "axes")
+    in_control(web, boss)
     boss.locator("[data-jog='5-']").hover()
     boss.mouse.down()
     until(lambda: "moving" in boss.inner_text("#state"), "A6 moves")
@@ -206,6 +218,7 @@ def test_a_lost_connection_lifts_the_finger(web: WebRun, boss: Page) -> None:
 
 
 def test_the_scope_keeps_what_was_before_its_trigger(web: WebRun, boss: Page) -> None:
+    in_control(web, boss)
     web.go(boss, "scope")
     for name in ("axis.A1.set", "axis.A1.actual", "axis.A1.lag"):
         boss.click(f"[data-channel='{name}']")
@@ -338,8 +351,7 @@ def test_a_fault_is_ordered_and_named(web: WebRun, boss: Page) -> None:
     web.go(boss, "events")
     boss.fill("#catalogue", "drive fault")
     until(lambda: boss.locator("td", has_text="axisgate 16").count() == 1, "the catalogue knows its number")
-    web.go(boss, "axes")
-    boss.click("[data-code=fault_reset]")
+    in_control(web, boss)  # which resets it
     web.go(boss, "overview")
     until(lambda: "drive fault" not in boss.inner_text("#first-out"), "it is reset")
 

@@ -52,12 +52,12 @@ export function mount(root, { t, cell, live, may, me, post }) {
     { title: t("lag"), n: true, cell: (row, td) => { put(td, number(row.lag, 3)); const a = info.get(row.name); td.classList.toggle("badq", a.warn !== null && Math.abs(row.lag) > a.warn); } },
     { title: t("torque %"), n: true, cell: text((row) => row.torque, 1) },
     { title: t("limits"), cell: place },
-    { title: t("referenced, hold the key"), cell: (row, td) => {
+    { title: t("reference, hold"), cell: (row, td) => {
       const n = info.get(row.name).n;
       if (!td.firstChild) td.append(h("span", { class: "bar", style: "margin:0;flex-wrap:nowrap" }, h("span", { "data-referenced": row.name }), reference(1 << n, { "data-ref": row.name }, t("reference"))));
       put(td.firstChild.firstChild, row.flags & FLAG.REFERENCED ? t("yes") : t("no"));
     } },
-    { title: t("jog, hold the key"), cell: (row, td) => { if (!td.firstChild) { const n = info.get(row.name).n; td.append(h("span", { class: "bar", style: "margin:0;flex-wrap:nowrap" }, jog(n, -1), jog(n, 1))); } } },
+    { title: t("jog, hold"), cell: (row, td) => { if (!td.firstChild) { const n = info.get(row.name).n; td.append(h("span", { class: "bar", style: "margin:0;flex-wrap:nowrap" }, jog(n, -1), jog(n, 1))); } } },
   ], (row) => row.name, { label: t("Axes") });
 
   function place(row, td) {
