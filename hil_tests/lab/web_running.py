@@ -100,6 +100,24 @@ class WebRun(WebAsk):
         page.click("#send")
         page.wait_for_selector("#logout")
 
+    def in_control(self, page: Page) -> None:
+        """On the axes page with control and drives on; what a busy machine has taken away meanwhile is taken back."""
+        self.go(page, "axes")
+
+        def tried() -> bool:
+            if "drives on 6/6" in page.inner_text("#state") and page.inner_text("#control") == "Release control":
+                return True
+            page.click("#permit", timeout=2000)
+            if page.inner_text("#control") == "Request control":
+                page.click("#control", timeout=2000)
+            for code in ("fault_reset", "enable"):
+                if page.is_enabled(f"[data-code={code}]"):
+                    page.click(f"[data-code={code}]", timeout=2000)
+            page.wait_for_timeout(500)
+            return False
+
+        until(tried, "control was given and the drives are on")
+
 
 def until(holds: Callable[[], bool], what: str, patience_s: float = PATIENCE_S) -> None:
     """Waits for a condition; an element that was being replaced is looked up again."""

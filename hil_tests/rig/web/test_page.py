@@ -18,24 +18,13 @@ from playwright.sync_api import Page
 from gateway.pure.records import Motion
 from gateway.scope.recording import load
 from hil_tests.lab.plc2 import ModbusPlc
+from hil_tests.lab.web_looks import CONTRAST, FILLED
 from hil_tests.lab.web_running import ADMIN, CHROMIUM, DESKTOP, PAGES, PASSWORD, TABLET, WebRun, pictures, until, web_run
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(CHROMIUM is None, reason="no chromium here")]
 HEADERS = {"x_axisgate": "1"}
 QUIET = "document.getElementById('toasts').replaceChildren()"
 RECORDS = "document.getElementById('scope-plot').dataset.records || 0"
-FILLED = {  # what stands there when a page has something to show
-    "overview": "td:has-text('A6')",
-    "axes": ".uplot canvas",
-    "motion": "[data-drawn]",
-    "signals": "[data-id='cell.life']:not(:empty)",
-    "scope": "#scope-plot canvas",
-    "lines": "td:has-text('SEND')",
-    "bus": "tr:has-text('SYNC') td:nth-child(2):not(:text-is('0.0'))",
-    "events": "td:has-text('services started')",
-    "emulator": "td:has-text('A6')",
-    "access": "td:has-text('POST')",
-}
 
 
 @pytest.fixture(scope="module")
@@ -64,25 +53,6 @@ def boss(web: WebRun) -> Iterator[Page]:
 
 def number(page: Page, selector: str) -> float:
     return float(page.inner_text(selector).split()[-1])
-
-
-def in_control(web: WebRun, page: Page) -> None:
-    """On the axes page with control and drives on; what a busy machine has taken away meanwhile is taken back."""
-    web.go(page, "axes")
-
-    def tried() -> bool:
-        if "drives on 6/6" in page.inner_text("#state") and page.inner_text("#control") == "Release control":
-            return True
-        page.click("#permit", timeout=2000)
-        if page.inner_text("#control") == "Request control":
-            page.click("#control", timeout=2000)
-        for code in ("fault_reset", "enable"):
-            if page.is_enabled(f"[data-code={code}]"):
-                page.click(f"[data-code={code}]", timeout=2000)
-        page.wait_for_timeout(500)
-        return False
-
-    until(tried, "control was given and the drives are on")
 
 
 def test_looking_needs_no_password_and_what_is_shown_lives(web: WebRun, guest: Page) -> None:
@@ -171,7 +141,7 @@ def test_another_pages_requests_are_not_carried_out(web: WebRun, boss: Page) -> 
 
 
 def test_axes_are_switched_on_and_jogged_while_the_key_is_held(web: WebRun, boss: Page) -> None:
-    in_control(web, boss)
+    web.in_control(boss)
     boss.evaluate("fetch('/api/me').then(r => r.json()).then(me => fetch('/api/command', {method: 'POST', body: '{\"code\": \"override\"}', headers: {'content-type': 'application/json', 'x-axisgate-csrf': me.csrf}}))")  # fmt: skip  # noqa: E501
     until(lambda: "override 100 %" in boss.inner_text("#state"), "override 100 %")
     actual = "tr:has([data-jog='5+']) td:nth-child(4)"
@@ -191,7 +161,7 @@ def test_axes_are_switched_on_and_jogged_while_the_key_is_held(web: WebRun, boss
 
 
 def test_a_reference_run_lasts_as_long_as_its_key_is_held(web: WebRun, boss: Page) -> None:
-    in_control(web, boss)
+    web.in_control(boss)
     key = boss.locator("[data-ref=A6]")
     key.hover()
     boss.mouse.down()
@@ -206,7 +176,7 @@ def test_a_reference_run_lasts_as_long_as_its_key_is_held(web: WebRun, boss: Pag
 
 
 def test_a_lost_connection_lifts_the_finger(web: WebRun, boss: Page) -> None:
-    in_control(web, boss)
+    web.in_control(boss)
     boss.locator("[data-jog='5-']").hover()
     boss.mouse.down()
     until(lambda: "moving" in boss.inner_text("#state"), "A6 moves")
@@ -218,7 +188,7 @@ def test_a_lost_connection_lifts_the_finger(web: WebRun, boss: Page) -> None:
 
 
 def test_the_scope_keeps_what_was_before_its_trigger(web: WebRun, boss: Page) -> None:
-    in_control(web, boss)
+    web.in_control(boss)
     web.go(boss, "scope")
     for name in ("axis.A1.set", "axis.A1.actual", "axis.A1.lag"):
         boss.click(f"[data-channel='{name}']")
@@ -237,8 +207,13 @@ def test_the_scope_keeps_what_was_before_its_trigger(web: WebRun, boss: Page) ->
     mine = "; ".join(f"{each.get('name')}={each.get('value')}" for each in boss.context.cookies())
     boss.wait_for_timeout(700)  # what is to be seen before the trigger has to have been
     move = {"code": "ptp_relative", "mask": 32, "velocity": 0.1, "targets": [0, 0, 0, 0, 0, 20]}
-    status, _ = web.ask("POST", "/api/command", move, cookie=mine, x_axisgate_csrf=me["csrf"])
-    assert status == 200
+
+    def moves() -> bool:
+        status, told = web.ask("POST", "/api/command", move, cookie=mine, x_axisgate_csrf=me["csrf"])
+        assert status == 200, told
+        return told["state"] not in ("REFUSED", "ABORTED")  # the axis that was left above may not be at rest yet
+
+    until(moves, "the move is taken")
     until(lambda: "records" in boss.inner_text("#scope-state"), "it has fired")
     boss.wait_for_selector("#scope-plot canvas")
     boss.wait_for_selector("#scope-plot[data-records]")
@@ -351,7 +326,7 @@ def test_a_fault_is_ordered_and_named(web: WebRun, boss: Page) -> None:
     web.go(boss, "events")
     boss.fill("#catalogue", "drive fault")
     until(lambda: boss.locator("td", has_text="axisgate 16").count() == 1, "the catalogue knows its number")
-    in_control(web, boss)  # which resets it
+    web.in_control(boss)  # which resets it
     web.go(boss, "overview")
     until(lambda: "drive fault" not in boss.inner_text("#first-out"), "it is reset")
 
@@ -395,24 +370,6 @@ def test_german_dark_and_the_keyboard(web: WebRun, guest: Page) -> None:
     assert guest.locator("#nav-lines[aria-current=page]").count() == 1
     guest.keyboard.press("Shift+Escape")
     until(lambda: "Stop is ordered" in guest.inner_text("#toasts"), "stop by the keyboard, without a password")
-
-
-CONTRAST = """() => {
-  const rgb = (text) => { const m = text.match(/[\\d.]+/g).map(Number); return m.length > 3 ? m : [...m, 1]; };
-  const light = ([r, g, b]) => { const f = (c) => { c /= 255; return c <= .03928 ? c / 12.92 : ((c + .055) / 1.055) ** 2.4; };
-    return .2126 * f(r) + .7152 * f(g) + .0722 * f(b); };
-  const ground = (e) => { for (; e; e = e.parentElement) { const c = rgb(getComputedStyle(e).backgroundColor); if (c[3] > .5) return c; }
-    return [255, 255, 255]; };
-  const low = new Set();
-  const walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
-  while (walk.nextNode()) {
-    const e = walk.currentNode.parentElement;
-    if (!walk.currentNode.textContent.trim() || e.closest('canvas,.uplot,.skip') || e.closest(':disabled') || !e.checkVisibility()) continue;
-    const [a, b] = [light(rgb(getComputedStyle(e).color)), light(ground(e))].sort((x, y) => y - x);
-    if ((a + .05) / (b + .05) < 4.5) low.add(`${e.tagName}.${e.className}: ${walk.currentNode.textContent.slice(0, 30)} ${((a + .05) / (b + .05)).toFixed(2)}`);
-  }
-  return [...low];
-}"""  # noqa: E501
 
 
 @pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
