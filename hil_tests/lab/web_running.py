@@ -110,10 +110,9 @@ class WebRun(WebAsk):
             page.click("#permit", timeout=2000)
             if page.inner_text("#control") == "Request control":
                 page.click("#control", timeout=2000)
-            for code in ("fault_reset", "enable"):
-                if page.is_enabled(f"[data-code={code}]"):
-                    page.click(f"[data-code={code}]", timeout=2000)
-            page.wait_for_timeout(500)
+            for code in ("fault_reset", "enable"):  # a drive that is still being reset cannot be switched on
+                page.click(f"[data-code={code}]", timeout=2000)
+                page.wait_for_timeout(1000)
             return False
 
         until(tried, "control was given and the drives are on")
