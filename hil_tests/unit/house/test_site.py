@@ -62,7 +62,9 @@ def test_wiring_sheets_and_questions_are_put_in(pages: ModuleType) -> None:
 
 def test_every_how_to_names_a_shipped_cell_or_none() -> None:
     shipped = {path.stem for path in (ROOT / "configs" / "cells").glob("*.toml")}
-    asked = {name for path in (ROOT / "docs").rglob("*.md") for name in re.findall(r"<!-- wiring: (\S+) -->", path.read_text())}
+    asked = {
+        name for path in (ROOT / "docs").rglob("*.md") for name in re.findall(r"^<!-- wiring: (\S+) -->$", path.read_text(), re.MULTILINE)
+    }
     assert asked
     assert asked <= shipped
 
