@@ -92,7 +92,10 @@ def _control(answers: Mapping[str, str]) -> Reason:
             "ROBOTstar V: its signal view, markers and motion rules; no program language, no weld or oscillation functions",
         ),
         "val3": (Verdict.WITH, "VAL 3: its I/O, serial channels and motion rules; no program language"),
-        "other": (Verdict.WITH, "another control: only what its PLC sees can be matched; read docs/guide/signals.md and compare word by word"),
+        "other": (
+            Verdict.WITH,
+            "another control: only what its PLC sees can be matched; read docs/guide/signals.md and compare word by word",
+        ),
     }
     return Reason("control", control, *texts[control])
 
