@@ -91,7 +91,7 @@ $(DOCS)/installed.stamp: docs/requirements.lock
 docs: $(STAMP) $(DOCS)/installed.stamp  # pages that stand in the tree, then the site in build/site
 	@$(PY) docs/assemble.py
 	@$(PY) docs/site_pages.py
-	@NO_MKDOCS_2_WARNING=1 $(DOCS)/bin/mkdocs build --quiet --strict --config-file mkdocs.yml
+	@NO_MKDOCS_2_WARNING=1 $(DOCS)/bin/mkdocs build --quiet --strict --config-file build/mkdocs.yml
 	@echo "docs: build/site/index.html"
 
 pictures: $(STAMP)  # the page's pictures from the last run of its tests (hil_tests/rig/web) into docs/pictures

@@ -198,8 +198,22 @@ def filled(text: str) -> str:
     return OUTSIDE.sub(r"]", text)
 
 
+BEGINNING = ("tutorial", "new-cell")  # guides that stand elsewhere in the navigation
+GUIDES = "      # every page of docs/guide\n"
+
+
+def settings() -> str:
+    """mkdocs.yml with the guides by their titles."""
+    rows = []
+    for path in sorted((HERE / "guide").glob("*.md")):
+        if path.stem not in BEGINNING:
+            title = path.read_text(encoding="utf-8").partition("\n")[0].lstrip("# ").replace("`", "").replace('"', "")
+            rows.append(f'      - "{title}": guide/{path.name}\n')
+    return (HERE.parent / "mkdocs.yml").read_text(encoding="utf-8").replace(GUIDES, "".join(rows))
+
+
 def main() -> int:
-    """build/docs-src anew."""
+    """build/docs-src and build/mkdocs.yml anew."""
     shutil.rmtree(TARGET, ignore_errors=True)
     for pattern in KEPT:
         for path in HERE.glob(pattern):
@@ -209,6 +223,7 @@ def main() -> int:
                 target.write_text(filled(path.read_text(encoding="utf-8")), encoding="utf-8")
             else:
                 shutil.copy(path, target)
+    (TARGET.parent / "mkdocs.yml").write_text(settings(), encoding="utf-8")
     for name, make in GENERATED.items():
         (TARGET / name).parent.mkdir(parents=True, exist_ok=True)
         (TARGET / name).write_text(make(), encoding="utf-8")
