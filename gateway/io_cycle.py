@@ -53,16 +53,15 @@ class InputMarks:
     def __init__(self, families: Sequence[RhoFamily], fd: int) -> None:
         self._buses = [family.io for family in families if family.io is not None]
         self._region = RegionWriter(fd, "marks", MARKS_LAYOUT)
-        self._written = b""
+        self._bad: list[int] | None = None
 
     def turn(self, now: Ns) -> None:
         """Once per cycle, before it beats."""
-        marks = bytearray([Quality.GOOD] * RC_BYTES)
-        for bus in self._buses:
-            for byte in bus.untrusted():
+        bad = [byte for bus in self._buses for byte in bus.untrusted()]
+        if bad != self._bad:
+            self._bad, marks = bad, bytearray([Quality.GOOD] * RC_BYTES)
+            for byte in bad:
                 marks[byte] = Quality.BAD
-        if marks != self._written:
-            self._written = bytes(marks)
             self._region.write(marks, now)
 
 

@@ -33,8 +33,8 @@ from gateway.pure.records import (
     AsideRecord,
     InputImage,
     OrderRecord,
+    cell_state_packer,
     pack_aside,
-    pack_cell_state,
     pack_trace,
     unpack_aside,
     unpack_inputs,
@@ -66,6 +66,7 @@ class BusLink:
         self.url, self.family, self.number = url, family, number
         self.tap: CycleTap | None = None  # while somebody records
         self.port: CanPort | None = None
+        self.fd = -1  # of the port
         self.refused = 0  # frames the port did not take: never silent
         self.foreign = 0
         self.last_error = ""
@@ -139,6 +140,7 @@ class BusLink:
         self._retry_ns = now + REOPEN_NS
         try:
             self.port = open_can(self.url)
+            self.fd = self.port.fileno()
         except PortError as error:
             self._say(error)
             return False
@@ -174,6 +176,8 @@ class Cycle:
             finish_without_services=cell.cell.on_services_loss == "finish_move",
         )
         self.buses = [BusLink(plan.buses[bus.name], make_family(cell, bus, plan.p5_ms), n) for n, bus in enumerate(drive_buses)]
+        self._driving = [bus for bus in self.buses if not (isinstance(bus.family, RhoFamily) and bus.family.drives is None)]
+        self._pack_state = cell_state_packer(len(axes))
         self.with_io = [(bus, bus.family) for bus in self.buses if isinstance(bus.family, RhoFamily)]
         self.inputs = RegionReader(fds["rc_in"], "rc_in")
         self.links = RegionReader(fds["links"], "links")
@@ -235,13 +239,13 @@ class Cycle:
                 print(f"{bus.url}: {said}", flush=True)
         up = [bus for bus in self.buses if bus.send(now)]
         sent = time.monotonic_ns()
-        if any(bus not in up for bus in self.buses if not (isinstance(bus.family, RhoFamily) and bus.family.drives is None)):
+        if len(up) < len(self.buses) and any(bus not in up for bus in self._driving):
             core.drives_lost()
             self.tap.note(What.DRIVES_LOST)
         missing = self._collect(up, actuals, due + patience_ns(self.period_ns))
         got = time.monotonic_ns()
         core.state.incomplete += missing > 0
-        core.state.late = sum(bus.late for bus in self.buses)
+        core.state.late = sum([bus.late for bus in self.buses])
         self._watch_services()
         self._take_pieces()
         image, orders, services_ns = self._inputs(), self._take_orders(), self.links.life[1]
@@ -253,7 +257,7 @@ class Cycle:
         self._prepare(values)
         ready = time.monotonic_ns()
         core.state.compute_ns = ready - got
-        state = pack_cell_state(core.state)
+        state = self._pack_state(core.state)
         self.axes.write(state, now)
         self.outputs.write(core.outputs, now)
         if self.marks is not None:
@@ -297,17 +301,16 @@ class Cycle:
 
     def _collect(self, up: Sequence[BusLink], actuals: list[Actual | None], until: int) -> int:
         """Wait for all actual values, at most to `until`; how many are missing."""
-        missing = sum(bus.family.expected for bus in self.buses)
+        missing = sum([bus.family.expected for bus in self.buses])
         if not missing:  # nobody is waited for, but frames aside come all the same
             for bus in up:
                 bus.receive(actuals)
-        ports = [bus.port for bus in up if bus.port is not None]
-        while missing and ports:
+        while missing and (fds := [bus.fd for bus in up if bus.port is not None]):
             left = until - time.monotonic_ns()
-            if left <= 0 or not select.select(ports, (), (), left / 1e9)[0]:
+            if left <= 0 or not select.select(fds, (), (), left * 1e-9)[0]:
                 break
-            missing -= sum(bus.receive(actuals) for bus in up)
-            ports = [bus.port for bus in up if bus.port is not None]
+            for bus in up:
+                missing -= bus.receive(actuals)
         return missing
 
     def _watch_services(self) -> None:
@@ -336,6 +339,8 @@ class Cycle:
                 self.core.planner_lost()
                 self.tap.note(What.PLANNER_LOST)
             self._planner_pid = pid
+        if self.pieces.published == self.pieces.position:
+            return
         until = time.monotonic_ns() + self.period_ns // PIECES_SHARE
         while time.monotonic_ns() < until and (records := self.pieces.take(1)):
             if self.tap.on:
@@ -344,6 +349,8 @@ class Cycle:
 
     def _take_orders(self) -> list[OrderRecord]:
         """Orders meant for this very process: an older generation's are dropped (a command is taken once)."""
+        if self.orders.published == self.orders.position:
+            return []
         taken = self.orders.take(8)
         if taken and self.tap.on:
             self.tap.orders(taken)

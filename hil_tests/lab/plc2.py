@@ -88,7 +88,8 @@ class ModbusPlc:
                 with self._lock:
                     self._cycle()
             except (ConnectionException, ModbusIOException, OSError):
-                self._client.close()
+                with self._lock:  # a command may be on its way
+                    self._client.close()
                 self.status = None
                 self._stop.wait(0.1)
 
