@@ -23,7 +23,7 @@ EXAMPLES = """examples:
 def cycle(arguments: argparse.Namespace) -> list[Figure]:
     from hil_tests.bench.cycle_bench import figures
 
-    return figures(arguments.blocks, arguments.seconds)
+    return figures(arguments.blocks, arguments.seconds or 10.0)
 
 
 def p3964r(arguments: argparse.Namespace) -> list[Figure]:
@@ -33,9 +33,9 @@ def p3964r(arguments: argparse.Namespace) -> list[Figure]:
 
 
 def drives(arguments: argparse.Namespace) -> list[Figure]:
-    from hil_tests.bench.drives_bench import figures
+    from hil_tests.bench.drives_bench import BLOCK_S, figures
 
-    return figures(arguments.blocks, arguments.seconds)
+    return figures(arguments.blocks, arguments.seconds or BLOCK_S)
 
 
 def emulator(arguments: argparse.Namespace) -> list[Figure]:
@@ -86,8 +86,8 @@ def main(argv: list[str]) -> int:
     )
     parser.add_argument("name", choices=[*BENCHES, "all"])
     parser.add_argument("--json", action="store_true", help="list of {figure, value, unit, reference, reference_value, ratio, goal, met}")
-    parser.add_argument("--blocks", type=int, default=6, help="of each side in bench cycle (default 6)")
-    parser.add_argument("--seconds", type=float, default=10.0, help="of each block in bench cycle (default 10)")
+    parser.add_argument("--blocks", type=int, default=6, help="of each side in bench cycle and drives (default 6)")
+    parser.add_argument("--seconds", type=float, help="of each block in bench cycle (default 10) and drives (5, at half the period)")
     arguments = parser.parse_args(argv)
     missing = [name for name in ("cycle_ref", "modbus_load", "servo_ref") if not (ROOT / "build" / name).exists()]
     if missing:

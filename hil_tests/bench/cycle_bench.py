@@ -33,7 +33,8 @@ P5_MS = 4
 SPIN_US, PRIORITY = 100, 40
 SETTLE_S = 0.5  # of each block left out of the judgement: start-up is not the matter
 CLIENTS, RATE_GOAL = 8, 10_000
-SWITCH_ON_S = 20.0
+SWITCH_ON_S = 10.0
+PATIENCE = 1.2  # of the time a quiet machine needs for all blocks, 5 s of a pair go into starting and switching on
 NAME = "bench-cycle"
 
 
@@ -65,18 +66,38 @@ def figures(blocks: int = 6, seconds: float = 10.0) -> list[Figure]:
 
 
 def alternate(bench: "Bench", ours: Side, theirs: Side, blocks: int, seconds: float) -> int:
-    """Blocks in turn until ours has its number; how many of the reference's were repeated."""
-    repeated = 0
-    while len(ours.verdicts) < blocks * len(bench.logs):
+    """Blocks in turn until ours has its number; how many pairs were repeated.  Each pair is told on stderr: it takes a while."""
+    repeated = done = 0
+    until = time.monotonic() + PATIENCE * blocks * (2 * seconds + 5.0)
+    while done < blocks and repeated <= blocks:
+        if done and time.monotonic() > until:
+            tell(f"{bench.name}: the machine is crowded, ended after {done} of {blocks} pairs")
+            break
         reference = bench.c_block(seconds)
         if any(one.incomplete > one.cycles // 50 for one in reference) or len(reference) < len(bench.logs):
             repeated += 1  # the reference itself failed: this stretch says nothing about anybody
-            if repeated > blocks:
-                break
+            tell(f"{bench.name}: the reference failed, once more ({repeated})")
+            continue
+        mine = bench.our_block(seconds)
+        if len(mine) < len(bench.logs):
+            repeated += 1
+            tell(f"{bench.name}: the cycle did not come up, once more ({repeated})")
             continue
         theirs.verdicts += reference
-        ours.verdicts += bench.our_block(seconds)
+        ours.verdicts += mine
+        done += 1
+        tell(f"{bench.name}: pair {done} of {blocks}, {seconds:g} s each, {bench.moves} moves; {counted(mine)}; in C {counted(reference)}")
     return repeated
+
+
+def counted(verdicts: list[Verdict]) -> str:
+    """Of one block, all buses."""
+    return f"skipped {sum(one.skipped for one in verdicts)}, incomplete {sum(one.incomplete for one in verdicts)}"
+
+
+def tell(text: str) -> None:
+    """Progress, beside the figures."""
+    print(text, file=sys.stderr, flush=True)
 
 
 def report(ours: Side, theirs: Side, compute: list[int], rates: list[float], repeated: int) -> list[Figure]:
@@ -160,15 +181,15 @@ class Bench:
         with ask(self.name, op, process="cycle") as connection:
             connection.recv(4096)
 
-    def switch_on(self, until: float) -> bool:
+    def switch_on(self, until: float, stop: threading.Event | None = None) -> bool:
         """Control, drives on, referenced; again from the start while one is refused: the cycle or the drives may just be coming up."""
         codes = (modbus.REQUEST, modbus.OVERRIDE, modbus.RESET, modbus.ENABLE, modbus.REFERENCE)
         masks = (0, 0, 0, self.mask, self.mask)
-        while time.monotonic() < until:
+        while time.monotonic() < until and not (stop and stop.is_set()):
             with contextlib.suppress(TimeoutError, ConnectionException, ModbusIOException):
                 self.plc.wait(lambda s: True, 1)
                 self.plc.synchronise()
-                if all(self.plc.command(code, mask).state == modbus.DONE for code, mask in zip(codes, masks, strict=True)):
+                if all(self.plc.command(code, mask, timeout_s=5).state == modbus.DONE for code, mask in zip(codes, masks, strict=True)):
                     return True
             time.sleep(0.05)
         return False
@@ -184,7 +205,7 @@ class Bench:
                 continue
             self.moves += ended == modbus.DONE
             if ended != modbus.DONE and not stop.is_set():
-                self.switch_on(time.monotonic() + SWITCH_ON_S)
+                self.switch_on(time.monotonic() + SWITCH_ON_S, stop)
             way = -way
 
     def c_block(self, seconds: float) -> list[Verdict]:

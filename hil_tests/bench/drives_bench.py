@@ -15,10 +15,11 @@ from hil_tests.bench.emulated_drives import emulated_24
 Figure = dict[str, object]
 P5_MS = 2
 CPU_GOAL = 12.0  # % of a core
+BLOCK_S = 5.0  # 6 blocks of 2,250 judged cycles: at 2 ms as many in half the time as bench cycle has at 4 ms
 
 
-def figures(blocks: int = 6, seconds: float = 10.0) -> list[Figure]:
-    """All rows of `axisgate bench drives`."""
+def figures(blocks: int = 6, seconds: float = BLOCK_S) -> list[Figure]:
+    """All rows of `axisgate bench drives`; 4 minutes with these blocks."""
     return [*one_bus(blocks, seconds), *two_buses(blocks, seconds), *emulated_24(seconds)]
 
 
@@ -30,9 +31,9 @@ def one_bus(blocks: int, seconds: float) -> list[Figure]:
         running(pathlib.Path(folder), "demo", P5_MS, "bench-drives") as bench,
     ):
         repeated = alternate(bench, ours, theirs, blocks, seconds)
-        cpu = statistics.median(bench.cpu) * 100.0 if bench.cpu else float("nan")
-    met = cpu <= CPU_GOAL
-    row = {"figure": "drives.cycle_cpu", "value": round(cpu, 2), "unit": "% of a core", "reference": "the goal",
+        cpu, moves = statistics.median(bench.cpu) * 100.0 if bench.cpu else float("nan"), bench.moves
+    met, beside = cpu <= CPU_GOAL, f"the goal; {moves} moves of all axes meanwhile"
+    row = {"figure": "drives.cycle_cpu", "value": round(cpu, 2), "unit": "% of a core", "reference": beside,
            "reference_value": CPU_GOAL, "ratio": round(cpu / CPU_GOAL, 3), "goal": f"<= {CPU_GOAL:g}", "met": met}  # fmt: skip
     return [*compared(ours, theirs, repeated, ""), row]
 
