@@ -58,16 +58,22 @@ class Monitor(App[None]):
         self.looks = 0
         self._asked = 0.0
         self._busy = asyncio.Lock()
+        # kept here, not looked up: while the keys are shown or the app ends, another screen or none is in front
+        self.line = Static(id="head", markup=False)
+        self.box = Input(placeholder="name, address, words ...", id="search", disabled=True)
+        self.tabs = TabbedContent(initial=tab)
+        self.doors = LiveTable("lines-doors")
+        self.tables = {each: LiveTable(f"table-{each}") for each in TABS}
 
     def compose(self) -> ComposeResult:
-        yield Static(id="head", markup=False)
-        yield Input(placeholder="name, address, words ...", id="search", disabled=True)
-        with TabbedContent(initial=self._first):
+        yield self.line
+        yield self.box
+        with self.tabs:
             for number, tab in enumerate(TABS, 1):
                 with TabPane(f"{number} {tab}", id=tab):
                     if tab == "lines":
-                        yield LiveTable("lines-doors")
-                    yield LiveTable(f"table-{tab}")
+                        yield self.doors
+                    yield self.tables[tab]
         yield Footer()
 
     async def on_mount(self) -> None:
@@ -78,11 +84,16 @@ class Monitor(App[None]):
     @property
     def tab(self) -> str:
         """The one in front."""
-        return self.query_one(TabbedContent).active or self._first
+        return self.tabs.active or self._first
+
+    @property
+    def _standing(self) -> bool:
+        """The widgets are on a screen: neither before the start nor after the end."""
+        return self.line.is_attached and self.tables[self.tab].is_attached
 
     async def refresh_look(self) -> None:
         """One look; a slow one is not queued behind."""
-        if self.held or self._busy.locked():
+        if self.held or self._busy.locked() or not self._standing:
             return
         async with self._busy:
             try:
@@ -92,15 +103,17 @@ class Monitor(App[None]):
                         raise NoRun(f"run {self.look.name} has ended; it is waited for (q ends)")
                 await self._draw()
             except NoRun as gone:
-                self.query_one("#head", Static).update(str(gone))
+                self.line.update(str(gone))
 
     async def _draw(self) -> None:
         tab = self.tab
         tables = await self.look.table(tab)
-        self.query_one("#head", Static).update(self.look.head())
+        if not self._standing:
+            return
+        self.line.update(self.look.head())
         if tab == "lines":
-            self.query_one("#lines-doors", LiveTable).show(tables[0])
-        self.query_one(f"#table-{tab}", LiveTable).show(tables[-1])
+            self.doors.show(tables[0])
+        self.tables[tab].show(tables[-1])
         self.looks += 1
 
     async def on_tabbed_content_tab_activated(self) -> None:
@@ -111,25 +124,25 @@ class Monitor(App[None]):
         await self.refresh_look()
 
     def on_input_submitted(self) -> None:
-        self.query_one("#table-signals", LiveTable).focus()
+        self.tables["signals"].focus()
 
     # ---- keys ------------------------------------------------------------------------------------------------------------
     def action_tab(self, name: str) -> None:
-        self.query_one(TabbedContent).active = name
+        self.tabs.active = name
 
     def action_search(self) -> None:
         self.action_tab("signals")
-        box = self.query_one("#search", Input)
+        box = self.box
         box.disabled = False
         box.add_class("open")
         box.focus()
 
     def action_leave(self) -> None:
-        box = self.query_one("#search", Input)
+        box = self.box
         box.value = ""
         box.remove_class("open")
         box.disabled = True
-        self.query_one(f"#table-{self.tab}", LiveTable).focus()
+        self.tables[self.tab].focus()
 
     async def action_filter(self) -> None:
         self.look.filter = FILTERS[(FILTERS.index(self.look.filter) + 1) % len(FILTERS)]
@@ -139,7 +152,7 @@ class Monitor(App[None]):
     def action_hold(self) -> None:
         self.held = not self.held
         if self.held:
-            self.query_one("#head", Static).update(f"HELD (space goes on) | {self.look.head()}")
+            self.line.update(f"HELD (space goes on) | {self.look.head()}")
 
     def action_help(self) -> None:
         self.push_screen(Help(KEYS))

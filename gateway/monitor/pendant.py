@@ -92,13 +92,16 @@ class Pendant(App[None]):
         self.holds = False
         self.shown: Row = {"screen": [""] * LINES, "mode": "?", "lost_keys": 0}
         self._words = ""
+        # kept here, not looked up: while the keys are shown or the app ends, another screen or none is in front
+        self.display_box = Static(framed([""] * LINES), id="display", markup=False)
+        self.state_line = Static("", id="state", markup=False)
         self._pressed: asyncio.Queue[str] = asyncio.Queue()
         self._busy = asyncio.Lock()
 
     def compose(self) -> ComposeResult:
         with Vertical(id="box"):
-            yield Static(framed([""] * LINES), id="display", markup=False)
-            yield Static("", id="state", markup=False)
+            yield self.display_box
+            yield self.state_line
             with Grid(id="keys"):
                 for number, name in enumerate(name for row in KEYPAD for name in row):
                     button = Button(ARROWS.get(name, name), id=f"key-{number}", name=name)
@@ -141,10 +144,12 @@ class Pendant(App[None]):
             self._words = ""
         except (Gone, PanelError) as error:
             self._words = str(error)
-        self.query_one("#display", Static).update(framed(self.shown["screen"]))
+        if not self.display_box.is_attached:
+            return
+        self.display_box.update(framed(self.shown["screen"]))
         lost = f" | {self.shown['lost_keys']} keys lost" if self.shown["lost_keys"] else ""
         control = "in control" if self.holds else "not in control"
-        self.query_one("#state", Static).update(self._words or f"{self.run_name} | mode {self.shown['mode']} | {control}{lost}")
+        self.state_line.update(self._words or f"{self.run_name} | mode {self.shown['mode']} | {control}{lost}")
 
     # ---- control ---------------------------------------------------------------------------------------------------------
     async def _alive(self) -> None:

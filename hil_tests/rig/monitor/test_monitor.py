@@ -21,14 +21,13 @@ from typing import Any
 
 import pytest
 from pymodbus.client import ModbusTcpClient
-from textual.widgets import Input, Static, TabbedContent
 
 from drivers.ports.base import runtime_dir
 from gateway.commands.monitor import main
 from gateway.monitor.app import Monitor
 from gateway.monitor.look import Look
 from gateway.monitor.pendant import Pendant
-from gateway.monitor.widgets import Help, LiveTable
+from gateway.monitor.widgets import Help
 from gateway.processes.supervisor import ask
 from hil_tests.lab.cell_running import CellRun, running_cell
 from hil_tests.lab.signal_plc import signal_cell
@@ -100,7 +99,7 @@ def held(run: CellRun, op: str) -> None:
 
 def cells(app: Monitor, table: str) -> list[list[str]]:
     """Rows of a table as they stand on the screen."""
-    shown = app.query_one(f"#{table}", LiveTable)
+    shown = app.doors if table == "lines-doors" else app.tables[table.removeprefix("table-")]
     return [[str(cell) for cell in shown.get_row_at(row)] for row in range(shown.row_count)]
 
 
@@ -109,7 +108,7 @@ def test_tabs_show_axes_signals_lines_and_errors_live(run: CellRun) -> None:
         await until(pilot, lambda: [row[0] for row in cells(app, "table-axes")] == ["A1", "A2"], "both axes")
         looks = app.looks
         await until(pilot, lambda: app.looks > looks + 3, "it goes on looking")
-        head = str(app.query_one("#head", Static).content)
+        head = str(app.line.content)
         assert head.startswith("see (simulated) | ") and "drives 0/2" in head and "control: nobody" in head
         await pilot.press("4")
         await until(pilot, lambda: cells(app, "table-errors")[0][0] == "no error stands", "no error")
@@ -130,7 +129,7 @@ def test_tabs_show_axes_signals_lines_and_errors_live(run: CellRun) -> None:
 def test_signals_are_searched_filtered_and_held(run: CellRun) -> None:
     async def play(app: Monitor, pilot: Any) -> None:
         await pilot.press("slash")
-        assert app.query_one(TabbedContent).active == "signals" and app.query_one("#search", Input).has_focus
+        assert app.tabs.active == "signals" and app.box.has_focus
         await pilot.press(*"A1.actual")
         await until(pilot, lambda: [row[0] for row in cells(app, "table-signals")] == ["axis.A1.actual"], "the one that fits")
         await until(pilot, lambda: cells(app, "table-signals")[0][3] == "good", "its quality")
@@ -145,6 +144,8 @@ def test_signals_are_searched_filtered_and_held(run: CellRun) -> None:
         assert app.held and app.looks == looks
         await pilot.press("space", "question_mark")
         assert isinstance(app.screen, Help)
+        looks = app.looks
+        await until(pilot, lambda: app.looks > looks + 2, "it goes on looking behind the keys")
         await pilot.press("escape", "q")
 
     played(Look("see"), play)
@@ -155,8 +156,8 @@ def test_a_search_over_the_services_death_goes_on_by_itself(run: CellRun) -> Non
         await pilot.press("3")
         await until(pilot, lambda: len(cells(app, "lines-doors")) == 2, "the doors")
         dead, _ = run.kill("services")
-        await until(pilot, lambda: "SERVICES SILENT" in str(app.query_one("#head", Static).content), "their silence is told")
-        await until(pilot, lambda: "SERVICES SILENT" not in str(app.query_one("#head", Static).content), "they are back")
+        await until(pilot, lambda: "SERVICES SILENT" in str(app.line.content), "their silence is told")
+        await until(pilot, lambda: "SERVICES SILENT" not in str(app.line.content), "they are back")
         assert run.processes()["services"]["pid"] != dead
 
     played(Look("see"), play)
