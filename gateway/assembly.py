@@ -208,7 +208,7 @@ def emulators(
     cell: Cell, slug: str, folder: pathlib.Path, buses: Mapping[str, str], p5_ms: int, record: pathlib.Path | None
 ) -> list[Child]:
     """One emulator process for each drive bus, its plant written to a settings file."""
-    from gateway.plant import write_settings  # the emulator's settings are only needed where one runs
+    from gateway.plant import belt_settings, write_settings  # the emulator's settings are only needed where one runs
     from gateway.rho3_buses import module_arguments
 
     children = []
@@ -226,6 +226,7 @@ def emulators(
         settings = write_settings(cell, name, folder, p5_ms)
         kept = ("--record", str(record / f"emulator-{name}.rec")) if record else ()
         arguments = ("--settings", str(settings), "--bus", url, "--name", f"{slug}-{name}", *kept)
+        arguments += ("--belts", belt_settings(cell, name)) if any(belt.bus == name for belt in cell.belt) else ()
         children.append(Child(f"emulator-{name}", "gateway.processes.emulator", arguments, announces=True))
     return children
 

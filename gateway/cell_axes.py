@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from gateway.cell_belts import PlantBelt
+
 
 @dataclass(frozen=True, slots=True)
 class Drive:
@@ -121,4 +123,5 @@ class Plant:
 
     seed: int = 1
     axis: Mapping[str, PlantAxis] = field(default_factory=dict)
+    belt: Mapping[str, PlantBelt] = field(default_factory=dict)
     absent: tuple[str, ...] = ()  # buses whose I/O modules and couplers are not emulated: something else stands there

@@ -10,6 +10,7 @@ from pydantic import Field
 
 from gateway.cellmodels_axes import Axis, Defaults, Plant
 from gateway.cellmodels_base import Name, Table, unit
+from gateway.cellmodels_belts import Belt
 from gateway.cellmodels_buses import Bus, Io
 from gateway.cellmodels_controller import Controller
 from gateway.cellmodels_lines import Db, Handshake, Line, Telegram
@@ -128,6 +129,7 @@ class CellFile(Table):
     modbus: list[Modbus] = []
     robot: Robot | None = None
     program: list[Program] = []
+    belt: list[Belt] = []
     check_position: list[CheckPosition] = []
     telegram: list[Telegram] = []
     retain: Retain | None = None

@@ -5,6 +5,7 @@ from typing import Literal
 from pydantic import Field
 
 from gateway.cellmodels_base import Name, Percent, Table, unit
+from gateway.cellmodels_belts import PlantBelt
 
 
 class Drive(Table):
@@ -96,4 +97,5 @@ class PlantAxis(Table):
 class Plant(Table):
     seed: int = Field(default=1, ge=0)
     axis: dict[str, PlantAxis] = {}
+    belt: dict[str, PlantBelt] = {}
     absent: list[str] = []

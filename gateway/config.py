@@ -14,6 +14,7 @@ from drivers.emulator.settings import RANGES, ServoSettings
 from gateway import cell as plain
 from gateway import (
     cell_axes,
+    cell_belts,
     cell_buses,
     cell_controller,
     cell_lines,
@@ -21,6 +22,7 @@ from gateway import (
     cell_northbound,
     cell_rho3,
     cellmodels_axes,
+    cellmodels_belts,
     cellmodels_buses,
     cellmodels_controller,
     cellmodels_lines,
@@ -186,6 +188,7 @@ def _tables(value: Any) -> list[dict[str, Any]]:
 PARTS = (
     (plain, models),
     (cell_axes, cellmodels_axes),
+    (cell_belts, cellmodels_belts),
     (cell_buses, cellmodels_buses),
     (cell_lines, cellmodels_lines),
     (cell_rho3, cellmodels_rho3),

@@ -6,6 +6,7 @@ import pathlib
 
 from drivers.emulator.settings import BusSettings, DriveSettings, ServoSettings, axis_from_dict, to_dict
 from gateway.cell import Axis, Cell, PlantAxis
+from gateway.cell_belts import PlantBelt
 
 MULTITURN = 4096  # turns an absolute encoder of the emulated drives tells apart
 
@@ -53,6 +54,19 @@ def bus_settings(cell: Cell, bus: str, p5_ms: float) -> BusSettings:
                 own_feed_forward=float(servo.speed_feed_forward > 0.0),
             )
     return BusSettings(p5_ms, cell.plant.seed if cell.plant else 1, axes, nodes)
+
+
+def belt_settings(cell: Cell, bus: str) -> str:
+    """The belts with an encoder on a bus, as the emulator process takes them."""
+    tables = []
+    for belt in cell.belt:
+        if belt.bus != bus:
+            continue
+        plant = cell.plant.belt.get(belt.name, PlantBelt()) if cell.plant else PlantBelt()
+        speed, accel = plant.speed / belt.increment, plant.accel / belt.increment
+        table = {"identifier": belt.id, "speed": speed, "accel": abs(accel), "byte": belt.byte, "size": belt.bytes}
+        tables.append(table)
+    return json.dumps(tables)
 
 
 def write_settings(cell: Cell, bus: str, folder: pathlib.Path, p5_ms: float) -> pathlib.Path:

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from gateway.cell import Cell, Notice
 from gateway.checks import (
     axes,
+    belts,
     blocks,
     buses,
     canopen,
@@ -43,6 +44,7 @@ def cross_faults(cell: Cell, known: Mapping[str, frozenset[str]], signals: Signa
         *axes.CHECKS,
         *telegrams.CHECKS,
         *programs.CHECKS,
+        *belts.CHECKS,
         *web.CHECKS,
         *northbound.CHECKS,
         *controller.CHECKS,

@@ -20,6 +20,7 @@ from drivers.ports.base import CanPort, PortError
 from drivers.ports.can import open_can
 from gateway.assembly import RunPlan, load_plan
 from gateway.axes import assumed_permits, core_axes, rc_numbers
+from gateway.cyclebelts import Encoder, belts_of, encoders_of
 from gateway.families import make_family
 from gateway.image import RegionReader, RegionWriter, RingReader, RingWriter, fds_from_text
 from gateway.io_cycle import InputMarks, IoErrors, cycle_contacts
@@ -71,6 +72,7 @@ class BusLink:
         self.foreign = 0
         self.last_error = ""
         self.acyclic: deque[Frame] = deque()  # from the master, one leaves with each burst
+        self.encoders: dict[int, Encoder] = {}  # of belts, by identifier
         self.late = 0  # actual values that came in the cycle after theirs
         self._retry_ns = self.sent_ns = 0
         self._burst: list[Frame] = []
@@ -113,7 +115,11 @@ class BusLink:
             try:
                 heard = hear(frame)
             except DecodeError:
-                self.foreign += 1
+                encoder = self.encoders.get(frame.identifier)
+                if encoder is None:
+                    self.foreign += 1
+                else:
+                    fresh += encoder.hear(frame.data)
                 continue
             if heard is None:
                 continue
@@ -174,10 +180,13 @@ class Cycle:
             numbers=rc_numbers(cell),
             assumed=assumed_permits(cell),
             finish_without_services=cell.cell.on_services_loss == "finish_move",
+            belts=belts_of(cell, plan.p5_ms) if cell.belt else None,
         )
         self.buses = [BusLink(plan.buses[bus.name], make_family(cell, bus, plan.p5_ms), n) for n, bus in enumerate(drive_buses)]
         self._driving = [bus for bus in self.buses if not (isinstance(bus.family, RhoFamily) and bus.family.drives is None)]
         self._pack_state = cell_state_packer(len(axes))
+        for bus, link in zip(drive_buses, self.buses, strict=True):
+            link.encoders = encoders_of(cell, bus.name, self.core.belts) if self.core.belts is not None else {}
         self.with_io = [(bus, bus.family) for bus in self.buses if isinstance(bus.family, RhoFamily)]
         self.inputs = RegionReader(fds["rc_in"], "rc_in")
         self.links = RegionReader(fds["links"], "links")
@@ -301,7 +310,7 @@ class Cycle:
 
     def _collect(self, up: Sequence[BusLink], actuals: list[Actual | None], until: int) -> int:
         """Wait for all actual values, at most to `until`; how many are missing."""
-        missing = sum([bus.family.expected for bus in self.buses])
+        missing = sum([bus.family.expected + len(bus.encoders) for bus in self.buses])
         if not missing:  # nobody is waited for, but frames aside come all the same
             for bus in up:
                 bus.receive(actuals)

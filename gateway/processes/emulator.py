@@ -17,9 +17,10 @@ import select
 import signal
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import IO
 
+from drivers.emulator.belts import EmulatedBelt, EmulatedBelts
 from drivers.emulator.both import BothFamilies
 from drivers.emulator.cia402_slave import Cia402Slave
 from drivers.emulator.frame_faults import FrameFaults, Way
@@ -29,6 +30,7 @@ from drivers.ports.base import CanPort, PortError
 from drivers.ports.remotes import open_can_with_remotes
 from gateway.dbcfile import load_servodyn
 from gateway.files import find_config
+from gateway.processes.emulator_belts import belts_from, carry_out_belt
 from gateway.processes.emulator_control import Answer, Command, ControlServer, carry_out
 from gateway.processes.emulator_frames import ORDERS, carry_out_frames
 from gateway.processes.emulator_nodes import carry_out_node
@@ -86,8 +88,10 @@ class Recorder:
 class Emulator:
     """One loop around one slave machine and one port; `turn` is one round."""
 
-    def __init__(self, name: str, slave: Slave, open_port: Callable[[], CanPort], *recorders: Recorder) -> None:
-        self.slave, self.stopping = slave, False
+    def __init__(
+        self, name: str, slave: Slave, open_port: Callable[[], CanPort], *recorders: Recorder, belts: Sequence[EmulatedBelt] = ()
+    ) -> None:
+        self.slave, self.stopping, self.belts = slave, False, EmulatedBelts(belts)
         self.faults = FrameFaults()
         self._recorded = list(zip(families(slave), recorders, strict=True))
         self._open_port = open_port
@@ -169,9 +173,10 @@ class Emulator:
         frames = self.faults.through(Way.IN, frames, now)
         if frames:
             self.slave.receive(frames, now)
+            self.belts.receive(frames)
 
     def _send(self, now: Ns) -> None:
-        frames = self.faults.through(Way.OUT, self.slave.take_output(), now)
+        frames = self.faults.through(Way.OUT, [*self.belts.take_output(), *self.slave.take_output()], now)
         if not frames or self._port is None:
             return
         try:
@@ -216,7 +221,10 @@ class Emulator:
             case "state":
                 own = {"connected": self.connected, "opened": self.opened, "refused": self.refused, "record_lost": self.record_lost}
                 spoilt = {kind.value: count for kind, count in self.faults.spoilt.items()}
-                return {**self._carry_family(command), **own, "frames": {**spoilt, "silenced": self.faults.silenced}}
+                frames = {**spoilt, "silenced": self.faults.silenced}
+                return {**self._carry_family(command), **own, "frames": frames, "belts": self.belts.state()}
+            case "belt":
+                return carry_out_belt(self.belts, command)
             case str() as what if what in ORDERS:
                 return carry_out_frames(self.faults, command, time.monotonic_ns())
             case _:
@@ -251,6 +259,7 @@ def arguments(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--bus", required=True, help="broker:NAME or socketcan:INTERFACE")
     parser.add_argument("--name", help="of the control socket (default: the bus' name)")
     parser.add_argument("--record", type=pathlib.Path, help="file for the drives' own record")
+    parser.add_argument("--belts", default="[]", help="JSON: a list of belts with an encoder on this bus, see drivers.emulator.belts")
     parser.add_argument("--layout", default=LAYOUT, help="DBC file (default %(default)s)")
     parser.add_argument("--priority", type=int, default=PRIORITY, help="SCHED_FIFO priority, 0: none (default %(default)s)")
     parser.add_argument("--die-with-parent", action="store_true", help="end when the starting process ends")
@@ -307,7 +316,7 @@ def main(argv: list[str] | None = None) -> int:
     if options.die_with_parent:
         die_with_parent()
     try:
-        slave = load(options)
+        slave, belts = load(options), belts_from(options.belts)
     except SettingsError as error:
         print("\n".join(f"{options.settings}: {fault}" for fault in error.faults), file=sys.stderr)
         return 2
@@ -319,7 +328,7 @@ def main(argv: list[str] | None = None) -> int:
             names = [options.record, options.record and options.record.with_name(options.record.name + ".nodes")][: len(families(slave))]
             recorders = [Recorder(files.enter_context(open(name, "wb", buffering=0)) if name else None) for name in names]
             name = options.name or options.bus.partition(":")[2]
-            emulator = Emulator(name, slave, lambda: open_can_with_remotes(options.bus), *recorders)
+            emulator = Emulator(name, slave, lambda: open_can_with_remotes(options.bus), *recorders, belts=belts)
             for warning in go_realtime(options.priority) if options.priority else []:
                 print(f"emulator: {warning}", file=sys.stderr, flush=True)
             try:

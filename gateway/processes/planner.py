@@ -11,6 +11,7 @@ import time
 
 from gateway.assembly import RunPlan, load_plan
 from gateway.axes import rc_numbers
+from gateway.beltplan import belt_facts
 from gateway.files import read_text
 from gateway.image import RegionReader, RegionWriter, RingReader, RingWriter, fds_from_text
 from gateway.journal import Journal
@@ -39,7 +40,8 @@ class PlannerProcess:
         self.pieces = RingWriter(fds["pieces"], "pieces")
         self.region = RegionWriter(fds["planner"], "planner")
         self.count = len(plan.cell.axis)
-        self.programs = Programs(self.machine, self.mask, self.text, free_outputs(rc_numbers(plan.cell), self.count))
+        outputs = free_outputs(rc_numbers(plan.cell), self.count)
+        self.programs = Programs(self.machine, self.mask, self.text, outputs, belts=belt_facts(plan.cell))
         self._told: tuple[int, str] = (0, "")
         self._stop = False
 
@@ -96,6 +98,7 @@ class PlannerProcess:
             taken=state.taken,
             failed=state.failed_job,
             parts=state.parts,
+            engaged=state.engaged,
         )
         self._tell(self.programs.state)
         self.region.write(pack_planner(self.programs.state), now)  # a fault's words are there before the cycle hears of it

@@ -9,7 +9,9 @@ from collections.abc import Sequence
 from drivers.drives.family import Actual, Demand, DriveHoming, Event, Homing, Power, SetRecord
 from drivers.drives.referencing import Referencing, RunState
 from drivers.drives.tracking import Tracking
+from gateway.pure.beltrecords import belt_block_of, synchron_of
 from gateway.pure.coreaxis import CoreAxis, HeldAxis
+from gateway.pure.corebelts import BeltFault, CoreBelts
 from gateway.pure.coreprogram import ProgramRun
 from gateway.pure.corepublish import Publisher
 from gateway.pure.permits import AS_SHIPPED, EVERY, NO_PERMIT, EnablingInputs, RcNumbers
@@ -60,6 +62,7 @@ class Core:
         numbers: RcNumbers = AS_SHIPPED,
         assumed: Permit = NO_PERMIT,
         finish_without_services: bool = False,
+        belts: CoreBelts | None = None,
     ) -> None:
         self.state = CellState(generation=generation)
         self.outputs = bytearray(RC_BYTES)
@@ -78,6 +81,7 @@ class Core:
         self._override = 0.0
         self._job_masks: dict[int, int] = {}
         self._running = 0  # job of the piece under way
+        self.belts = belts
         self._program = ProgramRun()  # done when nothing more comes and all is run
         self._arriving = 0  # cycles since the set values of the running job arrived
         self._homing = 0  # job of the reference run
@@ -163,6 +167,8 @@ class Core:
     def _apply_override(self) -> None:
         """Feed hold and a missing feed allow hold on the path; the move goes on when they are back (as the old feed hold)."""
         value = self._override if self._permits & FLOW == FLOW else 0.0
+        if self.belts is not None and self.belts.set_override(value):
+            return
         if value != self._stepper.override:
             self._stepper.set_override(value)
 
@@ -199,7 +205,9 @@ class Core:
                 state.stop_cause = 0
                 self._stepper.resume()
             case Order.ABANDON:
-                if self._stepper.state is not State.IDLE:
+                if self._on_belt:
+                    self._leave_belt(Reason.ABANDONED)
+                elif self._stepper.state is not State.IDLE:
                     self._stepper.abandon()
                     self._fail(self._running, Reason.ABANDONED)
                     self._running = 0
@@ -270,6 +278,8 @@ class Core:
             program.until = until_of(record)
         elif record.part is Part.REST:
             program.rests = True
+        elif record.part in (Part.SYNCHRON, Part.BELT_BLOCK):
+            self._take_belt(record)
         elif record.part is Part.OUTPUT:
             program.switch(switch_of(record))
         elif record.part is Part.LAST:
@@ -290,7 +300,8 @@ class Core:
             piece = decode_any(data)
             if self._homing or self.state.emergency or self._running not in (0, program.job) or not self._all_enabled(piece.mask):
                 raise MotionError("the axes of the piece are not all enabled and free")
-            self._stepper.load(piece)
+            if self.belts is None or not self.belts.load(piece):
+                self._stepper.load(piece)
         except MotionError:
             self._fail(program.job, Reason.NOT_READY)
             if program.begun:
@@ -322,7 +333,9 @@ class Core:
             self._program.clear()
 
     def _stop(self, reason: Reason) -> None:
-        if self._stepper.state is State.RUNNING:
+        if self._on_belt:
+            self._leave_belt(reason)
+        elif self._stepper.state is State.RUNNING:
             self._stepper.stop()
             self.state.stop_cause = reason
         elif self.starved:  # nothing to stop on: it must not begin, or go on, by itself afterwards
@@ -350,6 +363,8 @@ class Core:
             self._fail(self._running or self._program.job, reason)
             self._running = 0
             self._program.clear()
+            if self.belts is not None:
+                self.belts.drop()
             self._stepper = Stepper(len(self._axes), self._period, [axis.set for axis in self._axes])
             self._stepper.set_override(0.0)
             self._apply_override()
@@ -375,7 +390,7 @@ class Core:
     # ---- set values --------------------------------------------------------------------------------------------------
     def _drive(self, actuals: Sequence[Actual | None]) -> list[SetRecord]:
         """One pass over the axes: all of it happens once per SYNC and axis."""
-        sample = self._stepper.step()
+        sample = self._stepper.step() if self.belts is None else self._belt_step(self.belts)
         if self._program.job:
             self._attend(sample)
         if self._referencing:
@@ -413,6 +428,80 @@ class Core:
         self.state.progress, self.state.piece = sample.s, sample.piece_id
         return values
 
+    # ---- belts -------------------------------------------------------------------------------------------------------
+    @property
+    def _on_belt(self) -> bool:
+        """A synchronous part is under way."""
+        return self.belts is not None and not self.belts.free
+
+    def _take_belt(self, record: PieceRecord) -> None:
+        """SYNCHRON, or a block of types 2 and 3; what does not fit ends the program before it moves."""
+        program, belts = self._program, self.belts
+        try:
+            every = (1 << len(self._axes)) - 1
+            if belts is None or self._homing or self.state.emergency or not self._all_enabled(every):
+                raise MotionError("the axes are not all enabled and free")
+            if record.part is Part.BELT_BLOCK:
+                belts.add(belt_block_of(record))
+                return
+            belts.synchron(synchron_of(record), [axis.set for axis in self._axes])
+            belts.set_override(self._stepper.override)
+        except MotionError:
+            self._fail(program.job, Reason.NOT_READY)
+            self._end_program(Reason.NOT_READY)
+            return
+        self._running, self._arriving, program.begun = program.job, 0, True
+
+    def _belt_step(self, belts: CoreBelts) -> Sample:
+        """Counters, and the set values of the part under way."""
+        sample, state = belts.step(self._stepper, self._inputs), self.state
+        state.belt, state.belt_speed = belts.shown.counter, belts.shown.watch.speed
+        if belts.engaged_now:
+            state.engaged = belts.value
+            state.parts += 1
+        if belts.fault is not None:
+            self._belt_fault(belts, belts.fault)
+        elif not belts.free:
+            self._end_belt(belts)
+        return sample
+
+    def _end_belt(self, belts: CoreBelts) -> None:
+        """Nothing more comes of the part: a robot of type 1 leaves its belt, one of types 2 and 3 stands at its last point."""
+        program = self._program
+        if not (program.rests or program.complete or not program.job):
+            return
+        if belts.carries:
+            if self._stepper.state is State.IDLE and belts.release():
+                belts.drop()
+        elif belts.done or (not belts.running and (program.complete or not program.job)):
+            belts.drop()
+
+    def _leave_belt(self, reason: Reason) -> None:
+        """Stopped inside a part: it is over, and the axes come to rest whatever the belt does."""
+        belts, program = self.belts, self._program
+        assert belts is not None
+        if program.job and not program.complete:
+            self._end_program(reason)
+            program.met = True  # what still comes of it is dropped
+        self.state.stop_cause = reason
+        fault = belts.stop()
+        if fault is not None:
+            self._belt_fault(belts, fault)
+        elif not belts.carries:
+            belts.drop()
+        elif self._stepper.state is not State.IDLE:
+            self._stepper.abandon()
+
+    def _belt_fault(self, belts: CoreBelts, fault: BeltFault) -> None:
+        """The part cannot go on; with types 2 and 3 READY opens, so that the belt can be stopped (rho3 L6112)."""
+        state, belts.fault = self.state, None
+        state.belt_code, state.belt_block, state.belt_axis = fault.code, belts.block, fault.axis
+        if fault.opens_ready:
+            state.emergency = True
+            self._off(Reason.BELT_FAULT)
+        else:
+            self._leave_belt(Reason.BELT_FAULT)
+
     def _attend(self, sample: Sample) -> None:
         """What belongs to a program beside its path: outputs, the input its part ends with, the end of a part."""
         program, stepper = self._program, self._stepper
@@ -421,12 +510,12 @@ class Core:
         if stepper.state is State.RUNNING and program.sees(self._inputs):
             stepper.abandon()
             program.met = True
-        if program.rests and stepper.state is State.IDLE:
+        if program.rests and stepper.state is State.IDLE and not self._on_belt:
             program.part_over()
             self.state.parts += 1
 
     def _program_over(self) -> bool:
-        return self._program.complete and self._stepper.state is State.IDLE
+        return self._program.complete and self._stepper.state is State.IDLE and not self._on_belt
 
     def _arrive(self) -> None:
         """The set values have arrived; the move has when the axes have, too."""
@@ -499,7 +588,7 @@ class Core:
                 axis.referenced = axis.plan.absolute
             if axis.run is None and (axis.by_drive or not axis.drive.follows):
                 axis.set = axis.scaling.to_si(axis.drive.set_inc)
-        if self._stepper.state is State.IDLE:
+        if self._stepper.state is State.IDLE and not self._on_belt:
             self._stepper.place([axis.set for axis in self._axes])
 
     # ---- supervision -------------------------------------------------------------------------------------------------

@@ -8,6 +8,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 
 from drivers.drives.tracking import sentence
+from gateway.pure.beltwords import belt_words
 from gateway.pure.command_block import Code, Command
 from gateway.pure.control import NOBODY, Control
 from gateway.pure.jobs import AxisFacts, DoorState, Job, OfficeEvent, OnLoss
@@ -101,7 +102,7 @@ class Office:
             job.state = CommandState.RUNNING
         outcome = self._outcome(job, cell)
         if outcome is not None:
-            self._end(job, self._ended(job, outcome), outcome, self._fault(job, outcome))
+            self._end(job, self._ended(job, outcome), outcome, self._fault(job, cell, outcome))
         elif job.until is not None and now >= job.until:
             self._end(job, CommandState.ABORTED, *self._why_not(job, cell))
 
@@ -113,10 +114,13 @@ class Office:
         refused = job.code == Code.PROGRAM and job.state is CommandState.ACCEPTED and outcome is Reason.PROGRAM_FAULT
         return CommandState.REFUSED if refused else CommandState.ABORTED
 
-    def _fault(self, job: Job, outcome: Reason) -> str:
+    def _fault(self, job: Job, cell: CellState, outcome: Reason) -> str:
         """The planner's words: line, block, axis and the manual's number; or which axis did not follow."""
         if outcome is Reason.FOLLOWING_ERROR:
             return self.strayed()
+        if outcome is Reason.BELT_FAULT:
+            axis = self.axes[cell.belt_axis - 1].name if 0 < cell.belt_axis <= len(self.axes) else ""
+            return belt_words(cell.belt_code, cell.belt_block or (self.planner.block if self.planner else 0), axis)
         planner = self.planner
         if outcome is not Reason.PROGRAM_FAULT or planner is None or planner.failed_job != job.watch:
             return ""

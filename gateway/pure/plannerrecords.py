@@ -95,6 +95,8 @@ class Part(IntEnum):
     OUTPUT = 4  # an RC output changes at a place of a piece that follows (SwitchAt)
     UNTIL = 5  # the part that follows ends when an input has a value (UntilInput)
     REST = 6  # the part ends where the pieces before end; the next one begins where the axes stand then
+    SYNCHRON = 7  # a belt-synchronous part begins where the axes stand (beltrecords)
+    BELT_BLOCK = 8  # one block of it, with a belt of type 2 or 3
 
 
 _PIECE = struct.Struct("=II QQ")

@@ -23,6 +23,7 @@ from gateway.pure.plannerrecords import (
     switch_record,
     until_record,
 )
+from gateway.pure.programparts import Coming, begun, told
 from gateway.pure.records import RC_BYTES
 from motion.errors import MotionError
 from motion.planner.marks import check_outputs
@@ -33,16 +34,12 @@ from motion.program.blocks import Block
 from motion.program.errors import BlockError, TextError
 from motion.program.factors import FULL, Factors
 from motion.program.text import Reader
+from motion.sync.facts import BeltFacts
 from motion.timed import encode_timed
 
 QUIET_TURNS = 6  # turns without a new block after which what is known is run
 ALWAYS = 1 << 62
 OUTPUTS_ARE = "programs switch RC outputs to 0 or 1, and none that axisgate itself writes (ready, drives on, in position ..)"
-
-
-def _moved(error: BlockError, blocks: int) -> BlockError:
-    """The same fault, so many blocks later in the program."""
-    return BlockError(error.what, code=error.code, block=error.block + blocks, axis=error.axis, source=error.source)
 
 
 def _no_programs(number: int) -> str:
@@ -58,6 +55,7 @@ class Programs:
     mask_of: Callable[[Machine], int]
     text_of: Callable[[int], str] = _no_programs
     outputs: Container[int] = range(0)  # RC outputs programs may switch
+    belts: Sequence[BeltFacts] = ()
     state: PlannerState = PlannerState()
     generation: int = 0
     _planner: Planner | None = None
@@ -73,7 +71,9 @@ class Programs:
     _rest: float | None = None  # tau at which it ran out, until it goes on
     _trial: Route | None = None  # of the blocks behind the first one that ends with an input
     _tried: int = 0  # blocks before those
-    _later: deque[list[Block]] = field(default_factory=deque)  # parts to come
+    _later: deque[Coming] = field(default_factory=deque)  # parts to come
+    _start: Sequence[float] = ()  # of the axes where a part on a belt began
+    _blocks: int = 0  # of the part under way
     _handed: bool = False  # the part under way is handed on whole, and another one follows
     _parts: int = 0  # over, as the cycle counts them
     _before: int = 0  # blocks before the part under way
@@ -91,10 +91,11 @@ class Programs:
         taken: int = ALWAYS,
         failed: int = 0,
         parts: int = 0,
+        engaged: float = 0.0,
     ) -> list[PieceRecord]:
         """records: new ones; the rest is the cycle's: its generation, the piece under way (0: none), where the axes stand, whether they
         move, the last order it took (nothing is handed on before it knows of the job), the job that failed last, the number of parts
-        that are over."""
+        that are over, and the belt value at which the robot got onto a belt."""
         if generation != self.generation:
             self.generation = generation
             self._drop()
@@ -104,7 +105,7 @@ class Programs:
         for record in records:
             self._heard(record, standing)
         if self.state.job and self._handed and parts != self._parts:
-            self._next_part(standing)
+            self._go_on(standing, engaged)
         self._parts = parts
         self._plan(piece, moving, taken)
         out, self._out = self._out, []
@@ -133,7 +134,7 @@ class Programs:
         self.state = PlannerState(job=job, failed_job=self.state.failed_job)
         self._reader, self._planner, self._factors, self._ended = Reader(), None, FULL, False
         self._lines, self._line_of, self._at, self._rest = None, [], 0, None
-        self._trial, self._handed, self._before = None, False, 0
+        self._trial, self._handed, self._before, self._blocks = None, False, 0, 0
         self._later.clear()
 
     def _obey(self, record: BlockRecord, standing: Sequence[float]) -> None:
@@ -161,6 +162,8 @@ class Programs:
     def _check(self, block: Block) -> None:
         """What the cell itself, and not the robot, refuses."""
         number = len(self._line_of)
+        if block.synchron is not None and self._lines is None:
+            raise BlockError("a synchronous part stands in a program of the cell alone", block=number)
         if block.until is not None and (self._lines is None or block.until.number not in range(8 * RC_BYTES)):
             raise BlockError(f"until={block.until.number}: an RC input is needed, in a program of the cell", block=number)
         for output in block.outputs:
@@ -168,46 +171,73 @@ class Programs:
                 raise BlockError(f"output {output.number}:{output.value:g}: {OUTPUTS_ARE}", block=number)
 
     def _add(self, planner: Planner, block: Block) -> None:
-        """A block that ends with an input is a part of its own: where the next one begins is known only then.  What comes after is tried as
-        if the block had reached its target."""
-        if self._trial is None and block.until is None:
+        """A block that ends with an input, and a part on a belt, are parts of their own: where the next one begins is known only then.
+        What comes after is tried as if the part had reached its target, with the belt where it was programmed."""
+        if self._trial is None and block.until is None and block.synchron is None:
             planner.add(block)
             return
         if self._trial is None:
             planner.finish()
             self._trial, self._tried = Route(planner.machine, planner.standing), len(self._line_of) - 1
-        alone = block.until is not None or not self._later or self._later[-1][-1].until is not None
+        trial = self._trial
         try:
-            if alone:
-                self._trial.finish()
-            self._trial.add(block)
+            if not self._later or not self._later[-1].holds(block):
+                trial.finish()
+                self._later += begun(block, len(self._line_of), self.belts, planner.machine, trial.standing)
+        except BlockError as error:
+            raise told(error, self._tried if block.synchron is None else 0) from error
+        part = self._later[-1]
+        looked_at = part.tried.add(block) if part.tried is not None else block
+        try:
+            trial.add(looked_at)
             if block.until is not None:
-                self._trial.finish()
-            for stretch in self._trial.take():
+                trial.finish()
+            for stretch in trial.take():
                 check_outputs(stretch)
         except BlockError as error:
-            raise _moved(error, self._tried) from error
-        if alone:
-            self._later.append([])
-        self._later[-1].append(block)
+            raise told(error, self._tried) from error
+        part.blocks.append(block)
 
-    def _next_part(self, standing: Sequence[float]) -> None:
-        """The axes rest, wherever the part before ended."""
-        blocks = self._later.popleft()
+    def _go_on(self, standing: Sequence[float], engaged: float) -> None:
+        """A part is over, and the axes rest where it ended, or have got onto a belt: the next one begins."""
         self._begins.clear()
         self._at, self._rest, self._handed = 0, None, False
-        self._before += self._planner.added if self._planner is not None else 0
+        self._before, self._blocks = self._before + self._blocks, 0
+        if not self._later:
+            self._planner = None  # the last one was a part of the cycle's own: nothing is left to plan
+            return
+        part = self._later.popleft()
         try:
-            planner = self._planner = self._made(standing)
+            self._next_part(part, standing, engaged)
+        except MotionError as error:
+            self._fail(error)
+
+    def _next_part(self, part: Coming, standing: Sequence[float], engaged: float) -> None:
+        job, generation = self.state.job, self.generation
+        planner = self._made(standing)
+        if part.engages or part.follows:
+            self._start, self._handed = planner.standing, True
+            if part.engages:
+                self._out.append(part.engagement(job, generation))
+            else:
+                self._blocks = len(part.blocks)
+                self._out += part.followed(planner.machine, planner.standing, job, generation)
+            self.state = replace(self.state, block=self._before + 1, share=0.0)
+            return
+        blocks = part.blocks
+        if part.tried is not None:
+            machine, start, blocks = part.carried(planner.machine, self._start, engaged)
+            planner = replace(planner, machine=machine, start=start)
+        self._planner, self._blocks = planner, len(blocks)
+        try:
             for block in blocks:
                 planner.add(block)
             planner.finish()
         except BlockError as error:
-            self._fail(_moved(error, self._before))
-            return
+            raise told(error, self._before) from error
         until = blocks[0].until
         if until is not None:
-            self._out.append(until_record(self.state.job, self.generation, UntilInput(until.number, until.value)))
+            self._out.append(until_record(job, generation, UntilInput(until.number, until.value)))
 
     def _end(self) -> None:
         self._ended = True
@@ -281,7 +311,7 @@ class Programs:
         over = self._ended and not planner.open and not state.ended
         last = over and not self._later
         if over and self._later:
-            self._handed = True
+            self._handed, self._blocks = True, planner.added
             self._out.append(PieceRecord(Part.REST, state.job, self.generation))
         if last:
             self._out.append(PieceRecord(Part.LAST, state.job, self.generation))

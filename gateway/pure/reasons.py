@@ -57,6 +57,7 @@ class Reason(IntEnum):
     PLANNER_LOST = 33
     PROGRAM_FAULT = 34
     PROGRAM_UNKNOWN = 35
+    BELT_FAULT = 36
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,6 +111,7 @@ _TEXTS: dict[Reason, tuple[str, str]] = {
     ),
     Reason.PROGRAM_FAULT: ("a block of the program cannot be run: {0}", "ein Satz des Programms ist nicht fahrbar: {0}"),
     Reason.PROGRAM_UNKNOWN: ("there is no such program: {0}", "dieses Programm gibt es nicht: {0}"),
+    Reason.BELT_FAULT: ("the belt-synchronous part is over: {0}", "der bandsynchrone Teil ist zu Ende: {0}"),
     Reason.CYCLE_RESTARTED: ("the cycle process was restarted; drives are off", "Zyklus-Prozess neu gestartet; Antriebe sind aus"),
     Reason.REFERENCE_FAILED: ("referencing failed: {0}", "Referenzieren fehlgeschlagen: {0}"),
     Reason.TIME_OUT: ("not reached in time: {0}", "nicht rechtzeitig erreicht: {0}"),

@@ -93,15 +93,21 @@ class CellState:
     piece: int = 0  # id of the planner's piece under way, 0: none
     compute_ns: int = 0  # time of the last cycle from the last actual value to set values ready
     parts: int = 0  # parts of programs that are over: the axes rest, and the planner goes on from where they stand
+    engaged: float = 0.0  # belt value (m or rad) at which the robot got onto its belt last
+    belt: float = 0.0  # counter of the belt under way, or of the first one; m or rad
+    belt_speed: float = 0.0
+    belt_code: int = 0  # last fault of a synchronous part: number of the rho 3, or 65001 .. (AX-545)
+    belt_block: int = 0  # and its block in the program
+    belt_axis: int = 0  # and the axis, from 1
     axes: list[AxisState] = field(default_factory=lambda: [AxisState() for _ in range(AXES)])
 
 
 STATE_NAMES = (
     "cycle", "sync_ns", "generation", "motion", "override", "job", "progress", "done_job", "failed_job", "failed_reason", "taken",
     "emergency", "ready", "permits", "stop_cause", "skipped", "incomplete", "late", "services_lost", "piece", "compute_ns",
-    "parts",
+    "parts", "engaged", "belt", "belt_speed", "belt_code", "belt_block", "belt_axis",
 )  # fmt: skip
-STATE_HEAD = struct.Struct("=QqQBdQdQQHQBBBHQQQQQQQ")
+STATE_HEAD = struct.Struct("=QqQBdQdQQHQBBBHQQQQQQQdddHIB")
 STATE_AXIS = struct.Struct("=dddddHHBH")  # flags, fault code (CiA 402: 16 bits), power, finding
 CELL_STATE_SIZE = STATE_HEAD.size + AXES * STATE_AXIS.size
 CELL_STATE_LAYOUT = f"cell-state/1 {STATE_HEAD.format} {AXES}x{STATE_AXIS.format}"

@@ -132,6 +132,25 @@ class Until:
 
 
 @dataclass(frozen=True, slots=True)
+class Synchron:
+    """A belt-synchronous part (rho 3 SYNCHRON .. SYNCHRON_END): its blocks all hold this one.  at: belt value (m or rad) it begins
+    at, None: at once; number: of the part in its program, so that two parts on one belt stay two."""
+
+    belt: str
+    at: float | None = None
+    number: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class OnBelt:
+    """Belt value (m or rad of the counter) a block ends at, or is meant for; first, third: sections of the cam as belt paths."""
+
+    value: float
+    first: float = 0.0
+    third: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
 class Curving:
     """Spline and orientation weights, 0 .. 1 (Reis _ISPL_TENS, _IORI_TENS, _IORI_WEIGHT, _IORI_CIRCHP)."""
 
@@ -157,6 +176,8 @@ class Block:
     curving: Curving = Curving()
     outputs: tuple[Output, ...] = ()
     until: Until | None = None
+    synchron: Synchron | None = None
+    on_belt: OnBelt | None = None
     line: int = field(default=0, compare=False)  # of the program text; 0: none
 
 

@@ -1,20 +1,17 @@
 """The text form of programs: line by line, mm, deg and % outside.  Grammar and examples: docs/guide/motion-programs.md.
 
-read(text) takes a whole text and tells all its faults at once, each with line, key and range; write(program) gives a text that
-reads back to the same program (numbers to 1e-12 of their size, orientations to 1e-9 rad).
+read(text) takes a whole text and tells all its faults at once, each with line, key and range; motion.program.textout writes one.
 """
 
-import math
 import re
-from collections.abc import Iterable
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import TypeVar
 
 from motion.conventions import CONVENTIONS, Convention, convention
 from motion.errors import MotionError
 from motion.frames import Pose
-from motion.kinematics.base import FREE, Configuration, Elbow, Shoulder, Wrist
+from motion.kinematics.base import Elbow, Shoulder, Wrist
 from motion.program import textkeys
 from motion.program.blocks import (
     MAX_JOINTS,
@@ -24,18 +21,20 @@ from motion.program.blocks import (
     Frame,
     Interpolation,
     JointTarget,
+    OnBelt,
     Output,
     Pace,
     PoseTarget,
     Program,
     Rounding,
+    Synchron,
     Target,
     Tool,
     Until,
     changed,
 )
 from motion.program.errors import TextError, TextFaults
-from motion.units import from_si, to_si
+from motion.units import to_si
 
 Part = TypeVar("Part", Pace, Blend, Curving, Block)
 Named = TypeVar("Named", Tool, Frame)
@@ -69,6 +68,8 @@ class Reader:
     points: dict[str, Target] = field(default_factory=dict)
     modal: dict[str, str] = field(default_factory=dict)
     blocks: list[Block] = field(default_factory=list)
+    part: Synchron | None = None  # SYNCHRON without SYNCHRON_END so far
+    parts: int = 0
 
     def statement(self, raw: str, number: int = 0) -> None:
         """One line; raises TextError.  Its block, if it is one, waits for take()."""
@@ -113,10 +114,27 @@ class Reader:
                 self.point(rest)
             case "set":
                 self.set(rest)
+            case "synchron" | "synchron_end":
+                self.synchron(head, rest)
             case _ if head in MOVES:
                 self.move(MOVES[head], rest, number)
             case _:
                 raise _Fault("", f"{head!r} is no statement; {', '.join(STATEMENTS)} are")
+
+    def synchron(self, head: str, rest: list[str]) -> None:
+        if head == "synchron_end":
+            if self.part is None or rest not in ([], [self.part.belt]):
+                raise _Fault(head, "ends no synchronous part; `synchron BELT` begins one")
+            self.part = None
+            return
+        if self.part is not None:
+            raise _Fault("synchron", f"the part on belt {self.part.belt} is not ended: synchron_end")
+        name = _name("synchron", rest[0] if rest else "")
+        keys = dict(_key(word) for word in rest[1:])
+        if unknown := set(keys) - {"at"}:
+            raise _Fault(min(unknown), "synchron takes at= alone")
+        self.parts += 1
+        self.part = Synchron(name, _length("at", keys["at"]) if "at" in keys else None, self.parts)
 
     def place(self, head: str, rest: list[str]) -> None:
         name = _name(head, rest[0] if rest else "")
@@ -139,7 +157,7 @@ class Reader:
     def set(self, rest: list[str]) -> None:
         keys = dict(_key(word) for word in rest)
         for name in keys:
-            if name in ("config", "extra", "out", "until", "time", "weight"):
+            if name in ONCE:
                 raise _Fault(name, "acts on one block alone and is written there")
         self.block(Interpolation.PTP, JointTarget(()), None, {**self.modal, **keys}, 0)  # only to see whether they are legal
         if "radius" in keys:
@@ -223,9 +241,19 @@ class Reader:
             curving=_filled(Curving(), parts["curving"]),
             outputs=_outputs(keys.get("out", "")),
             until=_until(keys.get("until", "")),
+            synchron=self.part,
+            on_belt=self.on_belt(keys),
             line=number,
         )
         return _filled(made, parts[""])
+
+    def on_belt(self, keys: dict[str, str]) -> OnBelt | None:
+        given = [name for name in ("belt", "camin", "camout") if name in keys]
+        if given and self.part is None:
+            raise _Fault(given[0], "stands in a synchronous part alone: synchron BELT before it")
+        if given and "belt" not in keys:
+            raise _Fault(given[0], "needs the block's value of the belt: belt=")
+        return OnBelt(*(_length(name, keys[name]) if name in keys else 0.0 for name in ("belt", "camin", "camout"))) if given else None
 
     def named(self, key: str, keys: dict[str, str], known: dict[str, Named]) -> Named:
         name = keys.get(key, "-")
@@ -235,7 +263,8 @@ class Reader:
 
 
 BIG = textkeys.BIG
-STATEMENTS = ("program", "robot", "angles", "axes", "start", "tool", "frame", "point", "set", *MOVES)
+STATEMENTS = ("program", "robot", "angles", "axes", "start", "tool", "frame", "point", "set", "synchron", "synchron_end", *MOVES)
+ONCE = ("config", "extra", "out", "until", "time", "weight", "belt", "camin", "camout")  # of one block alone
 
 
 def read(text: str) -> Program:
@@ -331,6 +360,13 @@ def _extra(value: str) -> tuple[float, ...]:
     return tuple(to_si(_number("extra", match[1], -BIG, BIG, ""), match[2]) for match in found if match)
 
 
+def _length(key: str, value: str) -> float:
+    found = _EXTRA.fullmatch(value)
+    if found is None:
+        raise _Fault(key, f"{value!r}: a number with mm or deg, like 150mm")
+    return to_si(_number(key, found[1], -BIG, BIG, ""), found[2])
+
+
 def _outputs(value: str) -> tuple[Output, ...]:
     made = []
     for word in value.split(",") if value else ():
@@ -349,93 +385,3 @@ def _until(value: str) -> Until | None:
     if not digits.isdigit():
         raise _Fault("until", f"{value!r}: the number of an input, with ! in front for its being 0")
     return Until(int(digits), not value.startswith("!"))
-
-
-# ---- writing ------------------------------------------------------------------------------------------------------------
-
-
-def write(program: Program, angles: str = "val3") -> str:
-    """The text of a program; raises MotionError where one name stands for two tools or frames, or a place has none."""
-    ways = convention(angles)
-    units = program.units or ("deg",) * len(program.start)
-    lines = [f"program {program.name}" if program.name else "", f"robot {program.robot}" if program.robot else ""]
-    lines += [f"angles {angles}", f"axes {' '.join(units)}", f"start {_joints(program.start, units)}"]
-    for word, places in (
-        ("tool", _places(block.tool for block in program.blocks)),
-        ("frame", _places(block.frame for block in program.blocks)),
-    ):
-        lines += [f"{word} {name} {_pose(pose, ways)}" for name, pose in places.items()]
-    lines += [_move(block, ways, units) for block in program.blocks]
-    return "\n".join(line for line in lines if line) + "\n"
-
-
-def _places(places: Iterable[Tool | Frame]) -> dict[str, Pose]:
-    found: dict[str, Pose] = {}
-    for place in places:
-        if place.name:
-            if found.setdefault(place.name, place.pose) != place.pose:
-                raise MotionError(f"{place.name!r} stands for two places in one program")
-        elif place.pose != Tool().pose:
-            raise MotionError("a tool or frame without a name cannot be written")
-    return found
-
-
-def _move(block: Block, ways: Convention, units: tuple[str, ...]) -> str:
-    words = [block.kind.value]
-    if block.via is not None:
-        words += ["via", f"pose {_pose(block.via.pose, ways)}", "to"]
-    target = block.target
-    keys = _keys(block, units)
-    if isinstance(target, JointTarget):
-        words.append(f"joints {_joints(target.q, units)}")
-    else:
-        words.append(f"pose {_pose(target.pose, ways)}")
-        flags = target.configuration
-        if flags != FREE:
-            keys.append(f"config={','.join(str(getattr(flags, f.name).value) for f in fields(Configuration))}")
-        if target.extra:
-            own = units[len(units) - len(target.extra) :]
-            keys.append(f"extra={','.join(_plain(from_si(value, unit)) + unit for value, unit in zip(target.extra, own, strict=True))}")
-    return " ".join([*words, *keys])
-
-
-def _keys(block: Block, units: tuple[str, ...]) -> list[str]:
-    found = []
-    plain = Block(block.kind, block.target)
-    for key in textkeys.KEYS:
-        value = getattr(textkeys.part_of(block, key.part), key.field)
-        if value is not None and value != getattr(textkeys.part_of(plain, key.part), key.field):
-            found.append(f"{key.name}={_plain(value / key.si)}")
-    for choice in textkeys.CHOICES:
-        word = getattr(textkeys.part_of(block, choice.part), choice.field)
-        if word is not getattr(textkeys.part_of(plain, choice.part), choice.field) or (choice.name == "blend" and block.blend != Blend()):
-            found.append(f"{choice.name}={word.value}")
-    if block.blend.axes:
-        found.append(f"zone={','.join(_plain(from_si(v, unit)) for v, unit in zip(block.blend.axes, units, strict=True))}")
-    if block.blend.past_circles:
-        found.append("arcs=yes")
-    if block.pace.lead:
-        found.append("lead=yes")
-    found += [f"{word}={place.name}" for word, place in (("tool", block.tool), ("frame", block.frame)) if place.name]
-    if block.outputs:
-        outs = (f"{o.number}:{_plain(o.value)}{f'@{_plain(o.before * 1e3)}' if o.before else ''}" for o in block.outputs)
-        found.append(f"out={','.join(outs)}")
-    if block.until is not None:
-        found.append(f"until={'' if block.until.value else '!'}{block.until.number}")
-    return found
-
-
-def _joints(values: tuple[float, ...], units: tuple[str, ...]) -> str:
-    return " ".join(_plain(from_si(value, unit)) for value, unit in zip(values, units, strict=True))
-
-
-def _pose(pose: Pose, ways: Convention) -> str:
-    return " ".join(_plain(value) for value in ways.values(pose))
-
-
-def _plain(value: float) -> str:
-    """Thirteen digits, without the dust of unit conversion."""
-    rounded = float(f"{value:.13g}")
-    if rounded == 0.0 or math.isclose(rounded, 0.0, abs_tol=1e-13):
-        return "0"
-    return str(int(rounded)) if rounded.is_integer() and abs(rounded) < 1e12 else repr(rounded)

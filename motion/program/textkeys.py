@@ -70,6 +70,9 @@ OTHERS = {
     "config": "righty,epositive,wnegative ..: demanded configuration",
     "extra": "values of additional axes with their unit: 100mm,30deg",
     "out": "NUMBER:VALUE or NUMBER:VALUE@MM, with commas: outputs at the end or so far before it",
+    "belt": "in a synchronous part: value of the belt at the end of the block, with its unit: 150mm",
+    "camin": "type 3: first section, the belt path A with its unit: 30mm",
+    "camout": "type 3: last section, the belt path D with its unit: 70mm",
     "until": "NUMBER or !NUMBER: the block ends when this input is 1 (0)",
 }
 NUMBERS = {key.name: key for key in KEYS}

@@ -65,6 +65,11 @@ class Coupling:
     _lasts: float = field(init=False, default=0.0)
     _rate: float = field(init=False, default=0.0)  # of the frame
 
+    @property
+    def rate(self) -> float:
+        """Of the frame, per s."""
+        return self._rate
+
     def engage(self, belt: float, speed: float) -> None:
         """SYNCHRON: the belt is at this value and has this speed.  MotionError while the frame still moves."""
         if self.state is not Hold.OFF:

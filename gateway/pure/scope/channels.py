@@ -43,11 +43,11 @@ class AxisFact:
 _VALUES = ("actual", "set", "speed", "lag", "torque")  # doubles in the order of an axis record
 _NUMBERS = {"fault_code": (42, "H"), "power": (44, "B")}  # behind five doubles and the flags
 _FLAGS_AT = 40
-_CELL = {"override": (100.0, "%"), "progress": (100.0, "%"), "compute_us": (1e-3, "us")}
+_CELL = {"override": (100.0, "%"), "progress": (100.0, "%"), "compute_us": (1e-3, "us"), "belt": (1e3, "mm"), "belt_speed": (1e3, "mm/s")}
 _CELL_NAMES = {
     "override": "override", "progress": "progress", "compute_us": "compute_ns", "motion": "motion", "job": "job", "ready": "ready",
     "emergency": "emergency", "skipped": "skipped", "incomplete": "incomplete", "late": "late", "stop_cause": "stop_cause",
-    "permits": "permits", "piece": "piece",
+    "permits": "permits", "piece": "piece", "belt": "belt", "belt_speed": "belt_speed",
 }  # fmt: skip
 _STAMP = struct.Struct("=q").unpack_from
 _STAMP_AT = struct.calcsize("=" + STATE_HEAD.format.lstrip("=")[: STATE_NAMES.index("sync_ns")])

@@ -11,7 +11,8 @@ from motion.kinematics.base import Shoulder, Wrist
 from motion.program import textkeys
 from motion.program.blocks import Interpolation, JointTarget, Output, PoseTarget, Program, Rounding, Slope, Tool, Turning, Until
 from motion.program.errors import TextFaults
-from motion.program.text import read, write
+from motion.program.text import read
+from motion.program.textout import write
 
 WHOLE = """
 program demo            # a comment

@@ -1,0 +1,33 @@
+"""[[belt]] of the cell file, and [plant.belt.NAME]: conveyors and round tables a program can run with (docs/guide/belts.md)."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Belt:
+    """[[belt]]: number 1.. by its place in the file (P501 = how many); lengths in `unit`."""
+
+    name: str
+    increment: float  # unit of one increment; negative: counts the other way
+    unit: str = "mm"  # mm | deg
+    bus: str = ""  # drive bus its encoder is on; empty: simulated alone (P508)
+    id: int = 0  # CAN identifier of the encoder's telegram
+    byte: int = 0  # first byte of the count, low byte first
+    bytes: int = 4  # 2 | 4
+    type: int = 1  # 1 parallel, 2 without parallel axis, 3 cam (SF 21)
+    tolerance: int = 5  # interpolation cycles of belt way, types 2 and 3
+    factors: tuple[float, ...] = (1.0, 0.0, 0.0)  # P503: way of x, y, z for one of the belt
+    simulated: float = 0.0  # P508, unit/s: while RC input 399 is 1
+    v_stop: float | None = None  # SF 15, unit/s; None: 0.005 mm in each cycle
+    v_run: float | None = None
+    patience_ms: int = 0
+    accel: float = 2000.0  # with which the robot catches up, unit/s2
+    jerk: float = 20000.0
+
+
+@dataclass(frozen=True, slots=True)
+class PlantBelt:
+    """[plant.belt.NAME]: the emulated belt and its encoder."""
+
+    speed: float = 0.0  # unit/s, from the start on
+    accel: float = 1000.0  # unit/s2, when a command changes its speed

@@ -1,0 +1,64 @@
+"""[[belt]]: names once, eight at most, encoders that nobody else is heard as, belts that programs name."""
+
+from gateway.cell_belts import Belt
+from gateway.checks.context import Context, twice
+from gateway.families import DRIVE_PROTOCOLS
+from protocols.servodyn.plan import SLOTS, SYNC_ID, actual_id, set_id
+
+MOST = 8
+DRIVES = range(1, SLOTS + 1)
+FORMS = {  # identifiers a bus uses itself; those of CANopen nodes are looked at below
+    "servodyn": {SYNC_ID, *map(set_id, DRIVES), *map(actual_id, DRIVES)},
+    "canopen": set(range(0x81)),
+}
+FUNCTIONS = (0x80, 0x180, 0x200, 0x280, 0x300, 0x380, 0x400, 0x480, 0x500, 0x580, 0x600, 0x700)  # of one CANopen node
+
+
+def belts(check: Context) -> None:
+    """What one belt alone cannot know."""
+    cell = check.cell
+    if len(cell.belt) > MOST:
+        check.fault("belt", len(cell.belt), "belts of one cell (P501)", f"0..{MOST}")
+    for name, _, place in twice((each.name, f"belt.{each.name}.name") for each in cell.belt):
+        check.fault(place, name, "another belt has this name")
+    for number, belt in enumerate(cell.belt, 1):
+        _one(check, belt, number)
+    if cell.belt and cell.robot is None:
+        check.fault("belt", "", "belts carry the path of a robot: [robot] with a model is missing")
+    if cell.plant is not None:
+        known = {each.name for each in cell.belt}
+        for name in cell.plant.belt:
+            if name not in known:
+                check.fault(f"plant.belt.{name}", name, f"no such belt; there is {', '.join(sorted(known)) or 'none'}")
+
+
+def _one(check: Context, belt: Belt, number: int) -> None:
+    where, cell = f"belt.{belt.name}", check.cell
+    if belt.increment == 0.0:
+        check.fault(f"{where}.increment", 0, "an increment that is no way", "-100..100, not 0", belt.unit)
+    if belt.byte + belt.bytes > 8:
+        check.fault(f"{where}.byte", belt.byte, f"{belt.bytes} bytes from here are more than a telegram has", f"0..{8 - belt.bytes}")
+    if not any(belt.factors):
+        check.fault(f"{where}.factors", list(belt.factors), "a belt that moves nothing (P503)")
+    if not belt.bus:
+        if belt.id:
+            check.fault(f"{where}.id", belt.id, "an encoder needs `bus`, the drive bus it is on")
+        return
+    if check.unknown(f"{where}.bus", belt.bus, "bus"):
+        return
+    bus = next((each for each in cell.bus if each.name == belt.bus), None)
+    if bus is None:
+        return
+    if bus.protocol not in DRIVE_PROTOCOLS:
+        check.fault(f"{where}.bus", belt.bus, f"{bus.protocol}: only a drive bus is heard in every cycle ({', '.join(DRIVE_PROTOCOLS)})")
+    taken = set(FORMS.get(bus.protocol, ()))
+    if bus.protocol == "canopen":
+        taken |= {
+            function + axis.drive.node for function in FUNCTIONS for axis in cell.axis if axis.drive.bus == bus.name and axis.drive.node
+        }
+    taken |= {other.id for other in cell.belt[: number - 1] if other.bus == belt.bus}
+    if belt.id in taken or belt.id == 0:
+        check.fault(f"{where}.id", belt.id, f"this identifier of bus {bus.name} is taken by SYNC, a drive or another belt", "1..2047")
+
+
+CHECKS = (belts,)

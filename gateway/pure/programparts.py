@@ -1,0 +1,89 @@
+"""Parts of a program that begin only when the axes rest where the part before ended: blocks that end with an input, belts.  Pure."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from math import isnan
+
+from gateway.pure.beltrecords import belt_block_record, synchron_record
+from gateway.pure.plannerrecords import Part, PieceRecord
+from motion.frames import compose
+from motion.planner.robot import Machine
+from motion.program.blocks import Block, Synchron
+from motion.program.errors import BlockError
+from motion.sync.belts import Type
+from motion.sync.facts import BeltFacts
+from motion.sync.planned import BeltPlan
+from motion.sync.reserve import reserved
+
+
+@dataclass
+class Coming:
+    """number: of its first block; tried: the part on a belt as it was looked at; engages: nothing but SYNCHRON of a type 1, the path
+    of its blocks comes with the next part."""
+
+    number: int
+    blocks: list[Block] = field(default_factory=list)
+    tried: BeltPlan | None = None
+    engages: bool = False
+
+    def holds(self, block: Block) -> bool:
+        """Whether the block belongs to this part."""
+        if self.engages or block.until is not None or (self.blocks and self.blocks[-1].until is not None):
+            return False
+        return block.synchron == (None if self.tried is None else self.tried.synchron)
+
+    @property
+    def follows(self) -> bool:
+        """Run by the cycle itself, from block to block with the belt."""
+        return self.tried is not None and self.tried.facts.kind is not Type.PARALLEL
+
+    def again(self, machine: Machine, start: Sequence[float]) -> BeltPlan:
+        """The same part from where the robot really stands."""
+        assert self.tried is not None
+        return replace(self.tried, machine=machine, start=start, blocks=[], _trial=None, _rotation=None, _count=0)
+
+    def followed(self, machine: Machine, start: Sequence[float], job: int, generation: int) -> list[PieceRecord]:
+        """Everything of a part of type 2 or 3; raises BlockError."""
+        plan = self.again(machine, start)
+        for block in self.blocks:
+            plan.add(block)
+        records = [synchron_record(job, generation, plan.order)]
+        records += [belt_block_record(job, generation, block) for block in plan.blocks]
+        return [*records, PieceRecord(Part.REST, job, generation)]
+
+    def engagement(self, job: int, generation: int) -> PieceRecord:
+        """SYNCHRON of a type 1."""
+        assert self.tried is not None
+        return synchron_record(job, generation, self.tried.order)
+
+    def carried(self, machine: Machine, start: Sequence[float], engaged: float) -> tuple[Machine, Sequence[float], list[Block]]:
+        """Machine, start and blocks of a type 1 as the planner plans them: seen from the belt, which began at `engaged`."""
+        plan = self.again(machine, start)
+        if isnan(plan.reference):
+            plan.reference = engaged
+        arm = machine.arm
+        frame = plan.facts.carrier.frame(engaged - plan.reference)
+        seen = compose(frame.inverse(), machine.kinematics.forward(tuple(start[:arm])))
+        places = (*machine.kinematics.follow(seen, tuple(start[:arm])), *start[arm:])
+        return replace(machine, limits=tuple(reserved(machine.limits))), places, [plan.add(block) for block in self.blocks]
+
+
+def begun(block: Block, number: int, belts: Sequence[BeltFacts], machine: Machine, start: Sequence[float]) -> list[Coming]:
+    """The parts that begin with this block; BlockError for a belt the cell does not have or that has no room for the block."""
+    synchron: Synchron | None = block.synchron
+    if synchron is None:
+        return [Coming(number)]
+    if block.until is not None:
+        raise BlockError("until= has no place in a synchronous part", block=number)
+    place = next((n for n, each in enumerate(belts) if each.name == synchron.belt), None)
+    if place is None:
+        known = ", ".join(each.name for each in belts) or "none"
+        raise BlockError(f"belt {synchron.belt}: Inadmiss. Belt-No; this cell has {known}", code=93, block=number, source="rho 3")
+    plan = BeltPlan(belts[place], place, synchron, machine, start, number)
+    part = Coming(number, tried=plan)
+    return [Coming(number, tried=plan, engages=True), part] if belts[place].kind is Type.PARALLEL else [part]
+
+
+def told(error: BlockError, blocks: int) -> BlockError:
+    """A block's fault, so many blocks later in the program."""
+    return BlockError(error.what, code=error.code, block=error.block + blocks, axis=error.axis, source=error.source)

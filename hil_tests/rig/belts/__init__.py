@@ -1,0 +1,1 @@
+"""Belts of a whole running cell."""

@@ -1,0 +1,120 @@
+"""The text form of programs, written: what motion.program.text reads back to the same program.
+
+Numbers to 1e-12 of their size, orientations to 1e-9 rad.
+"""
+
+import math
+from collections.abc import Iterable
+from dataclasses import fields
+
+from motion.conventions import Convention, convention
+from motion.errors import MotionError
+from motion.frames import Pose
+from motion.kinematics.base import FREE, Configuration
+from motion.program import textkeys
+from motion.program.blocks import Blend, Block, Frame, JointTarget, Program, Synchron, Tool
+from motion.units import from_si
+
+
+def write(program: Program, angles: str = "val3") -> str:
+    """The text of a program; raises MotionError where one name stands for two tools or frames, or a place has none."""
+    ways = convention(angles)
+    units = program.units or ("deg",) * len(program.start)
+    lines = [f"program {program.name}" if program.name else "", f"robot {program.robot}" if program.robot else ""]
+    lines += [f"angles {angles}", f"axes {' '.join(units)}", f"start {_joints(program.start, units)}"]
+    for word, places in (
+        ("tool", _places(block.tool for block in program.blocks)),
+        ("frame", _places(block.frame for block in program.blocks)),
+    ):
+        lines += [f"{word} {name} {_pose(pose, ways)}" for name, pose in places.items()]
+    lines += _moves(program.blocks, ways, units)
+    return "\n".join(line for line in lines if line) + "\n"
+
+
+def _moves(blocks: Iterable[Block], ways: Convention, units: tuple[str, ...]) -> list[str]:
+    """One line a block, and those that begin and end synchronous parts; belt values as mm, whatever the belt's unit."""
+    lines: list[str] = []
+    part: Synchron | None = None
+    for block in blocks:
+        if block.synchron != part:
+            lines += ["synchron_end"] if part is not None else []
+            part = block.synchron
+            if part is not None:
+                lines.append(f"synchron {part.belt}" + (f" at={_plain(part.at * 1e3)}mm" if part.at is not None else ""))
+        lines.append(_move(block, ways, units))
+    return lines
+
+
+def _places(places: Iterable[Tool | Frame]) -> dict[str, Pose]:
+    found: dict[str, Pose] = {}
+    for place in places:
+        if place.name:
+            if found.setdefault(place.name, place.pose) != place.pose:
+                raise MotionError(f"{place.name!r} stands for two places in one program")
+        elif place.pose != Tool().pose:
+            raise MotionError("a tool or frame without a name cannot be written")
+    return found
+
+
+def _move(block: Block, ways: Convention, units: tuple[str, ...]) -> str:
+    words = [block.kind.value]
+    if block.via is not None:
+        words += ["via", f"pose {_pose(block.via.pose, ways)}", "to"]
+    target = block.target
+    keys = _keys(block, units)
+    if isinstance(target, JointTarget):
+        words.append(f"joints {_joints(target.q, units)}")
+    else:
+        words.append(f"pose {_pose(target.pose, ways)}")
+        flags = target.configuration
+        if flags != FREE:
+            keys.append(f"config={','.join(str(getattr(flags, f.name).value) for f in fields(Configuration))}")
+        if target.extra:
+            own = units[len(units) - len(target.extra) :]
+            keys.append(f"extra={','.join(_plain(from_si(value, unit)) + unit for value, unit in zip(target.extra, own, strict=True))}")
+    return " ".join([*words, *keys])
+
+
+def _keys(block: Block, units: tuple[str, ...]) -> list[str]:
+    found = []
+    plain = Block(block.kind, block.target)
+    for key in textkeys.KEYS:
+        value = getattr(textkeys.part_of(block, key.part), key.field)
+        if value is not None and value != getattr(textkeys.part_of(plain, key.part), key.field):
+            found.append(f"{key.name}={_plain(value / key.si)}")
+    for choice in textkeys.CHOICES:
+        word = getattr(textkeys.part_of(block, choice.part), choice.field)
+        if word is not getattr(textkeys.part_of(plain, choice.part), choice.field) or (choice.name == "blend" and block.blend != Blend()):
+            found.append(f"{choice.name}={word.value}")
+    if block.blend.axes:
+        found.append(f"zone={','.join(_plain(from_si(v, unit)) for v, unit in zip(block.blend.axes, units, strict=True))}")
+    if block.blend.past_circles:
+        found.append("arcs=yes")
+    if block.pace.lead:
+        found.append("lead=yes")
+    found += [f"{word}={place.name}" for word, place in (("tool", block.tool), ("frame", block.frame)) if place.name]
+    if block.outputs:
+        outs = (f"{o.number}:{_plain(o.value)}{f'@{_plain(o.before * 1e3)}' if o.before else ''}" for o in block.outputs)
+        found.append(f"out={','.join(outs)}")
+    if block.on_belt is not None:
+        named = zip(("belt", "camin", "camout"), (block.on_belt.value, block.on_belt.first, block.on_belt.third), strict=True)
+        found += [f"{name}={_plain(value * 1e3)}mm" for name, value in named if value or name == "belt"]
+    if block.until is not None:
+        found.append(f"until={'' if block.until.value else '!'}{block.until.number}")
+    return found
+
+
+def _joints(values: tuple[float, ...], units: tuple[str, ...]) -> str:
+    return " ".join(_plain(from_si(value, unit)) for value, unit in zip(values, units, strict=True))
+
+
+def _pose(pose: Pose, ways: Convention) -> str:
+    return " ".join(_plain(value) for value in ways.values(pose))
+
+
+def _plain(value: float) -> str:
+    """Thirteen digits, without the dust of unit conversion."""
+    rounded = float(f"{value:.13g}")
+    if rounded == 0.0 or math.isclose(rounded, 0.0, abs_tol=1e-13):
+        return "0"
+    return str(int(rounded)) if rounded.is_integer() and abs(rounded) < 1e12 else repr(rounded)

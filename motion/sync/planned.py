@@ -1,0 +1,123 @@
+"""Blocks of a synchronous part before they run: tried by the rules of their belt, and turned into what planner and cycle drive.
+
+Type 1: blocks as seen from the belt, for the planner.  Types 2 and 3: coordinates of the tool (x, y, z, rotation vector from the
+orientation at the start of the part, additional axes; m and rad) that follow the belt, for the cycle.  AX-543, AX-544.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from math import inf, isfinite, isnan, nan
+
+from motion.errors import MotionError
+from motion.frames import IDENTITY, Pose, Rotation, compose
+from motion.planner.legs import base_pose, check_numbers, extra_of, told
+from motion.planner.robot import Machine
+from motion.program.blocks import Blend, Block, Frame, Interpolation, JointTarget, Synchron
+from motion.program.errors import BlockError
+from motion.sync.belts import Belt, Type
+from motion.sync.coordinates import coordinates
+from motion.sync.errors import BeltError
+from motion.sync.facts import BeltFacts, SynchronOrder
+from motion.sync.pace import Pace
+from motion.sync.parallel import Carrier
+from motion.sync.part import BeltBlock, SynchronPart
+from motion.sync.watch import Watch
+
+PATH_ACCEL = 2.0  # m/s2: types 2 and 3 where neither block nor robot has an acceleration along the path (AX-544)
+CYCLE_S = 0.01  # of the trial; no rule that is tried depends on it
+
+
+def seen_from(block: Block, carrier: Carrier, reference: float) -> Block:
+    """A block of a part of type 1 as the planner wants it; a block without a belt value is meant for the reference."""
+    if block.on_belt is None:
+        return block
+    shift = carrier.frame(block.on_belt.value - reference).inverse()
+    return replace(block, frame=Frame(block.frame.name, compose(shift, block.frame.pose)))
+
+
+@dataclass
+class BeltPlan:
+    """One part.  start: (axes,) where the robot stands before it; number: of its first block in the program."""
+
+    facts: BeltFacts
+    belt: int  # place among the belts, from 0
+    synchron: Synchron
+    machine: Machine
+    start: Sequence[float]
+    number: int
+    kinematic: int = 1
+    blocks: list[BeltBlock] = field(default_factory=list)
+    tool: Pose = IDENTITY
+    reference: float = nan
+    _trial: SynchronPart | None = None
+    _rotation: Rotation | None = None
+    _count: int = 0
+
+    @property
+    def order(self) -> SynchronOrder:
+        """For the cycle."""
+        at = nan if self.synchron.at is None else self.synchron.at
+        return SynchronOrder(self.belt, self.facts.kind, at, self.reference, self.number, self.tool)
+
+    def add(self, block: Block) -> Block:
+        """The next block, checked; what a route may try: the block as the robot sees it.  Raises BlockError with the program's number."""
+        number = self.number + self._count
+        try:
+            made = self._seen(block) if self.facts.kind is Type.PARALLEL else self._followed(block)
+        except BeltError as error:
+            words = str(error).partition(f" ({error.code}")[0]
+            raise BlockError(f"{words}, belt {self.facts.name}", code=error.code, block=number, source="rho 3") from error
+        except MotionError as error:
+            raise told(error, number, self.machine) from error
+        self._count += 1
+        return made
+
+    def _seen(self, block: Block) -> Block:
+        if isinstance(block.target, JointTarget):
+            raise BlockError(f"a place of the axes does not lie on belt {self.facts.name}: a pose is needed")
+        if isnan(self.reference) and self._count == 0:
+            given = self.synchron.at if self.synchron.at is not None else block.on_belt.value if block.on_belt else None
+            self.reference = nan if given is None else given
+        if isnan(self.reference) and block.on_belt is not None:
+            raise BlockError(f"belt= needs at= of its part, or belt= in the first block of it (belt {self.facts.name})")
+        return seen_from(block, self.facts.carrier, self.reference)
+
+    def _followed(self, block: Block) -> Block:
+        if block.on_belt is None or self.synchron.at is None:
+            what = "belt=" if block.on_belt is None else "at= of the part, the belt value of the point before it"
+            raise BlockError(f"{what} is needed with a belt of type {self.facts.kind.value} ({self.facts.name})")
+        check_numbers(block)
+        if self._trial is None:
+            self.tool = block.tool.pose
+            pose = self.machine.kinematics.forward(tuple(self.start[: self.machine.arm])) @ self.tool
+            self._rotation = pose.rotation
+            position = (*coordinates(pose, pose.rotation), *self.start[self.machine.arm :])
+            self._trial = SynchronPart(self._belt(), self.kinematic, position, self.synchron.at)
+        if block.tool.pose != self.tool:
+            raise BlockError("the tool cannot change in a synchronous part")
+        made = self._block(block)
+        self._trial.add(made)
+        self.blocks.append(made)
+        return replace(block, blend=Blend())
+
+    def _belt(self) -> Belt:
+        """One that stands at 0: enough for the rules of blocks."""
+        return Belt(self.belt + 1, self.facts.data, Watch(CYCLE_S), kind=self.facts.kind, tolerance=self.facts.tolerance)
+
+    def _block(self, block: Block) -> BeltBlock:
+        assert self._rotation is not None and block.on_belt is not None
+        if block.kind is Interpolation.PTP:
+            pose = IDENTITY  # it is refused whatever its target
+        else:
+            pose = base_pose(block, tuple(self.start), self.machine)
+        via: tuple[float, ...] = ()
+        arm = self.machine.arm
+        before = self.blocks[-1].target[6:] if self.blocks else tuple(self.start[arm:])
+        extra = extra_of(block, (*self.start[:arm], *before), self.machine)
+        if block.via is not None:
+            via = (*coordinates(block.frame.pose @ block.via.pose, self._rotation), *extra)
+        target = (*coordinates(pose, self._rotation), *extra)
+        on, pace = block.on_belt, block.pace
+        own = self.machine.path_accel if isfinite(self.machine.path_accel) else PATH_ACCEL
+        law = Pace(inf, pace.path_accel or own * min(pace.accel, 1.0), pace.path_decel or own * min(pace.decel, 1.0))
+        return BeltBlock(target, on.value, block.kind, pace=law, first=on.first, third=on.third, via=via)
