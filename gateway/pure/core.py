@@ -480,10 +480,10 @@ class Core:
         """Stopped inside a part: it is over, and the axes come to rest whatever the belt does."""
         belts, program = self.belts, self._program
         assert belts is not None
-        if program.job and not program.complete:
+        if program.job and program.job != self.state.failed_job:
             self._end_program(reason)
             program.met = True  # what still comes of it is dropped
-        self.state.stop_cause = reason
+            self.state.stop_cause = reason
         fault = belts.stop()
         if fault is not None:
             self._belt_fault(belts, fault)

@@ -183,7 +183,7 @@ class CoreBelts:
         order = self.order
         if order is None:
             return stepper.step()
-        leaving = self._carried is not None and self._carried.coupling.state is Hold.LEAVING
+        leaving = self._rig is not None and self._carried is not None and self._carried.coupling.state in (Hold.LEAVING, Hold.OFF)
         if self._silent[order.belt] > SILENT_CYCLES and not leaving:
             self.fault = BeltFault(SILENT, 0, opens_ready=order.kind is not Type.PARALLEL)
         return self._carry(stepper, order) if order.kind is Type.PARALLEL else self._follow(stepper)

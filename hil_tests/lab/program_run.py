@@ -99,8 +99,12 @@ class ProgramRun:
 
     def probe(self, value: bool) -> None:
         """PLC 2 writes RC input PROBE."""
+        self.coil(PROBE, value)
+
+    def coil(self, number: int, value: bool) -> None:
+        """PLC 2 writes an RC input."""
         with self.plc._lock:
-            assert not self.plc._client.write_coil(PROBE, value).isError()
+            assert not self.plc._client.write_coil(number, value).isError()
 
     def ready(self) -> None:
         """Every drive is started up; control, drives on, override 100 %."""
@@ -116,15 +120,17 @@ class ProgramRun:
 
 
 @contextlib.contextmanager
-def program_run(folder: pathlib.Path, cell: str, programs: dict[int, str], name: str = "programs") -> Iterator[ProgramRun]:
-    """The shipped cell with these programs in place of its own."""
+def program_run(
+    folder: pathlib.Path, cell: str, programs: dict[int, str], name: str = "programs", change: Callable[[str], str] = lambda text: text
+) -> Iterator[ProgramRun]:
+    """The shipped cell with these programs in place of its own; `change`: of the finished text."""
     head, _, rest = (CELLS / f"{cell}.toml").read_text().partition("[[program]]")
     tables = "".join(f'[[program]]\nnumber = {number}\nfile = "p{number}.txt"\n\n' for number in programs)
     for number, text in programs.items():
         (folder / f"p{number}.txt").write_text(text)
     path = folder / f"{cell}.toml"
     head = head.replace('owner = { "3" = "plc" }', f'owner = {{ "{PROBE >> 3}" = "plc" }}\nassume = {list(INPUT_SIGNALS)}')
-    path.write_text(head + tables + rest[rest.index("# ---- drives") :])
+    path.write_text(change(head + tables + rest[rest.index("# ---- drives") :]))
     with running_cell(str(path), name) as run, contextlib.closing(ProgramRun(run, programs)) as found:
         yield found
 
