@@ -19,8 +19,8 @@ def belts(check: Context) -> None:
     cell = check.cell
     if len(cell.belt) > MOST:
         check.fault("belt", len(cell.belt), "belts of one cell (P501)", f"0..{MOST}")
-    for name, _, place in twice((each.name, f"belt.{each.name}.name") for each in cell.belt):
-        check.fault(place, name, "another belt has this name")
+    for name, _, _ in twice((each.name, str(n)) for n, each in enumerate(cell.belt)):
+        check.fault(f"belt.{name}.name", name, "another belt has this name")
     for number, belt in enumerate(cell.belt, 1):
         _one(check, belt, number)
     if cell.belt and cell.robot is None:

@@ -32,6 +32,7 @@ TRAVEL, SILENT, SPEED = 65001, 65002, 65003  # AX-545: an axis would leave its t
 KINEMATIC = 1
 DELAY = 2  # cycles from the SYNC that latches a belt to the one that activates the set value made of it (AX-144)
 SILENT_CYCLES = 5
+SETTLED, PATIENT_CYCLES = 0.03, 100  # share of the belt's speed its filter may be off when a robot gets on; cycles that is waited for
 BEHIND_CYCLES = 50  # an axis at its speed limit may be behind its belt for so long
 
 
@@ -67,6 +68,7 @@ class CoreBelts:
         self._rotation: Rotation | None = None  # of the tool at the start of a part of type 2 or 3
         self._q: tuple[float, ...] = ()
         self._behind = 0
+        self._waited = 0  # cycles since the belt was where the part begins
         self._override = 0.0
         self._reference = 0.0  # belt value at which the path of a type 1 was planned
 
@@ -113,7 +115,7 @@ class CoreBelts:
         """SYNCHRON: the axes (all of the cell) rest at q.  MotionError where a part is under way, or there is no such belt."""
         if self.order is not None or not 0 <= order.belt < len(self.facts):
             raise MotionError(f"SYNCHRON on belt {order.belt + 1}: not possible now")
-        self.order, self.fault, self._q, self._behind = order, None, tuple(q), 0
+        self.order, self.fault, self._q, self._behind, self._waited = order, None, tuple(q), 0, 0
         if order.kind is Type.PARALLEL:
             facts = self.facts[order.belt]
             belt, coupling = self.all.all[order.belt], Coupling(facts.accel, facts.jerk)
@@ -141,7 +143,8 @@ class CoreBelts:
         if self._carried is None or self._rig is None:
             return True
         self._carried.release()
-        return self._carried.coupling.state is Hold.OFF
+        arrived = self._behind == 0 or self._rig.fault is not None
+        return self._carried.coupling.state is Hold.OFF and arrived
 
     @property
     def done(self) -> bool:
@@ -196,15 +199,25 @@ class CoreBelts:
         if self._rig is None:
             belt = carried.part.belt
             ahead = (order.at - belt.counter) * (-1.0 if belt.watch.speed < 0.0 else 1.0)
-            if not ahead > 0.0:  # NaN: at once
+            self._waited += not ahead > 0.0  # NaN: at once
+            if self._waited and (self._settled(carried) or self._waited > PATIENT_CYCLES):
                 self._engage(stepper, carried, order)
-            return stepper.step()
+            return Sample(self._q, (0.0,) * len(self._q), 0, 0.0, State.IDLE, stepper.step().done_id)
         made = self._rig.step(self._framed(carried, frame))
+        self._behind = self._behind + 1 if made.short else 0
         self._look_ahead(carried, made.q)
+        if self._behind > BEHIND_CYCLES and carried.coupling.state in (Hold.CATCHING, Hold.ON):
+            self.fault = self.fault or BeltFault(SPEED, self._slowest(made.q))
         speeds = tuple((b - a) / self._period for a, b in zip(self._q, made.q, strict=True))
         self._q = made.q
         path = made.path
         return Sample(made.q, speeds, path.piece_id, path.s, path.state, path.done_id)
+
+    @staticmethod
+    def _settled(carried: Carried) -> bool:
+        """The filter follows the belt: a robot that got on before would start with a step."""
+        watch = carried.part.belt.watch
+        return abs(carried.tracker.speed - watch.speed) <= SETTLED * abs(watch.speed) + watch.stop
 
     def _engage(self, stepper: Stepper, carried: Carried, order: SynchronOrder) -> None:
         rig = SyncStepper(stepper, self._kinematics, self._speeds, self._period, self._q)
@@ -250,6 +263,11 @@ class CoreBelts:
             if not min(axis.lower, here) - TOUCH <= there <= max(axis.upper, here) + TOUCH:
                 self.fault = BeltFault(TRAVEL, number)
                 return
+
+    def _slowest(self, q: Sequence[float]) -> int:
+        """The axis nearest to its speed limit in this cycle, from 1."""
+        shares = [abs(b - a) / axis.speed for a, b, axis in zip(self._q, q, self._limits, strict=False)]
+        return shares.index(max(shares)) + 1
 
     def _numbered(self, name: str) -> int:
         return next((n for n, axis in enumerate(self._limits, 1) if axis.name == name), 0)

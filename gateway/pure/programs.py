@@ -99,6 +99,7 @@ class Programs:
         if generation != self.generation:
             self.generation = generation
             self._drop()
+            self._out.clear()
         if failed and failed == self.state.job:
             self._drop()
         self._quiet += 1
@@ -108,7 +109,8 @@ class Programs:
             self._go_on(standing, engaged)
         self._parts = parts
         self._plan(piece, moving, taken)
-        out, self._out = self._out, []
+        out = [record for record in self._out if record.job <= taken]  # a cycle that has not heard of the job would drop its fault
+        self._out = [record for record in self._out if record.job > taken]
         return out
 
     # ---- what is said ------------------------------------------------------------------------------------------------------

@@ -14,7 +14,7 @@ from gateway.pure.command_block import Code, Command
 from gateway.pure.jobs import Job
 from gateway.pure.office import Office
 from gateway.pure.permits import AS_SHIPPED, free_outputs
-from gateway.pure.plannerrecords import AHEAD, PieceRecord, ProgramFacts, pack_piece, run_record, unpack_piece
+from gateway.pure.plannerrecords import AHEAD, Part, PieceRecord, ProgramFacts, ProgramOrder, pack_piece, run_record, unpack_piece
 from gateway.pure.programs import Programs
 from gateway.pure.reasons import CommandState, Reason
 from gateway.pure.records import Motion, Order, OrderRecord, get_bit
@@ -412,3 +412,15 @@ def test_a_new_cycle_knows_nothing_of_the_program(both: WithPlanner) -> None:
     both.cell.run(0.1)
     assert (job.state, job.reason) == (CommandState.ABORTED, Reason.CYCLE_RESTARTED)
     assert both.still() and both.programs.state.job == 0
+
+
+def test_a_fault_found_before_the_cycle_took_the_order_waits_for_it() -> None:
+    """The planner may be quicker than the cycle, which drops what belongs to a job it has not heard of: the job would never end."""
+    programs = Programs(lambda _: Machine(Identity(LIMITS), LIMITS), lambda _: ALL, lambda _: "nonsense", free_outputs(AS_SHIPPED, 6))
+    order = [run_record(ProgramOrder(7, 1, 1.0, 1.0))]
+    assert programs.turn(order, 1, 0, [0.0] * 6, moving=False, taken=6) == []
+    programs.prepare([0.0] * 6)
+    assert programs.turn([], 1, 0, [0.0] * 6, moving=False, taken=6) == [] and programs.state.failed_job == 7
+    said = programs.turn([], 1, 0, [0.0] * 6, moving=False, taken=7)
+    assert [(record.part, record.job) for record in said] == [(Part.FAULT, 7)]
+    assert programs.turn([], 1, 0, [0.0] * 6, moving=False, taken=7) == []

@@ -1,0 +1,143 @@
+"""A portal with three belts in virtual time: office, planner's inside, core with belts, emulated drives and encoders; no process."""
+
+import pathlib
+from collections.abc import Callable
+
+from drivers.drives.family import BusFamily
+from drivers.drives.servodyn_family import ServodynFamily
+from drivers.emulator.belts import EmulatedBelt, EmulatedBelts
+from drivers.emulator.cia402_slave import Cia402Slave
+from drivers.emulator.servodyn_slave import ServodynSlave
+from gateway.axes import core_axes, limits_of
+from gateway.beltplan import belt_facts
+from gateway.config import load_cell
+from gateway.cyclebelts import encoders_of
+from gateway.programplan import machine_of_cell
+from gateway.pure.command_block import Code, Command
+from gateway.pure.core import Core
+from gateway.pure.corebelts import CoreBelts
+from gateway.pure.jobs import Job
+from gateway.pure.office import Office
+from gateway.pure.permits import AS_SHIPPED, free_outputs
+from gateway.pure.plannerrecords import PieceRecord, ProgramFacts, pack_piece, run_record, unpack_piece
+from gateway.pure.programs import Programs
+from gateway.pure.reasons import CommandState
+from gateway.pure.records import CellState, Motion, pack_cell_state, unpack_cell_state
+from hil_tests.lab.belt_run import INCREMENT, with_belts
+from hil_tests.lab.cellbench import CellBench
+from hil_tests.lab.servodyn_bus import CODEC
+from motion.sync.belts import SET_COUNTER
+from protocols.base.machine import Frame
+from protocols.servodyn.plan import SYNC_ID
+
+PORTAL = pathlib.Path(__file__).parents[2] / "configs" / "cells" / "portal.toml"
+TEXT = with_belts(PORTAL.read_text())
+CELL = load_cell(str(PORTAL), TEXT)
+MACHINE, FACTS = machine_of_cell(CELL), belt_facts(CELL)
+AXES, ALL = 4, 0xF
+HEAD = "robot portal\nangles rho3\naxes mm mm mm deg\nstart 100 100 50 0\n"
+
+
+class BeltBench(CellBench):
+    """Door 1 orders programs; `emulated` are the three belts, of types 1, 2 and 3."""
+
+    def __init__(self) -> None:
+        super().__init__(p5_ms=4, cell=CELL)
+        self.office = Office(self.office.axes, self.office._plan, 1, {1: ProgramFacts("it", ALL)})
+        self.text = ""
+        free = free_outputs(AS_SHIPPED, AXES)
+        self.programs = Programs(lambda _: MACHINE, lambda _: ALL, lambda _: self.text, free, belts=FACTS)
+        self.planner_alive = True
+        self.held: list[PieceRecord] = []
+        self.seen: list[CellState] = []
+        self.each = self._turn
+        self.office.planner = self.programs.state
+        self.run(0.1)
+        for code in (Code.REQUEST_CONTROL, Code.OVERRIDE, Code.ENABLE):
+            assert self.settle(self.give(code, ALL)).state is CommandState.DONE
+        assert self.finished(self.order("ptp joints 100 100 50 0")).state is CommandState.DONE
+
+    def _drives(self) -> tuple[ServodynSlave | Cia402Slave, BusFamily]:
+        slave, _ = super()._drives()
+        self.emulated = EmulatedBelts([EmulatedBelt(belt.id, accel=2.0 / INCREMENT) for belt in CELL.belt])
+        return slave, ServodynFamily(CODEC, [(n, n + 1) for n in range(AXES)])
+
+    def _new_core(self) -> Core:
+        period = self.period_ns / 1e9
+        self.belts = CoreBelts(FACTS, MACHINE.kinematics, [limits_of(axis) for axis in CELL.axis], period)
+        self.encoders = encoders_of(CELL, "drives", self.belts)
+        return Core(core_axes(CELL, self.p5_ms), period, self.generation, belts=self.belts)
+
+    # ---- what happens --------------------------------------------------------------------------------------------------
+    def cycle(self, count: int = 1) -> None:
+        """The encoders answer the SYNC as the drives do."""
+        for _ in range(count):
+            self.emulated.receive([Frame(SYNC_ID, stamp_ns=self.now)])
+            for frame in self.emulated.take_output():
+                self.encoders[frame.identifier].hear(frame.data)
+            super().cycle()
+
+    def _turn(self) -> None:
+        """One of the planner, and what the ring carries; every state of the cycle is kept."""
+        state, office = self.core.state, self.office
+        self.seen.append(unpack_cell_state(pack_cell_state(state)))
+        if self.planner_alive:
+            said = [run_record(order) for order in office.take_programs()]
+            standing = [axis.set for axis in state.axes[:AXES]]
+            while self.programs.preparing:
+                self.programs.prepare(standing)
+            self.held += self.programs.turn(
+                said,
+                state.generation,
+                state.piece,
+                standing,
+                moving=state.motion is not Motion.IDLE,
+                taken=state.taken,
+                failed=state.failed_job,
+                parts=state.parts,
+                engaged=state.engaged,
+            )
+            office.planner = self.programs.state
+        for record in self.held[:2]:
+            self.core.feed(unpack_piece(pack_piece(record)))
+        del self.held[:2]
+
+    def drive(self, kind: int, speed: float) -> None:
+        """The belt of this type runs at m/s, from now on."""
+        self.emulated.all[kind - 1].speed = self.emulated.all[kind - 1].now = speed / INCREMENT
+
+    def zero(self, kind: int) -> None:
+        """RC input 376 + n - 1: the counter becomes its reset value, 0."""
+        self.permit(SET_COUNTER + kind - 1)
+        self.cycle()
+        self.permit(SET_COUNTER + kind - 1, value=False)
+        self.cycle()
+
+    def order(self, *lines: str) -> Job:
+        """Door 1 orders a program of these lines."""
+        self.text = HEAD + "\n".join(lines)
+        self.seen.clear()
+        job = self.office.command(1, Command(Code.PROGRAM, 1, 1.0, 1.0), self.now)
+        self._hand_over()
+        return job
+
+    def finished(self, job: Job) -> Job:
+        """Runs until the job has an outcome and the axes rest."""
+        self.settle(job)
+        for _ in range(1000):
+            if self.core.state.motion is Motion.IDLE:
+                return job
+            self.cycle()
+        raise AssertionError(f"never at rest: {self.core.state}")
+
+    def until(self, holds: Callable[[CellState], bool], seconds: float = 10.0) -> None:
+        """Runs until it holds."""
+        for _ in range(round(seconds * 1e9 / self.period_ns)):
+            if holds(self.core.state):
+                return
+            self.cycle()
+        raise AssertionError(f"never: {self.core.state}")
+
+    def sets(self) -> list[list[float]]:
+        """Set values of every cycle since the order; m and rad."""
+        return [[axis.set for axis in state.axes[:AXES]] for state in self.seen]

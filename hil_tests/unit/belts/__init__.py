@@ -1,0 +1,1 @@
+"""Belts of a cell: joined to the core and the planner."""
