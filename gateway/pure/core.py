@@ -463,6 +463,8 @@ class Core:
             self._belt_fault(belts, belts.fault)
         elif not belts.free:
             self._end_belt(belts)
+            if belts.free and self._stepper.state is State.IDLE:
+                self._stepper.place(sample.q)  # the part is over: from here on the axes are the stepper's again
         return sample
 
     def _end_belt(self, belts: CoreBelts) -> None:
