@@ -461,22 +461,22 @@ class Core:
             state.parts += 1
         if belts.fault is not None:
             self._belt_fault(belts, belts.fault)
-        elif not belts.free:
-            self._end_belt(belts)
-            if belts.free and self._stepper.state is State.IDLE:
-                self._stepper.place(sample.q)  # the part is over: from here on the axes are the stepper's again
+        elif not belts.free and self._end_belt(belts):
+            self._stepper.place(sample.q)  # the part is over: from here on the axes are the stepper's again
         return sample
 
-    def _end_belt(self, belts: CoreBelts) -> None:
-        """Nothing more comes of the part: a robot of type 1 leaves its belt, one of types 2 and 3 stands at its last point."""
+    def _end_belt(self, belts: CoreBelts) -> bool:
+        """Nothing more comes of the part: a robot of type 1 leaves its belt, one of types 2 and 3 stands at its last point.  True: over."""
         program = self._program
         if not (program.rests or program.complete or not program.job):
-            return
+            return False
         if belts.carries:
-            if self._stepper.state is State.IDLE and belts.release():
-                belts.drop()
-        elif belts.done or (not belts.running and (program.complete or not program.job)):
+            over = self._stepper.state is State.IDLE and belts.release()
+        else:
+            over = belts.done or (not belts.running and (program.complete or not program.job))
+        if over:
             belts.drop()
+        return over
 
     def _leave_belt(self, reason: Reason) -> None:
         """Stopped inside a part: it is over, and the axes come to rest whatever the belt does."""
