@@ -30,7 +30,21 @@ HARMLESS = frozenset(
 )
 TABLES = tuple(
     f"gateway.cell_{name}"
-    for name in ("axes", "buses", "controller", "lines", "modbus", "northbound", "positions", "program", "retain", "rho3", "routes", "web")
+    for name in (
+        "axes",
+        "belts",
+        "buses",
+        "controller",
+        "lines",
+        "modbus",
+        "northbound",
+        "positions",
+        "program",
+        "retain",
+        "rho3",
+        "routes",
+        "web",
+    )
 )  # tables of a cell, one file each
 # Pure folders (and single files, which others may then import): what they may import beside HARMLESS.
 ALLOWED: dict[str, frozenset[str]] = {
