@@ -1,7 +1,7 @@
 """What the page costs: seconds to the first paint, MB of the first page, ms of a search, and what twenty viewers do to the cycle.
 
 The cycle is measured by its own trace ring (SYNC sent minus due) in blocks that alternate: nobody looks, twenty viewers look.  The
-viewers are live connections in a process of their own, two on each page; how many were really connected stands in the row.
+viewers are live connections in a process of their own, on all pages; how many were really connected stands in the row.
 """
 
 import asyncio
@@ -124,7 +124,7 @@ def viewers(run: CellRun, web: WebAsk) -> list[Figure]:
     goal = 1.5 * quiet + 30.0
     row = figure(
         "web.cycle_p99_us", round(loaded, 1), "us", round(goal, 1), met=loaded <= goal and connected == VIEWERS,
-        beside=f"idle p99 {quiet:.1f} us; {connected} viewers connected, two a page; {BLOCKS} alternating blocks of {BLOCK_S:g} s",
+        beside=f"idle p99 {quiet:.1f} us; {connected} viewers on {len(PAGES)} pages; {BLOCKS} alternating blocks of {BLOCK_S:g} s",
     )  # fmt: skip
     row |= {
         "reference": "the same run with nobody looking, us",
