@@ -23,6 +23,7 @@ from gateway.pure.plannerrecords import PieceRecord, ProgramFacts, pack_piece, r
 from gateway.pure.programs import Programs
 from gateway.pure.reasons import CommandState
 from gateway.pure.records import CellState, Motion, pack_cell_state, unpack_cell_state
+from hil_tests.lab.asserted import asserted
 from hil_tests.lab.belt_run import INCREMENT, with_belts
 from hil_tests.lab.cellbench import CellBench
 from hil_tests.lab.servodyn_bus import CODEC
@@ -73,9 +74,10 @@ class BeltBench(CellBench):
         """The encoders answer the SYNC as the drives do."""
         for _ in range(count):
             self.emulated.receive([Frame(SYNC_ID, stamp_ns=self.now)])
-            for frame in self.emulated.take_output():
-                self.encoders[frame.identifier].hear(frame.data)
-            super().cycle()
+            with asserted():
+                for frame in self.emulated.take_output():
+                    self.encoders[frame.identifier].hear(frame.data)
+                super().cycle()
 
     def _turn(self) -> None:
         """One of the planner, and what the ring carries; every state of the cycle is kept."""
