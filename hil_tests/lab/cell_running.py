@@ -227,9 +227,16 @@ class CellRun:
             time.sleep(0.02)
         raise AssertionError(f"no spare of {process} within {timeout_s} s\n{self.words()}")
 
+    def hold(self, process: str) -> None:
+        """It is ended and stays away until it is forgiven."""
+        self._say("hold", process)
+
     def forgive(self, process: str) -> None:
         """Its deaths are forgotten, as after a repair: the next one is the first one again."""
-        with ask(self.name, "release", process=process) as connection:
+        self._say("release", process)
+
+    def _say(self, op: str, process: str) -> None:
+        with ask(self.name, op, process=process) as connection:
             assert json.loads(connection.makefile().readline()) == {"ok": True}
 
     # ---- witnesses ---------------------------------------------------------------------------------------------------

@@ -31,7 +31,8 @@ class DurandDrive:
     def __init__(self, channel: str, node: int, *, vendor: int = 0x1234, watches: bool = True) -> None:
         self._scheduler = SyncScheduler()  # its timers (heartbeat) need somebody to run them
         set_scheduler(self._scheduler)
-        threading.Thread(target=self._scheduler.run, daemon=True).start()
+        self._stopped = False
+        threading.Thread(target=self._run, daemon=True).start()
         self.bus = can.Bus(interface="broker", channel=channel)
         self.network = CANBusNetwork(self.bus)
         self.node = Node(self.network, node, capabilities=NodeCapabilities(1, 4, 4))
@@ -52,7 +53,15 @@ class DurandDrive:
         """The value that stands there."""
         return self.node.object_dictionary.read(index, sub)
 
+    def _run(self) -> None:
+        try:
+            self._scheduler.run()
+        except can.CanError:  # a heartbeat that was due when the bus was closed
+            if not self._stopped:
+                raise
+
     def stop(self) -> None:
+        self._stopped = True
         dictionary = self.node.object_dictionary
         dictionary.write(0x1017, 0, 0, downloaded=False)
         self._scheduler.stop()

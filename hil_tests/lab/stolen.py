@@ -45,5 +45,10 @@ def stolen(file: pathlib.Path) -> list[tuple[float, float]]:
     return [(float(line.split()[0]), float(line.split()[1])) for line in file.read_text().splitlines()]
 
 
+def left_alone(since: float, to: float, times: list[tuple[float, float]]) -> bool:
+    """Whether none of the stolen times touches this one (s, wall clock)."""
+    return all(end < since or begin > to for begin, end in times)
+
+
 if __name__ == "__main__":
     sys.exit(main())

@@ -155,8 +155,10 @@ def test_a_search_over_the_services_death_goes_on_by_itself(run: CellRun) -> Non
     async def play(app: Monitor, pilot: Any) -> None:
         await pilot.press("3")
         await until(pilot, lambda: len(cells(app, "lines-doors")) == 2, "the doors")
-        dead, _ = run.kill("services")
+        dead = run.pid("services")
+        run.hold("services")  # killed, they would be back before anybody saw that they were gone
         await until(pilot, lambda: "SERVICES SILENT" in str(app.line.content), "their silence is told")
+        run.forgive("services")
         await until(pilot, lambda: "SERVICES SILENT" not in str(app.line.content), "they are back")
         assert run.processes()["services"]["pid"] != dead
 
