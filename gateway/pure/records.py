@@ -101,6 +101,11 @@ class CellState:
     belt_axis: int = 0  # and the axis, from 1
     axes: list[AxisState] = field(default_factory=lambda: [AxisState() for _ in range(AXES)])
 
+    def fail(self, job: int, reason: int) -> None:
+        """This order ended badly; 0: there was none."""
+        if job:
+            self.failed_job, self.failed_reason = job, int(reason)
+
 
 STATE_NAMES = (
     "cycle", "sync_ns", "generation", "motion", "override", "job", "progress", "done_job", "failed_job", "failed_reason", "taken",

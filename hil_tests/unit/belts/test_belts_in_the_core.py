@@ -99,7 +99,7 @@ def test_a_belt_that_stops_holds_its_robot_and_takes_it_along_again(bench: BeltB
     assert bench.finished(job).state is CommandState.DONE and bench.set()[0] == pytest.approx(200.0, abs=1e-6)
 
 
-@pytest.mark.requirement("RHO-MOT-25", by="gateway.pure.core:Core._belt_fault")
+@pytest.mark.requirement("RHO-MOT-25", by="gateway.pure.beltmover:BeltMover._belt_fault")
 def test_a_belt_reversed_before_the_start_is_928_and_opens_ready(bench: BeltBench) -> None:
     started(bench, 2)
     job = bench.order("synchron B2 at=4000mm", "linear pose 200 150 50 0 0 0 belt=4100mm")

@@ -1,0 +1,141 @@
+"""The mover of a cell with belts: synchronous parts of a program beside its paths.  Pure."""
+
+from collections.abc import Callable, Sequence
+
+from gateway.pure.beltrecords import belt_block_of, synchron_of
+from gateway.pure.coreaxis import HeldAxis
+from gateway.pure.corebelts import BeltFault, CoreBelts
+from gateway.pure.corehoming import Homings
+from gateway.pure.mover import Mover
+from gateway.pure.plannerrecords import Part, PieceRecord
+from gateway.pure.reasons import Reason
+from gateway.pure.records import CellState, InputImage
+from motion.errors import MotionError
+from motion.pieces import Piece
+from motion.stepper import Sample, State
+from motion.timed import TimedPiece
+
+
+class BeltMover(Mover):
+    """Of one core.  off: switches all drives off."""
+
+    def __init__(
+        self,
+        axes: Sequence[HeldAxis],
+        state: CellState,
+        outputs: bytearray,
+        homings: Homings,
+        period_s: float,
+        *,
+        belts: CoreBelts,
+        off: Callable[[Reason], None],
+    ) -> None:
+        super().__init__(axes, state, outputs, homings, period_s)
+        self._belts, self._off = belts, off
+
+    @property
+    def free(self) -> bool:
+        """Neither a path nor a synchronous part is under way."""
+        return self.stepper.state is State.IDLE and self._belts.free
+
+    def set_override(self, value: float) -> None:
+        if self._belts.set_override(value):
+            self.override = value
+        else:
+            super().set_override(value)
+
+    def abandon(self) -> None:
+        if self._belts.free:
+            super().abandon()
+        else:
+            self._leave_belt(Reason.ABANDONED)
+
+    def stop(self, reason: Reason) -> None:
+        if self._belts.free:
+            super().stop(reason)
+        else:
+            self._leave_belt(reason)
+
+    def drop(self, reason: Reason) -> None:
+        super().drop(reason)
+        self._belts.drop()
+
+    def step(self, inputs: InputImage) -> Sample:
+        """Counters, and the set values of the part under way."""
+        belts, state, self._inputs = self._belts, self._state, inputs
+        sample = belts.step(self.stepper, inputs)
+        state.belt, state.belt_speed = belts.shown.counter, belts.shown.watch.speed
+        if belts.engaged_now:
+            state.engaged = belts.value
+            state.parts += 1
+        if belts.fault is not None:
+            self._belt_fault(belts.fault)
+        elif not belts.free and self._end_belt():
+            self.stepper.place(sample.q)  # the part is over: from here on the axes are the stepper's again
+        if self.program.job:
+            self._attend(sample)
+        return sample
+
+    def _load(self, piece: Piece | TimedPiece) -> None:
+        if not self._belts.load(piece):
+            super()._load(piece)
+
+    def _take_belt(self, record: PieceRecord) -> None:
+        """SYNCHRON, or a block of types 2 and 3; what does not fit ends the program before it moves."""
+        program, belts = self.program, self._belts
+        try:
+            if self._homings.job or self._state.emergency or not self.all_enabled((1 << len(self._axes)) - 1):
+                raise MotionError("the axes are not all enabled and free")
+            if record.part is Part.BELT_BLOCK:
+                belts.add(belt_block_of(record))
+                return
+            belts.synchron(synchron_of(record), [axis.set for axis in self._axes])
+            belts.set_override(self.override)
+        except MotionError:
+            super()._take_belt(record)
+            return
+        self._begin(program.job)
+        program.begun = True
+
+    def _end_belt(self) -> bool:
+        """Nothing more comes of the part: a robot of type 1 leaves its belt, one of types 2 and 3 stands at its last point.  True: over."""
+        program, belts = self.program, self._belts
+        if not (program.rests or program.complete or not program.job):
+            return False
+        if belts.carries:
+            over = self.stepper.state is State.IDLE and belts.release()
+        else:
+            over = belts.done or (not belts.running and (program.complete or not program.job))
+        if over:
+            self._drop_part()
+        return over
+
+    def _drop_part(self) -> None:
+        self._belts.drop()
+        self.stepper.set_override(self.override)  # on the belt it was what the joints allow
+
+    def _leave_belt(self, reason: Reason) -> None:
+        """Stopped inside a part: it is over, and the axes come to rest whatever the belt does."""
+        belts, program = self._belts, self.program
+        if program.job and program.job != self._state.failed_job:
+            self._end_program(reason)
+            program.met = True  # what still comes of it is dropped
+            self._state.stop_cause = reason
+        fault = belts.stop()
+        if fault is not None:
+            self._belt_fault(fault)
+        elif not belts.carries:
+            self._drop_part()
+        elif self.stepper.state is not State.IDLE:
+            self.stepper.abandon()
+
+    def _belt_fault(self, fault: BeltFault) -> None:
+        """The part cannot go on; with types 2 and 3 READY opens, so that the belt can be stopped (rho3 L6112)."""
+        state, belts = self._state, self._belts
+        belts.fault = None
+        state.belt_code, state.belt_block, state.belt_axis = fault.code, belts.block, fault.axis
+        if fault.opens_ready:
+            state.emergency = True
+            self._off(Reason.BELT_FAULT)
+        else:
+            self._leave_belt(Reason.BELT_FAULT)

@@ -1,0 +1,219 @@
+"""What moves the axes of a core along paths: the stepper, the piece or program it runs, and whether the axes arrived.  Pure.
+
+A cell with belts has one more: gateway.pure.beltmover.
+"""
+
+from collections.abc import Sequence
+
+from gateway.pure.coreaxis import HeldAxis
+from gateway.pure.corehoming import Homings
+from gateway.pure.coreprogram import ProgramRun
+from gateway.pure.plannerrecords import Part, PieceRecord, switch_of, until_of
+from gateway.pure.reasons import Reason
+from gateway.pure.records import CellState, InputImage, OrderRecord, set_bit
+from motion.errors import MotionError
+from motion.pieces import Piece, decode
+from motion.stepper import Sample, State, Stepper
+from motion.timed import TimedPiece, decode_any
+
+ARRIVAL_S = 2.0  # after the set values: an axis that is not in its window by then has not arrived
+
+
+class Mover:
+    """Of one core; `state` and `outputs` are written in place."""
+
+    def __init__(self, axes: Sequence[HeldAxis], state: CellState, outputs: bytearray, homings: Homings, period_s: float) -> None:
+        self.stepper = Stepper(len(axes), period_s)
+        self.stepper.set_override(0.0)
+        self.program = ProgramRun()  # done when nothing more comes and all is run
+        self.override = 0.0  # as asked for: 0 while the feed is held
+        self.running = 0  # job of the piece under way
+        self._inputs = InputImage()  # of the last cycle
+        self._arriving = 0  # cycles since the set values of the running job arrived
+        self._axes, self._state, self._outputs, self._homings, self._period = axes, state, outputs, homings, period_s
+
+    # ---- what stands -------------------------------------------------------------------------------------------------
+    @property
+    def free(self) -> bool:
+        """No path is under way: the set position is whatever the axes say."""
+        return self.stepper.state is State.IDLE
+
+    @property
+    def moving(self) -> bool:
+        return self.stepper.state in (State.RUNNING, State.STOPPING)
+
+    @property
+    def busy(self) -> bool:
+        """A path or a program is under way, or not yet at its end."""
+        return self.running != 0 or self.program.job != 0 or self.stepper.state is not State.IDLE
+
+    @property
+    def starved(self) -> bool:
+        """A program is under way, the axes rest, and more has to come from the planner."""
+        return self.program.waits and self.stepper.state is State.IDLE
+
+    def all_enabled(self, mask: int) -> bool:
+        return all(axis.drive.follows for n, axis in enumerate(self._axes) if mask >> n & 1)
+
+    # ---- orders ------------------------------------------------------------------------------------------------------
+    def set_override(self, value: float) -> None:
+        self.override = value
+        self.stepper.set_override(value)
+
+    def move(self, record: OrderRecord) -> None:
+        """One piece by itself."""
+        try:
+            piece = decode(record.piece)
+            if self._homings.job or self.program.job or self._state.emergency or not self.all_enabled(piece.mask):
+                raise MotionError("the axes of the piece are not all enabled, or they are being referenced")
+            self.stepper.load(piece)
+        except MotionError:
+            self._state.fail(record.job, Reason.NOT_READY)
+            return
+        self._begin(record.job)
+        self._state.stop_cause = 0
+
+    def order_program(self, record: OrderRecord) -> None:
+        if self._homings.job or self.busy or self._state.emergency or not self.all_enabled(record.mask):
+            self._state.fail(record.job, Reason.NOT_READY)
+            return
+        self.program.order(record.job)
+        self._state.stop_cause = 0
+
+    def abandon(self) -> None:
+        """The rest of a stopped path is given up."""
+        if self.stepper.state is not State.IDLE:
+            self.stepper.abandon()
+            self._state.fail(self.running, Reason.ABANDONED)
+            self.running = 0
+            self.program.clear()
+
+    def stop(self, reason: Reason) -> None:
+        """On the path."""
+        if self.stepper.state is State.RUNNING:
+            self.stepper.stop()
+            self._state.stop_cause = reason
+        elif self.starved:  # nothing to stop on: it must not begin, or go on, by itself afterwards
+            self._state.fail(self.program.job, reason)
+            self.running, self._state.stop_cause = 0, reason
+            self.program.clear()
+
+    def drop(self, reason: Reason) -> None:
+        """The drives go off: nothing of the path is left."""
+        self._state.fail(self.running or self.program.job, reason)
+        self.running = 0
+        self.program.clear()
+        self.stepper = Stepper(len(self._axes), self._period, [axis.set for axis in self._axes])
+        self.stepper.set_override(self.override)
+
+    # ---- from the planner --------------------------------------------------------------------------------------------
+    def feed(self, record: PieceRecord) -> None:
+        """The next piece of the program, or the mark that nothing follows.  What belongs to another job is dropped."""
+        program = self.program
+        if record.generation != self._state.generation or record.job != program.job:
+            return
+        if record.part is Part.FAULT:
+            self._end_program(Reason.PROGRAM_FAULT)
+        elif record.part is Part.UNTIL:
+            program.until = until_of(record)
+        elif record.part is Part.REST:
+            program.rests = True
+        elif record.part in (Part.SYNCHRON, Part.BELT_BLOCK):
+            self._take_belt(record)
+        elif record.part is Part.OUTPUT:
+            program.switch(switch_of(record))
+        elif record.part is Part.LAST:
+            program.complete = True
+            if not program.begun:
+                self._state.done_job = program.job
+                program.clear()
+        else:
+            self._take_piece(record.piece)
+
+    def planner_lost(self) -> None:
+        """What was committed runs to its end, which is at rest on the path; the program is over."""
+        if self.program.waits:
+            self._end_program(Reason.PLANNER_LOST)
+            self._state.stop_cause = Reason.PLANNER_LOST
+
+    def _take_piece(self, data: bytes) -> None:
+        program = self.program
+        if self.stepper.state is State.IDLE and program.sees(self._inputs):
+            program.met = True  # it stands already: there is no movement (rho3 4.3)
+        if program.met:
+            return
+        try:
+            piece = decode_any(data)
+            if self._homings.job or self._state.emergency or self.running not in (0, program.job) or not self.all_enabled(piece.mask):
+                raise MotionError("the axes of the piece are not all enabled and free")
+            self._load(piece)
+        except MotionError:
+            self._state.fail(program.job, Reason.NOT_READY)
+            if program.begun:
+                self.stepper.abandon()
+                self.running = 0
+            program.clear()
+            return
+        if not program.begun:
+            self._begin(program.job)
+            program.begun = True
+
+    def _load(self, piece: Piece | TimedPiece) -> None:
+        self.stepper.load(piece)
+
+    def _take_belt(self, record: PieceRecord) -> None:
+        """The cell has no belts."""
+        self._state.fail(record.job, Reason.NOT_READY)
+        self._end_program(Reason.NOT_READY)
+
+    def _begin(self, job: int) -> None:
+        self.running, self._arriving = job, 0
+
+    def _end_program(self, reason: Reason) -> None:
+        """It failed; what was committed of it is run."""
+        self._state.fail(self.program.job, reason)
+        self.program.switches.clear()
+        if self.program.begun:
+            self.program.complete = True
+        else:
+            self.program.clear()
+
+    # ---- one cycle ---------------------------------------------------------------------------------------------------
+    def step(self, inputs: InputImage) -> Sample:
+        """Set values of all axes."""
+        self._inputs = inputs
+        sample = self.stepper.step()
+        if self.program.job:
+            self._attend(sample)
+        return sample
+
+    def _attend(self, sample: Sample) -> None:
+        """What belongs to a program beside its path: outputs, the input its part ends with, the end of a part."""
+        program, stepper = self.program, self.stepper
+        for switch in program.passed(sample.piece_id, stepper.within):
+            set_bit(self._outputs, switch.number, switch.value)
+        if stepper.state is State.RUNNING and program.sees(self._inputs):
+            stepper.abandon()
+            program.met = True
+        if program.rests and self.free:
+            program.part_over()
+            self._state.parts += 1
+
+    def judge(self, sample: Sample) -> None:
+        """A job runs: when its set values have arrived it is done as soon as the axes have, too."""
+        if not (self.program.complete and self.free if self.program.begun else sample.done_id == self.running):
+            return
+        late = [axis for axis in self._axes if abs(axis.set - axis.scaling.to_si(axis.drive.position_inc)) > axis.plan.window]
+        self._arriving += 1
+        if not late:
+            if self.running != self._state.failed_job:
+                self._state.done_job = self.running
+            self._over()
+        elif self._arriving * self._period > ARRIVAL_S:
+            self._state.fail(self.running, Reason.FOLLOWING_ERROR)
+            self._over()
+
+    def _over(self) -> None:
+        self.running, self._arriving = 0, 0
+        if self.program.begun:
+            self.program.clear()
