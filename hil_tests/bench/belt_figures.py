@@ -11,7 +11,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from hil_tests.bench.motion_figures import RECORDED, Figure, row
+from hil_tests.bench.figure_row import RECORDED, Figure, row
 from hil_tests.lab import motionpaths as lab
 from hil_tests.lab.arms import portal
 from motion.frames import NO_ROTATION, Pose

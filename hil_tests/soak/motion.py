@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hil_tests.bench.motion_bench import random_program
-from hil_tests.bench.motion_figures import corner_dev
+from hil_tests.bench.path_figures import corner_dev
 from hil_tests.lab import arms
 from hil_tests.lab.contour import SPEED, Streamed, stream
 from motion.planner.planner import Planner

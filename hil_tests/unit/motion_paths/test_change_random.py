@@ -5,7 +5,7 @@ import random
 import numpy as np
 import pytest
 
-from hil_tests.bench.motion_figures import loaded, random_pieces, reached, run_out
+from hil_tests.bench.online_figures import loaded, random_pieces, reached, run_out
 from hil_tests.lab.motionpaths import portal_limits, worst_shares
 
 LIMITS = portal_limits()

@@ -1,0 +1,21 @@
+"""A row of the motion figures: figure, value, unit, goal, met, reference, reference_value."""
+
+import math
+
+Figure = dict[str, str | float | bool]
+RECORDED = "motion.md, recorded"
+
+
+def row(
+    figure: str, value: float, unit: str, goal: float, reference: str = "", anchor: float = math.nan, *, at_least: bool = False
+) -> Figure:
+    met = value >= goal if at_least else value <= goal
+    return {
+        "figure": figure,
+        "value": float(f"{value:.6g}"),
+        "unit": unit,
+        "goal": goal,
+        "met": bool(met),
+        "reference": reference,
+        "reference_value": float(f"{anchor:.6g}"),
+    }
