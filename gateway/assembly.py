@@ -7,8 +7,9 @@ import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from drivers.ports.base import runtime_dir
-from gateway.cell import Cell
+from drivers.ports.adapterurl import is_adapter
+from drivers.ports.base import PortError, runtime_dir
+from gateway.cell import Bus, Cell
 from gateway.cell_web import Web
 from gateway.families import DRIVE_PROTOCOLS
 from gateway.image import create_region, create_ring
@@ -126,10 +127,13 @@ def plan_run(
         url = bus or drive_bus.port
         if bus is None and (simulated or drive_bus.port == "sim"):
             url = f"broker:{slug}-{drive_bus.name}"
-            log = ("--log", str(record / f"bus-{drive_bus.name}.log")) if record else ()
-            sims.append(
-                Child(f"broker-{drive_bus.name}", "gateway.processes.broker", ("--name", url.partition(":")[2], *log), announces=True)
-            )
+            sims.append(local_bus(drive_bus, url, record))
+        elif is_adapter(url):
+            if simulated:
+                raise PortError(f"{url}: the emulated drives of --sim need a bus others can be on too: broker:NAME or socketcan:INTERFACE")
+            local = f"broker:{slug}-{drive_bus.name}"
+            sims += adapter_children(drive_bus, local, url, p5_ms or cell.cycle_ms, record)
+            url = local
         buses[drive_bus.name] = url
     lines: dict[str, str] = {}
     for line in cell.line:
@@ -184,6 +188,18 @@ def plan_run(
         )
     children, zeros, programs = (*sims, *core), known_zeros(cell), plan_programs(cell)
     return RunPlan(slug, cell, simulated, folder, period_ms, buses, lines, binds, doors, record, children, zeros, web, programs)
+
+
+def local_bus(bus: Bus, url: str, record: pathlib.Path | None) -> Child:
+    """The broker of that bus."""
+    log = ("--log", str(record / f"bus-{bus.name}.log")) if record else ()
+    return Child(f"broker-{bus.name}", "gateway.processes.broker", ("--name", url.partition(":")[2], *log), announces=True)
+
+
+def adapter_children(bus: Bus, local: str, url: str, p5_ms: int, record: pathlib.Path | None) -> tuple[Child, Child]:
+    """An adapter of python-can hangs on a local bus, because the cycle never waits for a library (AX-435)."""
+    arguments = ("--bus", local, "--port", url, "--bitrate", str(bus.bits_per_s), "--fresh-ms", str(2 * p5_ms))
+    return local_bus(bus, local, record), Child(f"adapter-{bus.name}", "gateway.processes.adapter", arguments, announces=True)
 
 
 def page_of(cell: Cell, port: int | None, *, simulated: bool) -> Web | None:

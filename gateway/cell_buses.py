@@ -50,3 +50,9 @@ class Bus:
     def simulated(self) -> bool:
         """True where no metal can hang on the bus."""
         return self.port == "sim" or self.port.startswith(("broker:", "memory:", "socketcan:vcan"))
+
+    @property
+    def bits_per_s(self) -> int:
+        """1 Mbit/s -> 1000000."""
+        number, unit = self.bitrate.split()
+        return int(number) * (1_000_000 if unit == "Mbit/s" else 1000)

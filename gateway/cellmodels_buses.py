@@ -6,6 +6,8 @@ from pydantic import Field
 
 from gateway.cellmodels_base import Name, Table, unit
 
+ADAPTER = r"[a-z][a-z0-9_-]*:[^@?]+(@\d+)?(\?[^?]+)?"  # drivers.ports.adapterurl
+
 
 class IoDevice(Table):
     type: Literal["canopen-401", "modbus", "gpiochip"]
@@ -31,8 +33,8 @@ class Io(Table):
 class Bus(Table):
     name: Name
     port: str = Field(
-        pattern=r"^(sim|socketcan:[\w.-]{1,15}|broker:[\w-]+|memory:[\w-]+)$",
-        json_schema_extra={"allowed": "sim | socketcan:can0 | broker:NAME"},
+        pattern=rf"^(sim|{ADAPTER})$",  # of our own kinds the rest is judged in checks.buses
+        json_schema_extra={"allowed": "sim | socketcan:can0 | broker:NAME | slcan:/dev/ttyACM0, pcan:PCAN_USBBUS1, ... (python-can)"},
     )
     protocol: Literal["servodyn", "canopen", "rho3-io"]
     bitrate: Literal["1 Mbit/s", "500 kbit/s", "250 kbit/s", "125 kbit/s"] = "1 Mbit/s"

@@ -1,10 +1,12 @@
 """Which CAN port a URL names."""
 
+from drivers.ports.adapterurl import EXAMPLES, is_adapter
 from drivers.ports.base import CanPort, PortError
 
 
 def open_can(url: str) -> CanPort:
-    """`broker:NAME` (the local bus) or `socketcan:IFACE` (the kernel's); PortError when it cannot be opened.
+    """`broker:NAME` (the local bus), `socketcan:IFACE` (the kernel's), or an adapter of python-can (never in the cycle: opening one
+    blocks, see AX-435); PortError when it cannot be opened.
 
     A pair in memory, for tests, is `drivers.ports.canmemory.memory_pair()`.
     """
@@ -17,4 +19,8 @@ def open_can(url: str) -> CanPort:
         from drivers.ports.socketcan import SocketCanPort
 
         return SocketCanPort(name)
-    raise PortError(f"{url!r}: a CAN port is broker:NAME or socketcan:INTERFACE, e.g. socketcan:can0")
+    if is_adapter(url):
+        from drivers.ports.adapter import AdapterPort
+
+        return AdapterPort(url)
+    raise PortError(f"{url!r}: a CAN port is socketcan:INTERFACE, broker:NAME or an adapter of python-can, e.g. socketcan:can0, {EXAMPLES}")

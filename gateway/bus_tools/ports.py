@@ -5,7 +5,10 @@ from collections.abc import Iterator
 
 import can
 
-FORM = "INTERFACE:CHANNEL, e.g. socketcan:can0, pcan:PCAN_USBBUS1, slcan:/dev/ttyACM0, kvaser:0, broker:NAME"
+from drivers.ports.adapterurl import adapter_of
+from drivers.ports.base import PortError
+
+FORM = "INTERFACE:CHANNEL, e.g. socketcan:can0, pcan:PCAN_USBBUS1, slcan:/dev/ttyACM0@500000, kvaser:0, broker:NAME"
 
 
 class NoBus(OSError):
@@ -15,14 +18,17 @@ class NoBus(OSError):
 @contextlib.contextmanager
 def open_bus(url: str, bitrate: int, *, own: bool = False) -> Iterator[can.BusABC]:
     """bitrate: bit/s, for adapters that set it; `own`: hear own frames back.  Raises NoBus."""
-    interface, colon, channel = url.partition(":")
-    if not (colon and interface and channel):
-        raise NoBus(f"{url!r}: a bus is {FORM}")
+    try:
+        adapter = adapter_of(url)
+    except PortError as error:
+        raise NoBus(f"{url!r}: a bus is {FORM}") from error
+    interface = adapter.interface
     options: dict[str, object] = {"receive_own_messages": True} if own else {}
     if interface not in ("socketcan", "broker", "virtual", "udp_multicast"):
-        options["bitrate"] = bitrate
+        options["bitrate"] = adapter.bitrate or bitrate
+    options |= adapter.options
     try:
-        bus = can.Bus(interface=interface, channel=channel, **options)  # type: ignore[arg-type]  # each adapter has its own options
+        bus = can.Bus(interface=interface, channel=adapter.channel, **options)  # type: ignore[arg-type]  # each adapter has its own options
     except (can.CanError, OSError, ImportError, ValueError, TypeError) as error:
         raise NoBus(f"{url}: {_advice(interface, error).removeprefix(f'{url}: ')}") from error
     try:

@@ -1,9 +1,14 @@
 """CAN buses: bit rate, cycle, layout, modules and nodes, contacts (rho3 2.1 to 2.3); the P list of a bus: rho3can."""
 
+import re
+
+from drivers.ports.adapterurl import adapter_of, is_adapter
+from drivers.ports.base import PortError
 from gateway.cell import Axis
 from gateway.checks.context import Context, twice
 from gateway.files import ConfigNotFound, beside
 
+OURS = re.compile(r"^(sim|socketcan:[\w.-]{1,15}|broker:[\w-]+|memory:[\w-]+)$")
 MODULES = 6  # axes on a bus (rho3 2.1, L7250)
 
 
@@ -73,6 +78,28 @@ def buses(check: Context) -> None:
             check.fault(place, cycle, f"one clock for all drives: {cycles[0][1]} = {cycles[0][0]}", "", "ms")
 
 
+def adapters(check: Context) -> None:
+    """A port of our own kinds has its form; one of python-can an interface it has, and one bit rate in the whole file."""
+    for bus in check.cell.bus:
+        key = f"bus.{bus.name}.port"
+        if not is_adapter(bus.port):
+            if not OURS.match(bus.port):
+                check.fault(key, bus.port, "", "sim | socketcan:can0 | broker:NAME | INTERFACE:CHANNEL of python-can")
+            continue
+        try:
+            adapter = adapter_of(bus.port)
+        except PortError as error:
+            check.fault(key, bus.port, str(error).removeprefix(f"{bus.port!r}: "))
+            continue
+        from can import VALID_INTERFACES  # only where one is named: it is not quick
+
+        if adapter.interface not in VALID_INTERFACES:
+            known = sorted(VALID_INTERFACES - {"cycle"})
+            check.fault(key, bus.port, f"python-can has no interface {adapter.interface!r}", ", ".join(known))
+        if adapter.bitrate is not None and adapter.bitrate != bus.bits_per_s:
+            check.fault(key, bus.port, f"opens it at {adapter.bitrate} bit/s, but bus.{bus.name}.bitrate = {bus.bitrate}: leave @... out")
+
+
 def contacts(check: Context) -> None:
     """Contacts name a bus that exists, one direction, and a place of their own."""
     places = []
@@ -89,4 +116,4 @@ def contacts(check: Context) -> None:
         check.fault(place, "", f"{first} is this contact already")
 
 
-CHECKS = (drives, buses, contacts)
+CHECKS = (drives, buses, adapters, contacts)

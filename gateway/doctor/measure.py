@@ -8,6 +8,7 @@ import sys
 import time
 from collections.abc import Callable
 
+from drivers.ports.adapterurl import is_adapter
 from drivers.ports.base import BytePort, CanPort
 from drivers.ports.can import open_can
 from drivers.ports.open import open_bytes
@@ -59,7 +60,10 @@ def serial_echo(url: str, line_format: str, count: int, said: Said) -> list[floa
 
 
 def can_echo(url: str, count: int, said: Said) -> list[float]:
-    """From sending a frame without data to another listener of the same channel having it.  PortError, NoEcho."""
+    """From sending a frame without data to another listener of the same channel having it; of an adapter only one can open, until it
+    gives the frame back.  PortError, NoEcho."""
+    if is_adapter(url):
+        return _own_echo(url, count, said)
     sender, listener = open_can(url), open_can(url)
     try:
         times = []
@@ -78,6 +82,26 @@ def can_echo(url: str, count: int, said: Said) -> list[float]:
     finally:
         sender.close()
         listener.close()
+
+
+def _own_echo(url: str, count: int, said: Said) -> list[float]:
+    from drivers.ports.adapter import AdapterPort
+
+    port, times = AdapterPort(url), []
+    try:
+        for number in range(count):
+            port.send([Frame(LOWEST, bytes((number % 256,)))])
+            end = time.monotonic() + PATIENCE_S
+            while not port.own_ns:
+                if time.monotonic() > end:
+                    raise NoEcho(f"{url}: gives no own frames back; axisgate run tells its latency by the drives' first answers")
+                select.select([port], [], [], PATIENCE_S)
+                port.receive()
+            times.append(port.own_ns.pop() / 1e6)
+            said((number + 1) / count)
+        return times
+    finally:
+        port.close()
 
 
 def _read(port: BytePort, byte: bytes) -> bool:

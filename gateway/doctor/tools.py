@@ -5,6 +5,7 @@ import json
 import sys
 from collections.abc import Callable, Sequence
 
+from drivers.ports.adapterurl import is_adapter
 from drivers.ports.base import PortError
 from gateway.cell import Cell
 from gateway.doctor.measure import NoEcho, can_echo, lateness, progress, serial_echo
@@ -34,10 +35,15 @@ def main(argv: list[str]) -> int:
             return serial_echo(arguments.port, arguments.format, arguments.count, said)
         return can_echo(arguments.port, arguments.count, said)
 
-    if arguments.tool == "can" and arguments.port.startswith("socketcan:") and "vcan" not in arguments.port and not arguments.send:
+    if arguments.tool == "can" and _real(arguments.port) and not arguments.send:
         words = "sends frames with identifier 7FFh on a real bus; switch the drives off first, then: axisgate doctor can "
         return _said(f"{words}{arguments.port} --send", Exit.INVALID)
     return _measure({"adapter echo": (echo, 1.0)}, arguments.seconds, arguments.clock, as_json=arguments.json)
+
+
+def _real(url: str) -> bool:
+    """Metal may hang on it."""
+    return is_adapter(url) or (url.startswith("socketcan:") and "vcan" not in url)
 
 
 def hour(cell: Cell, seconds: float, *, as_json: bool) -> int:

@@ -355,6 +355,24 @@ def test_a_real_bus_without_evidence_is_listen_only() -> None:
     assert not any("listen-only" in said for said in levels(load_cell("demo"), "bus drives"))
 
 
+@pytest.mark.parametrize(
+    ("port", "words"),
+    [
+        ("slcan:/dev/serial/by-id/usb-canable-if00@1000000", ""),
+        ("socketcand:can0?host=10.0.0.5&port=29536", ""),
+        ("nosuch:0", "python-can has no interface 'nosuch'"),
+        ("slcan:/dev/ttyACM0@500000", "opens it at 500000 bit/s, but bus.drives.bitrate = 1 Mbit/s"),
+        ("slcan:/dev/ttyACM0?sleep", "an option is NAME=VALUE"),
+        ("socketcan:can 0", "socketcan:can0 | broker:NAME"),
+    ],
+)
+def test_a_bus_takes_an_adapter_of_python_can_and_what_is_wrong_with_it_is_told(port: str, words: str) -> None:
+    text = edited("demo", ('port     = "sim"                     # the broker', f'port     = "{port}" #'))
+    faults = faults_of(text)
+    assert keys(faults) == ([] if not words else ["bus.drives.port"])
+    assert words in " ".join(map(str, faults))
+
+
 def test_enabling_inputs_nobody_writes_are_told() -> None:
     without = load_cell("c", edited("demo", ('owner = { "3" = "plc2" }', "")))
     assert any("feed_allow" in said and said.startswith("warning") for said in levels(without, "rc_inputs"))

@@ -1,0 +1,75 @@
+"""A cell whose drive bus is an adapter of python-can: an slcan adapter of its own process on a pty moves the drives behind it (AX-435)."""
+
+import time
+from collections.abc import Callable, Iterator
+
+import pytest
+
+from gateway.pure.records import AxisFlag
+from hil_tests.lab.buslog import Logged, Remark, read
+from hil_tests.lab.cell_running import ALL, TARGET
+from hil_tests.lab.plc2 import PTP
+from hil_tests.lab.real_running import Adapter, RealRun, running_real
+
+LIMIT_S, BACK_S = 20.0, 2.0
+SYNC, ACTUALS = 100, (610, 620, 630, 640, 650, 660)
+
+
+def wait(condition: Callable[[], bool]) -> bool:
+    end = time.monotonic() + LIMIT_S
+    while not condition():
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.02)
+    return True
+
+
+@pytest.fixture(scope="module")
+def metal() -> Iterator[tuple[RealRun, Adapter]]:
+    with running_real(adapter=True) as (run, adapter):
+        assert adapter is not None
+        yield run, adapter
+
+
+def said(run: RealRun, words: str) -> int:
+    return sum(words in str(entry["text"]) for entry in run.journal("output"))
+
+
+def far_frames(run: RealRun) -> list[Logged]:
+    assert run.far.log is not None
+    data = run.far.log.read_bytes()
+    lines = data[: data.rfind(b"\n") + 1].decode().splitlines(keepends=True)
+    return [entry for entry in read(lines) if not isinstance(entry, Remark)]
+
+
+def lost(run: RealRun) -> int:
+    return sum(bool(axis.flags & AxisFlag.LOST) for axis in run.state().axes[:6])
+
+
+def test_a_whole_cell_moves_its_drives_and_the_latency_is_told(metal: tuple[RealRun, Adapter]) -> None:
+    run, _ = metal
+    assert wait(lambda: said(run, "first answer to a burst, ms: count 100") == 1), run.words()
+    run.ready()
+
+    def moved(_: int) -> None:
+        run.command(PTP, ALL, 1.0, TARGET)
+        run.arrived(TARGET)
+
+    run.repeat(1, moved, run.ready)
+    heard = {frame.identifier for frame in far_frames(run)}
+    assert heard == {SYNC, *ACTUALS, *range(210, 261, 10)}, "nothing else on the far bus: nothing is sent to measure"
+
+
+def test_a_pulled_adapter_is_told_and_taken_up_again(metal: tuple[RealRun, Adapter]) -> None:
+    run, adapter = metal
+    assert wait(lambda: lost(run) == 0)
+    opened = said(run, ": open")
+    adapter.pull()
+    told = wait(lambda: lost(run) == 6) and wait(lambda: said(run, "it is opened again when it is back") == 1)
+    adapter.plug()
+    plugged = time.monotonic()
+    back = wait(lambda: said(run, ": open") == opened + 1 and lost(run) == 0)
+    took = time.monotonic() - plugged
+    assert told and back and took < BACK_S, (told, back, took, run.words())
+    assert wait(lambda: said(run, "first answer to a burst, ms: count 100") == 2), "at each opening"
+    run.ready()
