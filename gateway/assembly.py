@@ -79,6 +79,7 @@ class RunPlan:
     zeros: Mapping[str, float] = field(default_factory=dict)  # of absolute axes: increments at which they read 0
     web: Web | None = None  # the page, where the cell or the command line asks for it
     programs: Mapping[int, ProgramPlan] = field(default_factory=dict)
+    taps: Mapping[str, tuple[str, str]] = field(default_factory=dict)  # of a shadow: line -> ports that hear the PLC and the old control
 
     @property
     def journal(self) -> pathlib.Path:

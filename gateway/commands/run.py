@@ -1,4 +1,4 @@
-"""Run a cell: drives on the bus, PLCs on their lines (--sim: the same file with everything simulated)."""
+"""Run a cell: drives on the bus, PLCs on their lines (--sim: all simulated; --shadow: beside the old control, only listening)."""
 
 import argparse
 import json
@@ -12,11 +12,14 @@ from gateway.commands.common import BANNER, DONE, ENVIRONMENT, USAGE, load
 from gateway.firstenable import TEXT, confirm, needed
 from gateway.processes.supervisor import Supervisor
 from gateway.realtime import die_with_parent
+from gateway.shadow import command as shadow
 
 EXAMPLES = """examples:
   axisgate run demo --sim                       the demo's cell, everything simulated
   axisgate run cell.toml --sim --web 8480       your cell without metal, with its page on http://127.0.0.1:8480
   axisgate run cell.toml                        your cell on its real ports
+  axisgate run cell.toml --shadow --tap plc=/dev/ttyUSB0,/dev/ttyUSB1 --bus socketcan:can0
+                                                beside the working old control: nothing is sent, its status is compared with ours
 """
 
 
@@ -34,12 +37,17 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--record", type=pathlib.Path, help="folder for bus log, line and emulator records")
     parser.add_argument("--json", action="store_true", help="print the plan of the run as JSON and do not start it")
     parser.add_argument("--die-with-parent", action="store_true", help=argparse.SUPPRESS)  # for tests: no run outlives its starter
+    shadow.add_options(parser)
     arguments = parser.parse_args(argv)
+    if words := shadow.misplaced(arguments):
+        parser.error(words)
     if arguments.die_with_parent:
         die_with_parent()
     cell = load(arguments.cell)
     if isinstance(cell, int):
         return cell
+    if arguments.shadow:
+        return _listening(arguments, cell)
     refusal = why_not(cell, simulated=arguments.sim, p5=arguments.p5)
     if refusal:
         print(f"axisgate run: {refusal}", file=sys.stderr)
@@ -71,6 +79,17 @@ def main(argv: list[str]) -> int:
         if plan.web is not None:
             print(f"page: {'https' if plan.web.tls_certificate else 'http'}://{plan.web.bind}/")
         return Supervisor(plan).run()
+    except PortError as error:
+        print(f"axisgate run: {error}", file=sys.stderr)
+        return ENVIRONMENT
+
+
+def _listening(arguments: argparse.Namespace, cell: Cell) -> int:
+    if words := why_not(cell, simulated=True, p5=arguments.p5):
+        print(f"axisgate run: {words}", file=sys.stderr)
+        return USAGE if words.startswith("--p5") else ENVIRONMENT
+    try:
+        return shadow.run_shadow(arguments, cell)
     except PortError as error:
         print(f"axisgate run: {error}", file=sys.stderr)
         return ENVIRONMENT

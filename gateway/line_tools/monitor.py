@@ -44,12 +44,13 @@ class Monitor:
         while how_long is None or self._clock() - start < how_long:
             for _, port in self._ports:
                 port.wait(TURN if len(self._ports) > 1 else IDLE)
-            self._take()
+            self.take()
         self._decode(self._clock() + HOLD)
         for told in self._decoder.flush(self._clock() + ms(1000)):
             self._tell(told)
 
-    def _take(self) -> None:
+    def take(self) -> None:
+        """What waits at the ports."""
         now = self._clock()
         for side, port in self._ports:
             for item in port.read():

@@ -45,6 +45,7 @@ def test_commands_tools_options_and_their_values(bash: pathlib.Path) -> None:
     assert completed(bash, "bus", "inf") == ["infer"]
     assert completed(bash, "learn", "line", "--ta") == completed(bash, "line", "learn", "--ta") == ["--tap"]
     assert completed(bash, "scope", "rec") == ["record"]
+    assert completed(bash, "run", "demo", "--sh") == ["--shadow"]
     assert {"--pendant", "--once", "--json"} <= set(completed(bash, "monitor", "--"))
     assert completed(bash, "monitor", "--tab", "s") == ["signals"]
     assert completed(bash, "drive", "loss") == ["loss-test"]

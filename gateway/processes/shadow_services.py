@@ -1,0 +1,78 @@
+"""The services of a shadow: doors that only listen, and what they found, every second into a file (AX-493)."""
+
+import argparse
+import asyncio
+import contextlib
+import os
+import signal
+import time
+
+from gateway.assembly import RunPlan, load_plan
+from gateway.doors import BaseDoor, on_loss_of
+from gateway.image import RegionWriter, fds_from_text
+from gateway.processes.services import Services
+from gateway.pure.supervision import LinkWatch
+from gateway.realtime import die_with_parent
+from gateway.shadow.door import ShadowDoor
+from gateway.shadow.keep import keep
+from gateway.shadow.plan import LINES
+from protocols.base.machine import Ns, ms
+
+KEEP_EVERY: Ns = ms(1_000)
+
+
+class ShadowServices(Services):
+    """All doors of one shadow."""
+
+    def __init__(self, plan: RunPlan, fds: dict[str, int]) -> None:
+        self._keep_next: Ns = 0
+        super().__init__(plan, fds)
+
+    def _door(self, index: int, fds: dict[str, int]) -> BaseDoor:
+        door = self.plan.doors[index]
+        line = next(each for each in self.cell.line if each.name == door.name)
+        watch = LinkWatch(ms(line.supervision.max_silence_ms), has_life_word=line.supervision.life_word is not None)
+        region = RegionWriter(fds[f"door-{door.number}"], f"door-{door.number}")
+        return ShadowDoor(door, self.office, watch, on_loss_of(line.supervision.on_loss), region, self.journal.write, line, self)
+
+    def tick(self) -> None:
+        """Also keeps what was found."""
+        super().tick()
+        now = time.monotonic_ns()
+        if now >= self._keep_next:
+            self._keep_next = now + KEEP_EVERY
+            self.keep(now)
+
+    def keep(self, now: Ns) -> None:
+        """For the report, whatever becomes of this process."""
+        lines = [door.result(now) for door in self.doors if isinstance(door, ShadowDoor)]
+        heard_s = round((now - self.started_ns) / 1e9, 3)
+        keep(self.plan.folder / LINES, {"pid": os.getpid(), "heard_s": heard_s, "lines": lines})
+
+    async def run(self) -> None:
+        """Until SIGTERM; what still waits is judged at the end."""
+        await super().run()
+        for door in self.doors:
+            if isinstance(door, ShadowDoor):
+                door.comparison.finish()
+        self.keep(time.monotonic_ns())
+
+
+async def _run(plan: RunPlan, fds: dict[str, int]) -> None:
+    await ShadowServices(plan, fds).run()
+
+
+def main(argv: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="axisgate shadow services", description="started by the supervisor")
+    parser.add_argument("--plan", type=int, required=True)
+    parser.add_argument("--fds", required=True)
+    arguments = parser.parse_args(argv)
+    die_with_parent(number=signal.SIGKILL)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    with contextlib.suppress(KeyboardInterrupt):
+        asyncio.run(_run(load_plan(arguments.plan), fds_from_text(arguments.fds)))
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,22 @@
+"""What a process of a shadow has found goes into a file of the run's folder, whole or not at all."""
+
+import json
+import os
+import pathlib
+from collections.abc import Mapping
+
+
+def keep(path: pathlib.Path, found: Mapping[str, object]) -> None:
+    """Replaces what stood there."""
+    half = path.with_suffix(".half")
+    half.write_text(json.dumps(found))
+    os.replace(half, path)
+
+
+def kept(path: pathlib.Path) -> dict[str, object]:
+    """Empty where nothing was found yet."""
+    try:
+        found = json.loads(path.read_text())
+    except (OSError, ValueError):
+        return {}
+    return found if isinstance(found, dict) else {}

@@ -1,0 +1,109 @@
+"""What a shadow runs: cycle and services of the cell on ports that only listen, nothing else (AX-493)."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from gateway.assembly import RunPlan, plan_run, slug_of
+from gateway.axes import ASSUMED, INPUT_SIGNALS, rc_numbers
+from gateway.cell import Cell
+from gateway.cell_axes import FollowingError
+
+LINES, BUSES = "shadow-lines.json", "shadow-buses.json"  # what services and cycle found, in the folder of the run
+SPOKEN = ("servodyn", "rho3-io")
+ENDLESS = FollowingError(float("inf"), float("inf"))
+LIFE_NS = 500_000_000  # its cycle has no grid of its own, and nothing hangs on it
+Taps = Mapping[str, tuple[str, str]]  # line -> the port that hears the PLC, the one that hears the old control
+
+
+def why_not_shadow(cell: Cell, taps: Taps, bus: str | None) -> str:
+    """Empty, or why this cell has no shadow."""
+    if not cell.axis:
+        return "the cell has no [[axis]]: nothing to compare"
+    foreign = [each.name for each in cell.bus if each.protocol not in SPOKEN and any(axis.drive.bus == each.name for axis in cell.axis)]
+    if foreign:
+        return f"bus {', '.join(foreign)}: a shadow listens to buses of old controls, protocol {' or '.join(SPOKEN)}; CANopen has none"
+    listened = [each for each in cell.bus if each.protocol in SPOKEN]
+    if bus is not None and len(listened) > 1:
+        return f"--bus stands for one bus, the cell has {', '.join(each.name for each in listened)}: set their ports in the cell"
+    if bus is None and any(each.port == "sim" for each in listened):
+        return f"bus {listened[0].name} has port sim; name the bus of the old control, e.g. --bus socketcan:can0"
+    return _why_no_tap(cell, taps)
+
+
+def _why_no_tap(cell: Cell, taps: Taps) -> str:
+    lines = {line.name: line for line in cell.line}
+    if not taps:
+        return f"no --tap: name two receive-only ports, e.g. --tap {next(iter(lines), 'LINE')}=FROM_PLC,FROM_CONTROL"
+    for name in taps:
+        line = lines.get(name)
+        if line is None:
+            return f"--tap {name}: the cell's lines are {', '.join(lines) or 'none'}"
+        if line.layer != "rk512" or line.protocol not in ("3964R", "3964"):
+            return f"--tap {name}: layer {line.layer} on {line.protocol}; a shadow understands rk512 on 3964R"
+    return ""
+
+
+def left_out(cell: Cell, taps: Taps) -> list[str]:
+    """What of the cell the shadow neither hears nor compares, in words."""
+    found = [f"line {line.name}: not tapped" for line in cell.line if line.name not in taps]
+    found += [f"modbus {modbus.name}: neither served nor written" for modbus in cell.modbus]
+    found += [f"contact {io.name}: neither read nor switched" for io in cell.io]
+    found += ["routes: they need contacts or Modbus" for _ in cell.route[:1] if cell.modbus or cell.io]
+    found += [f"bus {bus.name}: only what was sent is known of {bus.protocol}" for bus in cell.bus if bus.protocol not in SPOKEN]
+    if unheard := _unheard(cell, taps):
+        found.append(f"enabling inputs no tap tells, taken as 1: {', '.join(unheard)}")
+    return found
+
+
+def shadow_cell(cell: Cell, taps: Taps) -> Cell:
+    """The cell as its shadow plays it: nobody is written to, nothing is kept, no lag is judged, and what no tap tells counts as 1."""
+    owner = {octet: door for octet, door in cell.rc_inputs.owner.items() if door in taps}
+    return replace(
+        cell,
+        rc_inputs=replace(cell.rc_inputs, owner=owner, assume=(*cell.rc_inputs.assume, *_unheard(cell, taps))),
+        line=tuple(line for line in cell.line if line.name in taps),
+        db=tuple(db for db in cell.db if db.line in taps),
+        axis=tuple(replace(axis, following_error=ENDLESS) for axis in cell.axis),
+        bus=tuple(bus for bus in cell.bus if bus.protocol in SPOKEN),
+        route=() if cell.modbus or cell.io else cell.route,
+        telegram=(),
+        modbus=(),
+        io=(),
+        retain=None,
+        web=None,
+        northbound=None,
+    )
+
+
+def _unheard(cell: Cell, taps: Taps) -> list[str]:
+    """Enabling inputs the cell does not assume itself, and whose byte no tapped line writes."""
+    numbers = rc_numbers(cell)
+    assumed = {INPUT_SIGNALS.get(name.upper(), name.lower()) for name in cell.rc_inputs.assume}
+    heard = {octet for octet, door in cell.rc_inputs.owner.items() if door in taps}
+    return [name for name in ASSUMED if name not in assumed and getattr(numbers, name) >> 3 not in heard]
+
+
+def plan_shadow(cell: Cell, taps: Taps, *, slug: str | None, bus: str | None, p5_ms: int | None) -> RunPlan:
+    """Of a cell that has one (why_not_shadow).  It counts as simulated: nothing of it is kept for the next run."""
+    plan = plan_run(shadow_cell(cell, taps), simulated=False, slug=slug or f"{slug_of(cell)}-shadow"[:31], bus=bus, p5_ms=p5_ms)
+    modules = {"cycle": "gateway.processes.shadow_cycle", "services": "gateway.processes.shadow_services"}
+    children = [
+        replace(child, module=modules.get(child.name, child.module), spare=False, life_limit_ns=max(child.life_limit_ns, LIFE_NS))
+        for child in plan.children
+        if child.name in (*modules, "planner")
+    ]
+    for left in (LINES, BUSES):
+        (plan.folder / left).unlink(missing_ok=True)
+    return replace(plan, children=tuple(children), simulated=True, taps=dict(taps))
+
+
+def parse_taps(words: Sequence[str]) -> Taps:
+    """LINE=FROM_PLC,FROM_CONTROL each; ValueError."""
+    taps = {}
+    for word in words:
+        name, equals, ports = word.partition("=")
+        from_plc, comma, from_control = ports.partition(",")
+        if not (name and equals and from_plc and comma and from_control):
+            raise ValueError(f"--tap {word}: LINE=FROM_PLC,FROM_CONTROL expected, e.g. --tap plc=/dev/ttyUSB0,/dev/ttyUSB1")
+        taps[name] = (from_plc, from_control)
+    return taps

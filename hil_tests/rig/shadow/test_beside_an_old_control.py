@@ -1,0 +1,137 @@
+"""A shadow beside a running control, its line tapped and its bus listened to: it finds the one difference, and nothing of it leaves."""
+
+import json
+import pathlib
+import time
+from dataclasses import dataclass
+from typing import Any
+
+import pytest
+
+from gateway.commands.run import main
+from hil_tests.lab.buslog import Logged
+from hil_tests.lab.shadow_running import LINE, Shadow, old_control, until
+
+CONTROL = '{ at = "D 0.4",  type = "bit", from = "cell.control" },'
+PLACE = '{ at = "DW 2",   type = "KF",  from = "axis.A1.actual", unit = "0.1 mm" },'
+CHANGED = {CONTROL: CONTROL.replace("D 0.4", "D 0.5"), PLACE: PLACE.replace("0.1 mm", "1 mm")}
+AGAIN_S = 5.0
+
+
+@dataclass
+class Seen:
+    """What came of it."""
+
+    code: int
+    report: dict[str, Any]
+    folder: pathlib.Path
+    frames: list[Logged]  # of the shadow on the bus
+    characters: bytes  # of the shadow on the line
+    text: str
+    page: str
+
+
+@pytest.fixture(scope="module")
+def seen() -> Seen:
+    """The shadow's cell has "this door has control" at another bit than the old control, and a position in another unit."""
+    with old_control() as old:
+        cell = old.run.folder / "changed.toml"
+        text = pathlib.Path(old.run.cell).read_text()
+        for there, here in CHANGED.items():
+            assert there in text
+            text = text.replace(there, here)
+        cell.write_text(text)
+        shadow = Shadow(old, cell, "beside")
+
+        def line() -> dict[str, Any]:
+            lines = shadow.kept("shadow-lines.json").get("lines")
+            return lines[0] if isinstance(lines, list) and lines else {}
+
+        def differences() -> dict[str, int]:
+            return {place["place"]: place["different"] for block in line().get("blocks", ()) for place in block["places"]}
+
+        asked = 0.0
+
+        def controls() -> bool:
+            """The PLC asks for control by the rising edge of drives-on; again when a busy machine cost one of the two its edge."""
+            nonlocal asked
+            if time.monotonic() - asked > AGAIN_S:
+                old.plc.bit(0, 0, False)
+                old.plc.wait_cycles(2)
+                old.plc.bit(0, 0, True)
+                asked = time.monotonic()
+            found = differences()
+            return found.get("D 0.5", 0) >= 5 and found.get("DW 0, other bits", 0) + found.get("D 0.4", 0) >= 5
+
+        until(lambda: line().get("comparing"), "the shadow compares")
+        until(controls, "both have taken the PLC's wish for control, and five answers with it have been judged")
+        pid = shadow.kept("shadow-buses.json")["pid"]
+        assert isinstance(pid, int)
+        code, report = shadow.end()
+        files = [(old.run.folder / f"beside.{ending}").read_text() for ending in ("txt", "html", "json")]
+        assert json.loads(files[2]) == report
+        return Seen(code, report, old.run.folder, old.frames_of(pid), bytes(old.wire.said_by_shadow), files[0], files[1])
+
+
+def places(seen: Seen) -> dict[str, dict[str, Any]]:
+    (block,) = seen.report["lines"][0]["blocks"]
+    return {place["place"]: place for place in block["places"]}
+
+
+def test_what_is_different_is_found_with_its_place_and_its_first_moment(seen: Seen) -> None:
+    found = places(seen)
+    assert seen.code == 1 and seen.report["equal"] is False and seen.report["compared"] is True
+    here, there, place = found["D 0.5"], found["DW 0, other bits"], found["DW 2"]
+    assert here["name"] == "cell.control" and (here["first"]["there"], here["first"]["here"]) == (0, 1), (
+        "it followed the PLC as the old one"
+    )
+    assert (there["first"]["there"], there["first"]["here"]) == (1 << 4, 0) and there["never"] > 0
+    assert place["name"] == "axis.A1.actual" and place["never"] == place["different"] == place["of"] and place["equal_percent"] == 0.0
+    assert (place["first"]["there"], place["first"]["here"]) == (100, 10), "10.0 mm, the one in 0.1 mm, the other in 1 mm"
+    assert "D 0.5 cell.control: equal in " in seen.text and "D 0.5 cell.control" in seen.page
+
+
+def test_all_of_the_block_was_compared_and_what_is_equal_is_not_told(seen: Seen) -> None:
+    (block,) = seen.report["lines"][0]["blocks"]
+    assert block["block"] == "DB 11" and block["answers"] >= 5 and block["compared"] > 35, "every bit of 32 words is in one place"
+    quiet = {f"DW {word}" for word in range(9, 31)}
+    assert not quiet & set(places(seen)), "words both leave at 0"
+    assert "DW 31" not in places(seen), "both count their life word"
+    assert seen.report["lines"][0]["telegrams"]["other_number"] == 0
+
+
+def test_the_bus_was_heard_and_the_commands_to_the_drives_compared(seen: Seen) -> None:
+    buses = seen.report["buses"]
+    assert buses["syncs"] > 50
+    names = [block["block"] for block in buses["telegrams"]]
+    assert len(names) == 6 and names[0].endswith("telegram 210 (set value)") and names[-1].endswith("telegram 260 (set value)")
+    assert all(block["compared"] == 5 for block in buses["telegrams"])
+
+
+def test_nothing_of_the_shadow_left(seen: Seen) -> None:
+    """The broker's log knows it as a client that sent nothing; nothing came out of the ports that hear the line."""
+    assert seen.frames == []
+    assert seen.characters == b""
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("demo", "--shadow", "--bus", "broker:x"), f"--tap {LINE}=FROM_PLC,FROM_CONTROL"),
+        (("demo", "--shadow", "--tap", f"{LINE}=a,b"), "name the bus of the old control"),
+        (("demo", "--shadow", "--tap", "plc9=a,b", "--bus", "broker:x"), "the cell's lines are plc1"),
+        (("demo", "--shadow", "--tap", f"{LINE}=a", "--bus", "broker:x"), "LINE=FROM_PLC,FROM_CONTROL expected"),
+        (("s5-rk512", "--shadow", "--tap", "plc=a,b"), "CANopen has none"),
+        (("host-telegrams", "--shadow", "--tap", "V24_1=a,b", "--bus", "broker:x"), "a shadow understands rk512 on 3964R"),
+    ],
+)
+def test_what_has_no_shadow_is_told_with_what_to_do(options: tuple[str, ...], words: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(list(options)) == 2
+    assert words in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("options", [("demo", "--tap", "plc1=a,b"), ("demo", "--shadow", "--sim"), ("demo", "--seconds", "3")])
+def test_options_of_the_other_kind_of_run_are_refused(options: tuple[str, ...]) -> None:
+    with pytest.raises(SystemExit) as refused:
+        main(list(options))
+    assert refused.value.code == 2
