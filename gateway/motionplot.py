@@ -88,6 +88,9 @@ def _over_time(machine: Machine, trace: Trace) -> list[Chart]:
         Chart("acceleration of the tool", "s", "m/s2", [Line("tool", t, pull.tolist())]),
         Chart("jerk of the tool", "s", "m/s3", [Line("tool", t, jolt.tolist())]),
     ]
+    for way in trace.belts:
+        value = Line("counter", way.t.tolist(), [from_si(float(v), way.unit) for v in way.value])
+        charts.append(Chart(f"belt {way.name} while blocks lie on it", "s", way.unit, [value]))
     units = [axis.unit for axis in machine.limits]
     for unit in dict.fromkeys(units):
         rows = [n for n, each in enumerate(units) if each == unit]

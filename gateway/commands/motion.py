@@ -4,25 +4,35 @@ import argparse
 import json
 import pathlib
 import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
+from gateway.beltplan import belt_facts
+from gateway.cell import Cell
+from gateway.commands.common import load as cell_of
 from gateway.commands.motion_run import main as run
 from gateway.errors import Exit
 from gateway.files import ConfigNotFound, find_config, read_text
+from gateway.motionpaper import Paper, sections_of
 from gateway.motionplot import page
+from gateway.programplan import machine_of_cell
 from gateway.robotfile import RobotFaults, load_robot
 from motion.errors import MotionError
 from motion.planner.robot import Machine, machine_of
-from motion.planner.trace import Findings, Trace, route_of, trace
+from motion.planner.trace import Trace
 from motion.program.blocks import Program
 from motion.program.errors import BlockError, TextFaults
 from motion.program.text import read
+from motion.sync.facts import BeltFacts
+from motion.units import to_si
 
 EXAMPLES = """examples:
   axisgate motion check arm-u-cycle                         every block that cannot be run, with number, line and axis
   axisgate motion plot scara-pick-and-place                 writes scara-pick-and-place.html: path, speeds, loads, corners
   axisgate motion check mine.txt --robot tx60-like --json   another robot than the program names; findings as JSON
+  axisgate motion plot pick.txt --cell portal --belt-speed 150   in a cell: its limits, blocks on its belts at 150 mm/s
   axisgate motion run scara 1 --sim                         program 1 of a cell, on its emulated drives (motion run -h)
 PROGRAM is a file, or the name of a shipped one (configs/programs); the text form is told in docs/guide/motion-programs.md.
 exit code: 0 can be run, 1 a finding, 2 the program, its text or the robot is invalid"""
@@ -37,23 +47,36 @@ def main(argv: list[str]) -> int:
     parser.add_argument("what", choices=["check", "plot"])
     parser.add_argument("program", metavar="PROGRAM")
     parser.add_argument("--robot", metavar="ROBOT", help="robot file, or the name of a shipped one; default: the one the program names")
+    parser.add_argument("--cell", metavar="CELL", help="its robot, with the limits of its axes, and its belts")
+    parser.add_argument("--belt-speed", metavar="SPEED", type=float, help="plot: mm/s or deg/s of every belt (default: P508 of each)")
     parser.add_argument("--out", metavar="FILE", help="plot: the page to write (default: NAME.html here)")
     parser.add_argument("--json", action="store_true", help="findings and figures as JSON on standard output")
     options = parser.parse_args(argv)
+    if options.robot and options.cell:
+        parser.error("--robot and --cell: a cell has its own robot")
+    cell = cell_of(options.cell) if options.cell else None
+    if isinstance(cell, int):
+        return cell
     try:
-        program, machine = load(options.program, options.robot)
+        program, machine, belts = load(options.program, options.robot, cell)
     except (ConfigNotFound, OSError, UnicodeDecodeError, RobotFaults) as error:
         return refuse(error)
-    except TextFaults as faults:
-        for fault in faults.faults:
+    except TextFaults as told:
+        for fault in told.faults:
             print(f"{options.program}: {fault}", file=sys.stderr)
         return Exit.INVALID
     except MotionError as error:
         return refuse(error)
-    findings = route_of(program, machine)
-    if options.what == "check" or findings.faults:
-        return check(program, findings, options.json)
-    return plot(program, machine, trace(findings.stretches, machine), options)
+    sections, faults = sections_of(program, machine, belts.facts)
+    if options.what == "check" or faults:
+        return check(program, faults, options.json)
+    try:
+        made = Paper(machine, belts.facts, belts.speeds(options.belt_speed), belts.p5_ms).run(sections)
+    except BlockError as error:  # the belt runs on while the robot works: not all of it can be known before
+        return check(program, [error], options.json)
+    except MotionError as error:
+        return refuse(error)
+    return plot(program, machine, made, options)
 
 
 def refuse(error: Exception) -> int:
@@ -62,25 +85,46 @@ def refuse(error: Exception) -> int:
     return Exit.INVALID
 
 
-def load(name: str, robot: str | None) -> tuple[Program, Machine]:
-    """The program and the robot it is for."""
-    program = read(read_text(find_config(name, "programs")))
-    machine = machine_of(load_robot(robot or program.robot))
+@dataclass(frozen=True)
+class Belts:
+    """Of the cell the program is looked at in.  p5_ms: periods of the page in an interpolation cycle."""
+
+    facts: tuple[BeltFacts, ...] = ()
+    p5_ms: int = 1
+
+    def speeds(self, given: float | None) -> tuple[float, ...]:
+        """m or rad per s: what is given for all, or each belt's own P508.  MotionError where a belt has none."""
+        for belt in self.facts:
+            if given is None and not belt.data.simulated:
+                raise MotionError(f"belt {belt.name} has no speed of its own (simulated = ..): --belt-speed says one")
+        return tuple(to_si(belt.data.simulated if given is None else given, belt.data.unit) for belt in self.facts)
+
+
+def load(name: str, robot: str | None, cell: Cell | None) -> tuple[Program, Machine, Belts]:
+    """The program, the robot it is for, and the belts its blocks may lie on."""
+    program, belts = read(read_text(find_config(name, "programs"))), Belts()
+    if cell is None:
+        machine = machine_of(load_robot(robot or program.robot))
+        for block in program.blocks:
+            if block.synchron is not None:
+                raise MotionError(f"line {block.line}: belt {block.synchron.belt} is one of a cell: --cell CELL says of which")
+    else:
+        machine, belts = machine_of_cell(cell), Belts(belt_facts(cell), cell.cycle_ms)
     if len(program.start) != machine.axes:
-        raise MotionError(f"start has {len(program.start)} values, robot {robot or program.robot} has {machine.axes} axes")
-    return program, machine
+        raise MotionError(f"start has {len(program.start)} values, its robot has {machine.axes} axes")
+    return program, machine, belts
 
 
-def check(program: Program, findings: Findings, as_json: bool) -> int:
+def check(program: Program, faults: Sequence[BlockError], as_json: bool) -> int:
     """Findings, one a line."""
     if as_json:
-        print(json.dumps([_record(program, fault) for fault in findings.faults], indent=1))
+        print(json.dumps([_record(program, fault) for fault in faults], indent=1))
     else:
-        for fault in findings.faults:
+        for fault in faults:
             print(f"line {_line(program, fault)}: {fault}")
-        count = len(findings.faults)
+        count = len(faults)
         print(f"{len(program.blocks)} blocks: " + ("all can be run" if not count else f"{count} cannot be run"))
-    return Exit.FINDING if findings.faults else Exit.OK
+    return Exit.FINDING if faults else Exit.OK
 
 
 def _line(program: Program, fault: BlockError) -> int:

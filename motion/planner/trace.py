@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +33,16 @@ class CornerReport:
 
 
 @dataclass(frozen=True)
+class BeltWay:
+    """What a belt did while blocks lay on it.  t: (n,) s; value: (n,) of its counter, m or rad; unit: its own, for showing."""
+
+    name: str
+    unit: str
+    t: Array
+    value: Array
+
+
+@dataclass(frozen=True)
 class Trace:
     """t: (n,) s; q: (n, axes); tool: (n, 3) m; block: (n,) numbers; speeds by central differences on the grid."""
 
@@ -43,6 +53,7 @@ class Trace:
     period: float
     corners: tuple[CornerReport, ...]
     ends: tuple[tuple[int, float], ...]  # (block, s at which it is left)
+    belts: tuple[BeltWay, ...] = ()
 
     def rate(self, values: Array, order: int) -> Array:
         """Differences by time, at rest before and after; same length."""
@@ -62,6 +73,35 @@ class Trace:
         """(n, axes) share of the limit of speed (1), acceleration (2) or jerk (3)."""
         name = {1: "speed", 2: "accel", 3: "jerk"}[order]
         return np.asarray(np.abs(self.rate(self.q, order)) / np.array([getattr(axis, name) for axis in machine.limits]))
+
+    def later(self, blocks: int, seconds: float = 0.0) -> "Trace":
+        """The same, so many blocks and so long later."""
+        return replace(
+            self,
+            t=self.t + seconds,
+            block=self.block + blocks,
+            corners=tuple(replace(corner, block=corner.block + blocks) for corner in self.corners),
+            ends=tuple((block + blocks, at + seconds) for block, at in self.ends),
+            belts=tuple(replace(way, t=way.t + seconds) for way in self.belts),
+        )
+
+
+def joined(parts: Sequence[Trace]) -> Trace:
+    """One after the other, each beginning where the one before rests."""
+    found, clock = [], 0.0
+    for part in parts:
+        found.append(part.later(0, clock))
+        clock += len(part.t) * part.period
+    return Trace(
+        np.concatenate([part.t for part in found]),
+        np.concatenate([part.q for part in found]),
+        np.concatenate([part.tool for part in found]),
+        np.concatenate([part.block for part in found]),
+        found[0].period,
+        tuple(corner for part in found for corner in part.corners),
+        tuple(end for part in found for end in part.ends),
+        tuple(way for part in found for way in part.belts),
+    )
 
 
 @dataclass(frozen=True)
@@ -109,7 +149,7 @@ def trace(stretches: Sequence[Stretch], machine: Machine, factors: Factors = FUL
         ends.append((run.stretches[-1].block, clock))
     q = np.concatenate(parts) if parts else np.zeros((1, machine.axes))
     tools = _tools(stretches)
-    places = [_tool_at(machine, row, tools.get(block)) for row, block in zip(q, blocks or [0], strict=True)]
+    places = [tool_at(machine, row, tools.get(block)) for row, block in zip(q, blocks or [0], strict=True)]
     return Trace(
         np.arange(len(q), dtype=np.float64) * period,
         q,
@@ -127,7 +167,8 @@ def _tools(stretches: Sequence[Stretch]) -> dict[int, Pose]:
     return found
 
 
-def _tool_at(machine: Machine, q: Array, tool: Pose | None) -> tuple[float, float, float]:
+def tool_at(machine: Machine, q: Sequence[float] | Array, tool: Pose | None) -> tuple[float, float, float]:
+    """m: where the tool is when the axes are at q (axes,)."""
     flange = machine.kinematics.forward([float(v) for v in q[: machine.arm]])
     return flange.position if tool is None else (flange @ tool).position
 
@@ -144,7 +185,7 @@ def corner_report(stretch: Stretch, machine: Machine) -> CornerReport:
 def tool_places(stretch: Stretch, machine: Machine, count: int) -> Array:
     """(count, 3) m: where the tool is on the way of a stretch."""
     s = np.linspace(0.0, stretch.path.length, count)
-    return np.array([_tool_at(machine, q, stretch.source.tool.pose) for q in stretch.path.at(s)[:, : machine.axes]])
+    return np.array([tool_at(machine, q, stretch.source.tool.pose) for q in stretch.path.at(s)[:, : machine.axes]])
 
 
 def _point(stretch: Stretch, machine: Machine) -> Array:

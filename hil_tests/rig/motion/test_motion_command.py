@@ -8,6 +8,7 @@ import pytest
 
 from gateway.commands.motion import main
 from gateway.svg import Chart, Line, draw, thinned, ticks
+from hil_tests.lab.belt_bench import HEAD, TEXT
 
 WRONG = """
 program wrong
@@ -47,6 +48,21 @@ def test_check_as_json(wrong: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", wrong, "--json"]) == 1
     found = json.loads(capsys.readouterr().out)
     assert (found[0]["block"], found[0]["line"], found[0]["code"], found[0]["axis"]) == (1, 5, 520, "J2")
+
+
+def test_a_program_with_belts_is_looked_at_in_its_cell(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    cell, program, page = (str(tmp_path / name) for name in ("cell.toml", "belt.txt", "belt.html"))
+    pathlib.Path(cell).write_text(TEXT)
+    lines = ("synchron B1 at=60mm", "linear pose 150 150 50 0 0 0 belt=60mm path=60", "synchron_end", "linear pose 100 100 50 0 0 0", "")
+    pathlib.Path(program).write_text(HEAD + "\n".join(lines))
+    assert main(["check", program]) == 2 and "line 6: belt B1 is one of a cell: --cell" in capsys.readouterr().err
+    assert main(["check", program, "--cell", cell]) == 0
+    assert main(["plot", program, "--cell", cell, "--out", page]) == 0
+    assert "belt B1 while blocks lie on it" in pathlib.Path(page).read_text()
+    capsys.readouterr()
+    assert main(["plot", program, "--cell", cell, "--belt-speed", "1500", "--out", str(tmp_path / "none.html")]) == 1
+    assert "line 6: block 1, axis X: the axis cannot keep up with the belt (axisgate 65003)" in capsys.readouterr().out
+    assert main(["check", program, "--cell", "nowhere"]) == 2
 
 
 def test_plot_of_a_program_with_faults_tells_them_instead(wrong: str, tmp_path: pathlib.Path) -> None:

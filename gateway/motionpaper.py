@@ -1,0 +1,186 @@
+"""A program on paper whose blocks may lie on belts: what of it cannot be run, and what the axes do while the belts run evenly.
+
+Synchronous parts are looked at as the planner does it before an order is taken (gateway.pure.programparts), and run by what runs them in
+the cycle (gateway.pure.corebelts), on the grid of the page.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from gateway.pure.beltwords import OURS, belt_words
+from gateway.pure.corebelts import BeltFault, CoreBelts
+from gateway.pure.programparts import Coming, begun
+from gateway.pure.records import InputImage, Quality, set_bit
+from motion.planner.planner import Planner
+from motion.planner.robot import Machine
+from motion.planner.route import Route
+from motion.planner.trace import PERIOD_S, BeltWay, Trace, joined, tool_at, trace
+from motion.program.blocks import Block, Program
+from motion.program.errors import BlockError
+from motion.stepper import State, Stepper
+from motion.sync.belts import SIMULATION, Type
+from motion.sync.facts import BeltFacts
+from motion.units import from_si
+
+LEAD_S = 0.5  # so long before the value its part begins at a belt starts: its filter has settled by then
+MOST_S = 600.0  # of one part
+
+
+@dataclass
+class Section:
+    """Blocks of one kind in a row.  first: number of the first; part: of those on a belt; stands: (axes,) where they begin."""
+
+    first: int
+    stands: Sequence[float]
+    blocks: list[Block] = field(default_factory=list)
+    part: Coming | None = None
+
+
+def sections_of(program: Program, machine: Machine, belts: Sequence[BeltFacts]) -> tuple[list[Section], list[BlockError]]:
+    """Every block, each looked at from where the last good one ended; a part on a belt as if the belt stood where it is meant to be."""
+    route, found, faults = Route(machine, program.start), [Section(1, program.start)], []
+    for number, block in enumerate(program.blocks, 1):
+        try:
+            section = found[-1]
+            if (section.part is None) != (block.synchron is None) or (section.part is not None and not section.part.holds(block)):
+                route.finish()
+                part = begun(block, number, belts, machine, route.standing)[-1] if block.synchron is not None else None
+                section = Section(number, route.standing, part.blocks if part is not None else [], part)
+                found.append(section)
+            plan = section.part.tried if section.part is not None else None
+            route.add(block if plan is None else plan.add(block))
+            section.blocks.append(block)
+        except BlockError as error:
+            faults.append(BlockError(error.what, code=error.code, block=number, axis=error.axis, source=error.source))
+    try:
+        route.finish()
+    except BlockError as error:
+        faults.append(error)
+    return [section for section in found if section.blocks], faults
+
+
+@dataclass
+class Paper:
+    """A program run on paper.  speeds: of the belts in the order of `belts`, m or rad per s; tolerance_cycles: periods of the page in an
+    interpolation cycle of the cell."""
+
+    machine: Machine
+    belts: Sequence[BeltFacts]
+    speeds: Sequence[float]
+    tolerance_cycles: int = 1
+    period: float = PERIOD_S
+
+    def run(self, sections: Sequence[Section]) -> Trace:
+        """All sections, each from where the one before really ended; BlockError where a part cannot go on."""
+        stands = tuple(sections[0].stands)
+        parts: list[Trace] = []
+        for section in sections:
+            made = self._plain(section, stands) if section.part is None else self._on_belt(section, section.part, stands)
+            parts.append(made)
+            stands = tuple(float(v) for v in made.q[-1])
+        return joined(parts)
+
+    def _plain(self, section: Section, stands: Sequence[float]) -> Trace:
+        route = Route(self.machine, stands)
+        for block in section.blocks:
+            route.add(block)
+        route.finish()
+        return trace(route.take(), self.machine, period=self.period).later(section.first - 1)
+
+    def _on_belt(self, section: Section, part: Coming, stands: Sequence[float]) -> Trace:
+        """From the moment its belt comes near until the robot stands again."""
+        run = _PartRun(self, section, part, stands)
+        rows = list(run.rows())
+        q, numbers = np.array([row for row, _, _ in rows]), np.array([number for _, number, _ in rows])
+        tools = [section.blocks[int(number) - section.first].tool.pose for number in numbers]
+        places = np.array([tool_at(self.machine, row, tool) for row, tool in zip(q, tools, strict=True)])
+        t = np.arange(len(q), dtype=np.float64) * self.period
+        assert part.tried is not None
+        way = BeltWay(part.tried.facts.name, part.tried.facts.data.unit, t, np.array([value for _, _, value in rows]))
+        return Trace(t, q, places, numbers, self.period, (), ((int(numbers[-1]), float(t[-1])),), (way,))
+
+
+class _PartRun:
+    """One part: its belt, the stepper beside it, and what the planner makes of its blocks."""
+
+    def __init__(self, paper: Paper, section: Section, part: Coming, stands: Sequence[float]) -> None:
+        assert part.tried is not None
+        self._paper, self._section, self._part, self._stands = paper, section, part, tuple(stands)
+        self._plan = part.again(paper.machine, self._stands)
+        facts = [self._even(each, speed) for each, speed in zip(paper.belts, paper.speeds, strict=True)]
+        self._belts = CoreBelts(facts, paper.machine.kinematics, paper.machine.limits, paper.period)
+        self._stepper = Stepper(len(self._stands), paper.period, self._stands)
+        self._inputs = InputImage()
+        set_bit(self._inputs.values, SIMULATION, True)
+        self._inputs.quality[SIMULATION >> 3] = int(Quality.GOOD)
+        self._begins: dict[int, float] = {}
+        self._planner: Planner | None = None
+
+    def _even(self, facts: BeltFacts, speed: float) -> BeltFacts:
+        """Simulated at this speed; as many tolerance cycles as there are in the cell."""
+        data = replace(facts.data, simulated=from_si(speed, facts.data.unit))
+        return replace(facts, data=data, tolerance=facts.tolerance * self._paper.tolerance_cycles)
+
+    def rows(self) -> Iterator[tuple[tuple[float, ...], int, float]]:
+        """Set values, block and belt value of each period."""
+        belts, plan = self._belts, self._plan
+        for block in self._section.blocks:
+            plan.add(block)  # also finds where a part of type 1 without at= is meant to begin
+        speed = self._paper.speeds[plan.belt]
+        at = plan.synchron.at if plan.synchron.at is not None else plan.reference
+        belts.all.all[plan.belt].set_counter((0.0 if math.isnan(at) else at) - LEAD_S * speed)
+        belts.set_override(1.0)
+        if plan.synchron.at is None:
+            for _ in range(round(LEAD_S / self._paper.period)):
+                belts.step(self._stepper, self._inputs)  # the order comes when the belt is there
+        belts.synchron(plan.order, self._stands)
+        for made in plan.blocks:
+            belts.add(made)
+        for _ in range(round(MOST_S / self._paper.period)):
+            sample = belts.step(self._stepper, self._inputs)
+            if belts.fault is not None:
+                raise self._told(belts.fault)
+            if belts.engaged_now:
+                self._load(belts.value)
+            yield sample.q, self._number(sample.piece_id), belts.shown.counter
+            if self._over():
+                return
+        raise BlockError(f"belt {plan.facts.name} does not bring the part to its end within {MOST_S:g} s", block=self._section.first)
+
+    def _load(self, engaged: float) -> None:
+        """The path of a type 1, seen from the belt it has got onto."""
+        machine, start, blocks = self._part.carried(self._paper.machine, self._stands, engaged)
+        planner = self._planner = Planner(machine, start, capacity=len(blocks) + 1)
+        for block in blocks:
+            planner.add(block)
+        planner.finish()
+        at = 0.0
+        while pieces := planner.plan(0.0, hurry=True):
+            for piece in pieces:
+                at = self._begins[piece.id] if piece.new_tail else at
+                self._begins[piece.id] = at
+                at += piece.duration
+                self._belts.load(piece)
+
+    def _number(self, piece: int) -> int:
+        """Block of the program that is under way."""
+        if self._plan.facts.kind is not Type.PARALLEL:
+            return min(max(self._belts.block, self._section.first), self._section.first + len(self._section.blocks) - 1)
+        if self._planner is None or not piece:
+            return self._section.first if self._planner is None else self._section.first + len(self._section.blocks) - 1
+        return self._section.first - 1 + max(self._planner.place(self._begins[piece])[0], 1)
+
+    def _over(self) -> bool:
+        """Types 2 and 3: at the last point; type 1: its path is run, and the robot stands beside the belt."""
+        if self._plan.facts.kind is not Type.PARALLEL:
+            return self._belts.done
+        return self._planner is not None and self._stepper.state is State.IDLE and self._belts.release()
+
+    def _told(self, fault: BeltFault) -> BlockError:
+        axis = self._paper.machine.limits[fault.axis - 1].name if fault.axis else ""
+        number = self._belts.block or self._section.first
+        source = "axisgate" if fault.code in OURS else "rho 3"
+        return BlockError(belt_words(fault.code, 0, "").partition(" (")[0], code=fault.code, block=number, axis=axis, source=source)
