@@ -26,6 +26,15 @@ class Belt:
 
 
 @dataclass(frozen=True, slots=True)
+class Measuring:
+    """[[measuring]]: a measuring input of programs by its number of the rho 3: 6x0 probe of board x, 6xy its y-th high-speed input."""
+
+    channel: int
+    input: int  # RC input its wire comes to
+    axes: tuple[str, ...] = ()  # on the board; empty: all of the robot
+
+
+@dataclass(frozen=True, slots=True)
 class PlantBelt:
     """[plant.belt.NAME]: the emulated belt and its encoder."""
 

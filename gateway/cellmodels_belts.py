@@ -29,6 +29,12 @@ class Belt(Table):
     jerk: float = Field(default=20000.0, gt=0.0, le=1e9, json_schema_extra=PER_S3)
 
 
+class Measuring(Table):
+    channel: int = Field(ge=610, le=699)
+    input: int = Field(ge=0, le=1023)
+    axes: list[str] = []
+
+
 class PlantBelt(Table):
     speed: float = Field(default=0.0, ge=-10000.0, le=10000.0, json_schema_extra=PER_S)
     accel: float = Field(default=1000.0, gt=0.0, le=1e6, json_schema_extra=PER_S2)

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from gateway.cell import Cell
+from gateway.cell_belts import Measuring
 from gateway.files import beside
 from gateway.pure.plannerrecords import ProgramFacts
 
@@ -41,6 +42,11 @@ def plan_programs(cell: Cell) -> Mapping[int, ProgramPlan]:
 def written_for(named: str, model: str) -> bool:
     """Whether a program that names this robot is for the cell's model; one that names none is for any."""
     return not named or pathlib.PurePath(named).stem == pathlib.PurePath(model).stem
+
+
+def measured_mask(cell: Cell, measuring: Measuring) -> int:
+    """Axes (bit n-1 = axis n of the cell) on the board of a measuring input; none named: all."""
+    return sum(1 << n for n, axis in enumerate(cell.axis) if not measuring.axes or axis.name in measuring.axes)
 
 
 def machine_of_cell(cell: Cell) -> "Machine":

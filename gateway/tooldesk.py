@@ -98,6 +98,8 @@ class ToolDesk:
         rows: list[dict[str, object]] = []
         for n, (fact, axis) in enumerate(zip(services.office.axes, state.axes, strict=False)):
             places = {"actual": axis.actual / fact.si, "set": axis.set / fact.si, "lag": axis.lag / fact.si, "torque": axis.torque}
+            if state.measured_mask >> n & 1:
+                places["measured"] = axis.measured / fact.si  # @MPOS
             words = services.canopen.fault(n, axis.fault_code) if axis.fault_code else ""
             told = {"flags": int(axis.flags), "fault": axis.fault_code, "words": words, "why": services.canopen.why_not(n)}
             rows.append({"name": fact.name, "unit": fact.unit, **places, **told})

@@ -8,6 +8,7 @@ from gateway.programplan import machine_of_cell, written_for
 def programs(check: Context) -> None:
     """Reach and limits along the way are looked at by `axisgate motion check`, and before every run of a program."""
     cell = check.cell
+    _measuring(check)
     if not cell.program:
         return
     for number, _, _ in twice((each.number, str(n)) for n, each in enumerate(cell.program)):
@@ -40,6 +41,20 @@ def _read(check: Context, key: str, file: str) -> None:
         robot = check.cell.robot
         if robot is not None and not written_for(program.robot, robot.model):
             check.fault(key, file, f"is written for robot {program.robot}, this cell's is {robot.model}")
+        there = {each.channel for each in check.cell.measuring}
+        for block in program.blocks:
+            if block.until is not None and block.until.channel and block.until.channel not in there:
+                check.fault(key, file, f"line {block.line}: channel {block.until.channel} is in no [[measuring]] table")
+
+
+def _measuring(check: Context) -> None:
+    """[[measuring]]: every channel once, on axes that are there."""
+    cell = check.cell
+    for channel, _, _ in twice((each.channel, str(n)) for n, each in enumerate(cell.measuring)):
+        check.fault(f"measuring.{channel}.channel", channel, "another table has this channel")
+    for each in cell.measuring:
+        for axis in each.axes:
+            check.unknown(f"measuring.{each.channel}.axes", axis, "axis")
 
 
 CHECKS = (programs,)

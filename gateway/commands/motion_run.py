@@ -118,7 +118,9 @@ def _stopped(client: ToolClient, answer: Row) -> Row:
 
 
 def _told(client: ToolClient, number: int, name: str, answer: Row, seconds: float) -> Row:
-    rows = {str(row["name"]): float(str(row["actual"])) for row in client.axes()}
+    axes = client.axes()
+    rows = {str(row["name"]): float(str(row["actual"])) for row in axes}
+    measured = {str(row["name"]): float(str(row["measured"])) for row in axes if "measured" in row}
     places = ", ".join(f"{axis} {place:.3f}" for axis, place in rows.items())
     state, detail = str(answer["state"]), str(answer["detail"])
     outcome = f"done in {seconds:.2f} s" if state == "DONE" else f"{state.lower()}: {answer['words']} {detail}".rstrip()
@@ -130,5 +132,11 @@ def _told(client: ToolClient, number: int, name: str, answer: Row, seconds: floa
         "detail": detail,
         "seconds": round(seconds, 3),
         "axes": rows,
-        "sentence": f"program {number} {name}: {outcome}; the axes stand at {places}",
+        "measured": measured,
+        "sentence": f"program {number} {name}: {outcome}; the axes stand at {places}{_caught(measured)}",
     }
+
+
+def _caught(measured: dict[str, float]) -> str:
+    """@MPOS in words."""
+    return f"; measured at {', '.join(f'{axis} {place:.3f}' for axis, place in measured.items())}" if measured else ""

@@ -15,9 +15,9 @@ from gateway.beltplan import belt_facts
 from gateway.files import read_text
 from gateway.image import RegionReader, RegionWriter, RingReader, RingWriter, fds_from_text
 from gateway.journal import Journal
-from gateway.programplan import machine_of_cell, written_for
+from gateway.programplan import machine_of_cell, measured_mask, written_for
 from gateway.pure.permits import free_outputs
-from gateway.pure.plannerrecords import SAY_LAYOUT, PlannerState, pack_piece, pack_planner, unpack_block
+from gateway.pure.plannerrecords import SAY_LAYOUT, MeasuringFacts, PlannerState, pack_piece, pack_planner, unpack_block
 from gateway.pure.programs import Programs
 from gateway.pure.records import CellState, Motion, unpack_cell_state
 from gateway.realtime import Timerfd, die_with_parent
@@ -42,6 +42,7 @@ class PlannerProcess:
         self.count = len(plan.cell.axis)
         outputs = free_outputs(rc_numbers(plan.cell), self.count)
         self.programs = Programs(self.machine, self.mask, self.text, outputs, belts=belt_facts(plan.cell))
+        self.programs.channels = {each.channel: MeasuringFacts(each.input, measured_mask(plan.cell, each)) for each in plan.cell.measuring}
         self._told: tuple[int, str] = (0, "")
         self._stop = False
 
@@ -99,6 +100,8 @@ class PlannerProcess:
             failed=state.failed_job,
             parts=state.parts,
             engaged=state.engaged,
+            met=state.met,
+            measured=[axis.measured if state.measured_mask >> n & 1 else None for n, axis in enumerate(state.axes[: self.count])],
         )
         self._tell(self.programs.state)
         self.region.write(pack_planner(self.programs.state), now)  # a fault's words are there before the cycle hears of it

@@ -292,6 +292,8 @@ class Core:
             self._accept_positions()
         if mover.running:
             mover.judge(sample)
+        if mover.measure.on:
+            mover.measure.store([None if actual is None else axis.actual for axis, actual in zip(self._axes, actuals, strict=True)])
         self.state.progress, self.state.piece = sample.s, sample.piece_id
         return values
 

@@ -61,3 +61,8 @@ class HeldAxis:
 
     def __post_init__(self) -> None:
         self.limited = self.plan.reference is not None
+
+    @property
+    def actual(self) -> float:
+        """Where the drive says it is, m or rad."""
+        return (self.drive.position_inc - self.scaling.zero_inc) / self.scaling.inc_per_unit

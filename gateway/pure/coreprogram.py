@@ -4,8 +4,7 @@ from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from gateway.pure.plannerrecords import VOID, SwitchAt, UntilInput
-from gateway.pure.records import InputImage, Quality
+from gateway.pure.plannerrecords import VOID, SwitchAt
 
 REACHED = 1e-9  # s at full speed
 
@@ -18,8 +17,7 @@ class ProgramRun:
     begun: bool = False
     complete: bool = False
     switches: deque[SwitchAt] = field(default_factory=deque)  # outputs to come, in the order of the way
-    until: UntilInput | None = None  # the part under way ends with it
-    met: bool = False  # it did: what still comes of the part is dropped
+    met: bool = False  # the input the part ends with came: what still comes of the part is dropped
     rests: bool = False  # nothing more comes of the part
 
     def order(self, job: int) -> None:
@@ -38,13 +36,8 @@ class ProgramRun:
 
     def part_over(self) -> None:
         """The next part begins from rest."""
-        self.until, self.met, self.rests = None, False, False
+        self.met, self.rests = False, False
         self.switches.clear()
-
-    def sees(self, inputs: InputImage) -> bool:
-        """The input the part ends with has its value; an input that is not good has none."""
-        until = self.until
-        return until is not None and inputs.quality[until.number >> 3] == Quality.GOOD and inputs.bit(until.number) is until.level
 
     def switch(self, entry: SwitchAt) -> None:
         """One more output to come."""

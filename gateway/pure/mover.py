@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from gateway.pure.coreaxis import HeldAxis
 from gateway.pure.corehoming import Homings
+from gateway.pure.coremeasure import CoreMeasure
 from gateway.pure.coreprogram import ProgramRun
 from gateway.pure.plannerrecords import Part, PieceRecord, switch_of, until_of
 from gateway.pure.reasons import Reason
@@ -26,6 +27,7 @@ class Mover:
         self.stepper = Stepper(len(axes), period_s)
         self.stepper.set_override(0.0)
         self.program = ProgramRun()  # done when nothing more comes and all is run
+        self.measure = CoreMeasure(state, len(axes), round(period_s * 1e9))
         self.override = 0.0  # as asked for: 0 while the feed is held
         self.running = 0  # job of the piece under way
         self._inputs = InputImage()  # of the last cycle
@@ -78,6 +80,7 @@ class Mover:
             self._state.fail(record.job, Reason.NOT_READY)
             return
         self.program.order(record.job)
+        self.measure.program_started()
         self._state.stop_cause = 0
 
     def abandon(self) -> None:
@@ -115,7 +118,7 @@ class Mover:
         if record.part is Part.FAULT:
             self._end_program(Reason.PROGRAM_FAULT)
         elif record.part is Part.UNTIL:
-            program.until = until_of(record)
+            self.measure.begin(until_of(record), self._inputs, self._state.sync_ns)
         elif record.part is Part.REST:
             program.rests = True
         elif record.part in (Part.SYNCHRON, Part.BELT_BLOCK):
@@ -138,7 +141,7 @@ class Mover:
 
     def _take_piece(self, data: bytes) -> None:
         program = self.program
-        if self.stepper.state is State.IDLE and program.sees(self._inputs):
+        if self.stepper.state is State.IDLE and not program.met and self.measure.stands(self._inputs):
             program.met = True  # it stands already: there is no movement (rho3 4.3)
         if program.met:
             return
@@ -192,10 +195,13 @@ class Mover:
         program, stepper = self.program, self.stepper
         for switch in program.passed(sample.piece_id, stepper.within):
             set_bit(self._outputs, switch.number, switch.value)
-        if stepper.state is State.RUNNING and program.sees(self._inputs):
+        measure = self.measure
+        if measure.on and measure.look(self._inputs, self._state.sync_ns, stepper.state) and not program.met:
             stepper.abandon()
             program.met = True
-        if program.rests and self.free:
+        if program.rests and self.free and not measure.waits:
+            self._state.met = program.met
+            measure.end()
             program.part_over()
             self._state.parts += 1
 

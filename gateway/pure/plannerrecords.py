@@ -126,15 +126,25 @@ class SwitchAt:
 
 
 @dataclass(frozen=True, slots=True)
+class MeasuringFacts:
+    """[[measuring]]: RC input that carries the wire of a channel, axes (bit n-1 = axis n) whose positions it stores."""
+
+    input: int
+    mask: int
+
+
+@dataclass(frozen=True, slots=True)
 class UntilInput:
-    """RC input `number` has this value."""
+    """RC input `number` has this value.  mask: axes whose positions are stored; by_edge: a probe, it has to change during the block."""
 
     number: int
     level: bool
+    mask: int = 0
+    by_edge: bool = False
 
 
 VOID = -1
-_SWITCH, _UNTIL = struct.Struct("=Qdi?"), struct.Struct("=i?")
+_SWITCH, _UNTIL = struct.Struct("=Qdi?"), struct.Struct("=i?I?")
 
 
 def switch_record(job: int, generation: int, switch: SwitchAt) -> PieceRecord:
@@ -145,7 +155,9 @@ def switch_record(job: int, generation: int, switch: SwitchAt) -> PieceRecord:
 
 def until_record(job: int, generation: int, until: UntilInput) -> PieceRecord:
     """As a record of the pieces ring."""
-    return PieceRecord(Part.UNTIL, job, generation, _UNTIL.pack(until.number, until.level).ljust(RECORD_SIZE, b"\0"))
+    return PieceRecord(
+        Part.UNTIL, job, generation, _UNTIL.pack(until.number, until.level, until.mask, until.by_edge).ljust(RECORD_SIZE, b"\0")
+    )
 
 
 def until_of(record: PieceRecord) -> UntilInput:

@@ -1,14 +1,16 @@
 """Parts of a program that begin only when the axes rest where the part before ended: blocks that end with an input, belts.  Pure."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import isnan
 
 from gateway.pure.beltrecords import belt_block_record, synchron_record
-from gateway.pure.plannerrecords import Part, PieceRecord
+from gateway.pure.plannerrecords import MeasuringFacts, Part, PieceRecord, UntilInput
 from motion.frames import compose
+from motion.measure.errors import INADMISSABLE_INPUT, POINT_NOT_DEFINED, ProgramFault
+from motion.measure.inputs import InputKind, input_of
 from motion.planner.robot import Machine
-from motion.program.blocks import Block, Synchron
+from motion.program.blocks import MEASURED, Block, JointTarget, Synchron, Until
 from motion.program.errors import BlockError
 from motion.sync.belts import Type
 from motion.sync.facts import BeltFacts
@@ -25,10 +27,11 @@ class Coming:
     blocks: list[Block] = field(default_factory=list)
     tried: BeltPlan | None = None
     engages: bool = False
+    error: str = ""  # label to go on at when the input of its block did not come
 
     def holds(self, block: Block) -> bool:
         """Whether the block belongs to this part."""
-        if self.engages or block.until is not None or (self.blocks and self.blocks[-1].until is not None):
+        if self.engages or block.label or block.until is not None or (self.blocks and self.blocks[-1].until is not None):
             return False
         return block.synchron == (None if self.tried is None else self.tried.synchron)
 
@@ -72,7 +75,7 @@ def begun(block: Block, number: int, belts: Sequence[BeltFacts], machine: Machin
     """The parts that begin with this block; BlockError for a belt the cell does not have or that has no room for the block."""
     synchron: Synchron | None = block.synchron
     if synchron is None:
-        return [Coming(number)]
+        return [Coming(number, error=block.until.error if block.until is not None else "")]
     if block.until is not None:
         raise BlockError("until= has no place in a synchronous part", block=number)
     place = next((n for n, each in enumerate(belts) if each.name == synchron.belt), None)
@@ -87,3 +90,39 @@ def begun(block: Block, number: int, belts: Sequence[BeltFacts], machine: Machin
 def told(error: BlockError, blocks: int) -> BlockError:
     """A block's fault, so many blocks later in the program."""
     return BlockError(error.what, code=error.code, block=error.block + blocks, axis=error.axis, source=error.source)
+
+
+@dataclass
+class Measuring:
+    """@MPOS for a program of a cell: what a block's input is, and where the axes of `mask` were at its edge.  channels: of the cell."""
+
+    channels: Mapping[int, MeasuringFacts]
+    last: int = 0  # axes the last block with an input will have measured
+
+    def wanted(self, until: Until, mask: int) -> UntilInput:
+        """Raises ProgramFault inadmissable input for a channel the cell does not have."""
+        if not until.channel:
+            return UntilInput(until.number, until.value, mask)
+        asked, facts = input_of(until.channel), self.channels.get(until.channel)
+        if facts is None or asked.kind in (InputKind.MODIFIED, InputKind.NORMAL):
+            known = ", ".join(f"ch{channel}" for channel in sorted(self.channels)) or "none"
+            raise ProgramFault(INADMISSABLE_INPUT, f"channel {until.channel}; this cell has {known} ([[measuring]])")
+        return UntilInput(facts.input, until.value, facts.mask & mask, asked.by_edge)
+
+    def check(self, block: Block, mask: int, machine: Machine) -> None:
+        """Before anything moves: what the block measures is there, and what it reads will have been measured."""
+        if block.target == MEASURED and mask & ~self.last:
+            missing = next(n for n in range(machine.axes) if (mask & ~self.last) >> n & 1)
+            raise BlockError(f"{POINT_NOT_DEFINED}: @MPOS is measured by a block with until= before this one", axis=machine.name(missing))
+        if block.until is not None:
+            self.last = self.wanted(block.until, mask).mask
+
+    @staticmethod
+    def resolved(block: Block, places: Sequence[float | None], machine: Machine, number: int) -> Block:
+        """@MPOS as it was measured; places: (axes,) None where nothing was."""
+        if block.target != MEASURED:
+            return block
+        for n, place in enumerate(places):
+            if place is None:
+                raise BlockError(f"{POINT_NOT_DEFINED}: @MPOS was not measured", block=number, axis=machine.name(n))
+        return replace(block, target=JointTarget(tuple(place for place in places if place is not None)))

@@ -6,26 +6,27 @@ to the cycle (AX-322).  A fault in a block ends the job, and what was handed on 
 """
 
 from collections import deque
-from collections.abc import Callable, Container, Iterator, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from gateway.pure.plannerrecords import (
     AHEAD,
     VOID,
     BlockRecord,
+    MeasuringFacts,
     Part,
     PieceRecord,
     PlannerState,
     Say,
     SwitchAt,
-    UntilInput,
     run_of,
     switch_record,
     until_record,
 )
-from gateway.pure.programparts import Coming, begun, told
+from gateway.pure.programparts import Coming, Measuring, begun, told
 from gateway.pure.records import RC_BYTES
 from motion.errors import MotionError
+from motion.planner.legs import told as told_as
 from motion.planner.marks import check_outputs
 from motion.planner.planner import Planner
 from motion.planner.robot import Machine
@@ -56,6 +57,7 @@ class Programs:
     text_of: Callable[[int], str] = _no_programs
     outputs: Container[int] = range(0)  # RC outputs programs may switch
     belts: Sequence[BeltFacts] = ()
+    channels: Mapping[int, MeasuringFacts] = field(default_factory=dict)  # measuring inputs by their numbers
     state: PlannerState = PlannerState()
     generation: int = 0
     _planner: Planner | None = None
@@ -75,6 +77,9 @@ class Programs:
     _start: Sequence[float] = ()  # of the axes where a part on a belt began
     _blocks: int = 0  # of the part under way
     _handed: bool = False  # the part under way is handed on whole, and another one follows
+    _measuring: Measuring = field(default_factory=lambda: Measuring({}))
+    _measured: Sequence[float | None] = ()
+    _error: str = ""  # label to go on at when the input of the part under way does not come
     _parts: int = 0  # over, as the cycle counts them
     _before: int = 0  # blocks before the part under way
     _begins: dict[int, float] = field(default_factory=dict)  # piece -> tau
@@ -92,10 +97,13 @@ class Programs:
         failed: int = 0,
         parts: int = 0,
         engaged: float = 0.0,
+        met: bool = True,
+        measured: Sequence[float | None] = (),
     ) -> list[PieceRecord]:
         """records: new ones; the rest is the cycle's: its generation, the piece under way (0: none), where the axes stand, whether they
         move, the last order it took (nothing is handed on before it knows of the job), the job that failed last, the number of parts
-        that are over, and the belt value at which the robot got onto a belt."""
+        that are over, the belt value at which the robot got onto a belt, whether the last part with an input ended by it, and where the
+        axes were measured last (None: they were not)."""
         if generation != self.generation:
             self.generation = generation
             self._drop()
@@ -106,7 +114,8 @@ class Programs:
         for record in records:
             self._heard(record, standing)
         if self.state.job and self._handed and parts != self._parts:
-            self._go_on(standing, engaged)
+            self._measured = measured
+            self._go_on(standing, engaged, met=met)
         self._parts = parts
         self._plan(piece, moving, taken)
         out = [record for record in self._out if record.job <= taken]  # a cycle that has not heard of the job would drop its fault
@@ -136,7 +145,8 @@ class Programs:
         self.state = PlannerState(job=job, failed_job=self.state.failed_job)
         self._reader, self._planner, self._factors, self._ended = Reader(), None, FULL, False
         self._lines, self._line_of, self._at, self._rest = None, [], 0, None
-        self._trial, self._handed, self._before, self._blocks = None, False, 0, 0
+        self._trial, self._handed, self._before, self._blocks, self._error = None, False, 0, 0, ""
+        self._measuring, self._measured = Measuring(self.channels), ()
         self._later.clear()
 
     def _obey(self, record: BlockRecord, standing: Sequence[float]) -> None:
@@ -158,16 +168,20 @@ class Programs:
         for block in self._reader.take():
             planner = self._planner = self._planner or self._made(standing)
             self._line_of.append(line)
-            self._check(block)
+            self._check(block, planner.machine)
             self._add(planner, block)
 
-    def _check(self, block: Block) -> None:
+    def _check(self, block: Block, machine: Machine) -> None:
         """What the cell itself, and not the robot, refuses."""
         number = len(self._line_of)
         if block.synchron is not None and self._lines is None:
             raise BlockError("a synchronous part stands in a program of the cell alone", block=number)
         if block.until is not None and (self._lines is None or block.until.number not in range(8 * RC_BYTES)):
             raise BlockError(f"until={block.until.number}: an RC input is needed, in a program of the cell", block=number)
+        try:
+            self._measuring.check(block, self.mask_of(machine), machine)
+        except MotionError as error:
+            raise told_as(error, number, machine) from error
         for output in block.outputs:
             if output.number not in self.outputs or output.value not in (0.0, 1.0):
                 raise BlockError(f"output {output.number}:{output.value:g}: {OUTPUTS_ARE}", block=number)
@@ -200,19 +214,28 @@ class Programs:
             raise told(error, self._tried) from error
         part.blocks.append(block)
 
-    def _go_on(self, standing: Sequence[float], engaged: float) -> None:
+    def _go_on(self, standing: Sequence[float], engaged: float, *, met: bool) -> None:
         """A part is over, and the axes rest where it ended, or have got onto a belt: the next one begins."""
         self._begins.clear()
         self._at, self._rest, self._handed = 0, None, False
         self._before, self._blocks = self._before + self._blocks, 0
+        if self._error and not met:
+            self._skip(self._error)
+        self._error = ""
         if not self._later:
             self._planner = None  # the last one was a part of the cycle's own: nothing is left to plan
             return
         part = self._later.popleft()
+        self._before, self._error = part.number - 1, part.error
         try:
             self._next_part(part, standing, engaged)
         except MotionError as error:
             self._fail(error)
+
+    def _skip(self, label: str) -> None:
+        """The ERROR part of MOVE UNTIL: everything before the label is left out (rho3 L1134)."""
+        while self._later and not (self._later[0].blocks and self._later[0].blocks[0].label == label):
+            self._later.popleft()
 
     def _next_part(self, part: Coming, standing: Sequence[float], engaged: float) -> None:
         job, generation = self.state.job, self.generation
@@ -232,14 +255,20 @@ class Programs:
             planner = replace(planner, machine=machine, start=start)
         self._planner, self._blocks = planner, len(blocks)
         try:
-            for block in blocks:
-                planner.add(block)
+            for number, block in enumerate(blocks, 1):
+                planner.add(Measuring.resolved(block, self._places(planner), planner.machine, number))
             planner.finish()
         except BlockError as error:
             raise told(error, self._before) from error
         until = blocks[0].until
         if until is not None:
-            self._out.append(until_record(job, generation, UntilInput(until.number, until.value)))
+            wanted = self._measuring.wanted(until, self.mask_of(planner.machine))
+            self._out.append(until_record(job, generation, wanted))
+
+    def _places(self, planner: Planner) -> list[float | None]:
+        """@MPOS of the robot's axes."""
+        mask = self.mask_of(planner.machine)
+        return [self._measured[n] if n < len(self._measured) else None for n in range(mask.bit_length()) if mask >> n & 1]
 
     def _end(self) -> None:
         self._ended = True
@@ -268,6 +297,7 @@ class Programs:
                 self._statement(text, number, standing)
             else:
                 self._lines = None
+                self._reader.ended()
                 self._end()
         except MotionError as error:
             self._fail(error)

@@ -65,6 +65,7 @@ class AxisState:
     fault_code: int = 0
     power: int = 0
     finding: int = 0  # 647, 648 (drivers.drives.tracking), 0: none
+    measured: float = 0.0  # @MPOS, where measured_mask has the axis
 
 
 @dataclass(slots=True)
@@ -99,6 +100,8 @@ class CellState:
     belt_code: int = 0  # last fault of a synchronous part: number of the rho 3, or 65001 .. (AX-545)
     belt_block: int = 0  # and its block in the program
     belt_axis: int = 0  # and the axis, from 1
+    met: bool = False  # the last part with an input ended by it
+    measured_mask: int = 0  # axes (bit n-1 = axis n) whose position the program under way, or the last one, has measured
     axes: list[AxisState] = field(default_factory=lambda: [AxisState() for _ in range(AXES)])
 
     def fail(self, job: int, reason: int) -> None:
@@ -110,10 +113,10 @@ class CellState:
 STATE_NAMES = (
     "cycle", "sync_ns", "generation", "motion", "override", "job", "progress", "done_job", "failed_job", "failed_reason", "taken",
     "emergency", "ready", "permits", "stop_cause", "skipped", "incomplete", "late", "services_lost", "piece", "compute_ns",
-    "parts", "engaged", "belt", "belt_speed", "belt_code", "belt_block", "belt_axis",
+    "parts", "engaged", "belt", "belt_speed", "belt_code", "belt_block", "belt_axis", "met", "measured_mask",
 )  # fmt: skip
-STATE_HEAD = struct.Struct("=QqQBdQdQQHQBBBHQQQQQQQdddHIB")
-STATE_AXIS = struct.Struct("=dddddHHBH")  # flags, fault code (CiA 402: 16 bits), power, finding
+STATE_HEAD = struct.Struct("=QqQBdQdQQHQBBBHQQQQQQQdddHIBBI")
+STATE_AXIS = struct.Struct("=dddddHHBHd")  # flags, fault code (CiA 402: 16 bits), power, finding, measured
 CELL_STATE_SIZE = STATE_HEAD.size + AXES * STATE_AXIS.size
 CELL_STATE_LAYOUT = f"cell-state/1 {STATE_HEAD.format} {AXES}x{STATE_AXIS.format}"
 
@@ -122,7 +125,7 @@ def cell_state_packer(axes: int) -> Callable[[CellState], bytes]:
     """For the one who packs once a cycle: only the first `axes` have anything to say, the places of the others are 0."""
     pack = struct.Struct(f"{STATE_HEAD.format}{STATE_AXIS.format[1:] * axes}{(AXES - axes) * STATE_AXIS.size}x").pack
     head = attrgetter(*STATE_NAMES)
-    axis = attrgetter("actual", "set", "speed", "lag", "torque", "flags", "fault_code", "power", "finding")
+    axis = attrgetter("actual", "set", "speed", "lag", "torque", "flags", "fault_code", "power", "finding", "measured")
 
     def packer(state: CellState) -> bytes:
         values = [*head(state)]
@@ -143,10 +146,11 @@ def unpack_cell_state(data: bytes) -> CellState:
     for name, value in zip(STATE_NAMES, head, strict=True):
         setattr(state, name, value)
     state.motion, state.emergency, state.ready = Motion(state.motion), bool(state.emergency), bool(state.ready)
+    state.met = bool(state.met)
     for number in range(AXES):
         values = STATE_AXIS.unpack_from(data, STATE_HEAD.size + number * STATE_AXIS.size)
-        actual, set_, speed, lag, torque, flags, fault, power, finding = values
-        state.axes[number] = AxisState(actual, set_, speed, lag, torque, AxisFlag(flags), fault, power, finding)
+        actual, set_, speed, lag, torque, flags, *rest = values
+        state.axes[number] = AxisState(actual, set_, speed, lag, torque, AxisFlag(flags), *rest)
     return state
 
 

@@ -28,7 +28,8 @@ from motion.planner.jointpath import joint_path_of
 from motion.planner.legs import Leg, base_pose, check_numbers, make_leg, tcp, told
 from motion.planner.robot import Machine
 from motion.planner.timegiven import check_time
-from motion.program.blocks import Block, Interpolation, Rounding, Slope
+from motion.program.blocks import MEASURED, Block, Interpolation, JointTarget, Rounding, Slope
+from motion.program.errors import BlockError
 from motion.program.passing import passed
 from motion.program.slopes import Ramped, earliest, frozen, overlap, ramped
 
@@ -72,6 +73,7 @@ class _State:
     tail: JointPath | None = None  # the last stretch, while no stop follows it
     splines: tuple[tuple[int, Block], ...] = ()
     spline_start: Joints = ()
+    measured: Joints | None = None  # @MPOS as looked at beforehand: the end of the last block an input may end
     out: tuple[Stretch, ...] = ()
 
 
@@ -102,8 +104,17 @@ class Route:
     def add(self, block: Block) -> int:
         """The next block; its number, counted from 1.  Raises BlockError."""
         number = self._now.number + 1
-        self._guarded(number, lambda: self._add(number, block))
+        self._guarded(number, lambda: self._add(number, self._resolved(block)))
+        if block.until is not None:
+            self._now.measured = self._now.standing
         return number
+
+    def _resolved(self, block: Block) -> Block:
+        if block.target != MEASURED:
+            return block
+        if self._now.measured is None:
+            raise BlockError("point not defined: @MPOS before anything was measured", source="rho 3")
+        return replace(block, target=JointTarget(self._now.measured))
 
     def finish(self) -> None:
         """The blending of the last block is cancelled: the axes run to its target and stop there."""

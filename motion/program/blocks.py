@@ -96,6 +96,7 @@ class PoseTarget:
 
 
 Target = JointTarget | PoseTarget
+MEASURED = JointTarget(())  # @MPOS: where the axes were at the edge of the last measurement
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,10 +126,14 @@ class Output:
 
 @dataclass(frozen=True, slots=True)
 class Until:
-    """MOVE UNTIL: the block ends early when this input has the value."""
+    """MOVE UNTIL: the block ends early when this input has the value.  channel: a measuring input by its number (rho 3: 6x0 probe, 6xy
+    high-speed input), 0: the RC input `number`; error: label the program goes on at when the input never had it, empty: at the next
+    block."""
 
     number: int
     value: bool = True
+    channel: int = 0
+    error: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,6 +183,7 @@ class Block:
     until: Until | None = None
     synchron: Synchron | None = None
     on_belt: OnBelt | None = None
+    label: str = ""  # in front of it
     line: int = field(default=0, compare=False)  # of the program text; 0: none
 
 

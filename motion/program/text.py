@@ -15,6 +15,7 @@ from motion.kinematics.base import Elbow, Shoulder, Wrist
 from motion.program import textkeys
 from motion.program.blocks import (
     MAX_JOINTS,
+    MEASURED,
     Blend,
     Block,
     Curving,
@@ -43,6 +44,7 @@ FLAGS: dict[str, tuple[str, Enum]] = {
     word.value: (name, word) for name, words in (("shoulder", Shoulder), ("elbow", Elbow), ("wrist", Wrist)) for word in words
 }
 _EXTRA = re.compile(r"([-+0-9.eE]+)(mm|deg)")
+_UNTIL = re.compile(r"(!?)(ch)?(\d+)")
 _OUT = re.compile(r"(\d+):([-+0-9.eE]+)(?:@([0-9.eE+]+))?")
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_.-]*")
 
@@ -70,6 +72,10 @@ class Reader:
     blocks: list[Block] = field(default_factory=list)
     part: Synchron | None = None  # SYNCHRON without SYNCHRON_END so far
     parts: int = 0
+    labels: dict[str, int] = field(default_factory=dict)  # blocks before it
+    label: str = ""  # in front of the next block
+    errors: list[tuple[int, str, int]] = field(default_factory=list)  # line, label, number of the block that names it
+    count: int = 0  # blocks so far
 
     def statement(self, raw: str, number: int = 0) -> None:
         """One line; raises TextError.  Its block, if it is one, waits for take()."""
@@ -90,9 +96,35 @@ class Reader:
         blocks, self.blocks = self.blocks, []
         return blocks
 
+    def ended(self) -> None:
+        """The text is over: labels that blocks name stand behind them; raises TextError."""
+        for line, name, block in self.errors:
+            if self.labels.get(name, -1) < block:
+                raise TextError(line, "error", f"label {name} does not stand behind the block")
+
     # ---- statements --------------------------------------------------------------------------------------------------
     def line(self, words: list[str], number: int) -> None:
         head, rest = words[0], words[1:]
+        match head:
+            case "program" | "robot" | "angles" | "axes" | "start":
+                self.heading(head, rest)
+            case "tool" | "frame":
+                self.place(head, rest)
+            case "point":
+                self.point(rest)
+            case "set":
+                self.set(rest)
+            case "synchron" | "synchron_end":
+                self.synchron(head, rest)
+            case "label":
+                self.named_place(head, rest)
+            case _ if head in MOVES:
+                self.move(MOVES[head], rest, number)
+            case _:
+                raise _Fault("", f"{head!r} is no statement; {', '.join(STATEMENTS)} are")
+
+    def heading(self, head: str, rest: list[str]) -> None:
+        """What is said of the program as a whole."""
         match head:
             case "program":
                 self.name = _one(head, rest)
@@ -106,20 +138,14 @@ class Reader:
                 if not rest or len(rest) > MAX_JOINTS or any(unit not in ("mm", "deg") for unit in rest):
                     raise _Fault(head, f"1 .. {MAX_JOINTS} units, each mm or deg")
                 self.units = tuple(rest)
-            case "start":
-                self.start = self.joints(head, rest)
-            case "tool" | "frame":
-                self.place(head, rest)
-            case "point":
-                self.point(rest)
-            case "set":
-                self.set(rest)
-            case "synchron" | "synchron_end":
-                self.synchron(head, rest)
-            case _ if head in MOVES:
-                self.move(MOVES[head], rest, number)
             case _:
-                raise _Fault("", f"{head!r} is no statement; {', '.join(STATEMENTS)} are")
+                self.start = self.joints(head, rest)
+
+    def named_place(self, head: str, rest: list[str]) -> None:
+        self.label = _name(head, _one(head, rest))
+        if self.label in self.labels:
+            raise _Fault(head, f"{self.label} stands twice")
+        self.labels[self.label] = self.count
 
     def synchron(self, head: str, rest: list[str]) -> None:
         if head == "synchron_end":
@@ -179,7 +205,11 @@ class Reader:
         target, left = self.target(words)
         if left:
             raise _Fault("", f"{' '.join(left)} is too much after the target")
-        self.blocks.append(self.block(kind, _with(target, keys), via, {**self.modal, **keys}, number))
+        block = self.block(kind, _with(target, keys), via, {**self.modal, **keys}, number)
+        self.blocks.append(block)
+        self.label, self.count = "", self.count + 1
+        if block.until is not None and block.until.error:
+            self.errors.append((number, block.until.error, self.count))
 
     # ---- parts -------------------------------------------------------------------------------------------------------
     def target(self, words: list[str]) -> tuple[Target, list[str]]:
@@ -190,6 +220,8 @@ class Reader:
                 return JointTarget(self.joints("joints", words[1:])), []
             case "pose":
                 return PoseTarget(self.pose("pose", words[1:])), []
+            case "mpos":
+                return MEASURED, words[1:]
             case name if name in self.points:
                 return self.points[name], words[1:]
             case name:
@@ -240,9 +272,10 @@ class Reader:
             self.named("frame", keys, self.frames),
             curving=_filled(Curving(), parts["curving"]),
             outputs=_outputs(keys.get("out", "")),
-            until=_until(keys.get("until", "")),
+            until=_until(keys),
             synchron=self.part,
             on_belt=self.on_belt(keys),
+            label=self.label,
             line=number,
         )
         return _filled(made, parts[""])
@@ -263,8 +296,8 @@ class Reader:
 
 
 BIG = textkeys.BIG
-STATEMENTS = ("program", "robot", "angles", "axes", "start", "tool", "frame", "point", "set", "synchron", "synchron_end", *MOVES)
-ONCE = ("config", "extra", "out", "until", "time", "weight", "belt", "camin", "camout")  # of one block alone
+STATEMENTS = ("program", "robot", "angles", "axes", "start", "tool", "frame", "point", "set", "synchron", "synchron_end", "label", *MOVES)
+ONCE = ("config", "extra", "out", "until", "error", "time", "weight", "belt", "camin", "camout")  # of one block alone
 
 
 def read(text: str) -> Program:
@@ -275,6 +308,10 @@ def read(text: str) -> Program:
             reader.statement(raw, number)
         except TextError as fault:
             faults.append(fault)
+    try:
+        reader.ended()
+    except TextError as fault:
+        faults.append(fault)
     if not reader.start:
         faults.append(TextError(0, "start", "is missing: where the axes stand before the first block"))
     if faults:
@@ -378,10 +415,13 @@ def _outputs(value: str) -> tuple[Output, ...]:
     return tuple(made)
 
 
-def _until(value: str) -> Until | None:
-    if not value:
+def _until(keys: dict[str, str]) -> Until | None:
+    if "until" not in keys:
+        if "error" in keys:
+            raise _Fault("error", "belongs to until=, whose input never came")
         return None
-    digits = value.removeprefix("!")
-    if not digits.isdigit():
-        raise _Fault("until", f"{value!r}: the number of an input, with ! in front for its being 0")
-    return Until(int(digits), not value.startswith("!"))
+    match = _UNTIL.fullmatch(keys["until"])
+    if match is None:
+        raise _Fault("until", f"{keys['until']!r}: the number of an input (464) or a channel (ch610), with ! in front for its being 0")
+    number, error = int(match[3]), _name("error", keys["error"]) if "error" in keys else ""
+    return Until(0 if match[2] else number, not match[1], number if match[2] else 0, error)

@@ -73,7 +73,8 @@ OTHERS = {
     "belt": "in a synchronous part: value of the belt at the end of the block, with its unit: 150mm",
     "camin": "type 3: first section, the belt path A with its unit: 30mm",
     "camout": "type 3: last section, the belt path D with its unit: 70mm",
-    "until": "NUMBER or !NUMBER: the block ends when this input is 1 (0)",
+    "until": "NUMBER or !NUMBER: the block ends when this input is 1 (0); ch610, !ch611: a measuring input",
+    "error": "label the program goes on at when the input of until= never had its value",
 }
 NUMBERS = {key.name: key for key in KEYS}
 WORDS = {choice.name: choice for choice in CHOICES}

@@ -4,7 +4,7 @@ Numbers to 1e-12 of their size, orientations to 1e-9 rad.
 """
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import fields
 
 from motion.conventions import Convention, convention
@@ -12,7 +12,7 @@ from motion.errors import MotionError
 from motion.frames import Pose
 from motion.kinematics.base import FREE, Configuration
 from motion.program import textkeys
-from motion.program.blocks import Blend, Block, Frame, JointTarget, Program, Synchron, Tool
+from motion.program.blocks import MEASURED, Blend, Block, Frame, JointTarget, Program, Synchron, Tool
 from motion.units import from_si
 
 
@@ -31,7 +31,7 @@ def write(program: Program, angles: str = "val3") -> str:
     return "\n".join(line for line in lines if line) + "\n"
 
 
-def _moves(blocks: Iterable[Block], ways: Convention, units: tuple[str, ...]) -> list[str]:
+def _moves(blocks: Sequence[Block], ways: Convention, units: tuple[str, ...]) -> list[str]:
     """One line a block, and those that begin and end synchronous parts; belt values as mm, whatever the belt's unit."""
     lines: list[str] = []
     part: Synchron | None = None
@@ -41,8 +41,10 @@ def _moves(blocks: Iterable[Block], ways: Convention, units: tuple[str, ...]) ->
             part = block.synchron
             if part is not None:
                 lines.append(f"synchron {part.belt}" + (f" at={_plain(part.at * 1e3)}mm" if part.at is not None else ""))
+        lines += [f"label {block.label}"] if block.label else []
         lines.append(_move(block, ways, units))
-    return lines
+    named = {block.until.error for block in blocks if block.until is not None} - {block.label for block in blocks} - {""}
+    return [*lines, *(f"label {name}" for name in sorted(named))]
 
 
 def _places(places: Iterable[Tool | Frame]) -> dict[str, Pose]:
@@ -62,7 +64,9 @@ def _move(block: Block, ways: Convention, units: tuple[str, ...]) -> str:
         words += ["via", f"pose {_pose(block.via.pose, ways)}", "to"]
     target = block.target
     keys = _keys(block, units)
-    if isinstance(target, JointTarget):
+    if target == MEASURED:
+        words.append("mpos")
+    elif isinstance(target, JointTarget):
         words.append(f"joints {_joints(target.q, units)}")
     else:
         words.append(f"pose {_pose(target.pose, ways)}")
@@ -100,7 +104,9 @@ def _keys(block: Block, units: tuple[str, ...]) -> list[str]:
         named = zip(("belt", "camin", "camout"), (block.on_belt.value, block.on_belt.first, block.on_belt.third), strict=True)
         found += [f"{name}={_plain(value * 1e3)}mm" for name, value in named if value or name == "belt"]
     if block.until is not None:
-        found.append(f"until={'' if block.until.value else '!'}{block.until.number}")
+        until = block.until
+        found.append(f"until={'' if until.value else '!'}{f'ch{until.channel}' if until.channel else until.number}")
+        found += [f"error={until.error}"] if until.error else []
     return found
 
 

@@ -27,7 +27,7 @@ from protocols.base.errors import DecodeError
 from protocols.base.machine import Frame, Ns
 
 NOT_COMPARED = ("compute_ns",)
-AXIS_FIELDS = ("actual", "set", "speed", "lag", "torque", "flags", "fault_code", "power", "finding")
+AXIS_FIELDS = ("actual", "set", "speed", "lag", "torque", "flags", "fault_code", "power", "finding", "measured")
 
 
 @dataclass(frozen=True, slots=True)

@@ -30,13 +30,15 @@ linear pose 350 50 80 180 0 0 blend=off out=400:1@10,401:1,400:0
 """,
     3: HEAD + "ptp joints 20 80 -180 10\n# too far\nptp joints 20 80 -180 3000\n",
     4: HEAD + "set speed=10\n" + "".join(f"ptp joints {10 * (n % 2)} 90 -200 {10 * n}\n" for n in range(1, 21)),
+    6: HEAD + "ptp joints 60 90 -200 0 speed=10 until=ch610 error=NONE\nptp mpos\nlabel NONE\n",
     5: HEAD + f"ptp joints 60 90 -200 0 speed=10 until={PROBE}\nptp joints 0 90 -200 0\n",
 }
+MEASURING = f"\n[[measuring]]\nchannel = 610\ninput = {PROBE}\n"
 
 
 @pytest.fixture(scope="module")
 def scara(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ProgramRun]:
-    with program_run(tmp_path_factory.mktemp("cell"), "scara", PROGRAMS) as run:
+    with program_run(tmp_path_factory.mktemp("cell"), "scara", PROGRAMS, change=lambda text: text + MEASURING) as run:
         run.ready()
         yield run
 
@@ -111,6 +113,21 @@ def test_an_input_ends_a_block_on_its_path_and_the_next_one_begins_there(home: P
     assert 0.1 < rows[:, 0].max() < 0.9 and rows[-1][0] == pytest.approx(0.0, abs=1e-9)
     home.probe(True)
     assert home.command(PROGRAM, 5).state == DONE and home.state().axes[0].set == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_probe_of_the_plc_stops_a_block_and_mpos_lies_behind_the_axes_where_the_next_block_goes(home: ProgramRun) -> None:
+    home.probe(False)
+    home.plc.send(PROGRAM, 6)
+    home.watch("some way", lambda s: s.axes[0].set > 0.1)
+    home.probe(True)
+    home.watch("measured", lambda s: s.measured_mask == home.all)
+    measured = home.state().axes[0].measured
+    rows = home.watch("done", lambda s: s.motion is Motion.IDLE)
+    assert home.plc.wait(lambda s: s.state in (DONE, ABORTED), 5).state == DONE
+    assert 0.05 < measured < rows[:, 0].max(), "caught at the edge, before the axes had stopped"
+    assert rows[-1][0] == pytest.approx(measured, abs=1e-9), "MOVE TO @MPOS"
+    assert home.command(PROGRAM, 6).state == DONE
+    assert home.state().axes[0].set == pytest.approx(np.pi / 3, abs=1e-9) and not home.state().measured_mask, "no edge: the label"
 
 
 def test_a_silent_owner_stops_it_on_the_path_and_it_does_not_go_on_by_itself(home: ProgramRun) -> None:

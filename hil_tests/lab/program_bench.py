@@ -1,0 +1,114 @@
+"""A cell in virtual time and the planner's inside beside it: programs ordered by a door, no process, no clock."""
+
+from dataclasses import replace
+
+from gateway.axes import limits_of
+from gateway.cell import Home, Plant
+from gateway.pure.command_block import Code, Command
+from gateway.pure.jobs import Job
+from gateway.pure.office import Office
+from gateway.pure.permits import AS_SHIPPED, free_outputs
+from gateway.pure.plannerrecords import PieceRecord, ProgramFacts, pack_piece, run_record, unpack_piece
+from gateway.pure.programs import Programs
+from gateway.pure.reasons import CommandState
+from gateway.pure.records import Motion
+from hil_tests.lab.cellbench import ALL, DEMO, CellBench
+from motion.errors import MotionError
+from motion.kinematics.identity import Identity
+from motion.planner.robot import Machine
+
+LIMITS = tuple(limits_of(axis) for axis in DEMO.axis)
+UNITS = " ".join(axis.unit for axis in DEMO.axis)
+# The demo's axes with absolute encoders, a little above 0: nothing has to be searched.
+CELL = replace(
+    DEMO,
+    axis=tuple(replace(axis, home=Home(by="none")) for axis in DEMO.axis),
+    plant=replace(DEMO.plant or Plant(), axis={name: replace(axis, start=2.0) for name, axis in (DEMO.plant or Plant()).axis.items()}),
+)
+FACTS = {1: ProgramFacts("there", ALL), 2: ProgramFacts("back", ALL)}
+
+
+class WithPlanner:
+    """A cell in virtual time and the planner's inside beside it: one turn a cycle."""
+
+    def __init__(self) -> None:
+        self.cell = CellBench(cell=CELL)
+        self.cell.office = Office(self.cell.office.axes, self.cell.office._plan, 1, FACTS)
+        self.cell.run(0.1)
+        for code in (Code.REQUEST_CONTROL, Code.OVERRIDE, Code.ENABLE):
+            assert self.cell.settle(self.cell.give(code)).state is CommandState.DONE
+        self.texts: dict[int, str] = {}
+        free = free_outputs(AS_SHIPPED, len(LIMITS))
+        self.programs = Programs(lambda _: Machine(Identity(LIMITS), LIMITS), lambda _: ALL, self.text, free)
+        self.alive = True
+        self.held: list[PieceRecord] = []
+        self.cell.each = self.turn
+        self.cell.office.planner = self.programs.state
+
+    def text(self, number: int) -> str:
+        try:
+            return self.texts[number]
+        except KeyError:
+            raise MotionError(f"program {number}: no such file") from None
+
+    def turn(self) -> None:
+        state, office = self.cell.core.state, self.cell.office
+        if self.alive:
+            said = [run_record(order) for order in office.take_programs()]
+            standing = [axis.set for axis in state.axes[: len(LIMITS)]]
+            while self.programs.preparing:
+                self.programs.prepare(standing)
+            moving = state.motion is not Motion.IDLE
+            self.held += self.programs.turn(
+                said,
+                state.generation,
+                state.piece,
+                standing,
+                moving=moving,
+                taken=state.taken,
+                failed=state.failed_job,
+                parts=state.parts,
+                met=state.met,
+                measured=[axis.measured if state.measured_mask >> n & 1 else None for n, axis in enumerate(state.axes[: len(LIMITS)])],
+            )
+            office.planner = self.programs.state
+        for record in self.held[:2]:
+            self.cell.core.feed(unpack_piece(pack_piece(record)))
+        del self.held[:2]
+
+    def program(self, *lines: str, number: int = 1) -> None:
+        self.texts[number] = "\n".join([f"axes {UNITS}", *lines])
+
+    def order(self, *lines: str, velocity: float = 1.0, door: int = 1) -> Job:
+        """Door 1 orders a program of these lines."""
+        if lines:
+            self.program(*lines)
+        job = self.cell.office.command(door, Command(Code.PROGRAM, 1, velocity, 1.0), self.cell.now)
+        self.cell._hand_over()
+        return job
+
+    def finished(self, job: Job) -> Job:
+        """Runs until the job has an outcome and the axes rest."""
+        self.cell.settle(job)
+        for _ in range(100):
+            if self.cell.core.state.motion is Motion.IDLE:
+                return job
+            self.cell.run(0.2)
+        raise AssertionError(f"never at rest: {self.cell.core.state}")
+
+    def places(self) -> list[float]:
+        return [axis.set / fact.si for axis, fact in zip(self.cell.core.state.axes, self.cell.office.axes, strict=False)]
+
+    def at(self, place: float, within: float = 0.01) -> bool:
+        return all(abs(each - place) < within for each in self.places())
+
+    def still(self, seconds: float = 1.0) -> bool:
+        """Nothing moves meanwhile."""
+        before = self.places()
+        self.cell.run(seconds)
+        return max(abs(a - b) for a, b in zip(self.places(), before, strict=True)) < 1e-9
+
+
+def joints(step: float) -> str:
+    """All axes a little further than where referencing left them."""
+    return " ".join(f"{step:g}" for _ in LIMITS)
