@@ -38,6 +38,7 @@ class Bridge:
         self._services, self._wake, self._stepping = services, fds.get("wake"), False
         self._marks = RegionReader(fds["marks"], "marks", MARKS_LAYOUT) if "marks" in fds else None
         compiled = compile_routes(services.cell)
+        self._controlled = _controlled(services, compiled)
         self.table = RouteTable([each.settings for each in compiled])
         self._sources = [self._reader(each.source) for each in compiled]
         self._targets = [self._writer(each.target, each.settings.name) for each in compiled]
@@ -180,6 +181,12 @@ class Bridge:
         def own() -> float | None:
             return services.values.get(name) if self._cycle_lives() else None
 
+        def controlled() -> float | None:
+            control = services.signals.control
+            return control.value(name) if control is not None else None
+
+        if name in self._controlled:
+            return controlled
         return named if name in services.named else own
 
     # ---- where values go ---------------------------------------------------------------------------------------------
@@ -196,6 +203,14 @@ class Bridge:
             case World.REGISTER:
                 return partial(self._to_register, register_key(place, reads=False))
 
+        def wired(value: float) -> None:
+            control = services.signals.control
+            if control is not None:
+                control.put(place.name, value)
+
+        if place.name in self._controlled:
+            return wired
+
         def name(value: float) -> None:
             services.named.put(place.name, value, time.monotonic_ns(), f"route.{route}")
             services.settle()
@@ -206,6 +221,16 @@ class Bridge:
         clients = self._services.clients
         if clients is not None:
             clients.registers[key] = value
+
+
+def _controlled(services: "Services", compiled: list[Compiled]) -> frozenset[str]:
+    """Values of [controller] that routes read or write; a cell without them loads nothing."""
+    ends = {place.name for each in compiled for place in (each.source, each.target) if place.world is World.NAME}
+    if services.cell.controller is None or not ends:
+        return frozenset()
+    from gateway.checks.controller import names_of
+
+    return names_of(services.cell) & ends
 
 
 def _octets(compiled: list[Compiled]) -> dict[int, list[int]]:

@@ -11,8 +11,8 @@ class ProcessStep:
     to: Mapping[str, float] = field(default_factory=dict)  # axis -> target in its unit
     program: int | None = None  # [[program]] of that number
     speed: str = "100 %"
-    output: int | None = None  # user output
-    input: int | None = None  # user input
+    output: int | None = None  # binary channel: user output, or multi-function output 801..804
+    input: int | None = None  # binary channel: user input, high-speed input 6xy, multi-function input 801..804
     value: bool = True
     wait_ms: int | None = None
 
@@ -57,6 +57,8 @@ class Controller:
     kinematics: int = 1
     phg_option: bool = True  # option 41
     plc_silence_ms: int = 0  # time-out of the PLC; 0: not supervised here
+    pic_timeout_ms: int = 0  # longest time between two cycles of the PIC; 0: not supervised (AX-478)
+    boards: tuple[str, ...] = ()  # servo boards 1..3 that P11 counts inputs of; a rho3.0 has its own (AX-477)
     remote: bool = False  # frames of P20 also in blocks of 48 bytes
     door: str = ""  # reis: the door markers command for; "": the only one
     first_byte: int = 88  # reis: where its 40 bytes lie

@@ -7,6 +7,9 @@ from pydantic import Field
 from gateway.cellmodels_base import Percent, Table, unit
 
 PointName = Annotated[str, Field(pattern=r"^[A-Za-z]\w*$", json_schema_extra={"allowed": "letters, digits and _"})]
+BoardName = Literal[
+    "servo-3/5/8-wide", "servo-abs-5/8", "servo-inc6/poti", "servo-3/5-narrow", "servo-3is/4is/6is", "servo-abs-3i", "modular-i"
+]  # fmt: skip
 OutputByte = Annotated[int, Field(ge=0, le=39)]
 
 
@@ -14,8 +17,8 @@ class ProcessStep(Table):
     to: dict[str, float] = {}
     program: int | None = Field(default=None, ge=0, le=65535)
     speed: Percent = "100 %"
-    output: int | None = Field(default=None, ge=1, le=120, json_schema_extra=unit("user output"))
-    input: int | None = Field(default=None, ge=1, le=120, json_schema_extra=unit("user input"))
+    output: int | None = Field(default=None, ge=1, le=804, json_schema_extra=unit("binary output"))
+    input: int | None = Field(default=None, ge=1, le=804, json_schema_extra=unit("binary input"))
     value: bool = True
     wait_ms: int | None = Field(default=None, ge=0, le=3_600_000, json_schema_extra=unit("ms"))
 
@@ -51,6 +54,8 @@ class Controller(Table):
     kinematics: int = Field(default=1, ge=1, le=10)
     phg_option: bool = True
     plc_silence_ms: int = Field(default=0, ge=0, le=600_000, json_schema_extra=unit("ms"))
+    pic_timeout_ms: int = Field(default=0, ge=0, le=200, json_schema_extra=unit("ms"))
+    boards: list[BoardName] = Field(default=[], max_length=3)
     remote: bool = False
     door: str = ""
     first_byte: int = Field(default=88, ge=0, le=88, json_schema_extra=unit("PIC byte"))

@@ -15,6 +15,7 @@ from gateway.pure.functions.places import STROBE_TIME, Places
 from gateway.pure.functions.plc import Settings
 from gateway.pure.interface.control import Declared, RhoControl, Setup
 from gateway.pure.interface.coupling import Coupling, Ranges
+from gateway.pure.interface.fastio import Configured, FastParts
 from gateway.pure.interface.numbers import numbers_of
 from gateway.pure.interface.panelview import TEST_MN
 from gateway.pure.interface.steps import Step
@@ -149,9 +150,10 @@ def rho_setup(cell: Cell, controller: Controller, tables: DatTables, owners: Map
         assumed=tuple(getattr(numbers, name) for name, permit in PERMIT_BITS if assumed & permit),
         of_cycle=of_cycle(cell),
         emergency_op=140 if emergency is None else emergency.at.number,
-        p36=multi_function(cell, controller),
+        fast=FastParts(boards_of(controller), p11_of(cell, controller), multi_function(cell, controller)),
         coupling=coupling_of(cell),
         plc_silence=ms(controller.plc_silence_ms),
+        pic_timeout=ms(controller.pic_timeout_ms),
         plc_grace=not cell.cell.software or has_grace(cell.cell.software, controller.remote),
         sets_override=not any(entry.to == "cell.override" for block in cell.db for entry in block.entries),
         units=tuple((axis.unit, from_si(1.0, axis.unit)) for axis in cell.axis),
@@ -197,6 +199,26 @@ def multi_function(cell: Cell, controller: Controller) -> tuple[int, int] | None
     if len(places) != 2:
         raise ValueError(f"P36 = {places}: two numbers, inputs and outputs")
     return places[0], places[1]
+
+
+def boards_of(controller: Controller) -> tuple[str, ...]:
+    """Servo boards the cell names; a rho 3.0 has its four inputs and outputs at X21."""
+    if controller.hardware != "rho3.0":
+        return controller.boards
+    if controller.boards:
+        raise ValueError(f"boards = {list(controller.boards)}: a rho3.0 has its own inputs and no such board")
+    return ("rho3.0",)
+
+
+def p11_of(cell: Cell, controller: Controller) -> tuple[Configured, ...]:
+    """P11: probe and high-speed inputs of each board in turn; of a rho 3.0 probe, inputs and outputs."""
+    numbers = Parameters(cell).row("P11")
+    each = 3 if controller.hardware == "rho3.0" else 2
+    boards = 1 if each == 3 else 3
+    if len(numbers) % each or len(numbers) > each * boards or any(number < 0 for number in numbers):
+        parts = "probe, inputs, outputs" if each == 3 else "probe and inputs for each of at most three boards"
+        raise ValueError(f"P11 = {list(numbers)}: {parts}")
+    return tuple(Configured(*numbers[at : at + each]) for at in range(0, len(numbers), each))
 
 
 def coupling_of(cell: Cell) -> Coupling | None:

@@ -12,7 +12,7 @@ from gateway.pure.interface.errors import RESETS, RHO3, kind_of
 from gateway.pure.modbus_view import RhoView
 from gateway.pure.phg.modes import RESET
 from gateway.pure.reasons import CommandState, text
-from gateway.pure.records import RC_BYTES
+from gateway.pure.records import RC_BYTES, InputImage, Quality
 from protocols.base.machine import Ns
 
 if TYPE_CHECKING:
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from gateway.processes.services import Services
     from gateway.pure.interface.control import RhoControl
 
+STOPPED = InputImage(quality=bytearray([Quality.GOOD] * RC_BYTES))
 PANEL_NS = 2_000_000_000  # the panel counts as used for so long after a key
 
 
@@ -89,6 +90,11 @@ class SignalDesk:
         self._heard = heard
         if rho is not None and self._judge_reset(rho, now):
             services.journal.write("plc", "reset at the panel: refused")
+
+    def for_cycle(self, inputs: InputImage) -> InputImage:
+        """RC inputs as the cycle is to have them: all 0 where the PIC has stopped (AX-478)."""
+        rho = self.rho3
+        return inputs if rho is None or not rho.halted else STOPPED
 
     def inputs_came(self, now: Ns) -> None:
         """A door has written: an edge must not be lost because the next telegram comes before our next cycle."""

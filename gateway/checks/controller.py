@@ -10,6 +10,7 @@ from gateway.controllers import Control, dat_tables, make_control
 from gateway.pure.errorlist import ErrorList
 from gateway.pure.functions.system_variables import VariableError
 from gateway.pure.interface.control import RhoControl
+from gateway.pure.interface.fastio import InputFault
 from gateway.pure.office import Office
 from gateway.pure.phg.catalogue import PREFIX
 
@@ -28,6 +29,19 @@ def names_of(cell: Cell) -> frozenset[str]:
     except ValueError:
         return frozenset()
     return frozenset(control.names() if control is not None else ())
+
+
+def wired(cell: Cell, name: str) -> bool:
+    """Whether a route may write this value of the control: an input that is wired to it."""
+    if name not in names_of(cell):
+        return False
+    control = trial(cell)
+    assert control is not None  # it has names
+    try:
+        control.put(name, 0.0)
+    except KeyError:
+        return False
+    return True
 
 
 def phg_fault(cell: Cell, name: str) -> str:
@@ -84,6 +98,22 @@ def _process(check: Context, table: Controller, index: int) -> bool:
     return len(check.faults) == before
 
 
+def inputs(cell: Cell) -> Iterator[Notice]:
+    """Channels that would end their program: P11 does not have them."""
+    table = cell.controller
+    control = trial(cell) if table is not None and table.process else None
+    if table is None or not isinstance(control, RhoControl):
+        return
+    for process in table.process:
+        for count, step in enumerate(process.steps):
+            if step.input is None:
+                continue
+            try:
+                control.channels.read(step.input)
+            except InputFault as fault:
+                yield Notice("warning", f"controller.process.{process.name}.steps[{count}]", f"{fault}: P11 does not have it")
+
+
 def _step(check: Context, key: str, step: ProcessStep) -> None:
     given = [name for name in STEP_KEYS if getattr(step, name) not in ({}, None)]
     if len(given) != 1:
@@ -135,4 +165,4 @@ def files(cell: Cell) -> Iterator[Notice]:
 
 
 CHECKS = (controller,)
-NOTES = (files,)
+NOTES = (files, inputs)

@@ -7,6 +7,7 @@ from gateway.cell import Cell, Db, Notice
 from gateway.cell_routes import Route
 from gateway.checks.blocks import place_of as entry_place
 from gateway.checks.context import Context, near, number
+from gateway.checks.controller import names_of, wired
 from gateway.checks.figures import job_ms
 from gateway.pure.addresses import AddressFault, DataBit, DataWord, Part
 from gateway.pure.names import Kind, lookup
@@ -106,9 +107,9 @@ def _target(check: Context, key: str, text: str, place: Place) -> None:
         case World.REGISTER:
             _register(check, key, text, place)
         case World.NAME:
-            if place.name not in named_values(check.cell):
+            if place.name not in named_values(check.cell) and not wired(check.cell, place.name):
                 hint = "commands come through doors" if lookup(place.name) else _near_value(check, place.name)
-                check.fault(key, text, f"a route writes values a telegram of the cell carries; {hint}")
+                check.fault(key, text, f"a route writes values a telegram of the cell carries, and inputs of [controller]; {hint}")
 
 
 def _register(check: Context, key: str, text: str, place: Place) -> None:
@@ -171,7 +172,7 @@ def _contact(check: Context, key: str, text: str, name: str, *, output: bool) ->
 
 def _name(check: Context, key: str, text: str, name: str) -> None:
     found = lookup(name)
-    if name in named_values(check.cell):
+    if name in named_values(check.cell) or name in names_of(check.cell):
         return
     if found is None or not found.name.from_ or name.startswith("move."):
         check.fault(key, text, f"no value that can be read; {_near_value(check, name)}")
@@ -184,7 +185,7 @@ def _name(check: Context, key: str, text: str, name: str) -> None:
 def _near_value(check: Context, name: str) -> str:
     from gateway.pure.names import spelled
 
-    known = [*spelled(sorted(check.known["axis"]), ()), *named_values(check.cell).names()]
+    known = [*spelled(sorted(check.known["axis"]), ()), *named_values(check.cell).names(), *names_of(check.cell)]
     return near(name, known) or "axisgate var lists them"
 
 

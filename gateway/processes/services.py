@@ -301,7 +301,7 @@ class Services:
                 self.values.refusals[event.door] = refusal
             elif event.what == "accepted":
                 self.values.refusals.pop(event.door, None)
-        payload = pack_inputs(self.forces.over(self.inputs))
+        payload = pack_inputs(self.signals.for_cycle(self.forces.over(self.inputs)))
         if payload != self._inputs_written:
             self._inputs_written = payload
             self.rc_in.write(payload, time.monotonic_ns())

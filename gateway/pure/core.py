@@ -190,6 +190,8 @@ class Core:
                 self._mover.abandon()
             case Order.PROGRAM:
                 self._mover.order_program(record)
+            case Order.EMERGENCY:
+                self._emergency()
             case Order.RESET:
                 self._acknowledge()
             case Order.OVERRIDE:

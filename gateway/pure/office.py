@@ -57,6 +57,10 @@ class Office:
         if new & self.enabled_mask():
             self._order(Order.DISABLE, mask=new, reason=Reason.DRIVES_OFF)
 
+    def open_ready(self) -> None:
+        """As an open chain, whoever has control."""
+        self._order(Order.EMERGENCY)
+
     # ---- what the others ask ---------------------------------------------------------------------------------------------
     def door(self, number: int) -> DoorState:
         """State of one door; made at the first call."""

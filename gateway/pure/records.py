@@ -167,6 +167,7 @@ class Order(IntEnum):
     RESET = 9
     OVERRIDE = 10
     PROGRAM = 11  # the planner's pieces of this job are taken from now on
+    EMERGENCY = 12  # as an open chain: drives off, READY open, until a fault reset
 
 
 @dataclass(frozen=True, slots=True)

@@ -33,6 +33,7 @@ _TEXTS: dict[str, tuple[str, str]] = {
     "phg_automatic": ("Automatic", "Automatik"),
     "phg_manual": ("Manual", "Hand"),
     "phg_no_error": ("no error, no warning", "kein Fehler"),
+    "phg_no_board": ("no board with them", "keine Karte damit"),
     "phg_no_process": ("no process", "kein Prozess"),
     "phg_no_program": ("no program", "kein Programm"),
     "phg_not_here": ("no function here", "hier ohne Funktion"),

@@ -20,7 +20,7 @@ CAUSES = {
     Reason.SERVICES_LOST: 1272,
     Reason.PLANNER_LOST: 1273,
 }
-PLC_SILENT, EMERGENCY_STOP = 1274, 528
+PLC_SILENT, PIC_TIMER, EMERGENCY_STOP = 1274, 1275, 528
 _TEXTS = {
     808: ("following error", "Schleppfehler"),
     809: ("referencing failed", "Referenzieren fehlgeschlagen"),
@@ -31,11 +31,13 @@ _TEXTS = {
     1272: ("services restarted under motion", "Dienste-Neustart in Bewegung"),
     1273: ("planner restarted under motion", "Planer-Neustart in Bewegung"),
     PLC_SILENT: ("the PLC does not answer", "die SPS antwortet nicht"),
+    PIC_TIMER: ("PIC timer error: stopped until a restart", "PIC-Zeitfehler: steht bis zum Neustart"),
     EMERGENCY_STOP: ("EMERGENCY STOP - Input", "NOT-AUS-Eingang"),
     250: ("Inadmis. in manual op.", "Inadmis. in manual op."),
     251: ("AUTO/MANUAL switching", "AUTO/MANUAL switching"),
     252: ("kinematic is not in manual mode", "Kinematik nicht in Hand"),
     253: ("the move was refused or aborted", "Bewegung abgelehnt oder abgebrochen"),
+    254: ("inadmissable input", "unzulaessiger Eingang"),
     1255: ("a process broke down inside", "ein Prozess ist innen zusammengebrochen"),
     1278: ("Error in PHGCODE.DAT", "Fehler PHGKODE.DAT"),
 }

@@ -10,18 +10,18 @@ from dataclasses import dataclass, field
 from gateway.pure.errorlist import ErrorList
 from gateway.pure.functions.plc import Functions, Settings
 from gateway.pure.functions.processes import Kind, Process, ProcessTable, Program, State
-from gateway.pure.interface.codes import EMERGENCY_STOP, PLC_SILENT, CycleErrors, code_text
+from gateway.pure.interface.codes import EMERGENCY_STOP, PIC_TIMER, PLC_SILENT, CycleErrors, code_text
 from gateway.pure.interface.commands import AxisCommands
 from gateway.pure.interface.coupling import Coupling
 from gateway.pure.interface.drives import DriveOn
 from gateway.pure.interface.errors import RHO3
-from gateway.pure.interface.fastio import MultiFunction
+from gateway.pure.interface.fastio import Channels, FastParts
 from gateway.pure.interface.image import PicImage
 from gateway.pure.interface.numbers import AS_SHIPPED, Numbers
 from gateway.pure.interface.panelview import PanelView
 from gateway.pure.interface.phgvalues import PhgValues
 from gateway.pure.interface.steps import Step, body_maker, fault_of
-from gateway.pure.interface.supervision import PlcWatch
+from gateway.pure.interface.supervision import PicGuard, PlcWatch
 from gateway.pure.interface.whole import Installation, Seen, SignalInterface
 from gateway.pure.jobs import Job
 from gateway.pure.office import Office
@@ -34,6 +34,7 @@ STARTUP = 107  # RC output: run-up finished (rho3 L728-732)
 KEEP_PERMANENT = 61  # RC input (L2620)
 RESET_MODE = "11.1"  # mode of the panel that resets (L3059)
 BOARD_IN, BOARD_OUT = 8, 5
+SETTLES = 200  # cycles after a start in which a late one says nothing about the timer (AX-478)
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,10 +63,11 @@ class Setup:
     of_cycle: bytes = bytes(RC_BYTES)  # RC output bits the cycle writes
     emergency_op: int = 140  # RC input: emergency mode without RC
     chain_assumed: bool = False
-    p36: tuple[int, int] | None = None  # multi-function I/O: inputs, outputs; None: the control has none
+    fast: FastParts = FastParts()  # servo boards, P11, P36
     coupling: Coupling | None = None
     plc_silence: Ns = 0  # time-out of the PLC; 0: not supervised
     plc_grace: bool = True
+    pic_timeout: Ns = 0  # longest time between two cycles of the PIC; 0: not supervised (AX-478)
     sets_override: bool = True
     units: tuple[tuple[str, float], ...] = ()  # of the axes: name, and how many of them a rad or m is
     limits: tuple[tuple[float, float], ...] = ()  # of the axes, in these units
@@ -84,9 +86,8 @@ class RhoControl:
         self.modes, self.user = self.interface.modes, self.interface.user
         self.processes = ProcessTable(self._programs())
         self.functions = Functions(setup.functions, errors, self.processes)
-        self.terminals = 0  # wired inputs of the multi-function I/O, bits 0..3
         occupied = {bit >> 3 for bit in range(8 * RC_BYTES) if get_bit(setup.of_cycle, bit)}
-        self.multi = None if setup.p36 is None else MultiFunction(*setup.p36, occupied=occupied)
+        self.channels = Channels(setup.fast, self.user, occupied)
         self.board_in, self.board_out = bytearray(BOARD_IN), bytearray(BOARD_OUT)
         self.panel_used = False  # somebody works at the panel
         self._commands = AxisCommands(office, setup.sets_override)
@@ -94,6 +95,7 @@ class RhoControl:
         self._drive_on = DriveOn(len(setup.axes), lambda byte: setup.owners.get(byte, 0))
         self._cycle_errors = CycleErrors(self.interface.faults, setup.axes)
         self._watch = PlcWatch(setup.plc_silence, now, setup.plc_grace) if setup.plc_silence else None
+        self._guard = PicGuard(setup.pic_timeout, SETTLES) if setup.pic_timeout else None
         self._jobs: dict[str, Job] = {}  # program -> its move
         self._keep = int.from_bytes(setup.of_cycle, "little") ^ (1 << 8 * RC_BYTES) - 1
         self._last = now
@@ -105,6 +107,7 @@ class RhoControl:
         self.panel_view = PanelView(self)
         self.panel = Panel(self.functions.display, self.functions.phg, self.functions.statuses, self.panel_view, setup.functions.language)
         self.phg = PhgValues(self)
+        self._names = self._all_names()
 
     @property
     def now(self) -> Ns:
@@ -120,6 +123,29 @@ class RhoControl:
     def step(self, inputs: InputImage, cycle: bytes, state: CellState, now: Ns, *, heard: bool = False) -> list[str]:
         """`cycle`: RC outputs as the cycle published them; `heard`: the PLC has transmitted since.  What a person should read."""
         self._now, self.state = now, state
+        if self._guard is None:
+            return self._cycle(inputs, cycle, state, now, heard=heard)
+        told: list[str] = []
+        before = self.halted
+        self._guard.run(self.image, now, lambda _: told.extend(self._cycle(inputs, cycle, state, now, heard=heard)))
+        return self._halt(now, first=not before) if self.halted else told
+
+    @property
+    def halted(self) -> bool:
+        """The PIC's timer has failed: inputs and outputs stay 0 and READY stays open until a restart."""
+        return self._guard is not None and self._guard.stopped
+
+    def _halt(self, now: Ns, *, first: bool) -> list[str]:
+        """Nothing moves and nobody switches on: READY is kept open against every fault reset."""
+        self._office.bar((1 << len(self.setup.axes)) - 1)
+        if self.state.generation and not self.state.emergency:
+            self._office.open_ready()
+        if not first:
+            return []
+        self.interface.faults.came(PIC_TIMER, stands=True, now=now)
+        return [f"{code_text(PIC_TIMER, self.setup.functions.language)} ({PIC_TIMER})"]
+
+    def _cycle(self, inputs: InputImage, cycle: bytes, state: CellState, now: Ns, *, heard: bool) -> list[str]:
         self._look(inputs, cycle, state)
         self._cycle_errors.look(state, now)
         self._supervise(now, heard=heard)
@@ -135,8 +161,7 @@ class RhoControl:
         self._commands.drives(self._drive_on.look(image), self._drive_on.wanted, seen.disabled, now)
         self._office.bar(seen.disabled)
         self._commands.settle(now)
-        if self.multi is not None:
-            self.multi.step(image, self.terminals)
+        self.channels.step(image)
         image.put(STARTUP, bool(state.generation))
         self._overlay(cycle)
         return told
@@ -264,14 +289,16 @@ class RhoControl:
 
     def names(self) -> list[str]:
         """Values beside the signals."""
+        return list(self._names)
+
+    def _all_names(self) -> tuple[str, ...]:
         integers = [f"rho3.integer.{channel}" for channel in range(401, 409)]
         board = [f"rho3.board.input.{n}" for n in range(BOARD_IN)] + [f"rho3.board.output.{n}" for n in range(BOARD_OUT)]
-        terminals = [f"rho3.terminal.{way}.{n}" for way in ("input", "output") for n in range(1, 5)]
-        return integers + (board if self.setup.coupling else []) + (terminals if self.multi else [])
+        return (*integers, *(board if self.setup.coupling else []), *self.channels.names())
 
     def value(self, name: str) -> float:
         """One of them; KeyError."""
-        if name not in self.names():
+        if name not in self._names:
             raise KeyError(name)
         _, kind, *rest = name.split(".")
         number = int(rest[-1])
@@ -279,22 +306,19 @@ class RhoControl:
             return float(self.user.integer(number))
         if kind == "board":
             return float((self.board_in if rest[0] == "input" else self.board_out)[number])
-        carried = self.terminals if rest[0] == "input" or self.multi is None else self.multi.outputs
-        return float(carried >> number - 1 & 1)
+        return self.channels.value(name)
 
     def put(self, name: str, value: float) -> None:
-        """What is wired: inputs of the board and of the multi-function I/O; KeyError for anything else, ValueError out of range."""
-        if name not in self.names() or ".input." not in name:
+        """What is wired: inputs of boards and of the multi-function I/O; KeyError for anything else, ValueError out of range."""
+        if name not in self._names or not (".input." in name or ".fast." in name):
             raise KeyError(name)
-        number = int(name.rpartition(".")[2])
         most = 255 if ".board." in name else 1
         if not 0 <= value <= most:
             raise ValueError(f"{name}: 0..{most}")
         if most == 255:
-            self.board_in[number] = int(value)
+            self.board_in[int(name.rpartition(".")[2])] = int(value)
         else:
-            bit = 1 << number - 1
-            self.terminals = self.terminals | bit if value else self.terminals & ~bit
+            self.channels.wire(name, bool(value))
 
     def status(self) -> dict[str, object]:
         """For tools and pages."""

@@ -1,9 +1,10 @@
-"""High-speed inputs, probes and the multi-function I/O.  Source: rho3 3.7 (L1202-1259, L9114-9130, L11378-11422), AX-508."""
+"""High-speed inputs, probes and the multi-function I/O.  Source: rho3 3.7 (L1202-1259, L9114-9130, L11378-11422), AX-477, AX-508."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from gateway.pure.interface.image import PicImage
+from gateway.pure.interface.user import INPUTS, OUTPUTS, UserPorts
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +37,7 @@ class Configured:
     outputs: int = 0  # rho3.0 only, 0..4
 
 
-class StartUpFault(Exception):
+class StartUpFault(ValueError):
     """The run-up is aborted; the text is the manual's."""
 
 
@@ -71,6 +72,31 @@ class FastInputs:
     def put(self, channel: int, value: bool) -> None:
         """What the hardware reads."""
         self._values[channel] = value
+
+    def wired(self, board: int, terminals: int) -> None:
+        """All high-speed inputs of a board at once, bit 0 the first one."""
+        for input_ in range(self.inputs(board)):
+            self._values[600 + 10 * board + input_ + 1] = bool(terminals >> input_ & 1)
+
+    @property
+    def configured(self) -> bool:
+        """There is a P11."""
+        return bool(self._p11)
+
+    def inputs(self, board: int) -> int:
+        """High-speed inputs P11 gives this board."""
+        return self._p11[board - 1].inputs if board <= len(self._p11) else 0
+
+    def outputs(self, board: int) -> int:
+        """High-speed outputs P11 gives this board."""
+        return self._p11[board - 1].outputs if board <= len(self._p11) else 0
+
+    def shown(self) -> list[str]:
+        """Mode 7.13: a line for each board that has inputs; their order from the first one (the manual's figure is lost, AX-477)."""
+        return [
+            f"{board}: {''.join(str(int(self._values.get(600 + 10 * board + n, False))) for n in range(1, self.inputs(board) + 1))}"
+            for board in self.boards()
+        ]
 
     def read(self, channel: int) -> bool:
         """InputFault: not configured in P11."""
@@ -127,3 +153,77 @@ def _mf_bit(channel: int) -> int:
         if first <= channel < first + 4:
             return channel - first
     raise InputFault(f"inadmissable input: {channel}")
+
+
+@dataclass(frozen=True, slots=True)
+class FastParts:
+    """What a control has beside its user inputs and outputs; all of it may be missing."""
+
+    boards: tuple[str, ...] = ()  # servo boards 1..3, keys of BOARDS
+    p11: tuple[Configured, ...] = ()
+    p36: tuple[int, int] | None = None  # multi-function I/O: inputs, outputs; None: the control has none
+
+
+class Channels:
+    """Binary channels of programs: 1.. the user's, 610..639 what P11 gives, 801..804 the multi-function I/O."""
+
+    def __init__(self, parts: FastParts, user: UserPorts, occupied: Collection[int]) -> None:
+        """StartUpFault, ValueError: the run-up is aborted."""
+        self._user = user
+        self.fast = FastInputs([BOARDS[name] for name in parts.boards], parts.p11)
+        self.multi = None if parts.p36 is None else MultiFunction(*parts.p36, occupied=occupied)
+        self.terminals = 0  # wired inputs of the multi-function I/O, bits 0..3
+
+    def step(self, image: PicImage) -> None:
+        """Once per cycle; the four inputs of rho3.0 are its multi-function inputs (L11382)."""
+        if self.multi is not None:
+            self.multi.step(image, self.terminals)
+            self.fast.wired(1, self.terminals)
+
+    def read(self, channel: int) -> bool:
+        """InputFault: there is none, or P11 does not have it."""
+        if 1 <= channel <= INPUTS:
+            return self._user.read(channel)
+        if self.multi is not None and channel >= 800:
+            self._given("input", channel, self.fast.inputs(1))
+            return self.multi.read(channel)
+        return self.fast.read(channel)
+
+    def _given(self, way: str, channel: int, count: int) -> None:
+        """P11 says how many of the four a program may use; without P11 they are P36's alone."""
+        if self.fast.configured and channel - 800 > count:
+            raise InputFault(f"inadmissable {way}: {channel}")
+
+    def write(self, channel: int, value: bool) -> None:
+        """InputFault: there is no such output."""
+        if 1 <= channel <= OUTPUTS:
+            self._user.write(channel, value)
+        elif self.multi is not None and channel >= 800:
+            self._given("output", channel, self.fast.outputs(1))
+            self.multi.write(channel, value)
+        else:
+            raise InputFault(f"inadmissable output: {channel}")
+
+    def names(self) -> tuple[str, ...]:
+        """Values of tools and routes."""
+        terminals = [f"rho3.terminal.{way}.{n}" for way in ("input", "output") for n in range(1, 5)]
+        return (*(f"rho3.fast.{channel}" for channel in self.fast.channels()), *(terminals if self.multi is not None else []))
+
+    def value(self, name: str) -> float:
+        """One of these names."""
+        _, kind, *rest = name.split(".")
+        number = int(rest[-1])
+        if kind == "fast":
+            return float(self.fast.read(number))
+        carried = self.terminals if rest[0] == "input" or self.multi is None else self.multi.outputs
+        return float(carried >> number - 1 & 1)
+
+    def wire(self, name: str, value: bool) -> None:
+        """What is connected to one of these inputs."""
+        number = int(name.rpartition(".")[2])
+        if self.multi is None or (".fast." in name and number == 610):
+            self.fast.put(number, value)
+            return
+        bit = 1 << (number - 611 if ".fast." in name else number - 1)
+        self.terminals = self.terminals | bit if value else self.terminals & ~bit
+        self.fast.wired(1, self.terminals)

@@ -54,6 +54,9 @@ class PanelView:
     def manual(self) -> Sequence[int]:
         return [number for number, automatic in enumerate(self.automatic(), 1) if not automatic]
 
+    def fast_inputs(self) -> Sequence[str]:
+        return self._control.channels.fast.shown()
+
     def conditions(self) -> Collection[Condition]:
         control = self._control
         bits = control.setup.info_bits

@@ -9,14 +9,14 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from gateway.pure.functions.processes import Body, ProcessFault, Turn
+from gateway.pure.interface.fastio import Channels, InputFault
 from gateway.pure.interface.modes import OperatingModes, Refusal, RuntimeFault
-from gateway.pure.interface.user import UserPorts
 from gateway.pure.jobs import Job
 from gateway.pure.reasons import CommandState, text
 from protocols.base.machine import Ns
 
 CODES = {Refusal.MANUAL: 250, Refusal.SWITCHED: 251, Refusal.NOT_MANUAL: 252}  # ours: the manual prints texts (AX-334)
-NOT_MOVED = 253  # ours: the office refused the move, or it was aborted
+NOT_MOVED, INADMISSABLE = 253, 254  # ours: the office refused the move, or it was aborted; "inadmissable input" (AX-477)
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,8 +26,8 @@ class Step:
     to: Mapping[int, float] = field(default_factory=dict)
     program: int | None = None
     speed: float = 1.0  # 0..1
-    output: int = 0  # user output 1..120, gets `value`
-    input: int = 0  # user input 1..120, is waited for until it has `value`
+    output: int = 0  # binary output 1..120 or 801..804, gets `value`
+    input: int = 0  # binary input 1..120, 610..639 or 801..804, is waited for until it has `value`
     value: bool = True
     wait: Ns = 0
 
@@ -36,7 +36,7 @@ class Hands(Protocol):
     """What a program needs of the cell."""
 
     modes: OperatingModes
-    user: UserPorts
+    channels: Channels
 
     def move(self, program: str, step: Step, now: Ns) -> Job:
         """A PTP move or a program of the planner; `program` asks for it."""
@@ -72,13 +72,20 @@ class Played:
     def _done(self, step: Step, now: Ns) -> bool:
         if step.to or step.program is not None:
             return self._moved(step, now)
-        if step.output:
-            self._hands.user.write(step.output, step.value)
-            return True
-        if step.input:
-            return self._hands.user.read(step.input) is step.value
+        if step.output or step.input:
+            return self._switched(step)
         self._since = now if self._since is None else self._since
         return now - self._since >= step.wait
+
+    def _switched(self, step: Step) -> bool:
+        channels = self._hands.channels
+        try:
+            if step.input:
+                return channels.read(step.input) is step.value
+            channels.write(step.output, step.value)
+        except InputFault as fault:
+            raise ProcessFault(INADMISSABLE, str(fault)) from fault
+        return True
 
     def _moved(self, step: Step, now: Ns) -> bool:
         modes, job = self._hands.modes, self._job

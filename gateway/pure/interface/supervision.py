@@ -45,9 +45,9 @@ class PlcWatch:
 class PicGuard:
     """Runs the PIC's program; a timer error stops it for good: READY opens, all RC inputs and outputs stay 0 until a restart."""
 
-    def __init__(self, longest: Ns) -> None:
-        """`longest`: time between two runs beyond which the timer counts as failed."""
-        self._longest = longest
+    def __init__(self, longest: Ns, settles: int = 0) -> None:
+        """`longest`: time between two runs beyond which the timer counts as failed; `settles`: runs after start-up that may be late."""
+        self._longest, self._settles = longest, settles
         self._last: Ns | None = None
         self.stopped = False
 
@@ -63,8 +63,8 @@ class PicGuard:
 
     def run(self, image: PicImage, now: Ns, program: Callable[[PicImage], None]) -> None:
         """One cycle of the PIC, or none where it is stopped."""
-        late = self._last is not None and now - self._last > self._longest
-        self._last = now
+        late = self._last is not None and now - self._last > self._longest and not self._settles
+        self._last, self._settles = now, max(0, self._settles - 1)
         if self.stopped or late:
             self.timer_error(image)
             return

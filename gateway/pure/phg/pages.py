@@ -40,6 +40,9 @@ class Source(Protocol):
     def manual(self) -> Sequence[int]:
         """Numbers of the kinematics in manual."""
 
+    def fast_inputs(self) -> Sequence[str]:
+        """Servo boards with high-speed inputs: number and the state of each."""
+
     def conditions(self) -> Collection[Condition]:
         """What INFO may tell."""
 
@@ -79,9 +82,8 @@ def page_of(mode: Mode, source: Source, language: str) -> Page:
             return Page(title, (say("phg_automatic" if every else "phg_manual", language),))
         case (7, 1):
             return Page(title, tuple(f"{name:<4}{actual:>12.3f} {unit:<3}"[:COLUMNS] for name, unit, actual in source.positions()))
-        case (7, 2):
-            rows = tuple(f"{code:>4} {words}"[:COLUMNS] for code, words in source.faults())
-            return Page(title, rows or (say("phg_no_error", language),))
+        case (7, 2) | (7, 13):
+            return _listed(title, mode, source, language)
         case (7, 3, 2):
             rows = tuple(f"{each.name:<11} {say(each.state.name, language)}"[:COLUMNS] for each in source.processes.processes)
             return Page(title, rows or (say("phg_no_process", language),))
@@ -94,6 +96,14 @@ def page_of(mode: Mode, source: Source, language: str) -> Page:
             return _stop(title, source, language)
     below = tuple(f"{each[-1]} {name}" for each, name in MODES.items() if each[:-1] == mode)
     return Page(title, below or (say("phg_not_here", language),))
+
+
+def _listed(title: str, mode: Mode, source: Source, language: str) -> Page:
+    """Errors, or boards with their high-speed inputs."""
+    if mode == (7, 13):
+        return Page(title, tuple(source.fast_inputs()) or (say("phg_no_board", language),))
+    rows = tuple(f"{code:>4} {words}"[:COLUMNS] for code, words in source.faults())
+    return Page(title, rows or (say("phg_no_error", language),))
 
 
 def _start(title: str, source: Source, language: str) -> Page:

@@ -29,6 +29,7 @@ class Control:
     errors: list[tuple[int, str]] = field(default_factory=list)
     auto: list[bool] = field(default_factory=lambda: [True, True])
     holding: set[Condition] = field(default_factory=set)
+    boards: list[str] = field(default_factory=list)
 
     def set_factor(self, which: str, value: float, kinematic: int = 0) -> None:
         self.factors = replace(self.factors, **{which: value})
@@ -44,6 +45,9 @@ class Control:
 
     def manual(self) -> Sequence[int]:
         return [number for number, auto in enumerate(self.auto, 1) if not auto]
+
+    def fast_inputs(self) -> Sequence[str]:
+        return self.boards
 
     def conditions(self) -> Collection[Condition]:
         return self.holding
