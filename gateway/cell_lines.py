@@ -123,7 +123,7 @@ class Db:
 
     number: int
     words: int
-    writer: str  # plc | axisgate
+    writer: str  # plc | axisgate | name of a Modbus server (FC 21, AX-479)
     kind: str = "D"  # D X E A M T Z
     line: str = ""
     every_ms: int = 0  # our own SEND or FETCH; 0: the partner's business

@@ -27,6 +27,7 @@ class ModbusWriter:
     from_: str  # an address or a network
     coils: tuple[str, ...] = ()
     holding: tuple[str, ...] = ()
+    files: tuple[str, ...] = ()  # data blocks, FC 21
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +39,7 @@ class ModbusRole:
     write: bool = False
     coils: tuple[str, ...] | None = None  # None: all
     holding: tuple[str, ...] | None = None
+    files: tuple[str, ...] | None = None  # None: all where coils and holding are left out too, else none
 
 
 @dataclass(frozen=True, slots=True)

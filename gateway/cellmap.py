@@ -44,17 +44,17 @@ def modbus_sheets(cell: Cell) -> list[Sheet]:
         for unit, view in ((door.unit, door.view), *((each.unit, each.view) for each in door.units)):
             rows = tuple(_server_rows(cell, door, view))
             title = f"Modbus server {door.name}, unit {unit}, {where}"
-            sheets.append(Sheet(title, MODBUS_COLUMNS, rows, _note(door, view)))
+            sheets.append(Sheet(title, MODBUS_COLUMNS, rows, _note(cell, door, view)))
     return sheets
 
 
-def _note(door: Modbus, view: str) -> str:
+def _note(cell: Cell, door: Modbus, view: str) -> str:
     writers = ", ".join((*door.allow, *(writer.from_ for writer in door.writers)))
     roles = ", ".join(role.role for role in door.roles if role.write)
     who = f"written from {writers} only" if writers else f"written by {roles} only" if roles else "written by whoever reaches it"
-    also = (
-        f"; FC 7: RC outputs 64..71; FC 20: file N is DB N; FC 24 at {ERRORS_AT}: numbers of the standing errors" if view == "rho3" else ""
-    )
+    files = ", ".join(str(block.number) for block in cell.db if block.writer == door.name)
+    also = f"; FC 7: RC outputs 64..71; FC 20: file N is DB N; {f'FC 21: files {files}; ' if files else ''}"
+    also = f"{also}FC 24 at {ERRORS_AT}: numbers of the standing errors" if view == "rho3" else ""
     return f"REAL and other wide values {door.float}; {who}{also}"
 
 

@@ -105,7 +105,7 @@ class Entry(Table):
 class Db(Table):
     number: int = Field(ge=0, le=255)
     words: int = Field(ge=1, le=256, json_schema_extra=unit("words"))
-    writer: Literal["plc", "axisgate"]
+    writer: Name
     kind: AreaLetter = "D"
     line: str = ""
     every_ms: int = Field(default=0, ge=0, le=3_600_000, json_schema_extra=unit("ms"))

@@ -28,6 +28,7 @@ class ModbusWriter(Table):
     from_: str = Field(alias="from")
     coils: Spans = []
     holding: Spans = []
+    files: Spans = []
 
 
 class ModbusRole(Table):
@@ -36,6 +37,7 @@ class ModbusRole(Table):
     write: bool = False
     coils: Spans | None = None
     holding: Spans | None = None
+    files: Spans | None = None
 
 
 class ModbusTls(Table):

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from gateway.modbusclients import ModbusClients
     from gateway.modbuspictures import ReisView, Val3View
     from gateway.processes.services import Services
+    from gateway.pure.datadoor import DataBlock, DataDoor
 
 WRITES = (5, 6, 15, 16, 21, 22, 23)
 Bind = tuple[str, int] | str  # host and port, or the url of a serial port
@@ -45,6 +46,8 @@ class CellSide:
     flush: Callable[[], None]
     value: Callable[[str], float]
     block: Callable[[int], bytes | None]
+    files: "Callable[[int], DataBlock | None]"  # data blocks this door writes, once all doors are made
+    written_files: Collection[int]  # and their numbers (AX-479)
     errors: Callable[[], Sequence[int]]
     recorded: ServicesTap
     axes: Sequence[str]
@@ -56,11 +59,7 @@ def side_of(services: "Services", door: "ModbusDoor", owned: Collection[int]) ->
     """The services as a door sees them."""
 
     def block(number: int) -> bytes | None:
-        for other in services.doors:
-            data = getattr(other, "data", None)
-            if data is not None and number in data.blocks:
-                return bytes(data.fill(number))
-        return None
+        return next((bytes(data.fill(number)) for data in _data(services) if number in data.blocks), None)
 
     return CellSide(
         services.inputs,
@@ -68,12 +67,19 @@ def side_of(services: "Services", door: "ModbusDoor", owned: Collection[int]) ->
         services.flush,
         lambda name: services.variables.value_of(name, door),
         block,
+        lambda number: next((data.blocks[number] for data in _data(services) if number in data.blocks), None),
+        tuple(block.number for block in services.cell.db if block.writer == door.name),
         lambda: [code for code, _ in services.values.errors],
         services.recorded,
         [axis.name for axis in services.cell.axis],
         services.cell.controller,
         pathlib.Path(services.cell.file).resolve().parent,
     )
+
+
+def _data(services: "Services") -> "list[DataDoor]":
+    """Of all lines."""
+    return [data for door in services.doors if (data := getattr(door, "data", None)) is not None]
 
 
 def modbus_clients(services: "Services") -> "ModbusClients | None":
@@ -97,6 +103,7 @@ class ModbusDoor(BaseDoor):
     server: ModbusServer | ModbusLine
     pictures: "tuple[ReisView | Val3View, ...]" = ()  # units that show another control's
     _writer = ""  # host:port of the client that wrote last
+    _mine: "Callable[[], list[DataBlock]]" = list  # data blocks this server's clients write
 
     def listen(self, settings: Modbus, bind: Bind, side: CellSide) -> None:
         """Make views and server; not started yet."""
@@ -120,7 +127,16 @@ class ModbusDoor(BaseDoor):
         extras = placed(settings, side.axes)
         registers = Registers(extras, side.value, settings.float) if extras else None
         taken = command if settings.command_block else None
-        self.view = RhoView(inputs, side.owned, written, taken, registers, side.block, side.errors)
+        self._mine = lambda: [block for number in side.written_files if (block := side.files(number)) is not None]
+
+        def file_written(number: int, word: int, data: bytes) -> None:
+            block = side.files(number)
+            if block is not None:
+                block.data[2 * word : 2 * word + len(data)] = data
+                block.fresh = True
+            flush()
+
+        self.view = RhoView(inputs, side.owned, written, taken, registers, side.block, side.errors, side.written_files, file_written)
         self.view.command_words = self.block.words
         bare = RegistersView(Registers(extras, side.value, settings.float))
         shown: dict[str, View] = {"rho3": self.view, "registers": bare}
@@ -133,6 +149,12 @@ class ModbusDoor(BaseDoor):
         views = {unit.unit: shown[unit.view] for unit in settings.units}
         views[settings.unit] = shown[settings.view]
         self.server = self._line(settings, bind, views) if isinstance(bind, str) else self._tcp(settings, bind, views, side.folder)
+
+    def restart(self) -> None:
+        """What was written before is old."""
+        super().restart()
+        for block in self._mine():
+            block.fresh = False
 
     def show(self, outputs: bytes | None) -> None:
         """What the next requests read; None: RC outputs have not been published yet."""
@@ -204,7 +226,10 @@ class WriterRights:
 
     def __init__(self, settings: Modbus) -> None:
         self._writers = [
-            (ipaddress.ip_network(writer.from_, strict=False), Rights(coils=spans(writer.coils), holding=spans(writer.holding)))
+            (
+                ipaddress.ip_network(writer.from_, strict=False),
+                Rights(coils=spans(writer.coils), holding=spans(writer.holding), files=spans(writer.files)),
+            )
             for writer in settings.writers
         ]
 
@@ -220,7 +245,7 @@ def role_rights(role: ModbusRole) -> Rights:
     """What [[modbus.roles]] says; a table left out means all of it."""
     coils = None if role.coils is None else spans(role.coils)
     holding = None if role.holding is None else spans(role.holding)
-    return Rights(role.read, role.write, coils, holding)
+    return Rights(role.read, role.write, coils, holding, None if role.files is None else spans(role.files))
 
 
 def spans(texts: Sequence[str]) -> tuple[Span, ...]:

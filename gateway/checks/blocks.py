@@ -145,6 +145,9 @@ def writers(check: Context) -> None:
     """`to` only in blocks the PLC writes, `from` only in ours; a thing has one writer."""
     written: dict[str, str] = {}
     for block in check.cell.db:
+        if block.writer not in ("plc", "axisgate"):
+            _of_modbus(check, block)
+            continue
         for entry in block.entries:
             key = _key(block, entry)
             if (entry.to is None) == (entry.from_ is None):
@@ -158,6 +161,23 @@ def writers(check: Context) -> None:
                 if entry.to in written:
                     check.fault(key, entry.to, f"{written[entry.to]} writes it already")
                 written.setdefault(entry.to, key)
+
+
+def _of_modbus(check: Context, block: Db) -> None:
+    """AX-479: the clients of a Modbus server write it by FC 21; routes read it, the line fetches it."""
+    key = f"db.{block.number}"
+    server = next((door for door in check.cell.modbus if door.name == block.writer and door.role == "server"), None)
+    if server is None:
+        there = ", ".join(door.name for door in check.cell.modbus if door.role == "server")
+        check.fault(
+            f"{key}.writer", block.writer, f'no such writer: "plc", "axisgate" or a Modbus server ({there or "this cell has none"})'
+        )
+    elif "rho3" not in (server.view, *(unit.view for unit in server.units)):
+        check.fault(f"{key}.writer", block.writer, 'this server has no files: they belong to the view "rho3"')
+    if block.kind != "D":
+        check.fault(f"{key}.kind", block.kind, "file N is data block N: only kind D is one")
+    if block.entries:
+        check.fault(key, block.entries[0].signal, "a block that Modbus clients write has no entries: a [[route]] reads its words")
 
 
 def names(check: Context) -> None:

@@ -73,7 +73,7 @@ def _source(check: Context, key: str, text: str, place: Place) -> None:
     match place.world:
         case World.BLOCK:
             block = _block(check.cell, place)
-            if block is not None and block.writer != "plc":
+            if block is not None and block.writer == "axisgate":
                 check.fault(key, text, f"DB {place.db} is written by axisgate itself: name the value its entry has, not the place")
             _inside(check, key, text, place, block)
         case World.CONTACT:
@@ -139,7 +139,8 @@ def _inside(check: Context, key: str, text: str, place: Place, block: Db | None)
 def _free(check: Context, key: str, text: str, place: Place, block: Db) -> None:
     """A target in a block: ours, and no entry there."""
     if block.writer != "axisgate":
-        check.fault(key, text, f'two writers in one word: DB {block.number} is written by the PLC (writer = "{block.writer}")')
+        who = "the PLC" if block.writer == "plc" else "a Modbus client"
+        check.fault(key, text, f'two writers in one word: DB {block.number} is written by {who} (writer = "{block.writer}")')
     for entry in block.entries:
         address = entry_place(block, entry)
         if address is not None and place.span.meets(Span(place.span.world, *_bits(address))):

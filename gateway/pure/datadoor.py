@@ -168,7 +168,7 @@ class DataDoor:
         if self._pattern is not None:
             self._pattern.restart()
         for block in self.blocks.values():
-            block.fresh = False
+            block.fresh = block.fresh and not block.from_plc  # what a Modbus client writes is its door's business
 
     def written(self, db: int, word: int, data: bytes, now: Ns) -> None:
         """One SEND, already known to fit: take it whole, then act on its edges."""

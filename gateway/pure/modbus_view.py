@@ -1,6 +1,6 @@
 """The rho3 view of a Modbus unit (AX-012): coil N = RC input bit N, discrete input N = RC output bit N, holding 0-63 RC inputs,
 input registers 0-63 RC outputs, holding 1000.. command block, input 1000.. status block.  Protocol addresses, base 0.  Beside it:
-exception status (FC 7) = RC outputs 64..71, files (FC 20) = the data blocks, file N is DB N, queue at 2000 (FC 24) = numbers of the
+exception status (FC 7) = RC outputs 64..71, files (FC 20, 21) = the data blocks, file N is DB N, queue at 2000 (FC 24) = numbers of the
 standing errors, first one first (AX-342); registers of the cell file (AX-347); holding 3000.. flags or markers where the cell has a
 control, word r = bytes 2r (high), 2r+1 (AX-339).
 
@@ -47,15 +47,19 @@ class RhoView:
         registers: Registers | None = None,
         block: Callable[[int], bytes | None] = lambda number: None,
         errors: Callable[[], Sequence[int]] = tuple,
+        files: Collection[int] = (),
+        write_block: Callable[[int, int, bytes], None] = lambda number, word, data: None,
     ) -> None:
         """`owned`: RC input bytes this door may write; `written` is told which it wrote; `command` takes command words (first, values);
-        `block` gives a data block as it stands (None: there is none), `errors` the numbers of the standing errors."""
+        `block` gives a data block as it stands (None: there is none), `errors` the numbers of the standing errors;
+        `files`: data blocks this door writes, by `write_block` (number, word, bytes)."""
         self.outputs: bytes = bytes(RC_BYTES)  # RC outputs; replaced whole at every tick
         self.status: Sequence[int] = [0] * STATUS_WORDS
         self.command_words: Sequence[int] = [0] * COMMAND_WORDS
         self.flags: Flags | None = None  # of the control, where there is one
         self._inputs, self._owned, self._written, self._command = inputs, frozenset(owned), written, command
         self._registers, self._block, self._errors = registers, block, errors
+        self._files, self._write_block = frozenset(files), write_block
 
     def read_bits(self, kind: Kind, address: int, count: int) -> Sequence[bool] | ExceptionCode:
         """Coils: RC inputs; discrete inputs: RC outputs."""
@@ -123,9 +127,15 @@ class RhoView:
             return MISSING
         return [data[2 * r] << 8 | data[2 * r + 1] for r in range(record, record + count)]
 
+    def refuses_record(self, file: int, record: int, count: int) -> ExceptionCode | None:
+        """A block has one writer: this door where the cell says so, else the partner on its line or axisgate (AX-479)."""
+        found = self.read_record(file, record, count) if file in self._files else MISSING
+        return found if isinstance(found, ExceptionCode) else None
+
     def write_record(self, file: int, record: int, values: Sequence[int]) -> ExceptionCode | None:
-        """A block has one writer, the partner on its line: never this door."""
-        return MISSING
+        """Words of such a block."""
+        self._write_block(file, record, b"".join(value.to_bytes(2, "big") for value in values))
+        return None
 
     def read_queue(self, address: int) -> Sequence[int] | ExceptionCode:
         """Standing errors; reading takes none away."""

@@ -12,17 +12,18 @@ FILE_WRITE = 21
 
 @dataclass(frozen=True, slots=True)
 class Rights:
-    """None for a table: all of it may be written.  A partner whose writing is limited to addresses writes no files."""
+    """None for a table: all of it may be written.  A partner whose writing is limited to addresses writes no files but those named."""
 
     read: bool = True
     write: bool = True
     coils: tuple[Span, ...] | None = None
     holding: tuple[Span, ...] | None = None
+    files: tuple[Span, ...] | None = None  # None: all where coils and holding are None too, else none
 
     @property
     def limited(self) -> bool:
         """Whether `refusal` has to be asked at all."""
-        return not self.read or (self.write and not (self.coils is None and self.holding is None))
+        return not self.read or (self.write and not (self.coils is None and self.holding is None and self.files is None))
 
     def refusal(self, pdu: bytes) -> ExceptionCode | None:
         """01 where nothing may be read, 02 for a write to addresses that are not this partner's."""
@@ -36,8 +37,16 @@ class Rights:
             at = 5 if function == 23 else 1
             count = _word(pdu, at + 2) if function in (16, 23) else 1
             return _outside(self.holding, _word(pdu, at), count)
-        if function == FILE_WRITE and not (self.coils is None and self.holding is None):
-            return ExceptionCode.ILLEGAL_DATA_ADDRESS
+        return self._files(pdu) if function == FILE_WRITE else None
+
+    def _files(self, pdu: bytes) -> ExceptionCode | None:
+        """Every file of the request must be this partner's."""
+        spans = () if self.files is None and not (self.coils is None and self.holding is None) else self.files
+        at = 2
+        while at < len(pdu):
+            if _outside(spans, _word(pdu, at + 1), 1) is not None:
+                return ExceptionCode.ILLEGAL_DATA_ADDRESS
+            at += 7 + 2 * _word(pdu, at + 5)
         return None
 
 

@@ -56,16 +56,16 @@ def _read_files(pdu: bytes, view: HasFiles) -> bytes | ExceptionCode:
 
 
 def _write_files(pdu: bytes, view: HasFiles) -> bytes | ExceptionCode:
-    """What cannot be read cannot be written: all records are looked up first, so that a refused request writes nothing."""
+    """All records are asked for first, so that a refused request writes nothing."""
     at, groups = 2, []
     while at < len(pdu):
         _, file, record, count = struct.unpack_from(">BHHH", pdu, at)
         groups.append((file, record, struct.unpack_from(f">{count}H", pdu, at + 7)))
         at += 7 + 2 * count
     for file, record, values in groups:
-        there = view.read_record(file, record, len(values))
-        if isinstance(there, ExceptionCode):
-            return there
+        why = view.refuses_record(file, record, len(values))
+        if why is not None:
+            return why
     for file, record, values in groups:
         why = view.write_record(file, record, values)
         if why is not None:

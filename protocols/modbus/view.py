@@ -60,6 +60,7 @@ class HasFiles(Protocol):
     """FC 20 and 21; record numbers and counts are checked before, file numbers are 1..65535."""
 
     def read_record(self, file: int, record: int, count: int) -> Sequence[int] | ExceptionCode: ...
+    def refuses_record(self, file: int, record: int, count: int) -> ExceptionCode | None: ...  # None: it may be written
     def write_record(self, file: int, record: int, values: Sequence[int]) -> ExceptionCode | None: ...
 
 

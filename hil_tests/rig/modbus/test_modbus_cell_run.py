@@ -11,11 +11,13 @@ from typing import Any
 
 import pytest
 from pymodbus.client import ModbusTcpClient
+from pymodbus.pdu.file_message import FileRecord
 
 from drivers.ports.base import runtime_dir
 from gateway import cell_modbus
 from gateway.toolclient import ToolClient
 from hil_tests.lab.cell_running import CellRun, free_port, running_cell
+from hil_tests.lab.modbus_running import RawClient
 from hil_tests.rig.modbus.test_modbus_rtu import pymodbus_server
 
 pytestmark = pytest.mark.mbpoll
@@ -52,6 +54,17 @@ at = 9
 type = "UINT16"
 from = "tank.level"
 every_ms = 200
+[[db]]
+number = 40
+words = 4
+writer = "plc2"
+line = "plc1"
+[[route]]
+name = "recipe"
+from = "DB40.DW 2"
+type = "u16"
+to = "AW 40"
+valid = "A 42.0"
 """
 
 
@@ -131,6 +144,22 @@ def test_registers_of_the_cell_hold_the_axes_places(run: CellRun) -> None:
     identity = client.read_device_information(read_code=3).information
     assert identity[0] == b"axisgate" and identity[6] == b"plc2"
     client.close()
+
+
+def test_a_file_of_this_server_is_written_read_back_and_joined_and_no_other(run: CellRun) -> None:
+    """AX-479: FC 21 by pymodbus and by hand; DB 40 is the Modbus PLC's, DB 11 is ours, DB 10 is the PLC's on the line."""
+    judge: Any = ModbusTcpClient("127.0.0.1", port=run.port, timeout=10)
+    assert judge.connect() and not judge.write_file_record([FileRecord(40, 1, b"\x12\x34\x00\x4d")]).isError()
+    judge.close()
+    with RawClient(run.port) as plc:
+        whole = "14 0A 09 06 00 00 12 34 00 4D 00 00"
+        assert plc.ask("14 07 06 0028 0000 0004") == whole
+        until(lambda: plc.ask("03 0014 0002") == "03 04 00 4D 01 00", "the route has word 2, and its valid bit")
+        for file, first in ((10, 0), (11, 0), (41, 0), (40, 3), (40, 4)):
+            assert plc.ask(f"15 0B 06 {file:04x} {first:04x} 0002 ffff ffff") == "95 02", (file, first)
+        assert plc.ask("15 12 06 0028 0000 0001 ffff 06 000A 0000 0001 ffff") == "95 02"
+        assert plc.ask("14 07 06 0028 0000 0004") == whole, "what is refused writes nothing"
+    until(lambda: "'value': 0" in value(run, "A 42.0"), "silent: what it wrote is old")
 
 
 def test_a_judge_on_the_simulated_line_reads_the_cell_over_rtu(run: CellRun) -> None:

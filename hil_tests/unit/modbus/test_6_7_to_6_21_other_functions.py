@@ -32,6 +32,10 @@ class WholeView(MemoryView):
         table = self.files.get(file, [])
         return table[record : record + count] if record + count <= len(table) else ADDRESS
 
+    def refuses_record(self, file: int, record: int, count: int) -> ExceptionCode | None:
+        found = self.read_record(file, record, count)
+        return found if isinstance(found, ExceptionCode) else None
+
     def write_record(self, file: int, record: int, values: Sequence[int]) -> ExceptionCode | None:
         self.files[file][record : record + len(values)] = values
         return None
@@ -315,6 +319,10 @@ def test_writing_may_be_limited_to_addresses() -> None:
               "17 0005 0001 0004 0001 02 0000", "15 09 06 0003 0000 0001 1234"]  # fmt: skip
     assert {rights.refusal(bytes.fromhex(pdu)) for pdu in allowed} == {None}
     assert {rights.refusal(bytes.fromhex(pdu)) for pdu in denied} == {ADDRESS}
+    files = Rights(coils=(), files=((3, 4),))
+    for pdu, why in (("15 09 06 0003 0000 0001 1234", None), ("15 12 06 0004 0000 0001 1111 06 0005 0000 0001 2222", ADDRESS)):
+        assert files.refusal(bytes.fromhex(pdu)) is why
+    assert Rights(files=()).refusal(bytes.fromhex("15 09 06 0003 0000 0001 1234")) is ADDRESS and Rights(files=()).limited
     assert rights.limited and not Rights().limited and not Rights(write=False).limited
 
 

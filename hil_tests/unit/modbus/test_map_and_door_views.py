@@ -163,6 +163,49 @@ def test_status_files_and_queue_of_the_rho3_view() -> None:
     assert len(answer(bytes.fromhex("18 07D0"), view)) == 5 + 2 * 31
 
 
+def test_files_of_this_door_are_written_whole_or_not_at_all() -> None:
+    """AX-479, V1.1b3, 6.15."""
+    blocks = {10: bytearray(8), 11: bytearray(8)}
+
+    def block(number: int) -> bytes | None:
+        return bytes(blocks[number]) if number in blocks else None
+
+    def write(number: int, word: int, data: bytes) -> None:
+        blocks[number][2 * word : 2 * word + len(data)] = data
+
+    view = RhoView(InputImage(), (), lambda octets: None, None, None, block, tuple, (10, 12), write)
+    both = bytes.fromhex("15 0B 06 000A 0002 0002 1234 5678")
+    assert answer(both, view) == both and answer(bytes.fromhex("14 07 06 000A 0001 0003"), view).hex() == "14080706000012345678"
+    before = {number: bytes(data) for number, data in blocks.items()}
+    for second in ("06 000B 0000 0001 FFFF", "06 000A 0003 0002 FFFF FFFF", "06 000C 0000 0001 FFFF", "06 0063 0000 0001 FFFF"):
+        groups = bytes.fromhex("06 000A 0000 0001 FFFF" + second)
+        assert answer(bytes((21, len(groups))) + groups, view) == b"\x95\x02", second
+        assert blocks == before, "a refused request writes nothing"
+    assert answer(both, view, may_write=False) == b"\x95\x01"
+    assert answer(both[:-1], view) == b"\x95\x03" and blocks == before
+
+
+@pytest.mark.parametrize(
+    ("more", "word"),
+    [
+        ('writer = "second"', ""),
+        ('writer = "secand"', "a Modbus server (plc2, second)"),
+        ('writer = "second"\nentries = [ { at = "DW 0", type = "KF", from = "cell.override" } ]', "has no entries"),
+    ],
+)
+def test_check_knows_who_may_write_a_block(more: str, word: str) -> None:
+    text = f"{REGISTERS}\n[[db]]\nnumber = 40\nwords = 8\n{more}\n"
+    faults: tuple[str, ...] = ()
+    try:
+        cell = demo(text)
+    except CellFaults as refused:
+        faults = tuple(str(fault) for fault in refused.faults)
+    else:
+        sheet = next(sheet for sheet in modbus_sheets(cell) if "second" in sheet.title)
+        assert "FC 21: files 40;" in sheet.note
+    assert len(faults) == bool(word) and all(word in fault for fault in faults), faults
+
+
 # --------------------------------------------------------------------------------------------------------------- checks
 
 CLIENT = """
