@@ -11,7 +11,7 @@ from drivers.ports.adapterurl import is_adapter
 from drivers.ports.base import PortError, runtime_dir
 from gateway.cell import Bus, Cell
 from gateway.cell_web import Web
-from gateway.families import DRIVE_PROTOCOLS
+from gateway.families import DRIVE_PROTOCOLS, listening
 from gateway.image import create_region, create_ring
 from gateway.io_regions import chips, joined_regions, make_joined, simulated_couplers
 from gateway.programplan import ProgramPlan, plan_programs
@@ -82,6 +82,11 @@ class RunPlan:
     taps: Mapping[str, tuple[str, str]] = field(default_factory=dict)  # of a shadow: line -> ports that hear the PLC and the old control
 
     @property
+    def listening(self) -> tuple[str, ...]:
+        """Buses nothing is sent on."""
+        return listening(self.cell, simulated=self.simulated)
+
+    @property
     def journal(self) -> pathlib.Path:
         return self.folder / "journal.jsonl"
 
@@ -133,7 +138,9 @@ def plan_run(
             if simulated:
                 raise PortError(f"{url}: the emulated drives of --sim need a bus others can be on too: broker:NAME or socketcan:INTERFACE")
             local = f"broker:{slug}-{drive_bus.name}"
-            sims += adapter_children(drive_bus, local, url, p5_ms or cell.cycle_ms, record)
+            sims += adapter_children(
+                drive_bus, local, url, p5_ms or cell.cycle_ms, record, listens=drive_bus.name in listening(cell, simulated=False)
+            )
             url = local
         buses[drive_bus.name] = url
     lines: dict[str, str] = {}
@@ -197,10 +204,11 @@ def local_bus(bus: Bus, url: str, record: pathlib.Path | None) -> Child:
     return Child(f"broker-{bus.name}", "gateway.processes.broker", ("--name", url.partition(":")[2], *log), announces=True)
 
 
-def adapter_children(bus: Bus, local: str, url: str, p5_ms: int, record: pathlib.Path | None) -> tuple[Child, Child]:
+def adapter_children(bus: Bus, local: str, url: str, p5_ms: int, record: pathlib.Path | None, *, listens: bool) -> tuple[Child, Child]:
     """An adapter of python-can hangs on a local bus, because the cycle never waits for a library (AX-435)."""
     arguments = ("--bus", local, "--port", url, "--bitrate", str(bus.bits_per_s), "--fresh-ms", str(2 * p5_ms))
-    return local_bus(bus, local, record), Child(f"adapter-{bus.name}", "gateway.processes.adapter", arguments, announces=True)
+    mute = ("--listen-only",) if listens else ()
+    return local_bus(bus, local, record), Child(f"adapter-{bus.name}", "gateway.processes.adapter", (*arguments, *mute), announces=True)
 
 
 def page_of(cell: Cell, port: int | None, *, simulated: bool) -> Web | None:

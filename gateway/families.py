@@ -3,12 +3,24 @@
 from drivers.drives.family import BusFamily
 from gateway.cell import Bus, Cell
 
+LISTENS = "listens only: no layout_evidence, and the SERVODYN layout is axisgate's own (AX-001); nothing is sent"
 DRIVE_PROTOCOLS = ("servodyn", "canopen", "rho3-io")  # buses the cycle owns
 MISSED = 3  # heartbeats of the gateway that may stay away (AX-303)
 
 
-def make_family(cell: Cell, bus: Bus, p5_ms: int) -> BusFamily:
+def listening(cell: Cell, *, simulated: bool) -> tuple[str, ...]:
+    """Buses that are only listened to: real ones with SERVODYN drives and no evidence for their layout (design 5; AX-436)."""
+    if simulated or cell.cell.target == "simulation":
+        return ()
+    return tuple(bus.name for bus in cell.bus if bus.protocol == "servodyn" and not bus.simulated and not bus.layout_evidence)
+
+
+def make_family(cell: Cell, bus: Bus, p5_ms: int, *, simulated: bool = False) -> BusFamily:
     """The family of one drive bus with the axes of the cell on it."""
+    if bus.name in listening(cell, simulated=simulated):
+        from drivers.drives.listening import ListeningFamily
+
+        return ListeningFamily()
     on_it = [(n, axis) for n, axis in enumerate(cell.axis) if axis.drive.bus == bus.name]
     if bus.protocol == "canopen":
         from drivers.drives.cia402_family import Cia402Family

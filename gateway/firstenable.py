@@ -12,6 +12,7 @@ from collections.abc import Callable
 from gateway import zeros
 from gateway.cell import Cell
 from gateway.clock import wall
+from gateway.families import listening
 from gateway.files import ConfigNotFound, beside
 
 TEXT = (
@@ -75,7 +76,7 @@ def unconfirmed(cell: Cell) -> list[str]:
 
 def needed(cell: Cell, *, simulated: bool) -> list[str]:
     """Axes that want a confirmation before this cell may be run on its real buses."""
-    real = {bus.name for bus in cell.bus if not bus.simulated}
+    real = {bus.name for bus in cell.bus if not bus.simulated} - set(listening(cell, simulated=simulated))  # nothing is enabled on those
     if simulated or cell.cell.target == "simulation":
         return []
     return [axis for axis in unconfirmed(cell) if cell.axis_named(axis).drive.bus in real]

@@ -9,6 +9,7 @@ from drivers.ports.base import PortError
 from gateway.assembly import RunPlan, plan_run
 from gateway.cell import Cell
 from gateway.commands.common import BANNER, DONE, ENVIRONMENT, USAGE, load
+from gateway.families import LISTENS
 from gateway.firstenable import TEXT, confirm, needed
 from gateway.processes.supervisor import Supervisor
 from gateway.realtime import die_with_parent
@@ -48,7 +49,7 @@ def main(argv: list[str]) -> int:
         return cell
     if arguments.shadow:
         return _listening(arguments, cell)
-    refusal = why_not(cell, simulated=arguments.sim, p5=arguments.p5)
+    refusal = why_not(cell, p5=arguments.p5)
     if refusal:
         print(f"axisgate run: {refusal}", file=sys.stderr)
         return USAGE if refusal.startswith("--p5") else ENVIRONMENT
@@ -76,6 +77,8 @@ def main(argv: list[str]) -> int:
             print(json.dumps(describe(plan), indent=1))
             return DONE
         print(BANNER)
+        for name in plan.listening:
+            print(f"bus {name} {LISTENS}; next: axisgate bus log {plan.buses[name]} -o living.log, then axisgate bus infer")
         if plan.web is not None:
             print(f"page: {'https' if plan.web.tls_certificate else 'http'}://{plan.web.bind}/")
         return Supervisor(plan).run()
@@ -85,7 +88,7 @@ def main(argv: list[str]) -> int:
 
 
 def _listening(arguments: argparse.Namespace, cell: Cell) -> int:
-    if words := why_not(cell, simulated=True, p5=arguments.p5):
+    if words := why_not(cell, p5=arguments.p5):
         print(f"axisgate run: {words}", file=sys.stderr)
         return USAGE if words.startswith("--p5") else ENVIRONMENT
     try:
@@ -95,7 +98,7 @@ def _listening(arguments: argparse.Namespace, cell: Cell) -> int:
         return ENVIRONMENT
 
 
-def why_not(cell: Cell, *, simulated: bool, p5: int | None) -> str:
+def why_not(cell: Cell, *, p5: int | None) -> str:
     """Empty, or why this cell cannot be played here."""
     if p5 is not None and not 2 <= p5 <= 32:
         return f"--p5 {p5}: the clock is 2..32 ms (drives on CAN, rho3 P5)"
@@ -104,12 +107,6 @@ def why_not(cell: Cell, *, simulated: bool, p5: int | None) -> str:
         return "this version cannot play: " + "; ".join(missing)
     if not cell.axis:
         return "the cell has no [[axis]]: nothing to run"
-    if simulated or cell.cell.target == "simulation":
-        return ""
-    blind = [bus.name for bus in cell.bus if bus.protocol == "servodyn" and not bus.simulated and not bus.layout_evidence]
-    if blind:
-        why = "the SERVODYN layout is axisgate's own; drives are not enabled on a real bus without layout_evidence"
-        return f"bus {', '.join(blind)}: {why}"
     return ""
 
 
@@ -119,6 +116,7 @@ def describe(plan: RunPlan) -> dict[str, object]:
         "name": plan.slug,
         "p5_ms": plan.p5_ms,
         "buses": dict(plan.buses),
+        "listening": list(plan.listening),
         "lines": dict(plan.lines),
         "web": plan.web.bind if plan.web else None,
         "modbus": {name: plan.modbus_place(name) for name in plan.modbus},

@@ -16,6 +16,7 @@ from collections import deque
 from collections.abc import Sequence
 
 from drivers.drives.family import Actual, BusFamily, SetRecord
+from drivers.drives.listening import ListeningFamily
 from drivers.ports.base import CanPort, PortError
 from drivers.ports.can import open_can
 from gateway.assembly import RunPlan, load_plan
@@ -182,8 +183,12 @@ class Cycle:
             finish_without_services=cell.cell.on_services_loss == "finish_move",
             belts=belts_of(cell, plan.p5_ms) if cell.belt else None,
         )
-        self.buses = [BusLink(plan.buses[bus.name], make_family(cell, bus, plan.p5_ms), n) for n, bus in enumerate(drive_buses)]
+        self.buses = [
+            BusLink(plan.buses[bus.name], make_family(cell, bus, plan.p5_ms, simulated=plan.simulated), n)
+            for n, bus in enumerate(drive_buses)
+        ]
         self._driving = [bus for bus in self.buses if not (isinstance(bus.family, RhoFamily) and bus.family.drives is None)]
+        self._driving = [bus for bus in self._driving if not isinstance(bus.family, ListeningFamily)]
         self._pack_state = cell_state_packer(len(axes))
         for bus, link in zip(drive_buses, self.buses, strict=True):
             link.encoders = encoders_of(cell, bus.name, self.core.belts) if self.core.belts is not None else {}

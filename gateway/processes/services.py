@@ -19,6 +19,7 @@ from gateway.bridge import Bridge
 from gateway.canopen_office import CanopenOffice
 from gateway.dbsignals import inputs_of
 from gateway.doors import BaseDoor, CellValues, on_loss_of
+from gateway.families import LISTENS
 from gateway.forces import Forces
 from gateway.image import RegionReader, RegionWriter, RingWriter, fds_from_text
 from gateway.io_errors import IoComplaints
@@ -110,6 +111,10 @@ class Services:
         self._state_index = -1
         self.complaints = IoComplaints(fds, self.journal, self.cell.cell.language)
         self._places_judged = False
+        self.blind = {name: f"bus {name} {LISTENS}" for name in plan.listening}
+        self.office.unspoken = {n: self.blind[axis.drive.bus] for n, axis in enumerate(cell.axis) if axis.drive.bus in self.blind}
+        for words in self.blind.values():
+            self.journal.write("alarm", words)
         self._ticks = 0
         self._inputs_written = b""
         self._done = asyncio.Event()
@@ -262,7 +267,7 @@ class Services:
                 door.show(outputs)
 
     def _collect_errors(self, state: CellState, now: int) -> None:
-        errors: list[tuple[int, str]] = []
+        errors: list[tuple[int, str]] = [(Reason.NOT_READY, text(Reason.NOT_READY, detail=words)) for words in self.blind.values()]
         if state.emergency:
             errors.append((Reason.EMERGENCY_STOP, text(Reason.EMERGENCY_STOP)))
         for n, axis in enumerate(self.office.axes):
@@ -274,7 +279,7 @@ class Services:
             why = self.canopen.why_not(n) if flags & AxisFlag.UNCONFIGURED else ""
             if why:
                 errors.append((Reason.DRIVE_NOT_STARTED, text(Reason.DRIVE_NOT_STARTED, detail=f"{axis.name}: {why}")))
-            elif flags & AxisFlag.LOST:
+            elif flags & AxisFlag.LOST and self.cell.axis[n].drive.bus not in self.blind:
                 errors.append((Reason.DRIVE_LOST, text(Reason.DRIVE_LOST, detail=axis.name)))
         strayed = self.office.strayed(self.plan.cell.cell.language)
         if strayed:
@@ -328,6 +333,7 @@ class Services:
                 for d in self.doors
             ],
             "owner": self.office.owner,
+            **({"listening": list(self.blind)} if self.blind else {}),
             "forced": self.forces.count,
             **self.canopen.status(),
             **self.signals.status(),

@@ -349,6 +349,7 @@ class Supervisor:
             "folder": str(self.plan.folder),
             "simulated": self.plan.simulated,
             "p5_ms": self.plan.p5_ms,
+            "listening": list(self.plan.listening),  # buses nothing is sent on
             "alarms": [running.alarm for running in self._running if running.alarm],
             "processes": [
                 {

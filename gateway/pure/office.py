@@ -40,6 +40,7 @@ class Office:
         self.cell: CellState | None = None
         self.stopped_moves = 0
         self.barred = 0  # axes the interface has disabled
+        self.unspoken: dict[int, str] = {}  # axes nothing is ever sent to, and why (AX-436)
         self._all = (1 << len(self.axes)) - 1
         self._plan = plan
         self._next = first_job
@@ -245,6 +246,7 @@ class Office:
         match code:
             case Code.ENABLE:
                 self._mask(job)
+                self._spoken_to(job.mask)
                 self._may_enable(cell)
                 job.until = now + ENABLE_PATIENCE
                 self._order(Order.ENABLE, job.id, mask=job.mask)
@@ -318,6 +320,11 @@ class Office:
         job.watch, self._move = job.id, job
         self._order(Order.PROGRAM, job.id, mask=job.mask)
         self._programs.append(ProgramOrder(job.id, number, command.velocity, command.acceleration))
+
+    def _spoken_to(self, mask: int) -> None:
+        for axis, why in self.unspoken.items():
+            if mask >> axis & 1:
+                raise Refusal(Reason.NOT_READY, why)
 
     @staticmethod
     def _rates(command: Command, cell: CellState) -> None:

@@ -75,7 +75,7 @@ class Bench:
             finish_without_services=cell.cell.on_services_loss == "finish_move",
         )
         buses = [bus for bus in cell.bus if bus.name in self._buses and bus.protocol in DRIVE_PROTOCOLS]
-        return core, [make_family(cell, bus, period) for bus in buses]
+        return core, [make_family(cell, bus, period, simulated=self._simulated) for bus in buses]
 
 
 def replay(

@@ -29,7 +29,7 @@ def described(plan: RunPlan, plant: Plant, skeleton: Skeleton) -> Row:
         "axes": [_axis(axis) for axis in cell.axis],
         "doors": [{"number": door.number, "name": door.name, "kind": door.kind} for door in plan.doors],
         "lines": [_line(line, plan.lines[line.name]) for line in cell.line],
-        "buses": [_bus(bus, plan.buses.get(bus.name, "not played")) for bus in cell.bus],
+        "buses": [_bus(bus, plan.buses.get(bus.name, "not played"), listens=bus.name in plan.listening) for bus in cell.bus],
         "modbus": [{"name": server.name, "bind": plan.modbus_place(server.name), "unit": server.unit} for server in cell.modbus],
         "blocks": [
             {"number": db.number, "kind": db.kind, "words": db.words, "writer": db.writer, "line": db.line, "comment": db.comment}
@@ -73,8 +73,9 @@ def _line(line: Line, url: str) -> Row:
     }  # fmt: skip
 
 
-def _bus(bus: Bus, url: str) -> Row:
-    return {"name": bus.name, "port": bus.port, "played": url, "protocol": bus.protocol, "bitrate": bus.bitrate, "cycle_ms": bus.cycle_ms}
+def _bus(bus: Bus, url: str, *, listens: bool) -> Row:
+    return {"name": bus.name, "port": bus.port, "played": url, "protocol": bus.protocol, "bitrate": bus.bitrate, "cycle_ms": bus.cycle_ms,
+            "listens": listens}  # fmt: skip
 
 
 def wiring(cell: Cell) -> list[Row]:

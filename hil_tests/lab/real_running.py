@@ -54,7 +54,8 @@ class RealRun(CellRun):
         self.far = far
         cell = real_cell(folder, port, evidence=evidence)
         known = load_cell(str(cell))
-        assert confirm(known, needed(known, simulated=False), lambda _: f"{WORDS} A. Tester", lambda _: None)
+        axes = needed(known, simulated=False)
+        assert not axes or confirm(known, axes, lambda _: f"{WORDS} A. Tester", lambda _: None)
         self.emulator = self._emulator(folder, cell)
         super().__init__(folder, str(cell), NAME, CYCLE_MS, more)
 

@@ -145,6 +145,6 @@ def test_what_is_refused_and_why(more: str, key: str, words: str) -> None:
 
 def test_a_brake_at_the_gateway_plays_only_with_a_contact_that_shows_it() -> None:
     cell = S5.replace('brake            = "drive"', 'brake            = "gateway"')
-    assert "axis.Z.brake = gateway" in why_not(load_cell("c.toml", cell), simulated=True, p5=None)
+    assert "axis.Z.brake = gateway" in why_not(load_cell("c.toml", cell), p5=None)
     contacts = "".join(io(f"brake_{axis}", f"{CAN}, output = {n}", f"axis.{axis}.brake") for n, axis in enumerate("XYZ", 4))
-    assert why_not(load_cell("c.toml", cell + contacts), simulated=True, p5=None) == ""
+    assert why_not(load_cell("c.toml", cell + contacts), p5=None) == ""

@@ -20,7 +20,7 @@ export function mount(root, { t, cell }) {
     const list = h("pre", { class: "scroll", style: "max-height:16rem", tabindex: "0" });
     boxes.set(bus.name, { state, load, figures, table, list });
     root.append(h("section", { class: "card bus", style: "margin-bottom:.9rem" },
-      h("div", { class: "bar" }, h("h2", { style: "margin:0" }, `${bus.name}: ${bus.protocol}`), state, h("span", { class: "soft" }, `${bus.bitrate}   ${bus.played}`), load, figures),
+      h("div", { class: "bar" }, h("h2", { style: "margin:0" }, `${bus.name}: ${bus.protocol}`), state, h("span", { class: "soft" }, `${bus.bitrate}   ${bus.played}`), bus.listens ? chip("warn", t("listens only")) : null, load, figures),
       table.element, h("details", {}, h("summary", {}, t("The last frames one by one")), list)));
   }
   const cycle = h("p", { class: "mono small" });

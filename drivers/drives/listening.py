@@ -1,0 +1,36 @@
+"""A bus that is only listened to: nothing is ever sent on it, and nothing heard on it counts as a drive's word (AX-436)."""
+
+from collections.abc import Sequence
+
+from drivers.drives.family import Heard, SetRecord
+from protocols.base.errors import DecodeError
+from protocols.base.machine import Frame, Ns
+
+
+class ListeningFamily:
+    """Of its axes nothing is known: to the core they are drives that do not answer."""
+
+    def __init__(self) -> None:
+        self.aside: list[Frame] = []
+
+    @property
+    def expected(self) -> int:
+        """Nobody is asked."""
+        return 0
+
+    def burst(self, values: Sequence[SetRecord]) -> list[Frame]:
+        """Nothing."""
+        return []
+
+    def hear(self, frame: Frame) -> Heard | None:
+        """No frame is known: its layout is not confirmed."""
+        raise DecodeError(f"identifier {frame.identifier}: this bus is only listened to")
+
+    def release(self, node: int, mode: int) -> None:
+        """Nobody is started up."""
+
+    def hold(self, node: int) -> None:
+        """Nobody is started up."""
+
+    def began(self, now: Ns) -> None:
+        """Nothing depends on it here."""
