@@ -12,7 +12,7 @@ MOTION ?=
 FUZZ ?=
 
 .DELETE_ON_ERROR:
-.PHONY: help setup tools references demo lint test pytest bench soak fuzz branches losses mutants coverage-matrix docs pictures lock clean
+.PHONY: help setup tools kernel references demo lint test pytest bench soak fuzz branches losses mutants coverage-matrix docs pictures lock clean
 
 help:
 	@echo "make demo             six emulated drives, two PLCs, one cable to unplug (DEMO='--seed 7' hands options on)"
@@ -43,6 +43,10 @@ $(STAMP): requirements.lock pyproject.toml
 tools:
 	@sh hil_tests/rig/setup.sh tools
 
+# The guest's kernel with a clock of its own; without it the guest runs on Debian's kernel.
+kernel: tools
+	@sh hil_tests/rig/uml/kernel.sh build/guest-kernel
+
 # C references of the benchmarks: hil_tests/bench/NAME.c becomes build/NAME.  One that does not build fails lane cref, not make.
 references: tools
 	@$(MAKE) --no-print-directory --keep-going $(REFERENCES) || echo "references: not all built; lane cref says which"
@@ -65,7 +69,7 @@ lint: $(STAMP)
 	@$(VENV)/bin/lint-imports --no-cache > build/import-contracts.txt 2>&1 && tail -n 2 build/import-contracts.txt || { cat build/import-contracts.txt; exit 1; }
 
 # Lint and branches first, all tests whatever they said; pytest's closing line is the last one.
-test: $(STAMP) references
+test: $(STAMP) references kernel
 	@mkdir -p build; lint=0; $(MAKE) --no-print-directory lint || lint=1; \
 	branches=0; $(MAKE) --no-print-directory branches || branches=1; \
 	$(PY) -m pytest; tests=$$?; \
@@ -76,10 +80,10 @@ test: $(STAMP) references
 bench: $(STAMP) references
 	@$(VENV)/bin/axisgate bench $(or $(BENCH),all)
 
-coverage-matrix: $(STAMP) references
+coverage-matrix: $(STAMP) references kernel
 	@$(PY) -m hil_tests.matrix.coverage
 
-mutants: $(STAMP) references
+mutants: $(STAMP) references kernel
 	@$(PY) -m hil_tests.matrix.mutants
 
 DOCS := build/docs-env
@@ -103,7 +107,7 @@ soak: $(STAMP)
 	@$(MAKE) --no-print-directory losses
 
 losses: $(STAMP)  # 100 deaths of the cycle: killed and stopped, boosters and CiA 402 drives, 25 each
-	@AXISGATE_LOSSES=25 $(PY) -m pytest -q hil_tests/rig/death/test_cycle_dies.py hil_tests/rig/death/test_cycle_dies_402.py hil_tests/rig/death/loss_by_the_bus.py
+	@AXISGATE_TEST_ON_HOST=1 AXISGATE_LOSSES=25 $(PY) -m pytest -q hil_tests/rig/death/test_cycle_dies.py hil_tests/rig/death/test_cycle_dies_402.py hil_tests/rig/death/loss_by_the_bus.py
 
 SERIAL := protocols/p3964r,protocols/rk512,protocols/buep64,protocols/telegrams
 branches: $(STAMP)

@@ -1,4 +1,4 @@
-"""What every test run of axisgate has: lanes, the purity guard, requirement marks, the guest, the second process for pure tests."""
+"""What every test run of axisgate has: lanes, the purity guard, requirement marks, the guests, processes for pure tests and the rig."""
 
 import os
 import pathlib
@@ -7,6 +7,8 @@ import tempfile
 
 import pytest
 
+from hil_tests.host import REPORTS as RIGS_REPORTS
+from hil_tests.host import Host
 from hil_tests.lanes import Lanes
 from hil_tests.matrix.marks import Marks
 from hil_tests.pair import MATE, Mate, Pair
@@ -36,9 +38,12 @@ def pytest_configure(config: pytest.Config) -> None:
     elif MATE in os.environ:  # the second process of the pure tests
         plugins.register(Reporter(config, pathlib.Path(os.environ[MATE], MATES_REPORTS)), "axisgate-reporter")
         plugins.register(Mate(pathlib.Path(os.environ[MATE])), "axisgate-mate")
+    elif RIGS_REPORTS in os.environ:  # the process of the rig's tests
+        plugins.register(Reporter(config, pathlib.Path(os.environ[RIGS_REPORTS])), "axisgate-reporter")
     else:
         plugins.register(GuestLane(config), "axisgate-guest")
         plugins.register(Pair(config), "axisgate-pair")
+        plugins.register(Host(config), "axisgate-host")
 
 
 def pytest_unconfigure(config: pytest.Config) -> None:

@@ -1,6 +1,6 @@
 """The pure tests of a whole run by two processes: ours takes files from the front, its mate from the back, until they meet.
 
-They need no quiet and no time of their own, so they may share the machine; everything else comes when both have ended.
+They need no quiet and no time of their own, so they may share the machine, also with a guest that has its own clock.
 """
 
 import contextlib
@@ -59,9 +59,7 @@ class Pair:
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtestloop(self, session: pytest.Session) -> None:
-        options = self._config.option
-        whole = self._config.args_source is pytest.Config.ArgsSource.TESTPATHS and not (options.keyword or options.markexpr)
-        if whole and not options.collectonly and (os.cpu_count() or 1) > 1:
+        if whole_run(self._config) and (os.cpu_count() or 1) > 1:
             self._start(list(dict.fromkeys(str(item.path) for item in session.items if pure(item))))
 
     @pytest.hookimpl(tryfirst=True)
@@ -93,6 +91,13 @@ class Pair:
     @property
     def _log(self) -> pathlib.Path:
         return self._folder / "pytest.log"
+
+
+def whole_run(config: pytest.Config) -> bool:
+    """Every test, not a selection."""
+    options = config.option
+    whole = config.args_source is pytest.Config.ArgsSource.TESTPATHS and not (options.keyword or options.markexpr)
+    return whole and not options.collectonly
 
 
 def pure(item: pytest.Item) -> bool:

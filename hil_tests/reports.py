@@ -35,8 +35,19 @@ def read(config: pytest.Config, path: pathlib.Path) -> Reports:
     return results
 
 
+def all_well(ids: Sequence[str], reports: Reports) -> bool:
+    """Whether each of these tests ended, and none failed."""
+    told = [reports.get(name, ()) for name in ids]
+    return all(any(report.when == "teardown" for report in each) and not any(report.failed for report in each) for each in told)
+
+
 def replay(item: pytest.Item, nextitem: pytest.Item | None, reports: Reports, why: str) -> None:
     """Tells the results of this test; one that did not end has failed, and `why` says what is known."""
+    tell(item, reports, why)
+    item.session._setupstate.teardown_exact(nextitem)  # this item's packages were never set up here
+
+
+def tell(item: pytest.Item, reports: Reports, why: str) -> None:
     told = reports.get(item.nodeid, ())
     item.ihook.pytest_runtest_logstart(nodeid=item.nodeid, location=item.location)
     for report in told:
@@ -45,7 +56,6 @@ def replay(item: pytest.Item, nextitem: pytest.Item | None, reports: Reports, wh
         failed = pytest.TestReport(item.nodeid, item.location, dict.fromkeys(item.keywords, 1), "failed", why, "call")
         item.ihook.pytest_runtest_logreport(report=failed)
     item.ihook.pytest_runtest_logfinish(nodeid=item.nodeid, location=item.location)
-    item.session._setupstate.teardown_exact(nextitem)  # this item's packages were never set up here
 
 
 def no_time_out() -> None:

@@ -45,7 +45,9 @@ from hil_tests.lab.plc2 import (
 
 ALL = 0x3F
 REALTIME = realtime_allowed()
-P5_MS = 8 if REALTIME else 10  # every rule under test counts in P5; a shared machine steals 5 ms now and then, which two of these forgive
+# Every rule under test counts in P5; a shared machine steals 5 ms now and then, which two of these forgive.  Slower where a run is
+# played again (hil_tests/host.py).
+P5_MS = int(os.environ.get("AXISGATE_TEST_P5", "8" if REALTIME else "10"))
 P5_NS = P5_MS * 1_000_000
 HOME = (10.0, 10.0, 5.0, 0.0, 0.0, 0.0)  # mm and deg: where referencing ends
 TARGET = (70.0, 70.0, 33.0, 8.0, 8.0, 8.0)  # near it, so that referencing again is short

@@ -18,11 +18,9 @@ from drivers.ports.base import CanPort, runtime_dir
 from drivers.ports.can import open_can
 from gateway.files import find_config, read_text
 from gateway.processes.supervisor import wait_up
-from hil_tests.demo import realtime_allowed
-from hil_tests.lab.cell_running import free_port, runtime_folder
+from hil_tests.lab.cell_running import P5_MS, free_port, runtime_folder
 from protocols.base.machine import Frame
 
-P5_MS = 8 if realtime_allowed() else 10
 UP_S, LIMIT_S = 60.0, 15.0
 SYNC = 100
 OUT_BLOCK = 471  # first output block of an I/O bus (rho3 2.2)

@@ -13,7 +13,7 @@ from typing import Any
 from playwright.sync_api import Browser, BrowserContext, Error, Page, ViewportSize, sync_playwright
 
 from gateway.processes.line_control import LineControl
-from hil_tests.lab.cell_running import CellRun, free_port, running_cell
+from hil_tests.lab.cell_running import P5_MS, CellRun, free_port, running_cell
 from hil_tests.lab.plc1 import S5Plc
 
 CHROMIUM = shutil.which("chromium")
@@ -130,7 +130,7 @@ def until(holds: Callable[[], bool], what: str, patience_s: float = PATIENCE_S) 
 
 
 @contextlib.contextmanager
-def web_run(name: str = "web", *, p5_ms: int = 10) -> Iterator[WebRun]:
+def web_run(name: str = "web", *, p5_ms: int = max(10, P5_MS)) -> Iterator[WebRun]:
     """The demo's cell with its page on a free port and PLC 1 on its line."""
     port = free_port()
     with contextlib.ExitStack() as stack:

@@ -5,13 +5,14 @@ python -m hil_tests.matrix.mutants [-k EXPRESSION]     (writes build/matrix/muta
 
 import argparse
 import json
+import os
 import subprocess
 import sys
 
 from hil_tests.matrix import verdicts
 from hil_tests.matrix.catalogue import ROOT, rows
 from hil_tests.matrix.verdicts import Pair
-from hil_tests.rig.uml import guest
+from hil_tests.rig.uml import guest, lane
 
 GUEST_RESULTS = ROOT / "build" / "uml" / "mutants.json"
 
@@ -23,7 +24,8 @@ def main() -> int:
     )
     arguments = parser.parse_args()
     verdicts.MUTANTS.unlink(missing_ok=True)
-    code = subprocess.run(order("requirement and not vcan", arguments.k, str(verdicts.MUTANTS)), cwd=ROOT, check=False).returncode
+    command = order("requirement and not vcan", arguments.k, str(verdicts.MUTANTS))
+    code = subprocess.run(command, cwd=ROOT, check=False, env={**os.environ, lane.ON_HOST: "1"}).returncode
     if code not in (0, 5):
         return 3
     add_guest(arguments.k)

@@ -41,6 +41,10 @@ tools)
     { has cc || has gcc; } || missing="$missing gcc"
     [ -f /usr/include/stdio.h ] || missing="$missing libc6-dev"
     [ -f /usr/include/modbus/modbus.h ] || missing="$missing libmodbus-dev"
+    [ -e build/guest-kernel ] || {  # what its build needs
+        ls /usr/src/linux-source-6.*.tar.xz >/dev/null 2>&1 || missing="$missing linux-source-6.1"
+        for tool in flex bison bc xz; do has $tool || missing="$missing $(echo $tool | sed 's/^xz$/xz-utils/')"; done
+    }
     # shellcheck disable=SC2086 # a list of words
     [ -z "$missing" ] || install $missing || true
     if has npm && [ ! -d build/node/node_modules/modbus-serial ]; then

@@ -61,6 +61,13 @@ class Rig:
             time.sleep(0.01)
         return value
 
+    def in_state(self, wanted: str, limit_s: float = 10.0) -> None:
+        """Its status word comes by TPDO."""
+        end = time.monotonic() + limit_s
+        while self.node.state != wanted:
+            assert time.monotonic() < end, f"{self.node.state}, wanted {wanted}"
+            time.sleep(0.01)
+
     def close(self) -> None:
         self.control.close()
         self.network.disconnect()
@@ -79,7 +86,7 @@ def test_p402_commissions_homes_and_positions_the_drive(rig: Rig) -> None:
     assert node.sdo[0x1008].raw == "axisgate emulated CiA 402 servo drive"
     assert node.sdo[0x1018][2].raw == 0x402
     rig.commission()
-    assert node.state == "SWITCH ON DISABLED"
+    rig.in_state("SWITCH ON DISABLED")
     node.op_mode = "HOMING"
     assert node.op_mode == "HOMING"
     node.sdo[0x6098].raw = 24  # home switch, rising edge from the left

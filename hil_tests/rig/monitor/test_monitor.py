@@ -29,7 +29,7 @@ from gateway.monitor.look import Look
 from gateway.monitor.pendant import Pendant
 from gateway.monitor.widgets import Help
 from gateway.processes.supervisor import ask
-from hil_tests.lab.cell_running import CellRun, running_cell
+from hil_tests.lab.cell_running import P5_MS, CellRun, running_cell
 from hil_tests.lab.signal_plc import signal_cell
 
 PATIENCE_S = 60.0
@@ -65,7 +65,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Iterator[CellRun]:
     text = path.read_text()
     assert text.count(SHOWN_IN) == text.count(BESIDE) == 1
     path.write_text(text.replace(SHOWN_IN, SHOWN_IN + BLOCK_ENTRIES).replace(BESIDE, BESIDE + REGISTERS))
-    with running_cell(str(path), "see", plc=False, p5_ms=10) as run:
+    with running_cell(str(path), "see", plc=False, p5_ms=max(10, P5_MS)) as run:
         yield run
 
 

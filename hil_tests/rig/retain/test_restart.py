@@ -15,8 +15,8 @@ from gateway.config import load_cell
 from gateway.faults import CellFaults
 from gateway.processes.supervisor import ask
 from gateway.retain import history
-from hil_tests.lab.cell_running import runtime_folder
-from hil_tests.lab.joined_running import P5_MS, JoinedRun, cell_copy
+from hil_tests.lab.cell_running import P5_MS, runtime_folder
+from hil_tests.lab.joined_running import JoinedRun, cell_copy
 
 NAME = "kept"
 MORE = """

@@ -1,10 +1,13 @@
-"""Boots Debian's user-mode-linux on the host's own file system, runs one command in it and brings back its exit code.
+"""Boots user-mode-linux on the host's own file system, runs one command in it and brings back its exit code.
 
     python -m hil_tests.rig.uml.guest [--folder build/uml/hand] [--limit 600] [--serial-pair] COMMAND ...
 
 The guest sees the host's files (hostfs), so the same Python and the same work tree run in it; result files written below the
 project are host files.  /tmp, /run and /dev/shm are memory of the guest: Unix sockets and locks do not work on hostfs.  It has
 lo, vcan0 and, with a serial pair, /dev/ttyS1 crossed with /dev/ttyS2 (what these can and cannot show: docs/guest.md).
+
+Its kernel is the one kernel.sh built, where there is one: its time passes only while everybody in it sleeps, so a busy host makes
+nothing late in it (AX-562).  Else it is Debian's, on the host's clock.
 """
 
 import argparse
@@ -22,12 +25,14 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
-KERNEL = "linux.uml"
+KERNEL = "linux.uml"  # Debian's
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+OWN_KERNEL = ROOT / "build" / "guest-kernel"  # kernel.sh's; CAN is built in
+OWN_TIME = "AXISGATE_GUEST_TIME"  # set to "own" inside a guest that has its own clock
 MODULES = pathlib.Path("/usr/lib/uml/modules")
 BEGIN, END = "axisgate guest: begin", "axisgate guest: end"  # between these console lines stands the command's output
 MEMORY_MB = 1024
 HOST_NICE = -18
-ROOT = pathlib.Path(__file__).resolve().parents[3]
 HIDDEN = ("/tmp", "/run", "/dev/shm")  # guest memory is mounted over these; what the command needs below them is mounted again
 
 
@@ -42,7 +47,12 @@ class Guest:
     folder: pathlib.Path  # console.log, order.json, exit_code
     limit_s: float = 600.0
     serial_pair: bool = False
+    host_time: bool = False  # Debian's kernel even where there is one with a clock of its own
     environment: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def own_time(self) -> bool:
+        return own_time() and not self.host_time
 
     def run(self, command: Sequence[str], on_line: Callable[[str], None] = print) -> int:
         """The command's exit code; every line it prints goes to `on_line` at once.  Raises GuestError."""
@@ -61,11 +71,12 @@ class Guest:
         return int(written.read_text())
 
     def _write_order(self, command: Sequence[str]) -> pathlib.Path:
+        mode = {OWN_TIME: "own"} if self.own_time else {}
         order = {
             "command": list(command),
-            "environment": {"PATH": search_path(), "HOME": str(self.folder.absolute()), "LANG": "C.UTF-8", **self.environment},
+            "environment": {"PATH": search_path(), "HOME": str(self.folder.absolute()), "LANG": "C.UTF-8", **mode, **self.environment},
             "cwd": os.getcwd(),
-            "modules": str(newest_modules()),
+            "modules": None if self.own_time else str(newest_modules()),
             "exit_code": str((self.folder / "exit_code").absolute()),
         }
         path = (self.folder / "order.json").absolute()
@@ -80,13 +91,14 @@ class Guest:
     def _boot(self, init: pathlib.Path, cable: Sequence[int], on_line: Callable[[str], None]) -> str:
         lines = [f"ssl{number}=fd:{fd},fd:{fd}" for number, fd in enumerate(cable, start=1)]
         arguments = [f"mem={MEMORY_MB}M", "root=/dev/root", "rootfstype=hostfs", "rootflags=/", "rw", f"init={init}", "quiet"]
+        clock = ["time-travel=inf-cpu"] if self.own_time else []
         process = subprocess.Popen(
-            [kernel(), *arguments, "con=null", "con0=null,fd:1", *lines],
+            [str(OWN_KERNEL) if self.own_time else kernel(), *arguments, *clock, "con=null", "con0=null,fd:1", *lines],
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, pass_fds=cable, start_new_session=True,
             env={"PATH": os.environ["PATH"], "HOME": str(self.folder), "TMPDIR": str(memory_folder(self.folder))},
         )  # fmt: skip
-        with contextlib.suppress(OSError):  # root alone may: then a busy host does not stop the guest's only processor for long
-            os.setpriority(os.PRIO_PROCESS, process.pid, HOST_NICE)
+        if not self.own_time:
+            favour(process.pid)
         watchdog = threading.Timer(self.limit_s, end_group, [process.pid])
         watchdog.start()
         try:
@@ -111,12 +123,25 @@ class Guest:
         return "\n".join(last)
 
 
+def favour(pid: int) -> None:
+    """As root: a busy host does not stop this process and its children for long."""
+    with contextlib.suppress(OSError):
+        os.setpriority(os.PRIO_PROCESS, pid, HOST_NICE)
+        pathlib.Path(f"/proc/{pid}/autogroup").write_text(str(HOST_NICE))  # where the host groups by session, nice alone counts within it
+
+
+def own_time() -> bool:
+    """Whether guests boot a kernel whose time passes only while everybody in it sleeps."""
+    return OWN_KERNEL.exists()
+
+
 def missing() -> str | None:
     """What this machine lacks for a guest, as one line; None: nothing."""
-    lacking = [name for name in (KERNEL, "ip", "candump") if shutil.which(name, path=search_path()) is None]
+    kernels = () if own_time() else (KERNEL,)
+    lacking = [name for name in (*kernels, "ip", "candump") if shutil.which(name, path=search_path()) is None]
     if lacking:
         return f"{', '.join(lacking)} not found (Debian: apt-get install user-mode-linux iproute2 can-utils)"
-    return None if MODULES.is_dir() else f"{MODULES} not found"
+    return None if own_time() or MODULES.is_dir() else f"{MODULES} not found"
 
 
 def search_path() -> str:
@@ -180,11 +205,13 @@ def main() -> int:
     parser.add_argument("--folder", type=pathlib.Path, default=pathlib.Path("build/uml/hand"))
     parser.add_argument("--limit", type=float, default=600.0, metavar="SECONDS")
     parser.add_argument("--serial-pair", action="store_true", help="connect the guest's /dev/ttyS1 with its /dev/ttyS2")
+    parser.add_argument("--host-time", action="store_true", help="Debian's kernel, on the host's clock")
     parser.add_argument("command", nargs=argparse.REMAINDER)
     arguments = parser.parse_args()
     started = time.monotonic()
     try:
-        code = Guest(arguments.folder, arguments.limit, arguments.serial_pair).run(arguments.command, lambda line: print(line, flush=True))
+        guest = Guest(arguments.folder, arguments.limit, arguments.serial_pair, arguments.host_time)
+        code = guest.run(arguments.command, lambda line: print(line, flush=True))
     except GuestError as error:
         print(f"guest: {error}", file=sys.stderr)
         return 3

@@ -31,14 +31,20 @@ def insert_module(path: pathlib.Path) -> None:
             raise OSError(error, f"{path}: {os.strerror(error)}")
 
 
-def set_up(modules: pathlib.Path) -> None:
+def set_up(modules: pathlib.Path | None) -> None:
+    """`modules`: None where the kernel has all of them built in."""
+    if modules is not None:
+        insert_modules(modules)
+    for words in ("link set lo up", "link add dev vcan0 type vcan", "link set vcan0 txqueuelen 1000", "link set vcan0 up"):
+        subprocess.run(["ip", *words.split()], check=True)
+
+
+def insert_modules(modules: pathlib.Path) -> None:
     for name in NEEDED:
         insert_module(modules / "kernel" / f"{name}.ko")
     for name in WELCOME:
         with contextlib.suppress(OSError):
             insert_module(modules / "kernel" / f"{name}.ko")
-    for words in ("link set lo up", "link add dev vcan0 type vcan", "link set vcan0 txqueuelen 1000", "link set vcan0 up"):
-        subprocess.run(["ip", *words.split()], check=True)
 
 
 def run(order: dict[str, object]) -> int:
@@ -55,7 +61,7 @@ def main() -> None:
     order = json.loads(pathlib.Path(sys.argv[1]).read_text())
     code = 125
     try:
-        set_up(pathlib.Path(order["modules"]))
+        set_up(pathlib.Path(order["modules"]) if order["modules"] else None)
         print(BEGIN, flush=True)
         code = run(order)
     except Exception:

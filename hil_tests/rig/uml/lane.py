@@ -1,7 +1,8 @@
-"""Lane vcan: the tests marked `vcan` are collected here, run in one guest, and reported here one by one.
+"""The guest's tests are collected here, run in guests, and reported here one by one.
 
-Each guest test counts as a test of this session: the guest's pytest writes its reports to a host file, they are replayed
-under the same test ids.  A guest that dies fails every test it did not report.
+They are those marked `vcan` and, where the guest has a clock of its own, whole cells whose drives notice a late cycle (OWN_TIME).
+Each counts as a test of this session: the guest's pytest writes its reports to a host file, they are replayed under the same test
+ids.  A guest that dies fails every test it did not report.
 """
 
 import os
@@ -10,82 +11,128 @@ import shutil
 import signal
 import subprocess
 import sys
+from collections.abc import Sequence
 
 import pytest
 
 from hil_tests import lanes, reports
+from hil_tests.rig.uml import guest
 
 REPORTS = "AXISGATE_GUEST_REPORTS"  # set inside the guest: file for the reports
 LIMIT = "AXISGATE_GUEST_LIMIT"  # seconds for the whole lane
+ON_HOST = "AXISGATE_TEST_ON_HOST"  # set by hand: only tests marked vcan go to the guest
+RIG = "hil_tests/rig/"
+OWN_TIME = ("belts", "canopen", "planner", "scope")  # folders of the rig
 
 
 def inside() -> bool:
     return REPORTS in os.environ
 
 
-class GuestLane:
-    """On the host: boots the guest with all selected vcan tests at the first of them and tells the results.
+class Boot:
+    """One guest with its tests; runs beside us until its results are asked for."""
 
-    Nothing runs beside it: the guest is one program of the host, and a cycle whose processor is taken away is spoilt.  So the order
-    of a run is pure, vcan, rig.
+    def __init__(self, config: pytest.Config, folder: pathlib.Path, ids: Sequence[str]) -> None:
+        self._config, self._folder = config, folder
+        self._results: reports.Reports | None = None
+        self.died = ""
+        folder.mkdir(parents=True, exist_ok=True)
+        root = config.rootpath
+        options = ["-p", "no:cacheprovider", "-q", "--color=no", f"--rootdir={root}", f"--junitxml={folder / 'junit.xml'}"]
+        limit = os.environ.get(LIMIT, "2400")
+        boot = [sys.executable, "-m", "hil_tests.rig.uml.guest", "--folder", str(folder), "--limit", limit, "--serial-pair"]
+        told = [f"{name}={value}" for name, value in self._environment().items()]
+        listed = folder / "tests.txt"
+        listed.write_text("\n".join(ids))
+        command = [*boot, "env", *told, sys.executable, "-m", "pytest", *options, f"@{listed}"]
+        with self._output.open("wb") as log:
+            self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT)
+
+    def results(self) -> reports.Reports:
+        """Waits for its end."""
+        if self._results is None:
+            reports.no_time_out()
+            self._process.wait()
+            last = self._output.read_text(encoding="utf-8", errors="replace").splitlines()[-25:]
+            self.died = "\n".join([f"see {self._output}; its last lines:", *last])
+            self._results = reports.read(self._config, self._folder / "reports.jsonl")
+        return self._results
+
+    def end(self) -> None:
+        if self._process.poll() is None:
+            self._process.send_signal(signal.SIGINT)
+            self._process.wait()
+
+    @property
+    def _output(self) -> pathlib.Path:
+        return self._folder / "pytest.log"
+
+    def _environment(self) -> dict[str, str]:
+        kept = {name: value for name, value in os.environ.items() if name == "CI" or name.startswith("AXISGATE_")}
+        return {**kept, "AXISGATE_RUNTIME": "/run/axisgate", REPORTS: str(self._folder / "reports.jsonl"), "PYTHONUNBUFFERED": "1"}
+
+
+class GuestLane:
+    """On the host: boots guests and tells their results.
+
+    A guest on the host's clock wants the machine alone: nothing runs beside it, the order of a run is pure, guest, rig.  A guest with
+    a clock of its own runs beside the pure tests: they cannot make it late.
     """
 
     def __init__(self, config: pytest.Config) -> None:
         self._config = config
         self._folder = config.rootpath / "build" / "uml" / f"lane-{os.getpid()}"  # several sessions may run at once
-        self._process: subprocess.Popen[bytes] | None = None
-        self._results: reports.Reports | None = None
-        self._died = ""
+        self._boots: dict[str, Boot] = {}
 
     @pytest.hookimpl(trylast=True)
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
         items.sort(key=turn)
 
     @pytest.hookimpl(tryfirst=True)
+    def pytest_runtestloop(self, session: pytest.Session) -> None:
+        if guest.own_time() and not self._config.option.collectonly and not session.testsfailed:
+            self._start(session)
+
+    @pytest.hookimpl(tryfirst=True)
     def pytest_runtest_protocol(self, item: pytest.Item, nextitem: pytest.Item | None) -> bool | None:
-        if item.get_closest_marker("vcan") is None or lanes.missing("vcan") is not None:
+        if not of_the_guest(item):
             return None
-        if self._results is None:
-            reports.no_time_out()
-            self._results = self._run([other.nodeid for other in item.session.items if other.get_closest_marker("vcan")])
-        reports.replay(item, nextitem, self._results, f"the guest did not report the end of this test; {self._died}")
+        if item.nodeid not in self._boots:
+            self._start(item.session)
+        boot = self._boots[item.nodeid]
+        reports.replay(item, nextitem, boot.results(), f"the guest did not report the end of this test; {boot.died}")
         return True
 
     def pytest_sessionfinish(self) -> None:
-        """An interrupted session takes its guest along."""
-        if self._process is not None and self._process.poll() is None:
-            self._process.send_signal(signal.SIGINT)
-            self._process.wait()
+        """An interrupted session takes its guests along."""
+        for boot in set(self._boots.values()):
+            boot.end()
 
-    def _run(self, ids: list[str]) -> reports.Reports:
+    def _start(self, session: pytest.Session) -> None:
+        """One guest for the tests that need vcan0, one for those that need its clock: two processors have work."""
         forget_the_dead(self._folder.parent)
-        self._folder.mkdir(parents=True, exist_ok=True)
-        root = self._config.rootpath
-        options = ["-p", "no:cacheprovider", "-q", "--color=no", f"--rootdir={root}", f"--junitxml={self._folder / 'junit.xml'}"]
-        limit = os.environ.get(LIMIT, "900")
-        boot = [sys.executable, "-m", "hil_tests.rig.uml.guest", "--folder", str(self._folder), "--limit", limit, "--serial-pair"]
-        told = [f"{name}={value}" for name, value in self._environment(self._folder / "reports.jsonl").items()]
-        with self._output.open("wb") as log:
-            command = [*boot, "env", *told, sys.executable, "-m", "pytest", *options, *ids]
-            self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT)
-            self._process.wait()
-        last = self._output.read_text(encoding="utf-8", errors="replace").splitlines()[-25:]
-        self._died = "\n".join([f"see {self._output}; its last lines:", *last])
-        return reports.read(self._config, self._folder / "reports.jsonl")
+        chosen = [item for item in session.items if of_the_guest(item)]
+        for name in ("vcan", "time"):
+            ids = [item.nodeid for item in chosen if (item.get_closest_marker("vcan") is not None) == (name == "vcan")]
+            if ids:
+                self._boots.update(dict.fromkeys(ids, Boot(self._config, self._folder / name, ids)))
 
-    @property
-    def _output(self) -> pathlib.Path:
-        return self._folder / "pytest.log"
 
-    def _environment(self, reports: pathlib.Path) -> dict[str, str]:
-        kept = {name: value for name, value in os.environ.items() if name == "CI" or name.startswith("AXISGATE_")}
-        return {**kept, "AXISGATE_RUNTIME": "/run/axisgate", REPORTS: str(reports), "PYTHONUNBUFFERED": "1"}
+def of_the_guest(item: pytest.Item) -> bool:
+    wanted = item.get_closest_marker("vcan") is not None or wants_own_time(item)
+    return wanted and lanes.missing("vcan") is None
+
+
+def wants_own_time(item: pytest.Item) -> bool:
+    folder, _, rest = item.nodeid.removeprefix(RIG).partition("/")
+    return bool(rest) and item.nodeid.startswith(RIG) and folder in OWN_TIME and guest.own_time() and ON_HOST not in os.environ
 
 
 def turn(item: pytest.Item) -> int:
     """Pure tests, those of the guest, then all that want a quiet machine; each kind in the order collected."""
-    lane = lanes.lane_of(item.nodeid, item.keywords)
-    return {"pure": 0, "vcan": 1}.get(lane, 2)
+    if lanes.lane_of(item.nodeid, item.keywords) == "pure":
+        return 0
+    return 1 if of_the_guest(item) else 2
 
 
 def forget_the_dead(parent: pathlib.Path) -> None:

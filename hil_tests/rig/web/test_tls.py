@@ -14,7 +14,7 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import NameOID
 
 from gateway.files import find_config
-from hil_tests.lab.cell_running import free_port, running_cell
+from hil_tests.lab.cell_running import P5_MS, free_port, running_cell
 from hil_tests.lab.web_running import until
 
 pytestmark = pytest.mark.slow
@@ -57,7 +57,7 @@ def test_a_read_only_page_over_tls(tmp_path: pathlib.Path) -> None:
         except OSError:
             return False
 
-    with running_cell(str(cell), "tls", plc=False, p5_ms=10):
+    with running_cell(str(cell), "tls", plc=False, p5_ms=max(10, P5_MS)):
         until(up, "the page answers over TLS")
         status, told, headers = ask("GET", "/api/me")
         assert (status, told["read_only"]) == (200, True)
