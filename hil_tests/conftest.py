@@ -39,7 +39,8 @@ def pytest_configure(config: pytest.Config) -> None:
         plugins.register(Reporter(config, pathlib.Path(os.environ[MATE], MATES_REPORTS)), "axisgate-reporter")
         plugins.register(Mate(pathlib.Path(os.environ[MATE])), "axisgate-mate")
     elif RIGS_REPORTS in os.environ:  # the process of the rig's tests
-        plugins.register(Reporter(config, pathlib.Path(os.environ[RIGS_REPORTS])), "axisgate-reporter")
+        reports = os.environ.pop(RIGS_REPORTS)  # a test run that one of these tests starts is another matter
+        plugins.register(Reporter(config, pathlib.Path(reports)), "axisgate-reporter")
     else:
         plugins.register(GuestLane(config), "axisgate-guest")
         plugins.register(Pair(config), "axisgate-pair")
