@@ -8,7 +8,8 @@ import time
 from gateway.image import RegionReader, recv_fds
 from gateway.processes.supervisor import ask
 from gateway.pure.records import RC_BYTES, Quality, unpack_inputs
-from hil_tests.lab.joined_running import P5_MS, JoinedRun, cell_copy, running_joined
+from hil_tests.lab.cell_running import P5_MS
+from hil_tests.lab.joined_running import JoinedRun, cell_copy, running_joined
 from hil_tests.lab.modbus_running import RawClient
 
 NAME = "pic"
