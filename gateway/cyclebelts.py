@@ -1,10 +1,13 @@
 """Belts of the cycle process: what a cell with [[belt]] needs beside the core; kinematics are loaded only there."""
 
 from dataclasses import dataclass
+from math import isnan, nan
 
 from gateway.axes import limits_of
 from gateway.beltplan import belt_facts
 from gateway.cell import Cell
+from gateway.image import RegionWriter
+from gateway.io_regions import MOST_BELTS, OFFSETS, OFFSETS_LAYOUT
 from gateway.programplan import machine_of_cell
 from gateway.pure.corebelts import CoreBelts
 
@@ -26,11 +29,33 @@ class Encoder:
         if len(octets) != self.size:
             return 0
         new, value, half = not self.belts.heard[self.place], int.from_bytes(octets, "little"), 1 << (8 * self.size - 1)
-        if self.last is not None:  # a counter begins at 0 at start-up
+        if self.last is None:  # a counter begins at 0 at start-up, unless its offset was kept
+            self.belts.begins(self.place, value, 2 * half)
+        else:
             self.count += (value - self.last + half) % (2 * half) - half
         self.last = value
         self.belts.count(self.place, self.count)
         return int(new)
+
+
+class BeltOffsets:
+    """Offsets of the belts for the services to keep; written where one has moved by half an increment: rounding is no news."""
+
+    def __init__(self, belts: CoreBelts, fd: int) -> None:
+        self._belts, self._region = belts, RegionWriter(fd, "belts", OFFSETS_LAYOUT)
+        self._written = [nan] * MOST_BELTS
+        self._write(0)
+
+    def turn(self, now: int) -> None:
+        """Once per cycle."""
+        found = [self._belts.offset(place) for place in range(len(self._belts.facts))]
+        for place, (new, old) in enumerate(zip(found, self._written, strict=False)):
+            if not isnan(new) and not abs(new - old) < 0.5 * abs(self._belts.facts[place].data.increment):
+                self._written[place] = new
+                self._write(now)
+
+    def _write(self, now: int) -> None:
+        self._region.write(OFFSETS.pack(*self._written), now)
 
 
 def belts_of(cell: Cell, p5_ms: int) -> CoreBelts:

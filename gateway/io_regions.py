@@ -1,6 +1,7 @@
 """Regions and processes a run has only where its cell joins values or has contacts: the cycle's wake-up, contacts out and in."""
 
 import os
+import struct
 from collections.abc import Mapping
 
 from gateway.cell import Cell
@@ -10,7 +11,10 @@ from gateway.pure.records import RC_BYTES
 from gateway.pure.rho3can.ledger import LEDGER_BYTES, LEDGER_LAYOUT
 
 MARKS_LAYOUT = f"marks/1 quality of {RC_BYTES} RC output bytes"
-SHAPES = {"marks": (RC_BYTES, MARKS_LAYOUT), "io_errors": (LEDGER_BYTES, LEDGER_LAYOUT)}
+MOST_BELTS = 8
+OFFSETS = struct.Struct(f"={MOST_BELTS}d")  # m or rad, NaN: nothing to keep
+OFFSETS_LAYOUT = f"belts/1 {OFFSETS.format} offsets"
+SHAPES = {"belts": (OFFSETS.size, OFFSETS_LAYOUT), "marks": (RC_BYTES, MARKS_LAYOUT), "io_errors": (LEDGER_BYTES, LEDGER_LAYOUT)}
 
 
 def chips(cell: Cell) -> bool:
@@ -23,7 +27,13 @@ def joined_regions(cell: Cell) -> tuple[str, ...]:
     joined = ("wake", "marks") if cell.io or cell.route else ()
     contacts = ("io_out", "io_in", *(("io_chip",) if chips(cell) else ())) if cell.io else ()
     blocks = ("io_errors",) if cell.rho3 is not None else ()
-    return (*joined, *contacts, *blocks)
+    return (*joined, *contacts, *blocks, *(("belts",) if keeps_belts(cell) else ()))
+
+
+def keeps_belts(cell: Cell) -> bool:
+    """Offsets of belts outlive power-off here (AX-480)."""
+    named = cell.retain is not None and any(pattern.startswith("belt.") for pattern in cell.retain.values)
+    return named and any(belt.bus for belt in cell.belt)
 
 
 def make_joined(cell: Cell) -> dict[str, int]:

@@ -1,13 +1,17 @@
 """Retained data of a run inside the services: what a start brings back, and what is kept while it runs (AX-423, AX-425).
 
-Brought back: flags, markers and counters of the control, named values (marked stale: their source has not spoken yet).  Not brought
-back, whatever [retain] says: signals of telegrams and values whose edge sends one, RC inputs, commands, control.
+Brought back: flags, markers and counters of the control, offsets of belts, named values (marked stale: their source has not spoken yet).
+Not brought back, whatever [retain] says: signals of telegrams and values whose edge sends one, RC inputs, commands, control.
 """
 
+import math
 import pathlib
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from gateway.clock import wall
+from gateway.image import RegionReader
+from gateway.io_regions import OFFSETS, OFFSETS_LAYOUT
 from gateway.pure.errorlist import ErrorRecord
 from gateway.pure.records import Quality
 from gateway.telegramtables import watched
@@ -22,16 +26,18 @@ if TYPE_CHECKING:
     from gateway.retain import Retained
     from gateway.retainfile import Record
 
+NO_FDS: Mapping[str, int] = {}
 ERRORS, CONFIGURATION, SYNCHRONISM = "error", "configuration", "synchronism"  # kinds of history
-FLAGS, COUNTER, SOURCE = "flags.M", "counter", "retained"
+FLAGS, COUNTER, BELT, SOURCE = "flags.M", "counter", "belt", "retained"
 COUNTERS = 32  # the most a PIC has (P3)
 
 
 class RetainDesk:
     """Values of the last run in, values of this one out.  A run that keeps nothing has an empty desk and loads nothing."""
 
-    def __init__(self, services: "Services", now: Ns) -> None:
+    def __init__(self, services: "Services", now: Ns, fds: Mapping[str, int] = NO_FDS) -> None:
         self._services = services
+        self._offsets = RegionReader(fds["belts"], "belts", OFFSETS_LAYOUT) if "belts" in fds else None
         self._errors: dict[tuple[int, str, str], ErrorRecord] = {}
         self._synchronised: dict[int, Reference] = {}
         self._told = False  # this run has written what its axes are synchronised with
@@ -90,7 +96,22 @@ class RetainDesk:
                 self._synchronised, self._told = dict(reis.synchronised), True
                 kept.record(SYNCHRONISM, {str(axis): [data.home, data.offset, data.direction] for axis, data in reis.synchronised.items()})
         self._keep_named(kept)
+        if self._offsets is not None:
+            self._belts(kept, self._offsets)
         self._log(kept)
+
+    def _belts(self, kept: "Retained", region: RegionReader) -> None:
+        """Offsets of belts out of the cycle; a cycle that has begun anew gets what was kept before anything of it is (AX-480)."""
+        payload, office = region.read(), self._services.office
+        if payload is None or office.cell is None or not office.cell.generation:
+            return
+        for place, (belt, offset) in enumerate(zip(self._services.cell.belt, OFFSETS.unpack(payload), strict=False)):
+            name = f"{BELT}.{belt.name}.offset"
+            if not math.isnan(offset):
+                kept.keep(name, offset)
+            elif belt.bus:
+                before = kept.value(name, math.nan)
+                office.belt_stood(place, before if isinstance(before, float) else math.nan)
 
     def _keep_named(self, kept: "Retained") -> None:
         named = self._services.named

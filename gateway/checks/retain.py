@@ -26,6 +26,7 @@ def idle(cell: Cell) -> Iterator[Notice]:
         missing = {
             "flags": "" if kind in ("rho3", "reis") else "[controller] of kind rho3 or reis",
             "counter": "" if kind == "rho3" else "[controller] of kind rho3",
+            "belt": "" if any(belt.bus for belt in cell.belt) else "a [[belt]] with an encoder on a bus",
             "order": "" if any(name.startswith("order.") for name in named_values(cell).names()) else "a value order.* of a telegram",
         }.get(group, "")
         if missing:

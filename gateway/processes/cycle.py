@@ -21,7 +21,7 @@ from drivers.ports.base import CanPort, PortError
 from drivers.ports.can import open_can
 from gateway.assembly import RunPlan, load_plan
 from gateway.axes import assumed_permits, core_axes, rc_numbers
-from gateway.cyclebelts import Encoder, belts_of, encoders_of
+from gateway.cyclebelts import BeltOffsets, Encoder, belts_of, encoders_of
 from gateway.families import make_family
 from gateway.image import RegionReader, RegionWriter, RingReader, RingWriter, fds_from_text
 from gateway.io_cycle import InputMarks, IoErrors, cycle_contacts
@@ -209,6 +209,8 @@ class Cycle:
         self.contacts = cycle_contacts(cell, [bus.family for bus in self.buses], fds, plan.p5_ms)
         self.marks = InputMarks([family for _, family in self.with_io], fds["marks"]) if "marks" in fds else None
         self.io_errors = IoErrors([family for _, family in self.with_io], fds["io_errors"]) if "io_errors" in fds else None
+        belts = self.core.belts
+        self.belt_offsets = BeltOffsets(belts, fds["belts"]) if belts is not None and "belts" in fds else None
         self.tap = CycleTap(self.core, self.buses, fds)
         self._image = InputImage()
         self._image_index = -1
@@ -278,6 +280,8 @@ class Cycle:
             self.marks.turn(now)
         if self.io_errors is not None:
             self.io_errors.turn(now)
+        if self.belt_offsets is not None:
+            self.belt_offsets.turn(now)
         self.axes.beat(now)
         self.scope.put(pack_scope(state, core.outputs, self._image.values))
         if self.wake is not None:

@@ -86,7 +86,7 @@ class Services:
             self.inputs.quality[octet] = Quality.STALE if self.inputs.quality[octet] else Quality.BAD
         self.values = CellValues(cell)
         self.named = named_values(cell)
-        self.retain = RetainDesk(self, self.started_ns)
+        self.retain = RetainDesk(self, self.started_ns, fds)
         self.forces = Forces()
         standing = self.axes.read()
         first_job = 1 if standing is None else unpack_cell_state(standing).taken + 1000

@@ -190,6 +190,9 @@ class Core:
                 self._mover.abandon()
             case Order.PROGRAM:
                 self._mover.order_program(record)
+            case Order.BELT:
+                if self.belts is not None:
+                    self.belts.stood(record.mask, record.value)
             case Order.EMERGENCY:
                 self._emergency()
             case Order.RESET:

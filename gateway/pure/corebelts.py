@@ -7,7 +7,7 @@ jerk; faults of types 2 and 3 open READY (rho3 L6112), and the drives stop by th
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import isnan, sqrt
+from math import isnan, nan, sqrt
 
 from gateway.pure.records import InputImage, Quality
 from motion.errors import MotionError
@@ -45,6 +45,18 @@ class BeltFault:
     opens_ready: bool = False
 
 
+@dataclass(frozen=True, slots=True)
+class Zero:
+    """Where an encoder stood when it was first heard."""
+
+    raw: int
+    span: int  # its counts are 0..span-1
+
+    def says(self, count: int) -> int:
+        """What it says now, `count` increments further."""
+        return (self.raw + count) % self.span
+
+
 class CoreBelts:
     """All belts of a cell and the one part that may be under way.  kinematics: of the arm, the first axes of the cell."""
 
@@ -60,6 +72,9 @@ class CoreBelts:
         self._arm = kinematics.axes
         self._speeds = tuple(axis.speed for axis in self._limits[: self._arm])
         self._encoders = [False] * len(self.facts)
+        self._zeros: list[Zero | None] = [None] * len(self.facts)  # of encoders that have spoken
+        self._stood: dict[int, float] = {}  # offsets as they were kept, until their encoder speaks
+        self._told = [False] * len(self.facts)  # the counter stands as it was kept, or nothing was
         self._silent = [0] * len(self.facts)
         self._trackers = [Tracker(period_s, DELAY * period_s) for _ in self.facts]
         self._rig: SyncStepper | None = None
@@ -77,6 +92,30 @@ class CoreBelts:
         """This belt has an encoder on a bus."""
         self._encoders[place] = True
 
+    def begins(self, place: int, raw: int, span: int) -> None:
+        """The first telegram of its encoder says `raw` of 0..span-1; from here the counts go on from 0."""
+        self._zeros[place] = Zero(raw, span)
+
+    def stood(self, place: int, offset: float) -> None:
+        """The counter's offset as it was kept (m or rad), NaN: none; taken once, when the encoder has spoken (AX-480)."""
+        if 0 <= place < len(self.facts) and not self._told[place]:
+            self._stood[place] = offset
+
+    def offset(self, place: int) -> float:
+        """Counter less what the encoder says, m or rad: it stays while the belt runs.  NaN: nothing to keep yet."""
+        zero, belt = self._zeros[place], self.all.all[place]
+        if zero is None or not self._told[place]:
+            return nan
+        return belt.counter - zero.says(self.counts[place]) * belt.data.increment
+
+    def _restore(self) -> None:
+        """After the counters have been updated with what the encoders said."""
+        for place in [place for place in self._stood if self._zeros[place] is not None]:
+            zero, belt, offset = self._zeros[place], self.all.all[place], self._stood.pop(place)
+            self._told[place] = True
+            if zero is not None and not isnan(offset):
+                belt.set_counter(offset + zero.says(self.counts[place]) * belt.data.increment)
+
     def count(self, place: int, value: int) -> None:
         """A telegram of its encoder."""
         self.counts[place], self.heard[place] = value, True
@@ -88,6 +127,8 @@ class CoreBelts:
         on = [n for n in numbers if inputs.quality[n >> 3] == good and inputs.bit(n)]
         self.all.inputs(on)
         self.all.update(self.counts)
+        if self._stood:
+            self._restore()
         for n, encoder in enumerate(self._encoders):
             self._silent[n] = 0 if self.heard[n] or not encoder or self.all.simulated else self._silent[n] + 1
             self.heard[n] = False

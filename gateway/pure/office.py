@@ -58,6 +58,10 @@ class Office:
         if new & self.enabled_mask():
             self._order(Order.DISABLE, mask=new, reason=Reason.DRIVES_OFF)
 
+    def belt_stood(self, place: int, offset: float) -> None:
+        """Where the counter of a belt stood to its encoder when it was last seen; NaN: nobody knows (AX-480)."""
+        self._order(Order.BELT, mask=place, value=offset)
+
     def open_ready(self) -> None:
         """As an open chain, whoever has control."""
         self._order(Order.EMERGENCY)

@@ -167,6 +167,7 @@ class Order(IntEnum):
     RESET = 9
     OVERRIDE = 10
     PROGRAM = 11  # the planner's pieces of this job are taken from now on
+    BELT = 13  # mask: place of a belt; value: its offset as it was kept, NaN: none (AX-480)
     EMERGENCY = 12  # as an open chain: drives off, READY open, until a fault reset
 
 

@@ -27,7 +27,8 @@ def with_belts(text: str) -> str:
         text = re.sub(rf"(\[plant\.axis\.{axis}\][^\[]*?start +=) [\d.]+", rf"\g<1> {place}", text)
     owners = ", ".join(f'"{byte}" = "plc"' for byte in (PROBE >> 3, SET_COUNTER >> 3, 399 >> 3))
     text = re.sub(r"owner = \{.*\}", f"owner = {{ {owners} }}", text)
-    return text.replace("# ---- the emulated machine", BELTS + "# ---- the emulated machine")
+    kept = '[retain]\nvalues = ["belt.*"]\n\n'
+    return text.replace("# ---- the emulated machine", kept + BELTS + "# ---- the emulated machine")
 
 
 class BeltRun:

@@ -3,21 +3,27 @@
 The bus log is the witness of set values and counts.  Everything else about belts is proved in virtual time: hil_tests/unit/belts.
 """
 
+import contextlib
 import os
+import pathlib
 import signal
+import sqlite3
 import struct
+import time
 from collections.abc import Iterator
+from math import nan
 
 import numpy as np
 import pytest
 
 from gateway.axes import scaling_of
 from gateway.pure.reasons import Reason
-from gateway.pure.records import Motion
+from gateway.pure.records import CellState, Motion
 from hil_tests.lab.belt_run import FIRST_ID, INCREMENT, SPEED, BeltRun, belt_run
 from hil_tests.lab.buslog import Logged
 from hil_tests.lab.plc2 import ABORTED, DONE
 from hil_tests.lab.program_run import PROGRAM
+from motion.sync.belts import SET_COUNTER
 from protocols.servodyn.plan import SYNC_ID, set_id
 
 HEAD = "robot portal\nangles rho3\naxes mm mm mm deg\nstart 100 100 50 0\n"
@@ -110,3 +116,40 @@ def test_a_planner_killed_on_a_belt_leaves_the_robot_at_rest_beside_it(home: Bel
     assert run.still() and run.state().belt_speed > 0.1, "though the belt runs on"
     run.run.back("planner", pid)
     run.run.forgive("planner")
+
+
+def test_a_belts_counter_is_kept_on_disk_and_comes_back_with_a_new_cycle(portal: BeltRun) -> None:
+    """AX-480; the emulated encoder counts on meanwhile."""
+    run, path = portal.programs, pathlib.Path(portal.programs.run.status()["folder"]) / "retain.sqlite"
+    begin, first = run.state().belt, kept_offset(path)
+    portal.drive(1, SPEED)
+    run.watch("a part of a turn", lambda s: s.belt > begin + 0.2)
+    run.coil(SET_COUNTER, True)
+    run.watch("set to 0", lambda s: s.belt < begin + 0.2)
+    run.coil(SET_COUNTER, False)
+    run.watch("somewhere else", lambda s: s.belt > 0.05)
+    portal.drive(1, 0.0)
+    places = [nan] * 100
+
+    def stands(state: CellState) -> bool:
+        places[:] = [*places[1:], state.belt]
+        return len(set(places)) == 1
+
+    run.watch("it stands", stands)
+    before, until = run.state().belt, time.monotonic() + 20
+    while (found := kept_offset(path)) is None or (first is not None and abs(found - first) < 0.1):
+        assert time.monotonic() < until, f"{found} is kept, {first} before the counter was set"
+        time.sleep(0.05)
+    pid = run.run.pid("cycle")
+    os.kill(pid, signal.SIGKILL)
+    run.run.back("cycle", pid)
+    run.watch("the counter is back", lambda s: abs(s.belt - before) < 2 * INCREMENT and s.cycle > 10)
+    run.run.forgive("cycle")
+
+
+def kept_offset(path: pathlib.Path) -> float | None:
+    """Of the first belt, m; None: not there yet."""
+    with contextlib.suppress(sqlite3.Error), contextlib.closing(sqlite3.connect(f"file:{path}?mode=ro", uri=True)) as connection:
+        row = connection.execute("SELECT data FROM value WHERE name = 'belt.B1.offset'").fetchone()
+        return None if row is None else float(row[0])
+    return None

@@ -108,4 +108,4 @@ def test_check_refuses_to_keep_what_may_start_something(tmp_path: pathlib.Path, 
 
 def test_check_says_what_a_cell_cannot_keep(tmp_path: pathlib.Path) -> None:
     cell = load_cell(str(cell_copy("demo", tmp_path, more='[retain]\nvalues = ["order.*", "flags.M*", "counter.*", "belt.*"]')))
-    assert [notice.where for notice in cell.notes if notice.where.startswith("retain")] == [f"retain.values[{n}]" for n in (1, 2, 3)]
+    assert [notice.where for notice in cell.notes if notice.where.startswith("retain")] == [f"retain.values[{n}]" for n in (1, 2, 3, 4)]
