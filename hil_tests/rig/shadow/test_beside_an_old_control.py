@@ -12,6 +12,7 @@ from gateway.commands.run import main
 from hil_tests.lab.buslog import Logged
 from hil_tests.lab.shadow_running import LINE, Shadow, old_control, until
 
+pytestmark = pytest.mark.timeout(300)
 CONTROL = '{ at = "D 0.4",  type = "bit", from = "cell.control" },'
 PLACE = '{ at = "DW 2",   type = "KF",  from = "axis.A1.actual", unit = "0.1 mm" },'
 CHANGED = {CONTROL: CONTROL.replace("D 0.4", "D 0.5"), PLACE: PLACE.replace("0.1 mm", "1 mm")}
