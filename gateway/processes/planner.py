@@ -41,7 +41,7 @@ class PlannerProcess:
         self.region = RegionWriter(fds["planner"], "planner")
         self.count = len(plan.cell.axis)
         outputs = free_outputs(rc_numbers(plan.cell), self.count)
-        self.programs = Programs(self.machine, self.mask, self.text, outputs, belts=belt_facts(plan.cell))
+        self.programs = Programs(self.machine, self.mask, self.text, outputs, belts=belt_facts(plan.cell), pulse=self._beat)
         self.programs.channels = {each.channel: MeasuringFacts(each.input, measured_mask(plan.cell, each)) for each in plan.cell.measuring}
         self._told: tuple[int, str] = (0, "")
         self._stop = False
@@ -107,6 +107,10 @@ class PlannerProcess:
         self.region.write(pack_planner(self.programs.state), now)  # a fault's words are there before the cycle hears of it
         for record in pieces:
             self.pieces.put(pack_piece(record))
+        self.region.beat(time.monotonic_ns())
+
+    def _beat(self) -> None:
+        """Alive: a law that takes long comes nearer."""
         self.region.beat(time.monotonic_ns())
 
     def _tell(self, state: PlannerState) -> None:

@@ -37,6 +37,7 @@ from motion.program.factors import FULL, Factors
 from motion.program.text import Reader
 from motion.sync.facts import BeltFacts
 from motion.timed import encode_timed
+from motion.timing.interior import still
 
 QUIET_TURNS = 6  # turns without a new block after which what is known is run
 ALWAYS = 1 << 62
@@ -58,6 +59,7 @@ class Programs:
     outputs: Container[int] = range(0)  # RC outputs programs may switch
     belts: Sequence[BeltFacts] = ()
     channels: Mapping[int, MeasuringFacts] = field(default_factory=dict)  # measuring inputs by their numbers
+    pulse: Callable[[], None] = still  # called again and again while the planner makes a law
     state: PlannerState = PlannerState()
     generation: int = 0
     _planner: Planner | None = None
@@ -280,7 +282,7 @@ class Programs:
         machine = self.machine_of(self._reader.robot)
         mask = self.mask_of(machine)
         places = [standing[n] for n in range(len(standing)) if mask >> n & 1]
-        return Planner(machine, places, mask=mask, capacity=1 << 20, next_id=self._spare, factors=self._factors)
+        return Planner(machine, places, mask=mask, capacity=1 << 20, next_id=self._spare, factors=self._factors, pulse=self.pulse)
 
     @property
     def preparing(self) -> bool:

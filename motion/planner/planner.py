@@ -6,7 +6,7 @@ on the path.  Pure: the caller says how far the follower is (tau, time at full s
 """
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -27,6 +27,7 @@ from motion.planner.timegiven import time_given
 from motion.program.blocks import Block
 from motion.program.factors import FULL, Factors
 from motion.timed import TimedPiece
+from motion.timing.interior import still
 from motion.timing.jerk import jerk_limited
 from motion.timing.law import Law
 
@@ -84,6 +85,7 @@ class Planner:
     lead_s: float = LEAD_S
     horizon_s: float = HORIZON_S
     window: int = WINDOW
+    pulse: Callable[[], None] = still  # called again and again while a law is made, which may take seconds
     _route: Route = field(init=False)
     _fresh: deque[Stretch] = field(init=False, default_factory=deque)  # known, not planned
     _planned: deque[_Planned] = field(init=False, default_factory=deque)
@@ -211,7 +213,7 @@ class Planner:
     def _from_rest(self, row: list[Stretch]) -> list[TimedPiece]:
         """A law of its own: near the optimum where the path ends at rest by itself, a quick one where it will go on."""
         if row[-1].stop:
-            row, *later = quicker(row, self.machine, lambda run: law_of(run).duration, self.factors)
+            row, *later = quicker(row, self.machine, lambda run: law_of(run, self.pulse).duration, self.factors)
             self._fresh.extendleft(stretch for part in reversed(later) for stretch in reversed(part))
         run = make_run(row, self.machine, self.factors)
         if row[-1].stop:
@@ -219,7 +221,7 @@ class Planner:
             if pace.time is not None and all(stretch.block == row[0].block for stretch in row):
                 law = time_given(run.path.length, pace.time, pace.ramp, width_s(run.limits))
             else:
-                law = law_of(run).later(PAUSE_S if self._planned else 0.0)
+                law = law_of(run, self.pulse).later(PAUSE_S if self._planned else 0.0)
             return self._commit(run, law, self.end, None, _Origin(None, 0, 0.0))
         width = width_s(run.limits)
         made = swift(run.path, run.limits, width)
@@ -275,9 +277,9 @@ class Planner:
         return now.state(tau)
 
 
-def law_of(run: Run) -> Law:
+def law_of(run: Run, pulse: Callable[[], None] = still) -> Law:
     """From rest to rest: closed form where all axes move straight, else near the time optimum."""
-    return straight_law(run) or jerk_limited(run.path, run.limits)
+    return straight_law(run) or jerk_limited(run.path, run.limits, pulse=pulse)
 
 
 def block_ends(run: Run) -> list[tuple[float, int]]:
