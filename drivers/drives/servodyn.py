@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from enum import Enum, auto
 
 from drivers.drives.family import Actual, Demand, Event, Homing, Power
-from drivers.drives.limits import INT32_MAX, INT32_MIN, fits_int32, saturated_rpm
+from drivers.drives.limits import INT16_MAX, INT32_MAX, INT32_MIN, fits_int32, saturated_rpm
 from protocols.servodyn.codec import ActualValue, SetValue
 
 __all__ = ["LOST_AFTER", "Demand", "Drive", "DriveSettings", "Event", "Phase", "Power"]
@@ -78,6 +78,7 @@ class Drive:
 
     def __init__(self, settings: DriveSettings | None = None) -> None:
         self._settings = settings or DriveSettings()
+        self._step_inc = self._settings.step_inc
         self._phase = Phase.OFF
         self._row = ROWS[Phase.OFF]  # of the present phase; kept, as the next two: they are asked for many times a cycle
         self.power = Power.OFF  # seen from outside
@@ -98,6 +99,7 @@ class Drive:
         self.epoch = 0  # +1 whenever increments may have lost their meaning: references of another epoch are void (AX-110)
         self.saturated = 0  # speeds cut to int16, counted
         self.events: list[Event] = []  # of the last step
+        self.configured = True  # a booster keeps its parameters
 
     @property
     def phase(self) -> Phase:
@@ -108,11 +110,6 @@ class Drive:
     def homing(self) -> Homing:
         """A booster never references by itself."""
         return Homing.NONE
-
-    @property
-    def configured(self) -> bool:
-        """A booster keeps its parameters."""
-        return True
 
     def idle(self) -> SetValue:
         """Before the first SYNC: nothing asked for."""
@@ -137,10 +134,17 @@ class Drive:
             self._judge(actual, demand)
         speed, self._life = 0, self._life + 1 & 0xFF
         if self.follows:
-            self._take(wanted_inc)
+            step = self._step_inc
+            if not self._following and -step <= wanted_inc - self.set_inc <= step and INT32_MIN <= wanted_inc <= INT32_MAX:
+                self.set_inc, self._refused = wanted_inc, False  # as _take, which is for what is left
+            else:
+                self._take(wanted_inc)
             if not self._refused:
-                speed, cut = saturated_rpm(wanted_rpm)
-                self.saturated += cut
+                if -INT16_MAX <= wanted_rpm <= INT16_MAX:
+                    speed = round(wanted_rpm)
+                else:
+                    speed, cut = saturated_rpm(wanted_rpm)
+                    self.saturated += cut
         elif self._phase is not Phase.RELEASING:
             self._following = True
             self.set_inc = self.position_inc
@@ -208,7 +212,7 @@ class Drive:
 
     def _take(self, inc: int) -> None:
         """The demanded set position, if it may be sent."""
-        window = self._settings.jump_inc if self._following else self._settings.step_inc
+        window = self._settings.jump_inc if self._following else self._step_inc
         if -window <= inc - self.set_inc <= window and INT32_MIN <= inc <= INT32_MAX:
             self.set_inc, self._following, self._refused = inc, False, False
         else:

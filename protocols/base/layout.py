@@ -54,10 +54,11 @@ class Packer:
 
     Bits of signals that are not named are sent as 0 and ignored when received.  The first `flags` signals have one bit each; what they can
     be together is worked out once and looked up then: a drive's bits stay the same for thousands of cycles.  Flags in byte 0 before whole
-    numbers of their full range, as SERVODYN-GC's are, are read and written at one go.
+    numbers of their full range, as SERVODYN-GC's are, are read and written at one go by `plain`; whoever does so once an axis and cycle
+    may do it himself (`words`: what flags are together, `seen`: the other way round) and leave only the rest to `pack` and `unpack`.
     """
 
-    __slots__ = ("_fields", "_flag_bits", "_flag_words", "_length", "_name", "_plain", "_seen", "_signals", "flags")
+    __slots__ = ("_fields", "_length", "_name", "_signals", "flag_bits", "flags", "plain", "seen", "words")
 
     def __init__(self, layout: Layout, names: Sequence[str]) -> None:
         """Raises EncodeError with the list of missing signals when the layout does not have all names."""
@@ -68,22 +69,22 @@ class Packer:
         self._name, self._length = layout.name, layout.length
         self._signals = tuple(known[name] for name in names)
         self.flags = next((n for n, s in enumerate(self._signals) if s.bits != 1 or s.signed or s.low or s.high != 1), len(names))
-        self._flag_bits = sum(1 << s.start for s in self._signals[: self.flags])
-        self._flag_words: dict[tuple[int, ...], int] = {}
-        self._seen: dict[int, tuple[int, ...]] = {}
+        self.flag_bits = sum(1 << s.start for s in self._signals[: self.flags])
+        self.words: dict[tuple[int, ...], int] = {}
+        self.seen: dict[int, tuple[int, ...]] = {}
         wide = self._signals[self.flags :]
         self._fields = tuple((s.start, (1 << s.bits) - 1, 1 << (s.bits - 1) if s.signed else 0, s.low, s.high) for s in wide)
-        self._plain = _plain(self._length, self._flag_bits, wide)
+        self.plain = _plain(self._length, self.flag_bits, wide)
 
     def pack(self, values: Sequence[int]) -> bytes:
         """Raises EncodeError naming signal, value and range."""
         flags = tuple(values[: self.flags])
-        word = self._flag_words.get(flags, -1)
+        word = self.words.get(flags, -1)
         if word < 0:
-            word = self._flag_words[flags] = self._flag_word(flags)
-        if self._plain is not None:
+            word = self.words[flags] = self._flag_word(flags)
+        if self.plain is not None:
             try:
-                return self._plain.pack(word, *values[self.flags :])
+                return self.plain.pack(word, *values[self.flags :])
             except struct.error as error:
                 raise EncodeError(self._complaint(values)) from error
         for value, (start, mask, _sign, low, high) in zip(values[self.flags :], self._fields, strict=True):
@@ -96,14 +97,14 @@ class Packer:
         """Flags as bool.  Raises DecodeError with the bytes when the length is wrong or a value is outside its range."""
         if len(data) != self._length:
             raise DecodeError(f"{self._name}: {self._length} bytes expected, {len(data)} received: {data.hex(' ')}")
-        if self._plain is not None:
-            numbers: tuple[int, ...] = self._plain.unpack(data)
-            bits = numbers[0] & self._flag_bits
-            flags = self._seen.get(bits)
+        if self.plain is not None:
+            numbers: tuple[int, ...] = self.plain.unpack(data)
+            bits = numbers[0] & self.flag_bits
+            flags = self.seen.get(bits)
             return (self._see(bits) if flags is None else flags) + numbers[1:]
         word = int.from_bytes(data, "little")
-        bits = word & self._flag_bits
-        values = [*(self._seen.get(bits) or self._see(bits))]
+        bits = word & self.flag_bits
+        values = [*(self.seen.get(bits) or self._see(bits))]
         for start, mask, sign, low, high in self._fields:
             value = (((word >> start) & mask) ^ sign) - sign
             if not low <= value <= high:
@@ -113,7 +114,7 @@ class Packer:
 
     def _see(self, bits: int) -> tuple[int, ...]:
         """Flags as bool, kept for the next time."""
-        flags = self._seen[bits] = tuple(bool(bits >> s.start & 1) for s in self._signals[: self.flags])
+        flags = self.seen[bits] = tuple(bool(bits >> s.start & 1) for s in self._signals[: self.flags])
         return flags
 
     def _flag_word(self, flags: tuple[int, ...]) -> int:

@@ -1,5 +1,6 @@
 """Set values and actual values of SERVODYN-GC drives; the layouts say which bit is which (default AX-001, not verified on hardware)."""
 
+import struct
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
@@ -76,10 +77,17 @@ class Codec:
 
     def writer(self, axis: int) -> Callable[[SetValue], Frame]:
         """Encodes for this module; EncodeError as `encode_set`."""
-        identifier, pack, make = self._set_ids[axis], self._set_packers[axis].pack, tuple.__new__
+        packer, make = self._set_packers[axis], tuple.__new__
+        identifier, words, plain, flags = self._set_ids[axis], packer.words, packer.plain, packer.flags
 
         def write(value: SetValue) -> Frame:
-            return make(Frame, (identifier, pack(value), 0))
+            word = words.get(value[:flags])
+            if plain is not None and word is not None:  # as Packer.pack, a call less: once an axis and cycle
+                try:
+                    return make(Frame, (identifier, plain.pack(word, *value[flags:]), 0))
+                except struct.error:
+                    pass
+            return make(Frame, (identifier, packer.pack(value), 0))
 
         return write
 
@@ -113,8 +121,14 @@ class Codec:
 
 def _reader(packer: Packer) -> Callable[[bytes], ActualValue]:
     unpack, make = packer.unpack, tuple.__new__  # _make would only count the values again
+    plain, seen, bits = packer.plain, packer.seen, packer.flag_bits
 
     def read(data: bytes) -> ActualValue:
+        if plain is not None and len(data) == plain.size:  # as Packer.unpack, a call less: once an axis and cycle
+            numbers = plain.unpack(data)
+            flags = seen.get(numbers[0] & bits)
+            if flags is not None:
+                return make(ActualValue, flags + numbers[1:])
         return make(ActualValue, unpack(data))
 
     def read_wider(data: bytes) -> ActualValue:
