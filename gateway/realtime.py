@@ -4,17 +4,22 @@ Source: docs/architecture.md, "The cycle owns its process"; clock_nanosleep(2), 
 Python 3.11 has neither clock_nanosleep nor os.timerfd, so both come from the C library by ctypes (AX-094).
 """
 
+import contextlib
 import ctypes
 import errno
 import gc
 import os
 import resource
 import signal
+import struct
 import time
 
 CLOCK_MONOTONIC, TIMER_ABSTIME = 1, 1
 MCL_CURRENT, MCL_FUTURE = 1, 2
 PR_SET_PDEATHSIG = 1
+SCHED_SETATTR = {"x86_64": 314, "aarch64": 274}  # numbers of the system call; the C library has no function for it
+_SCHED_ATTR = struct.Struct("=IIQiIQQQ")  # size, policy, flags, nice, priority, runtime, deadline, period
+TURN_NS, AHEAD = 100_000, -10  # the shortest turn there is; nice value
 SECOND_NS = 1_000_000_000
 
 _libc = ctypes.CDLL(None, use_errno=True)
@@ -43,6 +48,20 @@ def go_realtime(priority: int) -> list[str]:
     gc.freeze()
     gc.disable()
     return warnings
+
+
+def go_ahead() -> None:
+    """In the ordinary class, but soon after whatever wakes this process: before what else wants the processor, and in short turns.
+
+    Without it a partner's answer waits while others use up their turns, 4 ms each on kernels that look 250 times a second.  What is not
+    permitted stays as it is: short turns (sched_setattr(2), Linux 6.12) are everybody's, the nice value needs a privilege.
+    """
+    number = SCHED_SETATTR.get(os.uname().machine)
+    if number is not None:  # the nice value that stands is kept
+        asked = _SCHED_ATTR.pack(_SCHED_ATTR.size, os.SCHED_OTHER, 0, os.getpriority(os.PRIO_PROCESS, 0), 0, TURN_NS, 0, 0)
+        _libc.syscall(number, 0, asked, 0)
+    with contextlib.suppress(OSError):
+        os.setpriority(os.PRIO_PROCESS, 0, AHEAD)
 
 
 def _fifo(priority: int) -> str | None:

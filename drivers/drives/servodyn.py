@@ -78,7 +78,6 @@ class Drive:
 
     def __init__(self, settings: DriveSettings | None = None) -> None:
         self._settings = settings or DriveSettings()
-        self._step_inc = self._settings.step_inc
         self._phase = Phase.OFF
         self._row = ROWS[Phase.OFF]  # of the present phase; kept, as the next two: they are asked for many times a cycle
         self.power = Power.OFF  # seen from outside
@@ -134,7 +133,7 @@ class Drive:
             self._judge(actual, demand)
         speed, self._life = 0, self._life + 1 & 0xFF
         if self.follows:
-            step = self._step_inc
+            step = self._settings.step_inc
             if not self._following and -step <= wanted_inc - self.set_inc <= step and INT32_MIN <= wanted_inc <= INT32_MAX:
                 self.set_inc, self._refused = wanted_inc, False  # as _take, which is for what is left
             else:
@@ -212,7 +211,7 @@ class Drive:
 
     def _take(self, inc: int) -> None:
         """The demanded set position, if it may be sent."""
-        window = self._settings.jump_inc if self._following else self._step_inc
+        window = self._settings.jump_inc if self._following else self._settings.step_inc
         if -window <= inc - self.set_inc <= window and INT32_MIN <= inc <= INT32_MAX:
             self.set_inc, self._following, self._refused = inc, False, False
         else:

@@ -37,6 +37,7 @@ class CanPort(Protocol):
     def fileno(self) -> int: ...
     def send(self, frames: Sequence[Frame]) -> int: ...  # how many were taken (in order); PortError when gone
     def receive(self) -> list[Frame]: ...  # everything that waits, with stamps; PortError when gone
+    def receive_next(self) -> list[Frame]: ...  # the same, but some of it may be left for the next call where that is cheaper
     def take_faults(self) -> list[tuple[FrameFault, Ns]]: ...  # error frames since the last call, with their stamps; after receive()
     def close(self) -> None: ...
 

@@ -77,10 +77,10 @@ class Link:
         self.counters.refused += given - taken
         return taken
 
-    def receive(self) -> list[Record]:
+    def receive(self, messages: int = BURST) -> list[Record]:
         """Frame records that wait; PortError when the broker closed us (it died, or we were too slow for its queue)."""
         records: list[Record] = []
-        for _ in range(BURST):
+        for _ in range(messages):
             try:
                 size = self.socket.recv_into(self._buffer)
             except BlockingIOError:
@@ -150,8 +150,15 @@ class BrokerPort:
 
     def receive(self) -> list[Frame]:
         """Everything that waits, stamped by the broker."""
+        return self._frames(self._link.receive())
+
+    def receive_next(self) -> list[Frame]:
+        """What one sender gave at one go."""
+        return self._frames(self._link.receive(1))
+
+    def _frames(self, records: list[Record]) -> list[Frame]:
         frames: list[Frame] = []
-        records, make, not_data = self._link.receive(), tuple.__new__, self.not_data
+        make, not_data = tuple.__new__, self.not_data
         for can_id, length, _, data, stamp, _ in records:
             if can_id < EFF_FLAG and not can_id & not_data:
                 frames.append(make(Frame, (can_id, data[:length], stamp)))

@@ -99,13 +99,13 @@ class BusLink:
             return False
         return True
 
-    def receive(self, actuals: list[Actual | None]) -> int:
+    def receive(self, actuals: list[Actual | None], *, next_only: bool = False) -> int:
         """Take what came; how many axes answered for the first time since the burst.  What the bus saw before it belongs to a cycle that
-        is over: counted as late."""
+        is over: counted as late.  `next_only`: what came first may do, the rest waits for the next call."""
         if self.port is None:
             return 0
         try:
-            frames = self.port.receive()
+            frames = self.port.receive_next() if next_only else self.port.receive()
         except PortError as error:
             self._lose(error)
             return 0
@@ -323,12 +323,15 @@ class Cycle:
         if not missing:  # nobody is waited for, but frames aside come all the same
             for bus in up:
                 bus.receive(actuals)
+        first = True  # all actual values of a bus mostly come at one go: then nothing more is asked for, which would cost as much again
         while missing and (fds := [bus.fd for bus in up if bus.port is not None]):
             left = until - time.monotonic_ns()
-            if left <= 0 or not select.select(fds, (), (), left * 1e-9)[0]:
+            if left <= 0 or not (ready := select.select(fds, (), (), left * 1e-9)[0]):
                 break
             for bus in up:
-                missing -= bus.receive(actuals)
+                if bus.fd in ready:
+                    missing -= bus.receive(actuals, next_only=first)
+            first = False
         return missing
 
     def _watch_services(self) -> None:

@@ -20,7 +20,7 @@ from gateway.pure.permits import free_outputs
 from gateway.pure.plannerrecords import SAY_LAYOUT, MeasuringFacts, PlannerState, pack_piece, pack_planner, unpack_block
 from gateway.pure.programs import Programs
 from gateway.pure.records import CellState, Motion, unpack_cell_state
-from gateway.realtime import Timerfd, die_with_parent
+from gateway.realtime import Timerfd, die_with_parent, go_ahead
 from motion.errors import MotionError
 from motion.planner.robot import Machine
 
@@ -126,6 +126,7 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--fds", required=True)
     arguments = parser.parse_args(argv)
     die_with_parent(number=signal.SIGKILL)
+    go_ahead()  # as the services: what they do for many partners must not starve it
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     with contextlib.suppress(KeyboardInterrupt):
         PlannerProcess(load_plan(arguments.plan), fds_from_text(arguments.fds)).run()

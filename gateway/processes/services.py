@@ -47,7 +47,7 @@ from gateway.pure.records import (
     unpack_inputs,
 )
 from gateway.pure.supervision import LinkWatch
-from gateway.realtime import Timerfd, die_with_parent
+from gateway.realtime import Timerfd, die_with_parent, go_ahead
 from gateway.recording.told import ServicesTap
 from gateway.retaindesk import RetainDesk
 from gateway.signaldesk import RcOutputs, SignalDesk
@@ -63,6 +63,7 @@ INHERITED_NS = ms(3_000)  # inputs a predecessor left stand this long, then they
 CYCLE_GONE_NS = ms(250)  # a cycle silent for this long is told to the doors; restarts at once are quicker only on a fast machine
 LINKS_EVERY = 20  # ticks
 REFUSALS_KEPT_NS = ms(60_000)
+WRONG = int(AxisFlag.FAULT | AxisFlag.UNCONFIGURED | AxisFlag.LOST)  # of an axis, in the list of errors
 SERIAL = (LineDoor, TelegramDoor)
 
 
@@ -271,7 +272,9 @@ class Services:
         if state.emergency:
             errors.append((Reason.EMERGENCY_STOP, text(Reason.EMERGENCY_STOP)))
         for n, axis in enumerate(self.office.axes):
-            flags = state.axes[n].flags
+            flags = int(state.axes[n].flags)
+            if not flags & WRONG:
+                continue
             if flags & AxisFlag.FAULT:
                 code = state.axes[n].fault_code
                 fault = self.canopen.fault(n, code) or servodyn_fault(code, self.plan.cell.cell.language)
@@ -362,6 +365,7 @@ def main(argv: list[str] | None = None) -> int:
     arguments = parser.parse_args(argv)
     die_with_parent(number=signal.SIGKILL)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    go_ahead()
     if arguments.spare and not called():
         return 0
     with contextlib.suppress(KeyboardInterrupt):

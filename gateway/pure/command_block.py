@@ -63,6 +63,17 @@ def real_words(value: float) -> tuple[int, int]:
     return high, low
 
 
+_REALS, _WORDS = struct.Struct(f">{2 * AXES}f"), struct.Struct(f">{4 * AXES}H")
+
+
+def _all_words(values: Sequence[float]) -> Sequence[int]:
+    """`real_words` of all actual values and lags at one go: each door asks for them with every tick."""
+    try:
+        return _WORDS.unpack(_REALS.pack(*values))
+    except OverflowError:
+        return [word for value in values for word in real_words(value)]
+
+
 @dataclass(slots=True)
 class Status:
     """What stands in the status block."""
@@ -135,6 +146,4 @@ class CommandBlock:
             status.owner,
             0,
         ]
-        for actual, lag in zip(status.actual, status.lag, strict=True):
-            head += [*real_words(actual), *real_words(lag)]
-        return head
+        return [*head, *_all_words([value for pair in zip(status.actual, status.lag, strict=True) for value in pair])]

@@ -6,11 +6,10 @@ from drivers.drives.family import Power
 from drivers.drives.limits import LagState
 from gateway.pure.coreaxis import HeldAxis
 from gateway.pure.permits import RcNumbers
-from gateway.pure.records import RC_BYTES, AxisFlag, AxisState, CellState, Motion, set_bit, set_bits
+from gateway.pure.records import FLAGS, RC_BYTES, AxisFlag, AxisState, CellState, Motion, set_bit, set_bits
 
 AT_REST_S = 0.02  # in position: inside the window for this long
-# The cycle asks for these several times an axis: arithmetic of enum flags costs microseconds, numbers and tables nothing.
-FLAGS = tuple(AxisFlag(bits) for bits in range(1 << len(AxisFlag)))
+# The cycle asks for these several times an axis: as plain numbers
 ENABLED, REFERENCED, IN_POSITION, FAULT, LOST, HOMING, WARNING, ON, UNCONFIGURED = (int(flag) for flag in AxisFlag)
 
 

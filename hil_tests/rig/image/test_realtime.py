@@ -1,5 +1,6 @@
 """Real-time habits: sleeping to an absolute instant, timer descriptors, dying with the parent, scheduling class and its refusal."""
 
+import contextlib
 import os
 import select
 import signal
@@ -10,7 +11,7 @@ import time
 import pytest
 
 from gateway import realtime
-from gateway.realtime import Alarm, Timerfd, die_with_parent, go_realtime, sleep_until
+from gateway.realtime import Alarm, Timerfd, die_with_parent, go_ahead, go_realtime, sleep_until
 
 MS = 1_000_000
 
@@ -140,6 +141,24 @@ def test_real_time_is_taken_or_its_refusal_said_and_children_start_without() -> 
                 os._exit(os.sched_getscheduler(0) != os.SCHED_OTHER)
             normal = os.waitpid(inside, 0)[1] == 0
             code = 0 if fifo != told and normal else 1
+        finally:
+            os._exit(code)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+
+
+def test_a_process_that_goes_ahead_stays_in_the_ordinary_class_and_takes_the_nice_value_it_may() -> None:
+    child = os.fork()
+    if not child:
+        code = 9
+        try:
+            before = os.getpriority(os.PRIO_PROCESS, 0)
+            go_ahead()
+            after = os.getpriority(os.PRIO_PROCESS, 0)
+            permitted = after
+            with contextlib.suppress(OSError):
+                os.setpriority(os.PRIO_PROCESS, 0, min(before, -10))
+                permitted = os.getpriority(os.PRIO_PROCESS, 0)
+            code = 0 if os.sched_getscheduler(0) == os.SCHED_OTHER and after in (permitted, -10) else 1
         finally:
             os._exit(code)
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
