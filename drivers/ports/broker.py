@@ -153,7 +153,7 @@ class BrokerPort:
         return self._frames(self._link.receive())
 
     def receive_next(self) -> list[Frame]:
-        """What one sender gave at one go."""
+        """One message of the broker: at most 64 frames."""
         return self._frames(self._link.receive(1))
 
     def _frames(self, records: list[Record]) -> list[Frame]:
