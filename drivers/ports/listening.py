@@ -26,6 +26,10 @@ class ListeningCan:
     def receive(self) -> list[Frame]:
         return self._port.receive()
 
+    def receive_next(self) -> list[Frame]:
+        """As the port under it."""
+        return self._port.receive_next()
+
     def take_faults(self) -> list[tuple[FrameFault, Ns]]:
         return self._port.take_faults()
 
