@@ -77,14 +77,15 @@ def capture(
 
 def recording_of(kept: Capture, channels: Sequence[Channel], cell: Cell, period_s: float, trigger: str) -> Recording:
     """Time 0 is the trigger; without one the first record."""
-    stamps = np.asarray(kept.stamps, dtype=np.int64)
+    stamps = np.frombuffer(kept.stamps, dtype=np.int64) if kept.stamps else np.zeros(0, np.int64)
+    values = np.frombuffer(kept.rows.flat, dtype=np.float64) if kept.stamps else np.zeros(0)  # no copy: ten minutes are 38 MB
     zero = stamps[min(kept.triggered_at or 0, len(stamps) - 1)] if len(stamps) else 0
     ago = datetime.timedelta(seconds=(time.monotonic_ns() - int(zero)) / 1e9)
     return Recording(
         [each.name for each in channels],
         [each.unit for each in channels],
         (stamps - zero) / 1e9,
-        np.asarray(kept.rows, dtype=np.float64).reshape(len(kept.rows), len(channels)),
+        values.reshape(len(kept.stamps), len(channels)),
         period_s,
         cell.cell.name,
         trigger,

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 FORMAT = "axisgate-scope/1"
+AT_ONCE = 8192  # rows written together
 SUFFIXES = (".csv", ".mf4")
 
 
@@ -53,10 +54,11 @@ def save(recording: Recording, path: pathlib.Path) -> None:
         "started": recording.started,
         "lost": recording.lost,
     }
-    rows = np.column_stack((recording.time, recording.values)).astype("<f8")
     with path.open("wb") as file:
         file.write(json.dumps(head).encode() + b"\n")
-        file.write(rows.tobytes())
+        for at in range(0, len(recording.time), AT_ONCE):  # a long recording is not laid out a second time in memory
+            part = slice(at, at + AT_ONCE)
+            file.write(np.column_stack((recording.time[part], recording.values[part])).astype("<f8").tobytes())
 
 
 def load(path: pathlib.Path) -> Recording:

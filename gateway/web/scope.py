@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 LOOK_S = 0.05
 AT_ONCE = 2048
 SILENT_S = 5.0
-MOST_VALUES = 1_000_000  # records times channels: 60 s of 16 channels at 1 ms; longer ones: axisgate scope record
+MOST_VALUES = 5_000_000  # records times channels, 40 MB: ten minutes of 16 channels at 2 ms; longer ones: axisgate scope record
 MOST_FILES = 200
 DRAWN = 160  # moments of a running recording that are told
 Row = dict[str, Any]
@@ -139,7 +139,7 @@ class Scope:
         places = range(0, count, max(1, count // DRAWN))
         zero = kept.stamps[min(kept.triggered_at or 0, count - 1)] if count else 0
         times = [round((kept.stamps[n] - zero) / 1e9, 4) for n in places]
-        return {"t": times, "values": [[round(kept.rows[n][c], 5) for n in places] for c in range(len(self._channels))]}
+        return {"t": times, "values": [[round(kept.rows.value(n, c), 5) for n in places] for c in range(len(self._channels))]}
 
     # ---- files ------------------------------------------------------------------------------------------------------------
     def _file(self, name: str = ".shown") -> pathlib.Path:

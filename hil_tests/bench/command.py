@@ -63,9 +63,9 @@ def modbus(arguments: argparse.Namespace) -> list[Figure]:
 
 
 def web(arguments: argparse.Namespace) -> list[Figure]:
-    from hil_tests.bench.web_bench import figures
+    from hil_tests.bench.web_bench import SCOPE_S, figures
 
-    return figures()
+    return figures(arguments.seconds or SCOPE_S)
 
 
 BENCHES: dict[str, Callable[[argparse.Namespace], list[Figure]]] = {
@@ -87,7 +87,11 @@ def main(argv: list[str]) -> int:
     parser.add_argument("name", choices=[*BENCHES, "all"])
     parser.add_argument("--json", action="store_true", help="list of {figure, value, unit, reference, reference_value, ratio, goal, met}")
     parser.add_argument("--blocks", type=int, default=6, help="of each side in bench cycle and drives (default 6)")
-    parser.add_argument("--seconds", type=float, help="of each block in bench cycle (default 10) and drives (5, at half the period)")
+    parser.add_argument(
+        "--seconds",
+        type=float,
+        help="of each block in bench cycle (default 10) and drives (5, at half the period); of the scope in bench web (600)",
+    )
     arguments = parser.parse_args(argv)
     missing = [name for name in ("cycle_ref", "modbus_load", "servo_ref") if not (ROOT / "build" / name).exists()]
     if missing:

@@ -1,4 +1,5 @@
-"""What the page costs: seconds to the first paint, MB of the first page, ms of a search, and what twenty viewers do to the cycle.
+"""What the page costs: seconds to the first paint, MB of the first page, ms of a search, and what twenty viewers do to the cycle,
+and how many records the page's scope loses in ten minutes of 16 channels at 2 ms.
 
 The cycle is measured by its own trace ring (SYNC sent minus due) in blocks that alternate: nobody looks, twenty viewers look.  The
 viewers are live connections in a process of their own, on all pages; how many were really connected stands in the row.
@@ -22,17 +23,25 @@ from websockets.asyncio.client import connect
 from gateway.image import RingReader, recv_fds
 from gateway.processes.supervisor import ask
 from gateway.pure.records import unpack_trace
+from gateway.scope.recording import load
 from hil_tests.lab.cell_running import CellRun, free_port, running_cell
 from hil_tests.lab.web_running import CHROMIUM, FLAGS, PAGES, WebAsk, until
 
 Figure = dict[str, object]
 VIEWERS, BLOCKS, BLOCK_S, SETTLE_S = 20, 5, 4.0, 1.0
 SIGNALS, WORDS = 5000, ("DB107.DW12", "axis actual", "40001", "feed allow", "move target", "RCI 26", "O3.0", "DB 140")
+SCOPE_S = 600.0
+CHANNELS = [f"axis.A{n}.{what}" for n in range(1, 7) for what in ("set", "actual")] + [f"axis.A{n}.lag" for n in range(1, 5)]
 FIRST_PAINT = "performance.getEntriesByName('first-contentful-paint')[0]?.startTime"
 
 
-def figures() -> list[Figure]:
-    """All four."""
+def figures(scope_s: float = SCOPE_S) -> list[Figure]:
+    """All of them; `scope_s`: how long the page's scope records at 2 ms."""
+    return [*page_figures(), scope_figure(scope_s)]
+
+
+def page_figures() -> list[Figure]:
+    """First page, search, viewers."""
     with tempfile.TemporaryDirectory(prefix="axg-web-") as folder:
         cell = pathlib.Path(folder) / "wide.toml"
         cell.write_text(wide_cell())
@@ -41,6 +50,37 @@ def figures() -> list[Figure]:
             web = WebAsk(port)
             until(web.answers, "the page answers", 60.0)
             return [*first_page(web), search(web), *viewers(run, web)]
+
+
+def scope_figure(seconds: float) -> Figure:
+    """16 channels at 2 ms through the page, so long."""
+    port = free_port()
+    with running_cell("demo", "scopebench", plc=False, p5_ms=2, more=("--web", str(port))):
+        web = WebAsk(port)
+        until(web.answers, "the page answers", 60.0)
+        records, wanted, lost = recorded(web, seconds, 2)
+    met = lost == 0 and records == wanted and seconds >= SCOPE_S
+    beside = f"{records} of {wanted} records of {len(CHANNELS)} channels in {seconds:g} s; the goal is {SCOPE_S:g} s"
+    return figure("web.scope_lost", lost, "records", 0.0, met=met, beside=beside)
+
+
+def recorded(web: WebAsk, seconds: float, p5_ms: int) -> tuple[int, int, int]:
+    """(records kept, records asked for, records that never came) of one recording of the page, read from its file."""
+    status, told = web.ask("POST", "/api/scope/start", {"channels": CHANNELS, "seconds": seconds}, x_axisgate="1")
+    assert status == 200, told
+    time.sleep(seconds)
+    with tempfile.TemporaryDirectory(prefix="axg-scope-") as folder:
+        file = pathlib.Path(folder) / "kept.scope"
+
+        def there() -> bool:
+            answered, octets = web.ask("GET", "/api/scope/file?as=scope")
+            if answered == 200 and isinstance(octets, bytes):
+                file.write_bytes(octets)
+            return file.exists()
+
+        until(there, "the recording is there", 120.0)
+        recording = load(file)
+    return len(recording.time), round(seconds * 1000 / p5_ms), recording.lost
 
 
 def wide_cell() -> str:

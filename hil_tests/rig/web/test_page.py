@@ -17,6 +17,7 @@ from playwright.sync_api import Page
 
 from gateway.pure.records import Motion
 from gateway.scope.recording import load
+from hil_tests.bench.web_bench import CHANNELS, recorded
 from hil_tests.lab.plc2 import ModbusPlc
 from hil_tests.lab.web_looks import CONTRAST, FILLED
 from hil_tests.lab.web_running import ADMIN, CHROMIUM, DESKTOP, PAGES, PASSWORD, TABLET, WebRun, pictures, until, web_run
@@ -404,6 +405,15 @@ def test_every_page_is_pictured_readable_and_fits(web: WebRun, dark: bool) -> No
     plc2.stop()
     context.close()
     assert web.complaints == []
+
+
+def test_sixteen_channels_are_recorded_whole_by_the_page(web: WebRun, boss: Page) -> None:
+    """The short form of `axisgate bench web`, which asks for ten minutes at 2 ms."""
+    records, wanted, lost = recorded(web, 2.0, web.run.p5_ms)
+    assert (records, lost) == (wanted, 0)
+    told = web.ask("POST", "/api/scope/start", {"channels": CHANNELS, "seconds": 600.0}, x_axisgate="1")
+    assert told[0] == 200, "ten minutes are not too long"
+    assert web.ask("POST", "/api/scope/stop", {}, x_axisgate="1")[0] == 200
 
 
 def test_too_many_wrong_passwords_have_to_wait(web: WebRun) -> None:

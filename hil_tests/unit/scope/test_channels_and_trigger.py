@@ -8,7 +8,7 @@ import pytest
 from gateway.pure.records import RC_BYTES, AxisFlag, AxisState, CellState, Motion, pack_cell_state, set_bit
 from gateway.pure.scope.channels import AxisFact, ChannelError, all_names, channel, stamp_ns
 from gateway.pure.scope.records import SCOPE_BYTES, pack_scope
-from gateway.pure.scope.trigger import Capture, TriggerError, parse_trigger
+from gateway.pure.scope.trigger import Capture, Rows, TriggerError, parse_trigger
 from gateway.pure.signals import from_tables
 
 AXES = [AxisFact("X", "mm"), AxisFact("W", "deg")]
@@ -100,7 +100,7 @@ def test_without_a_trigger_the_first_records_are_kept() -> None:
 def test_a_level_fires_where_it_is_passed_and_keeps_what_was_before() -> None:
     capture = kept("axis.X.actual > 4.5", RAMP, pre=2)
     assert (values(capture), capture.triggered_at) == ([3, 4, 5, 6, 7], 2)
-    assert capture.stamps == [3000, 4000, 5000, 6000, 7000] == [stamp_ns(one) for one in RAMP[3:8]]
+    assert list(capture.stamps) == [3000, 4000, 5000, 6000, 7000] == [stamp_ns(one) for one in RAMP[3:8]]
 
 
 def test_less_before_the_trigger_than_was_asked_for_is_all_there_is() -> None:
@@ -139,3 +139,13 @@ def test_records_that_never_came_are_counted() -> None:
 def test_a_trigger_that_cannot_be_read_is_refused(words: str) -> None:
     with pytest.raises(TriggerError):
         parse_trigger(words, AXES, SIGNALS)
+
+
+def test_ten_minutes_of_sixteen_channels_fit_in_forty_megabytes() -> None:
+    rows = Rows(16)
+    for n in range(1000):
+        rows.append(float(16 * n + column) for column in range(16))
+    assert len(rows) == 1000 and rows[3] == [float(16 * 3 + column) for column in range(16)] and rows.value(999, 15) == 15_999.0
+    assert len(rows.flat) * rows.flat.itemsize * 300 <= 40e6, "300,000 records: ten minutes at 2 ms"
+    with pytest.raises(IndexError):
+        rows[1000]
