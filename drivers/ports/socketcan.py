@@ -16,6 +16,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from drivers.ports.base import PortError
+from drivers.ports.canrestart import restart
 from drivers.ports.canwire import CAN_FRAME, CONTROL, EFF_FLAG, ERR_FLAG, CanCounters, check_frame, fault_of
 from protocols.base.machine import Frame, FrameFault, Ns
 
@@ -55,6 +56,7 @@ class SocketCanPort:
         if not _is_up(interface):
             link.close()
             raise PortError(f"{self.name}: the interface is down: sudo ip link set {interface} up")
+        restart(interface)  # one that stands at bus-off; refused everywhere else
         return link
 
     def fileno(self) -> int:

@@ -47,13 +47,19 @@ from gateway.pure.scope.records import SCOPE_LAYOUT, pack_scope
 from gateway.realtime import Alarm, die_with_parent, go_realtime
 from gateway.recording.tap import CycleTap
 from protocols.base.errors import DecodeError
-from protocols.base.machine import Frame
+from protocols.base.machine import Frame, FrameFault
 
 PRIORITY = 40  # broker 30, emulator 20, line process 15: all below the cycle
 PIECES_SHARE = 8  # of the period may be spent on the planner's pieces; the rest waits in the ring
 THINKING_NS, THINKING_SHARE = 3_000_000, 0.4  # kept free for the core at the end of a cycle: the smaller of both (AX-149)
 REOPEN_NS = 200_000_000
 ACYCLIC_AT_ONCE = 8  # records taken from the ring in one cycle; each bus still sends one frame of them a cycle
+
+
+BUS_OFF = (
+    "bus-off: the controller left the bus after too many errors and is restarted; check cable, termination (120 ohm at both ends) and bit"
+    " rate; if it stays away: sudo ip link set can0 type can restart (axisgate does that itself where it has CAP_NET_ADMIN)"
+)
 
 
 def patience_ns(period_ns: int) -> int:
@@ -87,6 +93,9 @@ class BusLink:
         if self.port is None and not self._open(now):
             return False
         assert self.port is not None
+        if any(kind is FrameFault.BUS_OFF for kind, _ in self.port.take_faults()):
+            self._lose(PortError(f"{self.url}: {BUS_OFF}"))
+            return False
         if self.tap is not None:
             self.tap.sent(self.number, self._burst)
         if self.acyclic:

@@ -1,5 +1,7 @@
 """The raw AF_CAN port on a real vcan0, judged by Debian's candump and cansend: frames, stamps, error frames, what is refused."""
 
+import errno
+import os
 import pathlib
 import select
 import socket
@@ -12,6 +14,7 @@ import pytest
 
 from drivers.ports.base import PortError
 from drivers.ports.can import open_can
+from drivers.ports.canrestart import restart
 from drivers.ports.socketcan import SocketCanPort
 from hil_tests.rig.vcan.candump import candump, read
 from protocols.base.machine import Frame, FrameFault
@@ -114,3 +117,13 @@ def test_a_missing_or_downed_interface_says_what_to_do(port: SocketCanPort) -> N
     assert fresh.send([Frame(1)]) == 1
     fresh.close()
     listener.close()
+
+
+def test_a_controller_at_bus_off_is_restarted_with_the_words_ip_uses(port: SocketCanPort) -> None:
+    """vcan has no controller: the kernel understands the request (ip gets the same answer) and refuses it there."""
+    told = subprocess.run(
+        ["ip", "link", "set", "vcan0", "type", "can", "restart"], capture_output=True, text=True, timeout=LIMIT_S, check=False
+    )
+    assert os.strerror(restart("vcan0")) in told.stderr and restart("vcan0") == errno.EOPNOTSUPP
+    assert restart("nosuch") == errno.ENODEV
+    assert port.send(CYCLE) == 7, "and nothing happened to it"
