@@ -1,0 +1,151 @@
+"""`route.both_ways` over a drive (issue 6): a Modbus client releases feed hold, a route carries that to the cycle, the drive moves, and a
+second route shows its actual position at the door.
+
+Every round: a move stands held at its beginning; write, first telegram of the drive with another position (stamped by the broker), first
+read-back of another position by the client.  Limits of the axis are so wide that the way of one cycle is far above the threshold.  Both
+clocks are CLOCK_MONOTONIC; the time on loopback counts against us.
+"""
+
+import random
+import select
+import struct
+import threading
+import time
+
+from drivers.ports.can import open_can
+from hil_tests.lab.joined_running import JoinedRun, cell_copy, running_joined
+from hil_tests.lab.modbus_running import RawClient
+from protocols.servodyn.plan import actual_id
+
+NAME = "routedrive"
+MOVED_INC, MOVED_UM = 16, 20  # about the same way: 819 increments are a millimetre
+WRITTEN, READ_BACK = 5, 6  # holding registers: RC input byte 10, bit 0 of a high byte; bytes 12..15
+RUN, WAY_MM = 0x0100, 2.0
+ENABLE, RELATIVE, OVERRIDE, REQUEST = 1, 5, 10, 11
+RUNNING, DONE = 2, 3
+QUICK = (
+    ("accel = 3000.0, jerk = 30000.0", "accel = 20000.0, jerk = 10000000.0"),
+    ('home      = { by = "gateway", mode = 0, speed = 100.0, slow_speed = 20.0, direction = "-" }', 'home      = { by = "none" }'),
+)
+DOOR = """
+[rc_inputs]
+owner = { "10" = "door", "11" = "door" }
+assume = ["EMSTOP_OK_RCI", "CTRL_ALLOW_RCI", "FEED_ALLOW_RCI", "TRAVEL_ALLOW_RCI"]
+[[modbus]]
+name = "door"
+command_block = true
+max_silence_ms = 60000
+[[route]]
+name = "run"
+from = "A 10.0"
+to   = "FEED_HOLD_N_RCI"
+[[route]]
+name = "place"
+from = "axis.A1.actual"
+to   = "AD 12"
+to_type = "s32"
+scale = 1000.0
+"""
+
+
+def measure(rounds: int, p5_ms: int, seed: int = 1) -> tuple[list[float], list[float]]:
+    """(door to drive, door to door) in cycles."""
+    with (
+        running_joined(lambda folder: cell_copy("host-telegrams", folder, *QUICK, more=DOOR), NAME, p5_ms=p5_ms) as run,
+        RawClient(run.port) as door,
+    ):
+        ear = _Ear()
+        try:
+            return _rounds(run, door, ear, rounds, p5_ms, random.Random(seed))
+        finally:
+            ear.close()
+
+
+class _Ear:
+    """When the drive's telegram said another position first."""
+
+    def __init__(self) -> None:
+        self.moved_ns, self.place, self._rest, self._stop = 0, 0, 0, threading.Event()
+        self._port = open_can(f"broker:{NAME}-drives")
+        self._thread = threading.Thread(target=self._listen, daemon=True)
+        self._thread.start()
+
+    def begin(self) -> None:
+        """From here on a move is looked for."""
+        self._rest, self.moved_ns = self.place, 0
+
+    def _listen(self) -> None:
+        while not self._stop.is_set():
+            if select.select([self._port], (), (), 0.05)[0]:
+                for frame in self._port.receive():
+                    if frame.identifier == actual_id(1):
+                        self.place = struct.unpack_from("<i", frame.data, 2)[0]
+                        if not self.moved_ns and abs(self.place - self._rest) > MOVED_INC:
+                            self.moved_ns = frame.stamp_ns
+
+    def wait(self) -> None:
+        """The telegram is on the bus before the client reads it back; this thread may be later."""
+        end = time.monotonic() + 5.0
+        while not self.moved_ns:
+            assert time.monotonic() < end, "the drive's telegram was never seen on the bus"
+            time.sleep(0.001)
+
+    def close(self) -> None:
+        self._stop.set()
+        self._thread.join(5)
+        self._port.close()
+
+
+class _Commands:
+    """The command block of the door."""
+
+    def __init__(self, run: JoinedRun, door: RawClient) -> None:
+        self._run, self._door, self._toggle = run, door, False
+        self.give(0)  # the first one is only adopted
+
+    def give(self, code: int, way_mm: float = 0.0) -> None:
+        """For axis 1 with full rates; a move is only begun, everything else is waited for."""
+        self._toggle = not self._toggle
+        word, (high, low) = (0x8000 if self._toggle else 0) | code, struct.unpack(">HH", struct.pack(">f", way_mm))
+        answer = self._door.ask(f"10 03e8 0006 0c {word:04x} 0001 2710 2710 {high:04x} {low:04x}")
+        assert answer == "10 03 E8 00 06", answer
+        if code:
+            self.wait(RUNNING if code == RELATIVE else DONE)
+
+    def wait(self, state: int) -> None:
+        """Until the command given last has come so far."""
+        self._run.until(lambda: self._status() == (self._toggle, state), f"state {state} of the command block")
+
+    def _status(self) -> tuple[bool, int]:
+        high, low = (int(octet, 16) for octet in self._door.ask("04 03e8 0001").split()[2:4])
+        return bool(high & 0x80), low
+
+
+def _rounds(run: JoinedRun, door: RawClient, ear: _Ear, rounds: int, p5_ms: int, chance: random.Random) -> tuple[list[float], list[float]]:
+    acts, back, period = [], [], p5_ms * 1e6
+    run.until(lambda: door.ask(f"06 {WRITTEN:04x} 0000").startswith("06"), "the door takes a write")
+    commands = _Commands(run, door)
+    for code in (REQUEST, OVERRIDE, ENABLE):
+        commands.give(code)
+    for count in range(rounds):
+        commands.give(RELATIVE, WAY_MM if count % 2 == 0 else -WAY_MM)
+        time.sleep(chance.uniform(20.0, 21.0) * p5_ms / 1000)  # at rest, at any moment of the cycle
+        rest = _place(door)
+        ear.begin()
+        began = time.monotonic_ns()
+        door.ask(f"06 {WRITTEN:04x} {RUN:04x}")
+        while abs(_place(door) - rest) <= MOVED_UM:
+            assert time.monotonic_ns() - began < 5_000_000_000, f"the drive stays where it is\n{run.words()}"
+        back.append((time.monotonic_ns() - began) / period)
+        ear.wait()
+        acts.append((ear.moved_ns - began) / period)
+        commands.wait(DONE)
+        door.ask(f"06 {WRITTEN:04x} 0000")
+        run.until(lambda: run.value("A 3.3") == 0, "feed hold stands again")
+    return acts, back
+
+
+def _place(door: RawClient) -> int:
+    """As the door shows it, um."""
+    octets = bytes.fromhex(door.ask(f"03 {READ_BACK:04x} 0002"))
+    return int(struct.unpack(">i", octets[2:6])[0])
