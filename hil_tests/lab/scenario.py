@@ -75,15 +75,17 @@ class Scenario:
         except (TimeoutError, PortError, OSError, KeyError) as error:
             self.failed = True
             self._stop()
-            raise ScenarioFailed(
-                f"{self.show.title}: {error}\n{self._last_words()}", late=machine_late(self.folder / "bus-drives.log", self.p5_ms)
-            ) from error
+            raise ScenarioFailed(f"{self.show.title}: {error}\n{self._last_words()}", late=self.machine_late()) from error
         self.show.step("the records are judged")
         self._stop()
         verdicts = verdicts_of(self.cell, self.folder, self.story, self._bus_clock_ns)
         self.failed = not all(verdict.ok for verdict in verdicts)
         self.show.summary(verdicts)
         return verdicts
+
+    def machine_late(self) -> str:
+        """By the bus log: what the machine let be late, in words; empty: nothing."""
+        return machine_late(self.folder / "bus-drives.log", self.p5_ms)
 
     def close(self) -> None:
         """End whatever is still running; twice does no harm."""

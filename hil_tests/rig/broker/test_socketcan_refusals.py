@@ -56,5 +56,5 @@ def test_a_host_without_can_says_so_in_one_line(monkeypatch: pytest.MonkeyPatch)
 
 @pytest.mark.parametrize("url", ["", "can0", "broker:", "socketcan:"])
 def test_an_unknown_url_names_what_exists(url: str) -> None:
-    with pytest.raises(PortError, match="a CAN port is socketcan:INTERFACE, broker:NAME or an adapter of python-can, e.g. "):
+    with pytest.raises(PortError, match=r"a CAN port is socketcan:INTERFACE, broker:NAME or an adapter of python-can, e\.g\. "):
         open_can(url)

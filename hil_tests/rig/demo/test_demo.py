@@ -23,10 +23,10 @@ def demo(folder: pathlib.Path, *options: str) -> subprocess.CompletedProcess[str
         f"demo-{folder.name[-8:]}",
         *options,
     ]
-    return subprocess.run(command, capture_output=True, text=True, cwd=ROOT, timeout=400, check=False)
+    return subprocess.run(command, capture_output=True, text=True, cwd=ROOT, timeout=600, check=False)
 
 
-@pytest.mark.timeout(450)
+@pytest.mark.timeout(650)
 def test_the_whole_scenario_holds_by_the_witnesses(tmp_path: pathlib.Path) -> None:
     done = demo(tmp_path, "--json", "--seed", "3")
     assert done.returncode == 0, done.stderr[-3000:]
