@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from gateway.cell_axes import Axis, FollowingError, Home, Plant, PlantAxis
-from gateway.cell_belts import Belt, Measuring
+from gateway.cell_belts import Belt, Measuring, PathOutput
 from gateway.cell_buses import Bus, Io, IoDevice
 from gateway.cell_controller import Controller
 from gateway.cell_lines import Choices, Db, Entry, Handshake, Line, Rk512, Telegram, TelegramField, TelegramMatch, TelegramPart, Times
@@ -127,6 +127,7 @@ class Cell:
     program: tuple[Program, ...] = ()
     belt: tuple[Belt, ...] = ()
     measuring: tuple[Measuring, ...] = ()
+    path_output: tuple[PathOutput, ...] = ()
     check_position: tuple[CheckPosition, ...] = ()
     telegram: tuple[Telegram, ...] = ()
     retain: Retain | None = None

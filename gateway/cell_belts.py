@@ -35,6 +35,18 @@ class Measuring:
 
 
 @dataclass(frozen=True, slots=True)
+class PathOutput:
+    """[[path_output]]: IO logic (SF 1) or PPO (SF 2) of programs, and where its value stands in the image."""
+
+    kind: str  # iol | ppo
+    function: int  # 1..; a PPO from 201 on is analog
+    output: int  # RC output; of a PPO the first bit of its byte or word
+    bits: int = 16  # of a PPO: 8 | 16, two's complement
+    rated: float = 0.0  # P405 of an analog output: the value at `volts`
+    volts: float = 10.0  # 10 | 13.3
+
+
+@dataclass(frozen=True, slots=True)
 class PlantBelt:
     """[plant.belt.NAME]: the emulated belt and its encoder."""
 

@@ -10,7 +10,7 @@ from pydantic import Field
 
 from gateway.cellmodels_axes import Axis, Defaults, Plant
 from gateway.cellmodels_base import Name, Table, unit
-from gateway.cellmodels_belts import Belt, Measuring
+from gateway.cellmodels_belts import Belt, Measuring, PathOutput
 from gateway.cellmodels_buses import Bus, Io
 from gateway.cellmodels_controller import Controller
 from gateway.cellmodels_lines import Db, Handshake, Line, Telegram
@@ -131,6 +131,7 @@ class CellFile(Table):
     program: list[Program] = []
     belt: list[Belt] = []
     measuring: list[Measuring] = []
+    path_output: list[PathOutput] = []
     check_position: list[CheckPosition] = []
     telegram: list[Telegram] = []
     retain: Retain | None = None

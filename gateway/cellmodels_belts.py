@@ -35,6 +35,15 @@ class Measuring(Table):
     axes: list[str] = []
 
 
+class PathOutput(Table):
+    kind: Literal["iol", "ppo"]
+    function: int = Field(ge=1, le=299)
+    output: int = Field(ge=0, le=1023)
+    bits: Literal[8, 16] = 16
+    rated: float = Field(default=0.0, ge=0.0, le=1e6)
+    volts: float = Field(default=10.0, ge=10.0, le=13.3, json_schema_extra=_unit("V"))
+
+
 class PlantBelt(Table):
     speed: float = Field(default=0.0, ge=-10000.0, le=10000.0, json_schema_extra=PER_S)
     accel: float = Field(default=1000.0, gt=0.0, le=1e6, json_schema_extra=PER_S2)

@@ -1,14 +1,19 @@
 """[[program]]: numbers are there once, the robot fits the axes, every file is found and reads without a fault."""
 
+from gateway.axes import rc_numbers
 from gateway.checks.context import Context, twice
 from gateway.files import ConfigNotFound, beside, read_text
 from gateway.programplan import machine_of_cell, written_for
+from gateway.pure.permits import free_outputs
+
+ANALOG = 200
 
 
 def programs(check: Context) -> None:
     """Reach and limits along the way are looked at by `axisgate motion check`, and before every run of a program."""
     cell = check.cell
     _measuring(check)
+    _path_outputs(check)
     if not cell.program:
         return
     for number, _, _ in twice((each.number, str(n)) for n, each in enumerate(cell.program)):
@@ -45,6 +50,28 @@ def _read(check: Context, key: str, file: str) -> None:
         for block in program.blocks:
             if block.until is not None and block.until.channel and block.until.channel not in there:
                 check.fault(key, file, f"line {block.line}: channel {block.until.channel} is in no [[measuring]] table")
+
+
+def _path_outputs(check: Context) -> None:
+    """[[path_output]]: every function once, on outputs nobody else writes, a PPO on whole bytes."""
+    cell, taken = check.cell, set[int]()
+    free = free_outputs(rc_numbers(cell), len(cell.axis))
+    for word, _, _ in twice((f"{each.kind} {each.function}", str(n)) for n, each in enumerate(cell.path_output)):
+        check.fault(f"path_output.{word}", word, "this function has an output already")
+    for each in cell.path_output:
+        key = f"path_output.{each.kind} {each.function}"
+        bits = set(range(each.output, each.output + (each.bits if each.kind == "ppo" else 1)))
+        if not bits <= free or bits & taken:
+            check.fault(f"{key}.output", each.output, "axisgate itself, or another function, writes this output")
+        if each.kind == "ppo" and each.output % each.bits:
+            check.fault(f"{key}.output", each.output, f"a value of {each.bits} bits stands at a multiple of {each.bits}")
+        if each.kind == "ppo" and (each.function > ANALOG) is (each.rated == 0.0):
+            check.fault(f"{key}.rated", each.rated, "functions from 201 on are analog and have a rated value (P405), others have none")
+        if each.volts not in (10.0, 13.3):
+            check.fault(f"{key}.volts", each.volts, "", "10 or 13.3", "V")
+        taken |= bits
+    if cell.path_output and cell.robot is None:
+        check.fault("path_output", "", "the coordinates are those of a robot: [robot] with a model is missing")
 
 
 def _measuring(check: Context) -> None:

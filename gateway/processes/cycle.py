@@ -25,6 +25,7 @@ from gateway.cyclebelts import BeltOffsets, Encoder, belts_of, encoders_of
 from gateway.families import make_family
 from gateway.image import RegionReader, RegionWriter, RingReader, RingWriter, fds_from_text
 from gateway.io_cycle import InputMarks, IoErrors, cycle_contacts
+from gateway.pathoutputs import functions_of
 from gateway.pure.core import Core
 from gateway.pure.plannerrecords import PIECE_LAYOUT, unpack_piece
 from gateway.pure.recording.messages import What
@@ -191,6 +192,7 @@ class Cycle:
             assumed=assumed_permits(cell),
             finish_without_services=cell.cell.on_services_loss == "finish_move",
             belts=belts_of(cell, plan.p5_ms) if cell.belt else None,
+            functions=functions_of(cell, plan.p5_ms),
         )
         self.buses = [
             BusLink(plan.buses[bus.name], make_family(cell, bus, plan.p5_ms, simulated=plan.simulated), n)

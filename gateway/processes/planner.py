@@ -15,6 +15,7 @@ from gateway.beltplan import belt_facts
 from gateway.files import read_text
 from gateway.image import RegionReader, RegionWriter, RingReader, RingWriter, fds_from_text
 from gateway.journal import Journal
+from gateway.pathoutputs import output_places
 from gateway.programplan import machine_of_cell, measured_mask, written_for
 from gateway.pure.permits import free_outputs
 from gateway.pure.plannerrecords import SAY_LAYOUT, MeasuringFacts, PlannerState, pack_piece, pack_planner, unpack_block
@@ -42,6 +43,7 @@ class PlannerProcess:
         self.count = len(plan.cell.axis)
         outputs = free_outputs(rc_numbers(plan.cell), self.count)
         self.programs = Programs(self.machine, self.mask, self.text, outputs, belts=belt_facts(plan.cell), pulse=self._beat)
+        self.programs.functions = output_places(plan.cell)
         self.programs.channels = {each.channel: MeasuringFacts(each.input, measured_mask(plan.cell, each)) for each in plan.cell.measuring}
         self._told: tuple[int, str] = (0, "")
         self._stop = False

@@ -32,6 +32,7 @@ from gateway.pagedesk import Desks
 from gateway.processes.spare import OPTION, called
 from gateway.programdesk import ProgramDesk
 from gateway.pure.office import Office
+from gateway.pure.plannerrecords import function_words
 from gateway.pure.reasons import CommandState, Reason, text
 from gateway.pure.records import (
     RC_BYTES,
@@ -289,6 +290,8 @@ class Services:
             errors.append((Reason.FOLLOWING_ERROR, text(Reason.FOLLOWING_ERROR, detail=strayed)))
         if state.stop_cause and state.stop_cause not in (e[0] for e in errors):
             errors.append((state.stop_cause, text(Reason(state.stop_cause))))
+        if state.path_stop and Reason.OUTPUT_IN_USE not in (e[0] for e in errors):
+            errors.append((Reason.OUTPUT_STOPPED, text(Reason.OUTPUT_STOPPED, detail=function_words(state.path_stop))))
         io = self.complaints.look(self.signals, now)
         for door, refusal in list(self.values.refusals.items()):
             if now - refusal[2] > REFUSALS_KEPT_NS:

@@ -6,6 +6,7 @@ decides nothing the doors should decide.  A new core starts with drives off, ove
 """
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from drivers.drives.family import Actual, Demand, Event, Power, SetRecord
 from drivers.drives.tracking import Tracking
@@ -21,6 +22,9 @@ from gateway.pure.reasons import Reason
 from gateway.pure.records import RC_BYTES, CellState, InputImage, Motion, Order, OrderRecord, Permit
 from motion.stepper import State
 from protocols.base.machine import Ns, ms
+
+if TYPE_CHECKING:
+    from gateway.pure.coreoutputs import CoreOutputs
 
 SETTLE_S = 0.5  # after its last set value an axis has so long to come to its place; then it stands (AX-268)
 LOST_STOP_S = 2.0  # an axis still moving so long after its chain or control input was lost is switched off
@@ -51,6 +55,7 @@ class Core:
         assumed: Permit = NO_PERMIT,
         finish_without_services: bool = False,
         belts: CoreBelts | None = None,
+        functions: "CoreOutputs | None" = None,
     ) -> None:
         self.state = CellState(generation=generation)
         self.outputs = bytearray(RC_BYTES)
@@ -66,6 +71,7 @@ class Core:
             if belts is None
             else BeltMover(self._axes, self.state, self.outputs, self._homings, period_s, belts=belts, off=self._off)
         )
+        self._mover.functions = functions
         self._publisher = Publisher(self.state, self.outputs, numbers, period_s)
         self._finish = finish_without_services
         self._enabling_inputs = EnablingInputs(numbers, assumed)
@@ -295,6 +301,8 @@ class Core:
             homings.judge()
         if homings.under_way or not settled:
             self._accept_positions()
+        if mover.functions is not None:
+            mover.functions.step(sample.q, self.state, self.outputs)
         if mover.running:
             mover.judge(sample)
         if mover.measure.on:

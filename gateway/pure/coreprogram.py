@@ -4,7 +4,7 @@ from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from gateway.pure.plannerrecords import VOID, SwitchAt
+from gateway.pure.plannerrecords import VOID, FunctionAt, SwitchAt
 
 REACHED = 1e-9  # s at full speed
 
@@ -16,7 +16,7 @@ class ProgramRun:
     job: int = 0
     begun: bool = False
     complete: bool = False
-    switches: deque[SwitchAt] = field(default_factory=deque)  # outputs to come, in the order of the way
+    switches: deque[SwitchAt | FunctionAt] = field(default_factory=deque)  # outputs to come, in the order of the way
     met: bool = False  # the input the part ends with came: what still comes of the part is dropped
     rests: bool = False  # nothing more comes of the part
 
@@ -39,15 +39,15 @@ class ProgramRun:
         self.met, self.rests = False, False
         self.switches.clear()
 
-    def switch(self, entry: SwitchAt) -> None:
-        """One more output to come."""
-        if entry.number != VOID:
+    def switch(self, entry: SwitchAt | FunctionAt) -> None:
+        """One more output, or call, to come."""
+        if isinstance(entry, FunctionAt) or entry.number != VOID:
             self.switches.append(entry)
             return
         while self.switches and self.switches[-1].piece >= entry.piece:
             self.switches.pop()
 
-    def passed(self, piece: int, after: float) -> Iterator[SwitchAt]:
+    def passed(self, piece: int, after: float) -> Iterator[SwitchAt | FunctionAt]:
         """Outputs whose place lies behind the set values; each comes once, also when the path is run back and forth."""
         waiting = self.switches
         while waiting and (waiting[0].piece < piece or (waiting[0].piece == piece and after >= waiting[0].after - REACHED)):

@@ -4,20 +4,26 @@ A cell with belts has one more: gateway.pure.beltmover.
 """
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from gateway.pure.coreaxis import HeldAxis
 from gateway.pure.corehoming import Homings
 from gateway.pure.coremeasure import CoreMeasure
 from gateway.pure.coreprogram import ProgramRun
-from gateway.pure.plannerrecords import Part, PieceRecord, switch_of, until_of
+from gateway.pure.plannerrecords import FunctionAt, Part, PieceRecord, function_number, function_of, switch_of, until_of
 from gateway.pure.reasons import Reason
 from gateway.pure.records import CellState, InputImage, OrderRecord, set_bit
 from motion.errors import MotionError
+from motion.outputs.function import Function
 from motion.pieces import Piece, decode
 from motion.stepper import Sample, State, Stepper
 from motion.timed import TimedPiece, decode_any
 
 ARRIVAL_S = 2.0  # after the set values: an axis that is not in its window by then has not arrived
+
+
+if TYPE_CHECKING:
+    from gateway.pure.coreoutputs import CoreOutputs
 
 
 class Mover:
@@ -28,6 +34,7 @@ class Mover:
         self.stepper.set_override(0.0)
         self.program = ProgramRun()  # done when nothing more comes and all is run
         self.measure = CoreMeasure(state, len(axes), round(period_s * 1e9))
+        self.functions: CoreOutputs | None = None  # of a cell with [[path_output]]
         self.override = 0.0  # as asked for: 0 while the feed is held
         self.running = 0  # job of the piece under way
         self._inputs = InputImage()  # of the last cycle
@@ -80,6 +87,7 @@ class Mover:
             self._state.fail(record.job, Reason.NOT_READY)
             return
         self.program.order(record.job)
+        self._state.path_stop = 0
         self.measure.program_started()
         self._state.stop_cause = 0
 
@@ -125,6 +133,8 @@ class Mover:
             self._take_belt(record)
         elif record.part is Part.OUTPUT:
             program.switch(switch_of(record))
+        elif record.part is Part.FUNCTION:
+            program.switch(function_of(record))
         elif record.part is Part.LAST:
             program.complete = True
             if not program.begun:
@@ -194,7 +204,10 @@ class Mover:
         """What belongs to a program beside its path: outputs, the input its part ends with, the end of a part."""
         program, stepper = self.program, self.stepper
         for switch in program.passed(sample.piece_id, stepper.within):
-            set_bit(self._outputs, switch.number, switch.value)
+            if isinstance(switch, FunctionAt):
+                self._call(switch.function)
+            else:
+                set_bit(self._outputs, switch.number, switch.value)
         measure = self.measure
         if measure.on and measure.look(self._inputs, self._state.sync_ns, stepper.state) and not program.met:
             stepper.abandon()
@@ -204,6 +217,19 @@ class Mover:
             measure.end()
             program.part_over()
             self._state.parts += 1
+
+    def _call(self, call: Function) -> None:
+        """IO logic or PPO; one that is still in use ends the program on the path."""
+        if self.functions is None or not self.program.job:
+            return
+        try:
+            self.functions.call(call, self._state, self._outputs)
+        except MotionError:
+            self._state.path_stop = function_number(call.ppo, abs(call.number))
+            self._state.fail(self.program.job, Reason.OUTPUT_IN_USE)
+            self.stepper.abandon()
+            self.running = 0
+            self.program.clear()
 
     def judge(self, sample: Sample) -> None:
         """A job runs: when its set values have arrived it is done as soon as the axes have, too."""

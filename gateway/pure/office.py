@@ -12,7 +12,7 @@ from gateway.pure.beltwords import belt_words
 from gateway.pure.command_block import Code, Command
 from gateway.pure.control import NOBODY, Control
 from gateway.pure.jobs import AxisFacts, DoorState, Job, OfficeEvent, OnLoss
-from gateway.pure.plannerrecords import PlannerState, ProgramFacts, ProgramOrder
+from gateway.pure.plannerrecords import PlannerState, ProgramFacts, ProgramOrder, function_words
 from gateway.pure.reasons import CommandState, Reason, Refusal
 from gateway.pure.records import AxisFlag, CellState, Motion, Order, OrderRecord, Permit
 from protocols.base.machine import Ns, ms
@@ -135,6 +135,8 @@ class Office:
         if outcome is Reason.BELT_FAULT:
             axis = self.axes[cell.belt_axis - 1].name if 0 < cell.belt_axis <= len(self.axes) else ""
             return belt_words(cell.belt_code, cell.belt_block or (self.planner.block if self.planner else 0), axis)
+        if outcome is Reason.OUTPUT_IN_USE:
+            return function_words(cell.path_stop)
         planner = self.planner
         if outcome is not Reason.PROGRAM_FAULT or planner is None or planner.failed_job != job.watch:
             return ""

@@ -9,6 +9,7 @@ import struct
 from dataclasses import dataclass
 from enum import IntEnum
 
+from motion.outputs.function import Function
 from motion.pieces import RECORD_SIZE
 
 BLOCKS = 2048  # records in the blocks ring
@@ -97,6 +98,7 @@ class Part(IntEnum):
     REST = 6  # the part ends where the pieces before end; the next one begins where the axes stand then
     SYNCHRON = 7  # a belt-synchronous part begins where the axes stand (beltrecords)
     BELT_BLOCK = 8  # one block of it, with a belt of type 2 or 3
+    FUNCTION = 9  # IO logic or PPO is called at a place of a piece that follows (FunctionAt)
 
 
 _PIECE = struct.Struct("=II QQ")
@@ -126,6 +128,15 @@ class SwitchAt:
 
 
 @dataclass(frozen=True, slots=True)
+class FunctionAt:
+    """rho 3 SF 1 IOL or SF 2 PPO is called so long (s at full speed) after the beginning of a piece."""
+
+    piece: int
+    after: float
+    function: Function
+
+
+@dataclass(frozen=True, slots=True)
 class MeasuringFacts:
     """[[measuring]]: RC input that carries the wire of a channel, axes (bit n-1 = axis n) whose positions it stores."""
 
@@ -144,6 +155,8 @@ class UntilInput:
 
 
 VOID = -1
+PPO_NUMBERS = 1000  # added to the number of a PPO where a function is told as one number
+_FUNCTION = struct.Struct("=Qd?iiiddi")
 _SWITCH, _UNTIL = struct.Struct("=Qdi?"), struct.Struct("=i?I?")
 
 
@@ -158,6 +171,31 @@ def until_record(job: int, generation: int, until: UntilInput) -> PieceRecord:
     return PieceRecord(
         Part.UNTIL, job, generation, _UNTIL.pack(until.number, until.level, until.mask, until.by_edge).ljust(RECORD_SIZE, b"\0")
     )
+
+
+def function_record(job: int, generation: int, at: FunctionAt) -> PieceRecord:
+    """As a record of the pieces ring."""
+    call = at.function
+    body = _FUNCTION.pack(
+        at.piece, at.after, call.ppo, call.number, call.kinematic, call.coordinate, call.position, call.value, call.time_ms
+    )
+    return PieceRecord(Part.FUNCTION, job, generation, body.ljust(RECORD_SIZE, b"\0"))
+
+
+def function_of(record: PieceRecord) -> FunctionAt:
+    """The reverse of function_record."""
+    piece, after, *rest = _FUNCTION.unpack_from(record.piece)
+    return FunctionAt(piece, after, Function(*rest))
+
+
+def function_number(ppo: bool, number: int) -> int:
+    """One number for both kinds."""
+    return number + (PPO_NUMBERS if ppo else 0)
+
+
+def function_words(number: int) -> str:
+    """`IOL 2`, `PPO 3`."""
+    return f"PPO {number - PPO_NUMBERS}" if number > PPO_NUMBERS else f"IOL {number}"
 
 
 def until_of(record: PieceRecord) -> UntilInput:

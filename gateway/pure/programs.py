@@ -9,16 +9,19 @@ from collections import deque
 from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+from gateway.pure.coreoutputs import Places, check_function
 from gateway.pure.plannerrecords import (
     AHEAD,
     VOID,
     BlockRecord,
+    FunctionAt,
     MeasuringFacts,
     Part,
     PieceRecord,
     PlannerState,
     Say,
     SwitchAt,
+    function_record,
     run_of,
     switch_record,
     until_record,
@@ -58,6 +61,7 @@ class Programs:
     text_of: Callable[[int], str] = _no_programs
     outputs: Container[int] = range(0)  # RC outputs programs may switch
     belts: Sequence[BeltFacts] = ()
+    functions: Places = field(default_factory=dict)  # IO logic and PPO the cell has
     channels: Mapping[int, MeasuringFacts] = field(default_factory=dict)  # measuring inputs by their numbers
     pulse: Callable[[], None] = still  # called again and again while the planner makes a law
     state: PlannerState = PlannerState()
@@ -182,6 +186,10 @@ class Programs:
             raise BlockError(f"until={block.until.number}: an RC input is needed, in a program of the cell", block=number)
         try:
             self._measuring.check(block, self.mask_of(machine), machine)
+            for function in block.functions:
+                if self._lines is None or block.synchron is not None:
+                    raise MotionError("IO logic and PPO stand in programs of the cell, outside of synchronous parts")
+                check_function(function, self.functions)
         except MotionError as error:
             raise told_as(error, number, machine) from error
         for output in block.outputs:
@@ -378,8 +386,11 @@ class Programs:
             self._begins[made.id] = at
             at += made.duration
             self._last_id, self._spare = made.id, made.id + 1
-            for _, after, number, value in (mark for mark in marks if mark.piece == made.id):
-                self._out.append(switch_record(job, self.generation, SwitchAt(made.id, after, number, value != 0.0)))
+            for _, after, number, value, function in (mark for mark in marks if mark.piece == made.id):
+                if function is not None:
+                    self._out.append(function_record(job, self.generation, FunctionAt(made.id, after, function)))
+                else:
+                    self._out.append(switch_record(job, self.generation, SwitchAt(made.id, after, number, value != 0.0)))
             self._out.append(PieceRecord(Part.PIECE, job, self.generation, encode_timed(made)))
 
     def _tau(self, piece: int, planner: Planner) -> float:

@@ -58,6 +58,8 @@ class Reason(IntEnum):
     PROGRAM_FAULT = 34
     PROGRAM_UNKNOWN = 35
     BELT_FAULT = 36
+    OUTPUT_IN_USE = 37
+    OUTPUT_STOPPED = 38
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,6 +114,8 @@ _TEXTS: dict[Reason, tuple[str, str]] = {
     Reason.PROGRAM_FAULT: ("a block of the program cannot be run: {0}", "ein Satz des Programms ist nicht fahrbar: {0}"),
     Reason.PROGRAM_UNKNOWN: ("there is no such program: {0}", "dieses Programm gibt es nicht: {0}"),
     Reason.BELT_FAULT: ("the belt-synchronous part is over: {0}", "der bandsynchrone Teil ist zu Ende: {0}"),
+    Reason.OUTPUT_IN_USE: ("IOL/PPO:Fkt. still in use: {0}", "IOL/PPO:Funktion noch in Gebrauch: {0}"),
+    Reason.OUTPUT_STOPPED: ("PPO/IOL : IPO - STOP: {0}", "PPO/IOL : IPO - STOP: {0}"),
     Reason.CYCLE_RESTARTED: ("the cycle process was restarted; drives are off", "Zyklus-Prozess neu gestartet; Antriebe sind aus"),
     Reason.REFERENCE_FAILED: ("referencing failed: {0}", "Referenzieren fehlgeschlagen: {0}"),
     Reason.TIME_OUT: ("not reached in time: {0}", "nicht rechtzeitig erreicht: {0}"),

@@ -106,6 +106,14 @@ class ProgramRun:
         with self.plc._lock:
             assert not self.plc._client.write_coil(number, value).isError()
 
+    def plc_outputs(self, bit: int, word: int) -> tuple[bool, int]:
+        """What PLC 2 reads: a discrete input, and the input register that begins at RC output `word`."""
+        with self.plc._lock:
+            client = self.plc._client
+            return bool(client.read_discrete_inputs(bit, count=1).bits[0]), int(
+                client.read_input_registers(word // 16, count=1).registers[0]
+            )
+
     def ready(self) -> None:
         """Every drive is started up; control, drives on, override 100 %."""
         self.watch("drives are started up", lambda s: s.cycle > 0 and not any(a.flags & NOT_THERE for a in s.axes[: self.axes]), 60.0)

@@ -83,6 +83,7 @@ class PathOutputs:
 
     analog: Mapping[int, Analog] = field(default_factory=dict)  # by PPO number
     outputs: dict[Key, float] = field(default_factory=dict, init=False)
+    stopped: tuple[Kind, int] | None = field(default=None, init=False)  # function the last step stopped
     _running: dict[Key, _Running] = field(default_factory=dict, init=False)
 
     def call(self, kind: Kind, asked: Call) -> None:
@@ -106,13 +107,14 @@ class PathOutputs:
 
         Returns the message PPO/IOL : IPO - STOP with function and reason when a function was stopped, else an empty text.
         """
-        said = ""
+        said, self.stopped = "", None
         for key, running in list(self._running.items()):
             if key[1] != kinematic or running.frozen:
                 continue
             reason = self._reason(running, point, stops)
             if reason is not None:
                 self._stop(key, running)
+                self.stopped = self.stopped or (key[0], key[2])
                 said = said or f"{STOPPED} ({key[0].name} {key[2]}, kinematic {kinematic}: {reason.value})"
             elif self._advance(key, running, point, period_s):
                 del self._running[key]

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from motion.outputs.function import Function
 from motion.planner.route import Kind, Stretch
 from motion.planner.runs import WAY, Run
 from motion.program.blocks import Interpolation
@@ -24,6 +25,7 @@ class Mark(NamedTuple):
     after: float
     number: int
     value: float
+    function: Function | None = None  # called here; number and value have no meaning then
 
 
 def check_outputs(stretch: Stretch) -> None:
@@ -43,24 +45,30 @@ def marks_of(run: Run, law: Law, pieces: Sequence[TimedPiece], *, goes_on: bool)
     places = sorted(_places(run), key=lambda each: each[0])  # at one place as the text has them
     begins = np.concatenate([[0.0], np.cumsum([piece.duration for piece in pieces])])
     marks = []
-    for s, number, value in places:
+    for s, number, value, function in places:
         if s > law.s[-1] + SMALLEST or s < law.s[0] or (goes_on and s <= law.s[0] + SMALLEST):
             continue
         tau = _when(law, s)
         index = min(max(int(np.searchsorted(begins, tau, side="left")) - 1, 0), len(pieces) - 1)
-        marks.append(Mark(pieces[index].id, tau - float(begins[index]), number, value))
+        marks.append(Mark(pieces[index].id, tau - float(begins[index]), number, value, function))
     return marks
 
 
-def _places(run: Run) -> Iterator[tuple[float, int, float]]:
-    """(s on the run, output, value) of every output whose block ends on it."""
+def _places(run: Run) -> Iterator[tuple[float, int, float, Function | None]]:
+    """(s on the run, output, value, none) of every output whose block ends on it; (s, 0, 0, function) where a block that calls one begins:
+    in the middle of the corner before it, else at its own beginning."""
     for stretch, start in zip(run.stretches, run.starts, strict=True):
+        corner = stretch.kind is Kind.CORNER
+        begins = stretch.following if corner else stretch.source if stretch.share[0] <= 1.0 - WHOLE else None
+        if begins is not None:
+            for function in begins.functions:
+                yield start + (stretch.path.length * 0.5 if corner else 0.0), 0, 0.0, function
         outputs = stretch.source.outputs
         if not outputs or not _ends(stretch):
             continue
         end = start + stretch.path.length * (0.5 if stretch.kind is Kind.CORNER else 1.0)
         for output in outputs:
-            yield _before(run, end, output.before) if output.before else end, output.number, output.value
+            yield _before(run, end, output.before) if output.before else end, output.number, output.value, None
 
 
 def _before(run: Run, end: float, distance: float) -> float:

@@ -12,6 +12,7 @@ from typing import TypeVar
 
 from motion.frames import IDENTITY, Pose
 from motion.kinematics.base import FREE, Configuration
+from motion.outputs.function import Function
 
 MAX_JOINTS = 24  # 6 of the arm, additional axes 7 .. 24
 
@@ -180,6 +181,7 @@ class Block:
     slope: Slope = Slope.PROGRAM
     curving: Curving = Curving()
     outputs: tuple[Output, ...] = ()
+    functions: tuple[Function, ...] = ()
     until: Until | None = None
     synchron: Synchron | None = None
     on_belt: OnBelt | None = None

@@ -12,6 +12,7 @@ from motion.conventions import CONVENTIONS, Convention, convention
 from motion.errors import MotionError
 from motion.frames import Pose
 from motion.kinematics.base import Elbow, Shoulder, Wrist
+from motion.outputs.function import Function
 from motion.program import textkeys
 from motion.program.blocks import (
     MAX_JOINTS,
@@ -76,6 +77,7 @@ class Reader:
     label: str = ""  # in front of the next block
     errors: list[tuple[int, str, int]] = field(default_factory=list)  # line, label, number of the block that names it
     count: int = 0  # blocks so far
+    functions: tuple[Function, ...] = ()  # in front of the next block
 
     def statement(self, raw: str, number: int = 0) -> None:
         """One line; raises TextError.  Its block, if it is one, waits for take()."""
@@ -101,6 +103,8 @@ class Reader:
         for line, name, block in self.errors:
             if self.labels.get(name, -1) < block:
                 raise TextError(line, "error", f"label {name} does not stand behind the block")
+        if self.functions:
+            raise TextError(0, "ppo" if self.functions[0].ppo else "iol", "begins with a block, and none follows")
 
     # ---- statements --------------------------------------------------------------------------------------------------
     def line(self, words: list[str], number: int) -> None:
@@ -116,6 +120,8 @@ class Reader:
                 self.set(rest)
             case "synchron" | "synchron_end":
                 self.synchron(head, rest)
+            case "iol" | "ppo":
+                self.functions = (*self.functions, _function(head, rest))
             case "label":
                 self.named_place(head, rest)
             case _ if head in MOVES:
@@ -207,7 +213,7 @@ class Reader:
             raise _Fault("", f"{' '.join(left)} is too much after the target")
         block = self.block(kind, _with(target, keys), via, {**self.modal, **keys}, number)
         self.blocks.append(block)
-        self.label, self.count = "", self.count + 1
+        self.label, self.functions, self.count = "", (), self.count + 1
         if block.until is not None and block.until.error:
             self.errors.append((number, block.until.error, self.count))
 
@@ -272,6 +278,7 @@ class Reader:
             self.named("frame", keys, self.frames),
             curving=_filled(Curving(), parts["curving"]),
             outputs=_outputs(keys.get("out", "")),
+            functions=self.functions,
             until=_until(keys),
             synchron=self.part,
             on_belt=self.on_belt(keys),
@@ -296,7 +303,9 @@ class Reader:
 
 
 BIG = textkeys.BIG
-STATEMENTS = ("program", "robot", "angles", "axes", "start", "tool", "frame", "point", "set", "synchron", "synchron_end", "label", *MOVES)
+HEADINGS = ("program", "robot", "angles", "axes", "start")
+OTHERS = ("tool", "frame", "point", "set", "synchron", "synchron_end", "label", "iol", "ppo")
+STATEMENTS = (*HEADINGS, *OTHERS, *MOVES)
 ONCE = ("config", "extra", "out", "until", "error", "time", "weight", "belt", "camin", "camout")  # of one block alone
 
 
@@ -413,6 +422,17 @@ def _outputs(value: str) -> tuple[Output, ...]:
         before = _number("out", match[3], 0.0, BIG, "mm") * 1e-3 if match[3] else 0.0
         made.append(Output(int(match[1]), _number("out", match[2], -BIG, BIG, ""), before))
     return tuple(made)
+
+
+def _function(head: str, rest: list[str]) -> Function:
+    """In the order of the manual: no, KIN_NO, COORD_NO, IO_POSITION, PARAM_VALUE, TIME_OFFS."""
+    if len(rest) != 6:
+        raise _Fault(head, "six numbers: function, kinematic, coordinate, position (mm or deg), value, time offset (ms)")
+    numbers = [_number(head, word, -BIG, BIG, "") for word in rest]
+    whole = [int(numbers[n]) for n in (0, 1, 2, 5)]
+    if any(numbers[n] != value for n, value in zip((0, 1, 2, 5), whole, strict=True)):
+        raise _Fault(head, "function, kinematic, coordinate and time offset are whole numbers")
+    return Function(head == "ppo", whole[0], whole[1], whole[2], numbers[3], numbers[4], whole[3])
 
 
 def _until(keys: dict[str, str]) -> Until | None:

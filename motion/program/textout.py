@@ -11,6 +11,7 @@ from motion.conventions import Convention, convention
 from motion.errors import MotionError
 from motion.frames import Pose
 from motion.kinematics.base import FREE, Configuration
+from motion.outputs.function import Function
 from motion.program import textkeys
 from motion.program.blocks import MEASURED, Blend, Block, Frame, JointTarget, Program, Synchron, Tool
 from motion.units import from_si
@@ -42,6 +43,7 @@ def _moves(blocks: Sequence[Block], ways: Convention, units: tuple[str, ...]) ->
             if part is not None:
                 lines.append(f"synchron {part.belt}" + (f" at={_plain(part.at * 1e3)}mm" if part.at is not None else ""))
         lines += [f"label {block.label}"] if block.label else []
+        lines += [_function(each) for each in block.functions]
         lines.append(_move(block, ways, units))
     named = {block.until.error for block in blocks if block.until is not None} - {block.label for block in blocks} - {""}
     return [*lines, *(f"label {name}" for name in sorted(named))]
@@ -77,6 +79,11 @@ def _move(block: Block, ways: Convention, units: tuple[str, ...]) -> str:
             own = units[len(units) - len(target.extra) :]
             keys.append(f"extra={','.join(_plain(from_si(value, unit)) + unit for value, unit in zip(target.extra, own, strict=True))}")
     return " ".join([*words, *keys])
+
+
+def _function(call: Function) -> str:
+    numbers = (call.number, call.kinematic, call.coordinate, call.position, call.value, call.time_ms)
+    return " ".join(["ppo" if call.ppo else "iol", *map(_plain, numbers)])
 
 
 def _keys(block: Block, units: tuple[str, ...]) -> list[str]:

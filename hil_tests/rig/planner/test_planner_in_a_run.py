@@ -31,14 +31,24 @@ linear pose 350 50 80 180 0 0 blend=off out=400:1@10,401:1,400:0
     3: HEAD + "ptp joints 20 80 -180 10\n# too far\nptp joints 20 80 -180 3000\n",
     4: HEAD + "set speed=10\n" + "".join(f"ptp joints {10 * (n % 2)} 90 -200 {10 * n}\n" for n in range(1, 21)),
     6: HEAD + "ptp joints 60 90 -200 0 speed=10 until=ch610 error=NONE\nptp mpos\nlabel NONE\n",
+    7: HEAD
+    + """iol -2 1 1 0 0 0
+ptp pose 350 -50 105 180 0 0
+iol 2 1 2 0 1 0
+ppo 3 1 2 50 1000 0
+linear pose 350 50 105 180 0 0 path=50
+""",
     5: HEAD + f"ptp joints 60 90 -200 0 speed=10 until={PROBE}\nptp joints 0 90 -200 0\n",
 }
 MEASURING = f"\n[[measuring]]\nchannel = 610\ninput = {PROBE}\n"
+FUNCTIONS = "".join(
+    f'\n[[path_output]]\nkind = "{kind}"\nfunction = {n}\noutput = {out}\n' for kind, n, out in (("iol", 2, 416), ("ppo", 3, 432))
+)
 
 
 @pytest.fixture(scope="module")
 def scara(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ProgramRun]:
-    with program_run(tmp_path_factory.mktemp("cell"), "scara", PROGRAMS, change=lambda text: text + MEASURING) as run:
+    with program_run(tmp_path_factory.mktemp("cell"), "scara", PROGRAMS, change=lambda text: text + MEASURING + FUNCTIONS) as run:
         run.ready()
         yield run
 
@@ -128,6 +138,26 @@ def test_a_probe_of_the_plc_stops_a_block_and_mpos_lies_behind_the_axes_where_th
     assert rows[-1][0] == pytest.approx(measured, abs=1e-9), "MOVE TO @MPOS"
     assert home.command(PROGRAM, 6).state == DONE
     assert home.state().axes[0].set == pytest.approx(np.pi / 3, abs=1e-9) and not home.state().measured_mask, "no edge: the label"
+
+
+def test_outputs_led_by_a_coordinate_are_seen_by_the_plc_over_modbus(home: ProgramRun) -> None:
+    home.plc.send(PROGRAM, 7)
+    home.watch("on the line", lambda s: place(home)[1] > -0.045 and s.piece > 0)
+    seen = []
+    while home.state().motion is not Motion.IDLE:
+        before = place(home)[1]
+        seen.append((before, *home.plc_outputs(416, 432), place(home)[1]))
+    assert home.plc.wait(lambda s: s.state in (DONE, ABORTED), 5).state == DONE
+    assert home.plc_outputs(416, 432) == (True, 1000)
+    for before, on, value, after in seen:
+        assert not on or after > -1e-6, "not before the path is at y = 0"
+        assert value - 500 <= 10.0 * after * 1e3 + 2, f"it leads with the coordinate, which was at {before}"
+    assert {on for _, on, _, _ in seen} == {False, True} and len({value for _, _, value, _ in seen}) > 5
+
+
+def place(home: ProgramRun) -> tuple[float, float, float]:
+    """Of the tool, from set values."""
+    return home.machine.kinematics.forward(home.sets()).position
 
 
 def test_a_silent_owner_stops_it_on_the_path_and_it_does_not_go_on_by_itself(home: ProgramRun) -> None:

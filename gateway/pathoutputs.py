@@ -1,0 +1,30 @@
+"""[[path_output]] as planner and cycle take it.  The motion core is loaded inside: whoever has no such functions need not have it."""
+
+from typing import TYPE_CHECKING
+
+from gateway.cell import Cell
+from gateway.programplan import machine_of_cell
+
+if TYPE_CHECKING:
+    from gateway.pure.coreoutputs import CoreOutputs, Places
+
+
+def output_places(cell: Cell) -> "Places":
+    """Functions of a checked cell."""
+    from gateway.pure.coreoutputs import OutputPlace
+    from motion.outputs.rho3 import Kind
+
+    found = {}
+    for each in cell.path_output:
+        kind = Kind.PPO if each.kind == "ppo" else Kind.IOL
+        found[kind, each.function] = OutputPlace(each.output, each.bits if kind is Kind.PPO else 1, each.rated, each.volts)
+    return found
+
+
+def functions_of(cell: Cell, p5_ms: int) -> "CoreOutputs | None":
+    """For the cycle; None: the cell has no such functions."""
+    if not cell.path_output:
+        return None
+    from gateway.pure.coreoutputs import CoreOutputs
+
+    return CoreOutputs(output_places(cell), machine_of_cell(cell).kinematics, p5_ms / 1000.0)
