@@ -152,7 +152,6 @@ def test_a_label_at_the_very_end_ends_the_program(both: Probing) -> None:
     assert done(both, job) and both.at(12.0)
 
 
-@pytest.mark.requirement("RHO-MOT-13", by="gateway.pure.programparts:Measuring.resolved")
 def test_mpos_after_a_block_whose_input_never_came_is_not_defined(both: Probing) -> None:
     job = both.order(f"ptp joints {joints(12)} until=ch610", "ptp mpos")
     assert both.finished(job).state is CommandState.ABORTED
