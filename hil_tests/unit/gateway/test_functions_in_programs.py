@@ -43,7 +43,6 @@ def seen(both: WithPlanner, *lines: str) -> list[tuple[float, bool]]:
     return rows
 
 
-@pytest.mark.requirement("RHO-MOT-35", by="gateway.pure.mover:Mover._call")
 def test_a_function_is_called_where_its_block_begins_and_switches_where_its_coordinate_is(both: WithPlanner) -> None:
     rows = seen(both, f"ptp joints {joints(10)}", "iol 2 1 1 15 1 0", f"ptp joints {joints(20)}")
     assert all(on is (x >= 15.0 - 1e-6) for x, on in rows) and rows[-1][1]
@@ -55,7 +54,6 @@ def test_in_a_rounded_corner_it_is_called_in_its_middle(both: WithPlanner) -> No
     assert 9.0 < first < 11.5, "a negative number acts where it is called"
 
 
-@pytest.mark.requirement("RHO-MOT-35", by="gateway.pure.office:Office._fault")
 def test_a_function_still_in_use_ends_the_program_on_its_path_with_its_name(both: WithPlanner) -> None:
     lines = ("iol 2 1 1 500 1 0", f"ptp joints {joints(10)} blend=joint leave=1 reach=1", "iol 2 1 1 600 1 0", f"ptp joints {joints(60)}")
     job = both.finished(both.order(*lines))

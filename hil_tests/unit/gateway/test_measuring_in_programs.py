@@ -81,7 +81,6 @@ def done(both: Probing, job: Job) -> bool:
     return both.finished(job).state is CommandState.DONE
 
 
-@pytest.mark.requirement("RHO-MOT-10", by="gateway.pure.coremeasure:CoreMeasure.store")
 def test_a_probe_stops_the_axes_on_their_way_and_mpos_is_where_they_were_at_its_edge(both: Probing) -> None:
     job = both.order(f"ptp joints {joints(90)} until=ch610", "ptp mpos")
     stamp = both.edge_at(20.0, ago=0.37)
@@ -100,7 +99,6 @@ def test_a_fast_input_stores_the_next_position_controller_cycle(both: Probing) -
     assert both.measured == pytest.approx(both.was(-(-stamp // grid) * grid), abs=CLOSE)
 
 
-@pytest.mark.requirement("RHO-MOT-11", by="gateway.pure.coremeasure:CoreMeasure.stands")
 def test_a_fast_input_that_stands_lets_nothing_move_and_measures_where_the_axes_stand(both: Probing) -> None:
     before = both.places()
     both.change(FAST)
@@ -109,7 +107,6 @@ def test_a_fast_input_that_stands_lets_nothing_move_and_measures_where_the_axes_
     assert both.measured == pytest.approx(both.cell.core.state.axes[0].actual, abs=3e-5), "within the increments of the encoder"
 
 
-@pytest.mark.requirement("RHO-MOT-11", by="gateway.pure.coremeasure:CoreMeasure.look")
 def test_a_probe_that_stands_has_to_change_during_the_block(both: Probing) -> None:
     both.change(PROBE)
     job = both.order(f"ptp joints {joints(90)} until=ch610")
@@ -124,7 +121,6 @@ def test_a_probe_that_stands_has_to_change_during_the_block(both: Probing) -> No
     assert done(both, job) and 20.0 < both.places()[0] < 88.0
 
 
-@pytest.mark.requirement("RHO-MOT-12", by="gateway.pure.programs:Programs._skip")
 def test_without_an_edge_the_program_goes_on_at_the_label_and_mpos_is_not_read(both: Probing) -> None:
     way = [
         f"ptp joints {joints(20)} until=ch610 error=NONE",
@@ -171,7 +167,6 @@ def test_mpos_after_a_block_whose_input_never_came_is_not_defined(both: Probing)
         ([f"ptp joints {joints(5)} error=X", "label X"], "error"),
     ],
 )
-@pytest.mark.requirement("RHO-MOT-13", by="gateway.pure.programparts:Measuring.check")
 def test_what_can_be_known_is_refused_before_anything_moves(both: Probing, lines: list[str], words: str) -> None:
     job = both.order(*lines)
     assert both.still(0.2) and (job.state, job.reason) == (CommandState.REFUSED, Reason.PROGRAM_FAULT)

@@ -66,7 +66,6 @@ def test_a_time_offset_shifts_it_by_the_way_of_that_time(way: Way) -> None:
     assert all(value == (x >= 80.0 - 1e-6) for x, value in seen), "40 ms at 500 mm/s earlier"
 
 
-@pytest.mark.requirement("RHO-MOT-35", by="gateway.pure.coreoutputs:CoreOutputs._show")
 def test_values_stand_in_the_image_as_numbers_and_a_reset_acts_at_once(way: Way) -> None:
     way.call(True, -3, 1, 1, 1, 50, 0)
     assert way.word(INTEGER) == 50
@@ -92,7 +91,6 @@ def test_values_stand_in_the_image_as_numbers_and_a_reset_acts_at_once(way: Way)
         lambda state: setattr(state, "failed_job", 7),
     ],
 )
-@pytest.mark.requirement("RHO-MOT-36", by="gateway.pure.coreoutputs:CoreOutputs._stops")
 def test_what_stops_the_path_clears_an_io_and_freezes_a_ppo(way: Way, change: Callable[[CellState], None]) -> None:
     way.call(False, -2, 1, 1, 1, 1, 0)  # stands at 1
     way.call(False, 2, 1, 1, 100.0, 1, 0)
