@@ -1,9 +1,10 @@
 """The rig's tests of a whole run, in a process of their own, one module after the other; what a busy machine spoilt is played again.
 
-A shared machine takes the processor away for tens of milliseconds, and a cell that runs on it then stops, as it must.  A witness of
-the highest priority (hil_tests/lab/stolen.py) writes down when nobody ran.  A module of which a test failed while the witness saw that
-is played again at the end, whole, in a fresh process and at a slower clock (AGAIN_P5_MS): every rule under test counts in P5.  A failure
-without a stolen time, and one that stays, is a failure.  What was played again stands above the lanes' lines.
+A shared machine takes the processor away for tens of milliseconds, and a cell that runs on it then stops, as it must.  Two witnesses
+(hil_tests/lab/stolen.py) write it down: one of the highest priority for 10 ms and more in which nobody ran, an ordinary one for 40 ms
+and more in which such a process was not served.  A module of which a test failed while they saw that is played again at the end,
+whole, in a fresh process and at a slower clock (AGAIN_P5_MS): every rule under test counts in P5.  A failure without such a time, and
+one that stays, is a failure.  What was played again stands above the lanes' lines.
 """
 
 import contextlib
@@ -36,11 +37,13 @@ class Child:
         self._config, self._folder = config, folder
         self._results: dict[str, list[pytest.TestReport]] = {}
         self._read = 0
-        self._file, self.log, self._stolen = folder / f"{name}.jsonl", folder / f"{name}.log", folder / f"{name}.stolen"
+        self._file, self.log = folder / f"{name}.jsonl", folder / f"{name}.log"
+        self._stolen = {folder / f"{name}.stolen": (), folder / f"{name}.not-served": ("--ordinary",)}
         listed = folder / f"{name}.txt"
         listed.write_text("\n".join(ids))
         self._watch = contextlib.ExitStack()
-        self._watch.enter_context(witness(self._stolen))
+        for file, options in self._stolen.items():
+            self._watch.enter_context(witness(file, *options))
         slower = {} if p5_ms is None else {P5: str(p5_ms)}
         command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-q", "--color=no", f"@{listed}"]
         with self.log.open("wb") as log:
@@ -65,7 +68,7 @@ class Child:
     def spoilt(self, ids: Sequence[str]) -> list[tuple[float, float]]:
         """Times at which nobody ran while these tests did (s, wall clock)."""
         found = [report for name in ids for report in self._results.get(name, ())]
-        times = stolen(self._stolen) if self._stolen.exists() else []
+        times = [each for file in self._stolen if file.exists() for each in stolen(file)]
         since, to = min((r.start for r in found), default=0.0), max((r.stop for r in found), default=time.time())
         return [each for each in times if not left_alone(since, to, [each])]
 
@@ -168,4 +171,4 @@ def ids_of(items: Sequence[pytest.Item]) -> list[str]:
 
 def away(times: Sequence[tuple[float, float]]) -> str:
     longest = max((to - since for since, to in times), default=0.0)
-    return f"nobody ran {len(times)} times, at most {longest * 1000:.0f} ms"
+    return f"not served {len(times)} times, at most {longest * 1000:.0f} ms"
