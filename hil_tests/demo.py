@@ -96,7 +96,7 @@ def slower_is_left(scenario: Scenario, arguments: argparse.Namespace, late: str)
     """Whether a slower clock may be tried; says why it will be."""
     if arguments.p5 is not None or scenario.p5_ms >= SLOWER[-1]:
         return False
-    scenario.say(f"by the bus log this machine was too slow for P5 = {scenario.p5_ms} ms: {late}; the drives stopped, as they must")
+    scenario.say(f"this machine was too slow for P5 = {scenario.p5_ms} ms: {late}; the drives stopped, as they must")
     return True
 
 

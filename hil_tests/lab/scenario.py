@@ -20,6 +20,7 @@ from gateway.commands.common import BANNER
 from gateway.config import load_cell
 from gateway.processes.line_control import LineControl
 from gateway.processes.supervisor import ask, wait_up
+from gateway.pure.reasons import Reason
 from hil_tests.lab import plc2 as modbus
 from hil_tests.lab.judge import Move, Verdict
 from hil_tests.lab.plc1 import S5Plc
@@ -38,7 +39,15 @@ class ScenarioFailed(Exception):
     def __init__(self, text: str, code: int = 1, late: str = "") -> None:
         super().__init__(text)
         self.code = code
-        self.late = late  # by the bus log: how the machine let the bus down, "" when it did not
+        self.late = late  # how the machine let the bus (by its log) or the cycle down, "" when it did not
+
+
+class CycleLate(TimeoutError):
+    """A move ended for a reason that nothing in this scenario gives but a machine that is too slow for its clock."""
+
+
+def ended(text: str, reason: int) -> TimeoutError:
+    return CycleLate(text) if reason in (Reason.DRIVE_LOST, Reason.OVERRUN) else TimeoutError(text)
 
 
 class Scenario:
@@ -75,7 +84,8 @@ class Scenario:
         except (TimeoutError, PortError, OSError, KeyError) as error:
             self.failed = True
             self._stop()
-            raise ScenarioFailed(f"{self.show.title}: {error}\n{self._last_words()}", late=self.machine_late()) from error
+            late = self.machine_late() or (str(error) if isinstance(error, CycleLate) else "")
+            raise ScenarioFailed(f"{self.show.title}: {error}\n{self._last_words()}", late=late) from error
         self.show.step("the records are judged")
         self._stop()
         verdicts = verdicts_of(self.cell, self.folder, self.story, self._bus_clock_ns)
@@ -227,7 +237,8 @@ class Scenario:
     def _end_1(self, target: list[float]) -> None:
         self._one.wait(lambda s: s.bit(0, 9) or s.bit(0, 15), 30, "done")
         if self._one.status.bit(0, 15):
-            raise TimeoutError(f"PLC 1's move was refused or aborted, reason {self._one.status.word(1)}")
+            reason = self._one.status.word(1)
+            raise ended(f"PLC 1's move was refused or aborted, reason {reason}", reason)
         self._arrived("plc1", target)
 
     def _arrived(self, who: str, target: list[float]) -> None:
@@ -361,7 +372,7 @@ class Scenario:
 
     def _must(self, status: modbus.Status) -> None:
         if status.state != modbus.DONE:
-            raise TimeoutError(f"PLC 2's command ended with state {status.state}, reason {status.reason}")
+            raise ended(f"PLC 2's command ended with state {status.state}, reason {status.reason}", status.reason)
 
     def _status(self) -> dict[str, Any]:
         connection = ask(self.name, "status")

@@ -40,7 +40,7 @@ def machine_late(log: pathlib.Path, p5_ms: int) -> str:
             answered += [frame.stamp_ns] if 610 <= frame.identifier <= 660 else []
             continue
         if last_sync and frame.stamp_ns - last_sync > 2 * period:
-            return f"{(frame.stamp_ns - last_sync) / 1e6:.0f} ms without SYNC"
+            return f"{(frame.stamp_ns - last_sync) / 1e6:.0f} ms without SYNC in the bus log"
         late = bool(last_sync) and (len(answered) < DRIVES or max(answered) - last_sync > patience)
         if late and late_before:
             return "answers of the drives late two cycles in a row"
