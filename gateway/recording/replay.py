@@ -15,6 +15,7 @@ from gateway.cell import Cell
 from gateway.config import load_cell
 from gateway.dbsignals import signals_of
 from gateway.families import DRIVE_PROTOCOLS, make_family
+from gateway.pathoutputs import functions_of
 from gateway.pure.addresses import Direction, RcBit
 from gateway.pure.core import Core
 from gateway.pure.recording.messages import Message, Told, What, unpack_told
@@ -73,6 +74,7 @@ class Bench:
             numbers=rc_numbers(cell),
             assumed=assumed_permits(cell),
             finish_without_services=cell.cell.on_services_loss == "finish_move",
+            functions=functions_of(cell, period),
         )
         buses = [bus for bus in cell.bus if bus.name in self._buses and bus.protocol in DRIVE_PROTOCOLS]
         return core, [make_family(cell, bus, period, simulated=self._simulated) for bus in buses]
@@ -84,6 +86,10 @@ def replay(
     """`pristine`: the cell as recorded; `cell`: the one to be played, the same or a changed one.  RecordError."""
     if [axis.name for axis in cell.axis] != [axis.name for axis in pristine.axis]:
         raise RecordError(f"{cell.file}: other axes than the recording's ({', '.join(axis.name for axis in pristine.axis)})")
+    if pristine.belt:
+        raise RecordError(
+            f"{pristine.file}: cells with [[belt]] are recorded, but not replayed: encoders and synchronous parts are left out"
+        )
     verdict = Verdict()
     zeros = dict(found.head.get("zeros", {}))
     before, then = Bench(pristine, found.head, zeros), Bench(cell, found.head, zeros if cell is pristine else zeros | known_zeros(cell))
