@@ -9,6 +9,7 @@ import pathlib
 import struct
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from itertools import pairwise
@@ -201,8 +202,10 @@ def test_canopen_asks_by_remote_frames_and_guards_the_node(rig: Rig) -> None:
     tpdo.save()
     node.nmt.state = "OPERATIONAL"
     assert tpdo.wait_for_reception(0.3) is None, "it speaks only when it is asked"
+    came = threading.Event()
+    tpdo.add_callback(lambda _: came.set())  # before it is asked: the answer may be quicker than a wait for it
     tpdo.remote_request()
-    assert tpdo.wait_for_reception(5) is not None and tpdo[0x6041].raw & 0x4F == 0x40
+    assert came.wait(5) and tpdo[0x6041].raw & 0x4F == 0x40
     heard: list[int] = []
     rig.network.subscribe(0x700 + NODE, lambda can_id, data, stamp: heard.append(data[0]))
     node.nmt.start_node_guarding(0.05)
