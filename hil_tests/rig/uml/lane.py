@@ -23,6 +23,7 @@ LIMIT = "AXISGATE_GUEST_LIMIT"  # seconds for the whole lane
 ON_HOST = "AXISGATE_TEST_ON_HOST"  # set by hand: only tests marked vcan go to the guest
 RIG = "hil_tests/rig/"
 OWN_TIME = ("belts", "canopen", "planner", "scope")  # folders of the rig
+SECOND = ("canopen", "scope")  # of these, in the second guest
 
 
 def inside() -> bool:
@@ -109,11 +110,12 @@ class GuestLane:
             boot.end()
 
     def _start(self, session: pytest.Session) -> None:
-        """One guest for the tests that need vcan0, one for those that need its clock: two processors have work."""
+        """Two guests for two processors, of about the same length; one where the host's clock counts."""
         forget_the_dead(self._folder.parent)
         chosen = [item for item in session.items if of_the_guest(item)]
-        for name in ("vcan", "time"):
-            ids = [item.nodeid for item in chosen if (item.get_closest_marker("vcan") is not None) == (name == "vcan")]
+        second = [item for item in chosen if folder_of(item) in SECOND]
+        for name, items in (("first", [item for item in chosen if item not in second]), ("second", second)):
+            ids = [item.nodeid for item in items]
             if ids:
                 self._boots.update(dict.fromkeys(ids, Boot(self._config, self._folder / name, ids)))
 
@@ -124,8 +126,13 @@ def of_the_guest(item: pytest.Item) -> bool:
 
 
 def wants_own_time(item: pytest.Item) -> bool:
+    return folder_of(item) in OWN_TIME and guest.own_time() and ON_HOST not in os.environ
+
+
+def folder_of(item: pytest.Item) -> str:
+    """Of the rig; "" for others."""
     folder, _, rest = item.nodeid.removeprefix(RIG).partition("/")
-    return bool(rest) and item.nodeid.startswith(RIG) and folder in OWN_TIME and guest.own_time() and ON_HOST not in os.environ
+    return folder if rest and item.nodeid.startswith(RIG) else ""
 
 
 def turn(item: pytest.Item) -> int:
