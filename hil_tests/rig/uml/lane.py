@@ -40,7 +40,7 @@ class Boot:
         folder.mkdir(parents=True, exist_ok=True)
         root = config.rootpath
         options = ["-p", "no:cacheprovider", "-q", "--color=no", f"--rootdir={root}", f"--junitxml={folder / 'junit.xml'}"]
-        limit = os.environ.get(LIMIT, "2400")
+        limit = os.environ.get(LIMIT, "1800")
         boot = [sys.executable, "-m", "hil_tests.rig.uml.guest", "--folder", str(folder), "--limit", limit, "--serial-pair"]
         told = [f"{name}={value}" for name, value in self._environment().items()]
         listed = folder / "tests.txt"
