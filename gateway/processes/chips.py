@@ -7,6 +7,7 @@ takes on_loss, or 0, and the watchdog stands.  A chip or line that is not there 
 """
 
 import argparse
+import contextlib
 import signal
 import time
 from collections.abc import Iterable, Mapping, Sequence
@@ -79,6 +80,8 @@ class Chip:
         return True
 
     def _lose(self, error: OSError) -> None:
+        with contextlib.suppress(OSError):
+            self.close()
         self._request = None
         self._say(f"{self.path}: {words_of(error)}")
 
