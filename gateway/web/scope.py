@@ -61,9 +61,9 @@ class Scope:
 
     # ---- recording --------------------------------------------------------------------------------------------------------
     def names(self) -> Row:
-        """What can be recorded, by name; every RC input and output beside it."""
+        """What can be recorded, by name, and every RC input and output; whether a recording runs and how many were shown."""
         signals = [signal.name for signal in self._signals.all if not signal.until]
-        return {"channels": all_names(self._facts), "signals": signals}
+        return {"channels": all_names(self._facts), "signals": signals, "running": self._kept is not None, "number": self.number}
 
     def start(self, wanted: Wanted) -> None:
         """ValueError: an unknown channel or trigger, too long a recording, or one runs already."""

@@ -66,9 +66,16 @@ def scope_figure(seconds: float) -> Figure:
 
 def recorded(web: WebAsk, seconds: float, p5_ms: int) -> tuple[int, int, int]:
     """(records kept, records asked for, records that never came) of one recording of the page, read from its file."""
+    _, before = web.ask("GET", "/api/scope/names")
     status, told = web.ask("POST", "/api/scope/start", {"channels": CHANNELS, "seconds": seconds}, x_axisgate="1")
     assert status == 200, told
     time.sleep(seconds)
+
+    def ended() -> bool:
+        _, now = web.ask("GET", "/api/scope/names")
+        return bool(now["number"] > before["number"] and not now["running"])
+
+    until(ended, "the recording has ended", 60.0)
     with tempfile.TemporaryDirectory(prefix="axg-scope-") as folder:
         file = pathlib.Path(folder) / "kept.scope"
 

@@ -412,7 +412,7 @@ def test_sixteen_channels_are_recorded_whole_by_the_page(web: WebRun, boss: Page
     records, wanted, lost = recorded(web, 2.0, web.run.p5_ms)
     assert (records, lost) == (wanted, 0)
     told = web.ask("POST", "/api/scope/start", {"channels": CHANNELS, "seconds": 600.0}, x_axisgate="1")
-    assert told[0] == 200, "ten minutes are not too long"
+    assert told[0] == 200, ("ten minutes are not too long", told)
     assert web.ask("POST", "/api/scope/stop", {}, x_axisgate="1")[0] == 200
 
 
