@@ -7,7 +7,7 @@ Mode | when the switch is seen (rho3 2.8, L3783-3891)
 3    | as mode 2 with the zero of mode 1
 
 Ours: a switch that is actuated at the start is left first (AX-111), limits of way and time (AX-112), no stop at the zero of mode 0
-(AX-113), speeds and which zero is the next one in modes 1 to 3 (AX-264, AX-265).
+(AX-113), speeds and which zero is the next one in modes 1 to 3 (AX-264, AX-265), a zero that could be either side of the edge (AX-438).
 """
 
 import math
@@ -36,6 +36,10 @@ class Failure(Enum):
 
     NOT_FOUND = "the reference switch was not seen within the allowed way"
     NOT_LEFT = "the reference switch was actuated at the start and stayed so over the allowed way"
+    AMBIGUOUS = (
+        "an encoder zero lies between two looks at the reference switch, so the next one is not known: move the switch by half a motor turn,"
+        " or reference more slowly"
+    )
     TIMEOUT = "the time for referencing is over"
     ABORTED = "referencing was aborted"
 
@@ -138,10 +142,11 @@ class Referencing:
         self._time = 0.0
         self._target = 0.0  # of OFFSET, turns from the origin
         self._zero: float | None = None  # where the actual value is P207
+        self._off_inc = position_inc  # last place where the switch was not actuated
         self._why: Failure | None = None
         self._state = RunState.RUNNING
         self.zero_inc: float | None = None  # where the axis reads 0; known from the encoder zero on
-        self.switch_to_zero_inc: int | None = None  # tells the fitter how safely the switch stands (margin())
+        self.switch_to_zero_inc: int | None = None  # tells the fitter how safely the switch stands
 
     def abort(self) -> None:
         """To rest; FAILED is told there."""
@@ -174,6 +179,8 @@ class Referencing:
                 self._run(Leg.SEEK, settings.seek_inc_s)  # the ramp turns the axis round beyond the edge
             case Leg.SEEK if switch:
                 self._found(position_inc)
+            case Leg.SEEK:
+                self._off_inc = position_inc
             case Leg.ZERO if self._zero is not None and (position_inc - self._zero) * settings.direction >= 0:
                 self._take_zero(self._zero)
             case _:
@@ -185,7 +192,10 @@ class Referencing:
         if settings.mode == 0:
             self._zero = self._next_zero(position_inc)
             self.switch_to_zero_inc = round(abs(self._zero - position_inc))
-            self._run(Leg.ZERO, settings.slow_inc_s)
+            if self._zero == self._next_zero(self._off_inc):
+                self._run(Leg.ZERO, settings.slow_inc_s)
+            else:
+                self._fail(Failure.AMBIGUOUS)
             return
         found = orientation(position_inc, settings.inc_per_turn, settings.gear if settings.mode in ORIENTED else 1.0)
         self._zero, self.switch_to_zero_inc = found.zero_inc, round(abs(found.deviation_inc))

@@ -7,7 +7,7 @@ import pytest
 
 from gateway.pure.records import AxisFlag
 from hil_tests.lab.buslog import Logged, Remark, read
-from hil_tests.lab.cell_running import ALL, HOME, SETTLE_S, TARGET
+from hil_tests.lab.cell_running import ALL, HOME, TARGET
 from hil_tests.lab.plc2 import PTP
 from hil_tests.lab.real_running import Adapter, RealRun, running_real
 
@@ -64,7 +64,7 @@ def test_a_whole_cell_moves_its_drives_and_the_latency_is_told(metal: tuple[Real
     def moved(_: int) -> None:
         before = said_last(run)
         run.command(PTP, ALL, 1.0, TARGET)
-        time.sleep(SETTLE_S)
+        run.arrived(TARGET)
         went = said_last(run) - before
         assert abs(went - TRAVEL_INC) <= 16, f"the drive of A1 went {went} increments by its own words on the far bus"
 

@@ -92,18 +92,33 @@ def test_the_direction_is_kept_from_the_switch_to_the_zero() -> None:
 
 
 @pytest.mark.parametrize("edge", [TURN // 2, 100, TURN - 100])
-def test_any_start_gives_the_same_zero_when_the_switch_stands_away_from_the_encoder_zero(edge: int) -> None:
-    """Half a turn away all starts agree; next to the zero the sampling of P5 decides, and the margin tells so every time."""
+def test_every_start_gives_the_same_zero_or_says_that_it_is_not_known(edge: int) -> None:
+    """Half a turn away all starts agree; next to the zero the margin tells so, and where P5 looked before and behind it none is taken."""
     risky = SPEED * P5 + 101
-    zeros, flagged = set(), []
+    zeros, flagged, whys = set(), [], []
     for start in range(150_000, 150_000 + TURN, 1234):
-        run = Axis(start, (-500_000, 6 * TURN + edge)).run(wanted())
+        axis = Axis(start, (-500_000, 6 * TURN + edge))
+        run = axis.run(wanted())
         margin = run.switch_to_zero_inc
         assert margin is not None
-        zeros.add(run.zero_inc)
+        whys.append(axis.last.why)
+        zeros.add(run.zero_inc if axis.last.state is RunState.DONE else 6 * TURN)
         flagged.append(min(margin, TURN - margin) <= risky)
+    assert zeros == {6 * TURN}
     assert flagged == [edge != TURN // 2] * len(flagged)
-    assert edge != TURN // 2 or zeros == {6 * TURN}
+    assert set(whys) == ({None} if edge == TURN // 2 else {None, Failure.AMBIGUOUS})
+
+
+def test_looks_that_stay_away_over_the_zero_make_it_unknown_not_a_turn_wrong() -> None:
+    """The switch half a turn from the zero, and telegrams that stay away for more than that."""
+    run = Referencing(wanted(), 6 * TURN + TURN)
+    run.step(6 * TURN + TURN, False, P5)
+    run.step(6 * TURN + TURN // 2 + 10, False, P5)
+    run.step(6 * TURN - 10, True, P5)
+    last = run.step(6 * TURN - 10, True, P5)
+    for _ in range(1000):
+        last = run.step(6 * TURN - 10, True, P5)
+    assert (last.state, last.why, run.zero_inc) == (RunState.FAILED, Failure.AMBIGUOUS, None)
 
 
 def test_a_switch_actuated_at_the_start_is_left_first_then_approached() -> None:
