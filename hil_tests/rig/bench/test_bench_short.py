@@ -29,7 +29,8 @@ def test_every_figure_is_measured(name: str) -> None:
     assert {figure["figure"] for figure in figures} == {f"{name}.{figure}" for figure in FIGURES[name]}
     for figure in figures:
         assert figure.keys() == KEYS
-        assert math.isfinite(figure["value"]) or "the reference failed" in done.stderr, done.stderr  # in C, on this machine, just now
+        # Nothing is measured where the twin in C itself failed both of its turns: that says nothing about ours.
+        assert math.isfinite(figure["value"]) or "the reference failed, once more (2)" in done.stderr, done.stderr
 
 
 def test_an_unknown_bench_is_a_usage_error() -> None:

@@ -1,6 +1,7 @@
 """Contacts on a gpiochip of the kernel: gpio-sim in the guest; the simulator's own files say what a line shows and pull it."""
 
 import contextlib
+import os
 import pathlib
 import subprocess
 from collections.abc import Iterator
@@ -12,6 +13,7 @@ from gateway.cell import Io, IoDevice
 from gateway.processes.chips import AGAIN_NS, Chip
 from gateway.pure.contacts import Said
 from gateway.pure.records import Quality
+from hil_tests.rig.uml import guest
 
 pytestmark = pytest.mark.vcan
 
@@ -53,11 +55,10 @@ class Simulator:
 
 @pytest.fixture
 def simulator() -> Iterator[Simulator]:
-    if not CONFIGFS.is_dir():
-        pytest.skip("this kernel has no configfs (only the guest's own kernel has gpio-sim: AX-562)")
-    subprocess.run(["mount", "-t", "configfs", "none", str(CONFIGFS)], check=False, capture_output=True)
+    if guest.OWN_TIME not in os.environ:
+        pytest.skip("Debian's guest kernel has no gpio-sim; the one that make test builds has (AX-562)")
     if not (CONFIGFS / "gpio-sim").is_dir():
-        pytest.skip("this kernel has no gpio-sim (only the guest's own kernel has: AX-562)")
+        subprocess.run(["mount", "-t", "configfs", "none", str(CONFIGFS)], check=True)
     with contextlib.closing(Simulator()) as found:
         yield found
 
