@@ -37,8 +37,8 @@ class Failure(Enum):
     NOT_FOUND = "the reference switch was not seen within the allowed way"
     NOT_LEFT = "the reference switch was actuated at the start and stayed so over the allowed way"
     AMBIGUOUS = (
-        "an encoder zero lies between two looks at the reference switch, so the next one is not known: move the switch by half a motor turn,"
-        " or reference more slowly"
+        "an encoder zero lies between two looks at the reference switch, so the next one is not known:"
+        " move the switch by half a motor turn, or reference more slowly"
     )
     TIMEOUT = "the time for referencing is over"
     ABORTED = "referencing was aborted"
