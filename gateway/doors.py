@@ -2,6 +2,7 @@
 
 import struct
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 from gateway.assembly import Door
 from gateway.cell import Cell
@@ -19,17 +20,30 @@ _WORDS = struct.Struct(f"={COMMAND_WORDS}H{STATUS_WORDS}H")
 Tell = Callable[..., None]  # journal.write
 
 
+@dataclass(frozen=True)
+class Post:
+    """Where a door of a run stands: its record in the plan, the office behind it, the watch over its partner, what a loss does, its
+    region, the journal."""
+
+    door: Door
+    office: Office
+    watch: LinkWatch
+    on_loss: OnLoss
+    region: RegionWriter
+    tell: Tell
+
+
 class BaseDoor:
     """What all doors share."""
 
-    def __init__(self, door: Door, office: Office, watch: LinkWatch, on_loss: OnLoss, region: RegionWriter, tell: Tell) -> None:
-        self.number, self.name, self.kind = door.number, door.name, door.kind
-        self.office, self.watch, self.on_loss = office, watch, on_loss
+    def __init__(self, post: Post) -> None:
+        self.number, self.name, self.kind = post.door.number, post.door.name, post.door.kind
+        self.office, self.watch, self.on_loss = post.office, post.watch, post.on_loss
         self.status = Status()
-        self.block = CommandBlock(self._left_standing(region))
-        self._region, self._tell = region, tell
+        self.block = CommandBlock(self._left_standing(post.region))
+        self._region, self._tell = post.region, post.tell
         self._written: bytes = b""
-        office.control.link(door.number, alive=False)
+        post.office.control.link(post.door.number, alive=False)
 
     @staticmethod
     def _left_standing(region: RegionWriter) -> Sequence[int]:

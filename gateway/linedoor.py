@@ -9,12 +9,10 @@ import time
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from gateway.assembly import Door
 from gateway.cell import Cell, Db, Entry, Handshake, Line
 from gateway.couplingareas import RECEIVED_DB, SENT_DB
 from gateway.dbsignals import flags_of
-from gateway.doors import Tell
-from gateway.image import RegionWriter
+from gateway.doors import Post
 from gateway.lineareas import LineAreas
 from gateway.pure.addresses import DataBit, DataWord, Part, parse
 from gateway.pure.command_block import COMMAND_WORDS, STATUS_WORDS, Code, Command
@@ -22,12 +20,9 @@ from gateway.pure.computerlink import ComputerLink
 from gateway.pure.datadoor import RC_NAMES, DataBlock, DataDoor, HandshakeBits, Slot
 from gateway.pure.dialects import BUEP64, buep64_fault, link_profile, rk512_dialect
 from gateway.pure.handshakes import Handshaking, Pattern
-from gateway.pure.jobs import OnLoss
 from gateway.pure.line_blocks import block_key
 from gateway.pure.line_jobs import OwnJob, OwnJobs
-from gateway.pure.office import Office
 from gateway.pure.records import RC_BYTES, Motion, Quality, set_bit
-from gateway.pure.supervision import LinkWatch
 from gateway.serialdoor import SerialDoor
 from protocols.base.errors import EncodeError
 from protocols.base.machine import Ns, ms
@@ -54,18 +49,8 @@ class LineDoor(SerialDoor):
 
     counted = ("sends", "fetches", "refused", "bad_blocks", "own_jobs", "own_faults")
 
-    def __init__(
-        self,
-        door: Door,
-        office: Office,
-        watch: LinkWatch,
-        on_loss: OnLoss,
-        region: RegionWriter,
-        tell: Tell,
-        line: Line,
-        services: "Services",
-    ) -> None:
-        super().__init__(door, office, watch, on_loss, region, tell, line, services)
+    def __init__(self, post: Post, line: Line, services: "Services") -> None:
+        super().__init__(post, line, services)
         self.services = services
         mine = [db for db in services.cell.db if db.line == line.name]
         self.data = self._data_door([compile_block(db) for db in mine]) if mine else None

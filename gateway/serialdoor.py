@@ -5,17 +5,12 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from drivers.ports.open import open_bytes
-from gateway.assembly import Door
 from gateway.cell import Line
-from gateway.doors import BaseDoor, Tell
-from gateway.image import RegionWriter
+from gateway.doors import BaseDoor, Post
 from gateway.linejournal import journaled
 from gateway.lineloop import LineRunner
 from gateway.linetap import Tap
-from gateway.pure.jobs import OnLoss
-from gateway.pure.office import Office
 from gateway.pure.recording.messages import Source
-from gateway.pure.supervision import LinkWatch
 from protocols.base.machine import Machine, Ns
 from protocols.p3964r.events import SamePriority
 
@@ -31,18 +26,8 @@ class SerialDoor(BaseDoor):
     machine: Machine[object]
     counted: Iterable[str] = ()  # names of its counters
 
-    def __init__(
-        self,
-        door: Door,
-        office: Office,
-        watch: LinkWatch,
-        on_loss: OnLoss,
-        region: RegionWriter,
-        tell: Tell,
-        line: Line,
-        services: "Services",
-    ) -> None:
-        super().__init__(door, office, watch, on_loss, region, tell)
+    def __init__(self, post: Post, line: Line, services: "Services") -> None:
+        super().__init__(post)
         self.line = line
         self._services = services
         self._partner: Counter[str] = Counter(dict.fromkeys((*self.counted, "same_priority"), 0))
@@ -50,7 +35,7 @@ class SerialDoor(BaseDoor):
         self._runner: LineRunner[object] | None = None
         self.tap: Tap[object] | None = None  # what passed lately, for the page
         self._journal_next: Ns = 0
-        tell(
+        self._tell(
             "link", f"door {self.number} {self.name}: {line.protocol} {line.profile} on {services.plan.lines[line.name]}", door=self.number
         )
 

@@ -6,14 +6,9 @@ It commands no axes: values and signals are what a program (or another door) act
 import time
 from typing import TYPE_CHECKING
 
-from gateway.assembly import Door
 from gateway.cell import Line
-from gateway.doors import Tell
-from gateway.image import RegionWriter
+from gateway.doors import Post
 from gateway.pure.dialects import link_profile
-from gateway.pure.jobs import OnLoss
-from gateway.pure.office import Office
-from gateway.pure.supervision import LinkWatch
 from gateway.serialdoor import SerialDoor
 from gateway.telegramtables import incoming, is_incoming, outgoing
 from protocols.base.errors import EncodeError
@@ -35,18 +30,8 @@ class TelegramDoor(SerialDoor):
 
     counted = ("received", "refused", "unknown", "bad_blocks", "sent", "failed", "unbuilt")
 
-    def __init__(
-        self,
-        door: Door,
-        office: Office,
-        watch: LinkWatch,
-        on_loss: OnLoss,
-        region: RegionWriter,
-        tell: Tell,
-        line: Line,
-        services: "Services",
-    ) -> None:
-        super().__init__(door, office, watch, on_loss, region, tell, line, services)
+    def __init__(self, post: Post, line: Line, services: "Services") -> None:
+        super().__init__(post, line, services)
         self._named = services.named
         mine = [telegram for telegram in services.cell.telegram if telegram.line == line.name]
         self.reader = Reader([incoming(telegram, line) for telegram in mine if is_incoming(telegram)])

@@ -19,8 +19,9 @@ from gateway.pathoutputs import output_places
 from gateway.programplan import machine_of_cell, measured_mask, written_for
 from gateway.pure.permits import free_outputs
 from gateway.pure.plannerrecords import SAY_LAYOUT, MeasuringFacts, PlannerState, pack_piece, pack_planner, unpack_block
+from gateway.pure.programfollow import follow, standing
 from gateway.pure.programs import Programs
-from gateway.pure.records import CellState, Motion, unpack_cell_state
+from gateway.pure.records import CellState, unpack_cell_state
 from gateway.realtime import Timerfd, die_with_parent, go_ahead
 from motion.errors import MotionError
 from motion.planner.robot import Machine
@@ -88,23 +89,9 @@ class PlannerProcess:
         payload = self.axes.read()
         state = CellState() if payload is None else unpack_cell_state(payload)
         records = [unpack_block(data) for _, data in self.blocks.take(TAKEN)]
-        standing = [axis.set for axis in state.axes[: self.count]]
         while self.programs.preparing and time.monotonic_ns() - now < PREPARING_NS:
-            self.programs.prepare(standing)
-        moving = state.motion is not Motion.IDLE
-        pieces = self.programs.turn(
-            records,
-            state.generation,
-            state.piece,
-            standing,
-            moving=moving,
-            taken=state.taken,
-            failed=state.failed_job,
-            parts=state.parts,
-            engaged=state.engaged,
-            met=state.met,
-            measured=[axis.measured if state.measured_mask >> n & 1 else None for n, axis in enumerate(state.axes[: self.count])],
-        )
+            self.programs.prepare(standing(state, self.count))
+        pieces = follow(self.programs, records, state, self.count)
         self._tell(self.programs.state)
         self.region.write(pack_planner(self.programs.state), now)  # a fault's words are there before the cycle hears of it
         for record in pieces:

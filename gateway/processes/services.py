@@ -17,8 +17,9 @@ from gateway.assembly import RunPlan, load_plan
 from gateway.axes import axis_facts, make_planner, rc_numbers
 from gateway.bridge import Bridge
 from gateway.canopen_office import CanopenOffice
+from gateway.cell import Line
 from gateway.dbsignals import inputs_of
-from gateway.doors import BaseDoor, CellValues, on_loss_of
+from gateway.doors import BaseDoor, CellValues, Post, on_loss_of
 from gateway.families import LISTENS
 from gateway.forces import Forces
 from gateway.image import RegionReader, RegionWriter, RingWriter, fds_from_text
@@ -127,14 +128,17 @@ class Services:
         if door.kind == "modbus":
             modbus = next(m for m in self.cell.modbus if m.name == door.name)
             watch = LinkWatch(ms(modbus.max_silence_ms), has_life_word=False)
-            made = ModbusDoor(door, self.office, watch, on_loss_of(modbus.on_loss), region, self.journal.write)
+            made = ModbusDoor(Post(door, self.office, watch, on_loss_of(modbus.on_loss), region, self.journal.write))
             owned = [octet for octet, owner in self.cell.rc_inputs.owner.items() if owner == door.name]
             made.listen(modbus, self.plan.modbus[door.name], side_of(self, made, owned))
             return made
         line = next(x for x in self.cell.line if x.name == door.name)
         watch = LinkWatch(ms(line.supervision.max_silence_ms), has_life_word=line.supervision.life_word is not None)
+        return self._line_door(Post(door, self.office, watch, on_loss_of(line.supervision.on_loss), region, self.journal.write), line)
+
+    def _line_door(self, post: Post, line: Line) -> BaseDoor:
         kind = TelegramDoor if line.layer == "telegrams" else LineDoor
-        return kind(door, self.office, watch, on_loss_of(line.supervision.on_loss), region, self.journal.write, line, self)
+        return kind(post, line, self)
 
     # ---- life --------------------------------------------------------------------------------------------------------
     async def run(self) -> None:

@@ -8,10 +8,10 @@ import signal
 import time
 
 from gateway.assembly import RunPlan, load_plan
-from gateway.doors import BaseDoor, on_loss_of
-from gateway.image import RegionWriter, fds_from_text
+from gateway.cell import Line
+from gateway.doors import BaseDoor, Post
+from gateway.image import fds_from_text
 from gateway.processes.services import Services
-from gateway.pure.supervision import LinkWatch
 from gateway.realtime import die_with_parent
 from gateway.shadow.door import ShadowDoor
 from gateway.shadow.keep import keep
@@ -28,12 +28,8 @@ class ShadowServices(Services):
         self._keep_next: Ns = 0
         super().__init__(plan, fds)
 
-    def _door(self, index: int, fds: dict[str, int]) -> BaseDoor:
-        door = self.plan.doors[index]
-        line = next(each for each in self.cell.line if each.name == door.name)
-        watch = LinkWatch(ms(line.supervision.max_silence_ms), has_life_word=line.supervision.life_word is not None)
-        region = RegionWriter(fds[f"door-{door.number}"], f"door-{door.number}")
-        return ShadowDoor(door, self.office, watch, on_loss_of(line.supervision.on_loss), region, self.journal.write, line, self)
+    def _line_door(self, post: Post, line: Line) -> BaseDoor:
+        return ShadowDoor(post, line, self)
 
     def tick(self) -> None:
         """Also keeps what was found."""

@@ -6,21 +6,16 @@ import time
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from gateway.assembly import Door
 from gateway.cell import Line
-from gateway.doors import Tell
-from gateway.image import RegionWriter
+from gateway.doors import Post
 from gateway.linedoor import LineDoor
-from gateway.pure.jobs import OnLoss
 from gateway.pure.line_blocks import KINDS, block_key, block_name
 from gateway.pure.line_decoder import Told, telegram_of
 from gateway.pure.line_jobs import OwnJobs
-from gateway.pure.office import Office
 from gateway.pure.records import AxisFlag
 from gateway.pure.shadow.compare import Answer, Comparison, as_data
 from gateway.pure.shadow.conversation import Answered, Asked, Conversation
 from gateway.pure.shadow.places import places_of, rest_of
-from gateway.pure.supervision import LinkWatch
 from gateway.shadow.taps import TapPair
 from protocols.base.machine import Ns, ms
 from protocols.rk512.header import REACTION_BYTES
@@ -34,18 +29,8 @@ SETTLE: Ns = ms(5_000)
 class ShadowDoor(LineDoor):
     """One tapped line."""
 
-    def __init__(
-        self,
-        door: Door,
-        office: Office,
-        watch: LinkWatch,
-        on_loss: OnLoss,
-        region: RegionWriter,
-        tell: Tell,
-        line: Line,
-        services: "Services",
-    ) -> None:
-        super().__init__(door, office, watch, on_loss, region, tell, line, services)
+    def __init__(self, post: Post, line: Line, services: "Services") -> None:
+        super().__init__(post, line, services)
         self._own = OwnJobs(())  # jobs of ours would need a partner that answers
         self.comparison = Comparison()
         self.telegrams = {"heard": 0, "answered": 0, "other_number": 0}

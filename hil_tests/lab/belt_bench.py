@@ -19,13 +19,14 @@ from gateway.pure.corebelts import CoreBelts
 from gateway.pure.jobs import Job
 from gateway.pure.office import Office
 from gateway.pure.permits import AS_SHIPPED, free_outputs
-from gateway.pure.plannerrecords import PieceRecord, ProgramFacts, pack_piece, run_record, unpack_piece
+from gateway.pure.plannerrecords import ProgramFacts
 from gateway.pure.programs import Programs
 from gateway.pure.reasons import CommandState
 from gateway.pure.records import CellState, Motion, pack_cell_state, unpack_cell_state
 from hil_tests.lab.asserted import asserted
 from hil_tests.lab.belt_run import INCREMENT, with_belts
 from hil_tests.lab.cellbench import CellBench
+from hil_tests.lab.planner_beside import PlannerBeside
 from hil_tests.lab.servodyn_bus import CODEC
 from motion.sync.belts import SET_COUNTER
 from protocols.base.machine import Frame
@@ -48,8 +49,7 @@ class BeltBench(CellBench):
         self.text = ""
         free = free_outputs(AS_SHIPPED, AXES)
         self.programs = Programs(lambda _: MACHINE, lambda _: ALL, lambda _: self.text, free, belts=FACTS)
-        self.planner_alive = True
-        self.held: list[PieceRecord] = []
+        self.planner = PlannerBeside(self.programs, AXES)
         self.seen: list[CellState] = []
         self.each = self._turn
         self.office.planner = self.programs.state
@@ -81,28 +81,8 @@ class BeltBench(CellBench):
 
     def _turn(self) -> None:
         """One of the planner, and what the ring carries; every state of the cycle is kept."""
-        state, office = self.core.state, self.office
-        self.seen.append(unpack_cell_state(pack_cell_state(state)))
-        if self.planner_alive:
-            said = [run_record(order) for order in office.take_programs()]
-            standing = [axis.set for axis in state.axes[:AXES]]
-            while self.programs.preparing:
-                self.programs.prepare(standing)
-            self.held += self.programs.turn(
-                said,
-                state.generation,
-                state.piece,
-                standing,
-                moving=state.motion is not Motion.IDLE,
-                taken=state.taken,
-                failed=state.failed_job,
-                parts=state.parts,
-                engaged=state.engaged,
-            )
-            office.planner = self.programs.state
-        for record in self.held[:2]:
-            self.core.feed(unpack_piece(pack_piece(record)))
-        del self.held[:2]
+        self.seen.append(unpack_cell_state(pack_cell_state(self.core.state)))
+        self.planner.turn(self.core, self.office)
 
     def drive(self, kind: int, speed: float) -> None:
         """The belt of this type runs at m/s, from now on."""

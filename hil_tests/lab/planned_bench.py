@@ -16,12 +16,13 @@ from gateway.pure.command_block import Code, Command
 from gateway.pure.jobs import Job
 from gateway.pure.office import Office
 from gateway.pure.permits import AS_SHIPPED, free_outputs
-from gateway.pure.plannerrecords import PieceRecord, ProgramFacts, pack_piece, run_record, unpack_piece
+from gateway.pure.plannerrecords import ProgramFacts
 from gateway.pure.programs import Programs
 from gateway.pure.reasons import CommandState
-from gateway.pure.records import CellState, Motion
+from gateway.pure.records import CellState
 from hil_tests.lab.arms import Array
 from hil_tests.lab.cellbench import CellBench
+from hil_tests.lab.planner_beside import PlannerBeside
 from hil_tests.lab.servodyn_bus import CODEC
 from motion.frames import IDENTITY, Pose
 from motion.units import to_si
@@ -44,7 +45,7 @@ class Planned:
         bench.office = Office(bench.office.axes, bench.office._plan, 1, {1: ProgramFacts("it", every)})
         free = free_outputs(AS_SHIPPED, len(self.cell.axis))
         self.programs = Programs(lambda _: self.machine, lambda _: every, lambda _: self.text, free)
-        self.held: list[PieceRecord] = []
+        self.planner = PlannerBeside(self.programs, len(self.cell.axis))
         bench.each = self._turn
         bench.office.planner = self.programs.state
         bench.run(0.3)
@@ -56,26 +57,7 @@ class Planned:
         return self.bench.core.state
 
     def _turn(self) -> None:
-        state, office = self.state, self.bench.office
-        said = [run_record(order) for order in office.take_programs()]
-        standing = [axis.set for axis in state.axes[: len(self.cell.axis)]]
-        while self.programs.preparing:
-            self.programs.prepare(standing)
-        moving = state.motion is not Motion.IDLE
-        self.held += self.programs.turn(
-            said,
-            state.generation,
-            state.piece,
-            standing,
-            moving=moving,
-            taken=state.taken,
-            failed=state.failed_job,
-            parts=state.parts,
-        )
-        office.planner = self.programs.state
-        for record in self.held[:2]:
-            self.bench.core.feed(unpack_piece(pack_piece(record)))
-        del self.held[:2]
+        self.planner.turn(self.bench.core, self.bench.office)
 
     def order(self, text: str) -> Job:
         self.text = text

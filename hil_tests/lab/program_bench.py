@@ -8,11 +8,12 @@ from gateway.pure.command_block import Code, Command
 from gateway.pure.jobs import Job
 from gateway.pure.office import Office
 from gateway.pure.permits import AS_SHIPPED, free_outputs
-from gateway.pure.plannerrecords import PieceRecord, ProgramFacts, pack_piece, run_record, unpack_piece
+from gateway.pure.plannerrecords import ProgramFacts
 from gateway.pure.programs import Programs
 from gateway.pure.reasons import CommandState
 from gateway.pure.records import Motion
 from hil_tests.lab.cellbench import ALL, DEMO, CellBench
+from hil_tests.lab.planner_beside import PlannerBeside
 from motion.errors import MotionError
 from motion.kinematics.identity import Identity
 from motion.planner.robot import Machine
@@ -40,8 +41,7 @@ class WithPlanner:
         self.texts: dict[int, str] = {}
         free = free_outputs(AS_SHIPPED, len(LIMITS))
         self.programs = Programs(lambda _: Machine(Identity(LIMITS), LIMITS), lambda _: ALL, self.text, free)
-        self.alive = True
-        self.held: list[PieceRecord] = []
+        self.planner = PlannerBeside(self.programs, len(LIMITS))
         self.cell.each = self.turn
         self.cell.office.planner = self.programs.state
 
@@ -52,29 +52,7 @@ class WithPlanner:
             raise MotionError(f"program {number}: no such file") from None
 
     def turn(self) -> None:
-        state, office = self.cell.core.state, self.cell.office
-        if self.alive:
-            said = [run_record(order) for order in office.take_programs()]
-            standing = [axis.set for axis in state.axes[: len(LIMITS)]]
-            while self.programs.preparing:
-                self.programs.prepare(standing)
-            moving = state.motion is not Motion.IDLE
-            self.held += self.programs.turn(
-                said,
-                state.generation,
-                state.piece,
-                standing,
-                moving=moving,
-                taken=state.taken,
-                failed=state.failed_job,
-                parts=state.parts,
-                met=state.met,
-                measured=[axis.measured if state.measured_mask >> n & 1 else None for n, axis in enumerate(state.axes[: len(LIMITS)])],
-            )
-            office.planner = self.programs.state
-        for record in self.held[:2]:
-            self.cell.core.feed(unpack_piece(pack_piece(record)))
-        del self.held[:2]
+        self.planner.turn(self.cell.core, self.cell.office)
 
     def program(self, *lines: str, number: int = 1) -> None:
         self.texts[number] = "\n".join([f"axes {UNITS}", *lines])

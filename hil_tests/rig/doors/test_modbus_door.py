@@ -7,6 +7,7 @@ import pytest
 
 from gateway.assembly import DOOR_BYTES, Door
 from gateway.axes import axis_facts, make_planner
+from gateway.doors import Post
 from gateway.image import RegionWriter, create_region
 from gateway.modbusdoor import ModbusDoor
 from gateway.pure.jobs import OnLoss
@@ -22,7 +23,8 @@ READ, WRITE = 4, 15
 def door() -> Iterator[ModbusDoor]:
     fd = create_region("door-2", DOOR_BYTES)
     office = Office(axis_facts(DEMO), make_planner(DEMO), 1)
-    yield ModbusDoor(Door(2, "plc2", "modbus"), office, LinkWatch(ms(500), False), OnLoss.STOP, RegionWriter(fd), lambda *_, **__: None)
+    watch = LinkWatch(ms(500), False)
+    yield ModbusDoor(Post(Door(2, "plc2", "modbus"), office, watch, OnLoss.STOP, RegionWriter(fd), lambda *_, **__: None))
     os.close(fd)
 
 

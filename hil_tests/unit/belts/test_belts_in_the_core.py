@@ -158,8 +158,8 @@ def test_the_planners_death_on_a_belt_ends_at_rest_beside_it(bench: BeltBench) -
     started(bench, 1)
     job = bench.order(*SLOW, *SLOW[2:] * 4)
     bench.until(lambda s: s.axes[1].set > 0.104 and s.axes[0].speed > 0.1)
-    bench.planner_alive = False
-    bench.held.clear()
+    bench.planner.alive = False
+    bench.planner.held.clear()
     bench.core.planner_lost()
     bench.finished(job)
     assert (job.state, job.reason) == (CommandState.ABORTED, Reason.PLANNER_LOST) and still(bench)

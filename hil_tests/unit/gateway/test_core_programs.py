@@ -46,8 +46,8 @@ def test_a_planner_that_dies_leaves_the_axes_at_rest_and_the_job_aborted(both: W
     job = both.order(f"ptp joints {joints(5)}", f"ptp joints {joints(90)}")
     both.cell.run(0.15)
     assert both.cell.core.state.motion is Motion.RUNNING
-    both.alive = False
-    both.held.clear()
+    both.planner.alive = False
+    both.planner.held.clear()
     both.cell.core.planner_lost()
     both.finished(job)
     assert (job.state, job.reason) == (CommandState.ABORTED, Reason.PLANNER_LOST)
@@ -55,34 +55,34 @@ def test_a_planner_that_dies_leaves_the_axes_at_rest_and_the_job_aborted(both: W
 
 
 def test_a_planner_that_dies_before_the_first_piece_moves_nothing(both: WithPlanner) -> None:
-    both.alive = False
+    both.planner.alive = False
     job = both.order(f"ptp joints {joints(5)}")
     assert both.still(0.2) and job.state is CommandState.ACCEPTED
     both.cell.core.planner_lost()
     both.finished(job)
     assert (job.state, job.reason) == (CommandState.ABORTED, Reason.PLANNER_LOST)
-    both.alive = True
+    both.planner.alive = True
     assert both.still(), "a planner that comes too late"
 
 
 def test_pieces_nobody_ordered_are_dropped(both: WithPlanner) -> None:
     both.program(f"ptp joints {joints(5)}")
-    both.alive = False
+    both.planner.alive = False
     both.cell.office.command(1, Command(Code.PROGRAM, 1), both.cell.now)
     orders = both.cell.office.take_orders()  # lost on their way to the cycle
     assert [order.order for order in orders] == [Order.PROGRAM]
     both.cell.core.state.taken = orders[0].job  # as if a later one had been taken
-    both.alive = True
+    both.planner.alive = True
     assert both.still() and both.programs.state.handed > 0
     assert both.cell.core.state.failed_job != orders[0].job
 
 
 def test_pieces_for_axes_that_are_off_are_refused_and_nothing_moves(both: WithPlanner) -> None:
-    both.alive = False
+    both.planner.alive = False
     job = both.order(f"ptp joints {joints(5)}")
     both.cell.run(0.1)
     both.cell.core._off(Reason.DRIVES_OFF)
-    both.alive = True
+    both.planner.alive = True
     both.finished(job)
     assert (job.state, job.reason) == (CommandState.ABORTED, Reason.DRIVES_OFF)
     assert both.cell.core.state.motion is Motion.IDLE
@@ -100,9 +100,9 @@ def test_pieces_of_an_older_cycle_are_dropped(both: WithPlanner) -> None:
     job = both.order(f"ptp joints {joints(5)}")
     both.cell.cycle(1)
     both.turn()
-    kept = [PieceRecord(record.part, record.job, record.generation + 1, record.piece) for record in both.held]
+    kept = [PieceRecord(record.part, record.job, record.generation + 1, record.piece) for record in both.planner.held]
     assert kept
-    both.held, both.alive = kept, False
+    both.planner.held, both.planner.alive = kept, False
     moved = both.cell.core.state.piece
     both.cell.run(0.5)
     assert both.cell.core.state.failed_job != job.id and both.cell.core.state.piece in (0, moved)
@@ -161,21 +161,21 @@ def test_stop_resume_and_abandon(both: WithPlanner) -> None:
 
 
 def test_a_stop_while_the_program_is_prepared_keeps_it_from_beginning(both: WithPlanner) -> None:
-    both.alive = False
+    both.planner.alive = False
     job = both.order(f"ptp joints {joints(5)}")
     both.cell.run(0.05)
     both.cell.settle(both.cell.give(Code.STOP, door=2))
     assert (job.state, job.reason) == (CommandState.ABORTED, Reason.STOPPED_BY_DOOR)
-    both.alive = True
+    both.planner.alive = True
     assert both.still()
 
 
 def test_a_stop_while_more_has_to_come_keeps_it_from_going_on(both: WithPlanner) -> None:
     job = both.order(f"ptp joints {joints(5)}", f"ptp joints {joints(40)}")
     both.cell.run(0.05)
-    later = [record for record in both.held if record.part]
-    both.alive = False
-    both.held.clear()
+    later = [record for record in both.planner.held if record.part]
+    both.planner.alive = False
+    both.planner.held.clear()
     for _ in range(400):
         both.cell.cycle()
         if both.cell.core.starved:
@@ -183,21 +183,21 @@ def test_a_stop_while_more_has_to_come_keeps_it_from_going_on(both: WithPlanner)
     assert both.cell.core.starved and later
     both.cell.settle(both.cell.give(Code.STOP))
     assert (job.state, job.reason) == (CommandState.ABORTED, Reason.STOPPED_BY_DOOR)
-    both.alive = True
+    both.planner.alive = True
     assert both.still()
 
 
 def test_a_planner_that_comes_late_lets_the_axes_rest_and_they_go_on_where_they_stand(both: WithPlanner) -> None:
     job = both.order(*(f"ptp joints {joints(10 * (n % 2))} speed=10" for n in range(1, 12)))
     both.cell.run(0.3)
-    both.alive = False
+    both.planner.alive = False
     for _ in range(4000):
         both.cell.cycle()
         if both.cell.core.starved:
             break
-    assert both.cell.core.starved and not both.held and both.still(0.2)
+    assert both.cell.core.starved and not both.planner.held and both.still(0.2)
     assert job.state is CommandState.RUNNING
-    both.alive = True
+    both.planner.alive = True
     assert both.finished(job).state is CommandState.DONE and both.at(10.0)
 
 
@@ -295,7 +295,7 @@ def test_blocks_behind_one_that_ends_with_an_input_are_tried_before_anything_mov
 
 
 def test_no_move_begins_beside_a_program_that_is_prepared(both: WithPlanner) -> None:
-    both.alive = False
+    both.planner.alive = False
     both.order(f"ptp joints {joints(5)}")
     both.cell.run(0.05)
     assert both.cell.give(Code.PTP_ABSOLUTE, targets=(30.0,), mask=1).reason is Reason.BUSY

@@ -1,0 +1,29 @@
+"""One turn of the planner's inside on what the cycle says of itself.  Pure."""
+
+from collections.abc import Sequence
+
+from gateway.pure.plannerrecords import BlockRecord, PieceRecord
+from gateway.pure.programs import Programs
+from gateway.pure.records import CellState, Motion
+
+
+def standing(state: CellState, count: int) -> list[float]:
+    """Set values of the first `count` axes; m and rad."""
+    return [axis.set for axis in state.axes[:count]]
+
+
+def follow(programs: Programs, records: Sequence[BlockRecord], state: CellState, count: int) -> list[PieceRecord]:
+    """records: new ones; state: the cycle's, of a cell with `count` axes.  What is due for the ring of pieces."""
+    return programs.turn(
+        records,
+        state.generation,
+        state.piece,
+        standing(state, count),
+        moving=state.motion is not Motion.IDLE,
+        taken=state.taken,
+        failed=state.failed_job,
+        parts=state.parts,
+        engaged=state.engaged,
+        met=state.met,
+        measured=[axis.measured if state.measured_mask >> n & 1 else None for n, axis in enumerate(state.axes[:count])],
+    )

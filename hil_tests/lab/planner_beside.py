@@ -1,0 +1,28 @@
+"""The planner's inside beside a cell in virtual time: one turn a cycle, and what the ring carries meanwhile."""
+
+from gateway.pure.core import Core
+from gateway.pure.office import Office
+from gateway.pure.plannerrecords import PieceRecord, pack_piece, run_record, unpack_piece
+from gateway.pure.programfollow import follow, standing
+from gateway.pure.programs import Programs
+
+A_CYCLE = 2  # pieces the core takes from the ring
+
+
+class PlannerBeside:
+    """`alive` False: a planner that died; what it had put into the ring is still carried."""
+
+    def __init__(self, programs: Programs, axes: int) -> None:
+        self.programs, self.axes, self.alive = programs, axes, True
+        self.held: list[PieceRecord] = []
+
+    def turn(self, core: Core, office: Office) -> None:
+        if self.alive:
+            said = [run_record(order) for order in office.take_programs()]
+            while self.programs.preparing:
+                self.programs.prepare(standing(core.state, self.axes))
+            self.held += follow(self.programs, said, core.state, self.axes)
+            office.planner = self.programs.state
+        for record in self.held[:A_CYCLE]:
+            core.feed(unpack_piece(pack_piece(record)))
+        del self.held[:A_CYCLE]
