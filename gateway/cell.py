@@ -8,6 +8,7 @@ import datetime
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
+from gateway.cell_alter import Alter
 from gateway.cell_axes import Axis, FollowingError, Home, Plant, PlantAxis
 from gateway.cell_belts import Belt, Measuring, PathOutput
 from gateway.cell_buses import Bus, Io, IoDevice
@@ -20,6 +21,7 @@ from gateway.cell_program import Program
 from gateway.cell_retain import Retain
 from gateway.cell_rho3 import IoBlock, IoBus, ParamValue, Rho3
 from gateway.cell_routes import Route
+from gateway.cell_shared import SharedOutput
 from gateway.cell_web import Web
 
 # fmt: off
@@ -128,6 +130,8 @@ class Cell:
     belt: tuple[Belt, ...] = ()
     measuring: tuple[Measuring, ...] = ()
     path_output: tuple[PathOutput, ...] = ()
+    alter: Alter | None = None
+    shared_output: tuple[SharedOutput, ...] = ()
     check_position: tuple[CheckPosition, ...] = ()
     telegram: tuple[Telegram, ...] = ()
     retain: Retain | None = None

@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from gateway.cellmodels_alter import Alter
 from gateway.cellmodels_axes import Axis, Defaults, Plant
 from gateway.cellmodels_base import Name, Table, unit
 from gateway.cellmodels_belts import Belt, Measuring, PathOutput
@@ -17,6 +18,7 @@ from gateway.cellmodels_lines import Db, Handshake, Line, Telegram
 from gateway.cellmodels_modbus import Modbus
 from gateway.cellmodels_northbound import Northbound
 from gateway.cellmodels_rho3 import Rho3
+from gateway.cellmodels_shared import SharedOutput
 
 
 class CellHead(Table):
@@ -132,6 +134,8 @@ class CellFile(Table):
     belt: list[Belt] = []
     measuring: list[Measuring] = []
     path_output: list[PathOutput] = []
+    alter: Alter | None = None
+    shared_output: list[SharedOutput] = []
     check_position: list[CheckPosition] = []
     telegram: list[Telegram] = []
     retain: Retain | None = None

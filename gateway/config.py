@@ -13,6 +13,7 @@ from pydantic import BaseModel, ValidationError
 from drivers.emulator.settings import RANGES, ServoSettings
 from gateway import cell as plain
 from gateway import (
+    cell_alter,
     cell_axes,
     cell_belts,
     cell_buses,
@@ -21,6 +22,8 @@ from gateway import (
     cell_modbus,
     cell_northbound,
     cell_rho3,
+    cell_shared,
+    cellmodels_alter,
     cellmodels_axes,
     cellmodels_belts,
     cellmodels_buses,
@@ -29,6 +32,7 @@ from gateway import (
     cellmodels_modbus,
     cellmodels_northbound,
     cellmodels_rho3,
+    cellmodels_shared,
 )
 from gateway import cellmodels as models
 from gateway.cell import Cell, Source
@@ -187,11 +191,13 @@ def _tables(value: Any) -> list[dict[str, Any]]:
 # frozen data and their models, class by class of the same name
 PARTS = (
     (plain, models),
+    (cell_alter, cellmodels_alter),
     (cell_axes, cellmodels_axes),
     (cell_belts, cellmodels_belts),
     (cell_buses, cellmodels_buses),
     (cell_lines, cellmodels_lines),
     (cell_rho3, cellmodels_rho3),
+    (cell_shared, cellmodels_shared),
     (cell_modbus, cellmodels_modbus),
     (cell_controller, cellmodels_controller),
     (cell_northbound, cellmodels_northbound),

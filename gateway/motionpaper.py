@@ -21,6 +21,7 @@ from motion.planner.trace import PERIOD_S, BeltWay, Trace, joined, tool_at, trac
 from motion.program.blocks import Block, Program
 from motion.program.errors import BlockError
 from motion.stepper import State, Stepper
+from motion.sync.alterable import check_alterable
 from motion.sync.belts import SIMULATION, Type
 from motion.sync.facts import BeltFacts
 from motion.units import from_si
@@ -39,12 +40,20 @@ class Section:
     part: Coming | None = None
 
 
-def sections_of(program: Program, machine: Machine, belts: Sequence[BeltFacts]) -> tuple[list[Section], list[BlockError]]:
-    """Every block, each looked at from where the last good one ended; a part on a belt as if the belt stood where it is meant to be."""
+def sections_of(
+    program: Program, machine: Machine, belts: Sequence[BeltFacts], *, option: bool = True
+) -> tuple[list[Section], list[BlockError]]:
+    """Every block, each looked at from where the last good one ended; a part on a belt as if the belt stood where it is meant to be, an
+    alterable part without its correction.  option: the cell has one."""
     route, found, faults = Route(machine, program.start), [Section(1, program.start)], []
     for number, block in enumerate(program.blocks, 1):
         try:
-            section = found[-1]
+            section, before = found[-1], program.blocks[number - 2] if number > 1 else None
+            check_alterable(block, before, number, option=option)
+            if before is not None and before.alteration != block.alteration and block.synchron is None:
+                route.finish()  # the axes rest where an alterable part begins and ends (AX-449)
+                section = Section(number, route.standing)
+                found.append(section)
             if (section.part is None) != (block.synchron is None) or (section.part is not None and not section.part.holds(block)):
                 route.finish()
                 part = begun(block, number, belts, machine, route.standing)[-1] if block.synchron is not None else None

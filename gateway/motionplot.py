@@ -37,6 +37,7 @@ def page(program: Program, machine: Machine, trace: Trace) -> str:
         f"<h1>{title}</h1>",
         f"<p>robot {html.escape(program.robot)}, {len(program.blocks)} blocks, {trace.t[-1]:.3f} s at 100 %, set values on a grid of "
         f"{trace.period * 1e3:g} ms.</p>",
+        *_alterable(program),
         "<h2>Path of the tool</h2>",
         *(draw(chart, 860, 420) for chart in _planes(trace.tool, np.searchsorted(trace.t, [t for _, t in trace.ends]).tolist())),
         "<h2>Along time</h2>",
@@ -51,6 +52,12 @@ def page(program: Program, machine: Machine, trace: Trace) -> str:
         + "\n".join(body)
         + "\n</body></html>\n"
     )
+
+
+def _alterable(program: Program) -> list[str]:
+    """Which blocks a correction may move: it is not known here."""
+    found = [str(number) for number, block in enumerate(program.blocks, 1) if block.alteration is not None]
+    return [f"<p>Alterable, drawn without a correction: block {', '.join(found)}.</p>"] if found else []
 
 
 def way_charts(machine: Machine, findings: Findings) -> list[Chart]:

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 
 from gateway.cell import Cell, Notice
 from gateway.checks import (
+    alter,
     axes,
     belts,
     blocks,
@@ -20,6 +21,7 @@ from gateway.checks import (
     retain,
     rho3can,
     routes,
+    shared,
     telegrams,
     web,
 )
@@ -45,6 +47,8 @@ def cross_faults(cell: Cell, known: Mapping[str, frozenset[str]], signals: Signa
         *telegrams.CHECKS,
         *programs.CHECKS,
         *belts.CHECKS,
+        *alter.CHECKS,
+        *shared.CHECKS,
         *web.CHECKS,
         *northbound.CHECKS,
         *controller.CHECKS,

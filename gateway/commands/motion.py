@@ -67,7 +67,7 @@ def main(argv: list[str]) -> int:
         return Exit.INVALID
     except MotionError as error:
         return refuse(error)
-    sections, faults = sections_of(program, machine, belts.facts)
+    sections, faults = sections_of(program, machine, belts.facts, option=cell is None or cell.alter is not None)
     if options.what == "check" or faults:
         return check(program, faults, options.json)
     try:

@@ -19,6 +19,7 @@ from drivers.drives.family import Actual, BusFamily, SetRecord
 from drivers.drives.listening import ListeningFamily
 from drivers.ports.base import CanPort, PortError
 from drivers.ports.can import open_can
+from gateway.alterplan import alter_of_cell
 from gateway.assembly import RunPlan, load_plan
 from gateway.axes import assumed_permits, core_axes, rc_numbers
 from gateway.cyclebelts import BeltOffsets, Encoder, belts_of, encoders_of
@@ -47,6 +48,7 @@ from gateway.pure.rho3can.family import RhoFamily
 from gateway.pure.scope.records import SCOPE_LAYOUT, pack_scope
 from gateway.realtime import Alarm, die_with_parent, go_realtime
 from gateway.recording.tap import CycleTap
+from gateway.sharedplan import shared_of_cell
 from protocols.base.errors import DecodeError
 from protocols.base.machine import Frame, FrameFault
 
@@ -193,6 +195,8 @@ class Cycle:
             finish_without_services=cell.cell.on_services_loss == "finish_move",
             belts=belts_of(cell, plan.p5_ms) if cell.belt else None,
             functions=functions_of(cell, plan.p5_ms),
+            alter=alter_of_cell(cell, plan.p5_ms),
+            shared=shared_of_cell(cell, plan.p5_ms),
         )
         self.buses = [
             BusLink(plan.buses[bus.name], make_family(cell, bus, plan.p5_ms, simulated=plan.simulated), n)

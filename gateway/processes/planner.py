@@ -45,6 +45,7 @@ class PlannerProcess:
         outputs = free_outputs(rc_numbers(plan.cell), self.count)
         self.programs = Programs(self.machine, self.mask, self.text, outputs, belts=belt_facts(plan.cell), pulse=self._beat)
         self.programs.functions = output_places(plan.cell)
+        self.programs.option = plan.cell.alter is not None
         self.programs.channels = {each.channel: MeasuringFacts(each.input, measured_mask(plan.cell, each)) for each in plan.cell.measuring}
         self._told: tuple[int, str] = (0, "")
         self._stop = False

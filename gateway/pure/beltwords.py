@@ -1,4 +1,6 @@
-"""What a fault of a belt-synchronous part is called: the words of the rho 3 for its numbers, ours for our own (AX-545).  Pure."""
+"""What a fault of a belt-synchronous or alterable part is called: the words of the rho 3 for its numbers, ours for our own (AX-545,
+AX-547).  Pure.
+"""
 
 from motion.sync.errors import DIRECTION, KINEMATICS, TEXTS, TOLERANCE
 
@@ -6,6 +8,9 @@ OURS = {
     65001: "the axis would leave its travel on the belt",
     65002: "no telegram from the belt's encoder",
     65003: "the axis cannot keep up with the belt",
+    65004: "the correction is silent",
+    65005: "the altered position cannot be reached (VAL 3 alter -3)",
+    65006: "the altered path is too fast for its alterBegin (VAL 3 alter -3)",
 }
 
 

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 
 from drivers.drives.family import Actual, Demand, Event, Power, SetRecord
 from drivers.drives.tracking import Tracking
-from gateway.pure.beltmover import BeltMover
+from gateway.pure.altermover import make_mover
+from gateway.pure.corealter import CoreAlter
 from gateway.pure.coreaxis import CoreAxis, HeldAxis
 from gateway.pure.corebelts import CoreBelts
 from gateway.pure.corehoming import Homings
 from gateway.pure.corepublish import Publisher
-from gateway.pure.mover import Mover
 from gateway.pure.permits import AS_SHIPPED, EVERY, NO_PERMIT, EnablingInputs, RcNumbers
 from gateway.pure.plannerrecords import PieceRecord
 from gateway.pure.reasons import Reason
@@ -25,6 +25,7 @@ from protocols.base.machine import Ns, ms
 
 if TYPE_CHECKING:
     from gateway.pure.coreoutputs import CoreOutputs
+    from gateway.pure.coreshared import CoreShared
 
 SETTLE_S = 0.5  # after its last set value an axis has so long to come to its place; then it stands (AX-268)
 LOST_STOP_S = 2.0  # an axis still moving so long after its chain or control input was lost is switched off
@@ -56,6 +57,8 @@ class Core:
         finish_without_services: bool = False,
         belts: CoreBelts | None = None,
         functions: "CoreOutputs | None" = None,
+        alter: CoreAlter | None = None,
+        shared: "CoreShared | None" = None,
     ) -> None:
         self.state = CellState(generation=generation)
         self.outputs = bytearray(RC_BYTES)
@@ -65,12 +68,8 @@ class Core:
         for axis in self._axes:
             axis.referenced = axis.plan.absolute
         self._homings = Homings(self._axes, self.state, period_s)
-        self.belts = belts
-        self._mover = (
-            Mover(self._axes, self.state, self.outputs, self._homings, period_s)
-            if belts is None
-            else BeltMover(self._axes, self.state, self.outputs, self._homings, period_s, belts=belts, off=self._off)
-        )
+        self.belts, self._shared = belts, shared
+        self._mover = make_mover(self._axes, self.state, self.outputs, self._homings, period_s, belts=belts, alter=alter, off=self._off)
         self._mover.functions = functions
         self._publisher = Publisher(self.state, self.outputs, numbers, period_s)
         self._finish = finish_without_services
@@ -106,6 +105,8 @@ class Core:
         values = self._drive(actuals, inputs)
         self._watch(actuals)
         self._publish()
+        if self._shared is not None:
+            self._share(self._shared)
         return values
 
     # ---- inputs ------------------------------------------------------------------------------------------------------
@@ -366,6 +367,13 @@ class Core:
         """The bus is gone: everything off, and only a fresh command brings it back."""
         self.state.stop_cause = Reason.DRIVE_LOST
         self._off(Reason.DRIVE_LOST)
+
+    def _share(self, shared: "CoreShared") -> None:
+        """Set-point outputs of several axes; two axes of one that move at a time are a servo error (rho3 L6468)."""
+        wrong = shared.step(self._axes, self.outputs, jog=not self._mover.program.job)
+        if wrong:
+            self.state.belt_axis = wrong
+            self._off(Reason.SERVO_ERROR)
 
     # ---- what others see ---------------------------------------------------------------------------------------------
     def _publish(self) -> None:

@@ -1,6 +1,6 @@
 """What moves the axes of a core along paths: the stepper, the piece or program it runs, and whether the axes arrived.  Pure.
 
-A cell with belts has one more: gateway.pure.beltmover.
+A cell with belts or a correction has one more: gateway.pure.beltmover, gateway.pure.altermover.
 """
 
 from collections.abc import Sequence
@@ -10,7 +10,7 @@ from gateway.pure.coreaxis import HeldAxis
 from gateway.pure.corehoming import Homings
 from gateway.pure.coremeasure import CoreMeasure
 from gateway.pure.coreprogram import ProgramRun
-from gateway.pure.plannerrecords import FunctionAt, Part, PieceRecord, function_number, function_of, switch_of, until_of
+from gateway.pure.plannerrecords import FunctionAt, Part, PieceRecord, SwitchAt, function_number, function_of, switch_of, until_of
 from gateway.pure.reasons import Reason
 from gateway.pure.records import CellState, InputImage, OrderRecord, set_bit
 from motion.errors import MotionError
@@ -131,6 +131,8 @@ class Mover:
             program.rests = True
         elif record.part in (Part.SYNCHRON, Part.BELT_BLOCK):
             self._take_belt(record)
+        elif record.part is Part.ALTER:
+            self._take_alter(record)
         elif record.part is Part.OUTPUT:
             program.switch(switch_of(record))
         elif record.part is Part.FUNCTION:
@@ -179,6 +181,11 @@ class Mover:
         self._state.fail(record.job, Reason.NOT_READY)
         self._end_program(Reason.NOT_READY)
 
+    def _take_alter(self, record: PieceRecord) -> None:
+        """The cell has no correction."""
+        self._state.fail(record.job, Reason.NOT_READY)
+        self._end_program(Reason.NOT_READY)
+
     def _begin(self, job: int) -> None:
         self.running, self._arriving = job, 0
 
@@ -207,7 +214,7 @@ class Mover:
             if isinstance(switch, FunctionAt):
                 self._call(switch.function)
             else:
-                set_bit(self._outputs, switch.number, switch.value)
+                self._switch(switch)
         measure = self.measure
         if measure.on and measure.look(self._inputs, self._state.sync_ns, stepper.state) and not program.met:
             stepper.abandon()
@@ -217,6 +224,9 @@ class Mover:
             measure.end()
             program.part_over()
             self._state.parts += 1
+
+    def _switch(self, entry: SwitchAt) -> None:
+        set_bit(self._outputs, entry.number, entry.value)
 
     def _call(self, call: Function) -> None:
         """IO logic or PPO; one that is still in use ends the program on the path."""

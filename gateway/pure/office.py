@@ -132,9 +132,11 @@ class Office:
         """The planner's words: line, block, axis and the manual's number; or which axis did not follow."""
         if outcome is Reason.FOLLOWING_ERROR:
             return self.strayed()
-        if outcome is Reason.BELT_FAULT:
+        if outcome in (Reason.BELT_FAULT, Reason.ALTER_FAULT):
             axis = self.axes[cell.belt_axis - 1].name if 0 < cell.belt_axis <= len(self.axes) else ""
             return belt_words(cell.belt_code, cell.belt_block or (self.planner.block if self.planner else 0), axis)
+        if outcome is Reason.SERVO_ERROR:
+            return self.axes[cell.belt_axis - 1].name if 0 < cell.belt_axis <= len(self.axes) else ""
         if outcome is Reason.OUTPUT_IN_USE:
             return function_words(cell.path_stop)
         planner = self.planner

@@ -99,6 +99,7 @@ class Part(IntEnum):
     SYNCHRON = 7  # a belt-synchronous part begins where the axes stand (beltrecords)
     BELT_BLOCK = 8  # one block of it, with a belt of type 2 or 3
     FUNCTION = 9  # IO logic or PPO is called at a place of a piece that follows (FunctionAt)
+    ALTER = 10  # an alterable part begins where the axes stand (alterrecords)
 
 
 _PIECE = struct.Struct("=II QQ")

@@ -1,17 +1,21 @@
-"""Parts of a program that begin only when the axes rest where the part before ended: blocks that end with an input, belts.  Pure."""
+"""Parts of a program that begin only when the axes rest where the part before ended: blocks that end with an input, belts, alterable
+paths.  Pure.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import isnan
 
+from gateway.pure.alterrecords import FREEZE, alter_record
 from gateway.pure.beltrecords import belt_block_record, synchron_record
 from gateway.pure.plannerrecords import MeasuringFacts, Part, PieceRecord, UntilInput
 from motion.frames import compose
 from motion.measure.errors import INADMISSABLE_INPUT, POINT_NOT_DEFINED, ProgramFault
 from motion.measure.inputs import InputKind, input_of
 from motion.planner.robot import Machine
-from motion.program.blocks import MEASURED, Block, JointTarget, Synchron, Until
+from motion.program.blocks import MEASURED, Alteration, Block, JointTarget, Output, Synchron, Until
 from motion.program.errors import BlockError
+from motion.sync.alterable import order_of
 from motion.sync.belts import Type
 from motion.sync.facts import BeltFacts
 from motion.sync.planned import BeltPlan
@@ -27,11 +31,14 @@ class Coming:
     blocks: list[Block] = field(default_factory=list)
     tried: BeltPlan | None = None
     engages: bool = False
+    alteration: Alteration | None = None  # of an alterable part
     error: str = ""  # label to go on at when the input of its block did not come
 
     def holds(self, block: Block) -> bool:
         """Whether the block belongs to this part."""
         if self.engages or block.label or block.until is not None or (self.blocks and self.blocks[-1].until is not None):
+            return False
+        if block.alteration != self.alteration:
             return False
         return block.synchron == (None if self.tried is None else self.tried.synchron)
 
@@ -39,6 +46,17 @@ class Coming:
     def follows(self) -> bool:
         """Run by the cycle itself, from block to block with the belt."""
         return self.tried is not None and self.tried.facts.kind is not Type.PARALLEL
+
+    def begins(self, job: int, generation: int) -> list[PieceRecord]:
+        """alterBegin of an alterable part."""
+        if self.alteration is None:
+            return []
+        return [alter_record(job, generation, order_of(self.alteration, self.blocks[0].tool, self.number))]
+
+    @staticmethod
+    def marked(block: Block) -> Block:
+        """alterEnd at its end, where it says so."""
+        return replace(block, outputs=(*block.outputs, Output(FREEZE, 1.0))) if block.freeze else block
 
     def again(self, machine: Machine, start: Sequence[float]) -> BeltPlan:
         """The same part from where the robot really stands."""
@@ -75,7 +93,7 @@ def begun(block: Block, number: int, belts: Sequence[BeltFacts], machine: Machin
     """The parts that begin with this block; BlockError for a belt the cell does not have or that has no room for the block."""
     synchron: Synchron | None = block.synchron
     if synchron is None:
-        return [Coming(number, error=block.until.error if block.until is not None else "")]
+        return [Coming(number, alteration=block.alteration, error=block.until.error if block.until is not None else "")]
     if block.until is not None:
         raise BlockError("until= has no place in a synchronous part", block=number)
     place = next((n for n, each in enumerate(belts) if each.name == synchron.belt), None)

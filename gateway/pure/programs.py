@@ -38,6 +38,7 @@ from motion.program.blocks import Block
 from motion.program.errors import BlockError, TextError
 from motion.program.factors import FULL, Factors
 from motion.program.text import Reader
+from motion.sync.alterable import check_alterable
 from motion.sync.facts import BeltFacts
 from motion.timed import encode_timed
 from motion.timing.interior import still
@@ -62,6 +63,7 @@ class Programs:
     outputs: Container[int] = range(0)  # RC outputs programs may switch
     belts: Sequence[BeltFacts] = ()
     functions: Places = field(default_factory=dict)  # IO logic and PPO the cell has
+    option: bool = False  # the cell has a correction (VAL 3 alter)
     channels: Mapping[int, MeasuringFacts] = field(default_factory=dict)  # measuring inputs by their numbers
     pulse: Callable[[], None] = still  # called again and again while the planner makes a law
     state: PlannerState = PlannerState()
@@ -86,6 +88,7 @@ class Programs:
     _measuring: Measuring = field(default_factory=lambda: Measuring({}))
     _measured: Sequence[float | None] = ()
     _error: str = ""  # label to go on at when the input of the part under way does not come
+    _last: Block | None = None  # looked at
     _parts: int = 0  # over, as the cycle counts them
     _before: int = 0  # blocks before the part under way
     _begins: dict[int, float] = field(default_factory=dict)  # piece -> tau
@@ -151,7 +154,7 @@ class Programs:
         self.state = PlannerState(job=job, failed_job=self.state.failed_job)
         self._reader, self._planner, self._factors, self._ended = Reader(), None, FULL, False
         self._lines, self._line_of, self._at, self._rest = None, [], 0, None
-        self._trial, self._handed, self._before, self._blocks, self._error = None, False, 0, 0, ""
+        self._trial, self._last, self._handed, self._before, self._blocks, self._error = None, None, False, 0, 0, ""
         self._measuring, self._measured = Measuring(self.channels), ()
         self._later.clear()
 
@@ -180,6 +183,10 @@ class Programs:
     def _check(self, block: Block, machine: Machine) -> None:
         """What the cell itself, and not the robot, refuses."""
         number = len(self._line_of)
+        if block.alteration is not None and self._lines is None:
+            raise BlockError("an alterable part stands in a program of the cell alone", block=number)
+        check_alterable(block, self._last, number, option=self.option)
+        self._last = block
         if block.synchron is not None and self._lines is None:
             raise BlockError("a synchronous part stands in a program of the cell alone", block=number)
         if block.until is not None and (self._lines is None or block.until.number not in range(8 * RC_BYTES)):
@@ -199,7 +206,7 @@ class Programs:
     def _add(self, planner: Planner, block: Block) -> None:
         """A block that ends with an input, and a part on a belt, are parts of their own: where the next one begins is known only then.
         What comes after is tried as if the part had reached its target, with the belt where it was programmed."""
-        if self._trial is None and block.until is None and block.synchron is None:
+        if self._trial is None and block.until is None and block.synchron is None and block.alteration is None:
             planner.add(block)
             return
         if self._trial is None:
@@ -266,10 +273,11 @@ class Programs:
         self._planner, self._blocks = planner, len(blocks)
         try:
             for number, block in enumerate(blocks, 1):
-                planner.add(Measuring.resolved(block, self._places(planner), planner.machine, number))
+                planner.add(Measuring.resolved(part.marked(block), self._places(planner), planner.machine, number))
             planner.finish()
         except BlockError as error:
             raise told(error, self._before) from error
+        self._out += part.begins(job, generation)
         until = blocks[0].until
         if until is not None:
             wanted = self._measuring.wanted(until, self.mask_of(planner.machine))

@@ -60,6 +60,8 @@ class Reason(IntEnum):
     BELT_FAULT = 36
     OUTPUT_IN_USE = 37
     OUTPUT_STOPPED = 38
+    ALTER_FAULT = 39
+    SERVO_ERROR = 40
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +116,11 @@ _TEXTS: dict[Reason, tuple[str, str]] = {
     Reason.PROGRAM_FAULT: ("a block of the program cannot be run: {0}", "ein Satz des Programms ist nicht fahrbar: {0}"),
     Reason.PROGRAM_UNKNOWN: ("there is no such program: {0}", "dieses Programm gibt es nicht: {0}"),
     Reason.BELT_FAULT: ("the belt-synchronous part is over: {0}", "der bandsynchrone Teil ist zu Ende: {0}"),
+    Reason.ALTER_FAULT: ("the alterable part is over: {0}", "der veraenderbare Teil ist zu Ende: {0}"),
+    Reason.SERVO_ERROR: (
+        "servo error: two axes of one set-point output moved: {0}",
+        "Servofehler: zwei Achsen eines Sollwertausgangs bewegten sich: {0}",
+    ),
     Reason.OUTPUT_IN_USE: ("IOL/PPO:Fkt. still in use: {0}", "IOL/PPO:Funktion noch in Gebrauch: {0}"),
     Reason.OUTPUT_STOPPED: ("PPO/IOL : IPO - STOP: {0}", "PPO/IOL : IPO - STOP: {0}"),
     Reason.CYCLE_RESTARTED: ("the cycle process was restarted; drives are off", "Zyklus-Prozess neu gestartet; Antriebe sind aus"),

@@ -100,9 +100,9 @@ class CellState:
     engaged: float = 0.0  # belt value (m or rad) at which the robot got onto its belt last
     belt: float = 0.0  # counter of the belt under way, or of the first one; m or rad
     belt_speed: float = 0.0
-    belt_code: int = 0  # last fault of a synchronous part: number of the rho 3, or 65001 .. (AX-545)
+    belt_code: int = 0  # last fault of a synchronous part: number of the rho 3, or 65001 .. (AX-545, AX-547)
     belt_block: int = 0  # and its block in the program
-    belt_axis: int = 0  # and the axis, from 1
+    belt_axis: int = 0  # and the axis, from 1; also of a servo error (AX-549)
     met: bool = False  # the last part with an input ended by it
     path_stop: int = 0  # function of the path that was stopped last, or was still in use (plannerrecords.function_words), 0: none
     measured_mask: int = 0  # axes (bit n-1 = axis n) whose position the program under way, or the last one, has measured

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from gateway.alterplan import alter_of_cell
 from gateway.assembly import known_zeros
 from gateway.axes import assumed_permits, core_axes, rc_numbers
 from gateway.backup import BackupError, read, restore
@@ -22,6 +23,7 @@ from gateway.pure.recording.messages import Message, Told, What, unpack_told
 from gateway.pure.recording.player import Difference, Player
 from gateway.recording.file import Found, RecordError, Segment
 from gateway.recording.states import Snapshots, StateError, carry_over, frozen
+from gateway.sharedplan import shared_of_cell
 from protocols.base.errors import DecodeError
 
 TOLD_KEPT = 8  # words of doors and tools shown before a difference
@@ -75,6 +77,8 @@ class Bench:
             assumed=assumed_permits(cell),
             finish_without_services=cell.cell.on_services_loss == "finish_move",
             functions=functions_of(cell, period),
+            alter=alter_of_cell(cell, period),
+            shared=shared_of_cell(cell, period),
         )
         buses = [bus for bus in cell.bus if bus.name in self._buses and bus.protocol in DRIVE_PROTOCOLS]
         return core, [make_family(cell, bus, period, simulated=self._simulated) for bus in buses]

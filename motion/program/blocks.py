@@ -6,6 +6,7 @@ words are known (motion.program.passing, motion.program.reis, motion.val3); here
 """
 
 import copy
+import math
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import TypeVar
@@ -157,6 +158,22 @@ class OnBelt:
 
 
 @dataclass(frozen=True, slots=True)
+class Alteration:
+    """An alterable part (VAL 3 alterBegin .. alterEnd): its blocks all hold this one.  reference: the tool or frame whose coordinates a
+    correction has; speed, accel, decel: shares of the axis limits, path, turn: m/s and rad/s the altered path may have; until: the part
+    stays alterable at the end of its path until this input has the value; number: of the part in its program."""
+
+    reference: Tool | Frame
+    speed: float = 1.0
+    path: float = 9.999
+    turn: float = math.radians(9999.0)
+    accel: float = 1.0
+    decel: float = 1.0
+    until: Until | None = None
+    number: int = 0
+
+
+@dataclass(frozen=True, slots=True)
 class Curving:
     """Spline and orientation weights, 0 .. 1 (Reis _ISPL_TENS, _IORI_TENS, _IORI_WEIGHT, _IORI_CIRCHP)."""
 
@@ -185,6 +202,8 @@ class Block:
     until: Until | None = None
     synchron: Synchron | None = None
     on_belt: OnBelt | None = None
+    alteration: Alteration | None = None
+    freeze: bool = False  # in an alterable part: from the end of this block on the correction stays as it is (alterEnd before the end)
     label: str = ""  # in front of it
     line: int = field(default=0, compare=False)  # of the program text; 0: none
 

@@ -36,6 +36,14 @@ from motion.program.blocks import (
     changed,
 )
 from motion.program.errors import TextError, TextFaults
+from motion.program.textalter import AlterParts
+from motion.program.textwords import Fault as _Fault
+from motion.program.textwords import key as _key
+from motion.program.textwords import name as _name
+from motion.program.textwords import number as _number
+from motion.program.textwords import one as _one
+from motion.program.textwords import word as _word
+from motion.program.textwords import yes as _yes
 from motion.units import to_si
 
 Part = TypeVar("Part", Pace, Blend, Curving, Block)
@@ -47,14 +55,6 @@ FLAGS: dict[str, tuple[str, Enum]] = {
 _EXTRA = re.compile(r"([-+0-9.eE]+)(mm|deg)")
 _UNTIL = re.compile(r"(!?)(ch)?(\d+)")
 _OUT = re.compile(r"(\d+):([-+0-9.eE]+)(?:@([0-9.eE+]+))?")
-NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_.-]*")
-
-
-class _Fault(Exception):
-    """Inside: key, what."""
-
-    def __init__(self, key: str, what: str) -> None:
-        self.key, self.what = key, what
 
 
 @dataclass(slots=True)
@@ -73,6 +73,7 @@ class Reader:
     blocks: list[Block] = field(default_factory=list)
     part: Synchron | None = None  # SYNCHRON without SYNCHRON_END so far
     parts: int = 0
+    altered: AlterParts = field(default_factory=AlterParts)
     labels: dict[str, int] = field(default_factory=dict)  # blocks before it
     label: str = ""  # in front of the next block
     errors: list[tuple[int, str, int]] = field(default_factory=list)  # line, label, number of the block that names it
@@ -122,6 +123,10 @@ class Reader:
                 self.synchron(head, rest)
             case "iol" | "ppo":
                 self.functions = (*self.functions, _function(head, rest))
+            case "alter":
+                self.altered.begin(rest, self.tools, self.frames)
+            case "alter_end":
+                self.altered.end(rest)
             case "label":
                 self.named_place(head, rest)
             case _ if head in MOVES:
@@ -282,6 +287,8 @@ class Reader:
             until=_until(keys),
             synchron=self.part,
             on_belt=self.on_belt(keys),
+            alteration=self.altered.part,
+            freeze=self.altered.freeze(keys.get("freeze")),
             label=self.label,
             line=number,
         )
@@ -304,9 +311,9 @@ class Reader:
 
 BIG = textkeys.BIG
 HEADINGS = ("program", "robot", "angles", "axes", "start")
-OTHERS = ("tool", "frame", "point", "set", "synchron", "synchron_end", "label", "iol", "ppo")
+OTHERS = ("tool", "frame", "point", "set", "synchron", "synchron_end", "alter", "alter_end", "label", "iol", "ppo")
 STATEMENTS = (*HEADINGS, *OTHERS, *MOVES)
-ONCE = ("config", "extra", "out", "until", "error", "time", "weight", "belt", "camin", "camout")  # of one block alone
+ONCE = ("config", "extra", "out", "until", "error", "time", "weight", "belt", "camin", "camout", "freeze")  # of one block alone
 
 
 def read(text: str) -> Program:
@@ -329,49 +336,6 @@ def read(text: str) -> Program:
 
 
 # ---- words --------------------------------------------------------------------------------------------------------------
-
-
-def _one(head: str, rest: list[str]) -> str:
-    if len(rest) != 1:
-        raise _Fault(head, f"one word is needed, {len(rest)} are there")
-    return rest[0]
-
-
-def _name(head: str, word: str) -> str:
-    if not NAME.fullmatch(word):
-        raise _Fault(head, f"{word!r} is no name: letters, digits, _ . - and a letter first")
-    return word
-
-
-def _key(word: str) -> tuple[str, str]:
-    name, sign, value = word.partition("=")
-    if not sign or not value:
-        raise _Fault(name, f"{word!r}: KEY=VALUE without blanks is needed")
-    return name, value
-
-
-def _number(key: str, word: str, low: float, high: float, unit: str) -> float:
-    try:
-        value = float(word.removesuffix(unit) if unit and word.endswith(unit) else word)
-    except ValueError:
-        raise _Fault(key, f"{word!r} is no number") from None
-    if not low <= value <= high:  # a NaN fails here too
-        suffix = f" {unit}" if unit else ""
-        raise _Fault(key, f"{value:g}{suffix} is outside {low:g} .. {high:g}{suffix}")
-    return value
-
-
-def _word(key: str, value: str, words: type[Enum]) -> Enum:
-    try:
-        return words(value)
-    except ValueError:
-        raise _Fault(key, f"{value!r}; one of {', '.join(str(word.value) for word in words)}") from None
-
-
-def _yes(key: str, value: str) -> bool:
-    if value not in ("yes", "no"):
-        raise _Fault(key, f"{value!r}; yes or no")
-    return value == "yes"
 
 
 def _filled(part: Part, values: dict[str, object]) -> Part:

@@ -73,6 +73,7 @@ OTHERS = {
     "belt": "in a synchronous part: value of the belt at the end of the block, with its unit: 150mm",
     "camin": "type 3: first section, the belt path A with its unit: 30mm",
     "camout": "type 3: last section, the belt path D with its unit: 70mm",
+    "freeze": "yes, in an alterable part: from the end of this block on the correction stays as it is",
     "until": "NUMBER or !NUMBER: the block ends when this input is 1 (0); ch610, !ch611: a measuring input",
     "error": "label the program goes on at when the input of until= never had its value",
 }

@@ -12,8 +12,8 @@ from motion.errors import MotionError
 from motion.frames import Pose
 from motion.kinematics.base import FREE, Configuration
 from motion.outputs.function import Function
-from motion.program import textkeys
-from motion.program.blocks import MEASURED, Blend, Block, Frame, JointTarget, Program, Synchron, Tool
+from motion.program import textalter, textkeys
+from motion.program.blocks import MEASURED, Alteration, Blend, Block, Frame, JointTarget, Program, Synchron, Tool
 from motion.units import from_si
 
 
@@ -23,9 +23,10 @@ def write(program: Program, angles: str = "val3") -> str:
     units = program.units or ("deg",) * len(program.start)
     lines = [f"program {program.name}" if program.name else "", f"robot {program.robot}" if program.robot else ""]
     lines += [f"angles {angles}", f"axes {' '.join(units)}", f"start {_joints(program.start, units)}"]
+    references = [block.alteration.reference for block in program.blocks if block.alteration is not None]
     for word, places in (
-        ("tool", _places(block.tool for block in program.blocks)),
-        ("frame", _places(block.frame for block in program.blocks)),
+        ("tool", _places([*(block.tool for block in program.blocks), *(each for each in references if isinstance(each, Tool))])),
+        ("frame", _places([*(block.frame for block in program.blocks), *(each for each in references if isinstance(each, Frame))])),
     ):
         lines += [f"{word} {name} {_pose(pose, ways)}" for name, pose in places.items()]
     lines += _moves(program.blocks, ways, units)
@@ -36,12 +37,17 @@ def _moves(blocks: Sequence[Block], ways: Convention, units: tuple[str, ...]) ->
     """One line a block, and those that begin and end synchronous parts; belt values as mm, whatever the belt's unit."""
     lines: list[str] = []
     part: Synchron | None = None
+    altered: Alteration | None = None
     for block in blocks:
         if block.synchron != part:
             lines += ["synchron_end"] if part is not None else []
             part = block.synchron
             if part is not None:
                 lines.append(f"synchron {part.belt}" + (f" at={_plain(part.at * 1e3)}mm" if part.at is not None else ""))
+        if block.alteration != altered:
+            lines += ["alter_end"] if altered is not None else []
+            altered = block.alteration
+            lines += [textalter.written(altered)] if altered is not None else []
         lines += [f"label {block.label}"] if block.label else []
         lines += [_function(each) for each in block.functions]
         lines.append(_move(block, ways, units))
@@ -110,6 +116,7 @@ def _keys(block: Block, units: tuple[str, ...]) -> list[str]:
     if block.on_belt is not None:
         named = zip(("belt", "camin", "camout"), (block.on_belt.value, block.on_belt.first, block.on_belt.third), strict=True)
         found += [f"{name}={_plain(value * 1e3)}mm" for name, value in named if value or name == "belt"]
+    found += ["freeze=yes"] if block.freeze else []
     if block.until is not None:
         until = block.until
         found.append(f"until={'' if until.value else '!'}{f'ch{until.channel}' if until.channel else until.number}")

@@ -60,7 +60,7 @@ class AlterFault(MotionError):
 
 @dataclass(slots=True)
 class Alter:
-    """One arm.  period_s: of the set values, a whole part of 4 ms; stop_time_s: of the arm at nominal deceleration, from full speed.
+    """One arm.  period_s: of the set values, a whole part of every_s; stop_time_s: of the arm at nominal deceleration, from full speed.
 
     The owner says what happens: path(), stopping(), running(); and takes the altered poses with step().
     """
@@ -68,6 +68,7 @@ class Alter:
     period_s: float
     enabled: bool = True  # the option
     stop_time_s: float = 0.2
+    every_s: float = CYCLE_S  # so often the last value is taken
     mode: Mode = field(init=False, default=Mode.OFF)
     _reference: Reference = field(init=False, default=Reference.FRAME)
     _frame: Pose = field(init=False, default=IDENTITY)
@@ -81,9 +82,9 @@ class Alter:
     _left: float | None = field(init=False, default=None)  # s in which alter is still accepted; None: no stop is pending
 
     def __post_init__(self) -> None:
-        ratio = CYCLE_S / self.period_s if self.period_s > 0 else 0.0
+        ratio = self.every_s / self.period_s if self.period_s > 0 else 0.0
         if ratio < 1.0 or abs(ratio - round(ratio)) > 1e-6:
-            raise MotionError(f"period {self.period_s:g} s is no whole part of 4 ms")
+            raise MotionError(f"period {self.period_s:g} s is no whole part of {self.every_s * 1e3:g} ms")
 
     # ---- instructions --------------------------------------------------------------------------------------------------
     def begin(self, reference: Reference, frame: Pose, limits: AlterLimits) -> int:
@@ -163,7 +164,7 @@ class Alter:
     @property
     def alteration(self) -> Pose:
         """What acts now."""
-        every = round(CYCLE_S / self.period_s)
+        every = round(self.every_s / self.period_s)
         share = min(self._ticks / every, 1.0)
         if self._from == self._to or share >= 1.0:
             return self._to
@@ -175,7 +176,7 @@ class Alter:
             return
         if self._left is not None:
             self._left -= self.period_s
-        every = round(CYCLE_S / self.period_s)
+        every = round(self.every_s / self.period_s)
         if self._ticks % every == 0:
             locked = self._left is not None and self._left <= 0.0
             self._from, self._to, self._ticks = self._to, self._to if locked else self._value, 0

@@ -1,0 +1,35 @@
+"""[alter] as the cycle takes it.  The motion core is loaded inside: whoever has no correction need not have it."""
+
+from typing import TYPE_CHECKING
+
+from gateway.axes import limits_of
+from gateway.cell import Cell
+from gateway.cell_alter import Alter
+from gateway.programplan import machine_of_cell
+
+if TYPE_CHECKING:
+    from gateway.pure.corealter import AlterFacts, CoreAlter
+
+
+def alter_of_cell(cell: Cell, p5_ms: int) -> "CoreAlter | None":
+    """For the cycle; None: the cell has no correction."""
+    if cell.alter is None:
+        return None
+    from gateway.pure.corealter import CoreAlter
+
+    return CoreAlter(_facts(cell.alter), machine_of_cell(cell).kinematics, [limits_of(axis) for axis in cell.axis], p5_ms / 1000.0)
+
+
+def _facts(table: Alter) -> "AlterFacts":
+    from gateway.pure.corealter import AlterFacts
+
+    return AlterFacts(
+        table.input >> 3,
+        table.type == "REAL",
+        table.length,
+        table.angle,
+        -1 if table.life is None else table.life >> 3,
+        table.silence_ms * 1_000_000,
+        table.every_ms / 1000.0,
+        -1 if table.status is None else table.status >> 3,
+    )

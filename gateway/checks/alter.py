@@ -1,0 +1,61 @@
+"""[alter]: six whole words that a door writes, a byte of life beside them, two words of answer that nobody else writes."""
+
+from gateway.axes import rc_numbers
+from gateway.cell_alter import Alter
+from gateway.checks.context import Context
+from gateway.pure.permits import free_outputs
+
+WORD, BITS = 16, 1024
+
+
+def alter(check: Context) -> None:
+    """What the table alone cannot know."""
+    table = check.cell.alter
+    if table is None:
+        return
+    if check.cell.robot is None or not check.cell.robot.model:
+        check.fault("alter", "", "a correction acts on the path of a robot: [robot] with a model is missing")
+    size = 6 * WORD * (2 if table.type == "REAL" else 1)
+    if table.input % WORD or table.input + size > BITS:
+        check.fault(
+            "alter.input", table.input, f"six {table.type} from here: whole words of the image", f"0..{BITS - size}, a multiple of {WORD}"
+        )
+        return
+    octets = set(range(table.input >> 3, (table.input + size) >> 3))
+    if table.life is not None:
+        if table.life % 8 or table.life >> 3 in octets:
+            check.fault("alter.life", table.life, "the first RC input of a byte beside the correction", f"0..{BITS - 8}, a multiple of 8")
+        else:
+            octets.add(table.life >> 3)
+    numbers = rc_numbers(check.cell)
+    own = {number >> 3 for number in (numbers.chain, numbers.control, numbers.feed, numbers.run, numbers.travel, numbers.reset)}
+    for octet in sorted(octets & own):
+        check.fault("alter.input", table.input, f"RC input byte {octet} holds enabling inputs")
+    missing = sorted(octets - set(check.cell.rc_inputs.owner))
+    if missing and not check.cell.route:
+        check.fault(
+            "alter.input",
+            table.input,
+            f"nobody may write RC input byte {missing[0]}: [rc_inputs] owner names a door, or a [[route]] leads there",
+        )
+    if table.life is None and check.cell.route and missing:
+        check.fault(
+            "alter.life",
+            "",
+            "a [[route]] writes what changes alone: a byte of life is needed to tell a standing correction from a silent one",
+        )
+    _status(check, table)
+
+
+def _status(check: Context, table: Alter) -> None:
+    if table.status is None:
+        return
+    cell, bits = check.cell, set(range(table.status, table.status + 2 * WORD))
+    taken = {each.output + n for each in cell.path_output for n in range(each.bits if each.kind == "ppo" else 1)}
+    if table.status % WORD or max(bits) >= BITS:
+        check.fault("alter.status", table.status, "two whole words of the image", f"0..{BITS - 2 * WORD}, a multiple of {WORD}")
+    elif not bits <= free_outputs(rc_numbers(cell), len(cell.axis)) - taken:
+        check.fault("alter.status", table.status, "axisgate itself, or a [[path_output]], writes one of these outputs")
+
+
+CHECKS = (alter,)

@@ -1,0 +1,56 @@
+"""Words of the text form: one, a name, KEY=VALUE, a number in its range, one of several, yes or no.  Each raises Fault."""
+
+import re
+from enum import Enum
+
+NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_.-]*")
+
+
+class Fault(Exception):
+    """Inside: key, what."""
+
+    def __init__(self, key: str, what: str) -> None:
+        self.key, self.what = key, what
+
+
+def one(head: str, rest: list[str]) -> str:
+    if len(rest) != 1:
+        raise Fault(head, f"one word is needed, {len(rest)} are there")
+    return rest[0]
+
+
+def name(head: str, text: str) -> str:
+    if not NAME.fullmatch(text):
+        raise Fault(head, f"{text!r} is no name: letters, digits, _ . - and a letter first")
+    return text
+
+
+def key(text: str) -> tuple[str, str]:
+    found, sign, value = text.partition("=")
+    if not sign or not value:
+        raise Fault(found, f"{text!r}: KEY=VALUE without blanks is needed")
+    return found, value
+
+
+def number(where: str, text: str, low: float, high: float, unit: str) -> float:
+    try:
+        value = float(text.removesuffix(unit) if unit and text.endswith(unit) else text)
+    except ValueError:
+        raise Fault(where, f"{text!r} is no number") from None
+    if not low <= value <= high:  # a NaN fails here too
+        suffix = f" {unit}" if unit else ""
+        raise Fault(where, f"{value:g}{suffix} is outside {low:g} .. {high:g}{suffix}")
+    return value
+
+
+def word(where: str, text: str, words: type[Enum]) -> Enum:
+    try:
+        return words(text)
+    except ValueError:
+        raise Fault(where, f"{text!r}; one of {', '.join(str(word.value) for word in words)}") from None
+
+
+def yes(where: str, text: str) -> bool:
+    if text not in ("yes", "no"):
+        raise Fault(where, f"{text!r}; yes or no")
+    return text == "yes"
