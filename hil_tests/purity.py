@@ -31,6 +31,7 @@ HARMLESS = frozenset(
 TABLES = tuple(
     f"gateway.cell_{name}"
     for name in (
+        "alter",
         "axes",
         "belts",
         "buses",
@@ -43,6 +44,7 @@ TABLES = tuple(
         "retain",
         "rho3",
         "routes",
+        "shared",
         "web",
     )
 )  # tables of a cell, one file each
