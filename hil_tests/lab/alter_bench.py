@@ -48,7 +48,7 @@ class AlterBench(Planned):
     """Door 1 orders programs and writes the correction: `correct` says what it is (mm, deg), cycle by cycle, while it speaks."""
 
     def __init__(self) -> None:
-        self.speaks = self.plans = True
+        self.speaks = True
         self.correct: Callable[[], tuple[float, ...]] = lambda: (0.0,) * 6
         self.seen: list[CellState] = []
         super().__init__(AlterRobot(P5_MS, cell=CELL))
@@ -57,7 +57,7 @@ class AlterBench(Planned):
 
     def home(self) -> "AlterBench":
         """Drives on, a correction that lives and says 0, the axes where programs begin."""
-        self.speaks, self.plans, self.correct = True, True, lambda: (0.0,) * 6
+        self.speaks, self.planner.alive, self.correct = True, True, lambda: (0.0,) * 6
         self.bench.permit(WAIT, value=False)
         assert self.bench.settle(self.bench.give(Code.ENABLE, 0xF)).state is CommandState.DONE
         if max(abs(a - b) for a, b in zip(self.bench.set(), (100.0, 100.0, 50.0, 0.0), strict=True)) > 1e-9:
@@ -66,8 +66,7 @@ class AlterBench(Planned):
         return self
 
     def _turn(self) -> None:
-        if self.plans:
-            super()._turn()
+        super()._turn()
         inputs = self.bench.inputs
         self.seen.append(unpack_cell_state(pack_cell_state(self.state)))
         for octet in BYTES:

@@ -236,7 +236,7 @@ def test_an_abandoned_path_drops_its_correction_and_the_planners_death_ends_at_r
     bench.home()
     job = bench.begin(f"alter frame - path=500 until={WAIT}", *PART[1:], "linear pose 300 130 50 0 0 0")
     bench.until(lambda s: s.axes[0].set > 0.2)
-    bench.plans = False
+    bench.planner.alive = False
     bench.bench.core.planner_lost()
     bench.finished(job)
     assert (job.state, job.reason) == (CommandState.ABORTED, Reason.PLANNER_LOST) and bench.state.motion is Motion.IDLE
