@@ -23,6 +23,7 @@ from gateway.cellmodels import CellFile
 from gateway.commands.assess import WORDS
 from gateway.config import load_cell
 from gateway.files import read_signals
+from gateway.progress import steps
 from gateway.pure.sheets import render
 from gateway.starting.assessment import ASKED, assess
 
@@ -224,7 +225,7 @@ def main() -> int:
             else:
                 shutil.copy(path, target)
     (TARGET.parent / "mkdocs.yml").write_text(settings(), encoding="utf-8")
-    for name, make in GENERATED.items():
+    for name, make in steps("pages made of the program", list(GENERATED.items())):
         (TARGET / name).parent.mkdir(parents=True, exist_ok=True)
         (TARGET / name).write_text(make(), encoding="utf-8")
     print(f"{TARGET.name}: {len(list(TARGET.rglob('*.md')))} pages, {len(GENERATED)} of them made of the program")

@@ -102,6 +102,7 @@ class ModbusDoor(BaseDoor):
     view: RhoView
     server: ModbusServer | ModbusLine
     pictures: "tuple[ReisView | Val3View, ...]" = ()  # units that show another control's
+    writers: "WriterRights | None" = None  # [[modbus.writers]]
     _writer = ""  # host:port of the client that wrote last
     _mine: "Callable[[], list[DataBlock]]" = list  # data blocks this server's clients write
 
@@ -203,7 +204,7 @@ class ModbusDoor(BaseDoor):
             server.tls = server_context(settings.tls, folder)
             server.rights_for = TlsRights({role.role: role_rights(role) for role in settings.roles})
         elif settings.writers:
-            server.rights_for = WriterRights(settings)
+            server.rights_for = self.writers = WriterRights(settings)
         return server
 
     def _answered(self, address: str, function: int) -> None:
@@ -234,11 +235,15 @@ class WriterRights:
         ]
 
     def __call__(self, transport: asyncio.Transport) -> tuple[Rights, str] | None:
+        """As for his address."""
+        return self.of(str(transport.get_extra_info("peername")[0])), ""
+
+    def of(self, host: str) -> Rights:
         """By the partner's address; the first table that fits decides."""
-        partner = ipaddress.ip_address(str(transport.get_extra_info("peername")[0]).partition("%")[0])
+        partner = ipaddress.ip_address(host.partition("%")[0])
         if isinstance(partner, ipaddress.IPv6Address) and partner.ipv4_mapped is not None:
             partner = partner.ipv4_mapped
-        return next((rights for network, rights in self._writers if partner in network), Rights(write=False)), ""
+        return next((rights for network, rights in self._writers if partner in network), Rights(write=False))
 
 
 def role_rights(role: ModbusRole) -> Rights:

@@ -5,7 +5,7 @@ the cycle (gateway.pure.corebelts), on the grid of the page.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -41,10 +41,15 @@ class Section:
 
 
 def sections_of(
-    program: Program, machine: Machine, belts: Sequence[BeltFacts], *, option: bool = True
+    program: Program,
+    machine: Machine,
+    belts: Sequence[BeltFacts],
+    *,
+    option: bool = True,
+    said: Callable[[int], None] = lambda block: None,
 ) -> tuple[list[Section], list[BlockError]]:
     """Every block, each looked at from where the last good one ended; a part on a belt as if the belt stood where it is meant to be, an
-    alterable part without its correction.  option: the cell has one."""
+    alterable part without its correction.  option: the cell has one; `said` hears the number of each block that was looked at."""
     route, found, faults = Route(machine, program.start), [Section(1, program.start)], []
     for number, block in enumerate(program.blocks, 1):
         try:
@@ -64,6 +69,7 @@ def sections_of(
             section.blocks.append(block)
         except BlockError as error:
             faults.append(BlockError(error.what, code=error.code, block=number, axis=error.axis, source=error.source))
+        said(number)
     try:
         route.finish()
     except BlockError as error:
@@ -82,14 +88,16 @@ class Paper:
     tolerance_cycles: int = 1
     period: float = PERIOD_S
 
-    def run(self, sections: Sequence[Section]) -> Trace:
-        """All sections, each from where the one before really ended; BlockError where a part cannot go on."""
+    def run(self, sections: Sequence[Section], said: Callable[[int], None] = lambda block: None) -> Trace:
+        """All sections, each from where the one before really ended; BlockError where a part cannot go on.  `said` hears how many blocks
+        have been run."""
         stands = tuple(sections[0].stands)
         parts: list[Trace] = []
         for section in sections:
             made = self._plain(section, stands) if section.part is None else self._on_belt(section, section.part, stands)
             parts.append(made)
             stands = tuple(float(v) for v in made.q[-1])
+            said(section.first + len(section.blocks) - 1)
         return joined(parts)
 
     def _plain(self, section: Section, stands: Sequence[float]) -> Trace:

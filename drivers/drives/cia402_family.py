@@ -74,6 +74,12 @@ class Cia402Family:
         if found is not None:
             found.released, found.mode, found.error = True, mode, 0
 
+    def answers(self, node: int, mode: int) -> None:
+        """Heard beside another master: one that answers SYNC was configured by him, in this mode as long as nothing else is heard."""
+        found = self._nodes.get(node)
+        if found is not None and not found.released:
+            self.release(node, found.mode or mode)
+
     def hold(self, node: int) -> None:
         """No RPDO any more until it is configured again."""
         found = self._nodes.get(node)

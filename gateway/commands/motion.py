@@ -18,6 +18,7 @@ from gateway.files import ConfigNotFound, find_config, read_text
 from gateway.motionpaper import Paper, sections_of
 from gateway.motionplot import page
 from gateway.programplan import machine_of_cell
+from gateway.progress import Progress
 from gateway.robotfile import RobotFaults, load_robot
 from motion.errors import MotionError
 from motion.planner.robot import Machine, machine_of
@@ -67,11 +68,13 @@ def main(argv: list[str]) -> int:
         return Exit.INVALID
     except MotionError as error:
         return refuse(error)
-    sections, faults = sections_of(program, machine, belts.facts, option=cell is None or cell.alter is not None)
+    with Progress("blocks", len(program.blocks)) as said:
+        sections, faults = sections_of(program, machine, belts.facts, option=cell is None or cell.alter is not None, said=said)
     if options.what == "check" or faults:
         return check(program, faults, options.json)
     try:
-        made = Paper(machine, belts.facts, belts.speeds(options.belt_speed), belts.p5_ms).run(sections)
+        with Progress("motion", len(program.blocks)) as said:
+            made = Paper(machine, belts.facts, belts.speeds(options.belt_speed), belts.p5_ms).run(sections, said)
     except BlockError as error:  # the belt runs on while the robot works: not all of it can be known before
         return check(program, [error], options.json)
     except MotionError as error:

@@ -1,15 +1,14 @@
 """`axisgate replay`: a recording played on the core in virtual time; what would come out now, compared with what came out then."""
 
 import argparse
-import contextlib
 import json
 import pathlib
 import sys
-from collections.abc import Iterator
 from typing import Any
 
 from gateway.cell import Cell
 from gateway.commands.common import DONE, ENVIRONMENT, FINDING, USAGE, load
+from gateway.progress import Progress
 from gateway.pure.recording.messages import Source, Told
 from gateway.pure.records import AxisFlag
 from gateway.recording.file import Found, RecordError, read
@@ -95,21 +94,10 @@ def _diff(options: argparse.Namespace, found: Found) -> int:
             if isinstance(other, int):
                 return other
             cell = other
-        with _progress(found.cycles) as said:
+        with Progress("replay", found.cycles) as said:
             verdict = replay(found, pristine, cell, said=said)
     _judged(options, found, verdict)
     return DONE if verdict.first is None else FINDING
-
-
-@contextlib.contextmanager
-def _progress(cycles: int) -> Iterator[Any]:
-    def said(done: int) -> None:
-        if sys.stderr.isatty():
-            print(f"\r{done} of {cycles} cycles", end="", file=sys.stderr, flush=True)
-
-    yield said
-    if sys.stderr.isatty():
-        print("\r" + " " * 40, end="\r", file=sys.stderr)
 
 
 def _judged(options: argparse.Namespace, found: Found, verdict: Verdict) -> None:

@@ -18,6 +18,7 @@ from gateway.axes import axis_facts, make_planner, rc_numbers
 from gateway.bridge import Bridge
 from gateway.canopen_office import CanopenOffice
 from gateway.cell import Line
+from gateway.cell_modbus import Modbus
 from gateway.dbsignals import inputs_of
 from gateway.doors import BaseDoor, CellValues, Post, on_loss_of
 from gateway.families import LISTENS
@@ -103,7 +104,7 @@ class Services:
         programs = {number: program.facts for number, program in plan.programs.items()}
         self.office = Office(axis_facts(cell), make_planner(cell), first_job, programs)
         self.doors = [self._door(number, fds) for number in range(len(plan.doors))]
-        self.canopen = CanopenOffice(plan, fds, self.journal.write)
+        self.canopen = self._masters(fds)
         self.contacts = IoOffice(self, fds)
         self.bridge = Bridge(self, fds)
         self.clients = modbus_clients(self)
@@ -122,19 +123,25 @@ class Services:
         self._inputs_written = b""
         self._done = asyncio.Event()
 
+    def _masters(self, fds: dict[str, int]) -> CanopenOffice:
+        return CanopenOffice(self.plan, fds, self.journal.write)
+
     def _door(self, index: int, fds: dict[str, int]) -> BaseDoor:
         door = self.plan.doors[index]
         region = RegionWriter(fds[f"door-{door.number}"], f"door-{door.number}")
         if door.kind == "modbus":
             modbus = next(m for m in self.cell.modbus if m.name == door.name)
             watch = LinkWatch(ms(modbus.max_silence_ms), has_life_word=False)
-            made = ModbusDoor(Post(door, self.office, watch, on_loss_of(modbus.on_loss), region, self.journal.write))
+            made = self._modbus_door(Post(door, self.office, watch, on_loss_of(modbus.on_loss), region, self.journal.write), modbus)
             owned = [octet for octet, owner in self.cell.rc_inputs.owner.items() if owner == door.name]
             made.listen(modbus, self.plan.modbus[door.name], side_of(self, made, owned))
             return made
         line = next(x for x in self.cell.line if x.name == door.name)
         watch = LinkWatch(ms(line.supervision.max_silence_ms), has_life_word=line.supervision.life_word is not None)
         return self._line_door(Post(door, self.office, watch, on_loss_of(line.supervision.on_loss), region, self.journal.write), line)
+
+    def _modbus_door(self, post: Post, settings: Modbus) -> ModbusDoor:
+        return ModbusDoor(post)
 
     def _line_door(self, post: Post, line: Line) -> BaseDoor:
         kind = TelegramDoor if line.layer == "telegrams" else LineDoor

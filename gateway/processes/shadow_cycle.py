@@ -1,7 +1,7 @@
 """The cycle of a shadow: clocked by the SYNC the old control sends, fed by what the drives answer it; nothing leaves (AX-493).
 
 One step for each SYNC, as soon as all drives have answered it, or with the next one.  What the step would have sent is compared with
-what the old control sends behind the next SYNC: the bits that command the drives, and the bytes of digital outputs.
+what the old control sends behind the next SYNC: the bits that command the drives, positions, and the bytes of digital outputs.
 """
 
 import argparse
@@ -11,33 +11,33 @@ import signal
 import time
 from collections.abc import Sequence
 
+from drivers.drives.cia402 import Mode
+from drivers.drives.cia402_family import Cia402Family
 from drivers.drives.family import Actual, SetRecord
-from drivers.drives.servodyn_family import ServodynFamily
 from drivers.ports.base import PortError
 from drivers.ports.can import open_can
 from drivers.ports.listening import ListeningCan
 from gateway.assembly import RunPlan, load_plan
+from gateway.axes import scaling_of
 from gateway.image import fds_from_text
 from gateway.processes.cycle import BusLink, Cycle
 from gateway.pure.records import pack_cell_state
-from gateway.pure.rho3can.family import RhoFamily
 from gateway.pure.scope.records import pack_scope
 from gateway.pure.shadow.compare import Answer, Comparison, as_data
-from gateway.pure.shadow.places import Place, command_places
+from gateway.pure.shadow.places import Place
+from gateway.pure.shadow.setvalues import SetValues
 from gateway.realtime import die_with_parent
 from gateway.shadow.keep import keep
 from gateway.shadow.plan import BUSES
+from motion.units import to_si
 from protocols.base.errors import DecodeError
 from protocols.base.machine import Frame, Ns
-from protocols.servodyn.codec import SET_SIGNALS, SYNC, Codec
-from protocols.servodyn.plan import SLOTS, set_id
+from protocols.canopen import cobid
 
 LOOK_S = 0.05
 REOPEN_NS: Ns = 250_000_000
 KEEP_NS: Ns = 1_000_000_000
 SILENT_LOOKS = 4  # in vain, one after the other: the drives are lost, as for a control whose bus is gone
-SET_IDS = frozenset(set_id(slot) for slot in range(1, SLOTS + 1))
-FLAGS = SET_SIGNALS.index("life")  # the commands stand before it: enable, drive on, limit switch, fault reset, brake
 
 
 class ShadowCycle(Cycle):
@@ -46,6 +46,10 @@ class ShadowCycle(Cycle):
     def __init__(self, plan: RunPlan, fds: dict[str, int]) -> None:
         super().__init__(plan, fds)
         self._folder = plan.folder
+        self._sets = [SetValues(bus.family) for bus in self.buses]
+        self._drives = {(axis.drive.bus, axis.drive.node or axis.drive.module): axis for axis in plan.cell.axis}
+        self._names = [bus.name for bus in plan.cell.bus if bus.name in plan.buses]
+        self._tolerances = plan.tolerances
         self.comparison = Comparison(slack=self.period_ns + self.period_ns // 2)
         self._actuals: list[Actual | None] = [None] * len(self.core.plans)
         self._open = False  # a SYNC was seen whose step is still to come
@@ -122,23 +126,38 @@ class ShadowCycle(Cycle):
 
     # ---- frames ------------------------------------------------------------------------------------------------------
     def _frame(self, bus: BusLink, frame: Frame) -> None:
-        if bus is self._lead and frame.identifier == SYNC.identifier:
-            self._sync(frame.stamp_ns)
+        if frame.identifier == self._sets[bus.number].sync:
+            if bus is self._lead:
+                self._sync(frame.stamp_ns)
             return
+        if isinstance(bus.family, Cia402Family):
+            self._meet(bus.family, frame)
         key = (bus.number, frame.identifier)
         if key in self.comparison.blocks:
             self.comparison.theirs(Answer(key, frame.stamp_ns, frame.stamp_ns, 0, self._compared(bus, frame)))
         try:
             heard = bus.family.hear(frame)
         except DecodeError:
-            bus.foreign += key not in self.comparison.blocks
+            encoder = bus.encoders.get(frame.identifier)
+            if encoder is not None:
+                encoder.hear(frame.data)
+            else:
+                bus.foreign += key not in self.comparison.blocks
             return
+        finally:
+            bus.family.aside.clear()  # SDO and the like: the old control's, and nobody here waits for them
         if heard is None or not self._open:
             return
         self._missing -= self._actuals[heard[0]] is None
         self._actuals[heard[0]] = heard[1]
         if self._missing <= 0:
             self._step()
+
+    @staticmethod
+    def _meet(family: Cia402Family, frame: Frame) -> None:
+        """A node that answers SYNC was started up by the old control."""
+        if frame.identifier & 0x780 == cobid.tpdo(1, 0):
+            family.answers(frame.identifier & 0x7F, Mode.CSP)
 
     def _sync(self, stamp: Ns) -> None:
         if self._open:
@@ -183,8 +202,9 @@ class ShadowCycle(Cycle):
     def _would_send(self, values: Sequence[SetRecord], now: Ns) -> None:
         """The burst of the next SYNC: compared, never sent."""
         for bus in self.buses:
+            sets = self._sets[bus.number]
             for frame in bus.family.burst(values):
-                if frame.identifier == SYNC.identifier:
+                if frame.identifier == sets.sync or not (sets.whole or sets.drive(frame) is not None):
                     continue
                 key = (bus.number, frame.identifier)
                 if key not in self.comparison.blocks:
@@ -192,27 +212,18 @@ class ShadowCycle(Cycle):
                 self.comparison.ours(key, self._compared(bus, frame), now)
 
     def _declare(self, bus: BusLink, key: tuple[int, int], frame: Frame) -> None:
-        name = f"bus {bus.url}, telegram {frame.identifier}"
-        if self._codec(bus, frame) is not None:
-            self.comparison.declare(key, f"{name} (set value)", command_places(SET_SIGNALS[:FLAGS]))
+        name, sets = f"bus {bus.url}, telegram {frame.identifier}", self._sets[bus.number]
+        axis = self._drives.get((self._names[bus.number], sets.drive(frame)))
+        if axis is not None:
+            per_unit = scaling_of(axis).sent_per_unit * to_si(1.0, axis.unit)
+            self.comparison.declare(key, f"{name} (set value)", sets.places(axis.name, per_unit, self._tolerances[axis.name]))
         else:
             self.comparison.declare(key, name, [Place(f"byte {n}", "", n, b"\xff") for n in range(len(frame.data))])
 
     def _compared(self, bus: BusLink, frame: Frame) -> bytes:
-        """Of a set value its commands, whatever the layout; of any other telegram all of it."""
-        codec = self._codec(bus, frame)
-        if codec is None:
-            return frame.data
-        try:
-            _, value = codec.decode_set(frame)
-        except DecodeError:
-            return b""  # too short: it says nothing
-        return bytes((sum(bool(flag) << n for n, flag in enumerate(value[:FLAGS])),))
-
-    @staticmethod
-    def _codec(bus: BusLink, frame: Frame) -> Codec | None:
-        family = bus.family.drives if isinstance(bus.family, RhoFamily) else bus.family
-        return family.codec if frame.identifier in SET_IDS and isinstance(family, ServodynFamily) else None
+        """Of a set value its commands and its position, whatever the layout; of any other telegram all of it."""
+        sets = self._sets[bus.number]
+        return frame.data if sets.drive(frame) is None else sets.content(frame)
 
     def _keep(self, now: Ns) -> None:
         found = {

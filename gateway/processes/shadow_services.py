@@ -6,15 +6,20 @@ import contextlib
 import os
 import signal
 import time
+from dataclasses import replace
 
 from gateway.assembly import RunPlan, load_plan
+from gateway.canopen_office import CanopenOffice
 from gateway.cell import Line
+from gateway.cell_modbus import Modbus
 from gateway.doors import BaseDoor, Post
 from gateway.image import fds_from_text
+from gateway.modbusdoor import ModbusDoor
 from gateway.processes.services import Services
 from gateway.realtime import die_with_parent
 from gateway.shadow.door import ShadowDoor
 from gateway.shadow.keep import keep
+from gateway.shadow.modbusdoor import ShadowModbusDoor
 from gateway.shadow.plan import LINES
 from protocols.base.machine import Ns, ms
 
@@ -31,17 +36,34 @@ class ShadowServices(Services):
     def _line_door(self, post: Post, line: Line) -> BaseDoor:
         return ShadowDoor(post, line, self)
 
+    def _modbus_door(self, post: Post, settings: Modbus) -> ModbusDoor:
+        made = ShadowModbusDoor(post)
+        made.follow(self, settings, self.plan.taps[settings.name])
+        return made
+
+    def _masters(self, fds: dict[str, int]) -> CanopenOffice:
+        """None: nodes are started up by the old control."""
+        return CanopenOffice(replace(self.plan, buses={}), fds, self.journal.write)
+
+    async def _start_server(self, door: ModbusDoor) -> None:
+        """Nobody is served."""
+
     def tick(self) -> None:
-        """Also keeps what was found."""
+        """Also takes what the captures hold, and keeps what was found."""
+        tapped = [door for door in self.doors if isinstance(door, ShadowModbusDoor)]
+        for door in tapped:
+            door.take(time.monotonic_ns())
         super().tick()
         now = time.monotonic_ns()
+        for door in tapped:
+            door.compare(now)
         if now >= self._keep_next:
             self._keep_next = now + KEEP_EVERY
             self.keep(now)
 
     def keep(self, now: Ns) -> None:
         """For the report, whatever becomes of this process."""
-        lines = [door.result(now) for door in self.doors if isinstance(door, ShadowDoor)]
+        lines = [door.result(now) for door in self.doors if isinstance(door, ShadowDoor | ShadowModbusDoor)]
         heard_s = round((now - self.started_ns) / 1e9, 3)
         keep(self.plan.folder / LINES, {"pid": os.getpid(), "heard_s": heard_s, "lines": lines})
 
@@ -49,7 +71,7 @@ class ShadowServices(Services):
         """Until SIGTERM; what still waits is judged at the end."""
         await super().run()
         for door in self.doors:
-            if isinstance(door, ShadowDoor):
+            if isinstance(door, ShadowDoor | ShadowModbusDoor):
                 door.comparison.finish()
         self.keep(time.monotonic_ns())
 

@@ -165,9 +165,8 @@ class Recorder:
             self._lose("the cycle began anew")
         state = pickle.loads(pickled)
         assert isinstance(state, Start)
-        self._writer.start(
-            cycle, {"core": frozen(state.core), "families": frozen(state.families), "late": state.late, "sent": state.sent_ns}
-        )
+        tree = {"core": frozen(state.core), "families": frozen(state.families), "late": state.late, "sent": state.sent_ns}
+        self._writer.start(cycle, {**tree, "encoders": state.encoders})
         self._next = cycle + 1
         self._writer.cycle(cycle, more, sequence)
 

@@ -4,7 +4,7 @@ import contextlib
 import pathlib
 import tempfile
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -14,11 +14,13 @@ from gateway.axes import assumed_permits, core_axes, rc_numbers
 from gateway.backup import BackupError, read, restore
 from gateway.cell import Cell
 from gateway.config import load_cell
+from gateway.cyclebelts import Encoder, belts_of, encoders_of
 from gateway.dbsignals import signals_of
 from gateway.families import DRIVE_PROTOCOLS, make_family
 from gateway.pathoutputs import functions_of
 from gateway.pure.addresses import Direction, RcBit
 from gateway.pure.core import Core
+from gateway.pure.corebelts import CoreBelts
 from gateway.pure.recording.messages import Message, Told, What, unpack_told
 from gateway.pure.recording.player import Difference, Player
 from gateway.recording.file import Found, RecordError, Segment
@@ -65,8 +67,8 @@ class Bench:
         self.cell, self._p5_ms, self._zeros = cell, int(head["p5_ms"]), zeros
         self._simulated, self._buses = bool(head["simulated"]), list(head["buses"])
 
-    def core(self) -> tuple[Core, list[Any]]:
-        """A new one, with the families of its buses."""
+    def core(self) -> tuple[Core, list[Any], list[dict[int, Encoder]]]:
+        """A new one, with the families of its buses and the encoders of belts on each."""
         cell, period = self.cell, self._p5_ms
         axes = core_axes(cell, period, self._zeros, simulated=self._simulated)
         core = Core(
@@ -76,12 +78,14 @@ class Bench:
             numbers=rc_numbers(cell),
             assumed=assumed_permits(cell),
             finish_without_services=cell.cell.on_services_loss == "finish_move",
+            belts=belts_of(cell, period) if cell.belt else None,
             functions=functions_of(cell, period),
             alter=alter_of_cell(cell, period),
             shared=shared_of_cell(cell, period),
         )
         buses = [bus for bus in cell.bus if bus.name in self._buses and bus.protocol in DRIVE_PROTOCOLS]
-        return core, [make_family(cell, bus, period, simulated=self._simulated) for bus in buses]
+        encoders = [encoders_of(cell, bus.name, core.belts) if core.belts is not None else {} for bus in buses]
+        return core, [make_family(cell, bus, period, simulated=self._simulated) for bus in buses], encoders
 
 
 def replay(
@@ -90,10 +94,10 @@ def replay(
     """`pristine`: the cell as recorded; `cell`: the one to be played, the same or a changed one.  RecordError."""
     if [axis.name for axis in cell.axis] != [axis.name for axis in pristine.axis]:
         raise RecordError(f"{cell.file}: other axes than the recording's ({', '.join(axis.name for axis in pristine.axis)})")
-    if pristine.belt:
-        raise RecordError(
-            f"{pristine.file}: cells with [[belt]] are recorded, but not replayed: encoders and synchronous parts are left out"
-        )
+    if pristine.belt and any("encoders" not in segment.start for segment in found.segments):
+        raise RecordError(f"{pristine.file}: this file was recorded before axisgate kept the encoders of belts; record it anew")
+    if [belt.name for belt in cell.belt] != [belt.name for belt in pristine.belt]:
+        raise RecordError(f"{cell.file}: other belts than the recording's ({', '.join(belt.name for belt in pristine.belt) or 'none'})")
     verdict = Verdict()
     zeros = dict(found.head.get("zeros", {}))
     before, then = Bench(pristine, found.head, zeros), Bench(cell, found.head, zeros if cell is pristine else zeros | known_zeros(cell))
@@ -116,15 +120,28 @@ def replay(
 def started(segment: Segment, before: Bench, then: Bench, names: Callable[[int], str]) -> Player:
     """A core and its buses in the state the segment begins with."""
     start = segment.start
-    was_core, was_families = before.core()
-    core, families = then.core()
+    was_core, was_families, _ = before.core()
+    core, families, encoders = then.core()
     settings = Snapshots(core, families).settings
     try:
         core = carry_over(start["core"], frozen(was_core), core, settings)
         families = carry_over(start["families"], frozen(was_families), families, settings)
     except (StateError, KeyError, ValueError, TypeError, AttributeError) as error:
         raise RecordError(f"the state after cycle {start['cycle']} does not fit this cell or version: {error}") from error
-    return Player(core, families, start["late"], start["sent"], names)
+    if core.belts is not None:
+        _set_encoders(start["encoders"], encoders, core.belts)
+    return Player(core, families, start["late"], start["sent"], names, encoders)
+
+
+def _set_encoders(kept: Sequence[Sequence[Any]], encoders: Sequence[Mapping[int, Encoder]], belts: CoreBelts) -> None:
+    """As they stood; a belt whose encoder has moved to another telegram begins anew."""
+    for each in encoders:
+        for encoder in each.values():
+            encoder.belts = belts  # those of the state that was carried over
+    for bus, identifier, last, count in kept:
+        there = encoders[bus].get(identifier) if bus < len(encoders) else None
+        if there is not None:
+            there.last, there.count = last, count
 
 
 def _play(segment: Segment, player: Player, verdict: Verdict, zero: int, said: Callable[[int], None], *, stop: bool) -> bool:

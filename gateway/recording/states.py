@@ -28,11 +28,22 @@ class Kept:
         self.number = number
 
 
+class Numbers:
+    """Stands for an array: its numbers are state as any other."""
+
+    def __init__(self, shape: list[int], kind: str, octets: bytes) -> None:
+        self.shape, self.kind, self.octets = shape, kind, octets
+
+
 class Start:
     """All that the script of the cycles continues."""
 
-    def __init__(self, core: object, families: list[Any], late: list[int], sent_ns: list[int]) -> None:
+    def __init__(
+        self, core: object, families: list[Any], late: list[int], sent_ns: list[int], encoders: "list[list[int | None]] | None" = None
+    ) -> None:
+        """`encoders`: of belts, each bus, identifier, what it said last (None: nothing yet), its count."""
         self.core, self.families, self.late, self.sent_ns = core, families, late, sent_ns
+        self.encoders = encoders or []
 
 
 class Snapshots:
@@ -73,13 +84,20 @@ class _Pickler(pickle.Pickler):
         super().__init__(file, 5)
         self._look = look
 
-    def reducer_override(self, value: object) -> Any:
+    def reducer_override(self, value: Any) -> Any:
+        if _array(value):
+            return Numbers, (list(value.shape), value.dtype.str, value.tobytes())
         kept = self._look(value) if type(value) is not Kept else None
         return (Kept, (kept.number,)) if kept is not None else NotImplemented
 
 
+def _array(value: object) -> bool:
+    """Of numpy, which need not be loaded for this."""
+    return type(value).__name__ == "ndarray" and type(value).__module__ == "numpy"
+
+
 def _solver(value: object) -> bool:
-    """What is no class, none of our objects and no plain container: solvers, arrays, functions, codecs."""
+    """What is no class, none of our objects and no plain container: solvers, functions, codecs."""
     kind = type(value)
     return not (isinstance(value, type) or kind in CONTAINERS or f"{kind.__module__}.".startswith((*OURS, f"{__name__}.")))
 
@@ -118,7 +136,7 @@ class _Freezer:
             return {"kept": "setting" if value.number >= 0 else "solver", "setting": value.number}
         return self._changing(value)
 
-    def _changing(self, value: object) -> Any:
+    def _changing(self, value: Any) -> Any:
         """What may be meant from two places."""
         if id(value) in self._seen:
             return {"same": self._seen[id(value)]}
@@ -126,8 +144,15 @@ class _Freezer:
         self._held.append(value)
         if isinstance(value, bytearray):
             return {"bytearray": value.hex(), "number": number}
-        if isinstance(value, list | deque):
-            return {"deque" if isinstance(value, deque) else "list": [self.freeze(each) for each in value], "number": number}
+        if isinstance(value, deque):
+            return {"deque": [self.freeze(each) for each in value], "most": value.maxlen, "number": number}
+        if isinstance(value, list):
+            return {"list": [self.freeze(each) for each in value], "number": number}
+        if _array(value):
+            value = Numbers(list(value.shape), value.dtype.str, value.tobytes())
+            self._held.append(value)
+        if isinstance(value, Numbers):
+            return {"array": value.octets.hex(), "shape": value.shape, "kind": value.kind, "number": number}
         if isinstance(value, dict):
             return {"dict": [[self.freeze(key), self.freeze(each)] for key, each in value.items()], "number": number}
         if type(value).__module__.startswith(OURS):
@@ -264,7 +289,11 @@ class _Carrier:
             return _of_tuple(tree, [self.build(each) for each in tree["tuple"]])
         if "dict" in tree:
             return {self.build(key): self.build(each) for key, each in tree["dict"]}
-        for name, kind in (("list", list), ("deque", deque), ("set", set), ("frozenset", frozenset)):
+        if "deque" in tree:
+            return deque((self.build(each) for each in tree["deque"]), tree.get("most"))
+        if "array" in tree:
+            return _numbers(tree)
+        for name, kind in (("list", list), ("set", set), ("frozenset", frozenset)):
             if name in tree:
                 return kind(self.build(each) for each in tree[name])
         if "object" in tree:
@@ -274,6 +303,15 @@ class _Carrier:
                 object.__setattr__(made, name, self.build(each))
             return made
         raise StateError(f"a part that is nothing known: {str(tree)[:60]}")
+
+
+def _numbers(tree: Any) -> Any:
+    import numpy as np
+
+    kind = np.dtype(str(tree["kind"]))
+    if kind.kind not in "biuf":
+        raise StateError(f"an array of {kind}: no numbers")
+    return np.frombuffer(bytes.fromhex(tree["array"]), kind).reshape(tree["shape"]).copy()
 
 
 def _length(value: object) -> int:

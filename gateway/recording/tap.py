@@ -141,6 +141,7 @@ class CycleTap:
             [bus.family for bus in self._buses],
             [bus.late for bus in self._buses],
             [bus.sent_ns for bus in self._buses],
+            [[bus.number, identifier, each.last, each.count] for bus in self._buses for identifier, each in bus.encoders.items()],
         )
         self.put(What.START, self._snapshots.take(start))
         if self._image:

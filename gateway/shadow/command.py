@@ -15,7 +15,7 @@ from gateway.pure.shadow.report import as_html, as_text, report
 from gateway.shadow.keep import kept
 from gateway.shadow.plan import BUSES, LINES, left_out, parse_taps, plan_shadow, why_not_shadow
 
-OPTIONS = ("tap", "seconds", "report")
+OPTIONS = ("tap", "seconds", "report", "tolerance")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -23,7 +23,18 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("shadow", "beside a working old control: listens on taps, sends nothing, compares")
     group.add_argument("--shadow", action="store_true", help="compare our status with the old control's; no output is opened")
     group.add_argument(
-        "--tap", action="append", default=[], metavar="LINE=FROM_PLC,FROM_CONTROL", help="two receive-only ports on a line; repeatable"
+        "--tap",
+        action="append",
+        default=[],
+        metavar="NAME=FIRST,SECOND",
+        help="LINE=FROM_PLC,FROM_CONTROL: two receive-only ports on a line; SERVER=CAPTURE,OLD_CONTROL: what tcpdump writes of the PLC's"
+        " Modbus TCP, and the old control's address, 10.0.0.7:502; repeatable",
+    )
+    group.add_argument(
+        "--tolerance",
+        type=float,
+        metavar="UNITS",
+        help="positions so near are equal, mm or deg (default: following_error.warn of each axis)",
     )
     group.add_argument("--seconds", type=float, help="end the shadow after so long (default: Ctrl-C)")
     group.add_argument("--report", metavar="NAME", help="write NAME.txt, NAME.json, NAME.html (default: shadow-RUN)")
@@ -45,10 +56,12 @@ def run_shadow(arguments: argparse.Namespace, cell: Cell) -> int:
         taps = parse_taps(arguments.tap)
     except ValueError as error:
         return _said(str(error), USAGE)
+    if arguments.tolerance is not None and arguments.tolerance < 0.0:
+        return _said(f"--tolerance {arguments.tolerance:g}: 0 or more", USAGE)
     refusal = why_not_shadow(cell, taps, arguments.bus)
     if refusal:
         return _said(refusal, USAGE)
-    plan = plan_shadow(cell, taps, slug=arguments.name, bus=arguments.bus, p5_ms=arguments.p5)
+    plan = plan_shadow(cell, taps, slug=arguments.name, bus=arguments.bus, p5_ms=arguments.p5, tolerance=arguments.tolerance)
     print(BANNER, file=sys.stderr)
     print("shadow: listens only, sends nothing; start it while the drives are off; Ctrl-C ends it", file=sys.stderr, flush=True)
     if arguments.seconds:

@@ -12,18 +12,16 @@ from gateway.linedoor import LineDoor
 from gateway.pure.line_blocks import KINDS, block_key, block_name
 from gateway.pure.line_decoder import Told, telegram_of
 from gateway.pure.line_jobs import OwnJobs
-from gateway.pure.records import AxisFlag
 from gateway.pure.shadow.compare import Answer, Comparison, as_data
 from gateway.pure.shadow.conversation import Answered, Asked, Conversation
 from gateway.pure.shadow.places import places_of, rest_of
+from gateway.shadow.known import state_is_known
 from gateway.shadow.taps import TapPair
-from protocols.base.machine import Ns, ms
+from protocols.base.machine import Ns
 from protocols.rk512.header import REACTION_BYTES
 
 if TYPE_CHECKING:
     from gateway.processes.services import Services
-
-SETTLE: Ns = ms(5_000)
 
 
 class ShadowDoor(LineDoor):
@@ -68,19 +66,13 @@ class ShadowDoor(LineDoor):
             self._taps.turn()
         super().settle()
         now = time.monotonic_ns()
-        self._settled = self._settled or self._state_is_known(now)
+        self._settled = self._settled or state_is_known(self.services, self.since, now)
         for key in self.comparison.blocks:
             assert isinstance(key, int)
             content = self._content_of(key)
             if content is not None:
                 self.comparison.ours(key, content, now)
         self.comparison.settle(now)
-
-    def _state_is_known(self, now: Ns) -> bool:
-        """The drives were heard; or they are silent for so long that this is the state."""
-        axes = self.services.values.state.axes[: len(self.services.cell.axis)]
-        heard = bool(self.services.values.state.generation) and not any(axis.flags & AxisFlag.LOST for axis in axes)
-        return heard or now - self.since > SETTLE
 
     # ---- what passes -------------------------------------------------------------------------------------------------
     def _told(self, told: Told) -> None:
@@ -171,6 +163,7 @@ class ShadowDoor(LineDoor):
         """For the report."""
         return {
             "line": self.name,
+            "kind": "line",
             "taps": list(self.services.plan.taps[self.name]),
             "connected": self.connected,
             "comparing": self._settled,

@@ -1,5 +1,6 @@
 """What a shadow runs: cycle and services of the cell on ports that only listen, nothing else (AX-493)."""
 
+import ipaddress
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -7,21 +8,19 @@ from gateway.assembly import RunPlan, plan_run, slug_of
 from gateway.axes import ASSUMED, INPUT_SIGNALS, rc_numbers
 from gateway.cell import Cell
 from gateway.cell_axes import FollowingError
+from gateway.cell_modbus import Modbus
 
 LINES, BUSES = "shadow-lines.json", "shadow-buses.json"  # what services and cycle found, in the folder of the run
-SPOKEN = ("servodyn", "rho3-io")
+SPOKEN = ("servodyn", "rho3-io", "canopen")
 ENDLESS = FollowingError(float("inf"), float("inf"))
-LIFE_NS = 500_000_000  # its cycle has no grid of its own, and nothing hangs on it
-Taps = Mapping[str, tuple[str, str]]  # line -> the port that hears the PLC, the one that hears the old control
+LIFE_NS = 10_000_000_000  # nothing hangs on it, and a successor would have forgotten what was found
+Taps = Mapping[str, tuple[str, str]]  # line -> the port that hears the PLC, the one that hears the old control; server -> capture, address
 
 
 def why_not_shadow(cell: Cell, taps: Taps, bus: str | None) -> str:
     """Empty, or why this cell has no shadow."""
     if not cell.axis:
         return "the cell has no [[axis]]: nothing to compare"
-    foreign = [each.name for each in cell.bus if each.protocol not in SPOKEN and any(axis.drive.bus == each.name for axis in cell.axis)]
-    if foreign:
-        return f"bus {', '.join(foreign)}: a shadow listens to buses of old controls, protocol {' or '.join(SPOKEN)}; CANopen has none"
     listened = [each for each in cell.bus if each.protocol in SPOKEN]
     if bus is not None and len(listened) > 1:
         return f"--bus stands for one bus, the cell has {', '.join(each.name for each in listened)}: set their ports in the cell"
@@ -31,24 +30,44 @@ def why_not_shadow(cell: Cell, taps: Taps, bus: str | None) -> str:
 
 
 def _why_no_tap(cell: Cell, taps: Taps) -> str:
-    lines = {line.name: line for line in cell.line}
+    lines, servers = {line.name: line for line in cell.line}, {each.name: each for each in cell.modbus if each.role == "server"}
     if not taps:
+        if servers and not lines:
+            return f"no --tap: name a capture of its Modbus, e.g. --tap {next(iter(servers))}=/run/plc.pcap,10.0.0.7:502"
         return f"no --tap: name two receive-only ports, e.g. --tap {next(iter(lines), 'LINE')}=FROM_PLC,FROM_CONTROL"
-    for name in taps:
+    for name, (_, second) in taps.items():
+        if name in servers:
+            if words := _why_no_capture(servers[name], second):
+                return words
+            continue
         line = lines.get(name)
         if line is None:
-            return f"--tap {name}: the cell's lines are {', '.join(lines) or 'none'}"
+            known = f"the cell's lines are {', '.join(lines) or 'none'}"
+            return f"--tap {name}: {known}" + (f", its Modbus servers {', '.join(servers)}" if servers else "")
         if line.layer != "rk512" or line.protocol not in ("3964R", "3964"):
             return f"--tap {name}: layer {line.layer} on {line.protocol}; a shadow understands rk512 on 3964R"
+    return ""
+
+
+def _why_no_capture(server: Modbus, address: str) -> str:
+    if server.tls is not None or server.serial or server.framing == "rtu":
+        return f"--tap {server.name}: Modbus TCP without TLS can be captured, nothing else of Modbus"
+    host, colon, port = address.rpartition(":")
+    try:
+        ipaddress.ip_address(host.strip("[]"))
+    except ValueError:
+        colon = ""
+    if not colon or not port.isdecimal():
+        return f"--tap {server.name}=..,{address}: the old control's address and port expected, e.g. 10.0.0.7:502"
     return ""
 
 
 def left_out(cell: Cell, taps: Taps) -> list[str]:
     """What of the cell the shadow neither hears nor compares, in words."""
     found = [f"line {line.name}: not tapped" for line in cell.line if line.name not in taps]
-    found += [f"modbus {modbus.name}: neither served nor written" for modbus in cell.modbus]
+    found += [f"modbus {modbus.name}: neither served nor written" for modbus in cell.modbus if modbus.name not in taps]
     found += [f"contact {io.name}: neither read nor switched" for io in cell.io]
-    found += ["routes: they need contacts or Modbus" for _ in cell.route[:1] if cell.modbus or cell.io]
+    found += ["routes: they need contacts or Modbus" for _ in cell.route[:1] if _unjoined(cell, taps)]
     found += [f"bus {bus.name}: only what was sent is known of {bus.protocol}" for bus in cell.bus if bus.protocol not in SPOKEN]
     if unheard := _unheard(cell, taps):
         found.append(f"enabling inputs no tap tells, taken as 1: {', '.join(unheard)}")
@@ -65,14 +84,19 @@ def shadow_cell(cell: Cell, taps: Taps) -> Cell:
         db=tuple(db for db in cell.db if db.line in taps),
         axis=tuple(replace(axis, following_error=ENDLESS) for axis in cell.axis),
         bus=tuple(bus for bus in cell.bus if bus.protocol in SPOKEN),
-        route=() if cell.modbus or cell.io else cell.route,
+        route=() if _unjoined(cell, taps) else cell.route,
         telegram=(),
-        modbus=(),
+        modbus=tuple(modbus for modbus in cell.modbus if modbus.name in taps),
         io=(),
         retain=None,
         web=None,
         northbound=None,
     )
+
+
+def _unjoined(cell: Cell, taps: Taps) -> bool:
+    """Routes may need what a shadow has not."""
+    return bool(cell.io) or any(modbus.name not in taps for modbus in cell.modbus)
 
 
 def _unheard(cell: Cell, taps: Taps) -> list[str]:
@@ -83,8 +107,9 @@ def _unheard(cell: Cell, taps: Taps) -> list[str]:
     return [name for name in ASSUMED if name not in assumed and getattr(numbers, name) >> 3 not in heard]
 
 
-def plan_shadow(cell: Cell, taps: Taps, *, slug: str | None, bus: str | None, p5_ms: int | None) -> RunPlan:
-    """Of a cell that has one (why_not_shadow).  It counts as simulated: nothing of it is kept for the next run."""
+def plan_shadow(cell: Cell, taps: Taps, *, slug: str | None, bus: str | None, p5_ms: int | None, tolerance: float | None = None) -> RunPlan:
+    """Of a cell that has one (why_not_shadow).  It counts as simulated: nothing of it is kept for the next run.  `tolerance` of positions,
+    in the unit of each axis; None: the lag that each may have before it is warned of."""
     plan = plan_run(shadow_cell(cell, taps), simulated=False, slug=slug or f"{slug_of(cell)}-shadow"[:31], bus=bus, p5_ms=p5_ms)
     modules = {"cycle": "gateway.processes.shadow_cycle", "services": "gateway.processes.shadow_services"}
     children = [
@@ -94,7 +119,10 @@ def plan_shadow(cell: Cell, taps: Taps, *, slug: str | None, bus: str | None, p5
     ]
     for left in (LINES, BUSES):
         (plan.folder / left).unlink(missing_ok=True)
-    return replace(plan, children=tuple(children), simulated=True, taps=dict(taps))
+    near = {
+        axis.name: (axis.following_error.warn if axis.following_error else 0.0) if tolerance is None else tolerance for axis in cell.axis
+    }
+    return replace(plan, children=tuple(children), simulated=True, taps=dict(taps), tolerances=near)
 
 
 def parse_taps(words: Sequence[str]) -> Taps:
@@ -104,6 +132,8 @@ def parse_taps(words: Sequence[str]) -> Taps:
         name, equals, ports = word.partition("=")
         from_plc, comma, from_control = ports.partition(",")
         if not (name and equals and from_plc and comma and from_control):
-            raise ValueError(f"--tap {word}: LINE=FROM_PLC,FROM_CONTROL expected, e.g. --tap plc=/dev/ttyUSB0,/dev/ttyUSB1")
+            raise ValueError(
+                f"--tap {word}: LINE=FROM_PLC,FROM_CONTROL expected, e.g. plc=/dev/ttyUSB0,/dev/ttyUSB1; or SERVER=CAPTURE,OLD_CONTROL"
+            )
         taps[name] = (from_plc, from_control)
     return taps

@@ -20,6 +20,7 @@ from pymodbus.exceptions import ConnectionException, ModbusIOException
 
 from gateway.image import RingReader, recv_fds
 from gateway.processes.supervisor import ask, wait_up
+from gateway.progress import Progress
 from gateway.pure.records import unpack_trace
 from hil_tests.bench.cycle_judge import Verdict, judge, percentile
 from hil_tests.bench.emulated_drives import cpu_seconds
@@ -69,7 +70,9 @@ def alternate(bench: "Bench", ours: Side, theirs: Side, blocks: int, seconds: fl
     """Blocks in turn until ours has its number; how many pairs were repeated.  Each pair is told on stderr: it takes a while."""
     repeated = done = 0
     until = time.monotonic() + PATIENCE * blocks * (2 * seconds + 5.0)
+    bar = Progress(bench.name, blocks)
     while done < blocks and repeated <= blocks:
+        bar(done)
         if done and time.monotonic() > until:
             tell(f"{bench.name}: the machine is crowded, ended after {done} of {blocks} pairs")
             break
@@ -87,6 +90,7 @@ def alternate(bench: "Bench", ours: Side, theirs: Side, blocks: int, seconds: fl
         ours.verdicts += mine
         done += 1
         tell(f"{bench.name}: pair {done} of {blocks}, {seconds:g} s each, {bench.moves} moves; {counted(mine)}; in C {counted(reference)}")
+    bar.close()
     return repeated
 
 
@@ -96,8 +100,8 @@ def counted(verdicts: list[Verdict]) -> str:
 
 
 def tell(text: str) -> None:
-    """Progress, beside the figures."""
-    print(text, file=sys.stderr, flush=True)
+    """Progress, beside the figures; over the bar, where there is one."""
+    print(f"\r\x1b[K{text}" if sys.stderr.isatty() else text, file=sys.stderr, flush=True)
 
 
 def report(ours: Side, theirs: Side, compute: list[int], rates: list[float], repeated: int) -> list[Figure]:

@@ -9,6 +9,7 @@ from math import cos, sin
 
 from drivers.emulator.servo import Servo, constants
 from drivers.emulator.settings import ServoSettings
+from gateway.progress import steps
 from hil_tests.lab.servodyn_bus import DriveBus
 from protocols.base.machine import Frame
 
@@ -85,7 +86,7 @@ def six_axes_cpu() -> dict[str, object]:
     """Percent of a core for six axes in real time: median of the blocks."""
     load, python, native = Load(), [], []
     load.block(100)
-    for _ in range(BLOCKS):
+    for _ in steps("emulator", range(BLOCKS)):
         python.append(load.block(BLOCK_CYCLES) / (BLOCK_CYCLES * 0.004) * 100.0)
         native.append(reference(6, C_CYCLES, ALL_ON)[0] / (C_CYCLES * 0.004) * 100.0)
     value, against = statistics.median(python), statistics.median(native)

@@ -20,6 +20,7 @@ from dataclasses import dataclass, field
 
 from gateway.image import RegionReader, recv_fds
 from gateway.processes.supervisor import ask, wait_up
+from gateway.progress import Progress, steps
 from gateway.pure.records import unpack_cell_state
 from hil_tests.lab.scenario import free_port
 
@@ -63,8 +64,9 @@ def load(port: int, clients: int, seconds: float) -> Load | None:
 def paired(ours: int, theirs: int, clients: int, seconds: float) -> Pair:
     """BLOCKS of each side in turn; who begins changes.  A block that failed is repeated and counted."""
     pair = Pair()
-    turn = 0
+    turn, shown = 0, Progress(f"modbus, {clients} clients alone", BLOCKS)
     while len(pair.ours) < BLOCKS and pair.repeated < BLOCKS:
+        shown(len(pair.ours))
         turn += 1
         first, second = (ours, theirs) if turn % 2 else (theirs, ours)
         one, other = load(first, clients, seconds), load(second, clients, seconds)
@@ -73,6 +75,7 @@ def paired(ours: int, theirs: int, clients: int, seconds: float) -> Pair:
             continue
         pair.ours.append(one if turn % 2 else other)
         pair.theirs.append(other if turn % 2 else one)
+    shown.close()
     return pair
 
 
@@ -147,7 +150,7 @@ def beside(seconds: float) -> list[Figure]:
         pairs = []
         for clients in (8, 1):
             pair = Pair()
-            for turn in range(BLOCKS):
+            for turn in steps(f"modbus, {clients} clients beside a cell", range(BLOCKS)):
                 for side in (("ours", "theirs"), ("theirs", "ours"))[turn % 2]:
                     before = skipped()
                     block = load(ours if side == "ours" else theirs, clients, seconds)

@@ -8,10 +8,11 @@ cost.  Shares of limits are taken from set values at 1 ms by finite differences.
 import gc
 import random
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 
 import ruckig
 
+from gateway.progress import steps as shown
 from hil_tests.bench import belt_figures, kinematics_bench, motion_figures
 from hil_tests.lab import arms
 from hil_tests.lab.contour import SPEED, stream
@@ -190,10 +191,16 @@ def bare_cycle(machine: Machine, start: tuple[float, ...], count: int = 4000) ->
 
 def run(steps: int = 100_000, programs: int = 200, segments: int = 150_000) -> list[Figure]:
     """All figures, as `axisgate bench motion` prints them."""
-    found = [*step_figures(steps), *cycle_costs(), *limits_of_programs(programs), *streams(segments)]
-    for rows in (motion_figures.figures(), belt_figures.figures(), kinematics_bench.run()):
-        found += [dict(figure) for figure in rows]
-    return found
+    parts: tuple[Callable[[], Sequence[Mapping[str, str | float | bool]]], ...] = (
+        lambda: step_figures(steps),
+        cycle_costs,
+        lambda: limits_of_programs(programs),
+        lambda: streams(segments),
+        motion_figures.figures,
+        belt_figures.figures,
+        kinematics_bench.run,
+    )
+    return [dict(figure) for part in shown("motion", parts) for figure in part()]
 
 
 def step_figures(steps: int) -> list[Figure]:

@@ -6,6 +6,7 @@ C.5 to C.7 and say so.
 
 from collections.abc import Callable
 
+from gateway.progress import steps
 from hil_tests.bench import online_figures, path_figures
 from hil_tests.bench.figure_row import Figure
 
@@ -28,7 +29,7 @@ ALL: tuple[Callable[[], Figure | list[Figure]], ...] = (
 def figures() -> list[Figure]:
     """All rows."""
     rows: list[Figure] = []
-    for function in ALL:
+    for function in steps("motion, figures", ALL):
         result = function()
         rows += result if isinstance(result, list) else [result]
     return rows

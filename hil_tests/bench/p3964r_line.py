@@ -20,6 +20,7 @@ from drivers.ports.open import open_bytes
 from drivers.ports.pty import READ_SIZE, PtyPort, set_raw
 from gateway.lineloop import LineRunner
 from gateway.processes.line_control import LineControl
+from gateway.progress import steps
 from hil_tests.lab.pty_master import PtyMaster
 from protocols.p3964r.characters import Char, wire_block
 from protocols.p3964r.events import BlockReceived, BlockSent, Event
@@ -227,7 +228,7 @@ async def telegrams() -> list[tuple[int, int]]:
     while not (plc.state.connected and station.state.connected):
         await asyncio.sleep(0.01)
     windows = []
-    for number in range(TELEGRAMS):
+    for number in steps("3964r", range(TELEGRAMS)):
         start = time.monotonic_ns()
         asking.send(SEND[:-1] + bytes((number,)), start)
         plc.kick()

@@ -14,6 +14,7 @@ import threading
 import time
 
 from drivers.ports.can import open_can
+from gateway.progress import steps
 from hil_tests.bench import route_drive
 from hil_tests.lab.joined_running import OUT_BLOCK, JoinedRun, cell_copy, running_joined
 from hil_tests.lab.modbus_running import RawClient
@@ -112,7 +113,8 @@ def p99(values: list[float]) -> float:
 
 def figures(blocks: int = 3, rounds: int = 400, p5_ms: int = 4) -> list[dict[str, object]]:
     """Median over the blocks of each block's p99."""
-    found = [(*measure(rounds, p5_ms, seed), route_drive.measure(rounds // 4, p5_ms, seed)[1]) for seed in range(blocks)]
+    seeds = steps("route", range(blocks))
+    found = [(*measure(rounds, p5_ms, seed), route_drive.measure(rounds // 4, p5_ms, seed)[1]) for seed in seeds]
     rows: list[dict[str, object]] = []
     goals = (("route.one_way", ONE_WAY_LIMIT), ("route.both_ways_io", BOTH_WAYS_LIMIT), ("route.both_ways", BOTH_WAYS_LIMIT))
     for n, (name, limit) in enumerate(goals):

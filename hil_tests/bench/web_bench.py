@@ -22,6 +22,7 @@ from websockets.asyncio.client import connect
 
 from gateway.image import RingReader, recv_fds
 from gateway.processes.supervisor import ask
+from gateway.progress import steps, waited
 from gateway.pure.records import unpack_trace
 from gateway.scope.recording import load
 from hil_tests.lab.cell_running import CellRun, free_port, running_cell
@@ -69,7 +70,7 @@ def recorded(web: WebAsk, seconds: float, p5_ms: int) -> tuple[int, int, int]:
     _, before = web.ask("GET", "/api/scope/names")
     status, told = web.ask("POST", "/api/scope/start", {"channels": CHANNELS, "seconds": seconds}, x_axisgate="1")
     assert status == 200, told
-    time.sleep(seconds)
+    waited("web, scope", seconds)
 
     def ended() -> bool:
         _, now = web.ask("GET", "/api/scope/names")
@@ -113,7 +114,7 @@ def first_page(web: WebAsk) -> list[Figure]:
     paints, weights = [], []
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        for _ in range(5):
+        for _ in steps("web, first page", range(5)):
             context = browser.new_context()
             page = context.new_page()
             answers: list[Response] = []
@@ -161,7 +162,7 @@ def viewers(run: CellRun, web: WebAsk) -> list[Figure]:
     idle: list[tuple[float, int]] = []
     busy: list[tuple[float, int]] = []
     connected = VIEWERS
-    for _ in range(BLOCKS):
+    for _ in steps("web, viewers", range(BLOCKS)):
         idle.append(block(run))
         with watching(web) as crowd:
             busy.append(block(run))

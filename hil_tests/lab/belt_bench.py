@@ -49,7 +49,7 @@ class BeltBench(CellBench):
         self.text = ""
         free = free_outputs(AS_SHIPPED, AXES)
         self.programs = Programs(lambda _: MACHINE, lambda _: ALL, lambda _: self.text, free, belts=FACTS)
-        self.planner = PlannerBeside(self.programs, AXES)
+        self.planner = self._beside()
         self.seen: list[CellState] = []
         self.each = self._turn
         self.office.planner = self.programs.state
@@ -78,6 +78,9 @@ class BeltBench(CellBench):
                 for frame in self.emulated.take_output():
                     self.encoders[frame.identifier].hear(frame.data)
                 super().cycle()
+
+    def _beside(self) -> PlannerBeside:
+        return PlannerBeside(self.programs, AXES)
 
     def _turn(self) -> None:
         """One of the planner, and what the ring carries; every state of the cycle is kept."""

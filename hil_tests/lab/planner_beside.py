@@ -24,5 +24,9 @@ class PlannerBeside:
             self.held += follow(self.programs, said, core.state, self.axes)
             office.planner = self.programs.state
         for record in self.held[:A_CYCLE]:
-            core.feed(unpack_piece(pack_piece(record)))
+            self.feed(core, record)
         del self.held[:A_CYCLE]
+
+    def feed(self, core: Core, record: PieceRecord) -> None:
+        """One record of the ring."""
+        core.feed(unpack_piece(pack_piece(record)))

@@ -21,6 +21,7 @@ from gateway.pure.records import pack_cell_state, pack_inputs, pack_order, unpac
 from gateway.recording.tap import CycleTap
 from hil_tests.lab.cellbench import CellBench
 from motion.pieces import RECORD_SIZE
+from protocols.base.machine import Frame
 
 
 class RecordedBench(CellBench):
@@ -32,13 +33,14 @@ class RecordedBench(CellBench):
             "record": create_ring("record", CHUNK_BYTES, CHUNK_RECORDS, CHUNK_LAYOUT),
             "recorder": create_region("recorder", ASKED.size, ASKED_LAYOUT),
         }
-        self.bus: Any = SimpleNamespace(family=self.family, late=0, sent_ns=0, tap=None)
+        self.bus: Any = SimpleNamespace(family=self.family, late=0, sent_ns=0, tap=None, number=0, encoders={})
         buses: list[Any] = [self.bus]
         self.tap = CycleTap(self.core, buses, fds)
         self._asked = RegionWriter(fds["recorder"], "recorder", ASKED_LAYOUT)
         self._ring = RingReader(fds["record"], "record", CHUNK_LAYOUT)
         self._assembly = Assembly()
         self.messages: list[Message] = []
+        self.others: list[Frame] = []  # of the bus, besides the answers of drives: they come behind them
         self._image = b""
 
     def record(self) -> None:
@@ -69,7 +71,7 @@ class RecordedBench(CellBench):
         answers = [frame._replace(stamp_ns=self.now + 1) for frame in self.slave.take_output()]
         answers = [frame for frame in answers if (heard := self.family.hear(frame)) is None or heard.axis + 1 not in self.silent]
         if tap.on:
-            tap.heard(0, answers)
+            tap.heard(0, [*answers, *self.others])
         for frame in answers:
             heard = self.family.hear(frame)
             if heard is not None:

@@ -1,4 +1,6 @@
-"""A shadow beside a run that stands for the old control: its serial line tapped, its drive bus listened to, PLC 1 of the demo at work."""
+"""A shadow beside a run that stands for the old control: its serial line tapped, its Modbus captured, its drive bus listened to; both PLCs
+of the demo at work.
+"""
 
 import contextlib
 import json
@@ -15,26 +17,14 @@ from dataclasses import dataclass, field
 from drivers.ports.base import PortError, runtime_dir
 from drivers.ports.linewire import parse_format
 from drivers.ports.pty import PtyPort
-from gateway.files import find_config
 from hil_tests.lab.buslog import Logged, Remark, frames, read, senders
-from hil_tests.lab.cell_running import CellRun, runtime_folder
+from hil_tests.lab.captured import CapturedWire
+from hil_tests.lab.cell_running import CellRun, CyclicPlc, runtime_folder
 from hil_tests.lab.plc1 import S5Plc
 from hil_tests.lab.pty_master import PtyMaster
 
-LINE = "plc1"
+LINE, SERVER = "plc1", "plc2"
 PATIENCE_S = 180.0
-ASSUME = '[rc_inputs]\nassume = ["EMSTOP_OK_RCI", "CTRL_ALLOW_RCI", "FEED_ALLOW_RCI", "FEED_HOLD_N_RCI", "TRAVEL_ALLOW_RCI"]\n'
-
-
-def old_cell(folder: pathlib.Path) -> pathlib.Path:
-    """The demo's cell without its second PLC: everything comes over the tapped line."""
-    text = pathlib.Path(find_config("demo", "cells")).read_text()
-    head, owner = text.split("[rc_inputs]", 1)
-    head += ASSUME + owner[owner.index("# ---- PLC 1") :]
-    before, modbus = head.split("[[modbus]]", 1)
-    path = folder / "old.toml"
-    path.write_text(before + modbus[modbus.index("# ---- drives") :])
-    return path
 
 
 @dataclass
@@ -66,10 +56,10 @@ class Wire:
 
 
 class Old:
-    """The old control: a real run with its PLC."""
+    """The old control: a real run with its PLCs."""
 
-    def __init__(self, run: CellRun, wire: Wire, plc: S5Plc) -> None:
-        self.run, self.wire, self.plc = run, wire, plc
+    def __init__(self, run: CellRun, wire: Wire, plc: S5Plc, network: CapturedWire, plc2: CyclicPlc) -> None:
+        self.run, self.wire, self.plc, self.network, self.plc2 = run, wire, plc, network, plc2
         self.senders: dict[int, int] = {}
 
     def frames_of(self, pid: int) -> list[Logged]:
@@ -84,10 +74,11 @@ class Old:
 class Shadow:
     """`axisgate run CELL --shadow` as a process."""
 
-    def __init__(self, old: Old, cell: pathlib.Path, name: str) -> None:
+    def __init__(self, old: Old, cell: pathlib.Path | str, name: str, *more: str) -> None:
         self.folder, self.name = old.run.folder, name
         taps = ",".join(f"pty:{tap.path}" for tap in old.wire.taps)
         command = [sys.executable, "-m", "gateway", "run", str(cell), "--shadow", "--tap", f"{LINE}={taps}", "--json"]
+        command += ["--tap", f"{SERVER}={old.network.fifo},127.0.0.1:{old.network.server}", *more]
         command += ["--bus", f"broker:{old.run.name}-drives", "--p5", str(old.run.p5_ms), "--name", name, "--report", name]
         self._log = (self.folder / f"{name}.log").open("wb")
         self.process = subprocess.Popen(
@@ -113,23 +104,29 @@ class Shadow:
 
 
 @contextlib.contextmanager
-def old_control(name: str = "old") -> Iterator[Old]:
-    """Running, its PLC sending and fetching, drives off."""
+def old_control(cell: str = "demo", name: str = "old") -> Iterator[Old]:
+    """Running, its PLCs asking, drives off."""
     with runtime_folder() as folder:
-        run = CellRun(folder, str(old_cell(folder)), name)
+        run = CellRun(folder, cell, name)
+        network = CapturedWire(run.port, folder / "plc2.pcap")
+        plc2 = run.plc = CyclicPlc("127.0.0.1", network.port)
         wire = Wire(PtyPort(os.fspath(runtime_dir() / f"{name}-{LINE}-a"), parse_format("9600 8E1")))
         plc = S5Plc(wire.plc.path, [axis.name for axis in run.demo.axis])
         passing = threading.Thread(target=wire.run, daemon=True)
         passing.start()
         plc.start()
+        plc2.start()
         try:
             plc.wait_cycles(2)
-            yield Old(run, wire, plc)
+            plc2.wait(lambda status: True, PATIENCE_S)
+            plc2.synchronise()
+            yield Old(run, wire, plc, network, plc2)
         finally:
             plc.stop()
             wire.close()
             passing.join(5)
             run.stop()
+            network.close()
 
 
 def until(holds: object, what: str) -> None:

@@ -7,6 +7,7 @@ After each the sender repeats as 3964R does; then a good block must come in.  At
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
+from gateway.progress import steps
 from hil_tests.lab.rk512_blocks import Blocks
 from hil_tests.soak.faulted_line import Item
 from hil_tests.soak.judge import framed, payload_of
@@ -66,7 +67,7 @@ def faults_of(wire: bytes) -> Iterator[tuple[str, bytes]]:
 def exhaust(stride: int = 1, offset: int = 0) -> Outcome:
     """All cases, or every `stride`-th."""
     outcome, number = Outcome(), 0
-    for golden in GOLDEN:
+    for golden in steps("every single fault", GOLDEN) if stride == 1 else GOLDEN:
         wire = wire_block(golden)
         assert payload_of(wire) == golden
         for name, spoiled in faults_of(b"\x02" + wire):

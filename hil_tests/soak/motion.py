@@ -18,6 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from gateway.progress import Progress
 from hil_tests.bench.motion_bench import random_program
 from hil_tests.bench.path_figures import corner_dev
 from hil_tests.lab import arms
@@ -124,7 +125,11 @@ def judged(seed: int) -> Judged:
 def programs(count: int, seed: int, processes: int) -> tuple[list[str], list[str]]:
     """(figures in words, what was wrong)."""
     with multiprocessing.Pool(processes, os.nice, (10,)) as pool:
-        found = pool.map(judged, range(seed * 1_000_000, seed * 1_000_000 + count), chunksize=1)
+        found, seeds = [], range(seed * 1_000_000, seed * 1_000_000 + count)
+        with Progress("motion programs", count) as shown:
+            for one in pool.imap(judged, seeds, chunksize=1):
+                found.append(one)
+                shown(len(found))
     plain, orders = (
         tuple(max(values) for values in zip(*(getattr(one, name) for one in found), strict=True)) for name in ("plain", "ordered")
     )

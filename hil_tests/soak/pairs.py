@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from random import Random
 
+from gateway.progress import steps
 from gateway.pure.computerlink import ComputerLink
 from gateway.pure.dialects import BUEP64, buep64_dialect
 from hil_tests.soak.faulted_line import FaultedLine
@@ -336,12 +337,8 @@ def soak(telegrams: int, seed: int = 1, progress: bool = False) -> tuple[Tally, 
     """So many telegrams in equal parts over all pairs: what 3964R did, what 3964 without block check did."""
     totals = (Tally(), Tally())
     pairs = [*((0, pair) for pair in pairs_with_check()), *((1, pair) for pair in pairs_without_check())]
-    for number, (which, (left, right)) in enumerate(pairs):
+    for number, (which, (left, right)) in enumerate(steps("soak", pairs) if progress else pairs):
         totals[which].add(Pair(left, right, seed * 1000 + number).run(telegrams // len(pairs) + 1))
-        if progress and number % 17 == 16:
-            told = [sum(getattr(each, name) for each in totals) for name in ("telegrams", "faulted")]
-            bad = [sum(len(getattr(each, name)) for each in totals) for name in ("wrong", "lost")]
-            print(f"{told[0]} telegrams, {told[1]} faulted, wrong {bad[0]}, lost {bad[1]}", flush=True)
     return totals
 
 

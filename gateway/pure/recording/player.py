@@ -4,8 +4,9 @@ What comes out is compared with what was published then; how long the cycle comp
 """
 
 import struct
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 from drivers.drives.family import Actual, BusFamily
 from gateway.pure.core import Core
@@ -30,6 +31,12 @@ NOT_COMPARED = ("compute_ns",)
 AXIS_FIELDS = ("actual", "set", "speed", "lag", "torque", "flags", "fault_code", "power", "finding", "measured")
 
 
+class Encoder(Protocol):
+    """A belt's measuring system on a bus."""
+
+    def hear(self, data: bytes) -> int: ...
+
+
 @dataclass(frozen=True, slots=True)
 class Difference:
     """The recording expects one thing, the core made another."""
@@ -45,10 +52,17 @@ class Player:
     """One core from one start on."""
 
     def __init__(
-        self, core: Core, families: Sequence[BusFamily], late: Sequence[int], sent_ns: Sequence[Ns], names: Callable[[int], str] = str
+        self,
+        core: Core,
+        families: Sequence[BusFamily],
+        late: Sequence[int],
+        sent_ns: Sequence[Ns],
+        names: Callable[[int], str] = str,
+        encoders: Sequence[Mapping[int, Encoder]] = (),
     ) -> None:
-        """`names`: of an RC output by its number."""
+        """`names`: of an RC output by its number; `encoders`: of each bus, by their identifiers; none where the cell has no belts."""
         self.core, self.families = core, families
+        self._encoders = encoders or [{} for _ in families]
         self.stamp_ns: Ns = 0
         self._late, self._sent_ns, self._names = list(late), list(sent_ns), names
         self._image = InputImage()
@@ -126,6 +140,9 @@ class Player:
             try:
                 heard = self.families[bus].hear(frame)
             except DecodeError:
+                encoder = self._encoders[bus].get(frame.identifier)
+                if encoder is not None:
+                    encoder.hear(frame.data)
                 continue
             if heard is None:
                 continue

@@ -17,6 +17,7 @@ from protocols.base.machine import Ns, ms
 HORIZON: Ns = ms(2_000)  # so far apart the same value is still looked for
 SLACK: Ns = ms(10)  # two ticks of the services: so exact moments of ours are
 LONGEST: Ns = ms(2_000)  # an answer stands for the time since the one before, at most so long
+SEARCHED: Ns = ms(50)  # a number that differs all the time is looked for so often: the search is long, and one in a while says as much
 KEPT = 8192  # contents of one block: more than the horizon holds at any pace
 
 
@@ -37,6 +38,7 @@ class Row:
     last: Ns = 0  # moment of the last difference
     changes_there: int = 0
     changes_here: int = 0
+    searched: Ns = 0  # moment of the answer that was looked for last
     _there: bytes | None = None
     _here: bytes | None = None
 
@@ -159,6 +161,9 @@ class Comparison:
             row.first = (answer.answered, was, now)
         if row.place.number is not None and not math.isnan(was - now):
             row.largest = max(row.largest, abs(was - now))
+            if 0 < answer.answered - row.searched < SEARCHED:
+                return
+        row.searched = answer.answered
         apart = _nearest(row.place, there, block.here, answer.asked, answer.answered, self._horizon)
         if apart is None:
             row.never += 1
@@ -208,8 +213,8 @@ def _nearest(place: Place, there: bytes, here: deque[tuple[Ns, bytes]], asked: N
             apart = start - answered if start > answered else min(end - asked, 0)
             if best is None or abs(apart) < abs(best):
                 best = apart
-        if begun < asked - horizon:
-            break
+        if begun < asked - (horizon if best is None else abs(best)):
+            break  # what was before is further away
         until, after = begun, data
     return best if best is None or abs(best) <= horizon else None
 

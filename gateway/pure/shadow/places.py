@@ -1,7 +1,7 @@
 """What is compared in a block of bytes: declared bits and numbers by their names, and what nobody declared, word by word (AX-493)."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from gateway.pure.datadoor import DataBlock, Slot
@@ -92,8 +92,3 @@ def _reader(block: DataBlock, slot: Slot) -> Callable[[bytes], float]:
             return math.nan
 
     return number
-
-
-def command_places(names: Sequence[str]) -> list[Place]:
-    """One byte of commands, bit 0 first."""
-    return [Place(name, "", 0, bytes((1 << bit,))) for bit, name in enumerate(names)]

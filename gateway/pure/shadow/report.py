@@ -58,22 +58,32 @@ def _sentences(found: Found) -> Iterator[str]:
     for words in _list(found["left_out"]):
         yield f"left out: {words}"
     if not found["compared"]:
-        yield "nothing was compared: no FETCH was answered on a tap; are both taps the right way round?"
+        yield "nothing was compared: no FETCH and no read was answered on a tap; are both taps the right way round?"
 
 
 def _line_sentences(line: object) -> Iterator[str]:
     telegrams = _of(line, "telegrams")
     other = _whole(_of(telegrams, "other_number"))
-    yield (
-        f"line {_of(line, 'line')}: {_of(line, 'characters')} characters, {_of(telegrams, 'heard')} telegrams of the PLC, "
-        f"{_of(telegrams, 'answered')} answers of the old control, {other} of them with another error number than ours"
-    )
+    if _of(line, "kind") == "modbus":
+        yield (
+            f"modbus {_of(line, 'line')}: {_of(line, 'characters')} bytes, {_of(telegrams, 'heard')} requests of the PLC, "
+            f"{_of(telegrams, 'answered')} answers of the old control, {other} of them refused otherwise than by us"
+        )
+    else:
+        yield _serial_sentence(line, telegrams, other)
     if other:
         yield f"  the first one: {_of(line, 'first_other_number')}"
     if not _of(line, "connected"):
-        yield "  a tap is not there"
+        yield f"  a tap is not there {_of(line, 'why') or ''}".rstrip()
     for block in _list(_of(line, "blocks")):
         yield from _block_sentences(block)
+
+
+def _serial_sentence(line: object, telegrams: object, other: int) -> str:
+    return (
+        f"line {_of(line, 'line')}: {_of(line, 'characters')} characters, {_of(telegrams, 'heard')} telegrams of the PLC, "
+        f"{_of(telegrams, 'answered')} answers of the old control, {other} of them with another error number than ours"
+    )
 
 
 def _block_sentences(block: object) -> Iterator[str]:
@@ -126,7 +136,8 @@ def as_html(found: Found) -> str:
     body = [f"<h1>Shadow of {name}</h1>", f'<p class="{verdict[0]}">{verdict[1]}</p>']
     body.append(f"<p>{html.escape(str(found['file']))}, {_real(found['heard_s']):.1f} s</p>")
     for line in _list(found["lines"]):
-        body.append(f"<h2>Line {html.escape(str(_of(line, 'line')))}</h2>")
+        kind = "Modbus" if _of(line, "kind") == "modbus" else "Line"
+        body.append(f"<h2>{kind} {html.escape(str(_of(line, 'line')))}</h2>")
         body.append(f"<p>{html.escape(next(_line_sentences(line)))}</p>")
         body += [_table(block) for block in _list(_of(line, "blocks"))]
     telegrams = _list(_of(found["buses"], "telegrams"))

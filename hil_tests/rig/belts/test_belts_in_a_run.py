@@ -9,6 +9,8 @@ import pathlib
 import signal
 import sqlite3
 import struct
+import subprocess
+import sys
 import time
 from collections.abc import Iterator
 from math import nan
@@ -19,6 +21,8 @@ import pytest
 from gateway.axes import scaling_of
 from gateway.pure.reasons import Reason
 from gateway.pure.records import CellState, Motion
+from gateway.recording.file import read
+from gateway.recording.replay import recorded_cell, replay
 from hil_tests.lab.belt_run import FIRST_ID, INCREMENT, SPEED, BeltRun, belt_run
 from hil_tests.lab.buslog import Logged
 from hil_tests.lab.plc2 import ABORTED, DONE
@@ -88,6 +92,23 @@ def test_set_values_on_the_bus_go_with_the_belts_encoder_and_the_program_goes_on
     off = on[:, 0] - on[:, 3]
     middle = float(np.median(off))
     assert float(np.median(np.abs(off - middle))) < 2e-4, "a set value is made for the SYNC that activates it"
+
+
+def test_a_recorded_run_with_belts_plays_without_a_difference(home: BeltRun, tmp_path: pathlib.Path) -> None:
+    """Encoders are inputs of the run; the program goes onto its belt in the recording."""
+    file = tmp_path / "belts.axrec"
+    command = [sys.executable, "-m", "gateway", "record", "--slug", home.programs.run.name, "-o", str(file), "--json"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as recorder:
+        home.programs.watch("it records", lambda s: file.exists() and file.stat().st_size > 1000 and read(file).cycles > 0, 60.0)
+        started(home, 2, 1)
+        assert home.programs.plc.wait(lambda s: s.state in (DONE, ABORTED), 10).state == DONE, home.programs.run.words()
+        recorder.send_signal(signal.SIGTERM)
+        said, wrong = recorder.communicate(timeout=60)
+    assert recorder.returncode == 0, f"{said}\n{wrong}"
+    found = read(file)
+    with recorded_cell(found) as cell:
+        verdict = replay(found, cell, cell)
+    assert verdict.first is None and verdict.cycles == found.cycles > 100, verdict
 
 
 def test_a_belt_that_turns_round_opens_ready_and_says_928(home: BeltRun) -> None:

@@ -14,11 +14,8 @@ from dataclasses import dataclass
 import pytest
 
 from gateway.commands.replay import main as replay
-from gateway.config import load_cell
 from gateway.files import find_config
-from gateway.recording.file import Found, RecordError, read
-from gateway.recording.replay import replay as play
-from hil_tests.lab.belt_run import with_belts
+from gateway.recording.file import Found, read
 from hil_tests.lab.cell_running import ALL, HOME, TARGET, CellRun, running_cell
 from hil_tests.lab.plc2 import PTP
 
@@ -150,10 +147,3 @@ def test_what_is_no_recording_is_named(tmp_path: pathlib.Path) -> None:
     assert code == 2 and "no recording; axisgate record CELL" in words
     code, words = replayed(tmp_path / "nothing.axrec")
     assert code == 3 and "No such file" in words
-
-
-def test_a_cell_with_belts_is_refused_and_says_why() -> None:
-    text = with_belts(pathlib.Path(find_config("portal", "cells")).read_text())
-    cell = load_cell("portal.toml", text)
-    with pytest.raises(RecordError, match=r"portal.toml: cells with \[\[belt\]\] are recorded, but not replayed"):
-        play(Found({"p5_ms": 4, "simulated": True, "buses": []}), cell, cell)

@@ -5,8 +5,6 @@ import os
 import pathlib
 import re
 import signal
-import subprocess
-import sys
 import urllib.request
 from collections.abc import Iterator
 
@@ -21,6 +19,7 @@ from hil_tests.bench.web_bench import CHANNELS, recorded
 from hil_tests.lab.plc2 import ModbusPlc
 from hil_tests.lab.web_looks import CONTRAST, FILLED
 from hil_tests.lab.web_running import ADMIN, CHROMIUM, DESKTOP, PAGES, PASSWORD, TABLET, WebRun, pictures, until, web_run
+from hil_tests.lab.web_steps import Orders, schemathesis
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(CHROMIUM is None, reason="no chromium here")]
 HEADERS = {"x_axisgate": "1"}
@@ -204,19 +203,13 @@ def test_the_scope_keeps_what_was_before_its_trigger(web: WebRun, boss: Page) ->
     boss.click("#record")
     until(lambda: "waiting for axis.A6.speed > 1" in boss.inner_text("#scope-state"), "it is armed")
     until(lambda: int(boss.evaluate(RECORDS)) == 0, "nothing is kept before the trigger")
-    me = boss.evaluate("fetch('/api/me').then(r => r.json())")
-    mine = "; ".join(f"{each.get('name')}={each.get('value')}" for each in boss.context.cookies())
+    orders = Orders(web, boss)
     boss.wait_for_timeout(700)  # what is to be seen before the trigger has to have been
-    move = {"code": "ptp_relative", "mask": 32, "velocity": 0.1, "targets": [0, 0, 0, 0, 0, 20]}
 
     def moves() -> bool:
-        status, told = web.ask("POST", "/api/command", move, cookie=mine, x_axisgate_csrf=me["csrf"])
-        assert status == 200, told
-        if told["state"] not in ("REFUSED", "ABORTED"):
+        if orders.taken("ptp_relative", 32, velocity=0.1, targets=[0, 0, 0, 0, 0, 20]):
             return True
-        web.ask(
-            "POST", "/api/command", {"code": "reference", "mask": 32}, cookie=mine, x_axisgate_csrf=me["csrf"]
-        )  # which moves it as well
+        orders.taken("reference", 32)  # which moves it as well
         return False
 
     until(moves, "the move is taken")
@@ -439,16 +432,8 @@ def test_the_interface_describes_itself(web: WebRun) -> None:
 
 
 def test_schemathesis_finds_no_servers_fault(web: WebRun, boss: Page) -> None:
-    """What we did not write asks everything the interface describes, as an administrator's script; the last one here: it plays havoc."""
-    token = boss.evaluate(
-        """async () => { const me = await (await fetch('/api/me')).json();
-        const answer = await fetch('/api/tokens', {method: 'POST', body: '{"label": "fuzz", "role": "admin"}',
-          headers: {'content-type': 'application/json', 'x-axisgate-csrf': me.csrf}}); return (await answer.json()).token; }"""
-    )
-    command = [sys.executable, "-m", "schemathesis.cli", "run", f"{web.url}/api/openapi.json", "--header", f"authorization: Bearer {token}"]
-    command += ["--checks", "not_a_server_error", "--seed", "1", "--max-examples", "3", "--request-timeout", "20"]
-    command += ["--exclude-path", "/api/logout", "--phases", "fuzzing", "--warnings", "off", "--no-color", "--no-shrink"]
-    found = subprocess.run(command, capture_output=True, text=True, timeout=100, check=False)
+    """The last one here: it plays havoc."""
+    found = schemathesis(web, boss)
     assert found.returncode == 0, found.stdout[-3000:] + found.stderr[-1000:]
     made = re.search(r"(\d+) generated", found.stdout)
     assert made is not None and int(made[1]) > 60, found.stdout[-1000:]
