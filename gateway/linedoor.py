@@ -22,6 +22,7 @@ from gateway.pure.dialects import BUEP64, buep64_fault, link_profile, rk512_dial
 from gateway.pure.handshakes import Handshaking, Pattern
 from gateway.pure.line_blocks import block_key
 from gateway.pure.line_jobs import OwnJob, OwnJobs
+from gateway.pure.linefaults import fault_words
 from gateway.pure.records import RC_BYTES, Motion, Quality, set_bit
 from gateway.serialdoor import SerialDoor
 from protocols.base.errors import EncodeError
@@ -187,7 +188,7 @@ class LineDoor(SerialDoor):
 
     def _in_words(self, event: Denied | Failed | Unasked) -> str:
         if isinstance(event, Unasked) or self._link.active.name != BUEP64:
-            return str(event)
+            return fault_words(event)
         return f"job {event.job}: {buep64_fault(event)}"
 
     def _count(self, result: object, now: Ns) -> None:
@@ -196,7 +197,7 @@ class LineDoor(SerialDoor):
         elif isinstance(result, Fetched):
             self._partner["fetches"] += 1
         elif not isinstance(result, Continued):
-            self._fault("refused", str(result), now)
+            self._fault("refused", fault_words(result), now)
 
     # ---- the store RK512 serves --------------------------------------------------------------------------------------
     def block_bytes(self, db: int) -> bytes | None:

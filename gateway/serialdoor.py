@@ -10,6 +10,7 @@ from gateway.doors import BaseDoor, Post
 from gateway.linejournal import journaled
 from gateway.lineloop import LineRunner
 from gateway.linetap import Tap
+from gateway.pure.linefaults import fault_words
 from gateway.pure.recording.messages import Source
 from protocols.base.machine import Machine, Ns
 from protocols.p3964r.events import SamePriority
@@ -80,7 +81,7 @@ class SerialDoor(BaseDoor):
             self._advice = f"both stations have the same priority ({event.priority.name.lower()}): set one to high, the other to low"
             self._fault("same_priority", self._advice, now)
         else:
-            self._fault("bad_blocks", str(event), now)
+            self._fault("bad_blocks", fault_words(event), now)
 
     def _fault(self, counter: str, words: str, now: Ns) -> None:
         """A partner's faults are counted; the journal hears of them at most once a second."""

@@ -22,7 +22,7 @@ REPORTS = "AXISGATE_GUEST_REPORTS"  # set inside the guest: file for the reports
 LIMIT = "AXISGATE_GUEST_LIMIT"  # seconds for the whole lane
 ON_HOST = "AXISGATE_TEST_ON_HOST"  # set by hand: only tests marked vcan go to the guest
 RIG = "hil_tests/rig/"
-OWN_TIME = ("belts", "canopen", "planner", "scope")  # folders of the rig
+OWN_TIME = ("belts", "canopen", "planner", "scope", "shadow")  # folders of the rig
 SECOND = ("canopen", "scope")  # of these, in the second guest
 
 

@@ -390,6 +390,7 @@ def test_every_page_is_pictured_readable_and_fits(web: WebRun, dark: bool) -> No
         page.evaluate(QUIET)
         for size, screen in (("desktop", DESKTOP), ("tablet", TABLET)):
             page.set_viewport_size(screen)
+            page.evaluate("document.querySelector('main').scrollTo(0, 0)")
             page.wait_for_timeout(100)  # the plot and the robot take their new size
             page.screenshot(path=pictures() / f"{name}-{look}-{size}.png")
             assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), f"{name} is wider than a {size}"
