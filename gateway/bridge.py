@@ -207,6 +207,7 @@ class Bridge:
             control = services.signals.control
             if control is not None:
                 control.put(place.name, value)
+                services.signals.wired = True
 
         if place.name in self._controlled:
             return wired

@@ -7,13 +7,10 @@ on, for as long as it asks, and never the watchdog.
 import time
 from typing import TYPE_CHECKING
 
-from gateway.cell import Io
 from gateway.image import RegionReader, RegionWriter
-from gateway.io_plan import CHIP, COUPLER, MODBUS, outputs_of
-from gateway.pure.addresses import Direction
+from gateway.io_plan import CHIP, COUPLER, MODBUS, outputs_of, signal_bit
 from gateway.pure.contacts import SAID_LAYOUT, WATCHDOG, Said, pack_said, unpack_said
 from gateway.pure.contacts import Source as Known
-from gateway.pure.datadoor import RC_NAMES
 from gateway.pure.records import AxisFlag, Quality, set_bit
 from gateway.routeplaces import symbols_of
 from protocols.base.machine import Ns, ms
@@ -39,8 +36,8 @@ class IoOffice:
         self._ours = {o.number for kind in (COUPLER, MODBUS, CHIP) for o in outputs_of(cell, kind, 1) if o.source is Known.SERVICES}
         self._told: dict[int, Ns] = {}
         self._before: dict[int, bool] = {}
-        self._symbols = symbols_of(cell) if cell.io else {}
-        self._bits = {n: bit for n, io in enumerate(cell.io) if (bit := self._bit_of(io)) is not None}
+        symbols = symbols_of(cell) if cell.io else {}
+        self._bits = {n: bit for n, io in enumerate(cell.io) if (bit := signal_bit(cell, io, symbols)) is not None}  # RC inputs they drive
         self._regions = [
             (kind, RegionReader(fds[name], name, SAID_LAYOUT)) for kind, name in ((COUPLER, "io_in"), (CHIP, "io_chip")) if name in fds
         ]
@@ -52,16 +49,6 @@ class IoOffice:
             from gateway.io_modbus import ModbusContacts  # only where a cell asks for it
 
             self.modbus = ModbusContacts(services, self)
-
-    def _bit_of(self, io: Io) -> int | None:
-        """RC input an input contact drives: an enabling name, or a signal of the list."""
-        if io.device.input is None:
-            return None
-        if io.signal in RC_NAMES:
-            number: int = getattr(self._services.numbers, RC_NAMES[io.signal])
-            return number
-        place = self._symbols.get(io.signal.upper())
-        return place.number if place is not None and place.direction is Direction.INPUT else None
 
     # ---- routes ------------------------------------------------------------------------------------------------------
     def read(self, name: str) -> float | None:

@@ -5,10 +5,12 @@ from collections.abc import Mapping, Sequence
 from drivers.drives.cia402_family import GATEWAY_NODE
 from drivers.drives.family import BusFamily
 from drivers.drives.io_boot import CouplerPlan
+from gateway.axes import rc_numbers
 from gateway.cell import Bus, Cell, Io
 from gateway.pure.addresses import Direction, RcBit
 from gateway.pure.contacts import Output, source_of
 from gateway.pure.coupler401 import Coupler, CouplerFamily
+from gateway.pure.datadoor import RC_NAMES
 from gateway.routeplaces import symbols_of
 
 PATIENCE = 4  # heartbeats of a coupler that may stay away
@@ -23,6 +25,17 @@ def outputs_of(cell: Cell, kind: str, p5_ms: int) -> list[Output]:
         for number, io in enumerate(cell.io)
         if io.device.type == kind and io.device.output is not None
     ]
+
+
+def signal_bit(cell: Cell, io: Io, symbols: Mapping[str, RcBit]) -> int | None:
+    """RC input an input contact drives: an enabling name, or a signal of the list."""
+    if io.device.input is None:
+        return None
+    if io.signal in RC_NAMES:
+        number: int = getattr(rc_numbers(cell), RC_NAMES[io.signal])
+        return number
+    place = symbols.get(io.signal.upper())
+    return place.number if place is not None and place.direction is Direction.INPUT else None
 
 
 def _output(cell: Cell, number: int, io: Io, p5_ms: int, symbols: Mapping[str, RcBit]) -> Output:

@@ -53,6 +53,7 @@ class SignalDesk:
         self._panel: Ns = 0
         self._panel_door = 0  # who pressed last
         self._seen = b""
+        self.wired = False  # a route has changed an input of the control since its last cycle
         if services.cell.controller is None:
             return
         from gateway.controllers import make_control  # only cells that have one pay for it
@@ -81,7 +82,7 @@ class SignalDesk:
         services = self._services
         heard = max((door.watch.last_ns for door in services.doors), default=0)
         cycle = services.rc_out.region.read() or bytes(RC_BYTES)
-        self._seen = bytes(services.inputs.values)
+        self._seen, self.wired = bytes(services.inputs.values), False
         rho = self.rho3
         if rho is not None:
             rho.panel_used = bool(self._panel) and now - self._panel < PANEL_NS
@@ -97,8 +98,8 @@ class SignalDesk:
         return inputs if rho is None or not rho.halted else STOPPED
 
     def inputs_came(self, now: Ns) -> None:
-        """A door has written: an edge must not be lost because the next telegram comes before our next cycle."""
-        if self.control is not None and self._services.inputs.values != self._seen:
+        """A door has written, or a wire has changed: an edge must not be lost because the next one comes before our next cycle."""
+        if self.control is not None and (self.wired or self._services.inputs.values != self._seen):
             self.step(now)
 
     def note(self, errors: list[tuple[int, str]], now: Ns) -> None:

@@ -2,8 +2,10 @@
 
 from gateway.axes import rc_numbers
 from gateway.checks.context import Context, twice
+from gateway.controllers import boards_of, p11_of
 from gateway.files import ConfigNotFound, beside, read_text
 from gateway.programplan import machine_of_cell, written_for
+from gateway.pure.interface.fastio import BOARDS, FastInputs
 from gateway.pure.permits import free_outputs
 
 ANALOG = 200
@@ -75,13 +77,23 @@ def _path_outputs(check: Context) -> None:
 
 
 def _measuring(check: Context) -> None:
-    """[[measuring]]: every channel once, on axes that are there."""
+    """[[measuring]]: every channel once, on axes that are there, and among those P11 gives where a rho 3 has a P11 (L1257)."""
     cell = check.cell
     for channel, _, _ in twice((each.channel, str(n)) for n, each in enumerate(cell.measuring)):
         check.fault(f"measuring.{channel}.channel", channel, "another table has this channel")
     for each in cell.measuring:
         for axis in each.axes:
             check.unknown(f"measuring.{each.channel}.axes", axis, "axis")
+    if not cell.measuring or cell.controller is None or cell.controller.kind != "rho3" or cell.rho3 is None:
+        return
+    try:
+        fast = FastInputs([BOARDS[name] for name in boards_of(cell.controller)], p11_of(cell, cell.controller))
+    except ValueError:
+        return  # checks.controller says what is wrong with P11
+    for each in cell.measuring:
+        if fast.configured and each.channel not in fast.channels():
+            given = ", ".join(map(str, fast.channels())) or "none"
+            check.fault(f"measuring.{each.channel}.channel", each.channel, f"inadmissable input: P11 gives {given}")
 
 
 CHECKS = (programs,)

@@ -24,6 +24,7 @@ from gateway.assembly import RunPlan, load_plan
 from gateway.axes import assumed_permits, core_axes, rc_numbers
 from gateway.cyclebelts import BeltOffsets, Encoder, belts_of, encoders_of
 from gateway.families import make_family
+from gateway.fastwires import fast_wires
 from gateway.image import RegionReader, RegionWriter, RingReader, RingWriter, fds_from_text
 from gateway.io_cycle import InputMarks, IoErrors, cycle_contacts
 from gateway.pathoutputs import functions_of
@@ -222,6 +223,7 @@ class Cycle:
         self.trace = RingWriter(fds["trace"], "trace", TRACE_LAYOUT)
         self.wake = fds.get("wake")  # for what is joined once per cycle (AX-398)
         self.contacts = cycle_contacts(cell, [bus.family for bus in self.buses], fds, plan.p5_ms)
+        self.wires = fast_wires(cell, {bus.name: link.family for bus, link in zip(drive_buses, self.buses, strict=True)})
         self.marks = InputMarks([family for _, family in self.with_io], fds["marks"]) if "marks" in fds else None
         self.io_errors = IoErrors([family for _, family in self.with_io], fds["io_errors"]) if "io_errors" in fds else None
         belts = self.core.belts
@@ -281,7 +283,7 @@ class Cycle:
         self._take_pieces()
         image, orders, services_ns = self._inputs(), self._take_orders(), self.links.life[1]
         self.tap.stepped(now, services_ns, missing)
-        values = core.step(actuals, image, orders, services_ns, now)
+        values = core.step(actuals, image if self.wires is None else self.wires.over(image), orders, services_ns, now)
         if self.contacts is not None:
             self.contacts.turn(core.state, core.outputs, self.links.life[1], now)
             self.tap.contacts()

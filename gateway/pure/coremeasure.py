@@ -105,13 +105,16 @@ class CoreMeasure:
         self._state.measured_mask = mask
 
     def _see(self, until: UntilInput, inputs: InputImage, now: Ns) -> Ns:
-        """Remembers the level; the stamp a change of it has: that of its byte where it is new, else this cycle's (AX-456)."""
+        """Remembers the level; the stamp a change of it has: that of its byte where it is new, else this cycle's (AX-456).
+
+        A module the cycle hears itself may have spoken after this SYNC (AX-481); the position of that instant comes with the next one.
+        """
         level = self._read(until, inputs)
         if level is None:
             return now
         stamp, before = inputs.stamps[until.number >> 3], self._stamp
         self._level, self._stamp = level, stamp
-        return stamp if before < stamp <= now else now
+        return stamp if before < stamp <= now + self._period_ns else now
 
     @staticmethod
     def _read(until: UntilInput, inputs: InputImage) -> bool | None:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 from drivers.drives.family import BusFamily, Heard, SetRecord
 from gateway.pure.contacts import Said
+from gateway.pure.fastwires import InputLevel
 from gateway.pure.records import Quality
 from protocols.base.machine import Frame, Ns
 from protocols.canopen import cobid
@@ -28,6 +29,7 @@ class Coupler:
     mapped: int = 0  # bytes of RPDO1 as the master found them
     released: bool = False
     heard: bytes = b""  # last TPDO1 since the release
+    changed_ns: Ns = 0  # bus stamp of the first one that said so
     silent: int = 0  # cycles since anything came from it
     sent: bytes = b""
     due: int = 0  # cycles until the next refresh
@@ -68,7 +70,7 @@ class CouplerFamily:
         """What the inputs say, by contact; outputs are good while their node takes them."""
         found: dict[int, Said] = {}
         for coupler in self.couplers.values():
-            alive = coupler.released and coupler.silent <= self._patience
+            alive = self._alive(coupler)
             for channel, contact in coupler.inputs.items():
                 octet = channel // 8
                 known = octet < len(coupler.heard)
@@ -77,6 +79,17 @@ class CouplerFamily:
             for contact in coupler.outputs.values():
                 found[contact] = Said(self._shown.get(contact, False), Quality.GOOD if alive else Quality.BAD)
         return found
+
+    def input_at(self, node: int, channel: int) -> InputLevel | None:
+        """One input as the node says it now; None while it is not good."""
+        coupler = self.couplers[node]
+        octet = channel // 8
+        if not self._alive(coupler) or octet >= len(coupler.heard):
+            return None
+        return InputLevel(bool(coupler.heard[octet] >> channel % 8 & 1), coupler.changed_ns)
+
+    def _alive(self, coupler: Coupler) -> bool:
+        return coupler.released and coupler.silent <= self._patience
 
     def burst(self, values: Sequence[SetRecord]) -> list[Frame]:
         """The drives' burst, then RPDO1 of each coupler that has news or whose refresh is due."""
@@ -103,8 +116,8 @@ class CouplerFamily:
         coupler = self._inputs.get(frame.identifier)
         if coupler is not None:
             coupler.silent = 0
-            if coupler.released:
-                coupler.heard = frame.data
+            if coupler.released and frame.data != coupler.heard:
+                coupler.heard, coupler.changed_ns = frame.data, frame.stamp_ns
             return None
         node = self.couplers.get(frame.identifier & 0x7F)
         if node is not None and frame.identifier == cobid.heartbeat(node.node):

@@ -17,10 +17,12 @@ from gateway.config import load_cell
 from gateway.cyclebelts import Encoder, belts_of, encoders_of
 from gateway.dbsignals import signals_of
 from gateway.families import DRIVE_PROTOCOLS, make_family
+from gateway.fastwires import fast_wires
 from gateway.pathoutputs import functions_of
 from gateway.pure.addresses import Direction, RcBit
 from gateway.pure.core import Core
 from gateway.pure.corebelts import CoreBelts
+from gateway.pure.fastwires import FastWires
 from gateway.pure.recording.messages import Message, Told, What, unpack_told
 from gateway.pure.recording.player import Difference, Player
 from gateway.recording.file import Found, RecordError, Segment
@@ -65,7 +67,8 @@ class Bench:
 
     def __init__(self, cell: Cell, head: Mapping[str, Any], zeros: Mapping[str, float]) -> None:
         self.cell, self._p5_ms, self._zeros = cell, int(head["p5_ms"]), zeros
-        self._simulated, self._buses = bool(head["simulated"]), list(head["buses"])
+        self._simulated = bool(head["simulated"])
+        self._driven = [bus for bus in cell.bus if bus.name in list(head["buses"]) and bus.protocol in DRIVE_PROTOCOLS]
 
     def core(self) -> tuple[Core, list[Any], list[dict[int, Encoder]]]:
         """A new one, with the families of its buses and the encoders of belts on each."""
@@ -83,9 +86,12 @@ class Bench:
             alter=alter_of_cell(cell, period),
             shared=shared_of_cell(cell, period),
         )
-        buses = [bus for bus in cell.bus if bus.name in self._buses and bus.protocol in DRIVE_PROTOCOLS]
-        encoders = [encoders_of(cell, bus.name, core.belts) if core.belts is not None else {} for bus in buses]
-        return core, [make_family(cell, bus, period, simulated=self._simulated) for bus in buses], encoders
+        encoders = [encoders_of(cell, bus.name, core.belts) if core.belts is not None else {} for bus in self._driven]
+        return core, [make_family(cell, bus, period, simulated=self._simulated) for bus in self._driven], encoders
+
+    def wires(self, families: list[Any]) -> FastWires | None:
+        """What of these families goes past the services (AX-481)."""
+        return fast_wires(self.cell, {bus.name: family for bus, family in zip(self._driven, families, strict=True)})
 
 
 def replay(
@@ -130,7 +136,7 @@ def started(segment: Segment, before: Bench, then: Bench, names: Callable[[int],
         raise RecordError(f"the state after cycle {start['cycle']} does not fit this cell or version: {error}") from error
     if core.belts is not None:
         _set_encoders(start["encoders"], encoders, core.belts)
-    return Player(core, families, start["late"], start["sent"], names, encoders)
+    return Player(core, families, start["late"], start["sent"], names, encoders, then.wires(families))
 
 
 def _set_encoders(kept: Sequence[Sequence[Any]], encoders: Sequence[Mapping[int, Encoder]], belts: CoreBelts) -> None:

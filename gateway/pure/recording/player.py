@@ -11,6 +11,7 @@ from typing import Protocol
 from drivers.drives.family import Actual, BusFamily
 from gateway.pure.core import Core
 from gateway.pure.coupler401 import CouplerFamily
+from gateway.pure.fastwires import FastWires
 from gateway.pure.plannerrecords import unpack_piece
 from gateway.pure.recording.messages import BEGIN, NODE, STEP, Message, Phase, What, unpack_frames, unpack_shown
 from gateway.pure.records import (
@@ -59,10 +60,13 @@ class Player:
         sent_ns: Sequence[Ns],
         names: Callable[[int], str] = str,
         encoders: Sequence[Mapping[int, Encoder]] = (),
+        wires: FastWires | None = None,
     ) -> None:
-        """`names`: of an RC output by its number; `encoders`: of each bus, by their identifiers; none where the cell has no belts."""
+        """`names`: of an RC output by its number; `encoders`: of each bus, by their identifiers; none where the cell has no belts; `wires`:
+        inputs these families bring to the core themselves."""
         self.core, self.families = core, families
         self._encoders = encoders or [{} for _ in families]
+        self._wires = wires
         self.stamp_ns: Ns = 0
         self._late, self._sent_ns, self._names = list(late), list(sent_ns), names
         self._image = InputImage()
@@ -95,7 +99,8 @@ class Player:
                 elif what is What.STEP:
                     _, now, services_ns, missing = STEP.unpack(payload)
                     self._settle(missing)
-                    values = self.core.step(self._actuals, self._image, orders, services_ns, now)
+                    image = self._image if self._wires is None else self._wires.over(self._image)
+                    values = self.core.step(self._actuals, image, orders, services_ns, now)
                 elif what is What.OUTPUTS:
                     yield from self._compare(payload)
                 elif what in self._doing:

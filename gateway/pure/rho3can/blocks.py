@@ -8,6 +8,7 @@ after the start; an input of a module is watched by P2 cycles from its second on
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from gateway.pure.fastwires import InputLevel
 from gateway.pure.rho3can.messages import IoError, Trouble
 from gateway.pure.rho3can.rules import Block
 from gateway.pure.rho3can.tables import OUTPUT_IDS, Side
@@ -36,6 +37,7 @@ class _Input:
     due: int = 1  # how many may come in it: a late one of the cycle before counts there already
     heard: bool = False  # ever
     last_ns: Ns = 0
+    changed_ns: Ns = 0  # bus stamp of the first frame with these bytes
     error: Trouble | None = None
 
 
@@ -72,6 +74,11 @@ class IoBus:
         """Bytes of inputs nobody vouches for now: never heard, or in error."""
         return [byte for entry in self._inputs if entry.error is not None or not entry.heard for byte in entry.block.span]
 
+    def input_at(self, byte: int, bit: int) -> InputLevel | None:
+        """One PIC input of a block of this bus; None while nobody vouches for it."""
+        entry = next(entry for entry in self._inputs if byte in entry.block.span)
+        return InputLevel(bool(self.image[byte] >> bit & 1), entry.changed_ns) if entry.heard and entry.error is None else None
+
     def receive(self, frame: Frame, now: Ns) -> list[IoError]:
         """One frame off the bus; frames of others (drives, SYNC) say nothing here."""
         entry = self._by_id.get(frame.identifier)
@@ -80,9 +87,10 @@ class IoBus:
         entry.came += 1
         if len(frame.data) < entry.block.length or (entry.came > entry.due and not entry.coupled):
             return self._raise(entry, Trouble.INADMISSIBLE)
+        place, data = slice(entry.block.start, entry.block.span.stop), frame.data[: entry.block.length]  # of a longer frame no more
+        if self.image[place] != data or not entry.heard:
+            self.image[place], entry.changed_ns = data, frame.stamp_ns
         entry.last_ns, entry.heard = now, True
-        for byte, value in zip(entry.block.span, frame.data, strict=False):  # of a longer frame only the block's length
-            self.image[byte] = value
         return self._clear(entry) if entry.error is Trouble.SILENT or entry.coupled else []
 
     def cycle(self, now: Ns) -> list[IoError]:

@@ -1,16 +1,55 @@
 """The shipped CL300 cell: the PLC behind the I/O blocks is written by hand, its bits reach the control and the control's reach it."""
 
 import contextlib
+import json
+import os
+import signal
+from collections.abc import Iterator
 
-from hil_tests.lab.joined_running import Modules, cell_copy, running_joined
+from gateway.image import RegionReader, recv_fds
+from gateway.processes.supervisor import ask
+from gateway.pure.records import Permit, unpack_cell_state
+from hil_tests.lab.joined_running import JoinedRun, Modules, cell_copy, running_joined
 
 IN, OUT = 541, 471  # what the CL300 puts out, what it reads
-ALLOWED = 0b11111
+ALLOWED, TRAVEL = 0b11111, 0b10000
+MEASURING = """
+[[measuring]]
+channel = 611
+input   = 28
+"""
+
+
+@contextlib.contextmanager
+def services_stand(run: JoinedRun) -> Iterator[None]:
+    """Meanwhile they do nothing; who would replace them is stopped as well."""
+    with ask(run.name, "status") as connection:
+        status = json.loads(connection.makefile().readline())
+    services = next(int(each["pid"]) for each in status["processes"] if each["name"] == "services")
+    os.kill(run.process.pid, signal.SIGSTOP)
+    try:
+        os.kill(services, signal.SIGSTOP)
+        try:
+            yield
+        finally:
+            os.kill(services, signal.SIGCONT)
+        assert run.value("EB 8") is not None, "they tick again"
+    finally:
+        os.kill(run.process.pid, signal.SIGCONT)
+
+
+def permits(axes: RegionReader) -> Permit:
+    """As the cycle judges them."""
+    payload = axes.read()
+    return Permit(0) if payload is None else Permit(unpack_cell_state(payload).permits)
 
 
 def test_a_cl300_sees_its_bits_go_over_can_blocks_and_a_lost_coupling_is_marked() -> None:
     absent = ("[plant.axis.X]", '[plant]\nabsent = ["io"]\n[plant.axis.X]')
-    with running_joined(lambda folder: cell_copy("cl300-bits", folder, absent), "cl300") as run, contextlib.ExitStack() as stack:
+    with (
+        running_joined(lambda folder: cell_copy("cl300-bits", folder, absent, more=MEASURING), "cl300") as run,
+        contextlib.ExitStack() as stack,
+    ):
         plc = Modules("cl300-io", {IN: bytes(8)})
         stack.callback(plc.close)
 
@@ -31,6 +70,19 @@ def test_a_cl300_sees_its_bits_go_over_can_blocks_and_a_lost_coupling_is_marked(
         run.until(lambda: run.value("A 3.3") == 0 and seen(1) == 8, "feed hold")
         plc.says[IN] = bytes((ALLOWED, 9)) + bytes(6)
         run.until(lambda: run.value("A 3.3") == 1, "feed hold is gone")
+
+        with ask(run.name, "regions") as connection:
+            fds = recv_fds(connection)
+        for fd in fds.values():
+            stack.callback(os.close, fd)
+        axes = RegionReader(fds["axes"], "axes")
+        run.until(lambda: Permit.TRAVEL in permits(axes), "the cycle has travel allow")
+        with services_stand(run):
+            plc.says[IN] = bytes((ALLOWED & ~TRAVEL, 9)) + bytes(6)
+            run.until(lambda: Permit.TRAVEL not in permits(axes), "a measuring input of an I/O block acts without the services (AX-481)")
+            assert permits(axes) & Permit.CHAIN, "what no [[measuring]] names waits for them"
+        plc.says[IN] = bytes((ALLOWED, 9)) + bytes(6)
+        run.until(lambda: Permit.TRAVEL in permits(axes), "and is there again")
 
         plc.speaking = False
         run.until(lambda: [run.value(f"A 3.{bit}") for bit in range(5)] == [0] * 5, "a silent CL300 allows nothing")

@@ -15,10 +15,12 @@ from pymodbus.pdu.file_message import FileRecord
 
 from drivers.ports.base import runtime_dir
 from gateway import cell_modbus
+from gateway.modbus_probe import Prober, probe
 from gateway.toolclient import ToolClient
 from hil_tests.lab.cell_running import CellRun, free_port, running_cell
 from hil_tests.lab.modbus_running import RawClient
 from hil_tests.rig.modbus.test_modbus_rtu import pymodbus_server
+from protocols.modbus.probing import Verdict, cases
 
 pytestmark = pytest.mark.mbpoll
 CELL = """
@@ -144,6 +146,12 @@ def test_registers_of_the_cell_hold_the_axes_places(run: CellRun) -> None:
     identity = client.read_device_information(read_code=3).information
     assert identity[0] == b"axisgate" and identity[6] == b"plc2"
     client.close()
+
+
+def test_the_probe_finds_nothing_on_the_server_of_a_running_cell(run: CellRun) -> None:
+    asked = cases(writes=True)
+    found = {result.case.name: (result.verdict, result.why) for result in probe(Prober("127.0.0.1", run.port, 1.0), asked, lambda _: None)}
+    assert {name: told for name, told in found.items() if told[0] in (Verdict.WARN, Verdict.FAIL)} == {} and len(found) == len(asked) > 60
 
 
 def test_a_file_of_this_server_is_written_read_back_and_joined_and_no_other(run: CellRun) -> None:

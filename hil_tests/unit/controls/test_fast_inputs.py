@@ -153,3 +153,14 @@ def test_check_knows_which_values_of_the_control_a_route_may_join(ends: str, wor
     except CellFaults as refused:
         faults = tuple(str(fault) for fault in refused.faults)
     assert len(faults) == bool(word) and all(word in fault for fault in faults), faults
+
+
+def test_a_measuring_channel_p11_does_not_have_is_refused() -> None:
+    table = "\n[[measuring]]\nchannel = {}\ninput = 464\n"
+    with pytest.raises(CellFaults) as refused:
+        cell_with(BOARDS, "P11 = [1, 0, 0, 3]", table.format(611))
+    told = [str(fault) for fault in refused.value.faults]
+    assert len(told) == 1 and "measuring.611.channel" in told[0]
+    assert "inadmissable input: P11 gives 610, 621, 622, 623" in told[0]
+    for p11, channel in (("P11 = [1, 0, 0, 3]", 622), ("", 611)):
+        assert cell_with(BOARDS, p11, table.format(channel)).measuring[0].channel == channel

@@ -11,6 +11,7 @@ from gateway.axes import core_axes
 from gateway.cell import FollowingError
 from gateway.pure.command_block import Code
 from gateway.pure.core import Core
+from gateway.pure.fastwires import FastWires, InputLevel, Wire
 from gateway.pure.recording.messages import Message, What
 from gateway.pure.recording.player import Difference, Player
 from gateway.pure.records import AxisFlag
@@ -52,13 +53,13 @@ def start_of(cell: RecordedBench) -> Any:
     )
 
 
-def player(start: Any, cell: CellBench | None = None) -> Player:
+def player(start: Any, cell: CellBench | None = None, wires: FastWires | None = None) -> Player:
     """A new core of the demo, or of `cell`, in the recorded state."""
     core = (cell or CellBench()).core
     pristine = CellBench().core
     families = [FAMILY]
     carried = carry_over(start["core"], frozen(pristine), core, Snapshots(core, families).settings)
-    return Player(carried, families, start["late"], start["sent"], lambda number: f"rc_out.{number}")
+    return Player(carried, families, start["late"], start["sent"], lambda number: f"rc_out.{number}", wires=wires)
 
 
 def play(played: Player, messages: list[Message]) -> list[Difference]:
@@ -73,6 +74,13 @@ def test_the_same_core_makes_the_same_outputs_from_a_start_in_the_middle_of_a_ru
     played = player(start_of(moved))
     assert play(played, moved.messages) == [] and outputs > 100
     assert played.core.state.emergency and played.core.state.cycle == moved.core.state.cycle
+
+
+def test_inputs_the_cycle_heard_itself_go_over_the_recorded_image(moved: RecordedBench) -> None:
+    """AX-481: here one says that the chain is open, which the services never said."""
+    chain = FastWires([Wire(24, False, lambda: InputLevel(False, 1))])
+    differences = play(player(start_of(moved), wires=chain), moved.messages)
+    assert differences and "cell.permits" in {difference.name for difference in differences[:20]}
 
 
 def test_a_start_that_is_left_out_parts_at_once(moved: RecordedBench) -> None:
