@@ -25,16 +25,18 @@ class Arm:
             flange = self._kinematics.forward(joints[: self._kinematics.axes])
         except MotionError:
             return []
+        beside: list[Point] = []
         match self._robot.geometry:
             case ArmGeometry() as arm:
                 inner = _arm(arm, joints)
             case ScaraGeometry() as scara:
                 inner = _scara(scara, joints, flange)
             case _:
-                inner = [(0.0, 0.0, 0.0), flange.position]
+                inner, beside = _portal(self._robot, flange)
         base = self._robot.base
         tip = compose(base, flange)
-        return [[rounded(point) for point in (*(base.apply(each) for each in inner), tip.position, tip.apply((0.0, 0.0, GRIPPER_M)))]]
+        first = [rounded(point) for point in (*(base.apply(each) for each in inner), tip.position, tip.apply((0.0, 0.0, GRIPPER_M)))]
+        return [first, [rounded(base.apply(point)) for point in beside]] if beside else [first]
 
 
 def _arm(arm: ArmGeometry, joints: Sequence[float]) -> list[Point]:
@@ -59,6 +61,17 @@ def _scara(scara: ScaraGeometry, joints: Sequence[float], flange: Pose) -> list[
     up = scara.height + 0.25 * (scara.arm + scara.forearm)
     x, y = scara.arm * math.cos(joints[0]), scara.arm * math.sin(joints[0])
     return [(0.0, 0.0, 0.0), (0.0, 0.0, up), (x, y, up), (flange.position[0], flange.position[1], up)]
+
+
+def _portal(robot: Robot, flange: Pose) -> tuple[list[Point], list[Point]]:
+    """The ram at the height of the bridge, and the bridge on its two posts; fewer than three linear axes: a line from the foot."""
+    linear = [axis for axis in robot.limits if axis.unit == "mm"][:3]
+    if len(linear) < 3:
+        return [(0.0, 0.0, 0.0)], []
+    (x, y, _), across, down = flange.position, linear[1], linear[2]
+    top, foot = down.upper + 0.1 * (down.upper - down.lower), down.lower
+    posts = [(x, across.lower, foot), (x, across.lower, top), (x, across.upper, top), (x, across.upper, foot)]
+    return [(x, y, top)], posts
 
 
 def _reach(robot: Robot) -> float:

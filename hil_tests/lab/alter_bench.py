@@ -28,7 +28,7 @@ def with_alter(text: str, table: str = ALTER) -> str:
     text = re.sub(r'home            = \{ by = "gateway".*\}', 'home            = { by = "none" }', text)
     for axis, place in (("X", 100.0), ("Y", 100.0), ("Z", 50.0), ("C", 0.0)):
         text = re.sub(rf"(\[plant\.axis\.{axis}\][^\[]*?start +=) [\d.]+", rf"\g<1> {place}", text)
-    owners = ", ".join(f'"{byte}" = "plc"' for byte in (WAIT >> 3, *BYTES))
+    owners = ", ".join(f'"{byte}" = "plc"' for byte in (WAIT >> 3, (LIFE >> 3) - 1, *BYTES))  # a register is written whole
     text = re.sub(r"owner = \{.*\}", f"owner = {{ {owners} }}", text)
     return text.replace("# ---- the emulated machine", table + "# ---- the emulated machine")
 

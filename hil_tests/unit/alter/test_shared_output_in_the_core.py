@@ -54,6 +54,7 @@ class Shared(Planned):
         return job
 
 
+@pytest.mark.requirement("RHO-MOT-48", by="gateway.pure.coreshared:CoreShared.step")
 def test_one_output_follows_one_axis_after_the_other() -> None:
     shared = Shared()
     tops = [limits_of(axis).speed for axis in shared.cell.axis[:2]]
@@ -78,6 +79,7 @@ def test_the_position_loop_stays_closed_for_the_correction_time() -> None:
     assert (released - arrived) * P5_MS / 1e3 == pytest.approx(CORRECTION_S, abs=P5_MS / 1e3 + 1e-6)
 
 
+@pytest.mark.requirement("RHO-MOT-48", by="gateway.pure.core:Core._share")
 @pytest.mark.parametrize("program", [True, False])
 def test_two_axes_at_a_time_are_a_servo_error_and_the_set_point_is_0(program: bool) -> None:
     shared = Shared()
