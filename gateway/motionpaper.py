@@ -12,7 +12,7 @@ import numpy as np
 
 from gateway.pure.beltwords import OURS, belt_words
 from gateway.pure.corebelts import BeltFault, CoreBelts
-from gateway.pure.programparts import Coming, begun
+from gateway.pure.programparts import Coming, acting, begun
 from gateway.pure.records import InputImage, Quality, set_bit
 from motion.planner.planner import Planner
 from motion.planner.robot import Machine
@@ -59,7 +59,9 @@ def sections_of(
                 route.finish()  # the axes rest where an alterable part begins and ends (AX-449)
                 section = Section(number, route.standing)
                 found.append(section)
-            if (section.part is None) != (block.synchron is None) or (section.part is not None and not section.part.holds(block)):
+            belts = acting(block.acts, number, belts, "")[1]
+            apart = section.part is not None and not section.part.holds(block)
+            if (section.part is None) != (block.synchron is None) or apart or block.acts:
                 route.finish()
                 part = begun(block, number, belts, machine, route.standing)[-1] if block.synchron is not None else None
                 section = Section(number, route.standing, part.blocks if part is not None else [], part)
@@ -71,6 +73,7 @@ def sections_of(
             faults.append(BlockError(error.what, code=error.code, block=number, axis=error.axis, source=error.source))
         said(number)
     try:
+        acting(program.acts, len(program.blocks), belts, "")
         route.finish()
     except BlockError as error:
         faults.append(error)
@@ -127,7 +130,9 @@ class _PartRun:
         assert part.tried is not None
         self._paper, self._section, self._part, self._stands = paper, section, part, tuple(stands)
         self._plan = part.again(paper.machine, self._stands)
-        facts = [self._even(each, speed) for each, speed in zip(paper.belts, paper.speeds, strict=True)]
+        own, place = part.tried.facts, part.tried.belt
+        now = (own if n == place else each for n, each in enumerate(paper.belts))  # as statements of belts have set it
+        facts = [self._even(each, speed) for each, speed in zip(now, paper.speeds, strict=True)]
         self._belts = CoreBelts(facts, paper.machine.kinematics, paper.machine.limits, paper.period)
         self._stepper = Stepper(len(self._stands), paper.period, self._stands)
         self._inputs = InputImage()
@@ -137,9 +142,8 @@ class _PartRun:
         self._planner: Planner | None = None
 
     def _even(self, facts: BeltFacts, speed: float) -> BeltFacts:
-        """Simulated at this speed; as many tolerance cycles as there are in the cell."""
-        data = replace(facts.data, simulated=from_si(speed, facts.data.unit))
-        return replace(facts, data=data, tolerance=facts.tolerance * self._paper.tolerance_cycles)
+        """Simulated at this speed."""
+        return replace(facts, data=replace(facts.data, simulated=from_si(speed, facts.data.unit)))
 
     def rows(self) -> Iterator[tuple[tuple[float, ...], int, float]]:
         """Set values, block and belt value of each period."""
@@ -153,7 +157,7 @@ class _PartRun:
         if plan.synchron.at is None:
             for _ in range(round(LEAD_S / self._paper.period)):
                 belts.step(self._stepper, self._inputs)  # the order comes when the belt is there
-        belts.synchron(plan.order, self._stands)
+        belts.synchron(replace(plan.order, tolerance=plan.order.tolerance * self._paper.tolerance_cycles), self._stands)
         for made in plan.blocks:
             belts.add(made)
         for _ in range(round(MOST_S / self._paper.period)):

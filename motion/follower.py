@@ -7,7 +7,7 @@ while omega changes.  Retrace is omega < 0: the same path, the same limits.
 
 from collections import deque
 from collections.abc import Sequence
-from itertools import pairwise
+from itertools import islice, pairwise
 from typing import NamedTuple
 
 from motion.errors import PieceError
@@ -74,6 +74,16 @@ class Follower:
     def waiting(self) -> int:
         """Pieces behind the one under way."""
         return max(len(self._pieces) - self._index - 1, 0)
+
+    @property
+    def pending(self) -> list[TimedPiece]:
+        """Of a tail that is not complete yet."""
+        return list(self._pending)
+
+    @property
+    def ahead(self) -> list[TimedPiece]:
+        """The piece under way, those behind it, and what is pending."""
+        return [*islice(self._pieces, self._index, None), *self._pending]
 
     @property
     def last(self) -> TimedPiece | None:

@@ -114,6 +114,13 @@ class Stepper:
         """Time at full speed since the timed piece under way began."""
         return self._follower.within if self._follower else 0.0
 
+    @property
+    def ahead(self) -> list[TimedPiece]:
+        """Timed pieces that are not run to their end yet."""
+        if self._follower is None:
+            return []
+        return self._follower.pending if self._state is State.IDLE else self._follower.ahead
+
     def place(self, position: Sequence[float]) -> None:
         """The axes stand here (after enabling, referencing); only without a piece."""
         if self._state is not State.IDLE or self._piece or self._queue:

@@ -111,6 +111,8 @@ def load(name: str, robot: str | None, cell: Cell | None) -> tuple[Program, Mach
         for block in program.blocks:
             if block.synchron is not None:
                 raise MotionError(f"line {block.line}: belt {block.synchron.belt} is one of a cell: --cell CELL says of which")
+        if program.acts or any(block.acts for block in program.blocks):
+            raise MotionError("sync and belt functions are about the belts of a cell: --cell CELL says of which")
     else:
         machine, belts = machine_of_cell(cell), Belts(belt_facts(cell), cell.cycle_ms)
     if len(program.start) != machine.axes:

@@ -28,7 +28,7 @@ from motion.planner.robot import Machine
 
 TURN_NS = 5_000_000
 TAKEN = 64  # block records a turn: a long program does not keep the life counter waiting
-PREPARING_NS = 20_000_000  # of a turn at most for lines of a program that is read whole
+WORKING_NS = 20_000_000  # of a turn at most for lines of a program that is read whole, and for a law that takes long
 
 
 class PlannerProcess:
@@ -43,7 +43,7 @@ class PlannerProcess:
         self.region = RegionWriter(fds["planner"], "planner")
         self.count = len(plan.cell.axis)
         outputs = free_outputs(rc_numbers(plan.cell), self.count)
-        self.programs = Programs(self.machine, self.mask, self.text, outputs, belts=belt_facts(plan.cell), pulse=self._beat)
+        self.programs = Programs(self.machine, self.mask, self.text, outputs, belts=belt_facts(plan.cell))
         self.programs.functions = output_places(plan.cell)
         self.programs.option = plan.cell.alter is not None
         self.programs.channels = {each.channel: MeasuringFacts(each.input, measured_mask(plan.cell, each)) for each in plan.cell.measuring}
@@ -90,17 +90,15 @@ class PlannerProcess:
         payload = self.axes.read()
         state = CellState() if payload is None else unpack_cell_state(payload)
         records = [unpack_block(data) for _, data in self.blocks.take(TAKEN)]
-        while self.programs.preparing and time.monotonic_ns() - now < PREPARING_NS:
+        while self.programs.preparing and time.monotonic_ns() - now < WORKING_NS:
             self.programs.prepare(standing(state, self.count))
+        while self.programs.working and time.monotonic_ns() - now < WORKING_NS and not self.programs.work():
+            pass
         pieces = follow(self.programs, records, state, self.count)
         self._tell(self.programs.state)
         self.region.write(pack_planner(self.programs.state), now)  # a fault's words are there before the cycle hears of it
         for record in pieces:
             self.pieces.put(pack_piece(record))
-        self.region.beat(time.monotonic_ns())
-
-    def _beat(self) -> None:
-        """Alive: a law that takes long comes nearer."""
         self.region.beat(time.monotonic_ns())
 
     def _tell(self, state: PlannerState) -> None:

@@ -42,6 +42,10 @@ class AlterMover(Mover):
         else:
             super().stop(reason)
 
+    def leave(self) -> bool:
+        """An alterable part needs all its axes."""
+        return not self.alter.on and super().leave()
+
     def drop(self, reason: Reason) -> None:
         super().drop(reason)
         self.alter.drop()
@@ -91,6 +95,9 @@ class AlterMover(Mover):
 
     def _take_alter(self, record: PieceRecord) -> None:
         """alterBegin; what does not fit ends the program before it moves."""
+        if self.gate.watches:
+            self._refuse(self.gate.missing)
+            return
         try:
             if self._homings.job or self._state.emergency or not self.all_enabled((1 << len(self._axes)) - 1):
                 raise MotionError("the axes are not all enabled and free")

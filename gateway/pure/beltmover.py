@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 
+from gateway.pure.beltacts import ActOrder, act_of
 from gateway.pure.beltrecords import belt_block_of, synchron_of
 from gateway.pure.coreaxis import HeldAxis
 from gateway.pure.corebelts import BeltFault, CoreBelts
@@ -32,6 +33,7 @@ class BeltMover(Mover):
     ) -> None:
         super().__init__(axes, state, outputs, homings, period_s)
         self._belts, self._off = belts, off
+        self._awaiting = 0  # job whose SYNC waits
 
     @property
     def free(self) -> bool:
@@ -56,6 +58,10 @@ class BeltMover(Mover):
         else:
             self._leave_belt(reason)
 
+    def leave(self) -> bool:
+        """A synchronous part needs all its axes."""
+        return self._belts.free and super().leave()
+
     def drop(self, reason: Reason) -> None:
         super().drop(reason)
         self._belts.drop()
@@ -64,6 +70,13 @@ class BeltMover(Mover):
         """Counters, and the set values of the part under way."""
         belts, state, self._inputs = self._belts, self._state, inputs
         sample = belts.step(self.stepper, inputs)
+        if self.gate.kept:
+            sample = self._kept(sample)
+        if belts.awaits:
+            if self._awaiting != self.program.job:
+                belts.drop()  # the program is over
+            elif belts.met(inputs):
+                state.parts += 1
         state.belt, state.belt_speed = belts.shown.counter, belts.shown.watch.speed
         if belts.engaged_now:
             state.engaged = belts.value
@@ -84,6 +97,12 @@ class BeltMover(Mover):
         """SYNCHRON, or a block of types 2 and 3; what does not fit ends the program before it moves."""
         program, belts = self.program, self._belts
         try:
+            if record.part is Part.BELT_ACT:
+                self._act(act_of(record))
+                return
+            if self.gate.watches:
+                self._refuse(self.gate.missing)
+                return
             if self._homings.job or self._state.emergency or not self.all_enabled((1 << len(self._axes)) - 1):
                 raise MotionError("the axes are not all enabled and free")
             if record.part is Part.BELT_BLOCK:
@@ -96,6 +115,17 @@ class BeltMover(Mover):
             return
         self._begin(program.job)
         program.begun = True
+
+    def _act(self, order: ActOrder) -> None:
+        """A part by itself: over at once, or when the belt is there."""
+        program = self.program
+        self._belts.act(order)
+        if not program.begun:
+            self._begin(program.job)
+            program.begun = True
+        self._awaiting = program.job
+        if not self._belts.awaits:
+            self._state.parts += 1
 
     def _end_belt(self) -> bool:
         """Nothing more comes of the part: a robot of type 1 leaves its belt, one of types 2 and 3 stands at its last point.  True: over."""

@@ -214,7 +214,7 @@ class Core:
             self.state.fail(record.job, Reason.EMERGENCY_STOP)
         elif not state.permits & Permit.CONTROL:
             self.state.fail(record.job, Reason.CONTROL_NOT_ALLOWED)
-        else:
+        elif self._mover.join(record.mask):  # else the program is over; its end tells of this order, too
             state.stop_cause = 0
             for n, axis in enumerate(self._axes):
                 if record.mask >> n & 1:
@@ -261,6 +261,8 @@ class Core:
             self._homings.end(reason)
         for axis in moved:
             axis.run, axis.by_drive = None, False
+        if reason is Reason.DRIVES_OFF and self._mover.leave():
+            return
         if self._mover.busy:
             self._mover.drop(reason)
         if self._enabling[0]:

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import isnan, nan, sqrt
 
+from gateway.pure.beltacts import COUNTER, PARAMETERS, ActOrder
 from gateway.pure.records import InputImage, Quality
 from motion.errors import MotionError
 from motion.frames import Pose, Rotation, compose
@@ -16,7 +17,7 @@ from motion.kinematics.base import Kinematics, KinematicsError
 from motion.limits import TOUCH, AxisLimits
 from motion.pieces import Piece
 from motion.stepper import Sample, State, Stepper
-from motion.sync.belts import SET_COUNTER, SIMULATION, Belt, Type
+from motion.sync.belts import SET_COUNTER, SIMULATION, Belt, Condition, Sync, Type
 from motion.sync.carried import Carried
 from motion.sync.coordinates import coordinates, pose_of
 from motion.sync.errors import BeltError
@@ -82,6 +83,7 @@ class CoreBelts:
         self._part: SynchronPart | None = None
         self._rotation: Rotation | None = None  # of the tool at the start of a part of type 2 or 3
         self._q: tuple[float, ...] = ()
+        self._sync: tuple[Sync, ActOrder] | None = None
         self._behind = 0
         self._waited = 0  # cycles since the belt was where the part begins
         self._override = 0.0
@@ -141,6 +143,34 @@ class CoreBelts:
         """The belt under way, or the first one."""
         return self.all.all[self.order.belt if self.order is not None else 0]
 
+    def act(self, order: ActOrder) -> None:
+        """SF 15, SF 28 at once; SYNC: `awaits` until it is met.  MotionError."""
+        if not (self.free and 0 <= order.belt < len(self.facts)):
+            raise MotionError(f"belt {order.belt + 1}: not possible now")
+        number, (a, b, c) = order.belt + 1, order.values
+        if order.function == PARAMETERS:
+            self.all.belt_parameters(number, a, b, int(c))
+        elif order.function == COUNTER:
+            self.all.set_belt_counter(number, a)
+        else:
+            self._sync = (Sync(self.all.all[order.belt], order.condition, a), order)
+
+    @property
+    def awaits(self) -> bool:
+        """A SYNC waits for its belt or its input."""
+        return self._sync is not None
+
+    def met(self, inputs: InputImage) -> bool:
+        """Once a cycle while it awaits; True: the counter has been set."""
+        if self._sync is None:
+            return False
+        sync, order = self._sync
+        good = order.condition is Condition.INPUT and inputs.quality[order.input >> 3] == int(Quality.GOOD)
+        if not sync.met(good and inputs.bit(order.input) is order.level):
+            return False
+        self._sync = None
+        return True
+
     # ---- parts -------------------------------------------------------------------------------------------------------
     @property
     def carries(self) -> bool:
@@ -157,6 +187,7 @@ class CoreBelts:
         if self.order is not None or not 0 <= order.belt < len(self.facts):
             raise MotionError(f"SYNCHRON on belt {order.belt + 1}: not possible now")
         self.order, self.fault, self._q, self._behind, self._waited = order, None, tuple(q), 0, 0
+        self.all.all[order.belt].kind, self.all.all[order.belt].tolerance = order.kind, order.tolerance
         if order.kind is Type.PARALLEL:
             facts = self.facts[order.belt]
             belt, coupling = self.all.all[order.belt], Coupling(facts.accel, facts.jerk)
@@ -177,7 +208,7 @@ class CoreBelts:
 
     def drop(self) -> None:
         """The part is over, or forgotten; the axes are somebody else's again."""
-        self.order, self._rig, self._carried, self._part = None, None, None, None
+        self.order, self._rig, self._carried, self._part, self._sync = None, None, None, None, None
 
     def release(self) -> bool:
         """SYNCHRON_END of type 1: the robot comes to rest beside the belt; True when it has."""

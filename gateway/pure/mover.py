@@ -7,12 +7,14 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from gateway.pure.coreaxis import HeldAxis
+from gateway.pure.coredriveon import DriveOnGate
 from gateway.pure.corehoming import Homings
 from gateway.pure.coremeasure import CoreMeasure
 from gateway.pure.coreprogram import ProgramRun
 from gateway.pure.plannerrecords import FunctionAt, Part, PieceRecord, SwitchAt, function_number, function_of, switch_of, until_of
 from gateway.pure.reasons import Reason
 from gateway.pure.records import CellState, InputImage, OrderRecord, set_bit
+from motion.axes.errors import AxisError
 from motion.errors import MotionError
 from motion.outputs.function import Function
 from motion.pieces import Piece, decode
@@ -35,6 +37,7 @@ class Mover:
         self.program = ProgramRun()  # done when nothing more comes and all is run
         self.measure = CoreMeasure(state, len(axes), round(period_s * 1e9))
         self.functions: CoreOutputs | None = None  # of a cell with [[path_output]]
+        self.gate = DriveOnGate(axes)  # drive-on of single axes
         self.override = 0.0  # as asked for: 0 while the feed is held
         self.running = 0  # job of the piece under way
         self._inputs = InputImage()  # of the last cycle
@@ -75,6 +78,9 @@ class Mover:
             piece = decode(record.piece)
             if self._homings.job or self.program.job or self._state.emergency or not self.all_enabled(piece.mask):
                 raise MotionError("the axes of the piece are not all enabled, or they are being referenced")
+            if self.gate.kept and self.free:
+                self._as_they_stand()
+                self.gate.over()
             self.stepper.load(piece)
         except MotionError:
             self._state.fail(record.job, Reason.NOT_READY)
@@ -83,7 +89,7 @@ class Mover:
         self._state.stop_cause = 0
 
     def order_program(self, record: OrderRecord) -> None:
-        if self._homings.job or self.busy or self._state.emergency or not self.all_enabled(record.mask):
+        if self._homings.job or self.busy or self._state.emergency or not self.gate.begin(record.mask):
             self._state.fail(record.job, Reason.NOT_READY)
             return
         self.program.order(record.job)
@@ -117,6 +123,42 @@ class Mover:
         self.stepper = Stepper(len(self._axes), self._period, [axis.set for axis in self._axes])
         self.stepper.set_override(self.override)
 
+    # ---- drive-on of single axes -------------------------------------------------------------------------------------
+    def leave(self) -> bool:
+        """Some axes are not wanted on any more: True where the program under way goes on without them, or stops on its path."""
+        if not self.program.job or not any(axis.wanted for axis in self._axes):
+            return False
+        moves = self.gate.leave(self.stepper.ahead)
+        if moves:
+            self._held_up(Reason.DRIVE_ON_NOT_AVAILABLE, moves)
+        return True
+
+    def join(self, mask: int) -> bool:
+        """These axes may be switched on; False: not while the program moves, and it is over (rho 3 L1516-1522)."""
+        if not self.program.job:
+            return True
+        try:
+            self.gate.join(mask)
+        except AxisError as error:
+            self._held_up(Reason.DRIVE_ON_NOT_ALLOWED, error.axis)
+            return False
+        return True
+
+    def _held_up(self, reason: Reason, axis: int) -> None:
+        """The program is over: what moves stops on the path."""
+        self._state.drive_axis, self._state.stop_cause = axis, reason
+        self._state.fail(self.program.job, reason)
+        if self.stepper.state is not State.IDLE:
+            self.stepper.abandon()
+        self.running = 0
+        self.program.clear()
+
+    def _refuse(self, axis: int) -> None:
+        """What comes next cannot be run without this axis: the program ends where what was committed ends."""
+        self._state.drive_axis = axis
+        self._end_program(Reason.DRIVE_ON_NOT_AVAILABLE)
+        self.program.met = True  # what still comes of it is dropped
+
     # ---- from the planner --------------------------------------------------------------------------------------------
     def feed(self, record: PieceRecord) -> None:
         """The next piece of the program, or the mark that nothing follows.  What belongs to another job is dropped."""
@@ -127,9 +169,12 @@ class Mover:
             self._end_program(Reason.PROGRAM_FAULT)
         elif record.part is Part.UNTIL:
             self.measure.begin(until_of(record), self._inputs, self._state.sync_ns)
+            if self.gate.kept and self.free:
+                self.gate.accepting()
+                self._as_they_stand()
         elif record.part is Part.REST:
             program.rests = True
-        elif record.part in (Part.SYNCHRON, Part.BELT_BLOCK):
+        elif record.part in (Part.SYNCHRON, Part.BELT_BLOCK, Part.BELT_ACT):
             self._take_belt(record)
         elif record.part is Part.ALTER:
             self._take_alter(record)
@@ -159,9 +204,12 @@ class Mover:
             return
         try:
             piece = decode_any(data)
-            if self._homings.job or self._state.emergency or self.running not in (0, program.job) or not self.all_enabled(piece.mask):
+            if self._homings.job or self._state.emergency or self.running not in (0, program.job) or not self._may_run(piece):
                 raise MotionError("the axes of the piece are not all enabled and free")
             self._load(piece)
+        except AxisError as error:
+            self._refuse(error.axis)
+            return
         except MotionError:
             self._state.fail(program.job, Reason.NOT_READY)
             if program.begun:
@@ -172,6 +220,16 @@ class Mover:
         if not program.begun:
             self._begin(program.job)
             program.begun = True
+
+    def _may_run(self, piece: Piece | TimedPiece) -> bool:
+        """Its axes follow; raises AxisError where some are out of the loop, and the piece moves them."""
+        gate = self.gate
+        if not gate.watches or not isinstance(piece, TimedPiece):
+            return self.all_enabled(piece.mask)
+        gate.check(piece, until=self.measure.on)
+        if gate.kept and self.free:
+            self.stepper.place(gate.standing(piece))
+        return True
 
     def _load(self, piece: Piece | TimedPiece) -> None:
         self.stepper.load(piece)
@@ -203,9 +261,23 @@ class Mover:
         """Set values of all axes."""
         self._inputs = inputs
         sample = self.stepper.step()
+        if self.gate.kept:
+            sample = self._kept(sample)
         if self.program.job:
             self._attend(sample)
         return sample
+
+    def _kept(self, sample: Sample) -> Sample:
+        """Axes out of the loop stay where they stand, until nothing of a program is left."""
+        sample = self.gate.kept_in(sample)
+        if not self.program.job and self.free:
+            self.stepper.place(sample.q)
+            self.gate.over()
+        return sample
+
+    def _as_they_stand(self) -> None:
+        """The path begins at the set values of the axes."""
+        self.stepper.place([axis.set for axis in self._axes])
 
     def _attend(self, sample: Sample) -> None:
         """What belongs to a program beside its path: outputs, the input its part ends with, the end of a part."""
@@ -221,6 +293,9 @@ class Mover:
             program.met = True
         if program.rests and self.free and not measure.waits:
             self._state.met = program.met
+            if measure.on and self.gate.watches:
+                self.gate.accepted()
+                stepper.place(sample.q)
             measure.end()
             program.part_over()
             self._state.parts += 1

@@ -116,7 +116,11 @@ class Office:
             job.state = CommandState.RUNNING
         outcome = self._outcome(job, cell)
         if outcome is not None:
-            self._end(job, self._ended(job, outcome), outcome, self._fault(job, cell, outcome))
+            detail = self._fault(job, cell, outcome)
+            self._end(job, self._ended(job, outcome), outcome, detail)
+            if outcome is Reason.DRIVE_ON_NOT_ALLOWED:
+                for other in [other for other in self._open if other.code == Code.ENABLE and other.open]:
+                    self._end(other, CommandState.ABORTED, outcome, detail)
         elif job.until is not None and now >= job.until:
             self._end(job, CommandState.ABORTED, *self._why_not(job, cell))
 
@@ -125,7 +129,8 @@ class Office:
         """A program that failed before anything moved was refused."""
         if outcome is Reason.NONE:
             return CommandState.DONE
-        refused = job.code == Code.PROGRAM and job.state is CommandState.ACCEPTED and outcome is Reason.PROGRAM_FAULT
+        untried = outcome in (Reason.PROGRAM_FAULT, Reason.DRIVE_ON_NOT_AVAILABLE)
+        refused = job.code == Code.PROGRAM and job.state is CommandState.ACCEPTED and untried
         return CommandState.REFUSED if refused else CommandState.ABORTED
 
     def _fault(self, job: Job, cell: CellState, outcome: Reason) -> str:
@@ -137,6 +142,8 @@ class Office:
             return belt_words(cell.belt_code, cell.belt_block or (self.planner.block if self.planner else 0), axis)
         if outcome is Reason.SERVO_ERROR:
             return self.axes[cell.belt_axis - 1].name if 0 < cell.belt_axis <= len(self.axes) else ""
+        if outcome in (Reason.DRIVE_ON_NOT_AVAILABLE, Reason.DRIVE_ON_NOT_ALLOWED):
+            return f"axis {self.axes[cell.drive_axis - 1].name}" if 0 < cell.drive_axis <= len(self.axes) else ""
         if outcome is Reason.OUTPUT_IN_USE:
             return function_words(cell.path_stop)
         planner = self.planner
@@ -279,7 +286,7 @@ class Office:
             case Code.RESUME:
                 if cell.motion is not Motion.STOPPED or self._move is None:
                     raise Refusal(Reason.NOTHING_TO_RESUME)
-                self._may_move(cell, self._move.mask, idle=False)
+                self._may_move(cell, self._in_loop(self._move), idle=False)
                 job.watch, self._move.reason, self._move.detail = self._move.id, Reason.NONE, ""
                 self._order(Order.RESUME, job.id)
             case Code.ABANDON:
@@ -324,7 +331,7 @@ class Office:
             known = ", ".join(f"{n} {program.name}" for n, program in sorted(self.programs.items())) or "none"
             raise Refusal(Reason.PROGRAM_UNKNOWN, f"{number}; this cell has {known}")
         job.mask = self.programs[number].mask
-        self._may_move(cell, job.mask)
+        self._may_move(cell, self._in_loop(job))
         self._rates(command, cell)
         if self._move is not None:
             raise Refusal(Reason.BUSY)
@@ -333,6 +340,13 @@ class Office:
         job.watch, self._move = job.id, job
         self._order(Order.PROGRAM, job.id, mask=job.mask)
         self._programs.append(ProgramOrder(job.id, number, command.velocity, command.acceleration))
+
+    def _in_loop(self, job: Job) -> int:
+        """Axes of a move that have to be enabled.  A program does without axes that somebody has switched off or disabled, one by one
+        (rho 3 L1295-1330): it ends where it would move one of them."""
+        off = job.mask & ~self.enabled_mask()
+        amiss = self.enabled_mask(AxisFlag.ON | AxisFlag.FAULT | AxisFlag.LOST | AxisFlag.UNCONFIGURED) & ~self.barred
+        return job.mask if job.code != Code.PROGRAM or off == job.mask or off & amiss else job.mask & ~off
 
     def _spoken_to(self, mask: int) -> None:
         for axis, why in self.unspoken.items():

@@ -100,6 +100,7 @@ class Part(IntEnum):
     BELT_BLOCK = 8  # one block of it, with a belt of type 2 or 3
     FUNCTION = 9  # IO logic or PPO is called at a place of a piece that follows (FunctionAt)
     ALTER = 10  # an alterable part begins where the axes stand (alterrecords)
+    BELT_ACT = 11  # SYNC, or a special function of belts; a part of its own (beltacts)
 
 
 _PIECE = struct.Struct("=II QQ")

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from gateway.pure.plannerrecords import BlockRecord, PieceRecord
 from gateway.pure.programs import Programs
-from gateway.pure.records import CellState, Motion
+from gateway.pure.records import AxisFlag, CellState, Motion
 
 
 def standing(state: CellState, count: int) -> list[float]:
@@ -14,6 +14,7 @@ def standing(state: CellState, count: int) -> list[float]:
 
 def follow(programs: Programs, records: Sequence[BlockRecord], state: CellState, count: int) -> list[PieceRecord]:
     """records: new ones; state: the cycle's, of a cell with `count` axes.  What is due for the ring of pieces."""
+    axes = state.axes[:count]
     return programs.turn(
         records,
         state.generation,
@@ -25,5 +26,6 @@ def follow(programs: Programs, records: Sequence[BlockRecord], state: CellState,
         parts=state.parts,
         engaged=state.engaged,
         met=state.met,
-        measured=[axis.measured if state.measured_mask >> n & 1 else None for n, axis in enumerate(state.axes[:count])],
+        measured=[axis.measured if state.measured_mask >> n & 1 else None for n, axis in enumerate(axes)],
+        off=sum(1 << n for n, axis in enumerate(axes) if not axis.flags & AxisFlag.ON),
     )

@@ -7,13 +7,14 @@ from dataclasses import dataclass, field, replace
 from math import isnan
 
 from gateway.pure.alterrecords import FREEZE, alter_record
+from gateway.pure.beltacts import act_order, belts_after
 from gateway.pure.beltrecords import belt_block_record, synchron_record
 from gateway.pure.plannerrecords import MeasuringFacts, Part, PieceRecord, UntilInput
 from motion.frames import compose
 from motion.measure.errors import INADMISSABLE_INPUT, POINT_NOT_DEFINED, ProgramFault
 from motion.measure.inputs import InputKind, input_of
 from motion.planner.robot import Machine
-from motion.program.blocks import MEASURED, Alteration, Block, JointTarget, Output, Synchron, Until
+from motion.program.blocks import MEASURED, Act, Alteration, Block, JointTarget, Output, Synchron, Until
 from motion.program.errors import BlockError
 from motion.sync.alterable import order_of
 from motion.sync.belts import Type
@@ -33,10 +34,19 @@ class Coming:
     engages: bool = False
     alteration: Alteration | None = None  # of an alterable part
     error: str = ""  # label to go on at when the input of its block did not come
+    label: str = ""  # in front of it
+    act: Act | None = None  # of a belt: nothing else happens in this part
 
     def holds(self, block: Block) -> bool:
         """Whether the block belongs to this part."""
-        if self.engages or block.label or block.until is not None or (self.blocks and self.blocks[-1].until is not None):
+        if (
+            self.engages
+            or self.act is not None
+            or block.acts
+            or block.label
+            or block.until is not None
+            or (self.blocks and self.blocks[-1].until is not None)
+        ):
             return False
         if block.alteration != self.alteration:
             return False
@@ -92,8 +102,10 @@ class Coming:
 def begun(block: Block, number: int, belts: Sequence[BeltFacts], machine: Machine, start: Sequence[float]) -> list[Coming]:
     """The parts that begin with this block; BlockError for a belt the cell does not have or that has no room for the block."""
     synchron: Synchron | None = block.synchron
+    label = "" if block.acts else block.label
     if synchron is None:
-        return [Coming(number, alteration=block.alteration, error=block.until.error if block.until is not None else "")]
+        error = block.until.error if block.until is not None else ""
+        return [Coming(number, alteration=block.alteration, error=error, label=label)]
     if block.until is not None:
         raise BlockError("until= has no place in a synchronous part", block=number)
     place = next((n for n, each in enumerate(belts) if each.name == synchron.belt), None)
@@ -101,8 +113,19 @@ def begun(block: Block, number: int, belts: Sequence[BeltFacts], machine: Machin
         known = ", ".join(each.name for each in belts) or "none"
         raise BlockError(f"belt {synchron.belt}: Inadmiss. Belt-No; this cell has {known}", code=93, block=number, source="rho 3")
     plan = BeltPlan(belts[place], place, synchron, machine, start, number)
-    part = Coming(number, tried=plan)
-    return [Coming(number, tried=plan, engages=True), part] if belts[place].kind is Type.PARALLEL else [part]
+    if belts[place].kind is not Type.PARALLEL:
+        return [Coming(number, tried=plan, label=label)]
+    return [Coming(number, tried=plan, engages=True, label=label), Coming(number, tried=plan)]
+
+
+def acting(acts: Sequence[Act], number: int, belts: Sequence[BeltFacts], label: str) -> tuple[list[Coming], Sequence[BeltFacts]]:
+    """Their parts, in front of the block `number`, and the belts behind them; BlockError."""
+    found: list[Coming] = []
+    for act in acts:
+        act_order(act, belts, number)
+        belts = belts_after(act, belts)
+        found.append(Coming(number, act=act, label="" if found else label))
+    return found, belts
 
 
 def told(error: BlockError, blocks: int) -> BlockError:

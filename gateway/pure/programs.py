@@ -9,7 +9,8 @@ from collections import deque
 from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from gateway.pure.coreoutputs import Places, check_function
+from gateway.pure.beltacts import act_order, act_record, belts_after, sets_type
+from gateway.pure.coreoutputs import Places
 from gateway.pure.plannerrecords import (
     AHEAD,
     VOID,
@@ -26,26 +27,23 @@ from gateway.pure.plannerrecords import (
     switch_record,
     until_record,
 )
-from gateway.pure.programparts import Coming, Measuring, begun, told
-from gateway.pure.records import RC_BYTES
+from gateway.pure.programchecks import OfCell, check_drive_on
+from gateway.pure.programparts import Coming, Measuring, acting, begun, told
 from motion.errors import MotionError
-from motion.planner.legs import told as told_as
 from motion.planner.marks import check_outputs
 from motion.planner.planner import Planner
 from motion.planner.robot import Machine
 from motion.planner.route import Route
-from motion.program.blocks import Block
+from motion.program.blocks import Act, Block
 from motion.program.errors import BlockError, TextError
 from motion.program.factors import FULL, Factors
 from motion.program.text import Reader
 from motion.sync.alterable import check_alterable
 from motion.sync.facts import BeltFacts
 from motion.timed import encode_timed
-from motion.timing.interior import still
 
 QUIET_TURNS = 6  # turns without a new block after which what is known is run
 ALWAYS = 1 << 62
-OUTPUTS_ARE = "programs switch RC outputs to 0 or 1, and none that axisgate itself writes (ready, drives on, in position ..)"
 
 
 def _no_programs(number: int) -> str:
@@ -65,7 +63,6 @@ class Programs:
     functions: Places = field(default_factory=dict)  # IO logic and PPO the cell has
     option: bool = False  # the cell has a correction (VAL 3 alter)
     channels: Mapping[int, MeasuringFacts] = field(default_factory=dict)  # measuring inputs by their numbers
-    pulse: Callable[[], None] = still  # called again and again while the planner makes a law
     state: PlannerState = PlannerState()
     generation: int = 0
     _planner: Planner | None = None
@@ -92,6 +89,9 @@ class Programs:
     _parts: int = 0  # over, as the cycle counts them
     _before: int = 0  # blocks before the part under way
     _begins: dict[int, float] = field(default_factory=dict)  # piece -> tau
+    _off: int = 0  # axes (bit n-1 = axis n) nobody wants on, as the program was ordered
+    _belts: Sequence[BeltFacts] = ()  # as programs have set them since the cycle began (SF 21)
+    _ahead: Sequence[BeltFacts] = ()  # as they will be behind everything read so far
     _spare: int = 1  # ids go on over jobs: a chain never meets an older number
 
     def turn(
@@ -108,19 +108,21 @@ class Programs:
         engaged: float = 0.0,
         met: bool = True,
         measured: Sequence[float | None] = (),
+        off: int = 0,
     ) -> list[PieceRecord]:
         """records: new ones; the rest is the cycle's: its generation, the piece under way (0: none), where the axes stand, whether they
         move, the last order it took (nothing is handed on before it knows of the job), the job that failed last, the number of parts
-        that are over, the belt value at which the robot got onto a belt, whether the last part with an input ended by it, and where the
-        axes were measured last (None: they were not)."""
+        that are over, the belt value at which the robot got onto a belt, whether the last part with an input ended by it, where the
+        axes were measured last (None: they were not), and the axes (bit n-1 = axis n) nobody wants on."""
         if generation != self.generation:
-            self.generation = generation
+            self.generation, self._belts = generation, self.belts  # a start-up of the control
             self._drop()
             self._out.clear()
         if failed and failed == self.state.job:
             self._drop()
         self._quiet += 1
         for record in records:
+            self._off = off if record.say is Say.RUN else 0 if record.say is Say.BEGIN else self._off
             self._heard(record, standing)
         if self.state.job and self._handed and parts != self._parts:
             self._measured = measured
@@ -155,7 +157,7 @@ class Programs:
         self._reader, self._planner, self._factors, self._ended = Reader(), None, FULL, False
         self._lines, self._line_of, self._at, self._rest = None, [], 0, None
         self._trial, self._last, self._handed, self._before, self._blocks, self._error = None, None, False, 0, 0, ""
-        self._measuring, self._measured = Measuring(self.channels), ()
+        self._measuring, self._measured, self._ahead = Measuring(self.channels), (), self._belts
         self._later.clear()
 
     def _obey(self, record: BlockRecord, standing: Sequence[float]) -> None:
@@ -177,46 +179,26 @@ class Programs:
         for block in self._reader.take():
             planner = self._planner = self._planner or self._made(standing)
             self._line_of.append(line)
-            self._check(block, planner.machine)
+            cell = OfCell(self.functions, self.outputs, self._measuring, self.mask_of(planner.machine), whole=self._lines is not None)
+            cell.check(block, len(self._line_of), planner.machine)
+            check_alterable(block, self._last, len(self._line_of), option=self.option)
+            self._last = block
             self._add(planner, block)
-
-    def _check(self, block: Block, machine: Machine) -> None:
-        """What the cell itself, and not the robot, refuses."""
-        number = len(self._line_of)
-        if block.alteration is not None and self._lines is None:
-            raise BlockError("an alterable part stands in a program of the cell alone", block=number)
-        check_alterable(block, self._last, number, option=self.option)
-        self._last = block
-        if block.synchron is not None and self._lines is None:
-            raise BlockError("a synchronous part stands in a program of the cell alone", block=number)
-        if block.until is not None and (self._lines is None or block.until.number not in range(8 * RC_BYTES)):
-            raise BlockError(f"until={block.until.number}: an RC input is needed, in a program of the cell", block=number)
-        try:
-            self._measuring.check(block, self.mask_of(machine), machine)
-            for function in block.functions:
-                if self._lines is None or block.synchron is not None:
-                    raise MotionError("IO logic and PPO stand in programs of the cell, outside of synchronous parts")
-                check_function(function, self.functions)
-        except MotionError as error:
-            raise told_as(error, number, machine) from error
-        for output in block.outputs:
-            if output.number not in self.outputs or output.value not in (0.0, 1.0):
-                raise BlockError(f"output {output.number}:{output.value:g}: {OUTPUTS_ARE}", block=number)
 
     def _add(self, planner: Planner, block: Block) -> None:
         """A block that ends with an input, and a part on a belt, are parts of their own: where the next one begins is known only then.
         What comes after is tried as if the part had reached its target, with the belt where it was programmed."""
-        if self._trial is None and block.until is None and block.synchron is None and block.alteration is None:
+        if self._trial is None and block.until is None and block.synchron is None and block.alteration is None and not block.acts:
+            before = planner.standing
             planner.add(block)
+            check_drive_on(self._off, before, planner.standing, len(self._line_of), planner.machine, self.mask_of(planner.machine))
             return
-        if self._trial is None:
-            planner.finish()
-            self._trial, self._tried = Route(planner.machine, planner.standing), len(self._line_of) - 1
-        trial = self._trial
+        trial = self._divided(planner, len(self._line_of) - 1)
         try:
             if not self._later or not self._later[-1].holds(block):
                 trial.finish()
-                self._later += begun(block, len(self._line_of), self.belts, planner.machine, trial.standing)
+                self._acting(block.acts, len(self._line_of), block.label)
+                self._later += begun(block, len(self._line_of), self._ahead, planner.machine, trial.standing)
         except BlockError as error:
             raise told(error, self._tried if block.synchron is None else 0) from error
         part = self._later[-1]
@@ -231,6 +213,24 @@ class Programs:
             raise told(error, self._tried) from error
         part.blocks.append(block)
 
+    def _divided(self, planner: Planner, blocks: int) -> Route:
+        """What is tried from the first part on that does not simply go on; so many blocks stand before it."""
+        if self._trial is None:
+            planner.finish()
+            self._trial, self._tried = Route(planner.machine, planner.standing), blocks
+        return self._trial
+
+    def _acting(self, acts: Sequence[Act], number: int, label: str = "") -> None:
+        parts, self._ahead = acting(acts, number, self._ahead, label)
+        self._later += parts
+
+    def _behind(self, standing: Sequence[float]) -> None:
+        """Statements of belts behind the last block."""
+        if self._reader.acts:
+            planner = self._planner = self._planner or self._made(standing)
+            self._divided(planner, len(self._line_of)).finish()
+            self._acting(self._reader.acts, len(self._line_of) + 1)
+
     def _go_on(self, standing: Sequence[float], engaged: float, *, met: bool) -> None:
         """A part is over, and the axes rest where it ended, or have got onto a belt: the next one begins."""
         self._begins.clear()
@@ -239,6 +239,9 @@ class Programs:
         if self._error and not met:
             self._skip(self._error)
         self._error = ""
+        while self._later and (act := self._later[0].act) is not None and sets_type(act):
+            self._later.popleft()
+            self._belts = belts_after(act, self._belts)  # nothing for the cycle to do
         if not self._later:
             self._planner = None  # the last one was a part of the cycle's own: nothing is left to plan
             return
@@ -251,11 +254,18 @@ class Programs:
 
     def _skip(self, label: str) -> None:
         """The ERROR part of MOVE UNTIL: everything before the label is left out (rho3 L1134)."""
-        while self._later and not (self._later[0].blocks and self._later[0].blocks[0].label == label):
+        while self._later and self._later[0].label != label:
             self._later.popleft()
 
     def _next_part(self, part: Coming, standing: Sequence[float], engaged: float) -> None:
         job, generation = self.state.job, self.generation
+        if part.act is not None:
+            order = act_order(part.act, self._belts, part.number)
+            assert order is not None
+            self._planner, self._handed = None, True
+            self._out.append(act_record(job, generation, order))
+            self.state = replace(self.state, block=self._before, share=1.0)
+            return
         planner = self._made(standing)
         if part.engages or part.follows:
             self._start, self._handed = planner.standing, True
@@ -298,7 +308,7 @@ class Programs:
         machine = self.machine_of(self._reader.robot)
         mask = self.mask_of(machine)
         places = [standing[n] for n in range(len(standing)) if mask >> n & 1]
-        return Planner(machine, places, mask=mask, capacity=1 << 20, next_id=self._spare, factors=self._factors, pulse=self.pulse)
+        return Planner(machine, places, mask=mask, capacity=1 << 20, next_id=self._spare, factors=self._factors)
 
     @property
     def preparing(self) -> bool:
@@ -316,9 +326,23 @@ class Programs:
             else:
                 self._lines = None
                 self._reader.ended()
+                self._behind(standing)
                 self._end()
         except MotionError as error:
             self._fail(error)
+
+    @property
+    def working(self) -> bool:
+        """A law is being made: work() goes on with it between two turns, for whoever has the time."""
+        return self._planner is not None and self._planner.working
+
+    def work(self) -> bool:
+        """One slice of it; True: it is made, and its pieces come with the next turn."""
+        try:
+            return self._planner is None or self._planner.work()
+        except MotionError as error:
+            self._fail(error)
+            return True
 
     def _fail(self, error: MotionError) -> None:
         block, code = (error.block, error.code) if isinstance(error, BlockError) else (0, 0)
@@ -358,6 +382,7 @@ class Programs:
         for number in [number for number in self._begins if number < self._at - 1]:
             del self._begins[number]
         block, share = planner.place(tau)
+        block = max(block, min(self._blocks, 1))  # a part that has begun is at its first block, whether its path is there or not
         over = self._ended and not planner.open and not state.ended
         last = over and not self._later
         if over and self._later:
@@ -382,17 +407,17 @@ class Programs:
         waiting = [number for number in self._begins if number > self._at]
         if len(waiting) >= AHEAD:
             return
-        at, job = planner.end, self.state.job
-        pieces = planner.plan(tau, hurry=self._quiet > QUIET_TURNS)
-        marks = planner.take_marks()
+        job = self.state.job
+        planner.begin(tau, hurry=self._quiet > QUIET_TURNS)
+        planner.work()
+        pieces = planner.take()
+        marks, begins = planner.take_marks(), planner.begins
         for made in pieces:
             if made.new_tail:
                 self._out.append(switch_record(job, self.generation, SwitchAt(made.id, 0.0, VOID)))
-                at = self._begins[made.id]
                 for number in [number for number in self._begins if number >= made.id]:
                     del self._begins[number]
-            self._begins[made.id] = at
-            at += made.duration
+            self._begins[made.id] = begins[made.id]
             self._last_id, self._spare = made.id, made.id + 1
             for _, after, number, value, function in (mark for mark in marks if mark.piece == made.id):
                 if function is not None:

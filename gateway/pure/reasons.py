@@ -62,6 +62,8 @@ class Reason(IntEnum):
     OUTPUT_STOPPED = 38
     ALTER_FAULT = 39
     SERVO_ERROR = 40
+    DRIVE_ON_NOT_AVAILABLE = 41
+    DRIVE_ON_NOT_ALLOWED = 42
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,6 +125,8 @@ _TEXTS: dict[Reason, tuple[str, str]] = {
     ),
     Reason.OUTPUT_IN_USE: ("IOL/PPO:Fkt. still in use: {0}", "IOL/PPO:Funktion noch in Gebrauch: {0}"),
     Reason.OUTPUT_STOPPED: ("PPO/IOL : IPO - STOP: {0}", "PPO/IOL : IPO - STOP: {0}"),
+    Reason.DRIVE_ON_NOT_AVAILABLE: ("DRIVE ON not avail.: {0}", "ANTRIEB EIN fehlt: {0}"),
+    Reason.DRIVE_ON_NOT_ALLOWED: ("DRIVE ON not allowed: {0}", "ANTRIEB EIN nicht erlaubt: {0}"),
     Reason.CYCLE_RESTARTED: ("the cycle process was restarted; drives are off", "Zyklus-Prozess neu gestartet; Antriebe sind aus"),
     Reason.REFERENCE_FAILED: ("referencing failed: {0}", "Referenzieren fehlgeschlagen: {0}"),
     Reason.TIME_OUT: ("not reached in time: {0}", "nicht rechtzeitig erreicht: {0}"),

@@ -105,6 +105,7 @@ class CellState:
     belt_axis: int = 0  # and the axis, from 1; also of a servo error (AX-549)
     met: bool = False  # the last part with an input ended by it
     path_stop: int = 0  # function of the path that was stopped last, or was still in use (plannerrecords.function_words), 0: none
+    drive_axis: int = 0  # axis (from 1) for whose drive-on the last program ended, 0: none
     measured_mask: int = 0  # axes (bit n-1 = axis n) whose position the program under way, or the last one, has measured
     axes: list[AxisState] = field(default_factory=lambda: [AxisState() for _ in range(AXES)])
 
@@ -117,9 +118,9 @@ class CellState:
 STATE_NAMES = (
     "cycle", "sync_ns", "generation", "motion", "override", "job", "progress", "done_job", "failed_job", "failed_reason", "taken",
     "emergency", "ready", "permits", "stop_cause", "skipped", "incomplete", "late", "services_lost", "piece", "compute_ns",
-    "parts", "engaged", "belt", "belt_speed", "belt_code", "belt_block", "belt_axis", "met", "path_stop", "measured_mask",
+    "parts", "engaged", "belt", "belt_speed", "belt_code", "belt_block", "belt_axis", "met", "path_stop", "drive_axis", "measured_mask",
 )  # fmt: skip
-STATE_HEAD = struct.Struct("=QqQBdQdQQHQBBBHQQQQQQQdddHIBBHI")
+STATE_HEAD = struct.Struct("=QqQBdQdQQHQBBBHQQQQQQQdddHIBBHBI")
 STATE_AXIS = struct.Struct("=dddddHHBHd")  # flags, fault code (CiA 402: 16 bits), power, finding, measured
 CELL_STATE_SIZE = STATE_HEAD.size + AXES * STATE_AXIS.size
 CELL_STATE_LAYOUT = f"cell-state/1 {STATE_HEAD.format} {AXES}x{STATE_AXIS.format}"

@@ -21,6 +21,8 @@ class PlannerBeside:
             said = [run_record(order) for order in office.take_programs()]
             while self.programs.preparing:
                 self.programs.prepare(standing(core.state, self.axes))
+            while self.programs.working and not self.programs.work():
+                pass
             self.held += follow(self.programs, said, core.state, self.axes)
             office.planner = self.programs.state
         for record in self.held[:A_CYCLE]:

@@ -6,7 +6,7 @@ on the path.  Pure: the caller says how far the follower is (tau, time at full s
 """
 
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -27,9 +27,9 @@ from motion.planner.timegiven import time_given
 from motion.program.blocks import Block
 from motion.program.factors import FULL, Factors
 from motion.timed import TimedPiece
-from motion.timing.interior import still
-from motion.timing.jerk import jerk_limited
+from motion.timing.jerk import jerk_limited_work
 from motion.timing.law import Law
+from motion.timing.slices import Slices, Work, whole
 
 LOOK_AHEAD = 512  # blocks that may wait (owed: 256)
 WINDOW = 256  # stretches one law spans at most
@@ -74,7 +74,8 @@ class _Planned:
 
 @dataclass
 class Planner:
-    """add() blocks; plan() gives the pieces that are due."""
+    """add() blocks; plan() gives the pieces that are due.  Who must not be kept waiting takes the same in slices: begin(), work() until
+    it says True, take()."""
 
     machine: Machine
     start: Sequence[float]
@@ -85,12 +86,12 @@ class Planner:
     lead_s: float = LEAD_S
     horizon_s: float = HORIZON_S
     window: int = WINDOW
-    pulse: Callable[[], None] = still  # called again and again while a law is made, which may take seconds
     _route: Route = field(init=False)
     _fresh: deque[Stretch] = field(init=False, default_factory=deque)  # known, not planned
     _planned: deque[_Planned] = field(init=False, default_factory=deque)
     _done: int = field(init=False, default=0)  # blocks behind the axes
     _marks: list[Mark] = field(init=False, default_factory=list)
+    _work: Slices[list[TimedPiece]] | None = field(init=False, default=None)  # the law that is being made
 
     def __post_init__(self) -> None:
         self._route = Route(self.machine, self.start)
@@ -122,9 +123,14 @@ class Planner:
         return self._planned[-1].end if self._planned else 0.0
 
     @property
+    def begins(self) -> dict[int, float]:
+        """Piece -> tau, of the last law."""
+        return {number: at for at, number in self._planned[-1].cuts} if self._planned else {}
+
+    @property
     def open(self) -> bool:
         """More of the path is known, or will be without another block, than was committed."""
-        return bool(self._fresh) or self._route.pending
+        return bool(self._fresh) or self._route.pending or self._work is not None
 
     def limit(self, blocks: int) -> None:
         """The look-ahead from now on: BLOCK_SEARCH (rho 3 L7998-8006), 1 block at least."""
@@ -156,20 +162,48 @@ class Planner:
         self._fresh.clear()
         self._marks.clear()
         self._planned.clear()
+        self._work = None
         self._done = self._route.added
 
     # ---- laws ----------------------------------------------------------------------------------------------------------
     def plan(self, tau: float, *, hurry: bool = False) -> list[TimedPiece]:
         """Pieces to hand on now, in order.  hurry: also the tail that could wait (nothing more will come soon)."""
-        self.place(tau)
         pieces: list[TimedPiece] = []
-        while self._fresh:
-            made = self._next(tau, hurry)
-            if made is None:
-                break
-            pieces += made
+        while self.begin(tau, hurry=hurry):
+            while not self.work():
+                pass
+            pieces += self.take()
             if self.end - tau > 2 * self.horizon_s:
                 break
+        return pieces
+
+    @property
+    def working(self) -> bool:
+        """A law is being made, or its pieces wait for take()."""
+        return self._work is not None
+
+    def begin(self, tau: float, *, hurry: bool = False) -> bool:
+        """One more law, where one is due and none is being made; whether there is one."""
+        self.place(tau)
+        if self._work is None and self._fresh:
+            work = self._next(tau, hurry)
+            self._work = None if work is None else Slices(work)
+        return self._work is not None
+
+    def work(self) -> bool:
+        """A slice of the law; True: its pieces are there, or there is none.  Raises MotionError where the path has no law."""
+        try:
+            return self._work is None or self._work.go()
+        except MotionError:
+            self._work = None
+            raise
+
+    def take(self) -> list[TimedPiece]:
+        """The pieces of the law, once; empty while it is being made."""
+        if self._work is None or not self._work.made:
+            return []
+        (pieces,) = self._work.made
+        self._work = None
         return pieces
 
     def take_marks(self) -> list[Mark]:
@@ -177,20 +211,20 @@ class Planner:
         marks, self._marks = self._marks, []
         return marks
 
-    def _next(self, tau: float, hurry: bool) -> list[TimedPiece] | None:
+    def _next(self, tau: float, hurry: bool) -> Work[list[TimedPiece]] | None:
         """One more law, or None when it can wait."""
         ahead = self.end - tau
-        whole = self._fresh[-1].stop or len(self._fresh) >= self.window
+        known = self._fresh[-1].stop or len(self._fresh) >= self.window
         if ahead > self.horizon_s and not hurry:
             return None
         if not self._planned or self._planned[-1].stops:
-            if not (whole or hurry or any(stretch.stop for stretch in self._fresh)):
+            if not (known or hurry or any(stretch.stop for stretch in self._fresh)):
                 return None
             return self._from_rest(self._window())
         cut = self._cut(tau)
         if cut is not None:
             return self._extended(*cut)
-        if ahead > self.lead_s and not whole:
+        if ahead > self.lead_s and not known:
             return None
         return self._from_rest(self._window())
 
@@ -210,10 +244,10 @@ class Planner:
             return None
         return next(((at, number) for at, number in last.cuts if at >= tau + self.lead_s), None)
 
-    def _from_rest(self, row: list[Stretch]) -> list[TimedPiece]:
+    def _from_rest(self, row: list[Stretch]) -> Work[list[TimedPiece]]:
         """A law of its own: near the optimum where the path ends at rest by itself, a quick one where it will go on."""
         if row[-1].stop:
-            row, *later = quicker(row, self.machine, lambda run: law_of(run, self.pulse).duration, self.factors)
+            row, *later = yield from quicker(row, self.machine, seconds, self.factors)
             self._fresh.extendleft(stretch for part in reversed(later) for stretch in reversed(part))
         run = make_run(row, self.machine, self.factors)
         if row[-1].stop:
@@ -221,14 +255,16 @@ class Planner:
             if pace.time is not None and all(stretch.block == row[0].block for stretch in row):
                 law = time_given(run.path.length, pace.time, pace.ramp, width_s(run.limits))
             else:
-                law = law_of(run, self.pulse).later(PAUSE_S if self._planned else 0.0)
+                law = (yield from _law_work(run)).later(PAUSE_S if self._planned else 0.0)
+            yield
             return self._commit(run, law, self.end, None, _Origin(None, 0, 0.0))
         width = width_s(run.limits)
         made = swift(run.path, run.limits, width)
         return self._commit(run, made.law, self.end, None, _Origin(made, 0, width))
 
-    def _extended(self, at: float, first_id: int) -> list[TimedPiece]:
-        """The last law is replaced from this piece on by one that goes on along what has become known since."""
+    def _extended(self, at: float, first_id: int) -> Work[list[TimedPiece]]:
+        """The last law is replaced from this piece on by one that goes on along what has become known since.  In one slice: the axes
+        come nearer to the cut meanwhile."""
         last = self._planned[-1]
         assert last.quick is not None
         sample = last.first + round((at - last.begin) / STEP_S)
@@ -239,6 +275,7 @@ class Planner:
         made = swift(run.path, run.limits, last.width, history, cut)
         law = Law(made.law.s[cut:], made.law.speed[cut:], made.law.accel[cut:], STEP_S, _state(made.law, cut))
         pieces = self._commit(run, law, at, first_id, _Origin(made, cut, last.width))
+        yield from ()  # nowhere left for a while
         place = len(self._planned) - 2
         self._planned[place] = replace(last, end=at, cuts=tuple(c for c in last.cuts if c[0] < at), quick=None)
         return pieces
@@ -266,7 +303,7 @@ class Planner:
             return self._done, 1.0 if self._done else 0.0
         now = self._planned[0]
         block, share = now.run.place(now.s(tau))
-        if tau >= self.end and now.stops and not self._fresh:
+        if tau >= self.end and now.stops and not self._fresh and self._work is None:
             block, share = (self._route.added if not self._route.pending else now.run.stretches[-1].block), 1.0
         self._done = max(self._done, block if share >= 1.0 else block - 1)
         return block, share
@@ -277,9 +314,18 @@ class Planner:
         return now.state(tau)
 
 
-def law_of(run: Run, pulse: Callable[[], None] = still) -> Law:
+def law_of(run: Run) -> Law:
     """From rest to rest: closed form where all axes move straight, else near the time optimum."""
-    return straight_law(run) or jerk_limited(run.path, run.limits, pulse=pulse)
+    return whole(_law_work(run))
+
+
+def seconds(run: Run) -> Work[float]:
+    """What it takes."""
+    return (yield from _law_work(run)).duration
+
+
+def _law_work(run: Run) -> Work[Law]:
+    return straight_law(run) or (yield from jerk_limited_work(run.path, run.limits))
 
 
 def block_ends(run: Run) -> list[tuple[float, int]]:

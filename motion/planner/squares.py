@@ -10,11 +10,14 @@ from motion.planner.runs import Run, make_run
 from motion.program.factors import FULL, Factors
 from motion.timing.choice import groups, passed
 from motion.timing.jerk import estimate
+from motion.timing.slices import Work
 
 MOST = 16  # corners in a row that are looked at: longer rows are short segments, where stopping is never quicker
 
 
-def quicker(row: Sequence[Stretch], machine: Machine, seconds: Callable[[Run], float], factors: Factors = FULL) -> list[list[Stretch]]:
+def quicker(
+    row: Sequence[Stretch], machine: Machine, seconds: Callable[[Run], Work[float]], factors: Factors = FULL
+) -> Work[list[list[Stretch]]]:
     """Rows from rest to rest in place of `row`, which ends at rest; seconds: what a run takes.
 
     Corners of block slope, with a programmed speed or time, or of a row that is too long stay as they are.
@@ -43,8 +46,14 @@ def quicker(row: Sequence[Stretch], machine: Machine, seconds: Callable[[Run], f
         return make_run(joined(first, last), machine, factors)
 
     quick = functools.cache(lambda first, last: estimate(run(first, last).path, run(first, last).limits))
-    exact = functools.cache(lambda first, last: seconds(run(first, last)))
-    chosen = passed([True] * len(corners), quick, exact)
+    known: dict[tuple[int, int], float] = {}
+
+    def exact(first: int, last: int) -> Work[float]:
+        if (first, last) not in known:
+            known[first, last] = yield from seconds(run(first, last))
+        return known[first, last]
+
+    chosen = yield from passed([True] * len(corners), quick, exact)
     return [joined(*group) for group in groups(chosen)]
 
 

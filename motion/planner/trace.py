@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.frames import Pose
-from motion.planner.planner import law_of
+from motion.planner.planner import law_of, seconds
 from motion.planner.robot import Machine
 from motion.planner.route import Kind, Route, Stretch
 from motion.planner.runs import make_run, runs
@@ -16,6 +16,7 @@ from motion.planner.squares import quicker
 from motion.program.blocks import Block, PoseTarget, Program
 from motion.program.errors import BlockError
 from motion.program.factors import FULL, Factors
+from motion.timing.slices import whole
 
 Array = NDArray[np.float64]
 PERIOD_S = 1e-3
@@ -137,8 +138,7 @@ def _numbered(error: BlockError, number: int) -> BlockError:
 def trace(stretches: Sequence[Stretch], machine: Machine, factors: Factors = FULL, period: float = PERIOD_S) -> Trace:
     """Runs all whole runs; raises MotionError where a path cannot be run at all."""
     parts, blocks, ends, clock = [], [], [], 0.0
-    whole = runs(stretches, machine, factors)
-    rows = [row for run in whole for row in quicker(run.stretches, machine, lambda one: law_of(one).duration, factors)]
+    rows = [row for run in runs(stretches, machine, factors) for row in whole(quicker(run.stretches, machine, seconds, factors))]
     for run in (make_run(row, machine, factors) for row in rows):
         law = law_of(run)
         count = math.ceil(law.duration / period)

@@ -174,6 +174,33 @@ class Alteration:
 
 
 @dataclass(frozen=True, slots=True)
+class Sync:
+    """SYNC of the rho 3: the program waits until the belt's counter is at least (else at most) `limit` (m or rad), or the RC input has
+    its level; then the counter gets its reset value.  inside: it stands in a synchronous part."""
+
+    belt: str
+    limit: float = 0.0
+    at_least: bool = True
+    input: int | None = None
+    level: bool = True
+    inside: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class BeltCall:
+    """Special functions of the rho 3 for belts: 15 BELT_PARAM, 21 BELT_TYPE, 28 SET_BELTCNT.  belt: from 1; values: in the manual's order
+    and units (mm or deg, per s, ms)."""
+
+    function: int
+    belt: int
+    values: tuple[float, ...]
+    inside: bool = False
+
+
+Act = Sync | BeltCall
+
+
+@dataclass(frozen=True, slots=True)
 class Curving:
     """Spline and orientation weights, 0 .. 1 (Reis _ISPL_TENS, _IORI_TENS, _IORI_WEIGHT, _IORI_CIRCHP)."""
 
@@ -205,6 +232,7 @@ class Block:
     alteration: Alteration | None = None
     freeze: bool = False  # in an alterable part: from the end of this block on the correction stays as it is (alterEnd before the end)
     label: str = ""  # in front of it
+    acts: tuple[Act, ...] = ()  # of belts, done at rest before it
     line: int = field(default=0, compare=False)  # of the program text; 0: none
 
 
@@ -217,6 +245,7 @@ class Program:
     start: tuple[float, ...]  # m or rad
     blocks: tuple[Block, ...]
     units: tuple[str, ...] = ()  # outside units of the axes, "mm" or "deg"; empty: all deg
+    acts: tuple[Act, ...] = ()  # behind the last block
 
 
 Part = TypeVar("Part")

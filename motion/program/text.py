@@ -3,20 +3,18 @@
 read(text) takes a whole text and tells all its faults at once, each with line, key and range; motion.program.textout writes one.
 """
 
-import re
-from dataclasses import dataclass, field, replace
-from enum import Enum
+from dataclasses import dataclass, field
 from typing import TypeVar
 
 from motion.conventions import CONVENTIONS, Convention, convention
 from motion.errors import MotionError
 from motion.frames import Pose
-from motion.kinematics.base import Elbow, Shoulder, Wrist
 from motion.outputs.function import Function
 from motion.program import textkeys
 from motion.program.blocks import (
     MAX_JOINTS,
     MEASURED,
+    Act,
     Blend,
     Block,
     Curving,
@@ -24,7 +22,6 @@ from motion.program.blocks import (
     Interpolation,
     JointTarget,
     OnBelt,
-    Output,
     Pace,
     PoseTarget,
     Program,
@@ -32,11 +29,10 @@ from motion.program.blocks import (
     Synchron,
     Target,
     Tool,
-    Until,
-    changed,
 )
 from motion.program.errors import TextError, TextFaults
 from motion.program.textalter import AlterParts
+from motion.program.textvalues import CALLS, call_of, filled, function_of, length_of, outputs_of, placed, sync_of, until_of
 from motion.program.textwords import Fault as _Fault
 from motion.program.textwords import key as _key
 from motion.program.textwords import name as _name
@@ -46,15 +42,8 @@ from motion.program.textwords import word as _word
 from motion.program.textwords import yes as _yes
 from motion.units import to_si
 
-Part = TypeVar("Part", Pace, Blend, Curving, Block)
 Named = TypeVar("Named", Tool, Frame)
 MOVES = {kind.value: kind for kind in Interpolation}
-FLAGS: dict[str, tuple[str, Enum]] = {
-    word.value: (name, word) for name, words in (("shoulder", Shoulder), ("elbow", Elbow), ("wrist", Wrist)) for word in words
-}
-_EXTRA = re.compile(r"([-+0-9.eE]+)(mm|deg)")
-_UNTIL = re.compile(r"(!?)(ch)?(\d+)")
-_OUT = re.compile(r"(\d+):([-+0-9.eE]+)(?:@([0-9.eE+]+))?")
 
 
 @dataclass(slots=True)
@@ -79,6 +68,12 @@ class Reader:
     errors: list[tuple[int, str, int]] = field(default_factory=list)  # line, label, number of the block that names it
     count: int = 0  # blocks so far
     functions: tuple[Function, ...] = ()  # in front of the next block
+    acts: tuple[Act, ...] = ()  # in front of the next block, or behind the last one
+
+    @property
+    def inside(self) -> bool:
+        """Of a synchronous or alterable part."""
+        return self.part is not None or self.altered.part is not None
 
     def statement(self, raw: str, number: int = 0) -> None:
         """One line; raises TextError.  Its block, if it is one, waits for take()."""
@@ -122,11 +117,15 @@ class Reader:
             case "synchron" | "synchron_end":
                 self.synchron(head, rest)
             case "iol" | "ppo":
-                self.functions = (*self.functions, _function(head, rest))
+                self.functions = (*self.functions, function_of(head, rest))
             case "alter":
                 self.altered.begin(rest, self.tools, self.frames)
             case "alter_end":
                 self.altered.end(rest)
+            case "sync":
+                self.acts = (*self.acts, sync_of(head, rest, inside=self.inside))
+            case _ if head in CALLS:
+                self.acts = (*self.acts, call_of(head, rest, inside=self.inside))
             case "label":
                 self.named_place(head, rest)
             case _ if head in MOVES:
@@ -154,6 +153,8 @@ class Reader:
 
     def named_place(self, head: str, rest: list[str]) -> None:
         self.label = _name(head, _one(head, rest))
+        if self.acts:
+            raise _Fault(head, f"{self.label} has to stand before sync and belt functions: they belong to the block behind it")
         if self.label in self.labels:
             raise _Fault(head, f"{self.label} stands twice")
         self.labels[self.label] = self.count
@@ -171,7 +172,7 @@ class Reader:
         if unknown := set(keys) - {"at"}:
             raise _Fault(min(unknown), "synchron takes at= alone")
         self.parts += 1
-        self.part = Synchron(name, _length("at", keys["at"]) if "at" in keys else None, self.parts)
+        self.part = Synchron(name, length_of("at", keys["at"]) if "at" in keys else None, self.parts)
 
     def place(self, head: str, rest: list[str]) -> None:
         name = _name(head, rest[0] if rest else "")
@@ -189,7 +190,7 @@ class Reader:
         target, left = self.target([word for word in rest[1:] if "=" not in word])
         if left:
             raise _Fault("point", f"{' '.join(left)} is too much")
-        self.points[name] = _with(target, keys)
+        self.points[name] = placed(target, keys)
 
     def set(self, rest: list[str]) -> None:
         keys = dict(_key(word) for word in rest)
@@ -216,9 +217,9 @@ class Reader:
         target, left = self.target(words)
         if left:
             raise _Fault("", f"{' '.join(left)} is too much after the target")
-        block = self.block(kind, _with(target, keys), via, {**self.modal, **keys}, number)
+        block = self.block(kind, placed(target, keys), via, {**self.modal, **keys}, number)
         self.blocks.append(block)
-        self.label, self.functions, self.count = "", (), self.count + 1
+        self.label, self.functions, self.acts, self.count = "", (), (), self.count + 1
         if block.until is not None and block.until.error:
             self.errors.append((number, block.until.error, self.count))
 
@@ -277,22 +278,23 @@ class Reader:
             kind,
             target,
             via,
-            _filled(Pace(), parts["pace"]),
-            _filled(Blend(), blend),
+            filled(Pace(), parts["pace"]),
+            filled(Blend(), blend),
             self.named("tool", keys, self.tools),
             self.named("frame", keys, self.frames),
-            curving=_filled(Curving(), parts["curving"]),
-            outputs=_outputs(keys.get("out", "")),
+            curving=filled(Curving(), parts["curving"]),
+            outputs=outputs_of(keys.get("out", "")),
             functions=self.functions,
-            until=_until(keys),
+            until=until_of(keys),
             synchron=self.part,
             on_belt=self.on_belt(keys),
             alteration=self.altered.part,
             freeze=self.altered.freeze(keys.get("freeze")),
             label=self.label,
+            acts=self.acts,
             line=number,
         )
-        return _filled(made, parts[""])
+        return filled(made, parts[""])
 
     def on_belt(self, keys: dict[str, str]) -> OnBelt | None:
         given = [name for name in ("belt", "camin", "camout") if name in keys]
@@ -300,7 +302,7 @@ class Reader:
             raise _Fault(given[0], "stands in a synchronous part alone: synchron BELT before it")
         if given and "belt" not in keys:
             raise _Fault(given[0], "needs the block's value of the belt: belt=")
-        return OnBelt(*(_length(name, keys[name]) if name in keys else 0.0 for name in ("belt", "camin", "camout"))) if given else None
+        return OnBelt(*(length_of(name, keys[name]) if name in keys else 0.0 for name in ("belt", "camin", "camout"))) if given else None
 
     def named(self, key: str, keys: dict[str, str], known: dict[str, Named]) -> Named:
         name = keys.get(key, "-")
@@ -311,7 +313,7 @@ class Reader:
 
 BIG = textkeys.BIG
 HEADINGS = ("program", "robot", "angles", "axes", "start")
-OTHERS = ("tool", "frame", "point", "set", "synchron", "synchron_end", "alter", "alter_end", "label", "iol", "ppo")
+OTHERS = ("tool", "frame", "point", "set", "synchron", "synchron_end", "alter", "alter_end", "sync", *CALLS, "label", "iol", "ppo")
 STATEMENTS = (*HEADINGS, *OTHERS, *MOVES)
 ONCE = ("config", "extra", "out", "until", "error", "time", "weight", "belt", "camin", "camout", "freeze")  # of one block alone
 
@@ -332,80 +334,4 @@ def read(text: str) -> Program:
         faults.append(TextError(0, "start", "is missing: where the axes stand before the first block"))
     if faults:
         raise TextFaults(faults)
-    return Program(reader.name, reader.robot, reader.start, tuple(reader.blocks), reader.units)
-
-
-# ---- words --------------------------------------------------------------------------------------------------------------
-
-
-def _filled(part: Part, values: dict[str, object]) -> Part:
-    for name, value in values.items():
-        part = changed(part, name, value)
-    return part
-
-
-def _with(target: Target, keys: dict[str, str]) -> Target:
-    """config= and extra= into a pose."""
-    if not {"config", "extra"} & set(keys):
-        return target
-    if not isinstance(target, PoseTarget):
-        raise _Fault("config" if "config" in keys else "extra", "needs a pose as target, not joints")
-    flags = dict(_flag(word) for word in keys["config"].split(",")) if "config" in keys else {}
-    configuration = target.configuration
-    for name, flag in flags.items():
-        configuration = changed(configuration, name, flag)
-    return replace(target, configuration=configuration, extra=_extra(keys["extra"]) if "extra" in keys else target.extra)
-
-
-def _flag(word: str) -> tuple[str, Enum]:
-    if word not in FLAGS:
-        raise _Fault("config", f"{word!r}; {', '.join(FLAGS)} are known")
-    return FLAGS[word]
-
-
-def _extra(value: str) -> tuple[float, ...]:
-    found = [_EXTRA.fullmatch(word) for word in value.split(",")]
-    if not all(found):
-        raise _Fault("extra", f"{value!r}: numbers with mm or deg and commas, like 100mm,30deg")
-    return tuple(to_si(_number("extra", match[1], -BIG, BIG, ""), match[2]) for match in found if match)
-
-
-def _length(key: str, value: str) -> float:
-    found = _EXTRA.fullmatch(value)
-    if found is None:
-        raise _Fault(key, f"{value!r}: a number with mm or deg, like 150mm")
-    return to_si(_number(key, found[1], -BIG, BIG, ""), found[2])
-
-
-def _outputs(value: str) -> tuple[Output, ...]:
-    made = []
-    for word in value.split(",") if value else ():
-        match = _OUT.fullmatch(word)
-        if match is None:
-            raise _Fault("out", f"{word!r}: NUMBER:VALUE or NUMBER:VALUE@MM")
-        before = _number("out", match[3], 0.0, BIG, "mm") * 1e-3 if match[3] else 0.0
-        made.append(Output(int(match[1]), _number("out", match[2], -BIG, BIG, ""), before))
-    return tuple(made)
-
-
-def _function(head: str, rest: list[str]) -> Function:
-    """In the order of the manual: no, KIN_NO, COORD_NO, IO_POSITION, PARAM_VALUE, TIME_OFFS."""
-    if len(rest) != 6:
-        raise _Fault(head, "six numbers: function, kinematic, coordinate, position (mm or deg), value, time offset (ms)")
-    numbers = [_number(head, word, -BIG, BIG, "") for word in rest]
-    whole = [int(numbers[n]) for n in (0, 1, 2, 5)]
-    if any(numbers[n] != value for n, value in zip((0, 1, 2, 5), whole, strict=True)):
-        raise _Fault(head, "function, kinematic, coordinate and time offset are whole numbers")
-    return Function(head == "ppo", whole[0], whole[1], whole[2], numbers[3], numbers[4], whole[3])
-
-
-def _until(keys: dict[str, str]) -> Until | None:
-    if "until" not in keys:
-        if "error" in keys:
-            raise _Fault("error", "belongs to until=, whose input never came")
-        return None
-    match = _UNTIL.fullmatch(keys["until"])
-    if match is None:
-        raise _Fault("until", f"{keys['until']!r}: the number of an input (464) or a channel (ch610), with ! in front for its being 0")
-    number, error = int(match[3]), _name("error", keys["error"]) if "error" in keys else ""
-    return Until(0 if match[2] else number, not match[1], number if match[2] else 0, error)
+    return Program(reader.name, reader.robot, reader.start, tuple(reader.blocks), reader.units, reader.acts)

@@ -13,7 +13,8 @@ from motion.frames import Pose
 from motion.kinematics.base import FREE, Configuration
 from motion.outputs.function import Function
 from motion.program import textalter, textkeys
-from motion.program.blocks import MEASURED, Alteration, Blend, Block, Frame, JointTarget, Program, Synchron, Tool
+from motion.program.blocks import MEASURED, Act, Alteration, BeltCall, Blend, Block, Frame, JointTarget, Program, Synchron, Tool
+from motion.program.textvalues import CALLED
 from motion.units import from_si
 
 
@@ -29,30 +30,38 @@ def write(program: Program, angles: str = "val3") -> str:
         ("frame", _places([*(block.frame for block in program.blocks), *(each for each in references if isinstance(each, Frame))])),
     ):
         lines += [f"{word} {name} {_pose(pose, ways)}" for name, pose in places.items()]
-    lines += _moves(program.blocks, ways, units)
+    lines += _moves(program, ways, units)
     return "\n".join(line for line in lines if line) + "\n"
 
 
-def _moves(blocks: Sequence[Block], ways: Convention, units: tuple[str, ...]) -> list[str]:
-    """One line a block, and those that begin and end synchronous parts; belt values as mm, whatever the belt's unit."""
+def _moves(program: Program, ways: Convention, units: tuple[str, ...]) -> list[str]:
+    """One line a block, and those in front of it; belt values as mm, whatever the belt's unit."""
     lines: list[str] = []
+    blocks: Sequence[Block] = program.blocks
     part: Synchron | None = None
     altered: Alteration | None = None
     for block in blocks:
         if block.synchron != part:
             lines += ["synchron_end"] if part is not None else []
             part = block.synchron
-            if part is not None:
-                lines.append(f"synchron {part.belt}" + (f" at={_plain(part.at * 1e3)}mm" if part.at is not None else ""))
+            begin = (
+                [f"synchron {part.belt}" + (f" at={_plain(part.at * 1e3)}mm" if part.at is not None else "")] if part is not None else []
+            )
+        else:
+            begin = []
         if block.alteration != altered:
             lines += ["alter_end"] if altered is not None else []
             altered = block.alteration
-            lines += [textalter.written(altered)] if altered is not None else []
-        lines += [f"label {block.label}"] if block.label else []
+            begin += [textalter.written(altered)] if altered is not None else []
+        front = [f"label {block.label}"] if block.label else []
+        front += [_act(each) for each in block.acts]
+        lines += [*begin, *front] if block.acts and block.acts[0].inside else [*front, *begin]
         lines += [_function(each) for each in block.functions]
         lines.append(_move(block, ways, units))
     named = {block.until.error for block in blocks if block.until is not None} - {block.label for block in blocks} - {""}
-    return [*lines, *(f"label {name}" for name in sorted(named))]
+    if program.acts and part is not None and not program.acts[0].inside:
+        lines.append("synchron_end")
+    return [*lines, *(f"label {name}" for name in sorted(named)), *(_act(each) for each in program.acts)]
 
 
 def _places(places: Iterable[Tool | Frame]) -> dict[str, Pose]:
@@ -85,6 +94,15 @@ def _move(block: Block, ways: Convention, units: tuple[str, ...]) -> str:
             own = units[len(units) - len(target.extra) :]
             keys.append(f"extra={','.join(_plain(from_si(value, unit)) + unit for value, unit in zip(target.extra, own, strict=True))}")
     return " ".join([*words, *keys])
+
+
+def _act(act: Act) -> str:
+    """Belt values as mm, whatever the belt's unit."""
+    if isinstance(act, BeltCall):
+        return " ".join([CALLED[act.function], *map(_plain, (act.belt, *act.values))])
+    if act.input is not None:
+        return f"sync {act.belt} input={'' if act.level else '!'}{act.input}"
+    return f"sync {act.belt} {'>=' if act.at_least else '<='} {_plain(act.limit * 1e3)}mm"
 
 
 def _function(call: Function) -> str:

@@ -25,7 +25,8 @@ class BeltFacts:
 @dataclass(frozen=True, slots=True)
 class SynchronOrder:
     """SYNCHRON of one part.  belt: place among the belts, from 0; at: belt value it begins at, NaN: at once; reference: belt value at
-    which the path is planned, NaN: the one it begins at; block: number of its first block; tool: of types 2 and 3."""
+    which the path is planned, NaN: the one it begins at; block: number of its first block; tool: of types 2 and 3.  Kind and tolerance
+    are those the belt has from here on (SF 21)."""
 
     belt: int
     kind: Type
@@ -33,6 +34,7 @@ class SynchronOrder:
     reference: float = nan
     block: int = 1
     tool: Pose = IDENTITY
+    tolerance: int = STANDARD_TOLERANCE
 
 
 def make_belts(facts: tuple[BeltFacts, ...], period_s: float) -> Belts:

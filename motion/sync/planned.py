@@ -57,7 +57,7 @@ class BeltPlan:
     def order(self) -> SynchronOrder:
         """For the cycle."""
         at = nan if self.synchron.at is None else self.synchron.at
-        return SynchronOrder(self.belt, self.facts.kind, at, self.reference, self.number, self.tool)
+        return SynchronOrder(self.belt, self.facts.kind, at, self.reference, self.number, self.tool, self.facts.tolerance)
 
     def add(self, block: Block) -> Block:
         """The next block, checked; what a route may try: the block as the robot sees it.  Raises BlockError with the program's number."""

@@ -13,6 +13,7 @@ from motion.paths.joints import JointPath, joined, joint_part
 from motion.timing.jerk import jerk_limited
 from motion.timing.law import Law
 from motion.timing.limits import LawLimits
+from motion.timing.slices import Work, whole
 
 EDGE = 1e-9  # of a leg: less of it is not driven
 CLEAR = 0.9  # of the time of exact stops, by the quick estimate: less, and nothing more is asked
@@ -43,21 +44,37 @@ def fastest(legs: Sequence[JointPath], corners: Sequence[Rounded | None], limits
     def seconds(first: int, last: int) -> float:
         return run(first, last)[1].duration
 
-    chosen = passed([corner is not None for corner in corners], seconds, seconds)
+    def exact(first: int, last: int) -> Work[float]:
+        yield
+        return seconds(first, last)
+
+    chosen = whole(passed([corner is not None for corner in corners], seconds, exact))
     return [run(first, last) for first, last in groups(chosen)], chosen
 
 
-def passed(may: Sequence[bool], quick: Callable[[int, int], float], exact: Callable[[int, int], float]) -> list[bool]:
+def passed(may: Sequence[bool], quick: Callable[[int, int], float], exact: Callable[[int, int], Work[float]]) -> Work[list[bool]]:
     """For each corner whether it is passed.  may: whether it can be; quick, exact: seconds of legs first .. last, all corners between
     them passed, as estimated and as the law has it."""
-    chosen = [
-        possible and (quick(k, k + 1) < CLEAR * (quick(k, k) + quick(k + 1, k + 1)) or exact(k, k + 1) < exact(k, k) + exact(k + 1, k + 1))
-        for k, possible in enumerate(may)
-    ]
-    alone = [(k, k) for k in range(len(may) + 1)]
-    if sum(quick(*one) for one in groups(chosen)) < CLEAR * sum(quick(*one) for one in alone):
+    chosen: list[bool] = []
+    for k, possible in enumerate(may):
+        better = possible and quick(k, k + 1) < CLEAR * (quick(k, k) + quick(k + 1, k + 1))
+        yield
+        if possible and not better:
+            better = (yield from exact(k, k + 1)) < (yield from exact(k, k)) + (yield from exact(k + 1, k + 1))
+        chosen.append(better)
+    taken, alone = groups(chosen), [(k, k) for k in range(len(may) + 1)]
+    together = 0.0
+    for one in taken:
+        together += quick(*one)
+        yield
+    if together < CLEAR * sum(quick(*one) for one in alone):
         return chosen
-    return chosen if sum(exact(*one) for one in groups(chosen)) <= sum(exact(*one) for one in alone) else [False] * len(may)
+    together = apart = 0.0
+    for one in taken:
+        together += yield from exact(*one)
+    for one in alone:
+        apart += yield from exact(*one)
+    return chosen if together <= apart else [False] * len(may)
 
 
 def groups(chosen: Sequence[bool]) -> list[tuple[int, int]]:

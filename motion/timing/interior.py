@@ -4,13 +4,13 @@ minimise sum share_i x_i^-1/2 subject to minus x_(i-1) + centre x_i + plus x_(i+
 Predictor and corrector after Mehrotra; a step costs one five-banded factorisation and two sweeps.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from motion.timing.banded import Banded
+from motion.timing.slices import Work
 
 Array = NDArray[np.float64]
 STEPS = 40
@@ -52,20 +52,15 @@ class Rows:
         return diagonal, near, np.einsum("ij,ij->i", plus, self.minus)[1:-1]
 
 
-def still() -> None:
-    """Nobody wants to know that it goes on."""
-
-
-def fastest(rows: Rows, share: Array, begin: Array, held: int = 0, pulse: Callable[[], None] = still) -> Array:
-    """x > 0, (n,).  right > 0; begin: (n,) > 0, need not meet the rows; held: leading x that stay as they begin; pulse: called at every
-    step."""
+def fastest(rows: Rows, share: Array, begin: Array, held: int = 0) -> Work[Array]:
+    """x > 0, (n,).  right > 0; begin: (n,) > 0, need not meet the rows; held: leading x that stay as they begin.  A slice is a step."""
     most = float(np.max(rows.times(begin) / rows.right))
     x = begin * min(1.0, INSIDE / most)
     x[:held] = begin[:held]
     y = np.maximum(rows.right - rows.times(x), 1e-3)
     z = 1.0 / (y.size * y)
     for _ in range(STEPS):
-        pulse()
+        yield
         gradient, curve = -0.5 * share / x**1.5, 0.75 * share / x**2.5
         lack = rows.times(x) + y - rows.right
         mu = float(np.vdot(y, z)) / y.size

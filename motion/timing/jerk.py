@@ -10,16 +10,15 @@ beyond the limit, so that a law that breaks limits may be the start) needs a fiv
 is put on a new even grid, the barrier is lowered, and beta tends to 1: then differences and limits meet as the judge measures them.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 
 from motion.paths.joints import JointPath
 from motion.timing import topp
-from motion.timing.interior import Rows, fastest, still
+from motion.timing.interior import Rows, fastest
 from motion.timing.law import Law
 from motion.timing.limits import LawLimits, speed_squares
+from motion.timing.slices import Work, whole
 
 Array = NDArray[np.float64]
 
@@ -37,21 +36,24 @@ REPAIRS = 3
 AROUND = 4  # periods on both sides of such a place
 
 
-def jerk_limited(
-    path: JointPath, limits: LawLimits, start: tuple[float, float, float] = (0.0, 0.0, 0.0), pulse: Callable[[], None] = still
-) -> Law:
+def jerk_limited(path: JointPath, limits: LawLimits, start: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Law:
+    """As jerk_limited_work, at once."""
+    return whole(jerk_limited_work(path, limits, start))
+
+
+def jerk_limited_work(path: JointPath, limits: LawLimits, start: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Work[Law]:
     """From (s, sdot, sddot) to rest at the end of the path.  MotionError where the path cannot be run at all.
 
-    pulse: called again and again, for a law takes about as long to make as to run.
-
-    The law is judged at 1 ms by the differences of the axis positions; where acceleration or jerk come out too high it is
-    planned again with lower limits there, and if that does not help run a little slower as a whole.
+    In slices, for a law takes about as long to make as to run.  The law is judged at 1 ms by the differences of the axis positions;
+    where acceleration or jerk come out too high it is planned again with lower limits there, and if that does not help run a little
+    slower as a whole.
     """
     guess = _guess(path, limits, start)
     tight, slow = np.ones(len(guess.s)), np.ones(len(guess.s))  # shares of the limits of jerk and of speed, point by point
     law = guess
     for _ in range(REPAIRS):
-        beta = _warp(path, limits, guess, tight, slow, pulse)
+        beta = yield from _warp(path, limits, guess, tight, slow)
+        yield
         law = guess.warped(beta, path.length).calmed()
         at, excess, fast = _excess(path, limits, law)
         if max(float(np.max(excess)), float(np.max(fast))) <= 1.0:
@@ -171,14 +173,14 @@ def _extended(path: JointPath, s: Array) -> Array:
     return path.at(s) + before * path.at(np.zeros(1), 1)
 
 
-def _warp(path: JointPath, limits: LawLimits, law: Law, tight: Array, slow: Array, pulse: Callable[[], None]) -> Array:
+def _warp(path: JointPath, limits: LawLimits, law: Law, tight: Array, slow: Array) -> Work[Array]:
     """beta on the law's grid."""
     n = len(law.s)
     share = np.full(n, 1.0 / (n - 1))
     share[0] = share[-1] = 0.5 / (n - 1)
     beta, value = np.ones(n), np.inf
     for _ in range(ROUNDS):
-        beta = fastest(_rows(path, limits, law, beta, tight, slow), share, beta, 0 if law.at_rest else 2, pulse)
+        beta = yield from fastest(_rows(path, limits, law, beta, tight, slow), share, beta, 0 if law.at_rest else 2)
         before, value = value, float(np.sum(share / np.sqrt(beta)))
         if abs(before - value) < SETTLED * value:
             break

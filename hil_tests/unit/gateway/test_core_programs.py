@@ -100,6 +100,7 @@ def test_pieces_of_an_older_cycle_are_dropped(both: WithPlanner) -> None:
     job = both.order(f"ptp joints {joints(5)}")
     both.cell.cycle(1)
     both.turn()
+    both.turn()
     kept = [PieceRecord(record.part, record.job, record.generation + 1, record.piece) for record in both.planner.held]
     assert kept
     both.planner.held, both.planner.alive = kept, False

@@ -1,0 +1,67 @@
+"""What the cell itself, and not the robot, refuses of a block of a program.  Pure."""
+
+from collections.abc import Container, Sequence
+from dataclasses import dataclass
+
+from gateway.pure.coreoutputs import Places, check_function
+from gateway.pure.programparts import Measuring
+from gateway.pure.records import RC_BYTES
+from motion.axes.errors import DRIVE_ON_NOT_AVAILABLE
+from motion.axes.interruptible import MOVES
+from motion.errors import MotionError
+from motion.planner.legs import told
+from motion.planner.robot import Machine
+from motion.program.blocks import Block
+from motion.program.errors import BlockError
+
+OUTPUTS_ARE = "programs switch RC outputs to 0 or 1, and none that axisgate itself writes (ready, drives on, in position ..)"
+
+
+@dataclass(frozen=True, slots=True)
+class OfCell:
+    """functions, outputs: those the cell has, and that programs may switch; mask: axes of the robot; whole: the program is one of the
+    cell and read whole, not a stream."""
+
+    functions: Places
+    outputs: Container[int]
+    measuring: Measuring
+    mask: int
+    whole: bool
+
+    def check(self, block: Block, number: int, machine: Machine) -> None:
+        """Raises BlockError."""
+        if not self.whole:
+            self._check_stream(block, number)
+        if block.until is not None and block.until.number not in range(8 * RC_BYTES):
+            raise BlockError(f"until={block.until.number}: an RC input is needed, in a program of the cell", block=number)
+        try:
+            self.measuring.check(block, self.mask, machine)
+            for function in block.functions:
+                if not self.whole or block.synchron is not None:
+                    raise MotionError("IO logic and PPO stand in programs of the cell, outside of synchronous parts")
+                check_function(function, self.functions)
+        except MotionError as error:
+            raise told(error, number, machine) from error
+        for output in block.outputs:
+            if output.number not in self.outputs or output.value not in (0.0, 1.0):
+                raise BlockError(f"output {output.number}:{output.value:g}: {OUTPUTS_ARE}", block=number)
+
+    @staticmethod
+    def _check_stream(block: Block, number: int) -> None:
+        if block.synchron is not None:
+            raise BlockError("a synchronous part stands in a program of the cell alone", block=number)
+        if block.alteration is not None:
+            raise BlockError("an alterable part stands in a program of the cell alone", block=number)
+        if block.acts:
+            raise BlockError("sync and belt functions stand in a program of the cell alone", block=number)
+        if block.until is not None:
+            raise BlockError(f"until={block.until.number}: an RC input is needed, in a program of the cell", block=number)
+
+
+def check_drive_on(out: int, before: Sequence[float], behind: Sequence[float], number: int, machine: Machine, mask: int) -> None:
+    """A block moves an axis that nobody wants on: BlockError, before anything moves; before, behind: (axes,) where they stand.  out: axes
+    of the cell; mask: which of them the robot's are."""
+    own = [n for n in range(mask.bit_length()) if mask >> n & 1]
+    for axis, (place, start, end) in enumerate(zip(own, before, behind, strict=True)):
+        if out >> place & 1 and abs(end - start) > MOVES:
+            raise BlockError(DRIVE_ON_NOT_AVAILABLE, block=number, axis=machine.name(axis), source="rho 3")
