@@ -72,6 +72,7 @@ def notices(cell: Cell) -> list[Notice]:
             *canopen.NOTES,
             *routes.NOTES,
             *controller.NOTES,
+            *programs.NOTES,
             *retain.NOTES,
         )
         for notice in check(cell)

@@ -1,8 +1,13 @@
 """[[program]]: numbers are there once, the robot fits the axes, every file is found and reads without a fault."""
 
+from collections.abc import Iterator
+
 from gateway.axes import rc_numbers
+from gateway.cell import Cell, Notice
 from gateway.checks.context import Context, twice
 from gateway.controllers import boards_of, p11_of
+from gateway.families import DRIVE_PROTOCOLS, make_family
+from gateway.fastwires import fast_wires
 from gateway.files import ConfigNotFound, beside, read_text
 from gateway.programplan import machine_of_cell, written_for
 from gateway.pure.interface.fastio import BOARDS, FastInputs
@@ -96,4 +101,17 @@ def _measuring(check: Context) -> None:
             check.fault(f"measuring.{each.channel}.channel", each.channel, f"inadmissable input: P11 gives {given}")
 
 
+def wires(cell: Cell) -> Iterator[Notice]:
+    """Which way each measuring input takes (AX-481)."""
+    if not cell.measuring:
+        return
+    buses = {bus.name: make_family(cell, bus, cell.cycle_ms, simulated=True) for bus in cell.bus if bus.protocol in DRIVE_PROTOCOLS}
+    fast = fast_wires(cell, buses)
+    numbers = fast.numbers if fast is not None else frozenset()
+    for each in cell.measuring:
+        way = "is heard in the cycle" if each.input in numbers else "comes through the services, a cycle or two later"
+        yield Notice("note", f"measuring.{each.channel}.input", f"RC input {each.input} {way} (AX-481)")
+
+
 CHECKS = (programs,)
+NOTES = (wires,)

@@ -36,6 +36,11 @@ class FastWires:
         self._seen: tuple[InputImage, list[InputLevel | None]] | None = None  # what the image below was made of
         self._over = InputImage()
 
+    @property
+    def numbers(self) -> frozenset[int]:
+        """RC inputs heard here."""
+        return frozenset(wire.number for wire in self._wires)
+
     def over(self, image: InputImage) -> InputImage:
         """RC inputs as the services have them, with the levels heard here; a copy that is made only when something has changed."""
         heard = [wire.hear() for wire in self._wires]

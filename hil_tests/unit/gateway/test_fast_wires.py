@@ -9,7 +9,9 @@ from drivers.drives.cia402_family import Cia402Family
 from gateway.cell import Cell, Io, IoDevice
 from gateway.cell_belts import Measuring
 from gateway.cell_routes import Route
+from gateway.config import load_cell
 from gateway.fastwires import fast_wires
+from gateway.files import find_config
 from gateway.pure.coupler401 import Coupler, CouplerFamily
 from gateway.pure.fastwires import FastWires, InputLevel
 from gateway.pure.plannerrecords import MeasuringFacts
@@ -27,6 +29,7 @@ from protocols.canopen import cobid
 PROBE, NODE, BLOCK = 300, 20, 541
 CONTACT = Io("probe", IoDevice("canopen-401", "can0", NODE, input=3), "cell.safety_ok")
 CHIP = Io("chip", IoDevice("gpiochip", chip="/dev/gpiochip0", input=3), "cell.safety_ok")
+MEASURING = "\n[[measuring]]\nchannel = {}\ninput = {}\n"
 PLAIN = Route("probe", "io.probe", f"A {PROBE // 8}.{PROBE % 8}")
 
 
@@ -35,6 +38,17 @@ def coupler() -> CouplerFamily:
     family = CouplerFamily(Cia402Family([], 12, 12), [Coupler(NODE, {}, {3: 0})], 50)
     family.release(NODE, 1)
     return family
+
+
+def test_check_tells_which_way_each_measuring_input_takes() -> None:
+    text = find_config("cl300-bits", "cells").read_text() + "".join(
+        MEASURING.format(channel, number) for channel, number in ((611, 28), (612, 27))
+    )
+    told = {notice.where: notice.text for notice in load_cell("cl300-bits.toml", text).notes if notice.where.startswith("measuring")}
+    assert told == {
+        "measuring.611.input": "RC input 28 is heard in the cycle (AX-481)",
+        "measuring.612.input": "RC input 27 comes through the services, a cycle or two later (AX-481)",
+    }, "its route debounces"
 
 
 def says(family: CouplerFamily, octet: int, stamp: Ns) -> None:
