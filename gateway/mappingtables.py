@@ -1,4 +1,4 @@
-"""Mapping tables as rows: entries of data blocks, routes, symbols; to and from CSV text and the assignment list of STEP 5 (AX-405).
+"""Mapping tables as rows: data blocks, their entries, routes, symbols; to and from CSV text and the assignment list of STEP 5 (AX-405).
 
 CSV: semicolon, decimal comma, first line the column names; what users of a German spreadsheet save.  Z0.SEQ: operand, symbol and comment of
 one line, between them a tabulator or at least two blanks.
@@ -9,8 +9,10 @@ import io
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 
-NUMBERS = ("min", "max", "scale", "offset")
-TABLES = ("db", "route", "symbol")
+NUMBERS = ("min", "max", "scale", "offset", "loss_value")
+WHOLE = ("words", "every_ms", "pulse_ms", "debounce_ms", "within_ms", "loss_after_ms")
+TABLES = ("block", "db", "route", "symbol")
+NEEDED = {"block": ("block", "words", "writer"), "db": ("block", "at"), "route": ("name",), "symbol": ("name",)}
 OPERANDS = "EAMTZIQFC"
 SYMBOL_CHARACTERS = 24  # longest symbol STEP 5 takes
 SEQUENCE_COMMENT = 40
@@ -24,8 +26,10 @@ class MappingFault(ValueError):
 class Row:
     """One line; an empty field says nothing.  Numbers are text with a decimal point."""
 
-    table: str  # db | route | symbol
+    table: str  # block | db (an entry of a block) | route | symbol
     block: str = ""  # number of the data block
+    kind: str = ""  # of the block, as its line: blocks of one number on two lines are two
+    line: str = ""
     name: str = ""  # of a route, or a symbol
     at: str = ""  # place in the block, or operand
     type: str = ""
@@ -39,7 +43,27 @@ class Row:
     scale: str = ""
     offset: str = ""
     on_loss: str = ""
+    loss_value: str = ""
+    loss_after_ms: str = ""
+    order: str = ""
+    to_order: str = ""
+    pulse_ms: str = ""
+    debounce_ms: str = ""
+    every_ms: str = ""
+    within_ms: str = ""
+    valid: str = ""
+    life: str = ""
+    words: str = ""  # of a block, as the four that follow
+    writer: str = ""
+    on_change: str = ""  # 1
+    at_partner: str = ""
+    flag: str = ""
     comment: str = ""
+
+    @property
+    def place(self) -> tuple[str, str, str]:
+        """What tells one block from another."""
+        return self.block, self.kind or "D", self.line
 
 
 COLUMNS = tuple(field.name.rstrip("_") for field in fields(Row))
@@ -85,7 +109,12 @@ def _row(number: int, cells: Mapping[str, str]) -> Row:
                 float(text)
             except ValueError:
                 raise MappingFault(f"line {number}, {name}: {cells[name]!r} is no number") from None
+        if name in (*WHOLE, "block") and text and not text.isdecimal():
+            raise MappingFault(f"line {number}, {name}: {cells[name]!r} is no whole number")
         values["from_" if name == "from" else name] = text
+    missing = next((name for name in NEEDED.get(values["table"], ()) if not values[name]), "")
+    if missing:
+        raise MappingFault(f"line {number}, {missing}: a row of table {values['table']} has it")
     return Row(**values)
 
 
@@ -128,17 +157,32 @@ def from_sequence(text: str) -> list[Row]:
 def to_toml(rows: Sequence[Row]) -> str:
     """[[db]] and [[route]] tables, to be put into a cell file; symbols as remarks above them."""
     lines = [f"# {row.at:<10}{row.name:<26}{row.comment}".rstrip() for row in rows if row.table == "symbol"]
-    for block in dict.fromkeys(row.block for row in rows if row.table == "db"):
-        entries = [row for row in rows if row.table == "db" and row.block == block]
-        ours = all(row.from_ for row in entries)
-        words = 1 + max(_last_word(row.at) for row in entries)
-        lines += ["", "[[db]]", f"number  = {block}", f"words   = {words}", f'writer  = "{"axisgate" if ours else "plc"}"', "entries = ["]
-        lines += [f"  {{ {', '.join(_entry(row))} }}," for row in entries]
-        lines.append("]")
+    for place in dict.fromkeys(row.place for row in rows if row.table in ("block", "db")):
+        entries = [row for row in rows if row.table == "db" and row.place == place]
+        said = next((row for row in rows if row.table == "block" and row.place == place), None)
+        lines += ["", "[[db]]", *_block(said or _guessed(entries))]
+        if entries:
+            lines += ["entries = [", *(f"  {{ {', '.join(_entry(row))} }}," for row in entries), "]"]
     for row in rows:
         if row.table == "route":
             lines += ["", "[[route]]", *_route(row)]
     return "\n".join(lines).lstrip("\n") + "\n"
+
+
+def _guessed(entries: Sequence[Row]) -> Row:
+    """A block no row of its own describes: as long as its last entry says, ours where every entry is."""
+    first, ours = entries[0], all(row.from_ for row in entries)
+    words = 1 + max(_last_word(row.at) for row in entries)
+    return Row("block", first.block, first.kind, first.line, words=str(words), writer="axisgate" if ours else "plc")
+
+
+def _block(row: Row) -> list[str]:
+    lines = [f"number = {row.block}", f"words = {row.words}"]
+    texts = (("writer", row.writer), ("kind", row.kind), ("line", row.line), ("at_partner", row.at_partner), ("flag", row.flag))
+    lines += [f"{key} = {_text(value)}" for key, value in texts if value]
+    lines += [f"every_ms = {row.every_ms}"] if row.every_ms else []
+    lines += ["on_change = true"] if row.on_change else []
+    return lines + ([f"comment = {_text(row.comment)}"] if row.comment else [])
 
 
 def _last_word(at: str) -> int:
@@ -156,9 +200,11 @@ def _entry(row: Row) -> list[str]:
 
 
 def _route(row: Row) -> list[str]:
-    texts = (("name", row.name), ("from", row.from_), ("to", row.to), ("type", row.type), ("to_type", row.to_type), ("edge", row.edge))
-    lines = [f"{key} = {_text(value)}" for key, value in (*texts, ("on_loss", row.on_loss)) if value]
-    lines += [f"{key} = {_number(value)}" for key, value in (("scale", row.scale), ("offset", row.offset)) if value]
+    texts = ("name", "from", "to", "type", "order", "to_type", "to_order", "edge", "on_loss", "valid", "life")
+    given = {name.rstrip("_"): getattr(row, name) for name in (field.name for field in fields(Row))}
+    lines = [f"{key} = {_text(given[key])}" for key in texts if given[key]]
+    lines += [f"{key} = {_number(given[key])}" for key in ("scale", "offset", "loss_value") if given[key]]
+    lines += [f"{key} = {given[key]}" for key in WHOLE if given[key] and key != "words"]
     return lines + ([f"comment = {_text(row.comment)}"] if row.comment else [])
 
 

@@ -71,10 +71,17 @@ def _read(source: str, encoding: str) -> list[Row] | int:
 
 
 def rows_of(cell: Cell) -> list[Row]:
-    """Entries, routes, and the signals of the interface."""
+    """Data blocks with their entries, routes, and the signals of the interface."""
     rows = [
         Row(
-            "db", str(block.number), at=entry.at, type=entry.type, to=entry.to or "", from_=entry.from_ or "",
+            "block", str(block.number), block.kind, block.line, words=str(block.words), writer=block.writer,
+            every_ms=_whole(block.every_ms), on_change="1" if block.on_change else "", at_partner=block.at_partner, flag=block.flag, comment=block.comment,
+        )
+        for block in cell.db
+    ]  # fmt: skip
+    rows += [
+        Row(
+            "db", str(block.number), block.kind, block.line, at=entry.at, type=entry.type, to=entry.to or "", from_=entry.from_ or "",
             unit="" if entry.unit == "1" else entry.unit, min=_number(entry.min), max=_number(entry.max), edge=entry.edge or "",
             comment=entry.comment,
         )
@@ -85,7 +92,11 @@ def rows_of(cell: Cell) -> list[Row]:
         Row(
             "route", name=route.name, type=route.type, to=route.to, from_=route.from_, to_type=route.to_type,
             edge="" if route.edge == "level" else route.edge, scale="" if route.scale == 1 else _number(route.scale),
-            offset="" if route.offset == 0 else _number(route.offset), on_loss=route.on_loss, comment=route.comment,
+            offset="" if route.offset == 0 else _number(route.offset), on_loss=route.on_loss,
+            loss_value=_number(route.loss_value) if route.on_loss == "value" else "", loss_after_ms=_whole(route.loss_after_ms),
+            order="" if route.order == "ABCD" else route.order, to_order="" if route.to_order == "ABCD" else route.to_order,
+            pulse_ms="" if route.edge in ("level", "change") else str(route.pulse_ms), debounce_ms=_whole(route.debounce_ms),
+            every_ms=_whole(route.every_ms), within_ms=_whole(route.within_ms), valid=route.valid, life=route.life, comment=route.comment,
         )
         for route in cell.route
     ]  # fmt: skip
@@ -97,6 +108,11 @@ def rows_of(cell: Cell) -> list[Row]:
 def _german(operand: str) -> str:
     """I8.0 -> E 8.0, O3.2 -> A 3.2: what STEP 5 of the time reads."""
     return f"{'E' if operand[0] == 'I' else 'A'} {operand[1:]}"
+
+
+def _whole(value: int) -> str:
+    """0 says nothing."""
+    return str(value) if value else ""
 
 
 def _number(value: float | None) -> str:

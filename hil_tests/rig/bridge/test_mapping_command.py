@@ -1,11 +1,46 @@
 """`axisgate mapping`: a cell's tables to every file and back, in the encodings old tools save."""
 
 import pathlib
+import re
 import tomllib
 
 import pytest
 
 from gateway.commands.mapping import main
+from gateway.config import load_cell
+from gateway.files import find_config
+
+MORE = """
+[[db]]
+number = 40
+words = 40
+writer = "plc2"
+line = "plc1"
+comment = "recipes; by Modbus"
+[[route]]
+name = "swapped"
+from = "DB40.DD 2"
+type = "u32"
+order = "BADC"
+to = "AD 40"
+to_type = "u32"
+to_order = "CDAB"
+on_loss = "value"
+loss_value = 7
+loss_after_ms = 500
+debounce_ms = 20
+every_ms = 30
+within_ms = 5000
+valid = "A 46.0"
+life = "AW 48"
+[[route]]
+name = "pulse"
+from = "DB40.D 5.3"
+to = "A 50.1"
+edge = "rising"
+pulse_ms = 250
+comment = "one each time"
+"""
 
 
 @pytest.mark.parametrize("suffix", ["csv", "xlsx"])
@@ -19,6 +54,19 @@ def test_the_tables_of_a_cell_come_back_as_they_were(suffix: str, tmp_path: path
         for block in shipped["db"]
     ]
     capsys.readouterr()
+
+
+@pytest.mark.parametrize("suffix", ["csv", "xlsx"])
+@pytest.mark.parametrize("name", ["cl300-bits", "rho3-coupled", "modbus-servodyn", "s5-rk512", "demo"])
+def test_a_cell_whose_tables_went_through_a_spreadsheet_is_the_same_cell(name: str, suffix: str, tmp_path: pathlib.Path) -> None:
+    text = find_config(name, "cells").read_text() + (MORE if name == "demo" else "")
+    whole, table, toml = load_cell(f"{name}.toml", text), tmp_path / f"t.{suffix}", tmp_path / "t.toml"
+    (tmp_path / "before.toml").write_text(text)
+    assert main([str(tmp_path / "before.toml"), str(table)]) == 0 and main([str(table), str(toml)]) == 0
+    parts = re.split(r"(?m)^(?=\[)", text)
+    rest = "".join(part for part in parts if not part.startswith(("[[route]]", "[[db]]")))
+    again = load_cell(f"{name}.toml", f"{rest}\n{toml.read_text()}")
+    assert again.route == whole.route and again.db == whole.db and (whole.route or whole.db)
 
 
 def test_signals_as_an_assignment_list_in_the_old_character_set(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
