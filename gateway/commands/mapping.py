@@ -75,7 +75,8 @@ def rows_of(cell: Cell) -> list[Row]:
     rows = [
         Row(
             "block", str(block.number), block.kind, block.line, words=str(block.words), writer=block.writer,
-            every_ms=_whole(block.every_ms), on_change="1" if block.on_change else "", at_partner=block.at_partner, flag=block.flag, comment=block.comment,
+            every_ms=_whole(block.every_ms), on_change="1" if block.on_change else "",
+            at_partner=block.at_partner, flag=block.flag, comment=block.comment,
         )
         for block in cell.db
     ]  # fmt: skip
