@@ -26,7 +26,7 @@ def main(argv: list[str]) -> int:
     name = arguments.run or (up[0] if len(up) == 1 else "")
     if name not in up:
         what = "name one of them" if len(up) > 1 else "start one with: axisgate run demo --sim"
-        asked = f"no run {name!r} is up" if name else "which run?"
+        asked = f"no run {name!r} is up" if name else "which run"
         print(f"axisgate monitor: {asked}; up are: {', '.join(up) or 'none'}; {what}", file=sys.stderr)
         return ENVIRONMENT
     if arguments.pendant or arguments.press:

@@ -39,7 +39,7 @@ def main(argv: list[str]) -> int:
     except RecordError as error:
         return _said(error, USAGE)
     except OSError as error:
-        return _said(f"{error.filename}: {error.strerror}", ENVIRONMENT)
+        return _said(f"{error.filename}: {error.strerror}; axisgate record CELL -o {options.file.name} makes one", ENVIRONMENT)
 
 
 def _said(error: object, code: int) -> int:

@@ -20,6 +20,7 @@ EXAMPLES = """examples:
   axisgate run cell.toml --sim --web 8480       your cell without metal, with its page on http://127.0.0.1:8480
   axisgate run cell.toml                        your cell on its real ports
   axisgate run cell.toml --shadow --tap plc=/dev/ttyUSB0,/dev/ttyUSB1 --bus socketcan:can0
+  axisgate run cell.toml --shadow --tap plc2=/run/user/1000/plc2.pcap,10.0.0.7:502 --bus socketcan:can0 --tolerance 0.5
                                                 beside the working old control: nothing is sent, its status is compared with ours
 """
 
