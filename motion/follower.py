@@ -171,6 +171,7 @@ class Follower:
             self._change(wanted)
         else:
             self._tau += self._omega * self._h
+            self._track.foresee(self._tau)
         samples = self._sampled()
         past = self._past
         if changing and len(past) == PAST and self._correct(samples):

@@ -41,6 +41,7 @@ def programs(check: Context) -> None:
 
 def _read(check: Context, key: str, file: str) -> None:
     from motion.errors import MotionError
+    from motion.program.blocks import Flying
     from motion.program.text import read
 
     try:
@@ -55,8 +56,10 @@ def _read(check: Context, key: str, file: str) -> None:
             check.fault(key, file, f"is written for robot {program.robot}, this cell's is {robot.model}")
         there = {each.channel for each in check.cell.measuring}
         for block in program.blocks:
-            if block.until is not None and block.until.channel and block.until.channel not in there:
-                check.fault(key, file, f"line {block.line}: channel {block.until.channel} is in no [[measuring]] table")
+            named = [asked.channel for asked in (block.until, block.wait) if asked is not None and asked.channel]
+            named += [call.channel for call in block.functions if isinstance(call, Flying)]
+            for channel in [each for each in named if each not in there]:
+                check.fault(key, file, f"line {block.line}: channel {channel} is in no [[measuring]] table")
 
 
 def _path_outputs(check: Context) -> None:

@@ -69,6 +69,8 @@ class BeltMover(Mover):
     def step(self, inputs: InputImage) -> Sample:
         """Counters, and the set values of the part under way."""
         belts, state, self._inputs = self._belts, self._state, inputs
+        if self.start.on:
+            self.hold()
         sample = belts.step(self.stepper, inputs)
         if self.gate.kept:
             sample = self._kept(sample)

@@ -308,8 +308,8 @@ class Core:
             mover.functions.step(sample.q, self.state, self.outputs)
         if mover.running:
             mover.judge(sample)
-        if mover.measure.on:
-            mover.measure.store([None if actual is None else axis.actual for axis, actual in zip(self._axes, actuals, strict=True)])
+        if mover.measuring:
+            mover.store([None if actual is None else axis.actual for axis, actual in zip(self._axes, actuals, strict=True)])
         self.state.progress, self.state.piece = sample.s, sample.piece_id
         return values
 

@@ -4,8 +4,10 @@ from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
+from gateway.pure.inputrecords import FlyingAt
 from gateway.pure.plannerrecords import VOID, FunctionAt, SwitchAt
 
+Entry = SwitchAt | FunctionAt | FlyingAt
 REACHED = 1e-9  # s at full speed
 
 
@@ -16,7 +18,7 @@ class ProgramRun:
     job: int = 0
     begun: bool = False
     complete: bool = False
-    switches: deque[SwitchAt | FunctionAt] = field(default_factory=deque)  # outputs to come, in the order of the way
+    switches: deque[Entry] = field(default_factory=deque)  # outputs to come, in the order of the way
     met: bool = False  # the input the part ends with came: what still comes of the part is dropped
     rests: bool = False  # nothing more comes of the part
 
@@ -39,15 +41,15 @@ class ProgramRun:
         self.met, self.rests = False, False
         self.switches.clear()
 
-    def switch(self, entry: SwitchAt | FunctionAt) -> None:
+    def switch(self, entry: Entry) -> None:
         """One more output, or call, to come."""
-        if isinstance(entry, FunctionAt) or entry.number != VOID:
+        if not isinstance(entry, SwitchAt) or entry.number != VOID:
             self.switches.append(entry)
             return
         while self.switches and self.switches[-1].piece >= entry.piece:
             self.switches.pop()
 
-    def passed(self, piece: int, after: float) -> Iterator[SwitchAt | FunctionAt]:
+    def passed(self, piece: int, after: float) -> Iterator[Entry]:
         """Outputs whose place lies behind the set values; each comes once, also when the path is run back and forth."""
         waiting = self.switches
         while waiting and (waiting[0].piece < piece or (waiting[0].piece == piece and after >= waiting[0].after - REACHED)):

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING
 from gateway.pure.coreaxis import HeldAxis
 from gateway.pure.coredriveon import DriveOnGate
 from gateway.pure.corehoming import Homings
+from gateway.pure.coreinputs import CoreFlying, CoreStart
 from gateway.pure.coremeasure import CoreMeasure
 from gateway.pure.coreprogram import ProgramRun
+from gateway.pure.inputrecords import FlyingAt, flying_of, start_of
 from gateway.pure.plannerrecords import FunctionAt, Part, PieceRecord, SwitchAt, function_number, function_of, switch_of, until_of
 from gateway.pure.reasons import Reason
 from gateway.pure.records import CellState, InputImage, OrderRecord, set_bit
@@ -36,6 +38,8 @@ class Mover:
         self.stepper.set_override(0.0)
         self.program = ProgramRun()  # done when nothing more comes and all is run
         self.measure = CoreMeasure(state, len(axes), round(period_s * 1e9))
+        self.flying = CoreFlying(state, len(axes), round(period_s * 1e9))
+        self.start = CoreStart(round(period_s * 1e9))
         self.functions: CoreOutputs | None = None  # of a cell with [[path_output]]
         self.gate = DriveOnGate(axes)  # drive-on of single axes
         self.override = 0.0  # as asked for: 0 while the feed is held
@@ -64,13 +68,18 @@ class Mover:
         """A program is under way, the axes rest, and more has to come from the planner."""
         return self.program.waits and self.stepper.state is State.IDLE
 
+    @property
+    def measuring(self) -> bool:
+        """Positions are wanted (store)."""
+        return self.measure.on or self.flying.on
+
     def all_enabled(self, mask: int) -> bool:
         return all(axis.drive.follows for n, axis in enumerate(self._axes) if mask >> n & 1)
 
     # ---- orders ------------------------------------------------------------------------------------------------------
     def set_override(self, value: float) -> None:
         self.override = value
-        self.stepper.set_override(value)
+        self.stepper.set_override(0.0 if self.start.on else value)
 
     def move(self, record: OrderRecord) -> None:
         """One piece by itself."""
@@ -95,6 +104,8 @@ class Mover:
         self.program.order(record.job)
         self._state.path_stop = 0
         self.measure.program_started()
+        self.flying.program_started()
+        self._release()
         self._state.stop_cause = 0
 
     def abandon(self) -> None:
@@ -167,6 +178,11 @@ class Mover:
             return
         if record.part is Part.FAULT:
             self._end_program(Reason.PROGRAM_FAULT)
+        elif record.part is Part.START:
+            self.start.begin(start_of(record), self._inputs, self._state.sync_ns)
+            self.stepper.set_override(0.0 if self.start.on else self.override)
+        elif record.part is Part.FLYING:
+            program.switch(flying_of(record))
         elif record.part is Part.UNTIL:
             self.measure.begin(until_of(record), self._inputs, self._state.sync_ns)
             if self.gate.kept and self.free:
@@ -193,12 +209,14 @@ class Mover:
     def planner_lost(self) -> None:
         """What was committed runs to its end, which is at rest on the path; the program is over."""
         if self.program.waits:
+            if self.start.on:  # what has not begun does not begin any more
+                self.stepper.abandon()
             self._end_program(Reason.PLANNER_LOST)
             self._state.stop_cause = Reason.PLANNER_LOST
 
     def _take_piece(self, data: bytes) -> None:
         program = self.program
-        if self.stepper.state is State.IDLE and not program.met and self.measure.stands(self._inputs):
+        if self.stepper.state is State.IDLE and not program.met and not self.start.on and self.measure.stands(self._inputs):
             program.met = True  # it stands already: there is no movement (rho3 4.3)
         if program.met:
             return
@@ -260,6 +278,8 @@ class Mover:
     def step(self, inputs: InputImage) -> Sample:
         """Set values of all axes."""
         self._inputs = inputs
+        if self.start.on:
+            self.hold()
         sample = self.stepper.step()
         if self.gate.kept:
             sample = self._kept(sample)
@@ -279,16 +299,37 @@ class Mover:
         """The path begins at the set values of the axes."""
         self.stepper.place([axis.set for axis in self._axes])
 
+    def hold(self) -> None:
+        """One cycle of a part that waits for its input."""
+        if not self.program.job or self.start.step(self._inputs, self._state.sync_ns):
+            self._release()
+
+    def _release(self) -> None:
+        self.start.end()
+        self.stepper.set_override(self.override)
+
+    def store(self, actual: Sequence[float | None]) -> None:
+        """actual: (axes,) as latched at this SYNC, None where the telegram did not come."""
+        self.measure.store(actual)
+        if not self.program.job:
+            self.flying.end()
+        places = [place for place in actual if place is not None]
+        if self.flying.on and len(places) == len(actual):
+            self.flying.store(places)
+
     def _attend(self, sample: Sample) -> None:
         """What belongs to a program beside its path: outputs, the input its part ends with, the end of a part."""
         program, stepper = self.program, self.stepper
         for switch in program.passed(sample.piece_id, stepper.within):
             if isinstance(switch, FunctionAt):
                 self._call(switch.function)
+            elif isinstance(switch, FlyingAt):
+                self.flying.call(switch, self._inputs, self._state.sync_ns)
             else:
                 self._switch(switch)
         measure = self.measure
-        if measure.on and measure.look(self._inputs, self._state.sync_ns, stepper.state) and not program.met:
+        self.flying.look(self._inputs, self._state.sync_ns)
+        if measure.on and not self.start.on and measure.look(self._inputs, self._state.sync_ns, stepper.state) and not program.met:
             stepper.abandon()
             program.met = True
         if program.rests and self.free and not measure.waits:

@@ -101,6 +101,8 @@ class Part(IntEnum):
     FUNCTION = 9  # IO logic or PPO is called at a place of a piece that follows (FunctionAt)
     ALTER = 10  # an alterable part begins where the axes stand (alterrecords)
     BELT_ACT = 11  # SYNC, or a special function of belts; a part of its own (beltacts)
+    START = 12  # the part that follows begins when an input has a value (inputrecords)
+    FLYING = 13  # a probe is switched on or off at a place of a piece that follows (inputrecords)
 
 
 _PIECE = struct.Struct("=II QQ")

@@ -11,7 +11,7 @@ from motion.axes.interruptible import MOVES
 from motion.errors import MotionError
 from motion.planner.legs import told
 from motion.planner.robot import Machine
-from motion.program.blocks import Block
+from motion.program.blocks import Block, Flying
 from motion.program.errors import BlockError
 
 OUTPUTS_ARE = "programs switch RC outputs to 0 or 1, and none that axisgate itself writes (ready, drives on, in position ..)"
@@ -32,14 +32,16 @@ class OfCell:
         """Raises BlockError."""
         if not self.whole:
             self._check_stream(block, number)
-        if block.until is not None and block.until.number not in range(8 * RC_BYTES):
-            raise BlockError(f"until={block.until.number}: an RC input is needed, in a program of the cell", block=number)
+        for key, asked in (("until", block.until), ("wait", block.wait)):
+            if asked is not None and (not self.whole or asked.number not in range(8 * RC_BYTES)):
+                raise BlockError(f"{key}={asked.number}: an RC input is needed, in a program of the cell", block=number)
         try:
             self.measuring.check(block, self.mask, machine)
             for function in block.functions:
                 if not self.whole or block.synchron is not None:
-                    raise MotionError("IO logic and PPO stand in programs of the cell, outside of synchronous parts")
-                check_function(function, self.functions)
+                    raise MotionError("IO logic, PPO and measure_on stand in programs of the cell, outside of synchronous parts")
+                if not isinstance(function, Flying):
+                    check_function(function, self.functions)
         except MotionError as error:
             raise told(error, number, machine) from error
         for output in block.outputs:
@@ -54,8 +56,6 @@ class OfCell:
             raise BlockError("an alterable part stands in a program of the cell alone", block=number)
         if block.acts:
             raise BlockError("sync and belt functions stand in a program of the cell alone", block=number)
-        if block.until is not None:
-            raise BlockError(f"until={block.until.number}: an RC input is needed, in a program of the cell", block=number)
 
 
 def check_drive_on(out: int, before: Sequence[float], behind: Sequence[float], number: int, machine: Machine, mask: int) -> None:

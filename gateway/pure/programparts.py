@@ -9,12 +9,13 @@ from math import isnan
 from gateway.pure.alterrecords import FREEZE, alter_record
 from gateway.pure.beltacts import act_order, belts_after
 from gateway.pure.beltrecords import belt_block_record, synchron_record
+from gateway.pure.inputrecords import FlyingAt, StartOrder
 from gateway.pure.plannerrecords import MeasuringFacts, Part, PieceRecord, UntilInput
 from motion.frames import compose
 from motion.measure.errors import INADMISSABLE_INPUT, POINT_NOT_DEFINED, ProgramFault
 from motion.measure.inputs import InputKind, input_of
 from motion.planner.robot import Machine
-from motion.program.blocks import MEASURED, Act, Alteration, Block, JointTarget, Output, Synchron, Until
+from motion.program.blocks import MEASURED, Act, Alteration, Block, Flying, JointTarget, Output, StartWait, Synchron, Until
 from motion.program.errors import BlockError
 from motion.sync.alterable import order_of
 from motion.sync.belts import Type
@@ -45,6 +46,8 @@ class Coming:
             or block.acts
             or block.label
             or block.until is not None
+            or block.wait is not None
+            or block.target == MEASURED
             or (self.blocks and self.blocks[-1].until is not None)
         ):
             return False
@@ -108,6 +111,8 @@ def begun(block: Block, number: int, belts: Sequence[BeltFacts], machine: Machin
         return [Coming(number, alteration=block.alteration, error=error, label=label)]
     if block.until is not None:
         raise BlockError("until= has no place in a synchronous part", block=number)
+    if block.wait is not None or block.target == MEASURED:
+        raise BlockError("wait= and mpos have no place in a synchronous part", block=number)
     place = next((n for n, each in enumerate(belts) if each.name == synchron.belt), None)
     if place is None:
         known = ", ".join(each.name for each in belts) or "none"
@@ -133,6 +138,12 @@ def told(error: BlockError, blocks: int) -> BlockError:
     return BlockError(error.what, code=error.code, block=error.block + blocks, axis=error.axis, source=error.source)
 
 
+def apart(block: Block) -> bool:
+    """Whether a block begins a part of its own wherever it stands."""
+    asks = block.until is not None or block.wait is not None or block.target == MEASURED
+    return asks or bool(block.synchron or block.alteration or block.acts)
+
+
 @dataclass
 class Measuring:
     """@MPOS for a program of a cell: what a block's input is, and where the axes of `mask` were at its edge.  channels: of the cell."""
@@ -150,11 +161,38 @@ class Measuring:
             raise ProgramFault(INADMISSABLE_INPUT, f"channel {until.channel}; this cell has {known} ([[measuring]])")
         return UntilInput(facts.input, until.value, facts.mask & mask, asked.by_edge)
 
+    def start(self, wait: StartWait) -> StartOrder:
+        """Raises ProgramFault inadmissable input for what is no high-speed input of the cell."""
+        if not wait.channel:
+            return StartOrder(wait.number, wait.value, wait.delay)
+        return StartOrder(self._wire(wait.channel, InputKind.HIGH_SPEED).input, wait.value, wait.delay)
+
+    def flying(self, piece: int, after: float, call: Flying, mask: int) -> FlyingAt:
+        """Raises ProgramFault inadmissable input for what is no probe of the cell."""
+        wire = self._wire(call.channel, InputKind.PROBE)
+        return FlyingAt(piece, after, call.channel, wire.input, wire.mask & mask, call.edge)
+
+    def _wire(self, channel: int, kind: InputKind) -> MeasuringFacts:
+        facts = self.channels.get(channel)
+        if facts is None or input_of(channel).kind is not kind:
+            known = ", ".join(f"ch{each}" for each in sorted(self.channels) if input_of(each).kind is kind) or "none"
+            word = "high-speed inputs" if kind is InputKind.HIGH_SPEED else "probes"
+            raise ProgramFault(INADMISSABLE_INPUT, f"channel {channel}; {word} of this cell: {known} ([[measuring]])")
+        return facts
+
     def check(self, block: Block, mask: int, machine: Machine) -> None:
         """Before anything moves: what the block measures is there, and what it reads will have been measured."""
         if block.target == MEASURED and mask & ~self.last:
             missing = next(n for n in range(machine.axes) if (mask & ~self.last) >> n & 1)
-            raise BlockError(f"{POINT_NOT_DEFINED}: @MPOS is measured by a block with until= before this one", axis=machine.name(missing))
+            raise BlockError(
+                f"{POINT_NOT_DEFINED}: @MPOS is measured by until= or measure_on before this block", axis=machine.name(missing)
+            )
+        if block.wait is not None:
+            self.start(block.wait)
+        for call in block.functions:
+            if isinstance(call, Flying):
+                stored = self.flying(0, 0.0, call, mask).mask
+                self.last = self.last if call.edge is None else stored
         if block.until is not None:
             self.last = self.wanted(block.until, mask).mask
 

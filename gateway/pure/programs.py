@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 
 from gateway.pure.beltacts import act_order, act_record, belts_after, sets_type
 from gateway.pure.coreoutputs import Places
+from gateway.pure.inputrecords import flying_record, start_record
 from gateway.pure.plannerrecords import (
     AHEAD,
     VOID,
@@ -28,13 +29,13 @@ from gateway.pure.plannerrecords import (
     until_record,
 )
 from gateway.pure.programchecks import OfCell, check_drive_on
-from gateway.pure.programparts import Coming, Measuring, acting, begun, told
+from gateway.pure.programparts import Coming, Measuring, acting, apart, begun, told
 from motion.errors import MotionError
 from motion.planner.marks import check_outputs
 from motion.planner.planner import Planner
 from motion.planner.robot import Machine
 from motion.planner.route import Route
-from motion.program.blocks import Act, Block
+from motion.program.blocks import Act, Block, Flying
 from motion.program.errors import BlockError, TextError
 from motion.program.factors import FULL, Factors
 from motion.program.text import Reader
@@ -186,9 +187,9 @@ class Programs:
             self._add(planner, block)
 
     def _add(self, planner: Planner, block: Block) -> None:
-        """A block that ends with an input, and a part on a belt, are parts of their own: where the next one begins is known only then.
-        What comes after is tried as if the part had reached its target, with the belt where it was programmed."""
-        if self._trial is None and block.until is None and block.synchron is None and block.alteration is None and not block.acts:
+        """A block that ends with an input, waits for one or goes to @MPOS, and a part on a belt, are parts of their own: where they begin
+        or end is known only then.  What comes after is tried as if the part had reached its target, the belt where it was programmed."""
+        if self._trial is None and not apart(block):
             before = planner.standing
             planner.add(block)
             check_drive_on(self._off, before, planner.standing, len(self._line_of), planner.machine, self.mask_of(planner.machine))
@@ -218,6 +219,7 @@ class Programs:
         if self._trial is None:
             planner.finish()
             self._trial, self._tried = Route(planner.machine, planner.standing), blocks
+            self._trial.assume_measured()  # whether anything is measured by then is looked at by itself (OfCell)
         return self._trial
 
     def _acting(self, acts: Sequence[Act], number: int, label: str = "") -> None:
@@ -292,6 +294,8 @@ class Programs:
         if until is not None:
             wanted = self._measuring.wanted(until, self.mask_of(planner.machine))
             self._out.append(until_record(job, generation, wanted))
+        if blocks[0].wait is not None:
+            self._out.append(start_record(job, generation, self._measuring.start(blocks[0].wait)))
 
     def _places(self, planner: Planner) -> list[float | None]:
         """@MPOS of the robot's axes."""
@@ -420,7 +424,10 @@ class Programs:
             self._begins[made.id] = begins[made.id]
             self._last_id, self._spare = made.id, made.id + 1
             for _, after, number, value, function in (mark for mark in marks if mark.piece == made.id):
-                if function is not None:
+                if isinstance(function, Flying):
+                    order = self._measuring.flying(made.id, after, function, self.mask_of(planner.machine))
+                    self._out.append(flying_record(job, self.generation, order))
+                elif function is not None:
                     self._out.append(function_record(job, self.generation, FunctionAt(made.id, after, function)))
                 else:
                     self._out.append(switch_record(job, self.generation, SwitchAt(made.id, after, number, value != 0.0)))

@@ -105,9 +105,13 @@ class Route:
         """The next block; its number, counted from 1.  Raises BlockError."""
         number = self._now.number + 1
         self._guarded(number, lambda: self._add(number, self._resolved(block)))
-        if block.until is not None:
-            self._now.measured = self._now.standing
+        if block.measures:
+            self.assume_measured()
         return number
+
+    def assume_measured(self) -> None:
+        """@MPOS, as long as nobody knows better: where the axes will be after everything that was added."""
+        self._now.measured = self._now.standing
 
     def _resolved(self, block: Block) -> Block:
         if block.target != MEASURED:

@@ -16,6 +16,7 @@ from motion.timing.limits import FREE, Cap, LawLimits, law_limits
 
 WAY, TURNING = -2, -1
 FLYBY_STEPS = 8  # of the speed along a corner with v_flyby
+RATE_STEP = 1e-3  # of a corner, to either side of the place its rate is taken at
 
 
 @dataclass(frozen=True)
@@ -114,7 +115,7 @@ def caps_of(stretch: Stretch, start: float, machine: Machine, factors: Factors) 
         middle = 0.5 * (start + end)
         if stretch.source.blend.flyby is not None and _both_speeds(stretch) is not None:
             found = [cap for cap in found if cap.column != WAY or not math.isfinite(cap.speed)]
-            found += _flyby(stretch, start, end, factors)
+            found += _flyby(stretch, start, end, machine, factors)
             found += [cap for cap in _block_caps(stretch, stretch.following, middle, end, machine, factors) if cap.column != WAY]
         else:
             found += _block_caps(stretch, stretch.following, middle, end, machine, factors)
@@ -157,7 +158,7 @@ def _both_speeds(stretch: Stretch) -> tuple[float, float] | None:
     return None if one is None or two is None else (one, two)
 
 
-def _flyby(stretch: Stretch, start: float, end: float, factors: Factors) -> list[Cap]:
+def _flyby(stretch: Stretch, start: float, end: float, machine: Machine, factors: Factors) -> list[Cap]:
     """Reis: (v1 + v2) / 2 * _IV_FLYBY_S / 100 in the middle of the corner, straight to the speeds of both blocks at its ends."""
     both, share = _both_speeds(stretch), stretch.source.blend.flyby
     assert both is not None and share is not None
@@ -170,5 +171,15 @@ def _flyby(stretch: Stretch, start: float, end: float, factors: Factors) -> list
         speed = max(middle + (side - middle) * edge for edge in edges)
         if k in (FLYBY_STEPS // 2 - 1, FLYBY_STEPS // 2):
             speed = middle
+        speed /= _rate(stretch, machine, (k + 0.5) / FLYBY_STEPS if speed != middle else 0.5)
         caps.append(Cap(start + k * step, start + (k + 1) * step, WAY, speed * factors.velocity))
     return caps
+
+
+def _rate(stretch: Stretch, machine: Machine, share: float) -> float:
+    """Way of the tool for each of the path's own (AX-380): a corner's parameter is its way only nearly."""
+    near = stretch.path.length * np.array([share - RATE_STEP, share + RATE_STEP])
+    a, b = (machine.kinematics.forward([float(v) for v in q[: machine.arm]]) for q in stretch.path.at(near))
+    tool = stretch.source.tool.pose
+    made = math.dist((a @ tool).position, (b @ tool).position) / float(near[1] - near[0])
+    return made if made > 0.0 else 1.0

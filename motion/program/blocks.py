@@ -139,6 +139,25 @@ class Until:
 
 
 @dataclass(frozen=True, slots=True)
+class StartWait:
+    """Fast start-off, WAIT UNTIL directly before the movement: it begins when the input has the value, `delay` (s, MAX_TIME) later.
+    channel: a high-speed input 6xy, 0: the RC input `number`."""
+
+    number: int
+    value: bool = True
+    channel: int = 0
+    delay: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Flying:
+    """Flying measurement where the block begins, the axes go on: rho 3 SF 43 MEASURE_ON with its edge, SF 44 MEASURE_OFF (None)."""
+
+    channel: int  # probe 6x0
+    edge: bool | None = True
+
+
+@dataclass(frozen=True, slots=True)
 class Synchron:
     """A belt-synchronous part (rho 3 SYNCHRON .. SYNCHRON_END): its blocks all hold this one.  at: belt value (m or rad) it begins
     at, None: at once; number: of the part in its program, so that two parts on one belt stay two."""
@@ -225,8 +244,9 @@ class Block:
     slope: Slope = Slope.PROGRAM
     curving: Curving = Curving()
     outputs: tuple[Output, ...] = ()
-    functions: tuple[Function, ...] = ()
+    functions: tuple[Function | Flying, ...] = ()
     until: Until | None = None
+    wait: StartWait | None = None
     synchron: Synchron | None = None
     on_belt: OnBelt | None = None
     alteration: Alteration | None = None
@@ -234,6 +254,11 @@ class Block:
     label: str = ""  # in front of it
     acts: tuple[Act, ...] = ()  # of belts, done at rest before it
     line: int = field(default=0, compare=False)  # of the program text; 0: none
+
+    @property
+    def measures(self) -> bool:
+        """@MPOS may be another one behind it."""
+        return self.until is not None or any(isinstance(call, Flying) and call.edge is not None for call in self.functions)
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,6 +18,7 @@ from motion.program.blocks import (
     Blend,
     Block,
     Curving,
+    Flying,
     Frame,
     Interpolation,
     JointTarget,
@@ -32,6 +33,7 @@ from motion.program.blocks import (
 )
 from motion.program.errors import TextError, TextFaults
 from motion.program.textalter import AlterParts
+from motion.program.textinputs import HEADS, flying_of, wait_of
 from motion.program.textvalues import CALLS, call_of, filled, function_of, length_of, outputs_of, placed, sync_of, until_of
 from motion.program.textwords import Fault as _Fault
 from motion.program.textwords import key as _key
@@ -67,7 +69,7 @@ class Reader:
     label: str = ""  # in front of the next block
     errors: list[tuple[int, str, int]] = field(default_factory=list)  # line, label, number of the block that names it
     count: int = 0  # blocks so far
-    functions: tuple[Function, ...] = ()  # in front of the next block
+    functions: tuple[Function | Flying, ...] = ()  # in front of the next block
     acts: tuple[Act, ...] = ()  # in front of the next block, or behind the last one
 
     @property
@@ -100,7 +102,9 @@ class Reader:
             if self.labels.get(name, -1) < block:
                 raise TextError(line, "error", f"label {name} does not stand behind the block")
         if self.functions:
-            raise TextError(0, "ppo" if self.functions[0].ppo else "iol", "begins with a block, and none follows")
+            first = self.functions[0]
+            name = "measure_on" if isinstance(first, Flying) else "ppo" if first.ppo else "iol"
+            raise TextError(0, name, "begins with a block, and none follows")
 
     # ---- statements --------------------------------------------------------------------------------------------------
     def line(self, words: list[str], number: int) -> None:
@@ -118,6 +122,8 @@ class Reader:
                 self.synchron(head, rest)
             case "iol" | "ppo":
                 self.functions = (*self.functions, function_of(head, rest))
+            case _ if head in HEADS:
+                self.functions = (*self.functions, flying_of(head, rest))
             case "alter":
                 self.altered.begin(rest, self.tools, self.frames)
             case "alter_end":
@@ -286,6 +292,7 @@ class Reader:
             outputs=outputs_of(keys.get("out", "")),
             functions=self.functions,
             until=until_of(keys),
+            wait=wait_of(keys),
             synchron=self.part,
             on_belt=self.on_belt(keys),
             alteration=self.altered.part,
@@ -313,9 +320,11 @@ class Reader:
 
 BIG = textkeys.BIG
 HEADINGS = ("program", "robot", "angles", "axes", "start")
-OTHERS = ("tool", "frame", "point", "set", "synchron", "synchron_end", "alter", "alter_end", "sync", *CALLS, "label", "iol", "ppo")
+PARTS = ("synchron", "synchron_end", "alter", "alter_end", "sync", *CALLS)
+OTHERS = ("tool", "frame", "point", "set", *PARTS, "label", "iol", "ppo", *HEADS)
 STATEMENTS = (*HEADINGS, *OTHERS, *MOVES)
-ONCE = ("config", "extra", "out", "until", "error", "time", "weight", "belt", "camin", "camout", "freeze")  # of one block alone
+ACTING = ("out", "until", "error", "wait", "delay", "belt", "camin", "camout", "freeze")
+ONCE = ("config", "extra", *ACTING, "time", "weight")  # of one block alone
 
 
 def read(text: str) -> Program:

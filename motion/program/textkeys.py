@@ -76,6 +76,8 @@ OTHERS = {
     "freeze": "yes, in an alterable part: from the end of this block on the correction stays as it is",
     "until": "NUMBER or !NUMBER: the block ends when this input is 1 (0); ch610, !ch611: a measuring input",
     "error": "label the program goes on at when the input of until= never had its value",
+    "wait": "NUMBER, !NUMBER, ch611: the block begins when this input is 1 (0): fast start-off",
+    "delay": "s: so long after the input of wait= the block begins",
 }
 NUMBERS = {key.name: key for key in KEYS}
 WORDS = {choice.name: choice for choice in CHOICES}

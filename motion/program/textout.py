@@ -13,7 +13,7 @@ from motion.frames import Pose
 from motion.kinematics.base import FREE, Configuration
 from motion.outputs.function import Function
 from motion.program import textalter, textkeys
-from motion.program.blocks import MEASURED, Act, Alteration, BeltCall, Blend, Block, Frame, JointTarget, Program, Synchron, Tool
+from motion.program.blocks import MEASURED, Act, Alteration, BeltCall, Blend, Block, Flying, Frame, JointTarget, Program, Synchron, Tool
 from motion.program.textvalues import CALLED
 from motion.units import from_si
 
@@ -105,7 +105,9 @@ def _act(act: Act) -> str:
     return f"sync {act.belt} {'>=' if act.at_least else '<='} {_plain(act.limit * 1e3)}mm"
 
 
-def _function(call: Function) -> str:
+def _function(call: Function | Flying) -> str:
+    if isinstance(call, Flying):
+        return f"measure_off ch{call.channel}" if call.edge is None else f"measure_on ch{call.channel} edge={int(call.edge)}"
     numbers = (call.number, call.kinematic, call.coordinate, call.position, call.value, call.time_ms)
     return " ".join(["ppo" if call.ppo else "iol", *map(_plain, numbers)])
 
@@ -139,6 +141,10 @@ def _keys(block: Block, units: tuple[str, ...]) -> list[str]:
         until = block.until
         found.append(f"until={'' if until.value else '!'}{f'ch{until.channel}' if until.channel else until.number}")
         found += [f"error={until.error}"] if until.error else []
+    if block.wait is not None:
+        wait = block.wait
+        found.append(f"wait={'' if wait.value else '!'}{f'ch{wait.channel}' if wait.channel else wait.number}")
+        found += [f"delay={_plain(wait.delay)}"] if wait.delay else []
     return found
 
 

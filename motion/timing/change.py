@@ -27,7 +27,7 @@ HEAVY = 4.0  # times the least room for c that an axis has: more, and it counts 
 CALM = 0.4  # of the largest u where the path is to go faster: nobody waits for it
 PROBE = 0.1  # of the largest u, for a look at places where v is smaller
 RESERVE = 0.06  # of the jerk limit, kept for what was not foreseen
-TRUST = 0.5  # of a new way in what is foreseen: two of them would answer one another
+TRUST = 0.5  # of both the new way and the one before in what is foreseen: two new ones would answer one another
 SPARE = 1.05  # ways to land are taken so much longer: they are foreseen, not known
 BOLD = 0.4  # of a new way deeper than the foreseen one: what an axis that is about to turn back will bear is known late
 STIFF = 0.8  # of v a period: more does its own jerk not take away
@@ -35,15 +35,33 @@ SHARES = np.linspace(0.0, 1.0, 5)  # of the range of c, tried for the landing
 
 
 class _Rise(NamedTuple):
-    """v at every place, had it started at 0 and risen as fast as the jerks allow: scale * sum; any other start: scale * (sum + start)."""
+    """v at place 1 and behind it: scale * (sum + v at place 1 / first) where it rises as fast as the jerks allow."""
 
     scale: Array
     sum: Array
+    first: float
 
     def back(self, v: float) -> Array:
         """From v at place 1 on; 0 once it is reached."""
-        scale, total = self.scale, self.sum
-        return np.asarray(np.minimum((total[1:] - total[1] + v / scale[1]) * scale[1:], 0.0))
+        way = self.sum + v / self.first
+        way *= self.scale
+        return np.minimum(way, 0.0, out=way)
+
+    def ways(self, tried: Array) -> Array:
+        """The same from each of some v: the sums of v over all places, place 1 by half."""
+        ways = self.sum + tried[:, None] / self.first
+        ways *= self.scale
+        np.minimum(ways, 0.0, out=ways)
+        return np.asarray(np.add.reduce(ways, axis=1) - 0.5 * ways[:, 0])
+
+
+class _Bounds(NamedTuple):
+    """Lowest v by the accelerations, lowest c (as change of v) by the jerks; v had it started at 0 and risen: scale * sum."""
+
+    lowest: Array
+    falls: Array
+    scale: Array
+    sum: Array
 
 
 class Change:
@@ -73,31 +91,49 @@ class Change:
         """c for this period, from tau, omega and u, towards the wanted omega."""
         if self._count == 0:
             self._begin(u)
-        dt, seen = self._dt, self._foreseen
+        dt, seen, braking = self._dt, self._foreseen, abs(w) > abs(wanted)
         seen[0] = u
         flip = 1.0 if w > wanted or (w == wanted and u > 0.0) else -1.0
-        omega = np.maximum(np.minimum(self._summing @ seen + w, max(w, wanted)), min(w, wanted))
+        omega = self._summing @ seen
+        omega += w
+        np.minimum(omega, max(w, wanted), out=omega)
+        np.maximum(omega, min(w, wanted), out=omega)
+        taus = self._placing @ omega
+        taus += tau
         v0 = flip * u
-        lowest, falls, rise = self._bounds(self._placing @ omega + tau, omega, flip * seen, flip, abs(w) > abs(wanted))
-        scale, total = rise
-        base = scale * (np.maximum.accumulate((lowest / scale - total)[::-1])[::-1] + total)
-        least = min(max(base.item(1), v0 + falls.item(0) * dt), 0.0) if v0 <= 0.0 else v0 + falls.item(0) * dt
-        if self._steady and abs(w) > abs(wanted):
+        lowest, falls, scale, total = self._bounds(taus, omega, flip * seen, flip, braking)
+        base = lowest / scale
+        base -= total
+        least = v0 + falls.item(0) * dt
+        if v0 <= 0.0:  # from the lowest v of place 1 every place behind can still be met
+            first = scale.item(1) * (float(np.maximum.reduce(base[1:])) + total.item(1))
+            least = min(max(first, least), 0.0)
+        if self._steady and braking:
             foreseen = flip * seen.item(1)
             least = max(least, foreseen + BOLD * (least - foreseen)) if least < foreseen else least
         self._steady = True
         highest = max(scale.item(1) * (total.item(1) + v0), v0 - self._most_c * dt)
+        rise = _Rise(scale[1:], total[1:] - total.item(1), scale.item(1))
         first, back = self._landing(flip * (w - wanted), v0, least, highest, rise)
         first = min(first, highest + self._reserve * dt)
         if back is not None:
-            way = np.concatenate([[v0], back])
+            way = np.empty(len(seen))
+            way[1:] = back
         else:
+            backwards = base[::-1]
+            np.maximum.accumulate(backwards, out=backwards)
+            base += total
+            base *= scale
             down = self._before @ falls
-            way = np.minimum(base, 0.0) - down
+            way = np.minimum(base, 0.0, out=base)
+            way -= down
             way[0] = v0
-            way = np.maximum.accumulate(way) + down
-        way[1] = first
-        self._keep(flip * way, dt)
+            np.maximum.accumulate(way, out=way)
+            way += down
+        way[0], way[1] = v0, first
+        if flip < 0.0:
+            np.negative(way, out=way)
+        self._keep(way, dt)
         return flip * (first - v0) / dt
 
     def _begin(self, u: float) -> None:
@@ -123,7 +159,8 @@ class Change:
         self._dt = dt = max(h, ahead / PLACES)
         count = ceil(ahead / dt) + 2
         self._places = count
-        self._tables = np.empty((7, self._track.columns, count))
+        self._sides, self._chords, self._gain = (np.empty((*parts, self._track.columns, count)) for parts in ((4,), (2,), ()))
+        self._scale, self._sum = np.ones(count), np.zeros(count)
         self._before = dt * np.tri(count, k=-1)
         self._summing = 0.5 * dt * (np.tri(count, k=-1) + np.tri(count))
         self._summing[:, 0] -= 0.5 * dt
@@ -132,98 +169,116 @@ class Change:
 
     def _keep(self, way: Array, dt: float) -> None:
         """The way as it is seen a period later."""
-        mean = TRUST * way
-        mean += (1.0 - TRUST) * self._foreseen
-        mean[:2] = way[:2]
+        mean = self._foreseen
+        mean += way
+        mean *= TRUST
+        mean[0], mean[1] = way.item(0), way.item(1)
         if dt == self._h:
-            seen = np.empty(len(way))
-            seen[:-1] = mean[1:]
-            seen[-1] = 0.0
+            mean[:-1] = mean[1:]
+            mean[-1] = 0.0
         else:
-            share = self._h / dt
-            seen = mean
-            seen[:-1] += share * (mean[1:] - mean[:-1])
-        self._foreseen = seen
+            mean[:-1] += (self._h / dt) * (mean[1:] - mean[:-1])
 
-    def _bounds(self, taus: Array, omega: Array, v: Array, flip: float, braking: bool) -> tuple[Array, Array, _Rise]:
-        """Lowest v by the accelerations; lowest and highest c (as change of v) by the jerks.
-
-        taus: of the places, then of the middles of the periods that begin there: c is that of a period.
-        """
-        count = len(v)
-        rows = self._track.at(taus)  # (parts, columns, places)
-        here, rows = rows[:, :, :count], rows[:, :, count:]
-        bound, lean, gain, steady, pull, above, below = (
-            self._tables
-        )  # columns first, in one run of memory: so minima over columns are quick
-        np.multiply(here[Part.BEND], flip * omega * omega, out=bound)
-        bound += here[Part.REACH]
-        lowest = np.maximum(-bound.min(axis=0), -self._most_u * (1.0 if braking else CALM))
+    def _bounds(self, taus: Array, omega: Array, v: Array, flip: float, braking: bool) -> _Bounds:
+        """taus: of the places, then of the middles of the periods that begin there: c is that of a period."""
         v0 = v.item(0)
-        v = np.minimum(v, -self._probe) if v0 <= 0.0 else np.where(v > 0.0, v, np.minimum(v, -self._probe))
-        middle = omega + (0.5 * self._h * flip) * v
-        np.multiply(rows[Part.LEAN], middle, out=lean)
-        np.multiply(lean, 0.5 * self._h, out=gain)
-        gain += 1.0  # c changes v, and v the jerk, while the period lasts
-        np.multiply(rows[Part.TWIST], flip * middle * middle * middle, out=steady)
-        steady /= gain
-        lean *= v
-        lean /= gain
-        np.absolute(gain, out=gain)
-        np.divide(rows[Part.PULL], gain, out=pull)
-        np.subtract(pull, steady, out=above)
-        np.add(pull, steady, out=below)
-        idle, foot = above.min(axis=0), below.min(axis=0)
-        above -= lean
-        below += lean
-        rises, falls = above.min(axis=0), -below.min(axis=0)
-        free = idle + foot
-        tight, soft = float(pull[:, 0].min()), pull[:, 0].copy()
-        # both ends of what c may be are bent towards one another with growing |v|: chords from v = 0 to the v foreseen are on the safe side
-        room = rises - falls
-        edge = v * free / np.maximum(free - room, 1e-9 * free)
-        further = (
-            np.maximum(np.minimum(edge, 0.0), -self._most_u) / v - 1.0
-        )  # beyond the v foreseen the chord is not safe: looked at again there
-        np.multiply(lean, further, out=gain)
-        np.subtract(above, gain, out=pull)
-        gain += below
-        spare = pull.min(axis=0) + gain.min(axis=0)
-        deep = (further > 0.0) & (spare < 0.0)
-        edge = np.where(deep, v * (1.0 + further * room / np.maximum(room - spare, 1e-9 * free)), edge)
-        lowest = np.maximum(lowest, np.minimum(edge, 0.0))
+        lower = np.minimum(v, -self._probe)
+        v = lower if v0 <= 0.0 else np.where(v > 0.0, v, lower)
+        here, rows = self._track.around(taus, len(v))  # (parts, columns, places), our own
+        lowest = self._braked(here, omega, flip, braking)
+        middle = (0.5 * self._h * flip) * v
+        middle += omega
+        idle, foot, rises, falls = self._reach(rows, middle, v, flip)
+        pull, lean, sides = rows[0], rows[1], self._sides
+        room, free = rises + falls, idle + foot
+        np.negative(falls, out=falls)
+        np.maximum(lowest, self._edge(room, free, v, lean), out=lowest)
         lowest[-1] = 0.0
-        slope = (idle - rises) / v  # the more v is below that place the slower it rises
+        slope = idle - rises
+        slope /= v  # the more v is below that place the slower it rises
         if 0.0 >= v0 > v.item(0):
             share = v0 / v.item(0)
-            falls[0] = share * falls[0] - (1.0 - share) * foot[0]
+            falls[0] = share * falls.item(0) - (1.0 - share) * foot.item(0)
+        tight = min(pull[:, 0].tolist())
         if room.item(0) < 0.0:  # an axis that turns back can hardly be helped by c: the others decide
-            heavy = soft <= HEAVY * tight
-            rises[0], falls[0] = above[heavy, 0].min(), -below[heavy, 0].min()
+            heavy = pull[:, 0] <= HEAVY * tight
+            rises[0], falls[0] = sides[2, heavy, 0].min(), -sides[3, heavy, 0].min()
         self._reserve = RESERVE * tight
-        most = self._most_c
-        rises, falls = np.minimum(rises, most), np.maximum(falls, -most)
+        np.minimum(rises, self._most_c, out=rises)
+        np.maximum(falls, -self._most_c, out=falls)
         self.room = min(rises.item(1), -falls.item(1))
-        return lowest, falls, self._rise(rises, slope, v)
+        return _Bounds(lowest, falls, *self._risen(rises, slope, v))
 
-    def _rise(self, rises: Array, slope: Array, v: Array) -> _Rise:
+    def _braked(self, here: Array, omega: Array, flip: float, braking: bool) -> Array:
+        """Lowest v by the accelerations; `here` is used up."""
+        bound = here[Part.BEND]
+        bound *= omega * omega if flip > 0.0 else -omega * omega
+        bound += here[Part.REACH]
+        lowest: Array = np.minimum.reduce(bound, axis=0)
+        np.negative(lowest, out=lowest)
+        return np.maximum(lowest, -self._most_u * (1.0 if braking else CALM), out=lowest)
+
+    def _reach(self, rows: Array, middle: Array, v: Array, flip: float) -> Array:
+        """How far c may rise and fall with v = 0, then with the v foreseen: (4, places).  rows: PULL, LEAN, TWIST become what they are
+        for c in a whole period, with the v foreseen; the columns stay in `_sides`."""
+        pull, lean, steady = rows
+        lean *= middle
+        gain = self._gain
+        np.multiply(lean, 0.5 * self._h, out=gain)
+        gain += 1.0  # c changes v, and v the jerk, while the period lasts
+        lean *= v
+        steady *= flip * middle * middle * middle
+        rows[1:] /= gain
+        np.absolute(gain, out=gain)
+        pull /= gain
+        sides = self._sides
+        np.subtract(pull, steady, out=sides[0])
+        np.add(pull, steady, out=sides[1])
+        np.subtract(sides[0], lean, out=sides[2])
+        np.add(sides[1], lean, out=sides[3])
+        return np.asarray(np.minimum.reduce(sides, axis=1))  # minima over columns: in one run of memory, so they are quick
+
+    def _edge(self, room: Array, free: Array, v: Array, lean: Array) -> Array:
+        """Lowest v by the jerks.  Both ends of what c may be are bent towards one another with growing |v|: chords from v = 0 to the v
+        foreseen are on the safe side."""
+        least = 1e-9 * free
+        edge = v * free
+        edge /= np.maximum(free - room, least)
+        further = np.minimum(edge, 0.0)
+        np.maximum(further, -self._most_u, out=further)
+        further /= v
+        further -= 1.0  # beyond the v foreseen the chord is not safe: looked at again there
+        gain, (above, below) = self._gain, self._chords
+        np.multiply(lean, further, out=gain)
+        np.subtract(self._sides[2], gain, out=above)
+        np.add(self._sides[3], gain, out=below)
+        spare = np.add(*np.minimum.reduce(self._chords, axis=1))
+        if np.minimum.reduce(spare) < 0.0:
+            deep = (further > 0.0) & (spare < 0.0)
+            np.copyto(edge, v * (1.0 + further * room / np.maximum(room - spare, least)), where=deep)
+        return np.minimum(edge, 0.0, out=edge)
+
+    def _risen(self, rises: Array, slope: Array, v: Array) -> tuple[Array, Array]:
         """v rises by (rises + slope * (seen v - v)) * dt from place to place."""
-        dt = self._dt
-        kept = np.minimum(np.maximum(dt * slope, -STIFF), STIFF)
-        scale, total = np.ones(len(v)), np.zeros(len(v))
-        np.cumprod((1.0 - kept)[:-1], out=scale[1:])
-        np.cumsum((dt * rises + kept * v)[:-1] / scale[1:], out=total[1:])
-        return _Rise(scale, total)
+        dt, scale, total = self._dt, self._scale, self._sum  # their first ones stay 1 and 0
+        kept = dt * slope
+        np.minimum(kept, STIFF, out=kept)
+        np.maximum(kept, -STIFF, out=kept)
+        rises = dt * rises
+        rises += kept * v
+        np.multiply.accumulate((1.0 - kept)[:-1], out=scale[1:])
+        np.add.accumulate(rises[:-1] / scale[1:], out=total[1:])
+        return scale, total
 
     def _landing(self, left: float, v0: float, least: float, highest: float, rise: _Rise) -> tuple[float, Array | None]:
         """The lowest v after this period, at least `least`, from which the wanted omega is not overshot; the way on where that decides."""
-        dt = self._dt
-        left /= SPARE
-        back = rise.back(least)
-        if -dt * (float(back.sum()) - 0.5 * back.item(0)) - 0.5 * dt * (v0 + least) <= left:
-            return least, None
+        half, left = 0.5 * self._dt, left / SPARE
         tried = least + SHARES * max(highest - least, 0.0)
-        backs = np.minimum((rise.sum[1:] - rise.sum[1] + tried[:, None] / rise.scale[1]) * rise.scale[1:], 0.0)
-        ways = -dt * (backs.sum(axis=1) - 0.5 * backs[:, 0]) - 0.5 * dt * (v0 + tried)
-        first = float(np.interp(-left, -ways, tried))
-        return first, rise.back(first)
+        low, way = 0.0, 0.0
+        for k, (v, behind) in enumerate(zip(tried.tolist(), rise.ways(tried).tolist(), strict=True)):
+            before, way = way, -self._dt * behind - half * (v0 + v)
+            if way <= left:
+                first = v if k == 0 else low + (v - low) * (before - left) / (before - way)
+                return first, rise.back(first) if k else None
+            low = v
+        return low, rise.back(low)

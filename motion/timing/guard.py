@@ -20,9 +20,10 @@ def correction(rows: Iterable[Row], period_s: float) -> float:
     shares: list[tuple[float, float]] = []
     beyond = False
     for q, slope, one, two, three, accel, jerk in rows:
-        third, second = (q - 3.0 * (one - two) - three) / (h3 * jerk * JERK_MOST), (q - 2.0 * one + two) / (h * h * accel * ACCEL_MOST)
+        most_j, most_a = jerk * JERK_MOST, accel * ACCEL_MOST
+        third, second = (q - 3.0 * (one - two) - three) / (h3 * most_j), (q - 2.0 * one + two) / (h * h * most_a)
         beyond = beyond or not (-1.0 <= third <= 1.0 and -1.0 <= second <= 1.0)
-        shares += ((third, slope / (jerk * JERK_MOST)), (second, h * slope / (accel * ACCEL_MOST)))
+        shares += ((third, slope / most_j), (second, h * slope / most_a))
     return _nearest(shares) if beyond else 0.0
 
 

@@ -24,6 +24,7 @@ ACCEL_TOP, JERK_TOP = 1.0165, 1.07  # shares of the limits allowed while omega c
 LEAST = 1e-9  # s or s^2: q' over its limit; below it the column says nothing about u or c
 FREE = 1e8  # a limit above it is none
 VIEW = 240  # rows kept in view beside those asked for
+NEXT = 120  # rows from the end of the view at which a steady period already looks further
 STILL = 1e-9  # shares of the limits below which the path itself stands: omega may be anything
 
 
@@ -38,10 +39,14 @@ class Part(IntEnum):
 
 
 class Rows(NamedTuple):
-    """Of one piece: table[0] is row `first` of the track."""
+    """Of one piece: table[:, :, 0] is row `first` of the track; (parts, columns, rows)."""
 
     first: int
     table: NDArray[np.float32]
+
+    @property
+    def size(self) -> int:
+        return len(self.table[0, 0])
 
 
 class Track:
@@ -55,13 +60,14 @@ class Track:
         self._tables: deque[Rows] = deque()
         self._firsts: deque[int] = deque()  # of the tables: each holds from there to where the next one begins
         self._seen: Array = np.zeros((len(Part), columns, 0))  # rows _from .. _to, as (parts, columns, rows)
+        self._resting: list[bool] = []  # of these rows: the path itself stands
         self._from = self._to = 0
         self._inverse = 1.0 / step
 
     @property
     def count(self) -> int:
         """One more than the number of the last row."""
-        return self._tables[-1].first + len(self._tables[-1].table) if self._tables else 0
+        return self._tables[-1].first + self._tables[-1].size if self._tables else 0
 
     def append(self, rows: "Rows") -> None:
         """Rows that `prepared` made for what comes next."""
@@ -101,8 +107,8 @@ class Track:
         going = [one for one in before if one.mask == piece.mask] if before and before[0].mask == piece.mask else []
         first = max(int((begin - h if going else begin) / self.step + 1), 0) if begin > 0.0 else 0
         grid: Array = (np.arange(first, int((begin + piece.duration) / self.step) + 1, dtype=np.float64) + 0.5) * self.step - begin
-        table = np.zeros((len(grid), len(Part), self.columns), dtype=np.float32)
-        table[:, Part.REACH], table[:, Part.PULL] = ACCEL_TOP / LEAST, JERK_TOP / LEAST
+        table = np.zeros((len(Part), self.columns, len(grid)), dtype=np.float32)
+        table[Part.REACH], table[Part.PULL] = ACCEL_TOP / LEAST, JERK_TOP / LEAST
         if len(grid) == 0:
             return Rows(first, table)
         accel, jerk = np.array(piece.accel), np.array(piece.jerk)
@@ -122,21 +128,33 @@ class Track:
             Part.TWIST: sign * third / jerk / by_jerk,
         }
         for part, values in found.items():
-            table[:, part, list(where)] = values
+            table[part, list(where)] = values.T
         return Rows(first, table)
 
-    def at(self, tau: Array) -> Array:
-        """(parts, columns, n); beyond the ends the first or last row."""
+    def around(self, tau: Array, places: int) -> tuple[Array, Array]:
+        """REACH and BEND at the first `places` of these times, PULL, LEAN and TWIST at the others: (parts, columns, n), copies; beyond
+        the ends the first or last row."""
         index = (tau * self._inverse).astype(np.intp)
-        low, high = int(index.min()), int(index.max())
-        if (low < self._from and low >= self._firsts[0]) or high >= self._to:
-            self._look(low, high)
-        return self._seen.take(index - self._from, axis=2, mode="clip")
+        self._show(int(np.minimum.reduce(index)), int(np.maximum.reduce(index)))
+        index -= self._from
+        here, rows = self._seen[: Part.PULL], self._seen[Part.PULL :]
+        return here.take(index[:places], axis=2, mode="clip"), rows.take(index[places:], axis=2, mode="clip")
 
     def stands(self, tau: float) -> bool:
         """The path itself rests there."""
-        row = self.at(np.array([tau]))[:, :, 0]
-        return bool((row[Part.REACH] >= ACCEL_TOP / LEAST * (1 - 1e-6)).all() and np.abs(row[Part.BEND]).max() * LEAST < STILL)
+        row = int(tau * self._inverse)
+        self._show(row, row)
+        return self._resting[min(max(row - self._from, 0), len(self._resting) - 1)]
+
+    def foresee(self, tau: float) -> None:
+        """To be called while speed is steady: what a change of speed would look at is brought into view before it is needed."""
+        row = int(tau * self._inverse)
+        if (row - NEXT < self._from and row - NEXT >= self._firsts[0]) or row + VIEW + NEXT > self._to:
+            self._look(row, row + VIEW)
+
+    def _show(self, low: int, high: int) -> None:
+        if (low < self._from and low >= self._firsts[0]) or high >= self._to:
+            self._look(low, high)
 
     def _look(self, low: int, high: int) -> None:
         """Bring these rows into the window, and some more, so that it is not moved in every period."""
@@ -145,8 +163,11 @@ class Track:
         last = max(bisect_right(self._firsts, high), first + 1)
         begins = [*islice(self._firsts, first, last), self._firsts[last] if last < len(self._firsts) else self.count]
         tables = islice(self._tables, first, last)
-        parts = [rows.table[: end - begin] for rows, begin, end in zip(tables, begins, begins[1:], strict=False)]
-        self._seen = np.ascontiguousarray(np.concatenate(parts).transpose(1, 2, 0), dtype=np.float64)
+        parts = [rows.table[:, :, : end - begin] for rows, begin, end in zip(tables, begins, begins[1:], strict=False)]
+        self._seen = np.concatenate(parts, axis=2, dtype=np.float64)
+        reach, bend = self._seen[Part.REACH], self._seen[Part.BEND]
+        free = np.minimum.reduce(reach, axis=0) >= ACCEL_TOP / LEAST * (1 - 1e-6)
+        self._resting = (free & (np.maximum.reduce(np.abs(bend), axis=0) * LEAST < STILL)).tolist()
         self._from, self._to = begins[0], begins[-1]
         if last == len(self._firsts):
             self._to = max(self._to, high + 1)  # beyond the end the last row holds, until more comes

@@ -1,65 +1,14 @@
 """MOVE UNTIL in programs of a cell (rho3 4.3): the position caught at the edge, what reads it, and where it goes on without it."""
 
-from collections.abc import Callable
-
-import numpy as np
 import pytest
 
 from gateway.pure.command_block import Code
 from gateway.pure.jobs import Job
-from gateway.pure.plannerrecords import MeasuringFacts
 from gateway.pure.reasons import CommandState, Reason
 from gateway.pure.records import Motion
-from hil_tests.lab.program_bench import LIMITS, WithPlanner, joints
-
-PROBE, FAST = 300, 301  # RC inputs of both channels
-ON_ALL, ON_TWO = (1 << len(LIMITS)) - 1, 0b11
-CHANNELS = {610: MeasuringFacts(PROBE, ON_ALL), 611: MeasuringFacts(FAST, ON_ALL), 620: MeasuringFacts(PROBE, ON_TWO)}
-CLOSE = 2e-6  # m or rad: cubic between cycles against the finer curve through them
-
-
-class Probing(WithPlanner):
-    """Beside it: where axis 1 was at every SYNC, and an input that changes between two of them."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.programs.channels = CHANNELS
-        self.seen: list[tuple[int, float]] = []
-        self.cell.permit(PROBE, FAST, value=False)
-        each: Callable[[], None] = self.cell.each
-
-        def look() -> None:
-            state = self.cell.core.state
-            self.seen.append((state.sync_ns, state.axes[0].actual))
-            each()
-
-        self.cell.each = look
-
-    def edge_at(self, place: float, number: int = PROBE, *, ago: float = 0.0) -> int:
-        """Once axis 1 is beyond `place` the input becomes 1, so long (in cycles) before the cycle that sees it; its stamp."""
-        for _ in range(3000):
-            self.cell.cycle()
-            if self.places()[0] > place:
-                break
-        return self.change(number, ago=ago)
-
-    def change(self, number: int, *, value: bool = True, ago: float = 0.0) -> int:
-        stamp = self.cell.now - round(ago * self.cell.period_ns)
-        self.cell.permit(number, value=value)
-        self.cell.inputs.stamps[number >> 3] = stamp
-        return stamp
-
-    def was(self, stamp: int) -> float:
-        """Axis 1 at an instant, from all SYNCs around."""
-        near = [(t, q) for t, q in self.seen if abs(t - stamp) < 6 * self.cell.period_ns]
-        times = np.array([t - stamp for t, _ in near]) * 1e-9
-        return float(np.polynomial.Polynomial.fit(times, np.array([q for _, q in near]), 5)(0.0))
-
-    @property
-    def measured(self) -> float:
-        state = self.cell.core.state
-        assert state.measured_mask & 1, "nothing is measured"
-        return state.axes[0].measured
+from hil_tests.lab.answers import answers
+from hil_tests.lab.probing import CLOSE, FAST, ON_TWO, PROBE, Probing
+from hil_tests.lab.program_bench import joints
 
 
 @pytest.fixture(scope="module")
@@ -81,6 +30,8 @@ def done(both: Probing, job: Job) -> bool:
     return both.finished(job).state is CommandState.DONE
 
 
+@pytest.mark.requirement("RHO-MOT-10", by="gateway.pure.coremeasure:CoreMeasure.look")
+@answers
 def test_a_probe_stops_the_axes_on_their_way_and_mpos_is_where_they_were_at_its_edge(both: Probing) -> None:
     job = both.order(f"ptp joints {joints(90)} until=ch610", "ptp mpos")
     stamp = both.edge_at(20.0, ago=0.37)
@@ -121,6 +72,8 @@ def test_a_probe_that_stands_has_to_change_during_the_block(both: Probing) -> No
     assert done(both, job) and 20.0 < both.places()[0] < 88.0
 
 
+@pytest.mark.requirement("RHO-MOT-12", by="gateway.pure.programs:Programs._skip")
+@answers
 def test_without_an_edge_the_program_goes_on_at_the_label_and_mpos_is_not_read(both: Probing) -> None:
     way = [
         f"ptp joints {joints(20)} until=ch610 error=NONE",

@@ -9,7 +9,20 @@ from motion.errors import MotionError
 from motion.frames import Pose
 from motion.kinematics.base import Shoulder, Wrist
 from motion.program import textkeys
-from motion.program.blocks import Interpolation, JointTarget, Output, PoseTarget, Program, Rounding, Slope, Tool, Turning, Until
+from motion.program.blocks import (
+    Flying,
+    Interpolation,
+    JointTarget,
+    Output,
+    PoseTarget,
+    Program,
+    Rounding,
+    Slope,
+    StartWait,
+    Tool,
+    Turning,
+    Until,
+)
 from motion.program.errors import TextFaults
 from motion.program.text import read
 from motion.program.textout import write
@@ -126,3 +139,46 @@ def test_two_tools_of_one_name_cannot_be_written() -> None:
     )
     with pytest.raises(MotionError, match="without a name"):
         write(nameless)
+
+
+INPUTS = """
+axes deg deg
+start 0 0
+measure_on ch610 edge=0
+iol 2 1 1 5 1 0
+ptp joints 1 1
+measure_off ch610
+measure_on ch620
+ptp joints 2 2 wait=!ch611 delay=0.15
+ptp joints 3 3 wait=464 until=ch610
+"""
+
+
+def test_measuring_on_the_way_and_waits_before_a_block_arrive_and_are_written_again() -> None:
+    program = read(INPUTS)
+    first, second, third = program.blocks
+    assert first.functions[0] == Flying(610, False) and len(first.functions) == 2 and first.wait is None and first.measures
+    assert second.functions == (Flying(610, None), Flying(620, True))
+    assert second.wait == StartWait(0, False, 611, 0.15) and second.measures
+    assert third.wait == StartWait(464) and third.until == Until(0, True, 610)
+    again = read(write(program))
+    assert [(b.functions, b.wait, b.until) for b in again.blocks] == [(b.functions, b.wait, b.until) for b in program.blocks]
+
+
+@pytest.mark.parametrize(
+    ("line", "key"),
+    [
+        ("measure_on", "measure_on"),
+        ("measure_on 610", "measure_on"),
+        ("measure_on ch610 edge=2", "edge"),
+        ("measure_off ch610 edge=1", "measure_off"),
+        ("ptp joints 1 1 wait=ch", "wait"),
+        ("ptp joints 1 1 delay=1", "delay"),
+        ("ptp joints 1 1 wait=5 delay=soon", "delay"),
+        ("ptp joints 1 1 wait=5 delay=nan", "delay"),
+        ("ptp joints 1 1 wait=5 delay=3601", "delay"),
+        ("set wait=5", "wait"),
+    ],
+)
+def test_what_is_no_measuring_and_no_wait_is_told_with_its_key(line: str, key: str) -> None:
+    assert [(number, word) for number, word, _ in faults(f"axes deg deg\nstart 0 0\n{line}\nptp joints 1 1")] == [(3, key)]
