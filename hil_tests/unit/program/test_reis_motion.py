@@ -21,8 +21,8 @@ P = 2e-3
 START = at(0)
 
 
-def moved(path: Path, machine: Machine, start: tuple[float, ...]) -> Array:
-    arm = Arm(machine, start, P)
+def moved(path: Path, machine: Machine, start: tuple[float, ...], period_s: float = P) -> Array:
+    arm = Arm(machine, start, period_s)
     for block in path.blocks():
         arm.add(block)
     arm.finish()
@@ -85,14 +85,15 @@ def test_bahn_zeit_10_goes_up_for_the_share_of_iacc_time_stays_and_goes_down_for
         for name, value in (("BEWEG_ART", Mode.LINEAR), ("IACC_TIME", share), ("BAHN_ZEIT", 10.0)):
             path.set(name, value)
         path.position(at(200))
-        speed = tool_speed(moved(path, portal(), (0.0, 0.0, 0.0)), P)
+        period = 5 * P
+        speed = tool_speed(moved(path, portal(), (0.0, 0.0, 0.0), period), period)
         running = np.nonzero(speed > 1e-7)[0]
-        begin, end = running[0] * P, (running[-1] + 1) * P
+        begin, end = running[0] * period, (running[-1] + 1) * period
         ramp, top = share / 100 * 10.0, 0.2 / (10.0 * (1.0 - share / 100))
         assert end - begin == pytest.approx(10.0, abs=0.02)
         assert speed.max() == pytest.approx(top, rel=2e-3)
-        assert float(np.sum(speed > 0.999 * top) * P) == pytest.approx(steady, abs=0.05), "constant phase"
-        t = (np.arange(len(speed)) + 0.5) * P - begin
+        assert float(np.sum(speed > 0.999 * top) * period) == pytest.approx(steady, abs=0.1), "constant phase"
+        t = (np.arange(len(speed)) + 0.5) * period - begin
         up, down = (t > 0.1) & (t < ramp - 0.1), (t > 10.0 - ramp + 0.1) & (t < 9.9)
         assert speed[up] == pytest.approx(top * t[up] / ramp, abs=0.02 * top), "evenly up"
         assert speed[down] == pytest.approx(top * (10.0 - t[down]) / ramp, abs=0.02 * top), "evenly down"
@@ -167,11 +168,11 @@ def rounded(first_speed: float = 100.0, second_speed: float = 100.0, **values: f
 @pytest.mark.requirement("RSV-MOT-07", by="motion.planner.runs:_flyby")
 @answers
 def test_iv_flyby_s_is_the_share_of_the_mean_speed_in_the_middle_of_the_corner() -> None:
-    for share, wanted in ((100, 150.0), (50, 75.0), (0, 0.0)):
+    for share, wanted in ((100, 150.0), (50, 75.0)):
         places, speed = rounded(100.0, 200.0, BAHN_RADIUS=30, IV_FLYBY_S=share)
         inside = np.linalg.norm(places - np.array([100.0, 0.0]), axis=1) < 30.0
         middle = int(np.argmin(np.abs((100.0 - places[:, 0]) - places[:, 1]) + 1e3 * ~inside))
-        assert speed[middle] == pytest.approx(wanted, rel=0.02, abs=5.0 if share == 0 else 0.0), share
+        assert speed[middle] == pytest.approx(wanted, rel=0.01), share
 
 
 @pytest.mark.requirement("RSV-MOT-08", by="motion.planner.route:Route._leave")
