@@ -27,6 +27,7 @@ class Wire:
     """An RC input watched from cycle to cycle; level None: it was never good."""
 
     number: int
+    period_ns: Ns  # a module the cycle hears itself may have spoken so long after the SYNC (AX-481)
     level: bool | None = None
     _stamp: Ns = 0
 
@@ -40,7 +41,7 @@ class Wire:
         self._stamp = stamp
         if before is self.level:
             return None
-        return stamp if known < stamp <= now else now
+        return stamp if known < stamp <= now + self.period_ns else now
 
 
 class CoreFlying:
@@ -85,7 +86,7 @@ class CoreFlying:
         boards = {order.channel // 10 % 10: Board(board, board)}
         bench = Bench(axes, (), boards, self._history, MeasuredPosition(axes), self._period_ns, self._period_ns * 1e-9)
         self._probes.on(KINEMATIC, int(order.edge), order.channel, bench, now)
-        wire = Wire(order.number)
+        wire = Wire(order.number, self._period_ns)
         wire.look(inputs, now)
         self._armed[order.channel] = wire, bench, order.mask
 
@@ -98,9 +99,10 @@ class CoreFlying:
 
     def store(self, places: Sequence[float]) -> None:
         """places: (axes,) as latched at this SYNC."""
-        self._history.add(self._state.sync_ns, places)
-        self._probes.step(tuple(self._edges))
-        self._edges.clear()
+        now = self._state.sync_ns
+        self._history.add(now, places)
+        self._probes.step(tuple(edge for edge in self._edges if edge.stamp_ns <= now))
+        self._edges = [edge for edge in self._edges if edge.stamp_ns > now]  # where the axes were then comes with the next SYNC
         for channel in [channel for channel in self._armed if self._probes.input(channel)]:
             _, bench, mask = self._armed.pop(channel)
             for n in range(self._axes):
@@ -115,7 +117,7 @@ class CoreStart:
 
     period_ns: Ns
     _held: StartOff | None = field(default=None, init=False)
-    _wire: Wire = field(default_factory=lambda: Wire(0), init=False)
+    _wire: Wire = field(default_factory=lambda: Wire(0, 0), init=False)
     _now: Ns = field(default=0, init=False)  # since the wait began
 
     @property
@@ -125,7 +127,7 @@ class CoreStart:
 
     def begin(self, order: StartOrder, inputs: InputImage, now: Ns) -> None:
         """The wait is reached; a condition that holds already is met now."""
-        self._wire, self._now = Wire(order.number), 0
+        self._wire, self._now = Wire(order.number, self.period_ns), 0
         self._wire.look(inputs, now)
         held = self._held = StartOff(Wait(WIRE, order.level, order.delay_s), Clock(self.period_ns, self.period_ns))
         if self._wire.level is not None:
@@ -140,7 +142,7 @@ class CoreStart:
             return False
         self._now += self.period_ns
         stamp = self._wire.look(inputs, now)
-        edges = [] if stamp is None else [Edge(WIRE.wire, self._now - (now - stamp), bool(self._wire.level))]
+        edges = [] if stamp is None else [Edge(WIRE.wire, self._now - max(now - stamp, 0), bool(self._wire.level))]
         if held.step(self._now, edges):
             self._held = None
         return self._held is None

@@ -184,9 +184,7 @@ class Measuring:
         """Before anything moves: what the block measures is there, and what it reads will have been measured."""
         if block.target == MEASURED and mask & ~self.last:
             missing = next(n for n in range(machine.axes) if (mask & ~self.last) >> n & 1)
-            raise BlockError(
-                f"{POINT_NOT_DEFINED}: @MPOS is measured by until= or measure_on before this block", axis=machine.name(missing)
-            )
+            raise BlockError(f"{POINT_NOT_DEFINED}: @MPOS is measured by until= or measure_on before it", axis=machine.name(missing))
         if block.wait is not None:
             self.start(block.wait)
         for call in block.functions:

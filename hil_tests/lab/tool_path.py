@@ -73,7 +73,7 @@ def judge_path(made: Driven, robot: str) -> None:
 def judge_limits(made: Driven, robot: str, limits: list[tuple[float, float]]) -> None:
     """limits: lower and upper of every axis."""
     speed, accel = made.shares()
-    assert 0.1 < speed <= 1.0 and 0.2 < accel <= 1.02
+    assert 0.1 < speed <= 1.0 and 0.2 < accel <= 1.02, (speed, accel)
     spans = zip(limits, made.actual.min(0), made.actual.max(0), strict=True)
     assert all(lower <= low and high <= upper for (lower, upper), low, high in spans)
     end = made.places(made.actual[-1:], *places_of(robot))

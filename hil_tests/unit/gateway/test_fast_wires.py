@@ -21,8 +21,8 @@ from gateway.pure.rho3can.blocks import IoBus, IoSettings
 from gateway.pure.rho3can.family import RhoFamily
 from gateway.pure.rho3can.rules import Block
 from hil_tests.lab.answers import answers
+from hil_tests.lab.probing import CLOSE, ON_ALL, Probing
 from hil_tests.lab.program_bench import CELL, joints
-from hil_tests.unit.gateway.test_measuring_in_programs import CLOSE, ON_ALL, Probing
 from protocols.base.machine import Frame, Ns, ms
 from protocols.canopen import cobid
 
