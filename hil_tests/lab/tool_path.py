@@ -70,10 +70,14 @@ def judge_path(made: Driven, robot: str) -> None:
     assert float(away.max()) < FOLLOWED, "the mechanics follow"
 
 
-def judge_limits(made: Driven, robot: str, limits: list[tuple[float, float]]) -> None:
-    """limits: lower and upper of every axis."""
+def judge_limits(made: Driven) -> None:
+    """Of speed and acceleration; every SYNC has to be there."""
     speed, accel = made.shares()
     assert 0.1 < speed <= 1.0 and 0.2 < accel <= 1.02, (speed, accel)
+
+
+def judge_end(made: Driven, robot: str, limits: list[tuple[float, float]]) -> None:
+    """limits: lower and upper of every axis."""
     spans = zip(limits, made.actual.min(0), made.actual.max(0), strict=True)
     assert all(lower <= low and high <= upper for (lower, upper), low, high in spans)
     end = made.places(made.actual[-1:], *places_of(robot))

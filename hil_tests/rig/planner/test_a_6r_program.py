@@ -1,7 +1,7 @@
 """A six-axis arm as real processes: PLC, services, planner, cycle, emulated CiA 402 drives on a bus of their own.
 
 One program with a tool, a frame, a PTP, lines with corners and an arc, slowed down, stopped and resumed on the way; what it did is judged
-by the emulator's own record against geometry of the programmed points.  More of it in virtual time: hil_tests/unit/program.
+by the emulator's own record against geometry of the programmed points.  Its limits, where no SYNC is ever late: hil_tests/unit/program.
 """
 
 import pathlib
@@ -13,7 +13,7 @@ from hil_tests.lab.cell_running import P5_MS
 from hil_tests.lab.planned_bench import Driven
 from hil_tests.lab.plc2 import DONE, OVERRIDE, RESUME, STOP
 from hil_tests.lab.program_run import PROGRAM, ProgramRun, program_run
-from hil_tests.lab.tool_path import judge_limits, judge_path, places_of, program
+from hil_tests.lab.tool_path import judge_end, judge_path, places_of, program
 
 ROBOT = "arm"
 
@@ -43,4 +43,4 @@ def test_a_6r_program_keeps_its_path_through_a_slow_stretch_a_stop_and_the_rest_
         record = replace(record, rows=tuple(row for row in record.rows if row.stamp_ns >= since))
         made = Driven(arm.cell, record, P5_MS / 1e3)
     judge_path(made, ROBOT)
-    judge_limits(made, ROBOT, [(axis.lower, axis.upper) for axis in map(limits_of, made.axes)])
+    judge_end(made, ROBOT, [(axis.lower, axis.upper) for axis in map(limits_of, made.axes)])

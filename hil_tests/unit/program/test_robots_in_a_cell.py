@@ -16,7 +16,7 @@ from gateway.pure.records import Motion
 from hil_tests.lab.belt_bench import CELL as PORTAL
 from hil_tests.lab.cell402bench import Cell402Bench
 from hil_tests.lab.planned_bench import Driven, Planned, ServodynRobot
-from hil_tests.lab.tool_path import judge_limits, judge_path, places_of, program
+from hil_tests.lab.tool_path import judge_end, judge_limits, judge_path, places_of, program
 
 ARM = load_cell(str(pathlib.Path(__file__).parents[3] / "configs" / "cells" / "arm6.toml"))
 
@@ -57,4 +57,5 @@ def test_the_tool_keeps_lines_corners_and_arc_through_a_slow_stretch_a_stop_and_
 @pytest.mark.parametrize("robot", ["arm", "portal"])
 def test_no_axis_is_beyond_its_limits_and_all_arrive(robot: str) -> None:
     made = run(robot)
-    judge_limits(made, robot, [(axis.lower, axis.upper) for axis in map(limits_of, made.axes)])
+    judge_limits(made)
+    judge_end(made, robot, [(axis.lower, axis.upper) for axis in map(limits_of, made.axes)])
