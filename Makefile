@@ -12,7 +12,7 @@ MOTION ?=
 FUZZ ?=
 
 .DELETE_ON_ERROR:
-.PHONY: help setup tools kernel references demo lint test pytest bench soak fuzz branches losses mutants coverage-matrix docs pictures lock clean
+.PHONY: help setup tools kernel references native demo lint test pytest bench soak fuzz branches losses mutants coverage-matrix docs pictures lock clean
 
 help:
 	@echo "make demo             six emulated drives, two PLCs, one cable to unplug (DEMO='--seed 7' hands options on)"
@@ -30,7 +30,7 @@ help:
 
 # ------------------------------------------------------------------------------------------------------------- set-up
 
-setup: $(STAMP)
+setup: $(STAMP) native
 
 $(STAMP): requirements.lock pyproject.toml
 	@sh hil_tests/rig/setup.sh python $(PYTHON)
@@ -41,7 +41,7 @@ $(STAMP): requirements.lock pyproject.toml
 	@touch $@
 
 tools:
-	@sh hil_tests/rig/setup.sh tools
+	@sh hil_tests/rig/setup.sh tools $(PYTHON)
 
 # The guest's kernel with a clock of its own; without it the guest runs on Debian's kernel.
 kernel: tools
@@ -51,6 +51,10 @@ kernel: tools
 references: tools
 	@$(MAKE) --no-print-directory --keep-going $(REFERENCES) || echo "references: not all built; lane cref says which"
 
+# Parts of the cycle in C (AX-320).  Without a compiler or Python's headers their Python twins run, and a line says so.
+native: $(STAMP)
+	@$(PY) -m gateway.native.build || true
+
 build/%: hil_tests/bench/%.c
 	@mkdir -p build
 	$(CC) -O2 -Wall -Wextra -pthread -o $@ $< $$(sed -n 's|^ \*  *build: ||p' $<)
@@ -58,7 +62,7 @@ build/%: hil_tests/bench/%.c
 # --------------------------------------------------------------------------------------------------------------- work
 # make itself ends with 2 whenever a recipe fails, whatever the recipe's own code was (it stands in make's message "Error N").
 
-demo: $(STAMP)
+demo: $(STAMP) native
 	@$(VENV)/bin/axisgate demo $(DEMO)
 
 lint: $(STAMP)
@@ -69,7 +73,7 @@ lint: $(STAMP)
 	@$(VENV)/bin/lint-imports --no-cache > build/import-contracts.txt 2>&1 && tail -n 2 build/import-contracts.txt || { cat build/import-contracts.txt; exit 1; }
 
 # Lint and branches first, all tests whatever they said; pytest's closing line is the last one.
-test: $(STAMP) references kernel
+test: $(STAMP) references native kernel
 	@mkdir -p build; lint=0; $(MAKE) --no-print-directory lint || lint=1; \
 	branches=0; $(MAKE) --no-print-directory branches || branches=1; \
 	$(PY) -m pytest; tests=$$?; \
@@ -77,13 +81,13 @@ test: $(STAMP) references kernel
 	test $$branches -eq 0 || { echo "make test: a branch of the serial protocols is not tested (above the tests)" >&2; exit 1; }; \
 	exit $$tests
 
-bench: $(STAMP) references
+bench: $(STAMP) references native
 	@$(VENV)/bin/axisgate bench $(or $(BENCH),all)
 
-coverage-matrix: $(STAMP) references kernel
+coverage-matrix: $(STAMP) references native kernel
 	@$(PY) -m hil_tests.matrix.coverage
 
-mutants: $(STAMP) references kernel
+mutants: $(STAMP) references native kernel
 	@$(PY) -m hil_tests.matrix.mutants
 
 DOCS := build/docs-env
@@ -126,4 +130,4 @@ lock:  # renews requirements.lock from the ranges of pyproject.toml, in an envir
 	  build/lock/bin/python -m pip freeze --exclude-editable; } > requirements.lock
 
 clean:
-	rm -rf build .mypy_cache .ruff_cache .pytest_cache .hypothesis
+	rm -rf build gateway/native/*.so .mypy_cache .ruff_cache .pytest_cache .hypothesis

@@ -169,6 +169,11 @@ class _Mapped:
         """How often the writer published: payloads of a region, records of a ring."""
         return self._words[PUBLISHED]
 
+    @property
+    def octets(self) -> memoryview:
+        """Header and slots: for whoever reads them in C (gateway.native)."""
+        return self._octets
+
     def close(self) -> None:
         """Unmap; the fd stays the caller's."""
         self._words.release()

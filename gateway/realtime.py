@@ -112,13 +112,17 @@ class Alarm:
         wake = due_ns - self.ahead_ns
         while (now := time.monotonic_ns()) < wake:
             time.sleep((wake - now) * 1e-9)
-        if now > due_ns:
-            self.ahead_ns = min(self.ahead_ns + self.GROW_NS, self.LONGEST_NS)
-            return now
-        self.ahead_ns = max(self.ahead_ns - self.SHRINK_NS, self.SHORTEST_NS)
+        self.learn(now, due_ns)
         while now < due_ns:
             now = time.monotonic_ns()
         return now
+
+    def learn(self, woke_ns: int, due_ns: int) -> None:
+        """It was awake at `woke_ns`."""
+        if woke_ns > due_ns:
+            self.ahead_ns = min(self.ahead_ns + self.GROW_NS, self.LONGEST_NS)
+        else:
+            self.ahead_ns = max(self.ahead_ns - self.SHRINK_NS, self.SHORTEST_NS)
 
 
 def die_with_parent(parent_pid: int | None = None, number: int = signal.SIGTERM) -> None:

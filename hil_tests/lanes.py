@@ -12,6 +12,8 @@ from collections.abc import Callable, Generator, Iterator, Mapping
 
 import pytest
 
+from gateway.native import built
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 REFERENCES = ROOT / "build"  # C references: hil_tests/bench/NAME.c becomes build/NAME
 NODE_MODULES = REFERENCES / "node/node_modules"  # put there by hil_tests/rig/setup.sh tools
@@ -30,7 +32,10 @@ def _mbpoll() -> str | None:
 
 def _cref() -> str | None:
     unbuilt = [source.stem for source in sorted((ROOT / "hil_tests" / "bench").glob("*.c")) if not (REFERENCES / source.stem).exists()]
-    return f"build/{', build/'.join(unbuilt)} not built (make references)" if unbuilt else None
+    if unbuilt:
+        return f"build/{', build/'.join(unbuilt)} not built (make references)"
+    parts = [part for part in built.PARTS if not built.library(part).exists()]
+    return f"gateway/native: {', '.join(parts)} not built (make native)" if parts else None
 
 
 def _tshark() -> str | None:

@@ -35,6 +35,8 @@ class LagState(Enum):
 class LagMonitor:
     """Following error of one axis against warn and trip; any unit, all the same one.  A trip stays until clear()."""
 
+    __slots__ = ("_trip", "_warn", "state", "worst")
+
     def __init__(self, warn: float, trip: float) -> None:
         self._warn, self._trip = warn, trip
         self.state = LagState.OK

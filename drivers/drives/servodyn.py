@@ -76,6 +76,12 @@ class DriveSettings:
 class Drive:
     """One drive.  A new object starts off, and a demand that stands at that moment is no command (design 1)."""
 
+    __slots__ = (
+        "_asked", "_cycles", "_following", "_life", "_on_before", "_phase", "_refused", "_reset_before", "_reset_left", "_row", "_settings",
+        "configured", "epoch", "events", "fault_code", "follows", "missing", "position_inc", "power", "saturated", "set_inc",
+        "torque_permille", "warning",
+    )  # fmt: skip
+
     def __init__(self, settings: DriveSettings | None = None) -> None:
         self._settings = settings or DriveSettings()
         self._phase = Phase.OFF

@@ -14,14 +14,14 @@ class ServodynFamily:
     def __init__(self, codec: Codec, axes: Sequence[tuple[int, int]]) -> None:
         self.codec = codec
         self.aside: list[Frame] = []
-        self._axes = tuple(axes)
+        self.axes = tuple(axes)
         self._readers = {codec.actual_id(module): (index, codec.reader(module)) for index, module in axes}
         self._writers = [(index, codec.writer(module)) for index, module in axes]
 
     @property
     def expected(self) -> int:
         """Every drive answers every SYNC."""
-        return len(self._axes)
+        return len(self.axes)
 
     def burst(self, values: Sequence[SetRecord]) -> list[Frame]:
         """SYNC and the set values of this bus; TypeError when a drive of another family was put on it."""

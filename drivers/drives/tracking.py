@@ -19,6 +19,8 @@ WORDS: Mapping[int, tuple[str, str]] = {  # English, German
 class Tracking:
     """One axis; any unit, all the same one.  A finding stays until clear()."""
 
+    __slots__ = ("_last", "_settle", "_standing", "_still", "lag", "number")
+
     def __init__(self, standing: float = math.inf, warn: float = math.inf, trip: float = math.inf, settle_cycles: int = 0) -> None:
         """`standing`: how far a standing axis may be off; `warn`, `trip`: lag of a moving one; all also catch what is no number.
 

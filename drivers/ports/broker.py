@@ -89,23 +89,28 @@ class Link:
                 return self._ended(records, error.strerror or str(error))
             if not size:
                 return self._ended(records, "connection closed")
-            if size % RECORD_BYTES:
-                self.counters.ignored += 1
-                continue
-            for record in RECORD.iter_unpack(self._buffer[:size]):
-                if record[0] < CONTROL:
-                    records.append(record)
-                elif record[0] == CONTROL | Control.GAP:
-                    self._gap(record)
-                else:
-                    break  # an answer to statistics: its text follows, not for us
+            records += self.records_in(self._buffer[:size])
+        return records
+
+    def records_in(self, message: bytes | memoryview) -> list[Record]:
+        """Of one message."""
+        records: list[Record] = []
+        if len(message) % RECORD_BYTES:
+            self.counters.ignored += 1
+            return records
+        for record in RECORD.iter_unpack(message):
+            if record[0] < CONTROL:
+                records.append(record)
+            elif record[0] == CONTROL | Control.GAP:
+                self._gap(record)
+            else:
+                break  # an answer to statistics: its text follows, not for us
         self.counters.received += len(records)
         return records
 
     def _ended(self, records: list[Record], why: str) -> list[Record]:
         """What came before the end is given first; the end is told at the next call."""
         if records:
-            self.counters.received += len(records)
             return records
         raise PortError(f"{self.name}: {why}; the broker died or disconnected this subscriber as too slow, open the port again")
 
@@ -155,6 +160,14 @@ class BrokerPort:
     def receive_next(self) -> list[Frame]:
         """One message of the broker: at most 64 frames."""
         return self._frames(self._link.receive(1))
+
+    def send_message(self, message: bytes) -> int:
+        """Records that somebody else has packed: how many were taken, all or none."""
+        return self._link.send((message,))
+
+    def frames_in(self, message: bytes) -> list[Frame]:
+        """A message that somebody else has taken off the socket, as receive() would have given it."""
+        return self._frames(self._link.records_in(message))
 
     def _frames(self, records: list[Record]) -> list[Frame]:
         frames: list[Frame] = []

@@ -12,22 +12,21 @@ import os
 import select
 import signal
 import time
-from collections import deque
 from collections.abc import Sequence
 
-from drivers.drives.family import Actual, BusFamily, SetRecord
+from drivers.drives.family import Actual, SetRecord
 from drivers.drives.listening import ListeningFamily
-from drivers.ports.base import CanPort, PortError
-from drivers.ports.can import open_can
 from gateway.alterplan import alter_of_cell
 from gateway.assembly import RunPlan, load_plan
 from gateway.axes import assumed_permits, core_axes, rc_numbers
-from gateway.cyclebelts import BeltOffsets, Encoder, belts_of, encoders_of
+from gateway.cyclebelts import BeltOffsets, belts_of, encoders_of
 from gateway.families import make_family
 from gateway.fastwires import fast_wires
-from gateway.image import RegionReader, RegionWriter, RingReader, RingWriter, fds_from_text
+from gateway.image import RegionReader, RingReader, RingWriter, fds_from_text
 from gateway.io_cycle import InputMarks, IoErrors, cycle_contacts
+from gateway.native.quick import Collect, Quick
 from gateway.pathoutputs import functions_of
+from gateway.processes.buslink import BusLink
 from gateway.pure.core import Core
 from gateway.pure.plannerrecords import PIECE_LAYOUT, unpack_piece
 from gateway.pure.recording.messages import What
@@ -38,7 +37,6 @@ from gateway.pure.records import (
     AsideRecord,
     InputImage,
     OrderRecord,
-    cell_state_packer,
     pack_aside,
     pack_trace,
     unpack_aside,
@@ -47,23 +45,15 @@ from gateway.pure.records import (
 )
 from gateway.pure.rho3can.family import RhoFamily
 from gateway.pure.scope.records import SCOPE_LAYOUT, pack_scope
-from gateway.realtime import Alarm, die_with_parent, go_realtime
+from gateway.realtime import die_with_parent, go_realtime
 from gateway.recording.tap import CycleTap
 from gateway.sharedplan import shared_of_cell
-from protocols.base.errors import DecodeError
-from protocols.base.machine import Frame, FrameFault
+from protocols.base.machine import Frame
 
 PRIORITY = 40  # broker 30, emulator 20, line process 15: all below the cycle
 PIECES_SHARE = 8  # of the period may be spent on the planner's pieces; the rest waits in the ring
 THINKING_NS, THINKING_SHARE = 3_000_000, 0.4  # kept free for the core at the end of a cycle: the smaller of both (AX-149)
-REOPEN_NS = 200_000_000
 ACYCLIC_AT_ONCE = 8  # records taken from the ring in one cycle; each bus still sends one frame of them a cycle
-
-
-BUS_OFF = (
-    "bus-off: the controller left the bus after too many errors and is restarted; check cable, termination (120 ohm at both ends) and bit"
-    " rate; if it stays away: sudo ip link set can0 type can restart (axisgate does that itself where it has CAP_NET_ADMIN)"
-)
 
 
 def patience_ns(period_ns: int) -> int:
@@ -71,119 +61,11 @@ def patience_ns(period_ns: int) -> int:
     return period_ns - min(THINKING_NS, int(THINKING_SHARE * period_ns))
 
 
-class BusLink:
-    """One drive bus: its port and the family of drives on it."""
-
-    def __init__(self, url: str, family: BusFamily, number: int = 0) -> None:
-        self.url, self.family, self.number = url, family, number
-        self.tap: CycleTap | None = None  # while somebody records
-        self.port: CanPort | None = None
-        self.fd = -1  # of the port
-        self.refused = 0  # frames the port did not take: never silent
-        self.foreign = 0
-        self.last_error = ""
-        self.acyclic: deque[Frame] = deque()  # from the master, one leaves with each burst
-        self.encoders: dict[int, Encoder] = {}  # of belts, by identifier
-        self.late = 0  # actual values that came in the cycle after theirs
-        self._retry_ns = self.sent_ns = 0
-        self._burst: list[Frame] = []
-
-    def prepare(self, values: Sequence[SetRecord]) -> None:
-        """The next burst; `values` by the index of the cell."""
-        self._burst = self.family.burst(values)
-
-    def send(self, now: int) -> bool:
-        """The burst; False when the bus is not there."""
-        if self.port is None and not self._open(now):
-            return False
-        assert self.port is not None
-        if any(kind is FrameFault.BUS_OFF for kind, _ in self.port.take_faults()):
-            self._lose(PortError(f"{self.url}: {BUS_OFF}"))
-            return False
-        if self.tap is not None:
-            self.tap.sent(self.number, self._burst)
-        if self.acyclic:
-            self._burst.append(self.acyclic.popleft())
-        self.sent_ns = now
-        try:
-            self.refused += len(self._burst) - self.port.send(self._burst)
-        except PortError as error:
-            self._lose(error)
-            return False
-        return True
-
-    def receive(self, actuals: list[Actual | None], *, next_only: bool = False) -> int:
-        """Take what came; how many axes answered for the first time since the burst.  What the bus saw before it belongs to a cycle that
-        is over: counted as late.  `next_only`: what came first may do, the rest waits for the next call."""
-        if self.port is None:
-            return 0
-        try:
-            frames = self.port.receive_next() if next_only else self.port.receive()
-        except PortError as error:
-            self._lose(error)
-            return 0
-        if self.tap is not None:
-            self.tap.heard(self.number, frames)
-        fresh, hear, sent_ns = 0, self.family.hear, self.sent_ns
-        for frame in frames:
-            try:
-                heard = hear(frame)
-            except DecodeError:
-                encoder = self.encoders.get(frame.identifier)
-                if encoder is None:
-                    self.foreign += 1
-                else:
-                    fresh += encoder.hear(frame.data)
-                continue
-            if heard is None:
-                continue
-            index, actual = heard
-            if frame.stamp_ns < sent_ns:
-                self.late += 1
-                continue
-            fresh += actuals[index] is None
-            actuals[index] = actual
-        return fresh
-
-    def receive_rest(self, axes: int) -> None:
-        """Before the next burst: modules of inputs are not waited for, but what they said counts."""
-        self.late += self.receive([None] * axes)
-
-    def close(self) -> None:
-        if self.port is not None:
-            self.port.close()
-            self.port = None
-
-    def _open(self, now: int) -> bool:
-        if now < self._retry_ns:
-            return False
-        self._retry_ns = now + REOPEN_NS
-        try:
-            self.port = open_can(self.url)
-            self.fd = self.port.fileno()
-        except PortError as error:
-            self._say(error)
-            return False
-        self.last_error = ""
-        print(f"{self.url}: open", flush=True)
-        return True
-
-    def _lose(self, error: PortError) -> None:
-        self.close()
-        self.acyclic.clear()  # the master asks again
-        self._say(error)
-
-    def _say(self, error: PortError) -> None:
-        if str(error) != self.last_error:
-            self.last_error = str(error)
-            print(self.last_error, flush=True)
-
-
 class Cycle:
     """The loop around the core."""
 
-    def __init__(self, plan: RunPlan, fds: dict[str, int]) -> None:
-        cell = plan.cell
+    def __init__(self, plan: RunPlan, fds: dict[str, int], quick: Quick | None = None) -> None:
+        cell, quick = plan.cell, quick or Quick(python=True)
         self.period_ns = plan.p5_ms * 1_000_000
         axes = core_axes(cell, plan.p5_ms, plan.zeros, simulated=plan.simulated)
         drive_buses = [bus for bus in cell.bus if bus.name in plan.buses]
@@ -198,14 +80,15 @@ class Cycle:
             functions=functions_of(cell, plan.p5_ms),
             alter=alter_of_cell(cell, plan.p5_ms),
             shared=shared_of_cell(cell, plan.p5_ms),
+            loops=quick.loops,
         )
         self.buses = [
-            BusLink(plan.buses[bus.name], make_family(cell, bus, plan.p5_ms, simulated=plan.simulated), n)
+            BusLink(plan.buses[bus.name], make_family(cell, bus, plan.p5_ms, simulated=plan.simulated), n, quick)
             for n, bus in enumerate(drive_buses)
         ]
         self._driving = [bus for bus in self.buses if not (isinstance(bus.family, RhoFamily) and bus.family.drives is None)]
         self._driving = [bus for bus in self._driving if not isinstance(bus.family, ListeningFamily)]
-        self._pack_state = cell_state_packer(len(axes))
+        self._pack_state = quick.packer(len(axes))
         for bus, link in zip(drive_buses, self.buses, strict=True):
             link.encoders = encoders_of(cell, bus.name, self.core.belts) if self.core.belts is not None else {}
         self.with_io = [(bus, bus.family) for bus in self.buses if isinstance(bus.family, RhoFamily)]
@@ -217,10 +100,10 @@ class Cycle:
         self.pieces = RingReader(fds["pieces"], "pieces", PIECE_LAYOUT) if "pieces" in fds else None
         self.planner = RegionReader(fds["planner"], "planner") if "planner" in fds else None
         self._planner_pid = self.planner.writer_pid if self.planner else 0
-        self.axes = RegionWriter(fds["axes"], "axes")
-        self.outputs = RegionWriter(fds["rc_out"], "rc_out")
-        self.scope = RingWriter(fds["scope"], "scope", SCOPE_LAYOUT)
-        self.trace = RingWriter(fds["trace"], "trace", TRACE_LAYOUT)
+        self.axes = quick.region(fds["axes"], "axes")
+        self.outputs = quick.region(fds["rc_out"], "rc_out")
+        self.scope = quick.ring(fds["scope"], "scope", SCOPE_LAYOUT)
+        self.trace = quick.ring(fds["trace"], "trace", TRACE_LAYOUT)
         self.wake = fds.get("wake")  # for what is joined once per cycle (AX-398)
         self.contacts = cycle_contacts(cell, [bus.family for bus in self.buses], fds, plan.p5_ms)
         self.wires = fast_wires(cell, {bus.name: link.family for bus, link in zip(drive_buses, self.buses, strict=True)})
@@ -229,10 +112,12 @@ class Cycle:
         belts = self.core.belts
         self.belt_offsets = BeltOffsets(belts, fds["belts"]) if belts is not None and "belts" in fds else None
         self.tap = CycleTap(self.core, self.buses, fds)
+        self._collect_quickly = quick.collect
+        self._look = quick.looker(self.links, self.planner, self.pieces, self.orders, self.inputs)
         self._image = InputImage()
         self._image_index = -1
         self._services_pid = self.links.writer_pid
-        self._alarm = Alarm()
+        self._alarm = quick.alarm()
         self._stop = False
 
     def run(self) -> None:
@@ -279,9 +164,13 @@ class Cycle:
         got = time.monotonic_ns()
         core.state.incomplete += missing > 0
         core.state.late = sum([bus.late for bus in self.buses])
-        self._watch_services()
-        self._take_pieces()
-        image, orders, services_ns = self._inputs(), self._take_orders(), self.links.life[1]
+        services_pid, services_ns, planner_pid, pieces, waiting, fresh = self._look()
+        if services_pid != self._services_pid:
+            self._watch_services()
+        if self.pieces is not None and (planner_pid != self._planner_pid or pieces != self.pieces.position):
+            self._take_pieces()
+        image = self._inputs() if fresh != self._image_index else self._image
+        orders = self._take_orders() if waiting != self.orders.position else []
         self.tap.stepped(now, services_ns, missing)
         values = core.step(actuals, image if self.wires is None else self.wires.over(image), orders, services_ns, now)
         if self.contacts is not None:
@@ -340,6 +229,8 @@ class Cycle:
         if not missing:  # nobody is waited for, but frames aside come all the same
             for bus in up:
                 bus.receive(actuals)
+        if self._collect_quickly is not None and missing and all(bus.plain for bus in up):
+            return self._collected(self._collect_quickly, up, actuals, missing, until)
         first = True  # all actual values of a bus mostly come at one go: then nothing more is asked for, which would cost as much again
         while missing and (fds := [bus.fd for bus in up if bus.port is not None]):
             left = until - time.monotonic_ns()
@@ -349,6 +240,17 @@ class Cycle:
                 if bus.fd in ready:
                     missing -= bus.receive(actuals, next_only=first)
             first = False
+        return missing
+
+    def _collected(self, collect: Collect, up: Sequence[BusLink], actuals: list[Actual | None], missing: int, until: int) -> int:
+        """The same in C; what that cannot read it hands over, and a bus that is gone is asked no more."""
+        while buses := [bus for bus in up if bus.plain and bus.telegrams is not None]:
+            asked = [(bus.telegrams.table, bus.fd, bus.sent_ns) for bus in buses if bus.telegrams is not None]
+            missing, late, odd = collect(asked, actuals, missing, until)
+            buses[0].late += late
+            if odd is None:
+                break
+            missing -= buses[odd[0]].receive_odd(odd[1], actuals)
         return missing
 
     def _watch_services(self) -> None:
@@ -403,7 +305,10 @@ def main(argv: list[str] | None = None) -> int:
     arguments = parser.parse_args(argv)
     die_with_parent(number=signal.SIGKILL)
     plan = load_plan(arguments.plan)
-    cycle = Cycle(plan, fds_from_text(arguments.fds))
+    quick = Quick()
+    for words in quick.missing:
+        print(f"in Python: {words}", flush=True)
+    cycle = Cycle(plan, fds_from_text(arguments.fds), quick)
     for warning in go_realtime(PRIORITY):
         print(warning, flush=True)
     cycle.run()

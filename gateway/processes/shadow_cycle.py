@@ -20,7 +20,8 @@ from drivers.ports.listening import ListeningCan
 from gateway.assembly import RunPlan, load_plan
 from gateway.axes import scaling_of
 from gateway.image import fds_from_text
-from gateway.processes.cycle import BusLink, Cycle
+from gateway.processes.buslink import BusLink
+from gateway.processes.cycle import Cycle
 from gateway.pure.records import pack_cell_state
 from gateway.pure.scope.records import pack_scope
 from gateway.pure.shadow.compare import Answer, Comparison, as_data

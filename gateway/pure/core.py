@@ -8,9 +8,10 @@ decides nothing the doors should decide.  A new core starts with drives off, ove
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from drivers.drives.family import Actual, Demand, Event, Power, SetRecord
+from drivers.drives.family import Actual, Event, Power, SetRecord
 from drivers.drives.tracking import Tracking
 from gateway.pure.altermover import make_mover
+from gateway.pure.axisloops import PYTHON, AxisLoops
 from gateway.pure.corealter import CoreAlter
 from gateway.pure.coreaxis import CoreAxis, HeldAxis
 from gateway.pure.corebelts import CoreBelts
@@ -39,7 +40,6 @@ MOTIONS = {
 }
 BROKEN = ((Power.FAULT, Reason.DRIVE_FAULT), (Power.LOST, Reason.DRIVE_LOST))
 TOO_MANY_SKIPPED = 3  # SYNCs skipped in a row: stop on the path
-_new = tuple.__new__  # of a record without counting its fields again: once an axis and cycle
 SERVICES_LIMIT = ms(250)  # life counter of services older than this: dead
 
 
@@ -59,6 +59,7 @@ class Core:
         functions: "CoreOutputs | None" = None,
         alter: CoreAlter | None = None,
         shared: "CoreShared | None" = None,
+        loops: AxisLoops = PYTHON,
     ) -> None:
         self.state = CellState(generation=generation)
         self.outputs = bytearray(RC_BYTES)
@@ -71,7 +72,8 @@ class Core:
         self.belts, self._shared = belts, shared
         self._mover = make_mover(self._axes, self.state, self.outputs, self._homings, period_s, belts=belts, alter=alter, off=self._off)
         self._mover.functions = functions
-        self._publisher = Publisher(self.state, self.outputs, numbers, period_s)
+        self._drive_axes, self._watch_axes = loops.drive_axes, loops.watch_axes
+        self._publisher = Publisher(self.state, self.outputs, numbers, period_s, loops)
         self._finish = finish_without_services
         self._enabling_inputs = EnablingInputs(numbers, assumed)
         self._permits = 0
@@ -271,34 +273,12 @@ class Core:
 
     # ---- set values --------------------------------------------------------------------------------------------------
     def _drive(self, actuals: Sequence[Actual | None], inputs: InputImage) -> list[SetRecord]:
-        """One pass over the axes: all of it happens once per SYNC and axis."""
+        """All of it happens once per SYNC."""
         mover, homings = self._mover, self._homings
         sample = mover.step(inputs)
         if homings.under_way:
             homings.step(actuals)
-        values: list[SetRecord] = []
-        reset, settled, self._eventful = self._reset, True, False
-        for axis, actual, q, speed in zip(self._axes, actuals, sample.q, sample.qd, strict=True):
-            drive, scaling = axis.drive, axis.scaling
-            axis.active_inc, axis.received_inc, axis.sent_inc = axis.received_inc, axis.sent_inc, drive.set_inc
-            if axis.led:
-                axis.led = False
-            elif drive.follows and not axis.by_drive:
-                axis.set, axis.speed = q, speed
-            else:
-                axis.speed = 0.0
-            inc = round(scaling.zero_inc + axis.set * scaling.sent_per_unit)  # as to_inc and to_rpm: a call costs as much as the sum
-            limit_switch = axis.referenced and axis.limited
-            demand = (axis.wanted, reset, inc, axis.speed * scaling.rpm_per_unit, limit_switch, axis.by_drive)
-            values.append(drive.step(actual, _new(Demand, demand)))
-            power = drive.power
-            if power is not axis.power:
-                axis.power, axis.power_number = power, power.value
-            if not drive.follows or drive.epoch != axis.epoch:
-                settled = False
-            if drive.events:
-                self._eventful = True
-            axis.behind = (axis.active_inc - drive.position_inc) / scaling.inc_per_unit
+        values, settled, self._eventful = self._drive_axes(self._axes, actuals, sample.q, sample.qd, self._reset)
         self._settled_axes = settled
         if homings.under_way:
             homings.judge()
@@ -327,14 +307,11 @@ class Core:
     # ---- supervision -------------------------------------------------------------------------------------------------
     def _watch(self, actuals: Sequence[Actual | None]) -> None:
         self._reset = False
-        for axis, actual in zip(self._axes, actuals, strict=True):
-            gap, axis.gap = axis.gap, actual is None
-            if gap or actual is None or axis.by_drive or not axis.drive.follows:  # a drive that references leads its position itself
-                axis.tracking.clear()  # after a gap: the first answer may be the one that was missing, one cycle old (AX-560)
-            elif number := axis.tracking.check(axis.active_inc, axis.behind):
-                axis.finding = number
-                self.state.stop_cause = Reason.FOLLOWING_ERROR
-                self._off(Reason.FOLLOWING_ERROR)
+        found = self._watch_axes(self._axes, actuals, 0)
+        while found >= 0:
+            self.state.stop_cause = Reason.FOLLOWING_ERROR
+            self._off(Reason.FOLLOWING_ERROR)
+            found = self._watch_axes(self._axes, actuals, found + 1)
         if not self._settled_axes:
             self._judge_powers()
         if self._eventful:

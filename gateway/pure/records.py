@@ -120,6 +120,7 @@ STATE_NAMES = (
     "emergency", "ready", "permits", "stop_cause", "skipped", "incomplete", "late", "services_lost", "piece", "compute_ns",
     "parts", "engaged", "belt", "belt_speed", "belt_code", "belt_block", "belt_axis", "met", "path_stop", "drive_axis", "measured_mask",
 )  # fmt: skip
+AXIS_NAMES = ("actual", "set", "speed", "lag", "torque", "flags", "fault_code", "power", "finding", "measured")
 STATE_HEAD = struct.Struct("=QqQBdQdQQHQBBBHQQQQQQQdddHIBBHBI")
 STATE_AXIS = struct.Struct("=dddddHHBHd")  # flags, fault code (CiA 402: 16 bits), power, finding, measured
 CELL_STATE_SIZE = STATE_HEAD.size + AXES * STATE_AXIS.size
@@ -130,7 +131,7 @@ def cell_state_packer(axes: int) -> Callable[[CellState], bytes]:
     """For the one who packs once a cycle: only the first `axes` have anything to say, the places of the others are 0."""
     pack = struct.Struct(f"{STATE_HEAD.format}{STATE_AXIS.format[1:] * axes}{(AXES - axes) * STATE_AXIS.size}x").pack
     head = attrgetter(*STATE_NAMES)
-    axis = attrgetter("actual", "set", "speed", "lag", "torque", "flags", "fault_code", "power", "finding", "measured")
+    axis = attrgetter(*AXIS_NAMES)
 
     def packer(state: CellState) -> bytes:
         values = [*head(state)]

@@ -25,7 +25,7 @@ from gateway.recording.states import Snapshots, Start, StateError
 from protocols.base.machine import Frame, Ns
 
 if TYPE_CHECKING:
-    from gateway.processes.cycle import BusLink
+    from gateway.processes.buslink import BusLink
 
 LOOK_EVERY = 16  # cycles between looks for a recorder while none is there
 

@@ -9,6 +9,7 @@ import os
 import subprocess
 import sys
 
+from gateway.native.built import PYTHON_ONLY  # what is broken is Python: its twins in C would not notice
 from hil_tests.matrix import verdicts
 from hil_tests.matrix.catalogue import ROOT, rows
 from hil_tests.matrix.verdicts import Pair
@@ -25,7 +26,7 @@ def main() -> int:
     arguments = parser.parse_args()
     verdicts.MUTANTS.unlink(missing_ok=True)
     command = order("requirement and not vcan", arguments.k, str(verdicts.MUTANTS))
-    code = subprocess.run(command, cwd=ROOT, check=False, env={**os.environ, lane.ON_HOST: "1"}).returncode
+    code = subprocess.run(command, cwd=ROOT, check=False, env={**os.environ, lane.ON_HOST: "1", PYTHON_ONLY: "1"}).returncode
     if code not in (0, 5):
         return 3
     add_guest(arguments.k)
@@ -45,7 +46,11 @@ def add_guest(expression: str) -> None:
     if guest.missing() or subprocess.run(collect, cwd=ROOT, check=False, capture_output=True).returncode != 0:
         return
     GUEST_RESULTS.unlink(missing_ok=True)
-    environment = {"AXISGATE_RUNTIME": "/run/axisgate", "AXISGATE_GUEST_REPORTS": str(GUEST_RESULTS.with_suffix(".jsonl"))}
+    environment = {
+        PYTHON_ONLY: "1",
+        "AXISGATE_RUNTIME": "/run/axisgate",
+        "AXISGATE_GUEST_REPORTS": str(GUEST_RESULTS.with_suffix(".jsonl")),
+    }
     command = order("requirement and vcan", expression, str(GUEST_RESULTS))
     guest.Guest(GUEST_RESULTS.parent / "mutants", 1800, serial_pair=True, environment=environment).run(command)
     both = [*json.loads(verdicts.MUTANTS.read_text()), *json.loads(GUEST_RESULTS.read_text())]

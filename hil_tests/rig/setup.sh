@@ -1,7 +1,7 @@
 #!/bin/sh
 # What axisgate needs of the system beside Python packages; installs it as root on Debian, else says in one line what is missing.
 #   setup.sh python PYTHON   a Python >= 3.11 with venv; exit 3 without it
-#   setup.sh tools           lanes vcan, mbpoll, cref, tshark, npm, the page in a browser and the benchmarks; never fails: a lane says what it lacks
+#   setup.sh tools [PYTHON]  lanes vcan, mbpoll, cref, tshark, npm, the page in a browser and the benchmarks; never fails: a lane says what it lacks
 set -u
 
 install() {  # packages ...
@@ -28,6 +28,7 @@ python)
     "$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "set-up: Python 3.11 or newer needed; name one: make PYTHON=python3.11 ..."; exit 3; }
     ;;
 tools)
+    python=${2:-python3}
     missing=
     has linux.uml || missing="$missing user-mode-linux"
     has candump || missing="$missing can-utils"
@@ -40,6 +41,7 @@ tools)
     has npm || missing="$missing npm"
     { has cc || has gcc; } || missing="$missing gcc"
     [ -f /usr/include/stdio.h ] || missing="$missing libc6-dev"
+    [ -f "$("$python" -c 'import sysconfig; print(sysconfig.get_path("include"))')/Python.h" ] || missing="$missing python3-dev"  # gateway/native
     [ -f /usr/include/modbus/modbus.h ] || missing="$missing libmodbus-dev"
     [ -e build/guest-kernel ] || {  # what its build needs
         ls /usr/src/linux-source-6.*.tar.xz >/dev/null 2>&1 || missing="$missing linux-source-6.1"

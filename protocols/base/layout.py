@@ -58,7 +58,7 @@ class Packer:
     may do it himself (`words`: what flags are together, `seen`: the other way round) and leave only the rest to `pack` and `unpack`.
     """
 
-    __slots__ = ("_fields", "_length", "_name", "_signals", "flag_bits", "flags", "plain", "seen", "words")
+    __slots__ = ("_fields", "_length", "_name", "_signals", "flag_bits", "flag_places", "flags", "plain", "seen", "words")
 
     def __init__(self, layout: Layout, names: Sequence[str]) -> None:
         """Raises EncodeError with the list of missing signals when the layout does not have all names."""
@@ -69,7 +69,8 @@ class Packer:
         self._name, self._length = layout.name, layout.length
         self._signals = tuple(known[name] for name in names)
         self.flags = next((n for n, s in enumerate(self._signals) if s.bits != 1 or s.signed or s.low or s.high != 1), len(names))
-        self.flag_bits = sum(1 << s.start for s in self._signals[: self.flags])
+        self.flag_places = tuple(s.start for s in self._signals[: self.flags])
+        self.flag_bits = sum(1 << start for start in self.flag_places)
         self.words: dict[tuple[int, ...], int] = {}
         self.seen: dict[int, tuple[int, ...]] = {}
         wide = self._signals[self.flags :]

@@ -114,6 +114,14 @@ class Codec:
         """Identifier of the actual values of module 1..6; KeyError where there is none."""
         return self._actual_ids[axis]
 
+    def set_id(self, axis: int) -> int:
+        """Identifier of the set values of module 1..6; KeyError where there is none."""
+        return self._set_ids[axis]
+
+    def packers(self, axis: int) -> tuple[Packer, Packer]:
+        """Of the set values and the actual values of module 1..6: for whoever does their work (gateway.native)."""
+        return self._set_packers[axis], self._actual_packers[axis]
+
     def reader(self, axis: int) -> Callable[[bytes], ActualValue]:
         """Decodes what this module says; DecodeError as `decode_actual`."""
         return self._readers[axis]

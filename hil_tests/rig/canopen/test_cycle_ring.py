@@ -13,7 +13,7 @@ from drivers.ports.canmemory import memory_pair
 from gateway.canopen_link import Rings
 from gateway.edsfile import canopen_dictionary, clean_sheet
 from gateway.image import RingReader, RingWriter, create_ring
-from gateway.processes.cycle import BusLink
+from gateway.processes.buslink import BusLink
 from gateway.pure.records import ACYCLIC_RECORDS, ASIDE_BYTES, ASIDE_LAYOUT, Aside, AsideRecord, pack_aside, unpack_aside
 from protocols.base.machine import Frame
 from protocols.canopen import eds

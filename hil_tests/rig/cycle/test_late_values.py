@@ -4,7 +4,7 @@ from drivers.drives.family import Actual
 from drivers.ports.canmemory import memory_pair
 from gateway.config import load_cell
 from gateway.families import make_family
-from gateway.processes.cycle import BusLink
+from gateway.processes.buslink import BusLink
 from protocols.base.machine import Frame
 from protocols.servodyn.codec import SetValue
 

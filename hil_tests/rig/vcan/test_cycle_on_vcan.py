@@ -15,7 +15,7 @@ CYCLES = 20
 TURN = 16384
 
 
-@pytest.mark.requirement("RHO-CAN-01", by=("gateway.processes.cycle:BusLink.prepare", "gateway.processes.cycle:BusLink.receive"))
+@pytest.mark.requirement("RHO-CAN-01", by=("gateway.processes.buslink:BusLink.prepare", "gateway.processes.buslink:BusLink.receive"))
 def test_one_cycle_on_vcan0(tmp_path: pathlib.Path) -> None:
     """The drives are played by this test, which the guest may let wait: then it is tried again, at most four times."""
     for attempt in range(5):

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import pytest
 
+from drivers.drives.family import Actual, Demand, SetRecord
 from drivers.drives.servodyn import Drive, DriveSettings
 from drivers.emulator.servodyn_slave import ServodynSlave
 from gateway.cell import FollowingError
@@ -13,6 +14,7 @@ from gateway.pure.core import SERVICES_LIMIT
 from gateway.pure.reasons import CommandState, Reason
 from gateway.pure.records import AxisFlag, Motion, Permit, Quality
 from hil_tests.lab.cellbench import ALL, DEMO, CellBench
+from protocols.servodyn.codec import ActualValue
 
 FAR = (1200.0, 800.0, 500.0, 120.0, -80.0, 250.0)
 MIDDLE = (400.0, 300.0, 200.0, 30.0, -20.0, 90.0)
@@ -293,9 +295,15 @@ def test_a_drive_that_leaves_control_by_itself_takes_all_off_and_says_why(monkey
     cell.run(0.2)
     drive = cell.core._axes[1].drive
     assert isinstance(drive, Drive)
-    heard = drive.step
-    monkeypatch.setattr(drive, "step", lambda actual, demand: heard(actual._replace(enabled=False), demand))
+    step = Drive.step
+
+    def dropped(self: Drive, actual: Actual | None, demand: Demand) -> SetRecord:
+        assert isinstance(actual, ActualValue)
+        return step(self, actual._replace(enabled=False) if self is drive else actual, demand)
+
+    monkeypatch.setattr(Drive, "step", dropped)
     cell.cycle()
+    monkeypatch.undo()
     assert (move.reason, cell.core.state.stop_cause) == (Reason.DRIVE_FAULT, Reason.DRIVE_FAULT)
     cell.run(1.0)
     assert not any(axis.flags & AxisFlag.ENABLED for axis in cell.core.state.axes[:6])
