@@ -39,10 +39,16 @@ class Shared(Planned):
                 return Core(core_axes(self.cell, self.p5_ms), self.period_ns / 1e9, self.generation, shared=shared)
 
         super().__init__(Robot(P5_MS, cell=cell))
-        for axis in ("X", "Y"):
-            there = {"X": "100 0", "Y": "100 100"}[axis]
-            assert self.ordered(f"ptp joints {there} 0 0").state is CommandState.DONE
-        assert self.ordered("ptp joints 100 100 50 0").state is CommandState.DONE
+        self.home()
+
+    def home(self) -> "Shared":
+        """Drives on, the axes where programs begin, one after the other."""
+        assert self.bench.settle(self.bench.give(Code.ENABLE, 0xF)).state is CommandState.DONE
+        y, z = self.bench.set()[1:3]
+        for there in (f"100 {y} {z} 0", f"100 100 {z} 0", "100 100 50 0"):
+            if max(abs(a - float(b)) for a, b in zip(self.bench.set(), there.split(), strict=True)) > 1e-6:
+                assert self.ordered(f"ptp joints {there}").state is CommandState.DONE
+        return self
 
     def _turn(self) -> None:
         super()._turn()
@@ -59,9 +65,18 @@ class Shared(Planned):
         return job
 
 
+@pytest.fixture(scope="module")
+def robot() -> Shared:
+    return Shared()
+
+
+@pytest.fixture
+def shared(robot: Shared) -> Shared:
+    return robot.home()
+
+
 @pytest.mark.requirement("RHO-MOT-48", by="gateway.pure.coreshared:CoreShared.step")
-def test_one_output_follows_one_axis_after_the_other() -> None:
-    shared = Shared()
+def test_one_output_follows_one_axis_after_the_other(shared: Shared) -> None:
     tops = [limits_of(axis).speed for axis in shared.cell.axis[:2]]
     assert shared.ordered("ptp joints 200 100 50 0 speed=50", "ptp joints 200 200 50 0 speed=50").state is CommandState.DONE
     for axis, top in enumerate(tops):
@@ -74,8 +89,7 @@ def test_one_output_follows_one_axis_after_the_other() -> None:
     assert shared.seen[-1][1:] == (0.0, (False, False)), "idle: 0 V"
 
 
-def test_the_position_loop_stays_closed_for_the_correction_time() -> None:
-    shared = Shared()
+def test_the_position_loop_stays_closed_for_the_correction_time(shared: Shared) -> None:
     shared.ordered("ptp joints 200 100 50 0 speed=20")
     window = shared.bench.core.plans[0].window
     there = [s.axes[0].speed == 0.0 and abs(s.axes[0].set - s.axes[0].actual) <= window for s, _, _ in shared.seen]
@@ -86,8 +100,7 @@ def test_the_position_loop_stays_closed_for_the_correction_time() -> None:
 
 @pytest.mark.requirement("RHO-MOT-48", by="gateway.pure.core:Core._share")
 @pytest.mark.parametrize("program", [True, False])
-def test_two_axes_at_a_time_are_a_servo_error_and_the_set_point_is_0(program: bool) -> None:
-    shared = Shared()
+def test_two_axes_at_a_time_are_a_servo_error_and_the_set_point_is_0(shared: Shared, program: bool) -> None:
     if program:
         job = shared.ordered("ptp joints 300 250 50 0 speed=20")
     else:
@@ -100,8 +113,7 @@ def test_two_axes_at_a_time_are_a_servo_error_and_the_set_point_is_0(program: bo
     assert shared.bench.set()[0] < 110.0, "as soon as it is seen"
 
 
-def test_other_axes_move_beside_the_output() -> None:
-    shared = Shared()
+def test_other_axes_move_beside_the_output(shared: Shared) -> None:
     assert shared.ordered("ptp joints 300 100 80 20 speed=20").state is CommandState.DONE
     assert max(value for _, value, _ in shared.seen) > 0.1
 
