@@ -59,6 +59,10 @@ class AlterBench(Planned):
         """Drives on, a correction that lives and says 0, the axes where programs begin."""
         self.speaks, self.planner.alive, self.correct = True, True, lambda: (0.0,) * 6
         self.bench.permit(WAIT, value=False)
+        if self.state.motion is not Motion.IDLE:  # what another test left behind
+            for code in (Code.STOP, Code.ABANDON):
+                self.bench.settle(self.bench.give(code, 0xF))
+            self.until(lambda s: s.motion is Motion.IDLE)
         assert self.bench.settle(self.bench.give(Code.ENABLE, 0xF)).state is CommandState.DONE
         if max(abs(a - b) for a, b in zip(self.bench.set(), (100.0, 100.0, 50.0, 0.0), strict=True)) > 1e-9:
             assert self.finished(self.begin("ptp joints 100 100 50 0")).state is CommandState.DONE
