@@ -100,7 +100,6 @@ def test_bahn_zeit_10_goes_up_for_the_share_of_iacc_time_stays_and_goes_down_for
 
 
 @pytest.mark.requirement("RSV-MOT-01", by="motion.program.reis:Path.blocks")
-@pytest.mark.requirement("RSV-MOT-01", by="motion.planner.runs:_lead")
 @answers
 def test_without_a_motion_command_two_positions_are_joint_synchronous_moves() -> None:
     limits = tuple(limits_from(f"A{n}", "deg", lower=-180, upper=180, speed=60.0 + 40 * n, accel=500, jerk=20_000) for n in range(3))
