@@ -98,7 +98,8 @@ def test_a_recorded_run_with_belts_plays_without_a_difference(home: BeltRun, tmp
     """Encoders are inputs of the run; the program goes onto its belt in the recording."""
     file = tmp_path / "belts.axrec"
     command = [sys.executable, "-m", "gateway", "record", "--slug", home.programs.run.name, "-o", str(file), "--json"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as recorder:
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as recorder, contextlib.ExitStack() as ends:
+        ends.callback(recorder.kill)  # whatever becomes of the test
         home.programs.watch("it records", lambda s: file.exists() and file.stat().st_size > 1000 and read(file).cycles > 0, 60.0)
         started(home, 2, 1)
         assert home.programs.plc.wait(lambda s: s.state in (DONE, ABORTED), 10).state == DONE, home.programs.run.words()
