@@ -99,6 +99,11 @@ def drive_of(axis: Axis, step_inc: int, p5_ms: float) -> DriveMaker:
     return DriveSettings(step_inc=step_inc, timeout_cycles=round(5000 / p5_ms), brake=axis.brake != "none")
 
 
+def window_of(axis: Axis) -> float:
+    """In position within this distance; m or rad."""
+    return float(WINDOW_TURNS * axis.drive.inc_per_turn / abs(scaling_of(axis).inc_per_unit))
+
+
 def core_axes(cell: Cell, p5_ms: float, zeros: Mapping[str, float] = NO_ZEROS, *, simulated: bool = True) -> list[CoreAxis]:
     """The axes as the cycle's core takes them, in the order of the file.
 
@@ -117,8 +122,7 @@ def core_axes(cell: Cell, p5_ms: float, zeros: Mapping[str, float] = NO_ZEROS, *
         lag = axis.following_error
         warn, trip = (to_si(lag.warn, axis.unit), to_si(lag.trip, axis.unit)) if lag else (float("inf"), float("inf"))
         standing = to_si(lag.standstill, axis.unit) if lag and lag.standstill is not None else float("inf")
-        window = WINDOW_TURNS * axis.drive.inc_per_turn / abs(scaling.inc_per_unit)
-        found.append(CoreAxis(axis.name, scaling, reference_of(axis, scaling), window, drive, warn, trip, standing, zeroed))
+        found.append(CoreAxis(axis.name, scaling, reference_of(axis, scaling), window_of(axis), drive, warn, trip, standing, zeroed))
     return found
 
 

@@ -10,7 +10,7 @@ import signal
 import time
 
 from gateway.assembly import RunPlan, load_plan
-from gateway.axes import rc_numbers
+from gateway.axes import rc_numbers, window_of
 from gateway.beltplan import belt_facts
 from gateway.files import read_text
 from gateway.image import RegionReader, RegionWriter, RingReader, RingWriter, fds_from_text
@@ -45,6 +45,7 @@ class PlannerProcess:
         outputs = free_outputs(rc_numbers(plan.cell), self.count)
         self.programs = Programs(self.machine, self.mask, self.text, outputs, belts=belt_facts(plan.cell))
         self.programs.functions = output_places(plan.cell)
+        self.programs.windows = [window_of(axis) for axis in plan.cell.axis]
         self.programs.option = plan.cell.alter is not None
         self.programs.channels = {each.channel: MeasuringFacts(each.input, measured_mask(plan.cell, each)) for each in plan.cell.measuring}
         self._told: tuple[int, str] = (0, "")

@@ -301,8 +301,7 @@ class Core:
                 axis.referenced = axis.plan.absolute
             if axis.run is None and (axis.by_drive or not axis.drive.follows):
                 axis.set = axis.scaling.to_si(axis.drive.set_inc)
-        if self._mover.free:
-            self._mover.stepper.place([axis.set for axis in self._axes])
+        self._mover.accept()
 
     # ---- supervision -------------------------------------------------------------------------------------------------
     def _watch(self, actuals: Sequence[Actual | None]) -> None:

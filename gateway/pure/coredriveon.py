@@ -60,7 +60,7 @@ class DriveOnGate:
         self._update(moving=False)
         gone = {n for n, axis in enumerate(self._axes) if not axis.wanted}
         self.kept |= gone
-        return next((n + 1 for piece in ahead for n in moved(piece) if n in gone), 0)
+        return next((n + 1 for piece in ahead for n in self._moved(piece) if n in gone), 0)
 
     def join(self, mask: int) -> None:
         """These axes are to come back; AxisError DRIVE ON not allowed while an axis moves."""
@@ -87,11 +87,22 @@ class DriveOnGate:
         is back is not accepted; until: the part under way ends with an input."""
         start = [0.0] * len(self._axes)
         way = list(start)
-        for n in moved(piece):
+        for n in self._moved(piece):
             if n in self.kept or not (self._axes[n].drive.follows and self._axes[n].referenced):
                 raise AxisError(DRIVE_ON_NOT_AVAILABLE, n + 1)
             way[n] = 1.0
         self._rule.check_move(start, way, until=until)
+
+    def _moved(self, piece: TimedPiece) -> list[int]:
+        """Axes of the cell that it moves; one that is out of the loop may be as far from where the path has it as it may when it is in
+        position."""
+        first, found = piece.nodes[0], []
+        for k, n in enumerate(piece.axes):
+            axis = self._axes[n]
+            least = MOVES if axis.wanted else axis.plan.window
+            if any(abs(node[3 * k] - first[3 * k]) > least for node in piece.nodes):
+                found.append(n)
+        return found
 
     def standing(self, piece: TimedPiece) -> list[float]:
         """Where the path of a piece may begin: the axes' places, for kept ones what the piece takes them for."""
@@ -107,14 +118,3 @@ class DriveOnGate:
         for n in self.kept:
             q[n], qd[n] = self._axes[n].set, 0.0
         return sample._replace(q=tuple(q), qd=tuple(qd))
-
-
-def moved(piece: TimedPiece) -> list[int]:
-    """Axes of the cell that a piece moves."""
-    first = piece.nodes[0]
-    found = []
-    for k, axis in enumerate(piece.axes):
-        place = first[3 * k]
-        if any(abs(node[3 * k] - place) > MOVES or abs(node[3 * k + 1]) > MOVES for node in piece.nodes):
-            found.append(axis)
-    return found

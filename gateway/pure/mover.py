@@ -245,7 +245,7 @@ class Mover:
         if not gate.watches or not isinstance(piece, TimedPiece):
             return self.all_enabled(piece.mask)
         gate.check(piece, until=self.measure.on)
-        if gate.kept and self.free:
+        if gate.kept and self.free and not self.stepper.ahead:
             self.stepper.place(gate.standing(piece))
         return True
 
@@ -294,6 +294,11 @@ class Mover:
             self.stepper.place(sample.q)
             self.gate.over()
         return sample
+
+    def accept(self) -> None:
+        """Where no path leads, not even one that is still coming, it begins where the axes stand."""
+        if self.free and not self.stepper.ahead:
+            self._as_they_stand()
 
     def _as_they_stand(self) -> None:
         """The path begins at the set values of the axes."""

@@ -58,10 +58,18 @@ class OfCell:
             raise BlockError("sync and belt functions stand in a program of the cell alone", block=number)
 
 
-def check_drive_on(out: int, before: Sequence[float], behind: Sequence[float], number: int, machine: Machine, mask: int) -> None:
-    """A block moves an axis that nobody wants on: BlockError, before anything moves; before, behind: (axes,) where they stand.  out: axes
-    of the cell; mask: which of them the robot's are."""
-    own = [n for n in range(mask.bit_length()) if mask >> n & 1]
-    for axis, (place, start, end) in enumerate(zip(own, before, behind, strict=True)):
-        if out >> place & 1 and abs(end - start) > MOVES:
-            raise BlockError(DRIVE_ON_NOT_AVAILABLE, block=number, axis=machine.name(axis), source="rho 3")
+@dataclass(frozen=True, slots=True)
+class Away:
+    """Axes (bit n-1 = axis n of the cell) nobody wants on as a program is ordered; windows: of the axes of the cell, in position."""
+
+    axes: int = 0
+    windows: Sequence[float] = ()
+
+    def check(self, before: Sequence[float], behind: Sequence[float], number: int, machine: Machine, mask: int) -> None:
+        """A block that moves one of them, beyond its window: BlockError, before anything moves; before, behind: (axes,) where the robot's
+        stand, which are those of `mask`."""
+        own = [n for n in range(mask.bit_length()) if mask >> n & 1]
+        for axis, (place, start, end) in enumerate(zip(own, before, behind, strict=True)):
+            least = self.windows[place] if place < len(self.windows) else MOVES
+            if self.axes >> place & 1 and abs(end - start) > least:
+                raise BlockError(DRIVE_ON_NOT_AVAILABLE, block=number, axis=machine.name(axis), source="rho 3")

@@ -28,7 +28,7 @@ from gateway.pure.plannerrecords import (
     switch_record,
     until_record,
 )
-from gateway.pure.programchecks import OfCell, check_drive_on
+from gateway.pure.programchecks import Away, OfCell
 from gateway.pure.programparts import Coming, Measuring, acting, apart, begun, told
 from motion.errors import MotionError
 from motion.planner.marks import check_outputs
@@ -64,6 +64,7 @@ class Programs:
     functions: Places = field(default_factory=dict)  # IO logic and PPO the cell has
     option: bool = False  # the cell has a correction (VAL 3 alter)
     channels: Mapping[int, MeasuringFacts] = field(default_factory=dict)  # measuring inputs by their numbers
+    windows: Sequence[float] = ()  # of the axes of the cell, in position; m and rad
     state: PlannerState = PlannerState()
     generation: int = 0
     _planner: Planner | None = None
@@ -192,7 +193,8 @@ class Programs:
         if self._trial is None and not apart(block):
             before = planner.standing
             planner.add(block)
-            check_drive_on(self._off, before, planner.standing, len(self._line_of), planner.machine, self.mask_of(planner.machine))
+            away = Away(self._off, self.windows)
+            away.check(before, planner.standing, len(self._line_of), planner.machine, self.mask_of(planner.machine))
             return
         trial = self._divided(planner, len(self._line_of) - 1)
         try:

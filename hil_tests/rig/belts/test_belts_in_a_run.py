@@ -25,9 +25,10 @@ from gateway.recording.file import read
 from gateway.recording.replay import recorded_cell, replay
 from hil_tests.lab.belt_run import FIRST_ID, INCREMENT, SPEED, BeltRun, belt_run
 from hil_tests.lab.buslog import Logged
-from hil_tests.lab.plc2 import ABORTED, DONE
+from hil_tests.lab.plc2 import ABORTED, DONE, REFUSED
 from hil_tests.lab.program_run import PROGRAM
 from motion.sync.belts import SET_COUNTER
+from motion.sync.cam import cam
 from protocols.servodyn.plan import SYNC_ID, set_id
 
 HEAD = "robot portal\nangles rho3\naxes mm mm mm deg\nstart 100 100 50 0\n"
@@ -36,6 +37,9 @@ PROGRAMS = {
     2: HEAD + "synchron B1 at=60mm\nlinear pose 150 150 50 0 0 0 belt=60mm\nlinear pose 150 150 90 0 0 0 belt=60mm path=60\nsynchron_end\n"
     "linear pose 100 100 50 0 0 0\n",
     3: HEAD + "synchron B2 at=4000mm\nlinear pose 200 150 50 0 0 0 belt=4100mm\n",
+    5: HEAD + "set_beltcnt 1 -40\nbelt_type 1 3\nsync B1 >= 130mm\nsynchron B1 at=20mm\n"
+    "linear pose 200 100 50 0 0 0 belt=120mm camin=30mm camout=50mm\nsynchron_end\nset_beltcnt 1 0\nbelt_type 1 1\n",
+    6: HEAD + "set_beltcnt 4 0\n",
     4: HEAD + "set path=20\nsynchron B1\n" + "linear pose 100 110 50 0 0 0\nlinear pose 100 100 50 0 0 0\n" * 20,
 }
 
@@ -124,6 +128,25 @@ def test_a_belt_that_turns_round_opens_ready_and_says_928(home: BeltRun) -> None
     assert not run.output(64) and run.output(67), "READY is open"
     said = [entry["text"] for entry in run.run.journal("command")][-1]
     assert "block 1, kinematic 1: wrong belt direction (rho 3 928)" in said
+
+
+def test_statements_of_belts_run_where_the_program_is(home: BeltRun) -> None:
+    """SF 28, SF 21, SYNC, and a part by the type that was set: B1 is of type 1 in its cell."""
+    run = home.programs
+    started(home, 5, 1)
+    states = home.snapshots()
+    assert run.plc.wait(lambda s: s.state in (DONE, ABORTED), 10).state == DONE, run.run.words()
+    belts = np.array([[state.belt, state.axes[0].set] for state in states])
+    jump = int(np.argmin(np.diff(belts[:, 0])))
+    assert belts[jump, 0] > 0.1 and belts[jump + 1, 0] < 0.0, "SYNC B1 >= 130 mm: the counter is -40 mm again"
+    assert np.ptp(belts[: jump + 1, 1]) < 1e-9, "and nothing has moved before"
+    inside = belts[jump + 1 :][(belts[jump + 1 :, 0] > 0.022) & (belts[jump + 1 :, 0] < 0.118)]
+    curve = cam(0.1, 0.03, 0.05)
+    off = [place - 0.1 - 0.1 * curve.at(belt - 0.020)[0] for belt, place in inside]
+    assert len(inside) > 5 and max(map(abs, off)) < 1e-8, "the cam"
+    assert run.command(PROGRAM, 6).state == REFUSED
+    said = [entry["text"] for entry in run.run.journal("command")][-1]
+    assert "belt 4: Inadmiss. Belt-No, P501 = 3 (rho 3 93)" in said
 
 
 def test_a_planner_killed_on_a_belt_leaves_the_robot_at_rest_beside_it(home: BeltRun) -> None:

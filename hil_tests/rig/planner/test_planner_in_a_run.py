@@ -15,7 +15,7 @@ import pytest
 
 from gateway.commands import motion_run
 from gateway.pure.reasons import Reason
-from gateway.pure.records import Motion
+from gateway.pure.records import AxisFlag, Motion
 from hil_tests.lab.plc2 import ABANDON, ABORTED, ACCEPTED, DISABLE, DONE, ENABLE, OVERRIDE, REFUSED, RELEASE, RESUME, RUNNING, STOP
 from hil_tests.lab.program_run import ON_PATH, PROBE, PROGRAM, ProgramRun, along, away, program_run
 
@@ -39,6 +39,7 @@ iol 2 1 2 0 1 0
 ppo 3 1 2 50 1000 0
 linear pose 350 50 105 180 0 0 path=50
 """,
+    8: HEAD + "ptp joints 20 90 -200 0\n",
     5: HEAD + f"ptp joints 60 90 -200 0 speed=10 until={PROBE}\nptp joints 0 90 -200 0\n",
 }
 MEASURING = f"\n[[measuring]]\nchannel = 610\ninput = {PROBE}\n"
@@ -173,6 +174,30 @@ def test_a_silent_owner_stops_it_on_the_path_and_it_does_not_go_on_by_itself(hom
     assert home.state().stop_cause == Reason.LINK_LOST
     home.plc.synchronise()
     assert home.command(ABANDON).state == DONE
+
+
+A3 = 4  # the Z axis: programs 4 and 8 have no use for it
+
+
+def test_an_axis_that_takes_no_part_is_switched_off_and_the_others_go_on(home: ProgramRun) -> None:
+    path = home.path(4, home.sets())
+    home.moving(4)
+    assert home.command(DISABLE, A3).state == DONE
+    before = along(home.state(), path)
+    home.watch("some way further", lambda s: along(s, path) > before + 0.1)
+    assert not home.state().axes[2].flags & AxisFlag.ENABLED and home.state().motion is Motion.RUNNING
+    back = home.command(ENABLE, A3)
+    assert (back.state, back.reason) == (ABORTED, Reason.DRIVE_ON_NOT_ALLOWED)
+    rows = home.watch("at rest", lambda s: s.motion is Motion.IDLE)
+    assert home.still() and away(rows[:, [0, 1, 3]], path[:, [0, 1, 3]]) < ON_PATH, "on the path"
+    said = [entry["text"] for entry in home.run.journal("command")]
+    assert any("DRIVE ON not allowed: axis A3" in text for text in said)
+    assert home.command(PROGRAM, 8).state == DONE and home.state().axes[0].set == pytest.approx(np.radians(20.0), abs=1e-9)
+    needs = home.command(PROGRAM, 2)
+    assert (needs.state, needs.reason) == (REFUSED, Reason.PROGRAM_FAULT)
+    assert "axis A3: DRIVE ON not avail." in [entry["text"] for entry in home.run.journal("command")][-1]
+    assert home.command(ENABLE, A3).state == DONE
+    assert home.command(PROGRAM, 1).state == DONE
 
 
 def test_drives_off_end_it(home: ProgramRun) -> None:
