@@ -49,8 +49,10 @@ class BeltRun:
         self._emulator.ask("belt", belt=kind, silent=silent)
 
     def zero(self, kind: int) -> None:
-        """The PLC sets the belt's counter to its reset value, 0."""
+        """The PLC sets the belt's counter to its reset value, 0; the input stands for some cycles, or none of them might see it."""
         self.programs.coil(SET_COUNTER + kind - 1, True)
+        seen = self.programs.state().cycle + 3
+        self.programs.watch("cycles with the input", lambda state: state.cycle >= seen)
         self.programs.coil(SET_COUNTER + kind - 1, False)
 
     def snapshots(self, seconds: float = 20.0) -> list[CellState]:
