@@ -21,7 +21,7 @@ from hil_tests.matrix.marks import claims_of, function_id
 from hil_tests.matrix.mutant import VARIANTS, MutantError, mutated
 from hil_tests.matrix.verdicts import Pair, fingerprint
 
-LEAST_S = 10.0  # a mutant that turns a test into an endless loop is given up after this, or ten times the sound run
+LEAST_S = 45.0  # a mutant that never ends is given up after this, or ten times the sound run; tests themselves wait up to 20 s
 RANK = ("hang", "skipped", "alive", "crash", "killed")  # of a test's parameters the best one counts: they are one test
 
 
