@@ -247,11 +247,14 @@ static void forget(PyObject *capsule)
     PyMem_Free(table_of(capsule));
 }
 
-/* Three of (place in octets, octets, 1 for signed) out of a tuple of nine; 0, or -1. */
+/* Three of (place in octets, octets, 1 for signed) out of a tuple of nine, inside a telegram of so many octets; 0, or -1. */
 static int numbers_of(PyObject *tuple, int length, struct number *numbers)
 {
-    return PyArg_ParseTuple(tuple, "iiiiiiiii", &numbers[0].at, &numbers[0].size, &numbers[0].has_sign, &numbers[1].at, &numbers[1].size,
-                            &numbers[1].has_sign, &numbers[2].at, &numbers[2].size, &numbers[2].has_sign) ? length <= 8 ? 0 : -1 : -1;
+    int good = PyArg_ParseTuple(tuple, "iiiiiiiii", &numbers[0].at, &numbers[0].size, &numbers[0].has_sign, &numbers[1].at,
+                                &numbers[1].size, &numbers[1].has_sign, &numbers[2].at, &numbers[2].size, &numbers[2].has_sign);
+    for (int n = 0; good && n < NUMBERS; n++)
+        good = numbers[n].at >= 1 && numbers[n].size >= 1 && numbers[n].size <= 4 && numbers[n].at + numbers[n].size <= length;
+    return good && length <= 8 ? 0 : -1;
 }
 
 /* table(identifier of SYNC, [(index, identifier, length, bits of the flags, numbers) of the set value + the same without index of the

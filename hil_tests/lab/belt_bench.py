@@ -24,7 +24,7 @@ from gateway.pure.programs import Programs
 from gateway.pure.reasons import CommandState
 from gateway.pure.records import CellState, Motion, pack_cell_state, unpack_cell_state
 from hil_tests.lab.asserted import asserted
-from hil_tests.lab.belt_run import INCREMENT, with_belts
+from hil_tests.lab.belt_run import INCREMENT, SPEED, with_belts
 from hil_tests.lab.cellbench import CellBench
 from hil_tests.lab.planner_beside import PlannerBeside
 from hil_tests.lab.servodyn_bus import CODEC
@@ -97,6 +97,12 @@ class BeltBench(CellBench):
         self.cycle()
         self.permit(SET_COUNTER + kind - 1, value=False)
         self.cycle()
+
+    def started(self, kind: int, speed: float = SPEED) -> None:
+        """The belt runs, its counter begins at 0."""
+        self.drive(kind, speed)
+        self.run(0.1)
+        self.zero(kind)
 
     def order(self, *lines: str) -> Job:
         """Door 1 orders a program of these lines."""

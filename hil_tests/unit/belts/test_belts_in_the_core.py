@@ -7,9 +7,9 @@ from gateway.pure.command_block import Code
 from gateway.pure.reasons import CommandState, Reason
 from gateway.pure.records import get_bit
 from hil_tests.lab.belt_bench import ALL, BeltBench
+from hil_tests.lab.belt_run import SPEED
 from motion.sync.cam import cam
 
-SPEED = 0.150  # m/s
 LIMIT = (0.8, 0.8, 0.4, 3.2)  # of the axes, m/s and rad/s
 SLOW = ("set path=20", "synchron B1", *["linear pose 100 110 50 0 0 0", "linear pose 100 100 50 0 0 0"] * 2)
 AT = "synchron B2 at=60mm", "synchron B3 at=60mm"
@@ -20,13 +20,6 @@ def bench() -> BeltBench:
     return BeltBench()
 
 
-def started(bench: BeltBench, kind: int, speed: float = SPEED) -> None:
-    """The belt runs, its counter begins at 0."""
-    bench.drive(kind, speed)
-    bench.run(0.1)
-    bench.zero(kind)
-
-
 def smooth(bench: BeltBench) -> None:
     """No axis is faster than it may be, and no step is larger than a braking drive could follow."""
     steps = np.diff(np.array(bench.sets()), axis=0) / 0.004
@@ -35,7 +28,7 @@ def smooth(bench: BeltBench) -> None:
 
 
 def test_a_part_of_type_1_is_where_its_belt_is_and_the_program_goes_on_beside_it(bench: BeltBench) -> None:
-    started(bench, 1)
+    bench.started(1)
     job = bench.order(
         "synchron B1 at=60mm",
         "linear pose 150 150 50 0 0 0 belt=60mm",
@@ -54,7 +47,7 @@ def test_a_part_of_type_1_is_where_its_belt_is_and_the_program_goes_on_beside_it
 
 @pytest.mark.parametrize("turn", [1.0, -1.0])
 def test_a_part_of_type_1_waits_for_its_belt_from_either_side(bench: BeltBench, turn: float) -> None:
-    started(bench, 1, turn * SPEED)
+    bench.started(1, turn * SPEED)
     job = bench.order(f"synchron B1 at={turn * 60}mm", "linear pose 150 150 50 0 0 0")
     assert bench.finished(job).state is CommandState.DONE
     first = next(s for s in bench.seen if abs(s.axes[0].set - 0.1) > 1e-6)
@@ -62,7 +55,7 @@ def test_a_part_of_type_1_waits_for_its_belt_from_either_side(bench: BeltBench, 
 
 
 def test_a_part_of_type_2_reaches_its_point_with_its_belt(bench: BeltBench) -> None:
-    started(bench, 2)
+    bench.started(2)
     job = bench.order(AT[0], "linear pose 200 150 50 0 0 0 belt=160mm pathaccel=3000", "synchron_end", "ptp joints 100 100 50 0")
     assert bench.finished(job).state is CommandState.DONE
     there = next(s.belt for s in bench.seen if s.axes[0].set > 0.2 - 1e-7)
@@ -73,7 +66,7 @@ def test_a_part_of_type_2_reaches_its_point_with_its_belt(bench: BeltBench) -> N
 
 def test_a_part_of_type_3_follows_its_cam_exactly_in_all_coordinates(bench: BeltBench) -> None:
     curve = cam(0.1, 0.03, 0.05)
-    started(bench, 3)
+    bench.started(3)
     job = bench.order(AT[1], "linear pose 200 150 50 0 0 30 belt=160mm camin=30mm camout=50mm")
     assert bench.finished(job).state is CommandState.DONE
     inside = [s for s in bench.seen if 0.061 < s.belt < 0.159]
@@ -87,7 +80,7 @@ def test_a_part_of_type_3_follows_its_cam_exactly_in_all_coordinates(bench: Belt
 
 
 def test_a_belt_that_stops_holds_its_robot_and_takes_it_along_again(bench: BeltBench) -> None:
-    started(bench, 3)
+    bench.started(3)
     job = bench.order(AT[1], "linear pose 200 150 50 0 0 0 belt=160mm")
     bench.until(lambda s: s.axes[0].set > 0.13)
     bench.drive(3, 0.0)
@@ -101,7 +94,7 @@ def test_a_belt_that_stops_holds_its_robot_and_takes_it_along_again(bench: BeltB
 
 @pytest.mark.requirement("RHO-MOT-25", by="gateway.pure.beltmover:BeltMover._belt_fault")
 def test_a_belt_reversed_before_the_start_is_928_and_opens_ready(bench: BeltBench) -> None:
-    started(bench, 2)
+    bench.started(2)
     job = bench.order("synchron B2 at=4000mm", "linear pose 200 150 50 0 0 0 belt=4100mm")
     bench.until(lambda s: s.job == job.id)
     bench.run(0.1)
@@ -115,7 +108,7 @@ def test_a_belt_reversed_before_the_start_is_928_and_opens_ready(bench: BeltBenc
 
 
 def test_feed_hold_on_a_belt_of_type_2_is_944(bench: BeltBench) -> None:
-    started(bench, 2)
+    bench.started(2)
     job = bench.order(AT[0], "linear pose 200 150 50 0 0 0 belt=160mm")
     bench.until(lambda s: s.axes[0].set > 0.12)
     bench.permit(27, value=False)
@@ -124,7 +117,7 @@ def test_feed_hold_on_a_belt_of_type_2_is_944(bench: BeltBench) -> None:
 
 
 def test_feed_hold_on_a_belt_of_type_1_keeps_the_robot_on_it(bench: BeltBench) -> None:
-    started(bench, 1)
+    bench.started(1)
     job = bench.order(*SLOW)
     bench.until(lambda s: s.axes[1].set > 0.104 and s.axes[0].speed > 0.1)
     bench.permit(27, value=False)
@@ -144,7 +137,7 @@ def still(bench: BeltBench) -> bool:
 
 
 def test_a_stop_brakes_path_and_belt_and_nothing_is_left_to_resume(bench: BeltBench) -> None:
-    started(bench, 1)
+    bench.started(1)
     job = bench.order(*SLOW)
     bench.until(lambda s: s.axes[1].set > 0.104 and s.axes[0].speed > 0.1)
     assert bench.settle(bench.give(Code.STOP, ALL)).state is CommandState.DONE
@@ -155,7 +148,7 @@ def test_a_stop_brakes_path_and_belt_and_nothing_is_left_to_resume(bench: BeltBe
 
 
 def test_the_planners_death_on_a_belt_ends_at_rest_beside_it(bench: BeltBench) -> None:
-    started(bench, 1)
+    bench.started(1)
     job = bench.order(*SLOW, *SLOW[2:] * 4)
     bench.until(lambda s: s.axes[1].set > 0.104 and s.axes[0].speed > 0.1)
     bench.planner.alive = False
@@ -167,7 +160,7 @@ def test_the_planners_death_on_a_belt_ends_at_rest_beside_it(bench: BeltBench) -
 
 
 def test_drives_off_on_a_belt_forget_the_part_and_the_next_program_runs(bench: BeltBench) -> None:
-    started(bench, 1)
+    bench.started(1)
     job = bench.order(*SLOW)
     bench.until(lambda s: s.axes[1].set > 0.104 and s.axes[0].speed > 0.1)
     assert bench.settle(bench.give(Code.DISABLE, ALL)).state is CommandState.DONE
@@ -178,7 +171,7 @@ def test_drives_off_on_a_belt_forget_the_part_and_the_next_program_runs(bench: B
 
 
 def test_an_encoder_that_says_nothing_ends_the_part(bench: BeltBench) -> None:
-    started(bench, 1)
+    bench.started(1)
     job = bench.order(*SLOW)
     bench.until(lambda s: s.axes[1].set > 0.104 and s.axes[0].speed > 0.1)
     bench.emulated.all[0].silent = True
@@ -187,7 +180,7 @@ def test_an_encoder_that_says_nothing_ends_the_part(bench: BeltBench) -> None:
 
 
 def test_a_belt_that_would_carry_an_axis_out_of_its_travel_is_left_in_time(bench: BeltBench) -> None:
-    started(bench, 1, 0.5)
+    bench.started(1, 0.5)
     job = bench.order("synchron B1", "linear pose 100 100 60 0 0 0", "linear pose 100 110 60 0 0 0 path=1")
     bench.finished(job)
     assert job.reason is Reason.BELT_FAULT and job.detail.endswith("axis X: the axis would leave its travel on the belt")

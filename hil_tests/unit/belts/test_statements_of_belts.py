@@ -9,13 +9,13 @@ from gateway.motionpaper import Paper, sections_of
 from gateway.pure.command_block import Code
 from gateway.pure.reasons import CommandState, Reason
 from hil_tests.lab.belt_bench import ALL, FACTS, HEAD, MACHINE, BeltBench
+from hil_tests.lab.belt_run import SPEED
 from motion.program.errors import TextFaults
 from motion.program.text import read
 from motion.program.textout import write
 from motion.sync.belts import SET_COUNTER
 from motion.sync.cam import cam
 
-SPEED = 0.150  # m/s
 STEP = SPEED * 0.004 + 1e-4  # of a cycle, and one increment
 AWAY = "linear pose 100 140 50 0 0 0"
 
@@ -23,13 +23,6 @@ AWAY = "linear pose 100 140 50 0 0 0"
 @pytest.fixture
 def bench() -> BeltBench:
     return BeltBench()
-
-
-def started(bench: BeltBench, kind: int, speed: float = SPEED) -> None:
-    """The belt runs, its counter begins at 0."""
-    bench.drive(kind, speed)
-    bench.run(0.1)
-    bench.zero(kind)
 
 
 def set_at(bench: BeltBench) -> tuple[float, float, float]:
@@ -41,7 +34,7 @@ def set_at(bench: BeltBench) -> tuple[float, float, float]:
 
 @pytest.mark.parametrize(("sign", "turn"), [(">=", 1.0), ("<=", -1.0)])
 def test_sync_waits_for_the_belt_sets_its_counter_and_the_program_goes_on(bench: BeltBench, sign: str, turn: float) -> None:
-    started(bench, 1, turn * SPEED)
+    bench.started(1, turn * SPEED)
     job = bench.order("set_beltcnt 1 250", f"sync B1 {sign} {turn * 60}mm", AWAY)
     assert bench.finished(job).state is CommandState.DONE
     before, after, y = set_at(bench)
@@ -53,7 +46,7 @@ def test_sync_waits_for_the_belt_sets_its_counter_and_the_program_goes_on(bench:
 @pytest.mark.requirement("RHO-MOT-20", by="gateway.pure.corebelts:CoreBelts.act")
 def test_a_program_that_only_sets_a_reset_value_is_done_and_the_signal_loads_it(bench: BeltBench) -> None:
     """SPZ28 of the manual: SET_BELTCNT and nothing else; L1724-1732."""
-    started(bench, 1, 0.0)
+    bench.started(1, 0.0)
     assert bench.finished(bench.order("set_beltcnt 1 -2000")).state is CommandState.DONE
     assert bench.core.state.belt == pytest.approx(0.0, abs=1e-3), "the counter itself stays"
     bench.permit(SET_COUNTER)
@@ -67,7 +60,7 @@ def test_a_program_that_only_sets_a_reset_value_is_done_and_the_signal_loads_it(
 
 
 def test_sync_on_an_input_waits_for_its_level(bench: BeltBench) -> None:
-    started(bench, 1)
+    bench.started(1)
     bench.permit(464, value=False)
     job = bench.order("ptp joints 110 100 50 0", "sync B1 input=464", "sync B1 input=!464", AWAY)
     bench.until(lambda s: s.axes[0].set > 0.11 - 1e-9 and s.parts > 0)
@@ -81,7 +74,7 @@ def test_sync_on_an_input_waits_for_its_level(bench: BeltBench) -> None:
 
 
 def test_a_stop_ends_a_program_that_waits_and_its_belt_is_left_alone(bench: BeltBench) -> None:
-    started(bench, 1)
+    bench.started(1)
     job = bench.order("sync B1 >= 100mm", AWAY)
     bench.run(0.2)
     assert job.state is CommandState.RUNNING
@@ -97,7 +90,7 @@ def test_a_stop_ends_a_program_that_waits_and_its_belt_is_left_alone(bench: Belt
 def test_the_type_of_a_belt_holds_for_later_programs_until_the_cycle_starts_anew(bench: BeltBench) -> None:
     part = "synchron B1 at=60mm", "linear pose 200 150 50 0 0 0 belt=160mm camin=30mm camout=50mm", "synchron_end"
     curve = cam(0.1, 0.03, 0.05)
-    started(bench, 1)
+    bench.started(1)
     assert bench.finished(bench.order("belt_type 1 73", *part)).state is CommandState.DONE
     inside = [s for s in bench.seen if 0.061 < s.belt < 0.159]
     assert len(inside) > 100 and bench.belts.all.all[0].tolerance == 7
@@ -117,7 +110,7 @@ def test_the_type_of_a_belt_holds_for_later_programs_until_the_cycle_starts_anew
 
 @pytest.mark.requirement("RHO-MOT-26", by="gateway.pure.corebelts:CoreBelts.act")
 def test_below_the_threshold_stopped_a_robot_of_type_2_stands(bench: BeltBench) -> None:
-    started(bench, 2)
+    bench.started(2)
     part = "synchron B2 at=60mm", "linear pose 200 150 50 0 0 0 belt=160mm"
     job = bench.order("belt_param 2 200 300 160", *part)
     bench.until(lambda s: s.belt > 0.140)
@@ -128,7 +121,7 @@ def test_below_the_threshold_stopped_a_robot_of_type_2_stands(bench: BeltBench) 
     bench.run(0.1)
     for code in (Code.REQUEST_CONTROL, Code.FAULT_RESET, Code.OVERRIDE, Code.ENABLE):
         bench.settle(bench.give(code, ALL))
-    started(bench, 2)
+    bench.started(2)
     bench.order(*part)
     bench.until(lambda s: s.axes[0].set > 0.15)
 
@@ -155,7 +148,7 @@ def test_what_cannot_be_is_told_before_anything_moves(bench: BeltBench) -> None:
 
 def test_a_label_brings_its_statements_along(bench: BeltBench) -> None:
     bench.permit(464, value=False)
-    started(bench, 1, 0.0)
+    bench.started(1, 0.0)
     lines = ("linear pose 100 120 50 0 0 0 until=464 error=NONE", "set_beltcnt 1 70", AWAY, "label NONE", "set_beltcnt 1 -90")
     assert bench.finished(bench.order(*lines, "linear pose 100 100 50 0 0 0")).state is CommandState.DONE
     assert max(s.axes[1].set for s in bench.seen) == pytest.approx(0.12, abs=1e-9), "the block in between is left out"

@@ -1,6 +1,6 @@
 """AX-481: inputs of [[measuring]] whose wire ends on a bus of the cycle act in the cycle that hears them, not a way round later."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import pytest
@@ -14,6 +14,7 @@ from gateway.fastwires import fast_wires
 from gateway.files import find_config
 from gateway.pure.coupler401 import Coupler, CouplerFamily
 from gateway.pure.fastwires import FastWires, InputLevel
+from gateway.pure.jobs import Job
 from gateway.pure.plannerrecords import MeasuringFacts
 from gateway.pure.reasons import CommandState
 from gateway.pure.records import InputImage, Motion, Quality, get_bit
@@ -165,25 +166,31 @@ class Wired(Probing):
             self.cell.inputs = self.wires.over(self.image)
             self.cell.cycle()
 
+    def cycles_until(self, holds: Callable[[], bool]) -> None:
+        for _ in range(3000):
+            if holds():
+                return
+            self.cycles()
+        raise AssertionError(f"never: {self.cell.core.state}")
+
+    def on_its_way(self) -> Job:
+        """A block that ends with the probe has begun, and is a good part of its way along."""
+        job = self.order(f"ptp joints {joints(90)} until=ch610")
+        self.cycles_until(lambda: self.places()[0] > 20.0)
+        return job
+
 
 @answers
 def test_move_until_leaves_its_path_in_the_very_cycle_that_hears_the_probe() -> None:
     bench = Wired()
-    job = bench.order(f"ptp joints {joints(90)} until=ch610")
-    for _ in range(3000):
-        bench.cycles()
-        if bench.places()[0] > 20.0:
-            break
+    job = bench.on_its_way()
     stamp = bench.cell.now - bench.cell.period_ns // 3
     says(bench.family, 0b1000, stamp)
     assert bench.motion() is Motion.RUNNING
     bench.cycles()
     assert bench.motion() is Motion.STOPPING, "no way round by the services"
     assert not bench.image.bit(PROBE)
-    for _ in range(2000):
-        bench.cycles()
-        if not job.open:
-            break
+    bench.cycles_until(lambda: not job.open)
     assert job.state is CommandState.DONE
     assert bench.measured == pytest.approx(bench.was(stamp), abs=CLOSE)
 
@@ -191,17 +198,10 @@ def test_move_until_leaves_its_path_in_the_very_cycle_that_hears_the_probe() -> 
 def test_an_edge_told_behind_the_sync_of_its_cycle_is_measured_where_it_was() -> None:
     """A module that speaks at once is heard in the cycle of its edge: the positions of that instant come with the next SYNC."""
     bench = Wired()
-    job = bench.order(f"ptp joints {joints(90)} until=ch610")
-    for _ in range(3000):
-        bench.cycles()
-        if bench.places()[0] > 20.0:
-            break
+    job = bench.on_its_way()
     stamp = bench.cell.now + bench.cell.period_ns // 4
     says(bench.family, 0b1000, stamp)
-    for _ in range(2000):
-        bench.cycles()
-        if not job.open:
-            break
+    bench.cycles_until(lambda: not job.open)
     assert job.state is CommandState.DONE
     assert bench.measured == pytest.approx(bench.was(stamp), abs=CLOSE)
 
