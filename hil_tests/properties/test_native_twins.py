@@ -214,6 +214,31 @@ def test_an_axis_in_any_state_takes_the_same_step_in_both(
     loops.show_axes([AxisState()], [axis], rest, 0.002)
 
 
+@settings(max_examples=120, deadline=None)
+@given(
+    axis=held_axes(),
+    refused=FLAG,
+    still_for=st.integers(0, 4),
+    far=st.sampled_from([0.0, 0.5, 1.0, 3.0, 20.0]),
+    step=st.integers(-200, 200),
+)
+def test_an_axis_that_follows_takes_the_short_way_to_the_same_end(
+    quick: Quick, axis: HeldAxis, refused: bool, still_for: int, far: float, step: int
+) -> None:
+    """What C does itself: a drive on and following, a set value within its step, an axis that stands for one cycle more."""
+    drive, loops = Drive(DriveSettings(step_inc=100)), SideBySide(quick)
+    drive._go(Phase.ENABLED)
+    drive._following, drive._reset_before, drive._on_before, axis.led, axis.gap = False, False, True, False, False
+    drive._refused, drive.set_inc, drive._life = refused, 1_000, axis.drive._life
+    axis.drive, axis.scaling, axis.wanted, axis.by_drive, axis.active_inc = drive, Scaling(), True, False, 1_000
+    axis.tracking = Tracking(1.0, 10.0, 15.0, settle_cycles=2)
+    axis.tracking._last, axis.tracking._still = 1_000, still_for
+    axis.tracking.number, axis.behind = 0, far
+    actual = ActualValue(True, True, True, False, False, False, False, True, 0, 1_000, 0)
+    loops.watch_axes([axis], [actual], 0)
+    loops.drive_axes([axis], [actual], (axis.scaling.to_si(1_000 + step),), (0.0,), False)
+
+
 @pytest.mark.parametrize("q", [float("nan"), float("inf"), -float("inf")])
 def test_a_position_that_is_no_number_raises_the_same_in_both(quick: Quick, q: float) -> None:
     axis = HeldAxis(CoreAxis("A1", Scaling(), None, 1.0, DriveSettings()), Drive(), Tracking(), Scaling(), set=q)
