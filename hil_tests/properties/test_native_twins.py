@@ -229,7 +229,7 @@ def test_an_axis_that_follows_takes_the_short_way_to_the_same_end(
     drive, loops = Drive(DriveSettings(step_inc=100)), SideBySide(quick)
     drive._go(Phase.ENABLED)
     drive._following, drive._reset_before, drive._on_before, axis.led, axis.gap = False, False, True, False, False
-    drive._refused, drive.set_inc, drive._life = refused, 1_000, axis.drive._life
+    drive._refused, drive.set_inc, drive._life = refused, 1_000, 255
     axis.drive, axis.scaling, axis.wanted, axis.by_drive, axis.active_inc = drive, Scaling(), True, False, 1_000
     axis.tracking = Tracking(1.0, 10.0, 15.0, settle_cycles=2)
     axis.tracking._last, axis.tracking._still = 1_000, still_for
