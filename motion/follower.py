@@ -104,6 +104,10 @@ class Follower:
             tail, rows, self._pending, self._rows = self._pending, self._rows, [], []
             self._commit(tail, rows)
 
+    def uncommit(self) -> None:
+        """The tail that is not complete is dropped; nothing of it has begun."""
+        self._pending, self._rows = [], []
+
     def _prepare(self, piece: TimedPiece) -> None:
         """Everything that takes time, one piece at a time."""
         begin, at = self._next, len(self._pieces)

@@ -205,6 +205,11 @@ class Stepper:
         if self._state is State.STOPPED:
             self._drop()
 
+    def uncommit(self) -> None:
+        """Timed pieces whose tail does not end at rest yet are taken out; what is committed runs."""
+        if self._follower is not None:
+            self._follower.uncommit()
+
     def step(self) -> Sample:
         """The next sample, one period further."""
         if self._follower and self._state is not State.IDLE:

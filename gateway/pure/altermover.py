@@ -13,7 +13,7 @@ from gateway.pure.plannerrecords import PieceRecord, SwitchAt
 from gateway.pure.reasons import Reason
 from gateway.pure.records import CellState, InputImage, OrderRecord
 from motion.errors import MotionError
-from motion.stepper import Sample, State, Stepper
+from motion.stepper import Sample, State
 
 
 class AlterMover(Mover):
@@ -67,12 +67,9 @@ class AlterMover(Mover):
         sample = alter.step(path, self.override)
         if alter.fault is not None:
             self._alter_fault(*alter.fault)
-        failed = program.job in (0, self._state.failed_job)
+        failed = not program.job or program.failed
         if self.stepper.state is State.IDLE and (failed or ((program.rests or program.complete) and alter.may_end(inputs))):
             alter.drop()
-            if failed:  # a piece may wait in it whose end never came
-                self.stepper = Stepper(len(self._axes), self._period)
-                self.stepper.set_override(self.override)
             self.stepper.place(sample.q)  # from here on the axes are the stepper's again
         return sample
 
@@ -85,7 +82,7 @@ class AlterMover(Mover):
     def _leave_part(self, reason: Reason) -> None:
         """The program is over; the path brakes with the correction as it is."""
         program = self.program
-        if program.job and program.job != self._state.failed_job:
+        if program.job and not program.failed:
             self._end_program(reason)
             program.met = True  # what still comes of it is dropped
             self._state.stop_cause = reason

@@ -149,7 +149,7 @@ class BeltMover(Mover):
     def _leave_belt(self, reason: Reason) -> None:
         """Stopped inside a part: it is over, and the axes come to rest whatever the belt does."""
         belts, program = self._belts, self.program
-        if program.job and program.job != self._state.failed_job:
+        if program.job and not program.failed:
             self._end_program(reason)
             program.met = True  # what still comes of it is dropped
             self._state.stop_cause = reason

@@ -78,7 +78,7 @@ class Core:
         self._enabling_inputs = EnablingInputs(numbers, assumed)
         self._permits = 0
         self._override = 0.0
-        self._enabling: tuple[int, int] = (0, 0)  # job, mask
+        self._enabling: list[tuple[int, int]] = []  # job, mask, of each that waits for its axes
         self._reset = False
         self._services_alive = False
         self._settled = False
@@ -216,12 +216,14 @@ class Core:
             self.state.fail(record.job, Reason.EMERGENCY_STOP)
         elif not state.permits & Permit.CONTROL:
             self.state.fail(record.job, Reason.CONTROL_NOT_ALLOWED)
-        elif self._mover.join(record.mask):  # else the program is over; its end tells of this order, too
+        elif self._mover.join(record.mask):  # else the program is over, too
             state.stop_cause = 0
             for n, axis in enumerate(self._axes):
                 if record.mask >> n & 1:
                     axis.wanted, axis.finding = True, 0
-            self._enabling = (record.job, record.mask)
+            self._enabling.append((record.job, record.mask))
+        else:
+            state.fail(record.job, Reason.DRIVE_ON_NOT_ALLOWED)
 
     def _reference(self, record: OrderRecord) -> None:
         if self._mover.stepper.state is not State.IDLE or self._homings.job:
@@ -263,13 +265,14 @@ class Core:
             self._homings.end(reason)
         for axis in moved:
             axis.run, axis.by_drive = None, False
+        for job, wanted in self._enabling:
+            if wanted & mask:
+                self.state.fail(job, reason)
+        self._enabling = [one for one in self._enabling if not one[1] & mask]
         if reason is Reason.DRIVES_OFF and self._mover.leave():
             return
         if self._mover.busy:
             self._mover.drop(reason)
-        if self._enabling[0]:
-            self.state.fail(self._enabling[0], reason)
-            self._enabling = (0, 0)
 
     # ---- set values --------------------------------------------------------------------------------------------------
     def _drive(self, actuals: Sequence[Actual | None], inputs: InputImage) -> list[SetRecord]:
@@ -315,9 +318,8 @@ class Core:
             self._judge_powers()
         if self._eventful:
             self._judge_events()
-        job, mask = self._enabling
-        if job and self._mover.all_enabled(mask):
-            self._enabling = (0, 0)
+        if self._enabling:
+            self._enabling = [one for one in self._enabling if not self._mover.all_enabled(one[1])]
 
     def _judge_powers(self) -> None:
         powers = [axis.power for axis in self._axes if axis.wanted]

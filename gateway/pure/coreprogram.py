@@ -21,10 +21,11 @@ class ProgramRun:
     switches: deque[Entry] = field(default_factory=deque)  # outputs to come, in the order of the way
     met: bool = False  # the input the part ends with came: what still comes of the part is dropped
     rests: bool = False  # nothing more comes of the part
+    failed: bool = False  # what was committed of it is still run
 
     def order(self, job: int) -> None:
         """From now on pieces of this job are taken."""
-        self.job, self.begun, self.complete = job, False, False
+        self.job, self.begun, self.complete, self.failed = job, False, False, False
         self.part_over()
 
     def clear(self) -> None:

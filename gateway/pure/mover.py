@@ -114,7 +114,7 @@ class Mover:
             self.stepper.abandon()
             self._state.fail(self.running, Reason.ABANDONED)
             self.running = 0
-            self.program.clear()
+            self._clear()
 
     def stop(self, reason: Reason) -> None:
         """On the path."""
@@ -124,13 +124,13 @@ class Mover:
         elif self.starved:  # nothing to stop on: it must not begin, or go on, by itself afterwards
             self._state.fail(self.program.job, reason)
             self.running, self._state.stop_cause = 0, reason
-            self.program.clear()
+            self._clear()
 
     def drop(self, reason: Reason) -> None:
         """The drives go off: nothing of the path is left."""
         self._state.fail(self.running or self.program.job, reason)
         self.running = 0
-        self.program.clear()
+        self._clear()
         self.stepper = Stepper(len(self._axes), self._period, [axis.set for axis in self._axes])
         self.stepper.set_override(self.override)
 
@@ -162,7 +162,7 @@ class Mover:
         if self.stepper.state is not State.IDLE:
             self.stepper.abandon()
         self.running = 0
-        self.program.clear()
+        self._clear()
 
     def _refuse(self, axis: int) -> None:
         """What comes next cannot be run without this axis: the program ends where what was committed ends."""
@@ -202,7 +202,7 @@ class Mover:
             program.complete = True
             if not program.begun:
                 self._state.done_job = program.job
-                program.clear()
+                self._clear()
         else:
             self._take_piece(record.piece)
 
@@ -218,7 +218,7 @@ class Mover:
         program = self.program
         if self.stepper.state is State.IDLE and not program.met and not self.start.on and self.measure.stands(self._inputs):
             program.met = True  # it stands already: there is no movement (rho3 4.3)
-        if program.met:
+        if program.met or program.failed:
             return
         try:
             piece = decode_any(data)
@@ -233,7 +233,7 @@ class Mover:
             if program.begun:
                 self.stepper.abandon()
                 self.running = 0
-            program.clear()
+            self._clear()
             return
         if not program.begun:
             self._begin(program.job)
@@ -268,11 +268,18 @@ class Mover:
     def _end_program(self, reason: Reason) -> None:
         """It failed; what was committed of it is run."""
         self._state.fail(self.program.job, reason)
+        self.program.failed = True
         self.program.switches.clear()
         if self.program.begun:
             self.program.complete = True
+            self.stepper.uncommit()
         else:
-            self.program.clear()
+            self._clear()
+
+    def _clear(self) -> None:
+        """The program is over; a beginning of a path whose end never came is no path."""
+        self.program.clear()
+        self.stepper.uncommit()
 
     # ---- one cycle ---------------------------------------------------------------------------------------------------
     def step(self, inputs: InputImage) -> Sample:
@@ -360,7 +367,7 @@ class Mover:
             self._state.fail(self.program.job, Reason.OUTPUT_IN_USE)
             self.stepper.abandon()
             self.running = 0
-            self.program.clear()
+            self._clear()
 
     def judge(self, sample: Sample) -> None:
         """A job runs: when its set values have arrived it is done as soon as the axes have, too."""
@@ -369,7 +376,7 @@ class Mover:
         late = [axis for axis in self._axes if abs(axis.set - axis.scaling.to_si(axis.drive.position_inc)) > axis.plan.window]
         self._arriving += 1
         if not late:
-            if self.running != self._state.failed_job:
+            if not self.program.failed:
                 self._state.done_job = self.running
             self._over()
         elif self._arriving * self._period > ARRIVAL_S:
@@ -379,4 +386,4 @@ class Mover:
     def _over(self) -> None:
         self.running, self._arriving = 0, 0
         if self.program.begun:
-            self.program.clear()
+            self._clear()

@@ -118,9 +118,6 @@ class Office:
         if outcome is not None:
             detail = self._fault(job, cell, outcome)
             self._end(job, self._ended(job, outcome), outcome, detail)
-            if outcome is Reason.DRIVE_ON_NOT_ALLOWED:
-                for other in [other for other in self._open if other.code == Code.ENABLE and other.open]:
-                    self._end(other, CommandState.ABORTED, outcome, detail)
         elif job.until is not None and now >= job.until:
             self._end(job, CommandState.ABORTED, *self._why_not(job, cell))
 
@@ -161,14 +158,12 @@ class Office:
         """NONE: done; a reason: aborted; None: still open."""
         if cell.taken < job.id:
             return None
+        failed = cell.failure(job.watch or (job.id if job.code == Code.ENABLE else 0))
         if job.watch:
-            if cell.done_job == job.watch:
-                return Reason.NONE
-            if cell.failed_job == job.watch:
-                return Reason(cell.failed_reason)
-            return None
-        if job.code == Code.ENABLE and cell.failed_job == job.id:
-            return Reason(cell.failed_reason)
+            done = cell.done_job == job.watch
+            return Reason.NONE if done else Reason(failed) if failed else None
+        if failed:
+            return Reason(failed)
         return Reason.NONE if self._reached(job, cell) else None
 
     def _reached(self, job: Job, cell: CellState) -> bool:

@@ -83,7 +83,7 @@ class CellState:
     job: int = 0  # id of the order that moves the axes now, 0: none
     progress: float = 0.0  # s of the running piece, 0..1
     done_job: int = 0  # last order that ended well
-    failed_job: int = 0  # last order that ended badly
+    failed_job: int = 0  # last order that ended badly; failure() also knows those before it
     failed_reason: int = 0
     taken: int = 0  # last order id taken from the ring
     emergency: bool = False  # emergency-stop latch
@@ -107,21 +107,45 @@ class CellState:
     path_stop: int = 0  # function of the path that was stopped last, or was still in use (plannerrecords.function_words), 0: none
     drive_axis: int = 0  # axis (from 1) for whose drive-on the last program ended, 0: none
     measured_mask: int = 0  # axes (bit n-1 = axis n) whose position the program under way, or the last one, has measured
+    failed_2: int = 0  # the three that ended badly before failed_job, newest first: several may fail in one cycle (AX-514)
+    reason_2: int = 0
+    failed_3: int = 0
+    reason_3: int = 0
+    failed_4: int = 0
+    reason_4: int = 0
     axes: list[AxisState] = field(default_factory=lambda: [AxisState() for _ in range(AXES)])
 
     def fail(self, job: int, reason: int) -> None:
         """This order ended badly; 0: there was none."""
-        if job:
-            self.failed_job, self.failed_reason = job, int(reason)
+        if not job:
+            return
+        if job != self.failed_job:
+            self.failed_4, self.reason_4 = self.failed_3, self.reason_3
+            self.failed_3, self.reason_3 = self.failed_2, self.reason_2
+            self.failed_2, self.reason_2 = self.failed_job, self.failed_reason
+        self.failed_job, self.failed_reason = job, int(reason)
+
+    def failure(self, job: int) -> int:
+        """Why this order ended badly, 0: it did not, or four others have since."""
+        if not job:
+            return 0
+        told = (
+            (self.failed_job, self.failed_reason),
+            (self.failed_2, self.reason_2),
+            (self.failed_3, self.reason_3),
+            (self.failed_4, self.reason_4),
+        )
+        return next((reason for failed, reason in told if failed == job), 0)
 
 
 STATE_NAMES = (
     "cycle", "sync_ns", "generation", "motion", "override", "job", "progress", "done_job", "failed_job", "failed_reason", "taken",
     "emergency", "ready", "permits", "stop_cause", "skipped", "incomplete", "late", "services_lost", "piece", "compute_ns",
     "parts", "engaged", "belt", "belt_speed", "belt_code", "belt_block", "belt_axis", "met", "path_stop", "drive_axis", "measured_mask",
+    "failed_2", "reason_2", "failed_3", "reason_3", "failed_4", "reason_4",
 )  # fmt: skip
 AXIS_NAMES = ("actual", "set", "speed", "lag", "torque", "flags", "fault_code", "power", "finding", "measured")
-STATE_HEAD = struct.Struct("=QqQBdQdQQHQBBBHQQQQQQQdddHIBBHBI")
+STATE_HEAD = struct.Struct("=QqQBdQdQQHQBBBHQQQQQQQdddHIBBHBIQHQHQH")
 STATE_AXIS = struct.Struct("=dddddHHBHd")  # flags, fault code (CiA 402: 16 bits), power, finding, measured
 CELL_STATE_SIZE = STATE_HEAD.size + AXES * STATE_AXIS.size
 CELL_STATE_LAYOUT = f"cell-state/1 {STATE_HEAD.format} {AXES}x{STATE_AXIS.format}"
