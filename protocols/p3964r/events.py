@@ -126,11 +126,15 @@ class Outbox:
         self.events.append(event)
 
     def take_output(self) -> bytes:
+        if not self.output:
+            return b""
         output = bytes(self.output)
         self.output.clear()
-        self.turn += bool(output)
+        self.turn += 1
         return output
 
     def take_events(self) -> list[Event]:
-        events, self.events = self.events, []
+        if not (events := self.events):
+            return []
+        self.events = []
         return events

@@ -5,14 +5,15 @@ Source: rho 3 Releases part 1, section 7.1 (below: 7.1); what it leaves open: AX
 
 from protocols.base.errors import EncodeError
 from protocols.base.machine import Damage, Ns
-from protocols.p3964r.characters import Char
+from protocols.p3964r.characters import DLE, NAK, STX
 from protocols.p3964r.events import BlockReceived, BlockRefused, Event, Outbox, SamePriority
 from protocols.p3964r.profiles import Priority, Profile
 from protocols.p3964r.receiver import Receiver
 from protocols.p3964r.sender import Sender
 
+BLOCK_ENDS = (BlockReceived, BlockRefused)
 MOST_TIMERS = 8  # more than can be due at one moment
-ANSWERS = (Char.DLE, Char.NAK, Char.STX)  # what a station that sends may hear
+ANSWERS = (DLE, NAK, STX)  # what a station that sends may hear
 
 
 class Link:
@@ -57,7 +58,7 @@ class Link:
     @property
     def pending(self) -> int:
         """Jobs neither sent nor given up."""
-        return self._sender.pending
+        return len(self._sender.jobs)
 
     def set_buffer_free(self, free: bool, now: Ns) -> None:
         """False: no block can be taken; STX is answered with silence, then NAK.  True: a waiting STX is answered at once."""
@@ -70,8 +71,8 @@ class Link:
     # ---- the machine
     def receive(self, data: bytes, now: Ns) -> list[Event]:
         self._expire(now)  # what expired before these bytes came is told first
-        at = 0
-        while at < len(data):
+        at, size = 0, len(data)
+        while at < size:
             if not self._sender.busy:
                 at = self._listen(data, at, now)
             elif self._sender.hear(data[at], now):
@@ -123,28 +124,28 @@ class Link:
     # ---- inside
     def _greet(self) -> None:
         if self.profile.nak_at_start:
-            self._box.say(Char.NAK)  # sends a partner that hangs inside a block to idle
+            self._box.say(NAK)  # sends a partner that hangs inside a block to idle
 
     def _listen(self, data: bytes, at: int, now: Ns) -> int:
         told = len(self._box.events)
         at = self._receiver.hear(data, at, now)
         if not self._receiver.busy:
             self._gave_way = False
-            heard = self._box.events[told:]
-            if any(isinstance(event, BlockReceived | BlockRefused) for event in heard):
-                self._sender.forget_attempts()
-            if any(isinstance(event, BlockReceived) for event in heard):
-                self.overtaken_by, self._sender.overtook = self._sender.overtook, 0
+            for event in self._box.events[told:]:
+                if isinstance(event, BLOCK_ENDS):
+                    self._sender.forget_attempts()
+                if isinstance(event, BlockReceived):
+                    self.overtaken_by, self._sender.overtook = self._sender.overtook, 0
         return at
 
     def _start(self, now: Ns) -> None:
         """The line is nobody's: our next job may begin."""
-        if self._sender.pending and not self._sender.busy and not self._receiver.busy:
+        if self._sender.jobs and not self._sender.busy and not self._receiver.busy:
             self._receiver.settle()
             self._sender.start(now)
 
     def _next_due(self) -> Ns | None:
-        sender, receiver = self._sender.deadline(), self._receiver.deadline()
+        sender, receiver = self._sender.due, self._receiver.deadline()
         if sender is None or receiver is None:
             return receiver if sender is None else sender
         return min(sender, receiver)
@@ -153,7 +154,7 @@ class Link:
         rounds = 0
         while (due := self._next_due()) is not None and due <= now and rounds < MOST_TIMERS:  # each timer ends or moves on
             rounds += 1
-            if due == self._sender.deadline():
+            if due == self._sender.due:
                 self._sender.expire(now)
             else:
                 if self._gave_way and self._receiver.heard_only_dle:

@@ -3,7 +3,7 @@
 from enum import Enum, auto
 
 from protocols.base.machine import Damage, Ns
-from protocols.p3964r.characters import DLE_BYTE, Char, check_of
+from protocols.p3964r.characters import DLE, DLE_BYTE, ETB, ETX, NAK, STX, check_of
 from protocols.p3964r.events import (
     BlockReceived,
     BlockRefused,
@@ -27,7 +27,8 @@ class State(Enum):
     DEAF = auto()  # the rest of a broken or torn block comes in: nothing in it is a wish to send; a quiet line ends it (AX-228, AX-240)
 
 
-INSIDE = (State.DATA, State.ESCAPED, State.CHECK)
+IDLE, NO_BUFFER, DATA, ESCAPED, CHECK, DEAF = State  # asked at every character: State.DATA costs a search in its class
+INSIDE = (DATA, ESCAPED, CHECK)
 
 
 class Receiver:
@@ -35,7 +36,8 @@ class Receiver:
 
     def __init__(self, profile: Profile, box: Outbox, keep_one: bool) -> None:
         self._profile, self._box, self._keep_one = profile, box, keep_one
-        self._state = State.IDLE
+        self._cut = profile.too_long is TooLong.NAK_AT_ONCE
+        self._state = IDLE
         self._due: Ns | None = None  # end of the gap, of the wait for a buffer, or of the quiet after stray characters
         self._repeat_due: Ns | None = None
         self._why: Refusal | None = None  # first fault of the running block; it is heard to its end all the same (AX-007)
@@ -57,73 +59,83 @@ class Receiver:
     @property
     def busy(self) -> bool:
         """Inside a block or about to be: the line belongs to the partner."""
-        return self._state is not State.IDLE
+        return self._state is not IDLE
 
     @property
     def heard_only_dle(self) -> bool:
         """A lone DLE since we connected: what a partner sends who gave way to us as we gave way to him."""
-        return self._state is State.ESCAPED and self._count == 0
+        return self._state is ESCAPED and self._count == 0
 
     # ---- the table
     def hear(self, data: bytes, at: int, now: Ns) -> int:
         """Take characters from index `at` on until idle again or none are left; returns the index of the next one."""
-        while at < len(data):
-            if self._untouched and self._doubted and self._before_our_dle():
-                self._close_again()
-            if self._early and self._box.turn != self._opened_in:
-                self._forget()
-            if self._untouched and data[at] in (Char.STX, Char.NAK) and self._box.turn == self._opened_in:
-                self._wish_again(data[at])
+        if self._early and self._box.turn != self._opened_in:
+            self._forget()
+        size = len(data)
+        while at < size:
+            byte = data[at]
+            if self._untouched and self._other_than_begun(byte):
                 at += 1
-            elif self._state is State.DATA and data[at] != Char.DLE:
+            elif self._state is DATA and byte != DLE:
                 at = self._collect(data, at)
             else:
-                self._step(data[at], now)
+                self._step(byte, now)
                 at += 1
-            if self._state is State.IDLE:
+            if self._state is IDLE:
                 break
         self._heard_at = now
-        if self._state is State.IDLE:
-            return at
-        if self._state is not State.NO_BUFFER and not self._untouched:
+        if not self._untouched and self._state is not IDLE and self._state is not NO_BUFFER:
             self._due = now + self._profile.char_delay
         return at
 
+    def _other_than_begun(self, byte: int) -> bool:
+        """The first character after our DLE, where it is a wish again or shows that there was none.  True: it is taken."""
+        if self._doubted and self._before_our_dle():
+            self._close_again()
+        elif byte in (STX, NAK) and self._box.turn == self._opened_in:
+            self._wish_again(byte)
+            return True
+        return False
+
     def _step(self, byte: int, now: Ns) -> None:
-        match self._state, byte:
-            case State.IDLE, Char.STX if self._box.turn != self._ended_in:  # else in one breath with the end of a block: part of it
+        """One row of the table; the states come as often as they do here."""
+        state = self._state
+        if state is DATA:  # DLE
+            self._state = ESCAPED
+        elif state is ESCAPED:
+            self._second_of_pair(byte)
+        elif state is CHECK:
+            self._judge(byte)
+        elif state is IDLE:
+            if byte == STX and self._box.turn != self._ended_in:  # else in one breath with the end of a block: part of it
                 self._open(now)
                 return
-            case State.IDLE, Char.NAK:
-                pass  # the partner gave up or started; never answered, so two stations cannot loop
-            case State.IDLE, _:
+            if byte != NAK:  # the partner gave up or started; never answered, so two stations cannot loop
                 self._stray(now)
-            case State.NO_BUFFER, _:
-                pass  # still the same wish to send (AX-006)
-            case State.DEAF, _:
-                self._strays += 1
-            case State.DATA, Char.DLE:
-                self._state = State.ESCAPED
-            case State.ESCAPED, Char.DLE:
-                self._state = State.DATA
-                self._store(DLE_BYTE)  # both enter the check, so they cancel
-            case State.ESCAPED, Char.ETX | Char.ETB:
-                self._check ^= Char.DLE ^ byte
-                self._state = State.CHECK
-                if not self._profile.block_check:
-                    self._judge(self._check)
-            case State.ESCAPED, _:
-                self._broken_pair(byte)
-            case _:  # CHECK
-                self._judge(byte)
+        elif state is DEAF:
+            self._strays += 1
+        # NO_BUFFER: still the same wish to send (AX-006)
         self._untouched = False
         self._early = self._box.turn == self._opened_in and self._state in INSIDE
+
+    def _second_of_pair(self, byte: int) -> None:
+        """What the DLE before it meant."""
+        if byte == DLE:
+            self._state = DATA
+            self._store(DLE_BYTE)  # both enter the check, so they cancel
+        elif byte in (ETX, ETB):
+            self._check ^= DLE ^ byte
+            self._state = CHECK
+            if not self._profile.block_check:
+                self._judge(self._check)
+        else:
+            self._broken_pair(byte)
 
     def _collect(self, data: bytes, at: int) -> int:
         """A run of plain characters up to the next DLE, taken at once; the same as one step for each."""
         end = data.find(DLE_BYTE, at)
         run = data[at:] if end < 0 else data[at:end]
-        if self._profile.too_long is TooLong.NAK_AT_ONCE:
+        if self._cut:
             run = run[: self._profile.max_data + 1 - self._count]  # the first one too many ends the block
         self._check ^= check_of(run)
         self._store(run)
@@ -135,21 +147,21 @@ class Receiver:
         self._count += len(run)
         if self._count <= self._profile.max_data:
             self._data += run
-        elif self._profile.too_long is TooLong.NAK_AT_ONCE:
+        elif self._cut:
             self._refuse(self._why or Refusal.LENGTH)
         else:
             self._blame(Refusal.LENGTH)
 
     def _broken_pair(self, byte: int) -> None:
         """A DLE followed by neither DLE nor the end."""
-        self._state = State.DATA
+        self._state = DATA
         match self._profile.broken_pair:
             case BrokenPair.NAK_AT_END:
                 self._blame(Refusal.ORDER)
             case BrokenPair.NAK_AT_ONCE:
                 self._refuse(self._why or Refusal.ORDER)
             case _:  # DROP_DLE
-                self._check ^= Char.DLE ^ byte
+                self._check ^= DLE ^ byte
                 self._store(bytes((byte,)))
 
     def _blame(self, why: Refusal) -> None:
@@ -158,19 +170,19 @@ class Receiver:
     def damaged(self, kind: Damage, now: Ns) -> None:
         if kind is Damage.BREAK:
             self._break(now)
-        elif self._state is State.IDLE:
+        elif self._state is IDLE:
             self._stray(now)
-        elif self._state is State.DEAF:
+        elif self._state is DEAF:
             self._strays += 1
             self._due = now + self._profile.char_delay
-        elif self._state is not State.NO_BUFFER:
+        elif self._state is not NO_BUFFER:
             self._blame(Refusal.DAMAGED)
             self._untouched = False
             self._due = now + self._profile.char_delay
-            if self._state is State.CHECK:
+            if self._state is CHECK:
                 self._judge(self._check)  # the spoiled character was the check
             else:
-                self._state = State.DATA
+                self._state = DATA
 
     # ---- the ends of a block
     def _judge(self, check: int) -> None:
@@ -183,7 +195,7 @@ class Receiver:
 
     def _deliver(self) -> None:
         data = bytes(self._data)
-        self._box.say(Char.DLE)
+        self._box.say(DLE)
         self._box.tell(BlockReceived(data))
         if self._keep_one:
             self._stored, self._free = data, False
@@ -194,7 +206,7 @@ class Receiver:
         """NAK, once; the repeat is expected within the block wait time, which runs from when the NAK has left."""
         if self._early and self._box.turn == self._opened_in:
             del self._box.output[-1:]  # our DLE was not given out: before a NAK it would read "block good"
-        self._box.say(Char.NAK)
+        self._box.say(NAK)
         self._box.tell(BlockRefused(why, self._count))
         self._restless = True
         if self._refusals == 0:
@@ -211,15 +223,15 @@ class Receiver:
 
     def _break(self, now: Ns) -> None:
         """BREAK: no answer, and back to idle; from inside a block once the line is quiet (AX-228)."""
-        inside = self._state in INSIDE or self._state is State.DEAF
-        if self._state is not State.DEAF:
+        inside = self._state in INSIDE or self._state is DEAF
+        if self._state is not DEAF:
             self._box.tell(BlockRefused(Refusal.BREAK, self._count) if self.busy else LineBreak())
         self._rest()
         if inside:
-            self._state, self._due, self._untouched = State.DEAF, now + self._profile.char_delay, False
+            self._state, self._due, self._untouched = DEAF, now + self._profile.char_delay, False
 
     def _rest(self) -> None:
-        self._state, self._due, self._early = State.IDLE, None, False
+        self._state, self._due, self._early = IDLE, None, False
         self._why, self._data, self._count, self._check = None, bytearray(), 0, 0
 
     # ---- idle
@@ -231,15 +243,15 @@ class Receiver:
         if self._free:
             self._admit(now)
         elif self._profile.no_buffer_wait:
-            self._state, self._asked_at = State.NO_BUFFER, now
+            self._state, self._asked_at = NO_BUFFER, now
             self._due = now + self._profile.no_buffer_wait
         else:
             self._turn_away()
 
     def _admit(self, now: Ns) -> None:
-        self._box.say(Char.DLE)
+        self._box.say(DLE)
         self._opened_in, self._leaving = self._box.turn, True
-        self._state, self._untouched = State.DATA, True
+        self._state, self._untouched = DATA, True
         self._due = now + self._profile.char_delay  # prolonged when the DLE has left
 
     def _before_our_dle(self) -> bool:
@@ -248,12 +260,12 @@ class Receiver:
 
     def _forget(self) -> None:
         """In one burst with the STX and no whole block: the block begins now, behind our DLE."""
-        self._state, self._early = State.DATA, False
+        self._state, self._early = DATA, False
         self._why, self._data, self._count, self._check = None, bytearray(), 0, 0
 
     def _wish_again(self, byte: int) -> None:
         """In one burst with the STX: STX is the same wish once more, NAK takes it back."""
-        if byte == Char.NAK:
+        if byte == NAK:
             del self._box.output[-1:]
             self._untouched = False
             self._rest()
@@ -263,16 +275,16 @@ class Receiver:
         if self._box.turn == self._opened_in:
             del self._box.output[-1:]
         self._strays += 1
-        self._state, self._untouched = State.DEAF, False
+        self._state, self._untouched = DEAF, False
 
     def _turn_away(self) -> None:
-        self._box.say(Char.NAK)
+        self._box.say(NAK)
         self._box.tell(BlockRefused(Refusal.NO_BUFFER, 0))
         self._rest()
 
     def _stray(self, now: Ns) -> None:
         if self._profile.stray is Stray.NAK_AT_ONCE:
-            self._box.say(Char.NAK)
+            self._box.say(NAK)
         self._strays += 1
         self._due = now + self._profile.char_delay
         self.disquiet(now)
@@ -295,7 +307,7 @@ class Receiver:
 
     def sent(self, now: Ns) -> None:
         self._leaving = False
-        if self._untouched and self._state is State.DATA:
+        if self._untouched and self._state is DATA:
             self._due = now + self._profile.char_delay
         if self._awaits_repeat and self._repeat_due is None:
             self._repeat_due = now + self._profile.block_wait
@@ -309,7 +321,7 @@ class Receiver:
             case State.IDLE:
                 self.settle()
                 if self._profile.stray is Stray.NAK_AFTER_QUIET:
-                    self._box.say(Char.NAK)
+                    self._box.say(NAK)
             case State.NO_BUFFER:
                 self._look_for_room(now)
             case State.DEAF:
@@ -323,7 +335,7 @@ class Receiver:
     # ---- the one-block buffer
     def set_free(self, free: bool, now: Ns) -> None:
         self._free = free
-        if free and self._state is State.NO_BUFFER:
+        if free and self._state is NO_BUFFER:
             poll, last = self._profile.no_buffer_poll, self._asked_at + self._profile.no_buffer_wait
             if poll == 0:
                 self._admit(now)

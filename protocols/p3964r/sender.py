@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from enum import Enum, auto
 
 from protocols.base.machine import Damage, Ns
-from protocols.p3964r.characters import Char, wire_block
+from protocols.p3964r.characters import DLE, NAK, STX, Char, wire_block
 from protocols.p3964r.events import BlockSent, Failure, Outbox, SamePriority, SendFailed, SendRepeated, Stage
 from protocols.p3964r.profiles import ConnectCounter, Interruption, Priority, Profile
 
@@ -23,6 +23,9 @@ class State(Enum):
     ANSWER = auto()  # block has left; waits for DLE
 
 
+IDLE, PAUSED, CONNECT, SENDING, BACKING_OFF, ANSWER = State  # asked at every character: State.IDLE costs a search in its class
+
+
 @dataclass(frozen=True, slots=True)
 class Job:
     """A block to send, under the number its owner knows."""
@@ -37,9 +40,9 @@ class Sender:
 
     def __init__(self, profile: Profile, priority: Priority, box: Outbox) -> None:
         self._profile, self._priority, self._box = profile, priority, box
-        self._state = State.IDLE
-        self._due: Ns | None = None
-        self._jobs: deque[Job] = deque()
+        self._state = IDLE
+        self.due: Ns | None = None  # the deadline
+        self.jobs: deque[Job] = deque()  # not yet sent or given up
         self._number = 0
         self._connects, self._blocks = 0, 0  # failed attempts of the first job
         self._conflict = False  # the partner's STX was heard and ignored
@@ -55,29 +58,24 @@ class Sender:
     @property
     def busy(self) -> bool:
         """A job is on the line: what is heard is an answer to it."""
-        return self._state is not State.IDLE
-
-    @property
-    def pending(self) -> int:
-        """Jobs not yet sent or given up."""
-        return len(self._jobs)
+        return self._state is not IDLE
 
     def add(self, block: bytes, end: Char = Char.ETX) -> int:
-        if len(self._jobs) >= MOST_JOBS:
+        if len(self.jobs) >= MOST_JOBS:
             self._drop_oldest_waiting()
         self._number += 1
-        self._jobs.append(Job(self._number, block, end))
+        self.jobs.append(Job(self._number, block, end))
         return self._number
 
     def _drop_oldest_waiting(self) -> None:
         index = 1 if self.busy or self._connects or self._blocks else 0
-        self._box.tell(SendFailed(self._jobs[index].number, Failure.CROWDED, Stage.WAITING))
-        del self._jobs[index]
+        self._box.tell(SendFailed(self.jobs[index].number, Failure.CROWDED, Stage.WAITING))
+        del self.jobs[index]
 
     def start(self, now: Ns) -> None:
         """The line is free: begin the first job, or go on with it where a conflict interrupted it."""
         if self._revoked:  # it had given way to the partner: nothing of it is on the line
-            self._finish(SendFailed(self._jobs[0].number, Failure.REVOKED, Stage.WAITING))
+            self._finish(SendFailed(self.jobs[0].number, Failure.REVOKED, Stage.WAITING))
         elif self._exhausted():
             self._give_up(Failure.CONFLICT, Stage.CONNECT)
         else:
@@ -86,7 +84,7 @@ class Sender:
 
     def revoke(self) -> None:
         """Take the first job back: a block on the line is ended but not repeated, none is begun any more."""
-        self._revoked = bool(self._jobs)
+        self._revoked = bool(self.jobs)
 
     def forget_attempts(self) -> None:
         """The partner sent a block, good or bad, to its end: the job that gave way to it starts anew."""
@@ -95,46 +93,55 @@ class Sender:
     # ---- the table
     def hear(self, byte: int, now: Ns) -> bool:
         """Take one character; False: it is not for us, the partner has the line now."""
-        if self._state is State.SENDING and self._box.turn == self._block_in and byte != Char.NAK:
+        if self._state is SENDING and self._box.turn == self._block_in and byte != NAK:
             self._take_back(now)
-        match self._state, byte:
-            case State.CONNECT, _ if (now == self._repeated_at or self._box.turn == self._stx_in) and byte != Char.STX:
-                pass  # came together with what made us say STX: no answer to that one (AX-228)
-            case State.CONNECT, _ if self._due is None and byte not in (Char.STX, Char.DLE):
-                pass  # our STX has not left: no answer to it; a DLE may be ahead of the port's report (AX-241)
-            case State.CONNECT, Char.DLE:
-                self._transmit()
-            case State.CONNECT, Char.STX:
-                return self._meet()
-            case State.CONNECT, _:
-                self._connect_failed(_kind(byte), now)
-            case State.SENDING, Char.NAK:
-                self._box.output.clear()  # break off: what was not yet taken stays here
-                self._block_failed(Failure.NAK, now)
-            case State.SENDING, Char.DLE:
-                self._early = None if self._box.output else now
-            case State.SENDING, _:
-                self._interrupted(now)
-            case State.BACKING_OFF, _:
-                self._due = now + self._profile.char_delay
-            case State.ANSWER, Char.DLE:
+        state = self._state
+        if state is CONNECT:
+            return self._hear_answer_to_stx(byte, now)
+        if state is ANSWER:
+            if byte == DLE:
                 self._succeed()
                 self._done_at = now
-            case State.ANSWER, _:
+            else:
                 self._block_failed(_kind(byte), now)
-            case State.PAUSED, Char.STX:
-                self._state, self._due = State.IDLE, None
-                return False
+        elif state is SENDING:
+            self._hear_inside(byte, now)
+        elif state is BACKING_OFF:
+            self.due = now + self._profile.char_delay
+        elif state is PAUSED and byte == STX:
+            self._state, self.due = IDLE, None
+            return False
         return True
+
+    def _hear_answer_to_stx(self, byte: int, now: Ns) -> bool:
+        if byte == STX:
+            return self._meet()
+        if now == self._repeated_at or self._box.turn == self._stx_in:
+            pass  # came together with what made us say STX: no answer to that one (AX-228)
+        elif byte == DLE:
+            self._transmit()
+        elif self.due is not None:  # else our STX has not left: no answer to it; a DLE may be ahead of the port's report (AX-241)
+            self._connect_failed(_kind(byte), now)
+        return True
+
+    def _hear_inside(self, byte: int, now: Ns) -> None:
+        """While the block is on its way."""
+        if byte == NAK:
+            self._box.output.clear()  # break off: what was not yet taken stays here
+            self._block_failed(Failure.NAK, now)
+        elif byte == DLE:
+            self._early = None if self._box.output else now
+        else:
+            self._interrupted(now)
 
     def damaged(self, kind: Damage, now: Ns) -> None:
         if kind is Damage.BREAK:
             self._box.output.clear()
-            self._finish(SendFailed(self._jobs[0].number, Failure.BREAK, self._stage()))
-        elif self._state is State.CONNECT:
-            if self._due is not None:  # else no answer to it either
+            self._finish(SendFailed(self.jobs[0].number, Failure.BREAK, self._stage()))
+        elif self._state is CONNECT:
+            if self.due is not None:  # else no answer to it either
                 self._connect_failed(Failure.DAMAGED, now)
-        elif self._state is State.ANSWER:
+        elif self._state is ANSWER:
             self._block_failed(Failure.DAMAGED, now)
         else:
             self._early = None
@@ -146,35 +153,35 @@ class Sender:
             self._conflicts += not self._conflict
             self._conflict = True
             if not self.overtook and self._blocks == 0:
-                self.overtook = self._jobs[0].number
+                self.overtook = self.jobs[0].number
             return True
         if self._box.turn == self._stx_in:
             del self._box.output[-1:]  # our STX was not given out yet: now it never is
         self._connects += 1
-        self._state, self._due = State.IDLE, None
+        self._state, self.due = IDLE, None
         return False
 
     def _interrupted(self, now: Ns) -> None:
         self._early = None
         if self._profile.interruption is Interruption.BACK_OFF:
             self._box.output.clear()
-            self._state, self._due = State.BACKING_OFF, now + self._profile.char_delay
+            self._state, self.due = BACKING_OFF, now + self._profile.char_delay
 
     # ---- what the rows do
     def _connect(self) -> None:
         self._repeated_at = None
-        self._box.say(Char.STX)
+        self._box.say(STX)
         self._stx_in = self._box.turn
-        self._state, self._due, self._conflict = State.CONNECT, None, False  # the wait runs from `sent`
+        self._state, self.due, self._conflict = CONNECT, None, False  # the wait runs from `sent`
 
     def _transmit(self) -> None:
         if self._revoked:  # even after a successful connection
             self._give_up(Failure.REVOKED, Stage.CONNECT)
             return
-        self._said = wire_block(self._jobs[0].block, self._profile.block_check, self._jobs[0].end)
+        self._said = wire_block(self.jobs[0].block, self._profile.block_check, self.jobs[0].end)
         self._box.output += self._said
         self._block_in = self._box.turn
-        self._state, self._due, self._early = State.SENDING, None, None
+        self._state, self.due, self._early = SENDING, None, None
 
     def _take_back(self, now: Ns) -> None:
         """A partner who said DLE waits for our block: what came with more behind it in one burst was no answer (AX-241)."""
@@ -206,48 +213,45 @@ class Sender:
         if self._exhausted():
             self._give_up(why, stage)
             return
-        self._box.tell(SendRepeated(self._jobs[0].number, why, stage))
+        self._box.tell(SendRepeated(self.jobs[0].number, why, stage))
         pause = self._profile.retry_pause
         if self._conflict and why is Failure.NAK and stage is Stage.CONNECT:
             pause = max(
                 pause, self._profile.char_delay
             )  # a partner who refuses to give way is let through, or both repeat in step (AX-243)
         if pause:
-            self._state, self._due = State.PAUSED, now + pause
+            self._state, self.due = PAUSED, now + pause
         else:
             self._connect()
             self._repeated_at = now
 
     def _give_up(self, why: Failure, stage: Stage) -> None:
         if self._profile.nak_when_giving_up:
-            self._box.say(Char.NAK)
-        self._finish(SendFailed(self._jobs[0].number, why, stage))
+            self._box.say(NAK)
+        self._finish(SendFailed(self.jobs[0].number, why, stage))
 
     def _succeed(self) -> None:
-        self._finish(BlockSent(self._jobs[0].number))
+        self._finish(BlockSent(self.jobs[0].number))
 
     def _finish(self, event: BlockSent | SendFailed) -> None:
         self._box.tell(event)
-        self._jobs.popleft()
+        self.jobs.popleft()
         self._connects, self._blocks, self._conflicts = 0, 0, 0
-        self._state, self._due, self._revoked = State.IDLE, None, False
+        self._state, self.due, self._revoked = IDLE, None, False
 
     def _stage(self) -> Stage:
-        return Stage.BLOCK if self._state in (State.SENDING, State.BACKING_OFF, State.ANSWER) else Stage.CONNECT
+        return Stage.BLOCK if self._state in (SENDING, BACKING_OFF, ANSWER) else Stage.CONNECT
 
     # ---- time
-    def deadline(self) -> Ns | None:
-        return self._due
-
     def sent(self, now: Ns) -> None:
         """All given out has left the line: the acknowledgement delay runs from here."""
-        if self._state is State.CONNECT and self._due is None:
-            self._due = now + self._profile.ack_delay
-        elif self._state is State.SENDING:
+        if self._state is CONNECT and self.due is None:
+            self.due = now + self._profile.ack_delay
+        elif self._state is SENDING:
             if self._early is not None and now - self._early <= self._profile.early_answer:
                 self._succeed()  # the partner was faster than the port's report (AX-052)
                 return
-            self._state, self._due = State.ANSWER, now + self._profile.ack_delay
+            self._state, self.due = ANSWER, now + self._profile.ack_delay
 
     def expire(self, now: Ns) -> None:
         match self._state:
@@ -256,7 +260,7 @@ class Sender:
             case State.ANSWER:
                 self._block_failed(Failure.SILENT, now)
             case State.BACKING_OFF:
-                self._box.say(Char.NAK)
+                self._box.say(NAK)
                 self._block_failed(Failure.WRONG, now)
             case _:
                 self._connect()
@@ -264,14 +268,14 @@ class Sender:
     def lost(self) -> None:
         """The port is gone: every open job is reported."""
         stage = self._stage() if self.busy else Stage.WAITING
-        for job in self._jobs:
+        for job in self.jobs:
             self._box.tell(SendFailed(job.number, Failure.LOST, stage))
             stage = Stage.WAITING
-        self._jobs.clear()
+        self.jobs.clear()
         self._revoked, self.overtook = False, 0
         self._connects, self._blocks, self._conflicts = 0, 0, 0
-        self._state, self._due = State.IDLE, None
+        self._state, self.due = IDLE, None
 
 
 def _kind(byte: int) -> Failure:
-    return Failure.NAK if byte == Char.NAK else Failure.WRONG
+    return Failure.NAK if byte == NAK else Failure.WRONG
