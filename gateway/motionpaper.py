@@ -17,7 +17,7 @@ from gateway.pure.records import InputImage, Quality, set_bit
 from motion.planner.planner import Planner
 from motion.planner.robot import Machine
 from motion.planner.route import Route
-from motion.planner.trace import PERIOD_S, BeltWay, Trace, joined, tool_at, trace
+from motion.planner.trace import PERIOD_S, BeltWay, Trace, joined, numbered, tool_at, trace
 from motion.program.blocks import Block, Program
 from motion.program.errors import BlockError
 from motion.stepper import State, Stepper
@@ -50,7 +50,7 @@ def sections_of(
 ) -> tuple[list[Section], list[BlockError]]:
     """Every block, each looked at from where the last good one ended; a part on a belt as if the belt stood where it is meant to be, an
     alterable part without its correction.  option: the cell has one; `said` hears the number of each block that was looked at."""
-    route, found, faults = Route(machine, program.start), [Section(1, program.start)], []
+    route, found, faults = _Looked(machine, program.start), [Section(1, program.start)], []
     for number, block in enumerate(program.blocks, 1):
         try:
             section, before = found[-1], program.blocks[number - 2] if number > 1 else None
@@ -67,17 +67,49 @@ def sections_of(
                 section = Section(number, route.standing, part.blocks if part is not None else [], part)
                 found.append(section)
             plan = section.part.tried if section.part is not None else None
-            route.add(block if plan is None else plan.add(block))
+            route.add(block if plan is None else plan.add(block), number)
             section.blocks.append(block)
         except BlockError as error:
-            faults.append(BlockError(error.what, code=error.code, block=number, axis=error.axis, source=error.source))
+            faults.append(numbered(error, number))
         said(number)
     try:
         acting(program.acts, len(program.blocks), belts, "")
         route.finish()
     except BlockError as error:
         faults.append(error)
+    faults = sorted((*route.rows, *faults), key=lambda fault: fault.block)
     return [section for section in found if section.blocks], faults
+
+
+class _Looked:
+    """A route that is fed what can be run.  rows: faults of rows of SPLINE blocks, which show only behind them, with the program's number
+    of the block."""
+
+    def __init__(self, machine: Machine, start: Sequence[float]) -> None:
+        self._route = Route(machine, start)
+        self._numbers: list[int] = []  # of the program, for each block of the route
+        self.rows: list[BlockError] = []
+
+    @property
+    def standing(self) -> Sequence[float]:
+        return self._route.standing
+
+    def add(self, block: Block, number: int) -> None:
+        """BlockError: this block cannot be run."""
+        self._after_rows(lambda: self._route.add(block))
+        self._numbers.append(number)
+
+    def finish(self) -> None:
+        self._after_rows(self._route.finish)
+
+    def _after_rows(self, action: Callable[[], object]) -> None:
+        try:
+            action()
+        except BlockError as error:
+            if not 0 < error.block <= len(self._numbers):
+                raise
+            self.rows.append(numbered(error, self._numbers[error.block - 1]))
+            action()  # the row is forgotten
 
 
 @dataclass

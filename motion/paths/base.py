@@ -17,10 +17,11 @@ ZERO: Vector = (0.0, 0.0, 0.0)
 
 
 class PathError(MotionError):
-    """Geometry that makes no path; `number` is the manual's number where it has one (VAL 3 550..554, Reis 620..), else 0."""
+    """Geometry that makes no path; `number` is the manual's number where it has one (VAL 3 550..554, Reis 620..), else 0; `interval`:
+    of a curve through many points the one to blame, from 0."""
 
-    def __init__(self, message: str, number: int = 0) -> None:
-        self.number = number
+    def __init__(self, message: str, number: int = 0, interval: int = 0) -> None:
+        self.number, self.interval = number, interval
         super().__init__(f"path error {number}: {message}" if number else message)
 
 

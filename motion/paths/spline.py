@@ -40,7 +40,7 @@ def spline(
     )
     for number, (a, b) in enumerate(pairwise(weights)):
         if a < 1.0 and b < 1.0:
-            raise PathError(f"orientation weight below 100 at two successive points, {number} and {number + 1}", 903)
+            raise PathError(f"orientation weight below 100 at two successive points, {number} and {number + 1}", 903, number)
     lengths = [_gap(a, b, number) for number, (a, b) in enumerate(pairwise(points))]
     rotations = _weighted([p.rotation for p in points], weights, lengths)
     slopes, bends = cubic_derivatives([p.position for p in points], lengths)
@@ -62,22 +62,35 @@ def spline(
     return Chain(tuple(curves), tuple(starts[:-1]), starts[-1])
 
 
-def fit(points: Sequence[Pose], tolerance: float) -> Chain:
-    """A spline through dense points that nowhere leaves the chords by more than tolerance (m): where the full swing would, the
-    tension at both ends of that chord is lowered until the hull of the interval's control points lies inside the tube."""
-    if not tolerance > 0:
+def fit(
+    points: Sequence[Pose],
+    tolerance: Sequence[float] | float,
+    tension: Sequence[float] | float = 1.0,
+    orientation_tension: Sequence[float] | float = 1.0,
+    weight: Sequence[float] | float = 1.0,
+) -> Chain:
+    """A spline through dense points that nowhere leaves the chords by more than tolerance (m, one for all or one for each chord): where
+    its swing would, the tension at both ends of that chord is lowered until the hull of the interval's control points lies inside the
+    tube.  The rest: see spline()."""
+    tubes = [float(tolerance)] * (len(points) - 1) if isinstance(tolerance, int | float) else [float(v) for v in tolerance]
+    if len(tubes) != len(points) - 1 or not all(tube > 0 for tube in tubes):
         raise PathError(f"tolerance {tolerance} is not a length > 0")
-    tensions = [1.0] * len(points)
+    tensions = _shares("tension", tension, len(points))
     for _ in range(TUBE_STEPS):
-        curve = spline(points, tensions)
-        wide = [i for i, interval in enumerate(curve.curves) if isinstance(interval, Polynomial) and swing(interval) > tolerance]
+        curve = spline(points, tensions, orientation_tension, weight)
+        wide = [
+            i
+            for i, (interval, tube) in enumerate(zip(curve.curves, tubes, strict=True))
+            if tube < math.inf and isinstance(interval, Polynomial) and swing(interval) > tube
+        ]
         if not wide:
             return curve
         for end in {end for i in wide for end in (i, i + 1)}:
             tensions[end] *= 0.8
         if min(tensions) <= LOOSEST:
             break
-    raise PathError(f"no smooth curve stays within {tolerance} m of these chords: round the corner or stop at point {wide[0]}")
+    tube = tubes[wide[0]] * 1e3
+    raise PathError(f"no smooth curve stays within {tube:.6g} mm of the straight way here: round the corner or stop", interval=wide[0])
 
 
 def swing(interval: Polynomial) -> float:
@@ -104,10 +117,10 @@ def _shares(name: str, value: Sequence[float] | float, count: int) -> list[float
 def _gap(a: Pose, b: Pose, number: int) -> float:
     way = norm(sub(b.position, a.position))
     if is_half_turn(a.rotation, b.rotation):
-        raise PathError(f"the orientation turns by exactly 180 deg between points {number} and {number + 1}", 553)
+        raise PathError(f"the orientation turns by exactly 180 deg between points {number} and {number + 1}", 553, number)
     length = way if way > NEAR_M else angle_between(a.rotation, b.rotation)
     if not length > NEAR_RAD:
-        raise PathError(f"points {number} and {number + 1} of the spline are the same", 620)
+        raise PathError(f"points {number} and {number + 1} of the spline are the same", 620, number)
     return length
 
 

@@ -18,10 +18,12 @@ from motion.paths.line import line
 from motion.planner.robot import Machine
 from motion.program.blocks import Block, Interpolation, JointTarget, PoseTarget, Turning
 from motion.program.errors import BlockError
+from motion.units import from_si
 
 JOINT_LIMIT = 520  # VAL 3: joint position outside the software limits
 CONFIGURATION = 533  # VAL 3: unreachable in the given configuration
 STEP_M, STEP_RAD = 0.02, 0.1  # how densely a block is looked at when it is added
+SAME_JOINT = 1e-5  # rad or m: what is nearer is the same place
 JUMP = 1.0  # rad or m between neighbouring looks: the arm would have to change its configuration
 
 
@@ -36,13 +38,16 @@ class Leg:
     length: float
     start: Joints
     end: Joints
+    rates: tuple[Joints, Joints] = ((), ())  # of a spline: change of its additional axes by s at both ends
 
     def extra(self, arm: int, share: float) -> Joints:
         """Additional axes at this share of the block: straight between start and end, so they keep step with the path."""
         return tuple(a + share * (b - a) for a, b in zip(self.start[arm:], self.end[arm:], strict=True))
 
-    def extra_slope(self, arm: int) -> Joints:
+    def extra_slope(self, arm: int, share: float = 0.0) -> Joints:
         """Their change by s."""
+        if self.rates[0]:
+            return self.rates[0 if share <= 0.0 else 1]
         return tuple((b - a) / self.length for a, b in zip(self.start[arm:], self.end[arm:], strict=True))
 
 
@@ -67,6 +72,7 @@ def make_leg(number: int, block: Block, standing: Joints, machine: Machine) -> L
     check_numbers(block)
     if block.kind is Interpolation.PTP:
         return _ptp(number, block, standing, machine)
+    check_joints(block, machine)
     target = base_pose(block, standing, machine)
     start = tcp(standing, block, machine)
     if block.kind is Interpolation.CIRCULAR:
@@ -75,9 +81,10 @@ def make_leg(number: int, block: Block, standing: Joints, machine: Machine) -> L
         curve = _line(start, target)
     extra = extra_of(block, standing, machine)
     if curve is None:
+        check_end(block, standing, standing, machine)
         return None if extra == tuple(standing[machine.arm :]) else _only_extra(number, block, standing, extra)
     end = (*follow(curve, block, standing, machine), *extra)
-    _check_configuration(block, standing, end, machine)
+    check_end(block, standing, end, machine)
     return Leg(number, block, curve, None, curve.length, standing, end)
 
 
@@ -185,16 +192,30 @@ def _where(at: float, step: float) -> str:
     return f"{at * 1e3:.1f} mm" if step == STEP_M else f"{math.degrees(at):.1f} deg"
 
 
-def _check_configuration(block: Block, standing: Joints, end: Joints, machine: Machine) -> None:
-    """A configuration the target demands and the path does not lead to cannot be forced (VAL 3 L5547-5554)."""
-    if not isinstance(block.target, PoseTarget) or block.target.configuration == FREE:
-        return
+def check_joints(block: Block, machine: Machine) -> None:
+    """A place of the axes as the target of a path: within their travel as that of a PTP block."""
+    if isinstance(block.target, JointTarget) and len(block.target.q) == machine.axes:
+        check_targets(machine.limits, block.target.q)
+
+
+def check_end(block: Block, standing: Joints, end: Joints, machine: Machine) -> None:
+    """A path keeps the configuration and the turn of its axes: what the target demands beyond that cannot be forced (VAL 3 L5547-5554;
+    rho 3: "not reachable with actual interpolation type")."""
     arm = machine.arm
-    found, before = machine.kinematics.configuration(end[:arm]), machine.kinematics.configuration(standing[:arm])
-    if not block.target.configuration.admits(found, before):
-        raise BlockError(
-            "a straight or circular path cannot change the configuration to the one demanded", code=CONFIGURATION, source="VAL 3"
-        )
+    if isinstance(block.target, JointTarget):
+        for n, (wanted, there) in enumerate(zip(block.target.q[:arm], end, strict=False)):
+            if abs(wanted - there) > SAME_JOINT:
+                unit = machine.limits[n].unit
+                what = (
+                    f"a straight or circular path leads the axis to {from_si(there, unit):.6g} {unit}, not to {from_si(wanted, unit):.6g}"
+                )
+                raise BlockError(what, code=CONFIGURATION, axis=machine.name(n), source="VAL 3")
+    elif block.target.configuration != FREE:
+        found, before = machine.kinematics.configuration(end[:arm]), machine.kinematics.configuration(standing[:arm])
+        if not block.target.configuration.admits(found, before):
+            raise BlockError(
+                "a straight or circular path cannot change the configuration to the one demanded", code=CONFIGURATION, source="VAL 3"
+            )
 
 
 def check_numbers(block: Block) -> None:

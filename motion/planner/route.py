@@ -3,7 +3,8 @@
 With only block k the path is known up to the point where its corner may begin (VAL 3 L5591-5608: "A leave"); block k + 1 fixes that
 corner and the path up to its own.  So a route that is fed block by block and one that has the whole program give the same path.
 What cannot be run is refused when its block is added, with the manual's number, the block and the axis; the route then stands
-where it stood before.
+where it stood before.  The curve of a row of SPLINE blocks is known when the row is over: its fault comes with the block behind it (or
+finish()), names the block of the row, and the row is forgotten; the block behind it may be added again.
 """
 
 import math
@@ -16,22 +17,23 @@ import numpy as np
 from motion.errors import MotionError
 from motion.frames import Pose
 from motion.kinematics.base import Joints
-from motion.limits import TOUCH, check_targets
+from motion.limits import TOUCH
 from motion.paths.base import Curve, PathError
 from motion.paths.corner import clipped, corner, directions, radius_for
 from motion.paths.joints import JointPath, joint_blend, joint_part
 from motion.paths.polynomial import part
-from motion.paths.spline import spline
 from motion.planner.exact import exact_path
 from motion.planner.extra import with_extra
 from motion.planner.jointpath import joint_path_of
-from motion.planner.legs import Leg, base_pose, check_numbers, make_leg, tcp, told
+from motion.planner.legs import JOINT_LIMIT, Leg, check_end, check_numbers, make_leg, told
 from motion.planner.robot import Machine
+from motion.planner.rows import curve_of, goes_on, legs_of, place_of
 from motion.planner.timegiven import check_time
 from motion.program.blocks import MEASURED, Block, Interpolation, JointTarget, Rounding, Slope
 from motion.program.errors import BlockError
 from motion.program.passing import passed
 from motion.program.slopes import Ramped, earliest, frozen, overlap, ramped
+from motion.units import from_si
 
 EMPTY = 1e-9  # of a block: less is nothing left to run
 SMALLEST = 1e-7  # m or rad: a smaller corner is none
@@ -138,8 +140,10 @@ class Route:
         try:
             action()
         except MotionError as error:
-            self._now = kept
-            raise told(error, number, self._machine) from error
+            fault = told(error, number, self._machine)
+            row = kept.splines if any(fault.block == each for each, _ in kept.splines) else ()
+            self._now = replace(kept, splines=(), standing=kept.spline_start) if row else kept
+            raise fault from error
 
     def _finish(self) -> None:
         self._end_splines()
@@ -168,14 +172,14 @@ class Route:
 
     def _add_spline(self, number: int, block: Block) -> None:
         now = self._now
+        if not goes_on(now.splines, block):
+            self._end_splines()
         if now.last is not None:
             self._run_out(now.last)
         check_numbers(block)
         if not now.splines:
             now.spline_start = now.standing
-        near = now.standing[: self._machine.arm]
-        q = self._machine.kinematics.inverse(base_pose(block, now.standing, self._machine) @ block.tool.pose.inverse(), near)
-        now.standing = (*q, *now.standing[self._machine.arm :])
+        now.standing = place_of(block, now.standing, self._machine)
         now.splines = (*now.splines, (number, block))
 
     def _end_splines(self) -> None:
@@ -184,17 +188,15 @@ class Route:
         if not now.splines:
             return
         row, q, now.splines = now.splines, now.spline_start, ()
-        first = row[0][1]
-        points = [tcp(q, first, machine), *(base_pose(block, q, machine) for _, block in row)]
-        marks = [first.curving, *(block.curving for _, block in row)]
-        weights = [1.0, *(block.curving.weight for _, block in row)]
-        curve = spline(points, [m.tension for m in marks], [m.orientation_tension for m in marks], weights)
-        before = 0.0
-        for (number, block), end in zip(row, (*curve.starts[1:], curve.length), strict=True):
-            leg = Leg(number, block, part(curve, before, end), None, end - before, q, q)
+        curve = curve_of(row, q, machine)
+        for leg in legs_of(row, curve, q, machine):
             now.known = 0.0
-            self._main(leg, leg.length, stop=end == curve.length)
-            before, q = end, now.out[-1].path.q(leg.length)
+            try:
+                self._main(replace(leg, start=(*q[: machine.arm], *leg.start[machine.arm :])), leg.length, stop=leg.number == row[-1][0])
+                before, q = q, now.out[-1].path.q(leg.length)
+                check_end(leg.block, before, q, machine)
+            except MotionError as error:
+                raise told(error, leg.number, machine) from error
         now.standing = q
 
     # ---- stretches ---------------------------------------------------------------------------------------------------
@@ -235,8 +237,8 @@ class Route:
         if near is None:
             near = leg.start if start == 0.0 or tail is None else tail.q(tail.length)
         path = self._followed(part(leg.curve, start, end), tuple(near[:arm]), leg.block.tool.pose)
-        slopes = leg.extra_slope(arm)
-        values = [list(zip(leg.extra(arm, s / leg.length), slopes, strict=True)) for s in (start, end)]
+        shares = (start / leg.length, end / leg.length)
+        values = [list(zip(leg.extra(arm, share), leg.extra_slope(arm, share), strict=True)) for share in shares]
         return with_extra(path, *values)
 
     def _followed(self, curve: Curve, near: Joints, tool: Pose) -> JointPath:
@@ -255,7 +257,12 @@ class Route:
         high = np.array([axis.upper + TOUCH for axis in self._machine.limits])
         outside = np.argwhere((q < low) | (q > high))
         if len(outside):
-            check_targets(self._machine.limits, [float(v) for v in q[outside[0][0]]])
+            where, axis = int(outside[0][0]), int(outside[0][1])
+            limits, value = self._machine.limits[axis], float(q[where][axis])
+            word = "the path begins at" if where == 0 else "the path goes through"
+            low_end, high_end, here = (from_si(each, limits.unit) for each in (limits.lower, limits.upper, value))
+            what = f"{word} {here:.6g} {limits.unit}, outside {low_end:.6g} .. {high_end:.6g} {limits.unit}"
+            raise BlockError(what, code=JOINT_LIMIT, axis=limits.name, source="VAL 3")
 
     # ---- corners -----------------------------------------------------------------------------------------------------
     def _join(self, last: Leg, leg: Leg) -> float:

@@ -120,7 +120,7 @@ def route_of(program: Program, machine: Machine) -> Findings:
         try:
             route.add(block)
         except BlockError as error:
-            faults.append(_numbered(error, number))
+            faults.append(numbered(error, number))
             good = False
         if good:
             out += route.take()
@@ -131,7 +131,8 @@ def route_of(program: Program, machine: Machine) -> Findings:
     return Findings(tuple(out + (route.take() if good else [])), tuple(faults))
 
 
-def _numbered(error: BlockError, number: int) -> BlockError:
+def numbered(error: BlockError, number: int) -> BlockError:
+    """The same fault under another number of its block."""
     return BlockError(error.what, code=error.code, block=number, axis=error.axis, source=error.source)
 
 

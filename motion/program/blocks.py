@@ -221,12 +221,14 @@ Act = Sync | BeltCall
 
 @dataclass(frozen=True, slots=True)
 class Curving:
-    """Spline and orientation weights, 0 .. 1 (Reis _ISPL_TENS, _IORI_TENS, _IORI_WEIGHT, _IORI_CIRCHP)."""
+    """Spline and orientation weights, 0 .. 1 (Reis _ISPL_TENS, _IORI_TENS, _IORI_WEIGHT, _IORI_CIRCHP).  tube: m, a spline leaves the
+    straight line to this point by no more, 0: as far as it swings."""
 
     tension: float = 1.0
     orientation_tension: float = 1.0
     weight: float = 1.0
     via_weight: float = 1.0
+    tube: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -51,6 +51,7 @@ KEYS = (
     Key("share", "%", 1.0, 50.0, 0.01, "blend", "share", "the most of a block a corner may take"),
     Key("flyby", "%", 0.0, 100.0, 0.01, "blend", "flyby", "speed in the middle of the corner, share of the mean of both"),
     Key("tension", "%", 0.0, 100.0, 0.01, "curving", "tension", "spline: 0 straight with corners, 100 full swing"),
+    Key("tube", "mm", 0.0, BIG, 1e-3, "curving", "tube", "spline: leaves the straight line to the point by no more; 0: free"),
     Key("oritension", "%", 0.0, 100.0, 0.01, "curving", "orientation_tension", "the same for the orientation"),
     Key("weight", "%", 0.0, 100.0, 0.01, "curving", "weight", "how far the orientation of the target counts"),
     Key("viaweight", "%", 0.0, 100.0, 0.01, "curving", "via_weight", "how far the orientation of `via` counts"),

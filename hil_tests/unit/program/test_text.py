@@ -41,7 +41,7 @@ set speed=50 path=200 radius=10
 ptp H blend=off zone=1,1,2,3
 linear A tool=grip frame=table slope=block
 circular via pose 400 200 50 180 0 30 to pose 300 100 50 180 0 30 turning=least out=7:1@20,8:0 until=!5
-spline A extra=100mm,30deg tension=20 weight=0 time=4 ramp=50
+spline A extra=100mm,30deg tension=20 tube=0.05 weight=0 time=4 ramp=50
 set radius=0
 linear A leave=5 reach=20 distance=3 share=40 flyby=75 lead=no arcs=yes
 """

@@ -261,7 +261,7 @@ def tx(elbow: Elbow | None = None) -> Configuration:
     return Configuration() if elbow is None else Configuration(elbow=elbow)
 
 
-@pytest.mark.requirement("VAL-MOV-11", by="motion.planner.legs:_check_configuration")
+@pytest.mark.requirement("VAL-MOV-11", by="motion.planner.legs:check_end")
 @answers
 def test_a_straight_move_cannot_force_the_other_elbow_and_movej_can() -> None:
     machine = robot("tx60-like")
