@@ -9,10 +9,9 @@ from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 from drivers.ports.base import BytePort, PortError
-from protocols.base.machine import Damage, Machine, Ns
+from protocols.base.machine import Machine, Ns
 
 E = TypeVar("E")
-W = TypeVar("W", bytes, Damage)
 PAUSE_NS: Ns = 250_000_000  # before a port is opened again, and before a machine that failed is woken again
 UNTAKEN_LIMIT = 65536  # bytes a port did not take; a machine that waits for answers never gets there
 
@@ -89,11 +88,11 @@ class LineCore(Generic[E]):
     def next_wake(self) -> Ns | None:
         """When to call wake at the latest."""
         deadline, sent_at = self.machine.deadline(), self._sent_at
-        if deadline is not None and deadline < self._rest_until:
-            deadline = self._rest_until
-        if deadline is None or (sent_at is not None and sent_at < deadline):
+        if deadline is None:
             return sent_at
-        return deadline
+        if deadline < self._rest_until:
+            deadline = self._rest_until
+        return deadline if sent_at is None or deadline <= sent_at else sent_at
 
     def readable(self, now: Ns) -> None:
         """The port has something.  Raises PortError when it is gone."""
@@ -104,12 +103,15 @@ class LineCore(Generic[E]):
             self._look_for_sent(now)  # the answer cannot be older than the end of what it answers
         counters, flushed = self.state.counters, False
         for item in items:
-            if isinstance(item, bytes):
-                counters.received += len(item)
-                events = self._give(self.machine.receive, item, now)
-            else:
-                counters.damaged += 1
-                events = self._give(self.machine.damaged, item, now)
+            try:
+                if isinstance(item, bytes):
+                    counters.received += len(item)
+                    events = self.machine.receive(item, now)
+                else:
+                    counters.damaged += 1
+                    events = self.machine.damaged(item, now)
+            except Exception as error:  # a partner's bytes must not end a line
+                events = self._broken(error, now)
             flushed = bool(events)
             if events:
                 self._flush(now)  # the partner waits for the answer; our listeners can wait
@@ -133,13 +135,6 @@ class LineCore(Generic[E]):
         """The machine may have something to send, or the port room again.  Raises PortError when the port is gone."""
         self._flush(now)
 
-    def _give(self, method: Callable[[W, Ns], Sequence[E]], what: W, now: Ns) -> Sequence[E]:
-        """A machine never raises on what a partner sends; if one does all the same, it is counted and the line starts afresh."""
-        try:
-            return method(what, now)
-        except Exception as error:  # a partner's bytes must not end a line
-            return self._broken(error, now)
-
     def _ask(self, method: Callable[[Ns], Sequence[E]], now: Ns) -> Sequence[E]:
         try:
             return method(now)
@@ -147,27 +142,29 @@ class LineCore(Generic[E]):
             return self._broken(error, now)
 
     def _broken(self, error: Exception, now: Ns) -> Sequence[E]:
+        """A machine never raises on what a partner sends; if one does all the same, it is counted and the line starts afresh."""
         self.state.counters.machine_faults += 1
         self._rest_until = now + PAUSE_NS
         self._on_fault(error)
         raise PortError(f"line machine failed ({error!r}); the line is started afresh") from error
 
     def _flush(self, now: Ns) -> None:
-        if self.port is None:
+        port = self.port
+        if port is None:
             return  # what the machine has to say waits for the port; its times run from `sent`
         while True:
             data = self.machine.take_output()
             if data:
                 self._sent_owed = True
                 self._untaken = self._untaken + data if self._untaken else data
-            if not self._untaken:
+            elif not self._untaken:
                 break
-            count = self.port.write(self._untaken)
+            count = port.write(self._untaken)
             self.state.counters.sent += count
             self._untaken = self._untaken[count:]
             if self._untaken:
                 if len(self._untaken) > UNTAKEN_LIMIT:
-                    raise PortError(f"{self.port.name}: takes nothing any more, {len(self._untaken)} bytes wait; opened again")
+                    raise PortError(f"{port.name}: takes nothing any more, {len(self._untaken)} bytes wait; opened again")
                 return
             if self._look_for_sent(now):
                 continue  # what has left may have let the machine say more
@@ -184,7 +181,8 @@ class LineCore(Generic[E]):
             self._sent_at = now + (left * self.port.char_ns or 1_000_000)
             return False
         self._sent_owed, self._sent_at = False, None
-        self._tell(self._ask(self.machine.sent, now), now)
+        if events := self._ask(self.machine.sent, now):
+            self._tell(events, now)
         return True
 
     def _tell(self, events: Sequence[E], now: Ns) -> None:

@@ -29,6 +29,7 @@ class LineRunner(Generic[E]):
         self._armed: Ns | None = None
         self._watched = -1
         self._writing = False
+        self._inside = False  # of a step: what a listener kicks meanwhile needs no timer of its own
         self._closed = False
         self._loop.add_reader(self._timer.fileno(), self._on_timer)
         self._opener: asyncio.Task[None] | None = self._loop.create_task(self._keep_opening())
@@ -65,14 +66,18 @@ class LineRunner(Generic[E]):
     def _guarded(self, step: Callable[[Ns], None]) -> None:
         if self._closed:
             return
-        now = time.monotonic_ns()
+        now, outermost = time.monotonic_ns(), not self._inside
+        self._inside = True
         try:
             step(now)
         except PortError as error:
             self._drop(error, now)
-        if self._writing != self._core.wants_write:
-            self._watch_writing()
-        self._arm()
+        finally:
+            self._inside = not outermost
+        if outermost:
+            if self._writing != self._core.wants_write:
+                self._watch_writing()
+            self._arm()
 
     def _arm(self) -> None:
         """An earlier wake than needed costs less than setting the timer for every answer time that moves on."""

@@ -44,7 +44,8 @@ class DescriptorPort:
 
     def write(self, data: bytes) -> int:
         """How many bytes were taken."""
-        before = time.monotonic_ns()  # not afterwards: who is read may run at once and leave us standing, and the line is never that late
+        # The moment before, not afterwards: who is read may run at once and leave us standing, and the line is never that late.
+        before = time.monotonic_ns() if self.char_ns else 0
         try:
             count = os.write(self._fd, data if self._bits is None else data.translate(self._bits))
         except BlockingIOError:

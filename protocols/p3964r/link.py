@@ -71,18 +71,20 @@ class Link:
     # ---- the machine
     def receive(self, data: bytes, now: Ns) -> list[Event]:
         self._expire(now)  # what expired before these bytes came is told first
+        sender = self._sender
         at, size = 0, len(data)
         while at < size:
-            if not self._sender.busy:
+            if not sender.busy:
                 at = self._listen(data, at, now)
-            elif self._sender.hear(data[at], now):
+            elif sender.hear(data[at], now):
                 if data[at] not in ANSWERS:
                     self._receiver.disquiet(now)
                 at += 1
             else:
                 self._gave_way = True
                 at = self._listen(data, at, now)
-            self._start(now)
+            if sender.jobs:
+                self._start(now)
         return self._box.take_events()
 
     def damaged(self, kind: Damage, now: Ns) -> list[Event]:
@@ -98,7 +100,8 @@ class Link:
         if not self._box.output:  # else the report is older than what we have to say now
             self._sender.sent(now)
             self._receiver.sent(now)
-            self._start(now)
+            if self._sender.jobs:
+                self._start(now)
         return self._box.take_events()
 
     def wake(self, now: Ns) -> list[Event]:
