@@ -3,6 +3,7 @@
 import os
 import pathlib
 import shutil
+import sys
 import tempfile
 
 import pytest
@@ -11,11 +12,16 @@ from hil_tests.host import REPORTS as RIGS_REPORTS
 from hil_tests.host import Host
 from hil_tests.lanes import Lanes
 from hil_tests.matrix.marks import Marks
+from hil_tests.numbers import one_thread
 from hil_tests.pair import MATE, Mate, Pair
 from hil_tests.pair import REPORTS as MATES_REPORTS
 from hil_tests.purity import Purity
 from hil_tests.reports import Reporter
 from hil_tests.rig.uml.lane import REPORTS, GuestLane
+
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # hundreds of processes start in a run: each would compile axisgate anew
+sys.dont_write_bytecode = False
+one_thread()  # before any test module loads numpy
 
 RUNTIME = "AXISGATE_RUNTIME"
 MINE = pytest.StashKey[pathlib.Path]()
