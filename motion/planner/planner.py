@@ -16,20 +16,19 @@ from numpy.typing import NDArray
 from motion.errors import MotionError
 from motion.kinematics.base import Joints
 from motion.planner.commit import timed_pieces
+from motion.planner.known import KnownLaws
 from motion.planner.marks import Mark, check_outputs, marks_of
 from motion.planner.robot import Machine
 from motion.planner.route import Kind, Route, Stretch
 from motion.planner.runs import Run, make_run
 from motion.planner.squares import quicker
-from motion.planner.straight import straight_law
 from motion.planner.swift import STEP_S, Swift, cropped, swift, width_s
 from motion.planner.timegiven import time_given
 from motion.program.blocks import Block
 from motion.program.factors import FULL, Factors
 from motion.timed import TimedPiece
-from motion.timing.jerk import jerk_limited_work
 from motion.timing.law import Law
-from motion.timing.slices import Slices, Work, whole
+from motion.timing.slices import Slices, Work
 
 LOOK_AHEAD = 512  # blocks that may wait (owed: 256)
 WINDOW = 256  # stretches one law spans at most
@@ -90,6 +89,7 @@ class Planner:
     _fresh: deque[Stretch] = field(init=False, default_factory=deque)  # known, not planned
     _planned: deque[_Planned] = field(init=False, default_factory=deque)
     _done: int = field(init=False, default=0)  # blocks behind the axes
+    _laws: KnownLaws = field(init=False, default_factory=KnownLaws)
     _marks: list[Mark] = field(init=False, default_factory=list)
     _work: Slices[list[TimedPiece]] | None = field(init=False, default=None)  # the law that is being made
 
@@ -162,6 +162,7 @@ class Planner:
         self._fresh.clear()
         self._marks.clear()
         self._planned.clear()
+        self._laws.forget()
         self._work = None
         self._done = self._route.added
 
@@ -247,7 +248,7 @@ class Planner:
     def _from_rest(self, row: list[Stretch]) -> Work[list[TimedPiece]]:
         """A law of its own: near the optimum where the path ends at rest by itself, a quick one where it will go on."""
         if row[-1].stop:
-            row, *later = yield from quicker(row, self.machine, seconds, self.factors)
+            row, *later = yield from quicker(row, self.machine, self._laws.seconds(self.factors), self.factors)
             self._fresh.extendleft(stretch for part in reversed(later) for stretch in reversed(part))
         run = make_run(row, self.machine, self.factors)
         if row[-1].stop:
@@ -255,7 +256,7 @@ class Planner:
             if pace.time is not None and all(stretch.block == row[0].block for stretch in row):
                 law = time_given(run.path.length, pace.time, pace.ramp, width_s(run.limits))
             else:
-                law = (yield from _law_work(run)).later(PAUSE_S if self._planned else 0.0)
+                law = (yield from self._laws.law(run, self.factors)).later(PAUSE_S if self._planned else 0.0)
             yield
             return self._commit(run, law, self.end, None, _Origin(None, 0, 0.0))
         width = width_s(run.limits)
@@ -312,20 +313,6 @@ class Planner:
         """(s, sdot, sddot) at full speed, for judges."""
         now = next((one for one in self._planned if one.end >= tau), self._planned[-1])
         return now.state(tau)
-
-
-def law_of(run: Run) -> Law:
-    """From rest to rest: closed form where all axes move straight, else near the time optimum."""
-    return whole(_law_work(run))
-
-
-def seconds(run: Run) -> Work[float]:
-    """What it takes."""
-    return (yield from _law_work(run)).duration
-
-
-def _law_work(run: Run) -> Work[Law]:
-    return straight_law(run) or (yield from jerk_limited_work(run.path, run.limits))
 
 
 def block_ends(run: Run) -> list[tuple[float, int]]:

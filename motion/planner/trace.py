@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.frames import Pose
-from motion.planner.planner import law_of, seconds
+from motion.planner.known import KnownLaws
 from motion.planner.robot import Machine
 from motion.planner.route import Kind, Route, Stretch
 from motion.planner.runs import make_run, runs
@@ -139,9 +139,11 @@ def numbered(error: BlockError, number: int) -> BlockError:
 def trace(stretches: Sequence[Stretch], machine: Machine, factors: Factors = FULL, period: float = PERIOD_S) -> Trace:
     """Runs all whole runs; raises MotionError where a path cannot be run at all."""
     parts, blocks, ends, clock = [], [], [], 0.0
-    rows = [row for run in runs(stretches, machine, factors) for row in whole(quicker(run.stretches, machine, seconds, factors))]
+    laws = KnownLaws()
+    taken = laws.seconds(factors)
+    rows = [row for run in runs(stretches, machine, factors) for row in whole(quicker(run.stretches, machine, taken, factors))]
     for run in (make_run(row, machine, factors) for row in rows):
-        law = law_of(run)
+        law = whole(laws.law(run, factors))
         count = math.ceil(law.duration / period)
         s = law.at(np.arange(count + 1, dtype=np.float64) * period)
         parts.append(run.path.at(s)[:, : machine.axes])

@@ -63,8 +63,8 @@ def test_five_banded_systems_are_solved() -> None:
     lower = np.tril(chance.normal(size=(n, n))) * (np.abs(np.subtract.outer(range(n), range(n))) <= 2) + 3 * np.eye(n)
     matrix = lower @ lower.T
     right = chance.normal(size=n)
-    system = Banded(np.diag(matrix).tolist(), np.diag(matrix, 1).tolist(), np.diag(matrix, 2).tolist())
-    assert np.allclose(system.solve(right.tolist()), np.linalg.solve(matrix, right))
+    system = Banded(np.diag(matrix), np.diag(matrix, 1), np.diag(matrix, 2))
+    assert np.allclose(system.solve(right), np.linalg.solve(matrix, right))
 
 
 @pytest.mark.parametrize("length", [0.01, 0.1, 0.5])

@@ -35,7 +35,7 @@ class Counted:
 
         patch.setattr(topp, "_backward", counted)
 
-    def _banded(self, diagonal: list[float], near: list[float], far: list[float]) -> banded.Banded:
+    def _banded(self, diagonal: Array, near: Array, far: Array) -> banded.Banded:
         self.systems += 1
         return banded.Banded(diagonal, near, far)
 
