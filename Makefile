@@ -10,6 +10,7 @@ BENCH ?=
 SOAK ?=
 MOTION ?=
 FUZZ ?=
+MATRIX ?=
 
 .DELETE_ON_ERROR:
 .PHONY: help setup tools kernel references native demo lint test pytest bench soak fuzz branches losses mutants coverage-matrix docs pictures lock clean
@@ -19,7 +20,7 @@ help:
 	@echo "make test             lint, types, import arrows, all tests and lanes"
 	@echo "make lint             lint, types, import arrows only"
 	@echo "make bench            all benchmarks; rewrites docs/benchmarks.md"
-	@echo "make coverage-matrix  which demand of the manuals is proved by which test"
+	@echo "make coverage-matrix  which demand of the manuals is proved by which test, out of the last make test of this tree (else the tests run)"
 	@echo "make mutants          would those tests notice their function breaking?"
 	@echo "make docs             pages made of decisions, errors, evidence; the site in build/site"
 	@echo "make pictures         docs/pictures from the last run of the page's tests"
@@ -76,7 +77,7 @@ lint: $(STAMP)
 test: $(STAMP) references native kernel
 	@mkdir -p build; lint=0; $(MAKE) --no-print-directory lint || lint=1; \
 	branches=0; $(MAKE) --no-print-directory branches || branches=1; \
-	$(PY) -m pytest; tests=$$?; \
+	$(PY) -m pytest --matrix build/matrix/results.json; tests=$$?; \
 	test $$lint -eq 0 || { echo "make test: lint failed (above the tests)" >&2; exit 1; }; \
 	test $$branches -eq 0 || { echo "make test: a branch of the serial protocols is not tested (above the tests)" >&2; exit 1; }; \
 	exit $$tests
@@ -85,7 +86,7 @@ bench: $(STAMP) references native
 	@$(VENV)/bin/axisgate bench $(or $(BENCH),all)
 
 coverage-matrix: $(STAMP) references native kernel
-	@$(PY) -m hil_tests.matrix.coverage
+	@$(PY) -m hil_tests.matrix.coverage $(MATRIX)
 
 mutants: $(STAMP) references native kernel
 	@$(PY) -m hil_tests.matrix.mutants

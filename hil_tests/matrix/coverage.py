@@ -1,16 +1,53 @@
-"""`make coverage-matrix`: runs the marked tests, prints id -> tests -> verdict and totals per list, writes build/coverage-matrix.json."""
+"""`make coverage-matrix`: id -> tests -> verdict and totals per list out of a real run; writes build/coverage-matrix.json.
 
+The run is the last `make test` where it was one of this very tree; else the marked tests run now.
+
+python -m hil_tests.matrix.coverage            as said
+python -m hil_tests.matrix.coverage --last     the last run, of whatever tree it was (MATRIX=--last with make)
+python -m hil_tests.matrix.coverage --run      the marked tests run now, whatever is recorded
+"""
+
+import argparse
 import collections
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping
 
-from hil_tests.matrix import verdicts
+from hil_tests.matrix import record, verdicts
 from hil_tests.matrix.catalogue import ROOT, Row, rows
 from hil_tests.matrix.verdicts import Entry
 
 
 def main() -> int:
+    parser = argparse.ArgumentParser(prog="make coverage-matrix")
+    ways = parser.add_mutually_exclusive_group()
+    ways.add_argument("--last", action="store_true", help="the last run, though the tree has changed since")
+    ways.add_argument("--run", action="store_true", help="run the marked tests now")
+    arguments = parser.parse_args()
+    last = None if arguments.run else record.load(verdicts.RESULTS)
+    same = last is not None and last.tree == record.tree()
+    if arguments.last and last is None:
+        print("coverage-matrix: no run is recorded; make test records one", file=sys.stderr)
+        return 3
+    code = 0
+    if last is not None and (arguments.last or (same and last.whole)):
+        origin = (
+            f"out of the run that ended {last.at}"
+            + ("" if same else ", of another tree than this")
+            + ("" if last.whole else ", broken off")
+        )
+    else:
+        code, origin = run_now(), "out of a run of the marked tests just now"
+    entries = verdicts.matrix(rows(), verdicts.load_results(), verdicts.load_pairs())
+    verdicts.save(entries)
+    print("\n".join(["", *told(entries, rows()), f"{origin}: {verdicts.MATRIX.relative_to(ROOT)}"]))
+    if code not in (0, 1, 5):  # 5: no test carries a mark
+        return 3
+    return 1 if code == 1 or any(entry["verdict"] == "fail" for entry in entries.values()) else 0
+
+
+def run_now() -> int:
+    """pytest's exit code."""
     verdicts.RESULTS.unlink(missing_ok=True)
     tests = [
         sys.executable,
@@ -25,14 +62,7 @@ def main() -> int:
         "--matrix",
         str(verdicts.RESULTS),
     ]
-    code = subprocess.run(tests, cwd=ROOT, check=False).returncode
-    entries = verdicts.matrix(rows(), verdicts.load_results(), verdicts.load_pairs())
-    verdicts.save(entries)
-    print()
-    print("\n".join(told(entries, rows())))
-    if code not in (0, 1, 5):  # 5: no test carries a mark
-        return 3
-    return 1 if code == 1 or any(entry["verdict"] == "fail" for entry in entries.values()) else 0
+    return subprocess.run(tests, cwd=ROOT, check=False).returncode
 
 
 def told(entries: Mapping[str, Entry], known: Mapping[str, Row]) -> Iterator[str]:

@@ -1,24 +1,13 @@
 """Requirement marks in a pytest run: a mark that cannot be counted fails its test; --matrix FILE writes what was proved."""
 
 import contextlib
-import json
 import pathlib
-from dataclasses import asdict, dataclass
 
 import pytest
 
+from hil_tests.matrix import record
 from hil_tests.matrix.catalogue import Claim, MarkError, claim
-
-
-@dataclass(frozen=True, slots=True)
-class Result:
-    """One test function with its claim and the worst outcome of its parameters: passed, failed, skipped."""
-
-    test: str
-    ids: tuple[str, ...]
-    by: tuple[str, ...]
-    outcome: str
-
+from hil_tests.matrix.record import Result
 
 RANK = ("none", "skipped", "passed", "failed")  # what counts for a test function of several parameters: the right-most seen
 
@@ -38,6 +27,7 @@ class Marks:
 
     def __init__(self, target: str | None) -> None:
         self._target = pathlib.Path(target) if target else None
+        self._tree = record.tree() if target else ""  # as it is before anything runs
         self._claims: dict[str, list[Claim]] = {}
         self._outcome: dict[str, str] = {}
 
@@ -68,11 +58,10 @@ class Marks:
             name = function_id(report.nodeid)
             self._outcome[name] = max(self._outcome.get(name, "none"), report.outcome, key=RANK.index)
 
-    def pytest_sessionfinish(self) -> None:
+    def pytest_sessionfinish(self, exitstatus: int) -> None:
         if self._target is None:
             return
         results = [
             Result(name, claim.ids, claim.by, self._outcome.get(name, "none")) for name, claims in self._claims.items() for claim in claims
         ]
-        self._target.parent.mkdir(parents=True, exist_ok=True)
-        self._target.write_text(json.dumps([asdict(result) for result in results], indent=1))
+        record.save(self._target, self._tree, exitstatus in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED), results)

@@ -8,8 +8,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypedDict
 
+from hil_tests.matrix import record
 from hil_tests.matrix.catalogue import ROOT, Row
-from hil_tests.matrix.marks import Result
+from hil_tests.matrix.record import Result
 
 RESULTS = ROOT / "build" / "matrix" / "results.json"
 MUTANTS = ROOT / "build" / "matrix" / "mutants.json"
@@ -67,10 +68,9 @@ def entry(results: Sequence[Result], pairs: Mapping[tuple[str, str], Pair]) -> E
     return {"verdict": verdict, "tests": tests, "by": by, "mutant": mutant}
 
 
-def load_results() -> list[Result]:
-    if not RESULTS.exists():
-        return []
-    return [Result(line["test"], tuple(line["ids"]), tuple(line["by"]), line["outcome"]) for line in json.loads(RESULTS.read_text())]
+def load_results() -> Sequence[Result]:
+    last = record.load(RESULTS)
+    return last.results if last else ()
 
 
 def load_pairs() -> list[Pair]:

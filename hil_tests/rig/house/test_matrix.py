@@ -7,9 +7,10 @@ import sys
 
 import pytest
 
-from hil_tests.matrix.catalogue import rows
-from hil_tests.matrix.marks import Result
+from hil_tests.matrix import coverage, record, verdicts
+from hil_tests.matrix.catalogue import ROOT, rows
 from hil_tests.matrix.mutant_plugin import Hang, judged, time_limit
+from hil_tests.matrix.record import Result
 from hil_tests.matrix.verdicts import Pair, matrix
 
 SAMPLE = """
@@ -82,8 +83,9 @@ def run_pytest(folder: pathlib.Path, *options: str) -> list[dict[str, object]]:
     command = [sys.executable, "-m", "pytest", str(folder), f"--rootdir={folder}", "-q", "-p", "no:cacheprovider", "-m", "requirement"]
     done = subprocess.run([*command, *options, str(result)], cwd=folder, capture_output=True, text=True, check=False)
     assert result.exists(), done.stdout + done.stderr
-    found: list[dict[str, object]] = json.loads(result.read_text())
-    return found
+    found = json.loads(result.read_text())
+    lines: list[dict[str, object]] = found["results"] if "--matrix" in options else found
+    return lines
 
 
 def test_mutants_are_judged_by_how_each_test_fails(folder: pathlib.Path) -> None:
@@ -117,6 +119,41 @@ def test_the_matrix_run_tells_ids_and_outcomes_and_fails_a_wrong_mark(folder: pa
         check=False,
     )
     assert "RHO-NONE-99: no row of docs/requirements has this id" in text.stdout  # ... and fails its test
+
+
+def test_the_matrix_is_made_of_the_last_run_of_this_tree(
+    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    results, written = tmp_path / "results.json", ROOT / "build" / "matrix" / f"of-{tmp_path.name}.json"
+    monkeypatch.setattr(verdicts, "RESULTS", results)
+    monkeypatch.setattr(verdicts, "MATRIX", written)
+    runs: list[bool] = []
+
+    def run() -> int:  # stands for the run of twenty minutes
+        runs.append(True)
+        record.save(results, record.tree(), True, [result("now", "failed")])
+        return 1
+
+    def made(*options: str) -> tuple[int, list[str], int]:
+        monkeypatch.setattr(sys, "argv", ["coverage", *options])
+        code = coverage.main()
+        return code, json.loads(written.read_text())["RHO-SER-01"]["tests"] if written.exists() else [], len(runs)
+
+    monkeypatch.setattr(coverage, "run_now", run)
+    try:
+        assert made("--last") == (3, [], 0)
+        record.save(results, record.tree(), True, [result("before", "passed")])
+        assert made() == (0, ["before"], 0)
+        record.save(results, "another tree", True, [result("before", "passed")])
+        assert made("--last") == (0, ["before"], 0)
+        assert "of another tree than this" in capsys.readouterr().out
+        assert made() == (1, ["now"], 1)
+        assert made() == (1, ["now"], 1)
+        record.save(results, record.tree(), False, [result("half", "passed")])
+        assert made() == (1, ["now"], 2)
+        assert made("--run") == (1, ["now"], 3)
+    finally:
+        written.unlink(missing_ok=True)
 
 
 def result(test: str, outcome: str, *by: str) -> Result:
