@@ -18,7 +18,7 @@ from gateway.journal import Journal
 from gateway.pathoutputs import output_places
 from gateway.programplan import machine_of_cell, measured_mask, written_for
 from gateway.pure.permits import free_outputs
-from gateway.pure.plannerrecords import SAY_LAYOUT, MeasuringFacts, PlannerState, pack_piece, pack_planner, unpack_block
+from gateway.pure.plannerrecords import SAY_LAYOUT, MeasuringFacts, PlannerState, pack_piece, pack_planner, unpack_block, unpack_planner
 from gateway.pure.programfollow import follow, standing
 from gateway.pure.programs import Programs
 from gateway.pure.records import CellState, unpack_cell_state
@@ -48,6 +48,9 @@ class PlannerProcess:
         self.programs.windows = [window_of(axis) for axis in plan.cell.axis]
         self.programs.option = plan.cell.alter is not None
         self.programs.channels = {each.channel: MeasuringFacts(each.input, measured_mask(plan.cell, each)) for each in plan.cell.measuring}
+        said = self.region.latest()
+        if said is not None:
+            self.programs.follows(unpack_planner(said))
         self._told: tuple[int, str] = (0, "")
         self._stop = False
 

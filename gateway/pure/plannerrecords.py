@@ -240,6 +240,8 @@ class PlannerState:
     fault: str = ""
     fault_block: int = 0
     fault_code: int = 0
+    cycle: int = 0  # generation of the cycle that the types of belts hold for
+    types: tuple[tuple[int, int], ...] = ()  # of the belts as programs have set them (SF 21): type and tolerance
 
 
 def pack_planner(state: PlannerState) -> bytes:
@@ -251,4 +253,6 @@ def pack_planner(state: PlannerState) -> bytes:
 
 def unpack_planner(data: bytes) -> PlannerState:
     """The reverse of pack_planner."""
-    return PlannerState(**json.loads(data))
+    fields = json.loads(data)
+    fields["types"] = tuple((kind, tolerance) for kind, tolerance in fields["types"])
+    return PlannerState(**fields)

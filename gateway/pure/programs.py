@@ -40,6 +40,7 @@ from motion.program.errors import BlockError, TextError
 from motion.program.factors import FULL, Factors
 from motion.program.text import Reader
 from motion.sync.alterable import check_alterable
+from motion.sync.belts import Type
 from motion.sync.facts import BeltFacts
 from motion.timed import encode_timed
 
@@ -131,9 +132,19 @@ class Programs:
             self._go_on(standing, engaged, met=met)
         self._parts = parts
         self._plan(piece, moving, taken)
+        types = tuple((each.kind.value, each.tolerance) for each in self._belts)
+        if (self.state.cycle, self.state.types) != (generation, types):
+            self.state = replace(self.state, cycle=generation, types=types)
         out = [record for record in self._out if record.job <= taken]  # a cycle that has not heard of the job would drop its fault
         self._out = [record for record in self._out if record.job > taken]
         return out
+
+    def follows(self, before: PlannerState) -> None:
+        """The planner before this one said this last: belts stay as programs have set them, as long as its cycle runs (AX-394)."""
+        if before.cycle and len(before.types) == len(self.belts):
+            self.generation = before.cycle
+            rows = zip(self.belts, before.types, strict=True)
+            self._belts = tuple(replace(each, kind=Type(kind), tolerance=tolerance) for each, (kind, tolerance) in rows)
 
     # ---- what is said ------------------------------------------------------------------------------------------------------
     def _heard(self, record: BlockRecord, standing: Sequence[float]) -> None:

@@ -2,6 +2,7 @@
 
 import contextlib
 import pathlib
+import pickle
 import tempfile
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -26,7 +27,7 @@ from gateway.pure.fastwires import FastWires
 from gateway.pure.recording.messages import Message, Told, What, unpack_told
 from gateway.pure.recording.player import Difference, Player
 from gateway.recording.file import Found, RecordError, Segment
-from gateway.recording.states import Snapshots, StateError, carry_over, frozen
+from gateway.recording.states import Snapshots, Start, StateError, carry_over, frozen, places_of
 from gateway.sharedplan import shared_of_cell
 from protocols.base.errors import DecodeError
 
@@ -128,10 +129,12 @@ def started(segment: Segment, before: Bench, then: Bench, names: Callable[[int],
     start = segment.start
     was_core, was_families, _ = before.core()
     core, families, encoders = then.core()
-    settings = Snapshots(core, families).settings
+    kept = Snapshots(was_core, was_families)
+    was = pickle.loads(kept.take(Start(was_core, was_families, [], [])))  # settings stand in it as in the recording: by their numbers
+    settings = places_of(kept.settings, Snapshots(core, families).settings)
     try:
-        core = carry_over(start["core"], frozen(was_core), core, settings)
-        families = carry_over(start["families"], frozen(was_families), families, settings)
+        core = carry_over(start["core"], frozen(was.core), core, settings)
+        families = carry_over(start["families"], frozen(was.families), families, settings)
     except (StateError, KeyError, ValueError, TypeError, AttributeError) as error:
         raise RecordError(f"the state after cycle {start['cycle']} does not fit this cell or version: {error}") from error
     if core.belts is not None:

@@ -175,10 +175,20 @@ def _slots(kind: type) -> tuple[str, ...]:
     return tuple(name for name in ((slots,) if isinstance(slots, str) else slots) if name not in ("__weakref__", "__dict__"))
 
 
+def places_of(recorded: list[object], target: list[object]) -> list[object]:
+    """Settings of the target by the numbers they have in the recording; None: a changed cell has no such one.
+
+    Asked for only where a setting has moved since the beginning; one that stands where it stood is the target's own.
+    """
+    if [type(each) for each in recorded] == [type(each) for each in target]:
+        return target
+    return [next((other for other in target if type(other) is type(each) and repr(other) == repr(each)), None) for each in recorded]
+
+
 def carry_over(recorded: Any, pristine: Any, target: Any, settings: list[object]) -> Any:
     """`target` as it was in the recording where that differs from `pristine`, its cell's beginning; raises StateError.
 
-    Changed in place where that can be done; the result is to be used in its place.  `settings`: of the target, by their numbers.
+    Changed in place where that can be done; the result is to be used in its place.  `settings`: of the target, by the recording's numbers.
     """
     return _Carrier(settings).carry(recorded, pristine, target)
 
@@ -198,8 +208,9 @@ class _Carrier:
             return tree
         if "kept" in tree:
             return self._kept(tree, target)
-        if "same" in tree and tree["same"] not in self._made:
-            return target
+        absent = target is None and "object" in tree and isinstance(pristine, dict) and tree["object"] == pristine.get("object")
+        if absent or ("same" in tree and tree["same"] not in self._made):
+            return target  # absent: a part of the recorded cell that this one does not have
         if tree.get("object") and isinstance(pristine, dict) and tree["object"] == pristine.get("object") == _name(type(target)):
             return self._object(tree, pristine, target)
         if "list" in tree and isinstance(target, list) and isinstance(pristine, dict) and len(tree["list"]) == len(target):
@@ -218,7 +229,11 @@ class _Carrier:
     def _kept(self, tree: Any, target: Any) -> Any:
         """A setting may stand in another place than at the beginning; solvers stay."""
         number = tree.get("setting", -1)
-        return self._settings[number] if 0 <= number < len(self._settings) else target
+        if not 0 <= number < len(self._settings):
+            return target
+        if self._settings[number] is None:
+            raise StateError(f"setting {number} of the recorded cell, which this cell does not have")
+        return self._settings[number]
 
     def _object(self, tree: Any, pristine: Any, target: Any) -> Any:
         changed = {name: self.carry(each, pristine["has"].get(name), getattr(target, name, None)) for name, each in tree["has"].items()}

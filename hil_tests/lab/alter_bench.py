@@ -13,6 +13,7 @@ from gateway.pure.core import Core
 from gateway.pure.jobs import Job
 from gateway.pure.reasons import CommandState
 from gateway.pure.records import CellState, Motion, Quality, pack_cell_state, unpack_cell_state
+from hil_tests.lab.cellbench import CellBench
 from hil_tests.lab.planned_bench import Planned, ServodynRobot
 
 PORTAL = pathlib.Path(__file__).parents[2] / "configs" / "cells" / "portal.toml"
@@ -47,11 +48,11 @@ class AlterRobot(ServodynRobot):
 class AlterBench(Planned):
     """Door 1 orders programs and writes the correction: `correct` says what it is (mm, deg), cycle by cycle, while it speaks."""
 
-    def __init__(self) -> None:
+    def __init__(self, robot: CellBench | None = None) -> None:
         self.speaks = True
         self.correct: Callable[[], tuple[float, ...]] = lambda: (0.0,) * 6
         self.seen: list[CellState] = []
-        super().__init__(AlterRobot(P5_MS, cell=CELL))
+        super().__init__(robot or AlterRobot(P5_MS, cell=CELL))
         self.programs.option = True
         self.home()
 

@@ -19,7 +19,7 @@ from gateway.pure.corebelts import CoreBelts
 from gateway.pure.jobs import Job
 from gateway.pure.office import Office
 from gateway.pure.permits import AS_SHIPPED, free_outputs
-from gateway.pure.plannerrecords import ProgramFacts
+from gateway.pure.plannerrecords import PlannerState, ProgramFacts
 from gateway.pure.programs import Programs
 from gateway.pure.reasons import CommandState
 from gateway.pure.records import CellState, Motion, pack_cell_state, unpack_cell_state
@@ -47,9 +47,7 @@ class BeltBench(CellBench):
         super().__init__(p5_ms=4, cell=CELL)
         self.office = Office(self.office.axes, self.office._plan, 1, {1: ProgramFacts("it", ALL)})
         self.text = ""
-        free = free_outputs(AS_SHIPPED, AXES)
-        self.programs = Programs(lambda _: MACHINE, lambda _: ALL, lambda _: self.text, free, belts=FACTS)
-        self.planner = self._beside()
+        self.another_planner(PlannerState())
         self.seen: list[CellState] = []
         self.each = self._turn
         self.office.planner = self.programs.state
@@ -78,6 +76,13 @@ class BeltBench(CellBench):
                 for frame in self.emulated.take_output():
                     self.encoders[frame.identifier].hear(frame.data)
                 super().cycle()
+
+    def another_planner(self, before: PlannerState) -> None:
+        """`before`: what the one before it said last."""
+        free = free_outputs(AS_SHIPPED, AXES)
+        self.programs = Programs(lambda _: MACHINE, lambda _: ALL, lambda _: self.text, free, belts=FACTS)
+        self.programs.follows(before)
+        self.planner = self._beside()
 
     def _beside(self) -> PlannerBeside:
         return PlannerBeside(self.programs, AXES)

@@ -3,12 +3,13 @@
 import json
 import pickle
 import zlib
+from collections.abc import Sequence
 from typing import Any
 
 from gateway.pure.core import Core
 from gateway.pure.plannerrecords import PieceRecord, pack_piece
 from gateway.pure.programs import Programs
-from gateway.pure.recording.messages import What, pack
+from gateway.pure.recording.messages import Message, What, pack
 from gateway.recording.file import Found, Segment
 from gateway.recording.replay import Bench
 from gateway.recording.states import frozen
@@ -60,8 +61,13 @@ class RecordedBelts(BeltBench, RecordedBench):
 
     def found(self) -> Found:
         """As the recorder keeps it and a reader finds it."""
-        state = pickle.loads(next(payload for what, payload in self.messages if what is What.START))
-        tree = {"core": frozen(state.core), "families": frozen(state.families), "late": state.late, "sent": state.sent_ns}
-        start = json.loads(json.dumps({"cycle": state.core.state.cycle, **tree, "encoders": state.encoders}))
-        messages = b"".join(pack(*message) for message in self.messages if message.what is not What.START)
-        return Found(HEAD, segments=[Segment(start, [zlib.compress(messages)])])
+        return found_in(self.messages, HEAD)
+
+
+def found_in(messages: Sequence[Message], head: dict[str, Any]) -> Found:
+    """What a file with these messages of its cycles holds, the start among them."""
+    state = pickle.loads(next(payload for what, payload in messages if what is What.START))
+    tree = {"core": frozen(state.core), "families": frozen(state.families), "late": state.late, "sent": state.sent_ns}
+    start = json.loads(json.dumps({"cycle": state.core.state.cycle, **tree, "encoders": state.encoders}))
+    played = b"".join(pack(*message) for message in messages if message.what is not What.START)
+    return Found(head, segments=[Segment(start, [zlib.compress(played)])])

@@ -7,13 +7,14 @@ import pytest
 
 from gateway.motionpaper import Paper, sections_of
 from gateway.pure.command_block import Code
+from gateway.pure.plannerrecords import pack_planner, unpack_planner
 from gateway.pure.reasons import CommandState, Reason
 from hil_tests.lab.belt_bench import ALL, FACTS, HEAD, MACHINE, BeltBench
 from hil_tests.lab.belt_run import SPEED
 from motion.program.errors import TextFaults
 from motion.program.text import read
 from motion.program.textout import write
-from motion.sync.belts import SET_COUNTER
+from motion.sync.belts import SET_COUNTER, STANDARD_TOLERANCE
 from motion.sync.cam import cam
 
 STEP = SPEED * 0.004 + 1e-4  # of a cycle, and one increment
@@ -106,6 +107,22 @@ def test_the_type_of_a_belt_holds_for_later_programs_until_the_cycle_starts_anew
     for code in (Code.REQUEST_CONTROL, Code.OVERRIDE, Code.ENABLE):
         bench.settle(bench.give(code, ALL))
     assert "a place of the axes does not lie on belt B1" in bench.settle(bench.order("synchron B1", "ptp joints 1 1 1 1")).detail
+
+
+def test_a_new_planner_goes_on_with_the_types_programs_have_set(bench: BeltBench) -> None:
+    """AX-394; what its predecessor said last stands in its region."""
+    arc = "synchron B1 at=60mm", "circular via pose 150 150 50 0 0 0 to pose 200 100 50 0 0 0 belt=160mm"
+    bench.started(1)
+    assert bench.finished(bench.order("belt_type 1 73")).state is CommandState.DONE
+    said = unpack_planner(pack_planner(bench.programs.state))
+    bench.another_planner(said)
+    bench.run(0.1)
+    assert "Belt-sync. n.possible" in bench.settle(bench.order(*arc)).detail, "CIRCULAR on a cam: still type 3"
+    assert bench.programs.state.types[0] == (3, 7)
+    bench.restart_cycle()
+    bench.another_planner(unpack_planner(pack_planner(bench.programs.state)))
+    bench.run(0.1)
+    assert bench.programs.state.types[0] == (1, STANDARD_TOLERANCE), "a start-up of the control"
 
 
 @pytest.mark.requirement("RHO-MOT-26", by="gateway.pure.corebelts:CoreBelts.act")
