@@ -77,6 +77,7 @@ class Robot:
     model: str = ""
     name: str = ""
     zero: str = ""
+    too_fast: str = "slow"
 
 
 @dataclass(frozen=True, slots=True)

@@ -60,6 +60,7 @@ class Robot(Table):
     model: str = ""
     name: str = ""
     zero: str = ""
+    too_fast: Literal["slow", "abort", "error"] = "slow"
 
 
 class Program(Table):

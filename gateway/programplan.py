@@ -56,6 +56,7 @@ def machine_of_cell(cell: Cell) -> "Machine":
     from gateway.robotfile import RobotFaults, load_robot
     from motion.errors import MotionError
     from motion.planner.robot import machine_of
+    from motion.timing.limiter import TooFast
 
     if cell.robot is None or not cell.robot.model:
         raise MotionError("the cell has no [robot] with a model: programs need its kinematics")
@@ -70,4 +71,4 @@ def machine_of_cell(cell: Cell) -> "Machine":
     for ours, its in zip(own, robot.limits, strict=True):
         if ours.unit != its.unit:
             raise MotionError(f"axis {ours.name} of the cell is in {ours.unit}, axis {its.name} of robot {name} in {its.unit}")
-    return replace(robot, limits=tuple(own))
+    return replace(robot, limits=tuple(own), too_fast=TooFast(cell.robot.too_fast))

@@ -9,6 +9,7 @@ from motion.kinematics.group import Role
 from motion.limits import AxisLimits
 from motion.program.blocks import MAX_JOINTS
 from motion.robot import Robot, kinematics_of
+from motion.timing.limiter import TooFast
 
 
 @dataclass(frozen=True)
@@ -21,6 +22,7 @@ class Machine:
     path_accel: float = inf
     turn_speed: float = inf
     turn_accel: float = inf
+    too_fast: TooFast = TooFast.SLOW
 
     def __post_init__(self) -> None:
         if not self.arm <= len(self.limits) <= MAX_JOINTS:

@@ -29,6 +29,7 @@ from motion.planner.legs import JOINT_LIMIT, Leg, check_end, check_numbers, make
 from motion.planner.robot import Machine
 from motion.planner.rows import curve_of, goes_on, legs_of, place_of
 from motion.planner.timegiven import check_time
+from motion.planner.watched import check_range, check_speed
 from motion.program.blocks import MEASURED, Block, Interpolation, JointTarget, Rounding, Slope
 from motion.program.errors import BlockError
 from motion.program.passing import passed
@@ -163,6 +164,7 @@ class Route:
             if block.blend.rounding is Rounding.OFF and now.last is not None:
                 self._run_out(now.last)
             return
+        check_range(leg, self._machine)
         reach = self._join(now.last, leg) if now.last is not None else 0.0
         now.standing, now.last, now.known = leg.end, leg, reach
         leave = self._leave(leg)
@@ -192,6 +194,7 @@ class Route:
         for leg in legs_of(row, curve, q, machine):
             now.known = 0.0
             try:
+                check_range(leg, machine)
                 self._main(replace(leg, start=(*q[: machine.arm], *leg.start[machine.arm :])), leg.length, stop=leg.number == row[-1][0])
                 before, q = q, now.out[-1].path.q(leg.length)
                 check_end(leg.block, before, q, machine)
@@ -225,6 +228,8 @@ class Route:
         if stretch.source.pace.time is not None and stretch.share == (0.0, 1.0):
             check_time(stretch.path, stretch.source, stretch.block, self._machine)
         self._check_travel(stretch.path)
+        if stretch.kind is Kind.MAIN:
+            check_speed(stretch.path, stretch.source, self._machine)
         self._now.out = (*self._now.out, stretch)
         self._now.tail = None if stretch.stop else stretch.path
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import TypeVar
 
-from motion.frames import IDENTITY, Pose
+from motion.frames import IDENTITY, Pose, Vector
 from motion.kinematics.base import FREE, Configuration
 from motion.outputs.function import Function
 
@@ -252,6 +252,8 @@ class Block:
     synchron: Synchron | None = None
     on_belt: OnBelt | None = None
     alteration: Alteration | None = None
+    lowest: Vector | None = None  # LIMIT_MIN: x, y, z (m) in the block's frame below which the tool is nowhere
+    highest: Vector | None = None  # LIMIT_MAX
     freeze: bool = False  # in an alterable part: from the end of this block on the correction stays as it is (alterEnd before the end)
     label: str = ""  # in front of it
     acts: tuple[Act, ...] = ()  # of belts, done at rest before it

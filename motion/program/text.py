@@ -34,7 +34,7 @@ from motion.program.blocks import (
 from motion.program.errors import TextError, TextFaults
 from motion.program.textalter import AlterParts
 from motion.program.textinputs import HEADS, flying_of, wait_of
-from motion.program.textvalues import CALLS, call_of, filled, function_of, length_of, outputs_of, placed, sync_of, until_of
+from motion.program.textvalues import CALLS, call_of, corner_of, filled, function_of, length_of, outputs_of, placed, sync_of, until_of
 from motion.program.textwords import Fault as _Fault
 from motion.program.textwords import key as _key
 from motion.program.textwords import name as _name
@@ -296,6 +296,8 @@ class Reader:
             synchron=self.part,
             on_belt=self.on_belt(keys),
             alteration=self.altered.part,
+            lowest=corner_of("limitmin", keys.get("limitmin", "-")),
+            highest=corner_of("limitmax", keys.get("limitmax", "-")),
             freeze=self.altered.freeze(keys.get("freeze")),
             label=self.label,
             acts=self.acts,

@@ -68,6 +68,8 @@ OTHERS = {
     "zone": "one distance for each axis: passing of a PTP point by the axis criterion",
     "tool": "name of a `tool` line, or - for none",
     "frame": "name of a `frame` line, or - for none",
+    "limitmin": "x,y,z mm: working range of the tool in the block's frame, LIMIT_MIN; - for none",
+    "limitmax": "x,y,z mm: its other end, LIMIT_MAX; - for none",
     "config": "righty,epositive,wnegative ..: demanded configuration",
     "extra": "values of additional axes with their unit: 100mm,30deg",
     "out": "NUMBER:VALUE or NUMBER:VALUE@MM, with commas: outputs at the end or so far before it",

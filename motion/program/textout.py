@@ -130,6 +130,9 @@ def _keys(block: Block, units: tuple[str, ...]) -> list[str]:
     if block.pace.lead:
         found.append("lead=yes")
     found += [f"{word}={place.name}" for word, place in (("tool", block.tool), ("frame", block.frame)) if place.name]
+    for name, corner in (("limitmin", block.lowest), ("limitmax", block.highest)):
+        if corner is not None:
+            found.append(f"{name}={','.join(_plain(value * 1e3) for value in corner)}")
     if block.outputs:
         outs = (f"{o.number}:{_plain(o.value)}{f'@{_plain(o.before * 1e3)}' if o.before else ''}" for o in block.outputs)
         found.append(f"out={','.join(outs)}")

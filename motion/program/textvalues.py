@@ -5,6 +5,7 @@ from dataclasses import replace
 from enum import Enum
 from typing import TypeVar
 
+from motion.frames import Vector
 from motion.kinematics.base import Elbow, Shoulder, Wrist
 from motion.outputs.function import Function
 from motion.program import textkeys
@@ -30,6 +31,17 @@ def filled(part: Part, values: dict[str, object]) -> Part:
     for field, value in values.items():
         part = changed(part, field, value)
     return part
+
+
+def corner_of(key: str, word: str) -> Vector | None:
+    """x,y,z in mm, or - for none."""
+    if word == "-":
+        return None
+    parts = word.split(",")
+    if len(parts) != 3:
+        raise Fault(key, f"three values x,y,z or -, not {word!r}")
+    x, y, z = (number(key, part, -BIG, BIG, "mm") * 1e-3 for part in parts)
+    return (x, y, z)
 
 
 def placed(target: Target, keys: dict[str, str]) -> Target:

@@ -26,6 +26,14 @@ class Monitoring(Enum):
     ALWAYS = 3
 
 
+class TooFast(Enum):
+    """What becomes of a path whose programmed speed asks more of an axis than its limit."""
+
+    SLOW = "slow"  # it is run more slowly there, on the path: what P306 = 2 and 3 wanted, by a law instead of by clocks
+    ABORT = "abort"  # P306 = 1, told before anything moves
+    ERROR = "error"  # VAL 3: 540, told before anything moves
+
+
 class AxisTooFast(MotionError):
     """Mode 1: the movement is aborted; `axis` is the first one beyond its limit (from 0)."""
 

@@ -1,11 +1,16 @@
 """What of a program cannot be run is told before anything moves: the manual's number, the block that is to blame, the axis."""
 
+import re
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
+from gateway.config import load_cell
+from gateway.files import find_config, read_text
 from gateway.motionpaper import sections_of
+from gateway.programplan import machine_of_cell
 from hil_tests.lab import arms
 from motion.errors import MotionError
 from motion.limits import limits_from
@@ -14,6 +19,7 @@ from motion.planner.route import Route
 from motion.program.blocks import Block, Curving, Interpolation, PoseTarget, Tool
 from motion.program.errors import BlockError
 from motion.program.text import read
+from motion.timing.limiter import TooFast
 
 ARM = """
 angles val3
@@ -23,6 +29,8 @@ point A pose 350 -150 200 180 0 0
 set tool=g
 ptp A
 """
+PATH = find_config("portal", "cells")
+CELL = read_text(PATH).replace("[robot]\n", '[robot]\ntoo_fast = "abort"\n')
 PORTAL = Machine(
     arms.portal().kinematics, (*arms.portal().limits, limits_from("E1", "mm", lower=0, upper=1000, speed=500, accel=5000, jerk=200_000))
 )
@@ -116,3 +124,41 @@ def test_another_tool_ends_a_row_of_splines_and_nothing_jumps() -> None:
     assert [stretch.stop for stretch in stretches] == [False, True, False, True]
     for one, other in pairwise(stretches):
         assert one.path.q(one.path.length) == pytest.approx(other.path.q(0.0), abs=1e-9)
+
+
+def test_the_tool_stays_inside_its_working_range_on_the_way_as_at_the_end() -> None:
+    box = "set limitmin=100,-400,150 limitmax=420,400,400\n"
+    assert faults(box + "linear pose 350 150 149.9 180 0 0\nlinear pose 350 150 150 180 0 0\n") == [(2, "", 532)]
+    over = "circular via pose {} 0 200 180 0 0 to pose 350 150 200 180 0 0\n"
+    assert faults(box + over.format(421) + over.format(419)) == [(2, "", 532)], "both end inside"
+    assert faults(box + "spline pose 415 0 200 180 0 0\nspline A\n") == []
+    assert faults(box + "spline pose 421 0 200 180 0 0\nspline A\n") == [(2, "", 532)]
+    assert faults(box + "ptp pose 350 150 149 180 0 0 limitmin=-\nptp pose 350 150 149 180 0 0\nptp A\n") == []
+    assert faults("ptp pose 350 150 149 180 0 0\n" + box + "ptp pose 350 150 149 180 0 1\nlinear A\n") == [(3, "", 532)]
+    moved = "frame up 0 0 60 0 0 0\n" + box + "linear A\nlinear pose 350 -150 150 180 0 0 frame=up\n"
+    assert faults(moved) == [], "z 210 of the base is 150 of the frame"
+    assert faults(moved + "linear pose 350 -150 149 180 0 0 frame=up\n") == [(4, "", 532)]
+
+
+def test_an_axis_the_programmed_speed_asks_too_much_of_is_an_error_before_anything_moves_where_that_is_wanted() -> None:
+    robot = arms.robot("tx60-like")
+
+    def fault(path: float, too_fast: TooFast) -> BlockError | None:
+        text = f"{ARM}linear pose 350 150 200 180 0 0 path={path}\n"
+        found = sections_of(read(text), replace(robot, too_fast=too_fast), ())[1]
+        return found[0] if found else None
+
+    assert fault(20_000.0, TooFast.SLOW) is None, "it is run as fast as the axes can"
+    abort, error = fault(20_000.0, TooFast.ABORT), fault(20_000.0, TooFast.ERROR)
+    assert abort is not None and error is not None
+    assert (abort.block, abort.code, abort.source) == (2, 0, "rho 3") and abort.what.startswith("Ax-Velocity exceeded")
+    assert (error.block, error.code, error.source) == (2, 540, "VAL 3") and error.axis == abort.axis == "J1"
+    told = re.search(r"([0-9.]+) times its speed", abort.what)
+    assert told is not None
+    most = 20_000.0 / float(told[1])  # mm/s
+    assert fault(0.99 * most, TooFast.ABORT) is None and fault(1.01 * most, TooFast.ABORT) is not None
+
+
+def test_a_cell_says_what_becomes_of_a_path_that_is_too_fast() -> None:
+    assert machine_of_cell(load_cell(str(PATH), CELL)).too_fast is TooFast.ABORT
+    assert machine_of_cell(load_cell(str(PATH), CELL.replace('"abort"', '"slow"'))).too_fast is TooFast.SLOW

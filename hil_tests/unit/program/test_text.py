@@ -39,7 +39,7 @@ point A pose 400 100 50 180 0 30 config=righty,wnegative
 point H joints 0 90 -10 0
 set speed=50 path=200 radius=10
 ptp H blend=off zone=1,1,2,3
-linear A tool=grip frame=table slope=block
+linear A tool=grip frame=table slope=block limitmin=100,-400.5,150
 circular via pose 400 200 50 180 0 30 to pose 300 100 50 180 0 30 turning=least out=7:1@20,8:0 until=!5
 spline A extra=100mm,30deg tension=20 tube=0.05 weight=0 time=4 ramp=50
 set radius=0
@@ -63,12 +63,14 @@ def test_everything_the_text_can_say_arrives_in_si() -> None:
     assert line.blend.leave == line.blend.reach == pytest.approx(0.01) and line.blend.rounding is Rounding.CARTESIAN
     assert line.slope is Slope.BLOCK and line.tool == Tool("grip", Pose((0.0, 0.0, 0.1), (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)))
     assert line.pace.path_speed == pytest.approx(0.2) and line.pace.speed == 0.5
+    assert line.lowest == pytest.approx((0.1, -0.4005, 0.15)) and line.highest is None and arc.lowest is None
     assert isinstance(line.target, PoseTarget)
     assert (line.target.configuration.shoulder, line.target.configuration.wrist) == (Shoulder.RIGHTY, Wrist.NEGATIVE)
     assert arc.via is not None and arc.turning is Turning.LEAST
     assert arc.outputs == (Output(7, 1.0, 0.02), Output(8, 0.0)) and arc.until == Until(5, False)
     assert isinstance(curve.target, PoseTarget) and curve.target.extra == pytest.approx((0.1, math.radians(30)))
     assert (curve.pace.time, curve.pace.ramp, curve.curving.tension, curve.curving.weight) == (4.0, 0.5, 0.2, 0.0)
+    assert curve.curving.tube == pytest.approx(50e-6)
     assert (last.blend.leave, last.blend.reach, last.blend.distance) == pytest.approx((0.005, 0.02, 0.003))
     assert (last.blend.share, last.blend.flyby) == pytest.approx((0.4, 0.75))
 
