@@ -98,7 +98,7 @@ class Piece:
 
 def axes_of(mask: int) -> tuple[int, ...]:
     """Bit numbers set in mask, rising."""
-    return tuple(n for n in range(MAX_AXES) if mask >> n & 1)
+    return tuple(n for n in range(mask.bit_length()) if mask >> n & 1)
 
 
 def _check_head(piece: Piece) -> None:

@@ -23,6 +23,8 @@ from motion.pieces import decode as decode_1
 
 VERSION = 2
 ENDS_AT_REST, NEW_TAIL = 1, 2
+MOST_AXES = 32  # of one piece: a team of kinematics; a record holds MAX_AXES
+NO_RECORD = 6  # axes of which a longer piece has the nodes
 
 Node = tuple[float, ...]  # 3 x columns: position, speed, acceleration of each
 Quintic = tuple[float, float, float, float, float, float]  # highest power first
@@ -33,8 +35,8 @@ _NUMBERS = (RECORD_SIZE - _HEAD.size) // 8
 
 
 def most_nodes(axes: int) -> int:
-    """How many nodes one record holds for this number of axes."""
-    columns = axes + 1
+    """How many nodes one record holds for this number of axes; more axes than a record knows stay in memory, as long as six."""
+    columns = (axes if axes <= MAX_AXES else NO_RECORD) + 1
     return (_NUMBERS - 1 - 2 * columns) // (1 + 3 * columns)
 
 
@@ -54,7 +56,7 @@ class TimedPiece:
 
     def __post_init__(self) -> None:
         columns = len(self.axes) + 1
-        if not (1 <= self.id < 1 << 32 and 0 < self.mask < 1 << MAX_AXES and 0 <= self.block < 1 << 32):
+        if not (1 <= self.id < 1 << 32 and 0 < self.mask < 1 << MOST_AXES and 0 <= self.block < 1 << 32):
             raise PieceError(f"piece {self.id}: id, mask {self.mask:#x} or block {self.block} out of range")
         if not 2 <= len(self.times) == len(self.nodes) <= most_nodes(columns - 1):
             raise PieceError(
@@ -110,7 +112,9 @@ def _quintic(h: float, start: Node, end: Node) -> Quintic:
 
 
 def encode_timed(piece: TimedPiece) -> bytes:
-    """TimedPiece -> RECORD_SIZE bytes."""
+    """TimedPiece -> RECORD_SIZE bytes; PieceError for axes a record does not know."""
+    if piece.mask >= 1 << MAX_AXES:
+        raise PieceError(f"piece {piece.id}: mask {piece.mask:#x}; a record holds axes 1 .. {MAX_AXES}")
     numbers = [float(piece.block), *piece.accel, *piece.jerk]
     for time, node in zip(piece.times, piece.nodes, strict=True):
         numbers += (time, *node)

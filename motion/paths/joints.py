@@ -117,11 +117,11 @@ def joint_part(path: JointPath, start: float, end: float) -> JointPath:
     inner = path.knots[(path.knots > start + 1e-12) & (path.knots < end - 1e-12)]
     knots = np.concatenate([[start], inner, [end]])
     index = np.clip(np.searchsorted(path.knots, 0.5 * (knots[1:] + knots[:-1]), side="right") - 1, 0, len(path.coefficients) - 1)
-    table = np.array([_shifted(path.coefficients[i], float(k - path.knots[i])) for i, k in zip(index, knots[:-1], strict=True)])
+    table = np.array([shifted(path.coefficients[i], float(k - path.knots[i])) for i, k in zip(index, knots[:-1], strict=True)])
     return JointPath(knots - start, table)
 
 
-def _shifted(rows: Array, u: float) -> Array:
+def shifted(rows: Array, u: float) -> Array:
     """Coefficients of the same polynomial about another point (Horner's scheme, repeated)."""
     result = rows.copy()
     for i in range(DEGREE):

@@ -10,7 +10,9 @@ from math import inf
 from motion.follower import Follower, Progress
 from motion.planner.planner import Planner
 from motion.planner.robot import Machine
+from motion.planner.team import Team
 from motion.program.blocks import Block
+from motion.program.team import Shared
 from motion.val3.stack import Place
 
 QUIET = 5  # periods without a new block after which what is known is run: nothing more seems to come
@@ -18,9 +20,9 @@ QUIET = 5  # periods without a new block after which what is known is run: nothi
 
 @dataclass
 class Arm:
-    """One kinematic.  period_s: of a step; override: 0 .. 1."""
+    """One kinematic, or a team of several.  period_s: of a step; override: 0 .. 1."""
 
-    machine: Machine
+    machine: Machine | Team
     start: Sequence[float]
     period_s: float = 1e-3
     capacity: int = 512
@@ -40,7 +42,7 @@ class Arm:
         self._follower = Follower(self.machine.axes, self.period_s)
 
     # ---- what an interpreter calls ---------------------------------------------------------------------------------------
-    def add(self, block: Block) -> int:
+    def add(self, block: Block | Shared) -> int:
         """Queue a block; its number.  Raises BlockError."""
         self._quiet = 0
         return self.planner.add(block)

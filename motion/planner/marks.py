@@ -7,7 +7,8 @@ import numpy as np
 
 from motion.outputs.function import Function
 from motion.planner.route import Kind, Stretch
-from motion.planner.runs import WAY, Run
+from motion.planner.runs import Run
+from motion.planner.team import WAY
 from motion.program.blocks import Flying, Interpolation
 from motion.program.errors import BlockError
 from motion.timed import TimedPiece

@@ -23,9 +23,12 @@ from motion.planner.route import Kind, Route, Stretch
 from motion.planner.runs import Run, make_run
 from motion.planner.squares import quicker
 from motion.planner.swift import STEP_S, Swift, cropped, swift, width_s
+from motion.planner.team import Team
+from motion.planner.teamroute import TeamRoute
 from motion.planner.timegiven import time_given
 from motion.program.blocks import Block
 from motion.program.factors import FULL, Factors
+from motion.program.team import Shared
 from motion.timed import TimedPiece
 from motion.timing.law import Law
 from motion.timing.slices import Slices, Work
@@ -76,7 +79,7 @@ class Planner:
     """add() blocks; plan() gives the pieces that are due.  Who must not be kept waiting takes the same in slices: begin(), work() until
     it says True, take()."""
 
-    machine: Machine
+    machine: Machine | Team
     start: Sequence[float]
     mask: int | None = None  # which axes of the cell the machine's are
     capacity: int = LOOK_AHEAD
@@ -85,7 +88,7 @@ class Planner:
     lead_s: float = LEAD_S
     horizon_s: float = HORIZON_S
     window: int = WINDOW
-    _route: Route = field(init=False)
+    _route: Route | TeamRoute = field(init=False)
     _fresh: deque[Stretch] = field(init=False, default_factory=deque)  # known, not planned
     _planned: deque[_Planned] = field(init=False, default_factory=deque)
     _done: int = field(init=False, default=0)  # blocks behind the axes
@@ -94,7 +97,7 @@ class Planner:
     _work: Slices[list[TimedPiece]] | None = field(init=False, default=None)  # the law that is being made
 
     def __post_init__(self) -> None:
-        self._route = Route(self.machine, self.start)
+        self._route = TeamRoute(self.machine, self.start) if isinstance(self.machine, Team) else Route(self.machine, self.start)
 
     # ---- blocks --------------------------------------------------------------------------------------------------------
     @property
@@ -138,11 +141,17 @@ class Planner:
             raise MotionError(f"a look-ahead of {blocks} blocks; at least 1 is needed")
         self.capacity = blocks
 
-    def add(self, block: Block) -> int:
-        """The next block; its number, counted from 1.  Raises BlockError, or MotionError when there is no room."""
+    def add(self, block: Block | Shared) -> int:
+        """The next block, of a team a shared one; its number, counted from 1.  Raises BlockError, or MotionError when there is no room."""
         if not self.room:
             raise MotionError(f"{self.waiting} blocks are waiting, {self.capacity} may")
-        number = self._route.add(block)
+        match self._route, block:
+            case TeamRoute() as team, Shared() as step:
+                number = team.add(step)
+            case Route() as route, Block() as own:
+                number = route.add(own)
+            case _:
+                raise MotionError("a team takes shared blocks, a robot alone its own")
         self._take()
         return number
 
@@ -284,7 +293,8 @@ class Planner:
     def _commit(self, run: Run, law: Law, begin: float, first_id: int | None, origin: _Origin) -> list[TimedPiece]:
         number = self.next_id if first_id is None else first_id
         blocks = block_ends(run) if len(run.stretches) <= NAMED else ()
-        pieces = timed_pieces(run.path, run.limits, law, first_id=number, mask=self.mask, blocks=blocks, new_tail=first_id is not None)
+        path, limits = run.driven
+        pieces = timed_pieces(path, limits, law, first_id=number, mask=self.mask, blocks=blocks, new_tail=first_id is not None)
         self.next_id = number + len(pieces)
         self._marks = [mark for mark in self._marks if mark.piece < number] + marks_of(run, law, pieces, goes_on=first_id is not None)
         cuts, at = [], begin

@@ -2,19 +2,19 @@
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from motion.paths.joints import JointPath
 from motion.planner.robot import Machine
 from motion.planner.route import Kind, Stretch
+from motion.planner.team import TURNING, WAY, Team, own_parts
 from motion.planner.timegiven import figures
 from motion.program.blocks import Block, Interpolation
 from motion.program.factors import FULL, Factors
 from motion.timing.limits import FREE, Cap, LawLimits, law_limits
 
-WAY, TURNING = -2, -1
 FLYBY_STEPS = 8  # of the speed along a corner with v_flyby
 RATE_STEP = 1e-3  # of a corner, to either side of the place its rate is taken at
 
@@ -27,6 +27,16 @@ class Run:
     stretches: tuple[Stretch, ...]
     starts: tuple[float, ...]
     limits: LawLimits
+    tools: int = 0  # columns of the path that only carry limits of a team's tools: no axis is behind them
+
+    @property
+    def driven(self) -> tuple[JointPath, LawLimits]:
+        """What the axes get of it."""
+        if not self.tools:
+            return self.path, self.limits
+        hidden = np.s_[self.path.axes - self.tools : self.path.axes]
+        speed, accel, jerk = (np.delete(row, hidden) for row in (self.limits.speed, self.limits.accel, self.limits.jerk))
+        return JointPath(self.path.knots, np.delete(self.path.coefficients, hidden, axis=2)), LawLimits(speed, accel, jerk)
 
     def place(self, s: float) -> tuple[int, float]:
         """(block, share of its way that is made) at s; within a corner the block changes in the middle."""
@@ -49,7 +59,7 @@ def progress(stretch: Stretch, u: float) -> tuple[int, float]:
     return stretch.block + 1, end * (2 * part - 1)
 
 
-def runs(stretches: Iterable[Stretch], machine: Machine, factors: Factors = FULL) -> list[Run]:
+def runs(stretches: Iterable[Stretch], machine: Machine | Team, factors: Factors = FULL) -> list[Run]:
     """Whole runs in their order; a last one that does not stop is left out."""
     found: list[Run] = []
     row: list[Stretch] = []
@@ -61,33 +71,49 @@ def runs(stretches: Iterable[Stretch], machine: Machine, factors: Factors = FULL
     return found
 
 
-def make_run(row: Sequence[Stretch], machine: Machine, factors: Factors = FULL) -> Run:
+def make_run(row: Sequence[Stretch], machine: Machine | Team, factors: Factors = FULL) -> Run:
     """One run of these stretches."""
     starts = [0.0]
     for stretch in row:
         starts.append(starts[-1] + stretch.path.length)
-    caps = merged([cap for stretch, start in zip(row, starts, strict=False) for cap in caps_of(stretch, start, machine, factors)])
-    limits = law_limits(
+    caps = merged([cap for stretch, start in zip(row, starts, strict=False) for cap in _all_caps(stretch, start, machine, factors)])
+    tools = 2 * len(machine.machines) if isinstance(machine, Team) else 0
+    path = _chained([stretch.path for stretch in row], tools + 2)
+    return Run(path, tuple(row), tuple(starts[:-1]), _limits(machine, caps), tools)
+
+
+def _limits(machine: Machine | Team, caps: Sequence[Cap]) -> LawLimits:
+    if isinstance(machine, Team):
+        return machine.law_limits(caps)
+    return law_limits(
         machine.limits,
         way=(machine.path_speed, machine.path_accel, FREE),
         turning=(machine.turn_speed, machine.turn_accel, FREE),
         caps=caps,
     )
-    return Run(_chained([stretch.path for stretch in row]), tuple(row), tuple(starts[:-1]), limits)
 
 
-def _chained(paths: Sequence[JointPath]) -> JointPath:
-    """As motion.paths.joints.joined, without looking at the joins again: the route made them."""
-    knots, tables, offset, counted = [np.zeros(1)], [], 0.0, np.zeros(2)
+def _all_caps(stretch: Stretch, start: float, machine: Machine | Team, factors: Factors) -> list[Cap]:
+    """Of a team: what each kinematic's own block asks of its own columns."""
+    if not isinstance(machine, Team):
+        return caps_of(stretch, start, machine, factors)
+    own = ((n, caps_of(part, start, machine.machines[n], factors)) for n, part in own_parts(stretch))
+    return [replace(cap, column=machine.column(n, cap.column)) for n, caps in own for cap in caps]
+
+
+def _chained(paths: Sequence[JointPath], counting: int) -> JointPath:
+    """As motion.paths.joints.joined, without looking at the joins again: the route made them.  counting: columns at the end that go on
+    counting from path to path."""
+    knots, tables, offset, counted = [np.zeros(1)], [], 0.0, np.zeros(counting)
     for path in paths:
         table = path.coefficients.copy()
-        shift = counted - table[0, 0, -2:]
-        table[:, 0, -2:] += shift
+        shift = counted - table[0, 0, -counting:]
+        table[:, 0, -counting:] += shift
         tables.append(table)
         knots.append(path.knots[1:] + offset)
         offset += path.length
         u = float(path.knots[-1] - path.knots[-2])
-        last = table[-1, :, -2:]
+        last = table[-1, :, -counting:]
         counted = ((((last[5] * u + last[4]) * u + last[3]) * u + last[2]) * u + last[1]) * u + last[0]
     return JointPath(np.concatenate(knots), np.concatenate(tables))
 

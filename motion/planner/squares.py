@@ -7,6 +7,7 @@ from dataclasses import replace
 from motion.planner.robot import Machine
 from motion.planner.route import Kind, Stretch
 from motion.planner.runs import Run, make_run
+from motion.planner.team import Team, TeamStretch
 from motion.program.factors import FULL, Factors
 from motion.timing.choice import groups, passed
 from motion.timing.jerk import estimate
@@ -16,7 +17,7 @@ MOST = 16  # corners in a row that are looked at: longer rows are short segments
 
 
 def quicker(
-    row: Sequence[Stretch], machine: Machine, seconds: Callable[[Run], Work[float]], factors: Factors = FULL
+    row: Sequence[Stretch], machine: Machine | Team, seconds: Callable[[Run], Work[float]], factors: Factors = FULL
 ) -> Work[list[list[Stretch]]]:
     """Rows from rest to rest in place of `row`, which ends at rest; seconds: what a run takes.
 
@@ -68,6 +69,9 @@ def _square(corner: Stretch) -> tuple[Stretch, Stretch]:
     to, on = corner.square()
     first = replace(corner, path=to, kind=Kind.MAIN, share=(corner.share[0], 1.0), following=None, stop=True, square=None)
     whole = on.length / corner.share[1]
-    return first, replace(
-        first, path=on, block=corner.block + 1, source=corner.following, share=(0.0, corner.share[1]), stop=False, way=whole
-    )
+    second = replace(first, path=on, block=corner.block + 1, source=corner.following, share=(0.0, corner.share[1]), stop=False, way=whole)
+    if isinstance(first, TeamStretch) and isinstance(second, TeamStretch):
+        ((n, own),) = first.parts  # of one kinematic alone: shared corners have no square
+        one, two = _square(own)
+        return replace(first, parts=((n, one),)), replace(second, parts=((n, two),))
+    return first, second

@@ -1,0 +1,455 @@
+"""Blocks of several kinematics -> stretches of their common path: each kinematic on its own way, one s for all.
+
+Blocks that one kinematic runs alone go through its own route and are rounded as ever.  Of a shared block each kinematic's way is laid
+over the same s, so that all are at the same share of their ways at any moment.  A point between two shared blocks is rounded when every
+kinematic that moves there may round it; else all stop in it (AX-340).
+"""
+
+import copy
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+from motion.errors import MotionError
+from motion.kinematics.base import Joints
+from motion.paths.joints import JointPath, joined, joint_part
+from motion.paths.together import State, repaced, rescaled, side_by_side
+from motion.planner.legs import Leg, make_leg
+from motion.planner.robot import Machine
+from motion.planner.route import EMPTY, SMALLEST, Kind, Route, Stretch
+from motion.planner.team import Team, TeamStretch
+from motion.program.blocks import MEASURED, Block, Interpolation, Rounding, Slope
+from motion.program.errors import BlockError
+from motion.program.passing import passed
+from motion.program.team import Shared
+
+MOST = 0.5  # of a block, for one that begins or ends in the corner
+LEFT = 0.999  # of what is known of a block, at most, may go into the corner at its end
+
+
+class _Member(Route):
+    """The route of one of several.  forced: shares of the blocks before and behind that the next corner takes."""
+
+    def __init__(self, machine: Machine, start: Sequence[float]) -> None:
+        super().__init__(machine, start)
+        self.forced: tuple[float, float] | None = None
+
+    def twin(self) -> "_Member":
+        """Another one that stands where this one does."""
+        made = copy.copy(self)
+        made._now = replace(self._now)
+        return made
+
+    def number(self, next_: int) -> None:
+        """Of the block that comes next."""
+        self._now.number = next_ - 1
+
+    def look(self, block: Block) -> tuple[float, float, float] | None:
+        """(share of the last block, share of this one) the corner between them would take, and the length of this one; None: it stops
+        there."""
+        last = self._now.last
+        if last is None or last.block.slope is Slope.BLOCK:
+            return None
+        if not (last.block.blend.past_circles or passed(last.block.kind, block.kind, block_slope=False)):
+            return None
+        leg = make_leg(0, block, self._now.standing, self._machine)
+        if leg is None:
+            return None
+        leave, reach = super()._ranges(last, leg)
+        return (leave / last.length, reach / leg.length, leg.length) if min(leave, reach) > SMALLEST else None
+
+    def way(self, block: Block) -> float:
+        """Length of its way from where the axes stand; 0.0: none."""
+        leg = make_leg(0, block, self._now.standing, self._machine)
+        return 0.0 if leg is None else leg.length
+
+    def _ranges(self, last: Leg, leg: Leg) -> tuple[float, float]:
+        if self.forced is None:
+            return super()._ranges(last, leg)
+        return self.forced[0] * last.length, self.forced[1] * leg.length
+
+
+@dataclass(frozen=True)
+class _Held:
+    """A shared block whose end is not known yet.  begins: share up to which it is run already; ways: of each kinematic that moves, the
+    paths known from there on, and the length of its whole block; rests: where every kinematic stands before it."""
+
+    number: int
+    shared: Shared
+    begins: float
+    ways: dict[int, tuple[tuple[JointPath, ...], float]]
+    rests: tuple[Joints, ...]
+
+    @property
+    def scale(self) -> float:
+        """Common s of the whole block."""
+        return max(length for _, length in self.ways.values())
+
+    def block(self, n: int) -> Block:
+        """Of a kinematic that moves."""
+        block = self.shared.moves[n]
+        assert block is not None
+        return block
+
+
+@dataclass(frozen=True)
+class _Corner:
+    """Between two shared blocks.  leave, reach: shares of both; half: as common s, the same on both sides; lengths: of the whole ways
+    behind it, of those that move there."""
+
+    leave: float
+    reach: float
+    half: float
+    lengths: dict[int, float]
+
+
+@dataclass
+class _State:
+    routes: list[_Member]
+    number: int = 0
+    alone: int | None = None  # kinematic whose own route is open
+    held: _Held | None = None
+    out: tuple[Stretch, ...] = field(default=())
+
+
+class TeamRoute:
+    """add() blocks, take() stretches; see motion.planner.route."""
+
+    def __init__(self, team: Team, start: Sequence[float]) -> None:
+        self._team = team
+        self._now = _State([_Member(machine, own) for machine, own in zip(team.machines, team.split(start), strict=True)])
+
+    @property
+    def standing(self) -> Joints:
+        """Where all axes will be after everything that was added."""
+        return tuple(value for route in self._now.routes for value in route.standing)
+
+    @property
+    def added(self) -> int:
+        """Number of the last block."""
+        return self._now.number
+
+    @property
+    def pending(self) -> bool:
+        """Something is left that only the next block or finish() fixes."""
+        return self._now.held is not None or any(route.pending for route in self._now.routes)
+
+    def add(self, block: Shared) -> int:
+        """The next block; its number, counted from 1.  Raises BlockError."""
+        number = self._now.number + 1
+        self._guarded(number, lambda: self._add(number, block))
+        return number
+
+    def finish(self) -> None:
+        """The last block is run to its target and all stop there."""
+        self._guarded(self._now.number, self._finish)
+
+    def take(self) -> list[Stretch]:
+        """What became known since the last call, in order."""
+        out, self._now.out = self._now.out, ()
+        return list(out)
+
+    def reset(self, standing: Sequence[float]) -> None:
+        """Forget everything; the axes stand here."""
+        for route, own in zip(self._now.routes, self._team.split(standing), strict=True):
+            route.reset(own)
+        self._now = _State(self._now.routes, self._now.number)
+
+    def _guarded(self, number: int, action: Callable[[], None]) -> None:
+        kept = replace(self._now, routes=[route.twin() for route in self._now.routes])
+        try:
+            action()
+        except BlockError:
+            self._now = kept
+            raise
+        except MotionError as error:
+            self._now = kept
+            raise BlockError(str(error), block=number) from error
+
+    # ---- blocks --------------------------------------------------------------------------------------------------------
+    def _add(self, number: int, shared: Shared) -> None:
+        now = self._now
+        if len(shared.moves) != len(self._team.machines) or not shared.moving:
+            raise BlockError(
+                f"{len(shared.moving)} of {len(shared.moves)} kinematics move, the team has {len(self._team.machines)}", block=number
+            )
+        for n in shared.moving:
+            self._check(n, shared.moves[n], number)
+        now.number = number
+        if len(shared.moving) == 1:
+            self._add_alone(number, shared.moving[0], shared)
+        else:
+            self._add_shared(number, shared)
+
+    def _check(self, kinematic: int, block: Block | None, number: int) -> None:
+        """What belongs to a robot that has its cell for itself (AX-341)."""
+        assert block is not None
+        found = {
+            "belts": block.synchron or block.on_belt or block.acts,
+            "alter": block.alteration,
+            "until": block.until,
+            "wait": block.wait,
+            "iol, ppo, measure": block.functions,
+            "mpos": block.target == MEASURED,
+        }
+        for what, there in found.items():
+            if there:
+                raise BlockError(
+                    f"kinematic {self._team.names[kinematic]}: a program of several kinematics knows no {what} (AX-341)", block=number
+                )
+
+    def _add_alone(self, number: int, n: int, shared: Shared) -> None:
+        now = self._now
+        if now.alone != n or now.held is not None:
+            self._finish()
+        now.alone = n
+        self._lift(n, self._told(n, number, _adding(shared, n)))
+
+    def _add_shared(self, number: int, shared: Shared) -> None:
+        now = self._now
+        if any(block is not None and block.kind is Interpolation.SPLINE for block in shared.moves):
+            raise BlockError("splines are run by one kinematic alone, not in a shared block", block=number)
+        if sum(any(output.before for output in block.outputs) for block in shared.moves if block is not None) > 1:
+            raise BlockError("outputs before the end of a shared block are measured on the way of one kinematic", block=number)
+        shared = _timed(shared, number)
+        if not (now.held is not None and self._rounded(now.held, number, shared)):
+            self._finish()
+            rests = tuple(route.standing for route in now.routes)
+            ways = {}
+            for n in shared.moving:
+                got = self._told(n, number, _adding(shared, n))
+                if got:
+                    ways[n] = (tuple(each.path for each in got), got[0].way)
+            now.held = _Held(number, shared, 0.0, ways, rests) if ways else None
+        if any(block is not None and block.blend.rounding is Rounding.OFF for block in shared.moves):
+            self._finish()
+
+    def _told(self, n: int, number: int, action: Callable[[_Member], object]) -> list[Stretch]:
+        """Something done by one kinematic's route: what became known; errors name the kinematic."""
+        route = self._now.routes[n]
+        route.number(number)
+        try:
+            action(route)
+        except BlockError as error:
+            what = f"kinematic {self._team.names[n]}: {error.what}"
+            raise BlockError(what, code=error.code, block=error.block, axis=error.axis, source=error.source) from error
+        return route.take()
+
+    def _finish(self) -> None:
+        """All that is open is run to its end, and all rest."""
+        now = self._now
+        if now.alone is not None:
+            now.routes[now.alone].finish()
+            self._lift(now.alone, now.routes[now.alone].take())
+            now.alone = None
+        if now.held is not None:
+            held, now.held = now.held, None
+            paths = {}
+            for n, (known, _) in held.ways.items():
+                now.routes[n].finish()
+                paths[n] = joined([*known, *(each.path for each in now.routes[n].take())])
+            self._put_main(held, 1.0, paths, stop=True)
+
+    # ---- stretches -----------------------------------------------------------------------------------------------------
+    def _lift(self, n: int, known: Sequence[Stretch]) -> None:
+        """What one kinematic's route made known, with all others at rest."""
+        rests = [route.standing for route in self._now.routes]
+        for own in known:
+            path = side_by_side([*rests[:n], own.path, *rests[n + 1 :]], n)
+            square = _lifted(own.square, rests, n) if own.square is not None else None
+            made = TeamStretch(
+                path, own.block, own.kind, own.source, own.share, own.following, own.stop, own.way, square, parts=((n, own),)
+            )
+            self._now.out = (*self._now.out, made)
+
+    def _put_main(self, held: _Held, until: float, paths: dict[int, JointPath], *, stop: bool = False) -> None:
+        """Shares `begins` .. `until` of a shared block."""
+        length = (until - held.begins) * held.scale
+        shares, parts = (held.begins, until), []
+        for n, path in paths.items():
+            parts.append(
+                (n, Stretch(rescaled(path, length), held.number, Kind.MAIN, held.block(n), shares, stop=stop, way=held.ways[n][1]))
+            )
+        lead = _lead(held.shared, tuple(held.ways))
+        self._put(Stretch(parts[0][1].path, held.number, Kind.MAIN, _source(held.shared, lead), shares, stop=stop), held, parts, lead)
+
+    def _put(self, like: Stretch, held: _Held, parts: Sequence[tuple[int, Stretch]], lead: int) -> None:
+        """The ways of those that move, side by side with the others at rest."""
+        rows: list[JointPath | Joints] = list(held.rests)
+        for n, part in parts:
+            rows[n] = part.path
+        way = held.ways[lead][1] if lead in held.ways else parts[0][1].way
+        made = TeamStretch(
+            side_by_side(rows, lead), like.block, like.kind, like.source, like.share, like.following, like.stop, way, parts=tuple(parts)
+        )
+        self._now.out = (*self._now.out, made)
+
+    # ---- corners -------------------------------------------------------------------------------------------------------
+    def _rounded(self, held: _Held, number: int, shared: Shared) -> bool:
+        """Rounds the point between two shared blocks where every kinematic may; else nothing is changed."""
+        now, kept = self._now, replace(self._now)
+        now.routes = [route.twin() for route in kept.routes]
+        try:
+            corner = self._corner(held, shared)
+            if corner is not None and self._put_corner(held, number, shared, corner):
+                return True
+        except MotionError:
+            pass  # it stops in the point; what is wrong with the block is told when it is added from there
+        now.routes, now.out = kept.routes, kept.out
+        return False
+
+    def _corner(self, held: _Held, shared: Shared) -> _Corner | None:
+        leaves, reaches, lengths = [LEFT * (1.0 - held.begins), MOST], [MOST], {}
+        through = False
+        for n, following in enumerate(shared.moves):
+            route = self._now.routes[n]
+            if n in held.ways and held.block(n).blend.rounding is Rounding.OFF:
+                return None
+            length = route.way(following) if following is not None else 0.0
+            if following is None or length == 0.0:
+                continue
+            lengths[n] = length
+            if n in held.ways:
+                found = route.look(following)
+                if found is None:
+                    return None
+                leaves.append(found[0])
+                reaches.append(found[1])
+                through = True
+        if not through:
+            return None  # who moved comes to rest, and others begin
+        before, behind = held.scale, max(lengths.values())
+        half = min(min(leaves) * before, min(reaches) * behind)
+        return _Corner(half / before, half / behind, half, lengths)
+
+    def _put_corner(self, held: _Held, number: int, shared: Shared, corner: _Corner) -> bool:
+        """False: one of the ways goes back on itself."""
+        now = self._now
+        mains: dict[int, JointPath] = {}
+        rounded: list[tuple[int, Stretch]] = []
+        rests: list[Joints] = [route.standing for route in now.routes]
+        ways: dict[int, tuple[tuple[JointPath, ...], float]] = {}
+        for n in sorted({*held.ways, *corner.lengths}):
+            known, length = held.ways.get(n, ((), 0.0))
+            if n not in corner.lengths:  # comes to rest in the corner
+                now.routes[n].finish()
+                path = joined([*known, *(each.path for each in now.routes[n].take())])
+                mains[n], last = _cut(path, path.length - corner.leave * length)
+                rests[n] = now.routes[n].standing
+                piece = Stretch(last, held.number, Kind.MAIN, held.block(n), (1.0 - corner.leave, 1.0), way=length)
+            else:
+                route = now.routes[n]
+                route.forced = (corner.leave, corner.reach) if n in held.ways else None
+                got = self._told(n, number, _adding(shared, n))
+                route.forced = None
+                on, whole = [each.path for each in got if each.block == number and each.kind is Kind.MAIN], corner.lengths[n]
+                if n not in held.ways:  # begins in the corner
+                    first, rest = _cut(joined(on), corner.reach * whole)
+                    piece = Stretch(first, held.number, Kind.MAIN, _block(shared, n), (0.0, corner.reach), way=whole)
+                    on = [rest]
+                else:
+                    found = [each for each in got if each.kind is Kind.CORNER]
+                    if not found:
+                        return False
+                    piece = found[0]
+                    mains[n] = joined([*known, *(each.path for each in got if each.block == held.number and each.kind is Kind.MAIN)])
+                ways[n] = (tuple(on), whole)
+            rates = (corner.leave * length / corner.half, corner.reach * corner.lengths.get(n, 0.0) / corner.half)
+            rounded.append((n, replace(piece, path=_paced(piece.path, rates, 2 * corner.half), square=None)))
+        if 1.0 - corner.leave - held.begins > EMPTY:
+            self._put_main(held, 1.0 - corner.leave, mains)
+        lead = _lead(held.shared, tuple(held.ways))
+        source, following = _source(held.shared, lead), _source(shared, _lead(shared, tuple(corner.lengths)))
+        share = (1.0 - corner.leave, corner.reach)
+        self._put(Stretch(rounded[0][1].path, held.number, Kind.CORNER, source, share, following), held, rounded, lead)
+        now.held = _Held(number, shared, corner.reach, ways, tuple(rests))
+        return True
+
+
+def _adding(shared: Shared, n: int) -> Callable[[_Member], object]:
+    return lambda route: route.add(_block(shared, n))
+
+
+def _block(shared: Shared, n: int) -> Block:
+    block = shared.moves[n]
+    assert block is not None
+    return block
+
+
+def _cut(path: JointPath, at: float) -> tuple[JointPath, JointPath]:
+    """In two."""
+    return joint_part(path, 0.0, at), joint_part(path, at, path.length)
+
+
+def _paced(path: JointPath, rates: tuple[float, float], length: float) -> JointPath:
+    """From the rate (own s by common s) before a corner to that behind it, without a bend at both ends."""
+    a, b = rates
+    if abs(b - a) <= 1e-12 * max(a, b):
+        return rescaled(path, length)
+    if path.length < 0.5 * (a + b) * length * (1 - 1e-9):
+        return repaced(path, _of_corner(rates, path.length, length), length)
+
+    def pace(u: float) -> State:
+        x, step = u / length, b - a
+        return a * u + step * length * x**3 * (1 - 0.5 * x), a + step * x * x * (3 - 2 * x), step * 6 * x * (1 - x) / length
+
+    return repaced(path, pace, length)
+
+
+def _of_corner(rates: tuple[float, float], whole: float, length: float) -> Callable[[float], State]:
+    """Of a corner between curves (motion.paths.corner), whose own s runs through a smooth step: its t from 0 to 1 is the even pace."""
+    a, b = (1.0 / (rate * length) for rate in rates)  # t by s at both ends
+    step = b - a
+
+    def pace(u: float) -> State:
+        t, x = u / length, 0.5
+        low, high = 0.0, 1.0
+        for _ in range(60):
+            wrong = whole * (a * x + step * x**4 * (2.5 - 3 * x + x * x)) - t
+            low, high = (low, x) if wrong > 0.0 else (x, high)
+            x -= wrong / (whole * (a + step * x**3 * (10 - 15 * x + 6 * x * x)))
+            if not low <= x <= high:
+                x = 0.5 * (low + high)
+            if abs(wrong) < 1e-15:
+                break
+        first = a + step * x**3 * (10 - 15 * x + 6 * x * x)
+        second = step * 30 * x * x * (1 - x) ** 2 / whole
+        rate = 1.0 / (length * first)
+        return x * whole, rate, -second * rate * rate / first
+
+    return pace
+
+
+def _lifted(
+    square: Callable[[], tuple[JointPath, JointPath]], rests: Sequence[Joints], n: int
+) -> Callable[[], tuple[JointPath, JointPath]]:
+    """The same corner driven out, with all others at rest."""
+
+    def lifted() -> tuple[JointPath, JointPath]:
+        first, second = (side_by_side([*rests[:n], path, *rests[n + 1 :]], n) for path in square())
+        return first, second
+
+    return lifted
+
+
+def _timed(shared: Shared, number: int) -> Shared:
+    """A time one of them is given holds for all."""
+    given = {block.pace.time for block in shared.moves if block is not None} - {None}
+    if len(given) > 1:
+        raise BlockError("a shared block has one time, and these give different ones", block=number)
+    if not given:
+        return shared
+    (time,) = given
+    return replace(shared, moves=tuple(block and replace(block, pace=replace(block.pace, time=time)) for block in shared.moves))
+
+
+def _lead(shared: Shared, ways: Sequence[int]) -> int:
+    """Whose way is the way of all: of one with outputs so far before the end, else of the first whose tool has a way, else the first."""
+    measured = [n for n in ways if any(output.before for output in _block(shared, n).outputs)]
+    tools = [n for n in ways if _block(shared, n).kind is not Interpolation.PTP]
+    return [*measured, *tools, *ways][0]
+
+
+def _source(shared: Shared, lead: int) -> Block:
+    """The leading kinematic's block, with the outputs of all."""
+    outputs = tuple(output for block in shared.moves if block is not None for output in block.outputs)
+    return replace(_block(shared, lead), outputs=outputs)

@@ -1,0 +1,46 @@
+"""Blocks of a program that moves several kinematics: who moves, and who moves together."""
+
+from dataclasses import dataclass, field
+
+from motion.program.blocks import Block
+
+
+@dataclass(frozen=True, slots=True)
+class Shared:
+    """One step of a team.  moves: for each kinematic, in the team's order, its own block, or None: it stays where it is.
+
+    All that move begin together and end together, each on its own way; one that moves alone leaves the others at rest.
+    """
+
+    moves: tuple[Block | None, ...]
+    line: int = field(default=0, compare=False)  # of the program text; 0: none
+
+    @property
+    def moving(self) -> tuple[int, ...]:
+        """Numbers of the kinematics that move, from 0."""
+        return tuple(n for n, block in enumerate(self.moves) if block is not None)
+
+
+@dataclass(frozen=True, slots=True)
+class Kinematic:
+    """One of a team, as its program names it.  start: m or rad, where its axes stand before the first block."""
+
+    name: str
+    robot: str  # name of a robot file
+    start: tuple[float, ...]
+    units: tuple[str, ...] = ()  # outside units of its axes, "mm" or "deg"; empty: all deg
+    angles: str = "val3"
+
+
+@dataclass(frozen=True, slots=True)
+class TeamProgram:
+    """Kinematics in their order, and blocks of all of them."""
+
+    name: str
+    kinematics: tuple[Kinematic, ...]
+    blocks: tuple[Shared, ...]
+
+    @property
+    def start(self) -> tuple[float, ...]:
+        """Of all axes, kinematic by kinematic."""
+        return tuple(value for each in self.kinematics for value in each.start)
