@@ -192,8 +192,8 @@ class Programs:
         for block in self._reader.take():
             planner = self._planner = self._planner or self._made(standing)
             self._line_of.append(line)
-            cell = OfCell(self.functions, self.outputs, self._measuring, self.mask_of(planner.machine), whole=self._lines is not None)
-            cell.check(block, len(self._line_of), planner.machine)
+            cell = OfCell(self.functions, self.outputs, self._measuring, self.mask_of(planner.robot), whole=self._lines is not None)
+            cell.check(block, len(self._line_of), planner.robot)
             check_alterable(block, self._last, len(self._line_of), option=self.option)
             self._last = block
             self._add(planner, block)
@@ -205,14 +205,14 @@ class Programs:
             before = planner.standing
             planner.add(block)
             away = Away(self._off, self.windows)
-            away.check(before, planner.standing, len(self._line_of), planner.machine, self.mask_of(planner.machine))
+            away.check(before, planner.standing, len(self._line_of), planner.robot, self.mask_of(planner.robot))
             return
         trial = self._divided(planner, len(self._line_of) - 1)
         try:
             if not self._later or not self._later[-1].holds(block):
                 trial.finish()
                 self._acting(block.acts, len(self._line_of), block.label)
-                self._later += begun(block, len(self._line_of), self._ahead, planner.machine, trial.standing)
+                self._later += begun(block, len(self._line_of), self._ahead, planner.robot, trial.standing)
         except BlockError as error:
             raise told(error, self._tried if block.synchron is None else 0) from error
         part = self._later[-1]
@@ -231,7 +231,7 @@ class Programs:
         """What is tried from the first part on that does not simply go on; so many blocks stand before it."""
         if self._trial is None:
             planner.finish()
-            self._trial, self._tried = Route(planner.machine, planner.standing), blocks
+            self._trial, self._tried = Route(planner.robot, planner.standing), blocks
             self._trial.assume_measured()  # whether anything is measured by then is looked at by itself (OfCell)
         return self._trial
 
@@ -288,31 +288,31 @@ class Programs:
                 self._out.append(part.engagement(job, generation))
             else:
                 self._blocks = len(part.blocks)
-                self._out += part.followed(planner.machine, planner.standing, job, generation)
+                self._out += part.followed(planner.robot, planner.standing, job, generation)
             self.state = replace(self.state, block=self._before + 1, share=0.0)
             return
         blocks = part.blocks
         if part.tried is not None:
-            machine, start, blocks = part.carried(planner.machine, self._start, engaged)
+            machine, start, blocks = part.carried(planner.robot, self._start, engaged)
             planner = replace(planner, machine=machine, start=start)
         self._planner, self._blocks = planner, len(blocks)
         try:
             for number, block in enumerate(blocks, 1):
-                planner.add(Measuring.resolved(part.marked(block), self._places(planner), planner.machine, number))
+                planner.add(Measuring.resolved(part.marked(block), self._places(planner), planner.robot, number))
             planner.finish()
         except BlockError as error:
             raise told(error, self._before) from error
         self._out += part.begins(job, generation)
         until = blocks[0].until
         if until is not None:
-            wanted = self._measuring.wanted(until, self.mask_of(planner.machine))
+            wanted = self._measuring.wanted(until, self.mask_of(planner.robot))
             self._out.append(until_record(job, generation, wanted))
         if blocks[0].wait is not None:
             self._out.append(start_record(job, generation, self._measuring.start(blocks[0].wait)))
 
     def _places(self, planner: Planner) -> list[float | None]:
         """@MPOS of the robot's axes."""
-        mask = self.mask_of(planner.machine)
+        mask = self.mask_of(planner.robot)
         return [self._measured[n] if n < len(self._measured) else None for n in range(mask.bit_length()) if mask >> n & 1]
 
     def _end(self) -> None:
@@ -438,7 +438,7 @@ class Programs:
             self._last_id, self._spare = made.id, made.id + 1
             for _, after, number, value, function in (mark for mark in marks if mark.piece == made.id):
                 if isinstance(function, Flying):
-                    order = self._measuring.flying(made.id, after, function, self.mask_of(planner.machine))
+                    order = self._measuring.flying(made.id, after, function, self.mask_of(planner.robot))
                     self._out.append(flying_record(job, self.generation, order))
                 elif function is not None:
                     self._out.append(function_record(job, self.generation, FunctionAt(made.id, after, function)))

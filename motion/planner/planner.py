@@ -99,6 +99,13 @@ class Planner:
     def __post_init__(self) -> None:
         self._route = TeamRoute(self.machine, self.start) if isinstance(self.machine, Team) else Route(self.machine, self.start)
 
+    @property
+    def robot(self) -> Machine:
+        """The one robot this planner is for; MotionError for a team."""
+        if isinstance(self.machine, Team):
+            raise MotionError("several kinematics: this is for one robot alone")
+        return self.machine
+
     # ---- blocks --------------------------------------------------------------------------------------------------------
     @property
     def waiting(self) -> int:
