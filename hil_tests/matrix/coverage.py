@@ -34,7 +34,7 @@ def main() -> int:
         origin = (
             f"out of the run that ended {last.at}"
             + ("" if same else ", of another tree than this")
-            + ("" if last.whole else ", broken off")
+            + ("" if last.whole else ", which was not whole")
         )
     else:
         code, origin = run_now(), "out of a run of the marked tests just now"

@@ -58,10 +58,17 @@ class Marks:
             name = function_id(report.nodeid)
             self._outcome[name] = max(self._outcome.get(name, "none"), report.outcome, key=RANK.index)
 
-    def pytest_sessionfinish(self, exitstatus: int) -> None:
+    def pytest_sessionfinish(self, session: pytest.Session, exitstatus: int) -> None:
         if self._target is None:
             return
         results = [
             Result(name, claim.ids, claim.by, self._outcome.get(name, "none")) for name, claims in self._claims.items() for claim in claims
         ]
-        record.save(self._target, self._tree, exitstatus in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED), results)
+        ended = exitstatus in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED)
+        record.save(self._target, self._tree, ended and everything(session.config), results)
+
+
+def everything(config: pytest.Config) -> bool:
+    """Whether nothing but tests without a mark was left out of this run."""
+    chosen = config.getoption("keyword") or config.getoption("deselect") or config.getoption("ignore")
+    return not chosen and config.getoption("markexpr") in ("", "requirement") and config.args == list(config.getini("testpaths"))

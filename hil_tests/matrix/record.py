@@ -29,7 +29,7 @@ class Record:
 
     tree: str  # fingerprint of all files it could have run
     at: str  # when it ended, local time
-    whole: bool  # it ran to its end, well or not
+    whole: bool  # it was of all marked tests, and ran to its end, well or not
     results: tuple[Result, ...]
 
 

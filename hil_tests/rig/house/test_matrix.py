@@ -111,6 +111,7 @@ def test_the_matrix_run_tells_ids_and_outcomes_and_fails_a_wrong_mark(folder: pa
     assert outcome["['RHO-SER-07']"] == "failed"
     assert outcome["['RHO-SER-08']"] == "skipped"
     assert len(found) == 8  # the mark of no row is not counted ...
+    assert not json.loads((folder / "result.json").read_text())["whole"]  # ... a run of chosen tests is not made a matrix of ...
     text = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-k", "no_row"],
         cwd=folder,
