@@ -71,4 +71,6 @@ def machine_of_cell(cell: Cell) -> "Machine":
     for ours, its in zip(own, robot.limits, strict=True):
         if ours.unit != its.unit:
             raise MotionError(f"axis {ours.name} of the cell is in {ours.unit}, axis {its.name} of robot {name} in {its.unit}")
+    if cell.belt and robot.carried:
+        raise MotionError(f"robot {name}: axes that carry the robot or the workpiece and belts cannot be in one cell (AX-565)")
     return replace(robot, limits=tuple(own), too_fast=TooFast(cell.robot.too_fast))

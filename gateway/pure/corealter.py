@@ -12,6 +12,7 @@ from gateway.pure.records import NEVER, InputImage, Quality
 from motion.errors import MotionError
 from motion.frames import Pose, compose
 from motion.kinematics.base import Kinematics, KinematicsError
+from motion.kinematics.group import on_course
 from motion.limits import TOUCH, AxisLimits
 from motion.stepper import Sample, State
 from motion.sync.alter import Alter, AlterFault, Mode
@@ -82,7 +83,7 @@ class Correction:
 
 
 class CoreAlter:
-    """The alterable part that may be under way.  kinematics: of the arm, the first axes of the cell; limits: of all axes of the cell."""
+    """The alterable part that may be under way.  kinematics: as motion.planner.robot.Machine has it; limits: of all axes of the cell."""
 
     def __init__(self, facts: AlterFacts, kinematics: Kinematics, limits: Sequence[AxisLimits], period_s: float) -> None:
         self.facts, self.on = facts, False
@@ -173,7 +174,7 @@ class CoreAlter:
         there = self._kinematics.forward(path[:n])
         flange = self.alter.altered(there, self._order.tool)
         try:
-            made = path if flange is there else (*self._kinematics.follow(flange, self._q[:n]), *path[n:])
+            made = path if flange is there else (*self._kinematics.follow(flange, on_course(self._kinematics, self._q, path)), *path[n:])
             self._inside(made)
             tip = compose(flange, self._order.tool)
             if self._tip is not None:

@@ -34,7 +34,8 @@ Places = Mapping[tuple[Kind, int], OutputPlace]
 
 
 class CoreOutputs:
-    """All functions of a cell.  kinematics: of the arm, the first axes of the cell."""
+    """All functions of a cell.  kinematics: as motion.planner.robot.Machine has it: of the first axes of the cell, those that
+    carry the robot or the workpiece among them."""
 
     def __init__(self, places: Places, kinematics: Kinematics, period_s: float) -> None:
         self._places, self._kinematics, self._period = places, kinematics, period_s

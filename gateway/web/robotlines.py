@@ -8,6 +8,7 @@ from gateway.web.skeleton import GRIPPER_M, Lines, Point, rounded
 from motion.errors import MotionError
 from motion.frames import Pose, compose
 from motion.kinematics.arm6 import ArmGeometry
+from motion.kinematics.group import Group, Role
 from motion.robot import Robot, ScaraGeometry, kinematics_of
 
 
@@ -21,8 +22,11 @@ class Arm:
 
     def lines(self, joints: Sequence[float]) -> Lines:
         """joints: rad and m; [] where its kinematics has no answer."""
+        whole, base = self._kinematics, self._robot.base
+        arm_alone = whole.main if isinstance(whole, Group) else whole
         try:
-            flange = self._kinematics.forward(joints[: self._kinematics.axes])
+            flange = arm_alone.forward(joints[: arm_alone.axes])
+            base = compose(base, whole.base(joints[: whole.axes])) if isinstance(whole, Group) else base
         except MotionError:
             return []
         beside: list[Point] = []
@@ -33,7 +37,6 @@ class Arm:
                 inner = _scara(scara, joints, flange)
             case _:
                 inner, beside = _portal(self._robot, flange)
-        base = self._robot.base
         tip = compose(base, flange)
         first = [rounded(point) for point in (*(base.apply(each) for each in inner), tip.position, tip.apply((0.0, 0.0, GRIPPER_M)))]
         return [first, [rounded(base.apply(point)) for point in beside]] if beside else [first]
@@ -75,9 +78,15 @@ def _portal(robot: Robot, flange: Pose) -> tuple[list[Point], list[Point]]:
 
 
 def _reach(robot: Robot) -> float:
+    """m; how far its carriers take it counts as well."""
+    carriers = [axis.limits for axis in robot.axes if axis.role is Role.CARRIER and axis.limits.unit == "mm"]
+    return _alone(robot) + sum(max(abs(axis.lower), abs(axis.upper)) for axis in carriers)
+
+
+def _alone(robot: Robot) -> float:
     match robot.geometry:
         case ArmGeometry() as arm:
             return arm.height + arm.arm + math.hypot(arm.forearm, arm.elbow) + arm.flange
         case ScaraGeometry() as scara:
             return scara.arm + scara.forearm + abs(scara.height)
-    return max([abs(axis.upper) for axis in robot.limits if axis.unit == "mm"], default=1.0)
+    return max([abs(axis.upper) for axis in robot.own if axis.unit == "mm"], default=1.0)

@@ -50,7 +50,7 @@ def tool_path(machine: Machine, rows: Array, tool: Pose | None = None) -> Array:
     """(n, 3) m of the tool centre point."""
     places = []
     for row in rows:
-        flange = machine.kinematics.forward([float(v) for v in row[: machine.arm]])
+        flange = machine.forward([float(v) for v in row])
         places.append((flange @ tool if tool is not None else flange).position)
     return np.array(places)
 

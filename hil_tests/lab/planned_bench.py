@@ -106,8 +106,8 @@ class Driven:
 
     def places(self, rows: Array, tool: Pose = IDENTITY, frame: Pose = IDENTITY) -> Array:
         """(n, 3) m of the tool centre point, seen from the frame."""
-        seen, n, forward = frame.inverse(), self.machine.arm, self.machine.kinematics.forward
-        return np.array([(seen @ forward(tuple(float(v) for v in row[:n])) @ tool).position for row in rows])
+        seen, forward = frame.inverse(), self.machine.forward
+        return np.array([(seen @ forward(tuple(float(v) for v in row)) @ tool).position for row in rows])
 
 
 def off_segment(places: Array, start: Sequence[float], end: Sequence[float]) -> Array:

@@ -2,7 +2,8 @@
 
 Reis counts up to 24 axes in one position (L4008-4038); rho 3 has the fifth axis of a portal or a belt in the same way.  An
 additional axis follows its own target in time with the path; the inverse leaves it where `near` has it, so a planner that
-knows its course passes that in `near`.
+knows its course passes that in `near`.  `Group` sees the flange from the world, which carriers leave where it is; `OnTable` sees it
+from the workpiece, which tables turn away below it.
 """
 
 import math
@@ -97,13 +98,19 @@ class Group:
     def jacobian(self, q: Sequence[float]) -> NDArray[np.float64]:
         """(6, axes); the columns of carriers move the robot as a whole, those of tables and free axes are 0."""
         columns = np.zeros((6, self.axes))
-        base, tip = self.base(q), self.forward(q).position
+        base = self.base(q)
+        tip = compose(base, self.main.forward(q[: self.main.axes])).position
         turn = np.array(base.rotation).reshape(3, 3)
         own = self.main.jacobian(q[: self.main.axes])
         columns[:, : self.main.axes] = np.vstack((turn @ own[:3], turn @ own[3:]))
+        self._put(columns, q, tip, Role.CARRIER)
+        return columns
+
+    def _put(self, columns: NDArray[np.float64], q: Sequence[float], tip: Vector, role: Role) -> None:
+        """How the axes of a role move a point of what they carry that is at `tip` in the world: into their columns."""
         below = IDENTITY
         for number, axis in enumerate(self.extra, self.main.axes):
-            if axis.role is not Role.CARRIER:
+            if axis.role is not role:
                 continue
             place = compose(below, axis.origin)
             x, y, z = rotate(place.rotation, axis.direction)
@@ -113,7 +120,6 @@ class Group:
                 u, v, w = (a - b for a, b in zip(tip, place.position, strict=True))
                 columns[:, number] = (y * w - z * v, z * u - x * w, x * v - y * u, x, y, z)
             below = compose(below, axis.motion(q[number]))
-        return columns
 
     def _carried(self, q: Sequence[float], role: Role) -> Pose:
         pose = IDENTITY
@@ -134,3 +140,39 @@ class Group:
             if inside(value, axis.limits.lower, axis.limits.upper) is None:
                 raise OutOfLimits(f"axis {axis.limits.name} would leave its travel", axis=axis.limits.name)
         return rest
+
+
+class OnTable(Group):
+    """A group as the workpiece on its tables sees it: poses are those of the flange in a frame that lies on the last table, and is the
+    world where all tables are at 0 (AX-565)."""
+
+    def __init__(self, main: Kinematics, extra: Sequence[Additional]) -> None:
+        super().__init__(main, extra)
+        self._zero = self.table((0.0,) * self.axes).inverse()
+
+    def workpiece(self, q: Sequence[float]) -> Pose:
+        """Where the tables have brought the frame, in the world."""
+        return compose(self.table(q), self._zero)
+
+    def forward(self, q: Sequence[float]) -> Pose:
+        """Flange, seen from the workpiece."""
+        return compose(self.workpiece(q).inverse(), super().forward(q))
+
+    def jacobian(self, q: Sequence[float]) -> NDArray[np.float64]:
+        """(6, axes): a table moves the workpiece away below the flange, so the flange goes the other way."""
+        columns = super().jacobian(q)
+        below = np.zeros_like(columns)
+        self._put(below, q, super().forward(q).position, Role.TABLE)
+        columns -= below
+        turn = np.array(self.workpiece(q).rotation).reshape(3, 3).T
+        return np.vstack((turn @ columns[:3], turn @ columns[3:]))
+
+    def _seen(self, pose: Pose, near: Sequence[float]) -> Pose:
+        return super()._seen(compose(self.workpiece(near), pose), near)
+
+
+def on_course(kinematics: Kinematics, near: Sequence[float], course: Sequence[float]) -> Joints:
+    """Joints near which to look for others: those of the arm from `near`, additional axes where their course has them; both (axes,) or
+    longer, as the axes of a cell are."""
+    own = kinematics.main.axes if isinstance(kinematics, Group) else kinematics.axes
+    return (*near[:own], *course[own : kinematics.axes])

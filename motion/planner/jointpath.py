@@ -3,8 +3,12 @@
 Values come from the inverse, slopes from the Jacobian (q' = J^-1 x'), bends from its change along q' (q'' = J^-1 (x'' - J' q')).
 The branch is kept by continuity: every inverse starts from the joints before it, so a path never jumps from one arm
 configuration to another (VAL 3 L5547-5554: a change of configuration cannot be forced on a line).
+
+Additional axes that carry the robot or the workpiece have their own course e(s), which is given; what the arm has to do is what they
+leave over of the twist: J q' = x' - J_e e', and one order on J q'' = x'' - J' (q', e') - J_e e'' (AX-565).
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +20,8 @@ from motion.paths.base import Curve, norm, way
 from motion.paths.corner import hermite
 from motion.paths.joints import JointPath, joint_path
 from motion.paths.mounted import Mounted
-from motion.paths.polynomial import Chain, whole
+from motion.paths.polynomial import Chain, Row, whole
+from motion.planner.extra import states
 
 TOLERANCE = 2e-9  # m or rad between path and inverse (1e-6 is owed): parts cut out of it still fit each other
 PROBES = (0.15, 0.35, 0.5, 0.65, 0.85)
@@ -35,19 +40,27 @@ class _Knot(NamedTuple):
 
 
 def joint_path_of(
-    curve: Curve, kinematics: Kinematics, near: Joints, *, frame: Pose = IDENTITY, tool: Pose = IDENTITY, tolerance: float = TOLERANCE
+    curve: Curve,
+    kinematics: Kinematics,
+    near: Joints,
+    *,
+    frame: Pose = IDENTITY,
+    tool: Pose = IDENTITY,
+    tolerance: float = TOLERANCE,
+    course: Sequence[Row] = (),
 ) -> JointPath:
-    """Axes along the curve.  near: where the arm stands at its start (chooses the branch).
+    """Axes along the curve.  near: where they stand at its start (chooses the branch).  course: of the additional axes by s, the last
+    ones of the kinematics.
 
     Raises what the inverse raises (Unreachable 530, OutOfLimits 531 ..) and SingularPose (540) where the joints would have to
     jump.
     """
     flange = Mounted(curve, frame, tool)
-    knots = [_knot(curve, flange, kinematics, 0.0, near)]
+    knots = [_knot(curve, flange, kinematics, course, 0.0, near)]
     edges = _edges(curve)
     rows: list[list[tuple[float, ...]]] = []
     for edge in edges[1:]:
-        _follow(curve, flange, kinematics, knots, rows, edge, tolerance)
+        _follow(curve, flange, kinematics, course, knots, rows, edge, tolerance)
     return joint_path([knot.s for knot in knots], rows)
 
 
@@ -62,6 +75,7 @@ def _follow(
     curve: Curve,
     flange: Mounted,
     kinematics: Kinematics,
+    course: Sequence[Row],
     knots: list[_Knot],
     rows: list[list[tuple[float, ...]]],
     edge: float,
@@ -73,7 +87,7 @@ def _follow(
         here = knots[-1]
         step = min(step, edge - here.s)
         target = edge if edge - here.s - step < 1e-9 * curve.length else here.s + step
-        there = _knot(curve, flange, kinematics, target, here.q, here.state[-2][0], here.s, here.state[-1][0])
+        there = _knot(curve, flange, kinematics, course, target, here.q, here.state[-2][0], here.s, here.state[-1][0])
         columns = [hermite(there.s - here.s, a, b) for a, b in zip(here.state, there.state, strict=True)]
         if _fits(flange, kinematics, here, there, columns, tolerance):
             rows.append(columns)
@@ -110,24 +124,28 @@ def _knot(
     curve: Curve,
     flange: Mounted,
     kinematics: Kinematics,
+    course: Sequence[Row],
     s: float,
     near: Joints,
     passed: float = 0.0,
     since: float = 0.0,
     turned: float = 0.0,
 ) -> _Knot:
-    q = kinematics.inverse(flange.at(s), near)
+    arm, extra = kinematics.axes - len(course), states(tuple(course), s)
+    q = kinematics.inverse(flange.at(s), (*near[:arm], *(value for value, _, _ in extra)))
     by_s, tcp = flange.derivatives(s), curve.derivatives(s)
     first: Array = np.array([*by_s.p1, *by_s.w])
     second: Array = np.array([*by_s.p2, *by_s.w1])
     jacobian = kinematics.jacobian(q)
-    q1 = _solved(jacobian, first)
+    e1: Array = np.array([slope for _, slope, _ in extra])
+    e2: Array = np.array([bend for _, _, bend in extra])
+    q1 = np.concatenate([_solved(jacobian[:, :arm], first - jacobian[:, arm:] @ e1), e1])
     largest = float(np.max(np.abs(q1)))
     if largest > 0.0:
         e = EPSILON / largest
         ahead, behind = (kinematics.jacobian([a + k * e * float(b) for a, b in zip(q, q1, strict=True)]) for k in (1, -1))
         second = second - (ahead - behind) @ q1 / (2 * e)
-    q2 = _solved(jacobian, second)
+    q2 = np.concatenate([_solved(jacobian[:, :arm], second - jacobian[:, arm:] @ e2), e2])
     speed, turn = norm(tcp.p1), norm(tcp.w)
     way_state = (passed + (way(curve, since, s, 4) if s > since else 0.0), speed, _along(tcp.p1, tcp.p2, speed))
     turn_state = (turned + 0.5 * (s - since) * (turn + norm(curve.derivatives(since).w)), turn, _along(tcp.w, tcp.w1, turn))

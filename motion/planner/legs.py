@@ -14,11 +14,12 @@ from motion.limits import check_targets
 from motion.paths.arc import arc
 from motion.paths.base import Curve, PathError
 from motion.paths.joints import JointPath, joint_line
-from motion.paths.line import line
+from motion.paths.line import line, standing_still
+from motion.planner.extra import Course, places, straight
 from motion.planner.robot import Machine
 from motion.program.blocks import Block, Interpolation, JointTarget, PoseTarget, Turning
 from motion.program.errors import BlockError
-from motion.units import from_si
+from motion.units import Kind, from_si, kind_of
 
 JOINT_LIMIT = 520  # VAL 3: joint position outside the software limits
 CONFIGURATION = 533  # VAL 3: unreachable in the given configuration
@@ -29,7 +30,8 @@ JUMP = 1.0  # rad or m between neighbouring looks: the arm would have to change 
 
 @dataclass(frozen=True)
 class Leg:
-    """start, end: (axes,) where the axes stand; length: of curve or path, the same parameter s."""
+    """start, end: (axes,) where the axes stand; length: of curve or path, the same parameter s; course: of the additional axes along a
+    curve; stands: nothing moves but additional axes, and the arm so that the tool stays where it is."""
 
     number: int
     block: Block
@@ -38,17 +40,8 @@ class Leg:
     length: float
     start: Joints
     end: Joints
-    rates: tuple[Joints, Joints] = ((), ())  # of a spline: change of its additional axes by s at both ends
-
-    def extra(self, arm: int, share: float) -> Joints:
-        """Additional axes at this share of the block: straight between start and end, so they keep step with the path."""
-        return tuple(a + share * (b - a) for a, b in zip(self.start[arm:], self.end[arm:], strict=True))
-
-    def extra_slope(self, arm: int, share: float = 0.0) -> Joints:
-        """Their change by s."""
-        if self.rates[0]:
-            return self.rates[0 if share <= 0.0 else 1]
-        return tuple((b - a) / self.length for a, b in zip(self.start[arm:], self.end[arm:], strict=True))
+    course: Course = ()
+    stands: bool = False
 
 
 def told(error: MotionError, number: int, machine: Machine) -> BlockError:
@@ -80,12 +73,16 @@ def make_leg(number: int, block: Block, standing: Joints, machine: Machine) -> L
     else:
         curve = _line(start, target)
     extra = extra_of(block, standing, machine)
+    stands = curve is None
     if curve is None:
-        check_end(block, standing, standing, machine)
-        return None if extra == tuple(standing[machine.arm :]) else _only_extra(number, block, standing, extra)
-    end = (*follow(curve, block, standing, machine), *extra)
+        if extra == tuple(standing[machine.arm :]) or not machine.carried:
+            check_end(block, standing, standing, machine)
+            return None if extra == tuple(standing[machine.arm :]) else _only_extra(number, block, standing, extra)
+        curve = standing_still(start, max(abs(b - a) for a, b in zip(standing[machine.arm :], extra, strict=True)))
+    course = straight(standing[machine.arm :], extra, curve.length)
+    end = (*follow(curve, course, block, standing, machine), *extra)
     check_end(block, standing, end, machine)
-    return Leg(number, block, curve, None, curve.length, standing, end)
+    return Leg(number, block, curve, None, curve.length, standing, end, course, stands)
 
 
 def _ptp(number: int, block: Block, standing: Joints, machine: Machine) -> Leg | None:
@@ -96,8 +93,8 @@ def _ptp(number: int, block: Block, standing: Joints, machine: Machine) -> Leg |
     else:
         flange = base_pose(block, standing, machine) @ block.tool.pose.inverse()
         configuration = block.target.configuration
-        q = machine.kinematics.inverse(flange, standing[: machine.arm], None if configuration == FREE else configuration)
-        end = (*q, *extra_of(block, standing, machine))
+        near = (*standing[: machine.arm], *extra_of(block, standing, machine))
+        end = machine.inverse(flange, near, None if configuration == FREE else configuration)
     check_targets(machine.limits, end)
     if max(abs(b - a) for a, b in zip(standing, end, strict=True)) < 1e-12:
         return None
@@ -133,12 +130,12 @@ def _arc(block: Block, start: Pose, target: Pose) -> Curve:
 
 
 def tcp(standing: Joints, block: Block, machine: Machine) -> Pose:
-    """Where the block's tool is in the base."""
-    return machine.kinematics.forward(standing[: machine.arm]) @ block.tool.pose
+    """Where the block's tool is in the frame that counts."""
+    return machine.forward(standing) @ block.tool.pose
 
 
 def base_pose(block: Block, standing: Joints, machine: Machine) -> Pose:
-    """The target as a pose of the tool in the base; joints of a straight block are turned into one."""
+    """The target as a pose of the tool in the frame that counts; joints of a straight block are turned into one."""
     if isinstance(block.target, PoseTarget):
         return block.frame.pose @ block.target.pose
     if len(block.target.q) != machine.axes:
@@ -159,24 +156,29 @@ def extra_of(block: Block, standing: Joints, machine: Machine) -> Joints:
     return tuple(wanted)
 
 
-def follow(curve: Curve, block: Block, standing: Joints, machine: Machine) -> Joints:
-    """Joints of the arm at the end of the curve, on the branch it starts in; every few mm or degrees is looked at."""
+def follow(curve: Curve, course: Course, block: Block, standing: Joints, machine: Machine) -> Joints:
+    """Joints of the arm at the end of the curve, on the branch it starts in; every few mm or degrees is looked at, of what carries it
+    as well."""
     back = block.tool.pose.inverse()
     step = STEP_M if any(curve.derivatives(0.0).p1) else STEP_RAD
-    count = max(2, math.ceil(curve.length / step))
-    q = tuple(standing[: machine.arm])
+    count, arm = max(2, math.ceil(curve.length / step)), machine.arm
+    if machine.carried:
+        for row, axis in zip(course, machine.limits[arm:], strict=True):
+            away = abs(places((row,), curve.length)[0] - row[0])
+            count = max(count, math.ceil(away / (STEP_M if kind_of(axis.unit) is Kind.LINEAR else STEP_RAD)))
+    q = tuple(standing[:arm])
     for k in range(1, count + 1):
         at = curve.length * k / count
         try:
-            found = machine.kinematics.inverse(curve.at(at) @ back, q)
+            found = machine.inverse(curve.at(at) @ back, (*q, *places(course, at)))[:arm]
         except KinematicsError as error:
             raise BlockError(
-                f"{_words(error)}, {_where(at, step)} along the path", code=error.number, axis=error.axis, source="VAL 3"
+                f"{_words(error)}, {_where(curve, at)} along the path", code=error.number, axis=error.axis, source="VAL 3"
             ) from error
         far = max(range(len(q)), key=lambda n: abs(found[n] - q[n]))
         if abs(found[far] - q[far]) > JUMP:
             raise KinematicsError(
-                f"the joints would have to jump {_where(at, step)} along the path: it meets a singularity or another configuration",
+                f"the joints would have to jump {_where(curve, at)} along the path: it meets a singularity or another configuration",
                 machine.name(far),
                 540,
             )
@@ -188,8 +190,11 @@ def _words(error: KinematicsError) -> str:
     return str(error).partition(" (VAL 3")[0]
 
 
-def _where(at: float, step: float) -> str:
-    return f"{at * 1e3:.1f} mm" if step == STEP_M else f"{math.degrees(at):.1f} deg"
+def _where(curve: Curve, at: float) -> str:
+    by_s = curve.derivatives(0.0)
+    if any(by_s.p1):
+        return f"{at * 1e3:.1f} mm"
+    return f"{math.degrees(at):.1f} deg" if any(by_s.w) else f"{100 * at / curve.length:.0f} %"  # the tool stands, what carries moves
 
 
 def check_joints(block: Block, machine: Machine) -> None:
@@ -211,7 +216,8 @@ def check_end(block: Block, standing: Joints, end: Joints, machine: Machine) -> 
                 )
                 raise BlockError(what, code=CONFIGURATION, axis=machine.name(n), source="VAL 3")
     elif block.target.configuration != FREE:
-        found, before = machine.kinematics.configuration(end[:arm]), machine.kinematics.configuration(standing[:arm])
+        count, configuration = machine.kinematics.axes, machine.kinematics.configuration
+        found, before = configuration(end[:count]), configuration(standing[:count])
         if not block.target.configuration.admits(found, before):
             raise BlockError(
                 "a straight or circular path cannot change the configuration to the one demanded", code=CONFIGURATION, source="VAL 3"

@@ -1,20 +1,24 @@
 """A robot as the planner needs it: kinematics of the arm, limits of every axis, limits of the tool."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import inf
 
 from motion.errors import MotionError
-from motion.kinematics.base import Kinematics
-from motion.kinematics.group import Role
+from motion.frames import Pose
+from motion.kinematics.base import Configuration, Joints, Kinematics
+from motion.kinematics.group import Group, OnTable, Role
 from motion.limits import AxisLimits
 from motion.program.blocks import MAX_JOINTS
-from motion.robot import Robot, kinematics_of
+from motion.robot import Kind, Robot, kinematics_of
 from motion.timing.limiter import TooFast
 
 
 @dataclass(frozen=True)
 class Machine:
-    """limits: first those of the arm, then those of the additional axes.  Tool limits in m, rad and s; inf: none."""
+    """limits: first those of the arm, then those of the additional axes.  kinematics: of the arm, or of all axes where additional ones
+    carry the robot or the workpiece; its poses are those of the flange in the frame that counts (AX-565).  Tool limits in m, rad and s;
+    inf: none."""
 
     kinematics: Kinematics
     limits: tuple[AxisLimits, ...]
@@ -31,7 +35,12 @@ class Machine:
     @property
     def arm(self) -> int:
         """Axes of the arm; the ones behind them are additional."""
-        return self.kinematics.axes
+        return self.kinematics.main.axes if isinstance(self.kinematics, Group) else self.kinematics.axes
+
+    @property
+    def carried(self) -> bool:
+        """Additional axes carry the robot or the workpiece: where the flange is depends on them."""
+        return isinstance(self.kinematics, Group)
 
     @property
     def axes(self) -> int:
@@ -42,11 +51,24 @@ class Machine:
         """Of axis 0.."""
         return self.limits[axis].name
 
+    def forward(self, q: Sequence[float]) -> Pose:
+        """The flange where the axes (all of them) are at q."""
+        return self.kinematics.forward(q[: self.kinematics.axes])
+
+    def inverse(self, flange: Pose, near: Sequence[float], configuration: Configuration | None = None) -> Joints:
+        """All axes, near those given; additional axes stay where `near` has them.  Raises KinematicsError."""
+        count = self.kinematics.axes
+        return (*self.kinematics.inverse(flange, tuple(near[:count]), configuration), *near[count:])
+
 
 def machine_of(robot: Robot) -> Machine:
-    """A robot of configs/robots.  Additional axes that carry the robot or the workpiece are not planned yet: MotionError (AX-419)."""
+    """A robot of configs/robots.  MotionError: axes that carry a robot which has no geometry."""
     moving = [axis.limits.name for axis in robot.axes if axis.role not in (None, Role.FREE)]
-    if moving:
-        raise MotionError(f"robot {robot.name}: axes {', '.join(moving)} carry the robot or the workpiece; programs cannot move those yet")
-    alone = replace(robot, axes=tuple(axis for axis in robot.axes if axis.role is None))
-    return Machine(kinematics_of(alone), robot.limits)
+    if not moving:
+        alone = replace(robot, axes=tuple(axis for axis in robot.axes if axis.role is None))
+        return Machine(kinematics_of(alone), robot.limits)
+    group = kinematics_of(robot)
+    if robot.kind is Kind.IDENTITY or not isinstance(group, Group):
+        raise MotionError(f"robot {robot.name}: axes {', '.join(moving)} carry a robot that has no geometry (kind identity)")
+    turned = any(axis.role is Role.TABLE for axis in robot.axes)
+    return Machine(OnTable(group.main, group.extra) if turned else group, robot.limits)

@@ -23,7 +23,7 @@ from motion.paths.corner import clipped, corner, directions, radius_for
 from motion.paths.joints import JointPath, joint_blend, joint_part
 from motion.paths.polynomial import part
 from motion.planner.exact import exact_path
-from motion.planner.extra import with_extra
+from motion.planner.extra import Course, joining, shifted, states, with_course
 from motion.planner.jointpath import joint_path_of
 from motion.planner.legs import JOINT_LIMIT, Leg, check_end, check_numbers, make_leg, told
 from motion.planner.robot import Machine
@@ -238,17 +238,16 @@ class Route:
         if leg.path is not None:
             return joint_part(leg.path, start, end)
         assert leg.curve is not None
-        arm, tail = self._machine.arm, self._now.tail
+        tail = self._now.tail
         if near is None:
             near = leg.start if start == 0.0 or tail is None else tail.q(tail.length)
-        path = self._followed(part(leg.curve, start, end), tuple(near[:arm]), leg.block.tool.pose)
-        shares = (start / leg.length, end / leg.length)
-        values = [list(zip(leg.extra(arm, share), leg.extra_slope(arm, share), strict=True)) for share in shares]
-        return with_extra(path, *values)
+        return self._followed(part(leg.curve, start, end), near, leg.block.tool.pose, shifted(leg.course, start))
 
-    def _followed(self, curve: Curve, near: Joints, tool: Pose) -> JointPath:
-        kinematics = self._machine.kinematics
-        return exact_path(curve, kinematics, near, tool) or joint_path_of(curve, kinematics, near, tool=tool)
+    def _followed(self, curve: Curve, near: Joints, tool: Pose, course: Course) -> JointPath:
+        kinematics, own = self._machine.kinematics, near[: self._machine.arm]
+        if self._machine.carried:
+            return joint_path_of(curve, kinematics, near, tool=tool, course=course)
+        return with_course(exact_path(curve, kinematics, own, tool) or joint_path_of(curve, kinematics, own, tool=tool), course)
 
     def _run_out(self, leg: Leg) -> None:
         self._main(leg, leg.length, stop=True)
@@ -273,7 +272,11 @@ class Route:
     def _join(self, last: Leg, leg: Leg) -> float:
         """The corner between the last leg and this one; how much of this one it takes."""
         block_slope = last.block.slope is Slope.BLOCK
-        if not (last.block.blend.past_circles or passed(last.block.kind, leg.block.kind, block_slope=block_slope)):
+        if (
+            last.stands
+            or leg.stands
+            or not (last.block.blend.past_circles or passed(last.block.kind, leg.block.kind, block_slope=block_slope))
+        ):
             self._run_out(last)
             return 0.0
         leave, reach = self._ranges(last, leg)
@@ -326,7 +329,7 @@ class Route:
     def _leave(self, leg: Leg) -> float:
         """The most its corner can take of a leg, known without the next block; 0: it runs to its end and stops."""
         blend = leg.block.blend
-        if blend.rounding is Rounding.OFF or (leg.block.kind is Interpolation.CIRCULAR and not blend.past_circles):
+        if leg.stands or blend.rounding is Rounding.OFF or (leg.block.kind is Interpolation.CIRCULAR and not blend.past_circles):
             return 0.0
         if blend.axes and leg.path is not None:
             wanted = _axis_range(leg, blend.axes)
@@ -356,19 +359,19 @@ class Route:
         """s from one end of a leg at which the TCP is `distance` (m) from that end."""
         if leg.curve is not None or distance <= 0.0:
             return min(max(distance, 0.0), leg.length)
-        path, arm, tool = leg.path, self._machine.arm, leg.block.tool.pose
+        path, tool = leg.path, leg.block.tool.pose
         assert path is not None
 
         def place(s: float) -> tuple[float, float, float]:
             q = path.q(path.length - s if from_end else s)
-            return (self._machine.kinematics.forward(q[:arm]) @ tool).position
+            return (self._machine.forward(q) @ tool).position
 
         here = place(0.0)
         return _first(lambda s: math.dist(place(s), here), distance, path.length)
 
     def _corner(self, last: Leg, leg: Leg, leave: float, reach: float) -> JointPath | None:
         """The rounded corner, or None where nothing can round it."""
-        arm, blend, tail = self._machine.arm, last.block.blend, self._now.tail
+        blend, tail = last.block.blend, self._now.tail
         assert tail is not None
         here = tail.q(tail.length)
         try:
@@ -381,10 +384,8 @@ class Route:
                 and last.block.tool == leg.block.tool
             ):
                 curve = corner(last.curve, leg.curve, leave, reach)
-                path = self._followed(curve, here[:arm], last.block.tool.pose)
-                start = zip(last.extra(arm, 1.0 - leave / last.length), last.extra_slope(arm), strict=True)
-                end = zip(leg.extra(arm, reach / leg.length), leg.extra_slope(arm), strict=True)
-                return with_extra(path, list(start), list(end))
+                course = joining(curve.length, states(last.course, last.length - leave), states(leg.course, reach))
+                return self._followed(curve, here, last.block.tool.pose, course)
             onward = self._axes_of(leg, 0.0, reach, leg.start)
             return joint_blend(tail, tail.length, onward, onward.length, leave + reach)
         except PathError as error:

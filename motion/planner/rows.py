@@ -9,6 +9,7 @@ from motion.kinematics.base import Joints
 from motion.paths.base import PathError
 from motion.paths.polynomial import Chain, part
 from motion.paths.spline import fit
+from motion.planner.extra import joining
 from motion.planner.legs import Leg, base_pose, check_joints, extra_of, tcp, told
 from motion.planner.robot import Machine
 from motion.program.blocks import Block
@@ -25,8 +26,7 @@ def place_of(block: Block, standing: Joints, machine: Machine) -> Joints:
     """(axes,) where the block will end, as far as one point tells; raises what is wrong with it."""
     check_joints(block, machine)
     flange = base_pose(block, standing, machine) @ block.tool.pose.inverse()
-    q = machine.kinematics.inverse(flange, standing[: machine.arm])
-    return (*q, *extra_of(block, standing, machine))
+    return machine.inverse(flange, (*standing[: machine.arm], *extra_of(block, standing, machine)))
 
 
 def curve_of(row: Row, start: Joints, machine: Machine) -> Chain:
@@ -60,7 +60,8 @@ def legs_of(row: Row, curve: Chain, start: Joints, machine: Machine) -> Iterator
     for n, (number, block) in enumerate(row):
         stands = (*start[:arm], *values[n]), (*start[:arm], *values[n + 1])
         piece = part(curve, ends[n] - lengths[n], ends[n])
-        yield Leg(number, block, piece, None, lengths[n], *stands, rates=(slopes[n], slopes[n + 1]))
+        ends_at = [[(value, slope, 0.0) for value, slope in zip(values[k], slopes[k], strict=True)] for k in (n, n + 1)]
+        yield Leg(number, block, piece, None, lengths[n], *stands, joining(lengths[n], *ends_at))
 
 
 def _slopes(values: Sequence[Joints], lengths: Sequence[float]) -> list[Joints]:

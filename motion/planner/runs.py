@@ -205,7 +205,7 @@ def _flyby(stretch: Stretch, start: float, end: float, machine: Machine, factors
 def _rate(stretch: Stretch, machine: Machine, share: float) -> float:
     """Way of the tool for each of the path's own (AX-380): a corner's parameter is its way only nearly."""
     rows = stretch.path.at(stretch.path.length * np.array([share - RATE_STEP, share + RATE_STEP]))
-    a, b = (machine.kinematics.forward([float(v) for v in q[: machine.arm]]) for q in rows)
+    a, b = (machine.forward([float(v) for v in q]) for q in rows)
     tool, own = stretch.source.tool.pose, float(rows[1, WAY] - rows[0, WAY])
     made = math.dist((a @ tool).position, (b @ tool).position)
     return made / own if made > 0.0 and own > 0.0 else 1.0

@@ -172,7 +172,7 @@ def _tools(stretches: Sequence[Stretch]) -> dict[int, Pose]:
 
 def tool_at(machine: Machine, q: Sequence[float] | Array, tool: Pose | None) -> tuple[float, float, float]:
     """m: where the tool is when the axes are at q (axes,)."""
-    flange = machine.kinematics.forward([float(v) for v in q[: machine.arm]])
+    flange = machine.forward([float(v) for v in q])
     return flange.position if tool is None else (flange @ tool).position
 
 
@@ -195,4 +195,4 @@ def _point(stretch: Stretch, machine: Machine) -> Array:
     target = stretch.source.target
     if isinstance(target, PoseTarget):
         return np.array((stretch.source.frame.pose @ target.pose).position)
-    return np.array((machine.kinematics.forward(target.q[: machine.arm]) @ stretch.source.tool.pose).position)
+    return np.array((machine.forward(target.q) @ stretch.source.tool.pose).position)

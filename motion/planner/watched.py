@@ -50,7 +50,7 @@ def _tool(leg: Leg, s: float, machine: Machine) -> Pose:
     if leg.curve is not None:
         return leg.curve.at(s)
     assert leg.path is not None
-    return machine.kinematics.forward(leg.path.q(s)[: machine.arm]) @ leg.block.tool.pose
+    return machine.forward(leg.path.q(s)) @ leg.block.tool.pose
 
 
 def check_speed(path: JointPath, block: Block, machine: Machine) -> None:

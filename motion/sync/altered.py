@@ -13,6 +13,7 @@ from typing import Protocol
 from motion.errors import MotionError
 from motion.frames import IDENTITY, Pose, compose
 from motion.kinematics.base import Kinematics, KinematicsError
+from motion.kinematics.group import on_course
 from motion.program.blocks import Block, Frame, PoseTarget, Target, Tool
 from motion.sync.alter import Alter, AlterFault, Mode, Reference, limits_of
 from motion.val3.mdesc import Mdesc
@@ -147,7 +148,7 @@ class AlteredArm:
             return q
         there = self.kinematics.forward(q[:n])
         flange = self.alter.altered(there)
-        made = q if flange is there else (*self.kinematics.follow(flange, self.joints[:n]), *q[n:])
+        made = q if flange is there else (*self.kinematics.follow(flange, on_course(self.kinematics, self.joints, q)), *q[n:])
         tip = compose(flange, tool)
         if self._tip is not None:
             self.alter.judge(self._tip, tip, self.joints[:n], made[:n])

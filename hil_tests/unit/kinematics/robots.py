@@ -8,7 +8,7 @@ from motion.kinematics.arm6 import Arm6, ArmGeometry
 from motion.kinematics.scara import Scara
 from motion.limits import AxisLimits
 
-PRIMES = (2, 3, 5, 7, 11, 13)
+PRIMES = (2, 3, 5, 7, 11, 13, 17, 19)
 TX60 = ArmGeometry(height=0.375, arm=0.29, forearm=0.31, flange=0.07, side=0.02)
 GENERAL = ArmGeometry(
     height=0.5,

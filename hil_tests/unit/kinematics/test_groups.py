@@ -12,7 +12,7 @@ from motion.errors import MotionError
 from motion.frames import IDENTITY, translation
 from motion.kinematics.base import OutOfLimits
 from motion.kinematics.coupled import Coupled
-from motion.kinematics.group import Additional, Group, Role
+from motion.kinematics.group import Additional, Group, OnTable, Role, on_course
 
 TRACK = Additional(sliding("track"), Role.CARRIER, (0.0, 1.0, 0.0), translation(0.0, 0.0, 0.2))
 COLUMN = Additional(turning("column"), Role.CARRIER, (0.0, 0.0, 1.0), translation(0.5, 0.0, 0.0))
@@ -44,6 +44,25 @@ def test_a_table_carries_the_workpiece_and_not_the_robot() -> None:
     still, turned = (0.1,) * 6 + (0.0, 0.0, 0.0, 0.0), (0.1,) * 6 + (0.0, 0.0, 1.5, 0.0)
     assert apart(robot.forward(still), robot.forward(turned)) == 0
     assert robot.table(turned).apply((0.0, 1.0, 0.0)) == pytest.approx((1.0, math.cos(1.5), math.sin(1.5)))
+
+
+@answers
+def test_a_workpiece_on_tables_sees_the_flange_go_the_other_way() -> None:
+    tilt = Additional(turning("tilt"), Role.TABLE, (0.0, 1.0, 0.0), translation(0.0, 0.3, 0.1))
+    world, seen = Group(arm(), (TRACK, TABLE, SPINDLE, tilt)), OnTable(arm(), (TRACK, TABLE, SPINDLE, tilt))
+    for q in spread(20, (3.0,) * 6):
+        assert apart(seen.forward((*q, 0.7, 0.0, 5.0, 0.0)), world.forward((*q, 0.7, 0.0, 5.0, 0.0))) < 1e-12, "tables at 0"
+        joints = (*q, 0.7, 1.0, 5.0, -0.6)
+        pose = seen.forward(joints)
+        assert apart(world.table(joints) @ world.table((0.0,) * 10).inverse() @ pose, world.forward(joints)) < 1e-12
+        assert unlike(seen.inverse(pose, joints), joints) < 1e-8
+        assert unlike(seen.follow(pose, joints), joints) < 1e-8
+        assert np.abs(seen.jacobian(joints) - by_differences(seen, joints)).max() < 1e-8
+
+
+def test_joints_are_looked_for_near_the_arm_with_additional_axes_on_their_course() -> None:
+    assert on_course(Group(arm(), (TRACK,)), (0.1,) * 9, (0.2,) * 9) == (*(0.1,) * 6, 0.2)
+    assert on_course(arm(), (0.1,) * 9, (0.2,) * 9) == (0.1,) * 6
 
 
 def test_branches_of_a_group_are_those_of_its_robot() -> None:

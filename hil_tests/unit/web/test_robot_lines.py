@@ -32,3 +32,12 @@ def test_a_robot_is_drawn_by_its_file(name: str) -> None:
             (posts,) = beside
             assert all(point[0] == pytest.approx(line[-2][0], abs=DRAWN) for point in posts), "the bridge goes with x"
             assert line[0][1] == pytest.approx(line[-2][1], abs=DRAWN) and line[0][2] == posts[1][2], "the ram hangs on it"
+
+
+def test_an_arm_on_a_track_is_drawn_where_the_track_has_taken_it() -> None:
+    joints = (0.2, 0.4, 0.9, -0.5, 0.4, 0.3)
+    (alone,), (carried,) = Arm("tx60-like").lines(joints), Arm("tx60-on-track").lines((*joints, 0.7, 1.0))
+    assert [tuple(b - a for a, b in zip(*pair, strict=True)) for pair in zip(alone, carried, strict=True)] == [
+        pytest.approx((0.0, 0.7, 0.0), abs=DRAWN)
+    ] * len(alone)
+    assert Arm("tx60-on-track").reach == pytest.approx(Arm("tx60-like").reach + 1.5)
