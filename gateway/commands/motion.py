@@ -107,6 +107,8 @@ def load(name: str, robot: str | None, cell: Cell | None) -> tuple[Program, Mach
     """The program, the robot it is for, and the belts its blocks may lie on."""
     program, belts = read(read_text(find_config(name, "programs"))), Belts()
     if cell is None:
+        if not (robot or program.robot):
+            raise MotionError("the program names no robot: `robot NAME` in it, or --robot NAME, or --cell CELL")
         machine = machine_of(load_robot(robot or program.robot))
         for block in program.blocks:
             if block.synchron is not None:

@@ -76,6 +76,7 @@ def arc(start: Pose, via: Pose, end: Pose, *, moving: bool = False, via_weight: 
     1 as for VAL 3, 0: only start and end); halves: VAL 3's rule that neither half may exceed 180 deg.  PathError 550..553.
     """
     _check_distances(start, via, end)
+    _check_turns(start, via, end)
     centre, towards, along, radius = _circle(start.position, via.position, end.position)
     to_via, to_end = (_angle(centre, towards, along, pose.position) for pose in (via, end))
     if halves:
@@ -86,12 +87,20 @@ def arc(start: Pose, via: Pose, end: Pose, *, moving: bool = False, via_weight: 
 
 def full_circle(start: Pose, second: Pose, third: Pose, *, moving: bool = False) -> Arc:
     """All the way round through three points; it ends in the orientation it began with (moving: after one whole turn)."""
+    return around(start, second, third, 2 * math.pi, moving=moving)
+
+
+def around(start: Pose, second: Pose, third: Pose, angle: float, rise: float = 0.0, *, moving: bool = False) -> Arc:
+    """On the circle through three points, from the first one towards the second and on: angle in rad, > 0, more than 2 pi makes several
+    turns; rise in m along the axis (right-handed to the motion) over the whole angle.  The orientation is that of the start, fixed or
+    moving with the contour."""
     _check_distances(start, second, third)
-    centre, towards, along, radius = _circle(start.position, second.position, third.position)
+    if not 0.0 < angle < math.inf:
+        raise PathError(f"an arc of {math.degrees(angle):.6g} deg is no way", 552)
+    centre, towards, along, _ = _circle(start.position, second.position, third.position)
     if _angle(centre, towards, along, second.position) > _angle(centre, towards, along, third.position):
         along = scale(along, -1.0)
-    none: Rows = ((0.0,), (0.0,), (0.0,))
-    return Arc(centre, towards, along, radius, 2 * math.pi, 0.0, start.rotation, moving, none, 2 * math.pi * radius)
+    return helix(start, centre, cross(towards, along), angle, rise, moving=moving)
 
 
 def helix(start: Pose, centre: Vector, axis: Vector, angle: float, rise: float, *, moving: bool = False) -> Arc:
@@ -113,6 +122,9 @@ def _check_distances(start: Pose, via: Pose, end: Pose) -> None:
     for a, b, names in ((start, via, "start and via"), (via, end, "via and end"), (start, end, "start and end")):
         if not norm(sub(a.position, b.position)) >= NEAR_M:  # a NaN fails here too
             raise PathError(f"{names} point of the circle are too close", 552)
+
+
+def _check_turns(start: Pose, via: Pose, end: Pose) -> None:
     for a, b, names in ((start, via, "start and via"), (via, end, "via and end")):
         if is_half_turn(a.rotation, b.rotation):
             raise PathError(f"the orientation changes by exactly 180 deg between {names} point: its direction is not defined", 553)

@@ -11,7 +11,7 @@ from motion.errors import LimitError, MotionError
 from motion.frames import Pose
 from motion.kinematics.base import FREE, Joints, KinematicsError
 from motion.limits import check_targets
-from motion.paths.arc import arc
+from motion.paths.arc import arc, around
 from motion.paths.base import Curve, PathError
 from motion.paths.joints import JointPath, joint_line
 from motion.paths.line import line, standing_still
@@ -122,6 +122,10 @@ def _arc(block: Block, start: Pose, target: Pose) -> Curve:
     if block.via is None:
         raise BlockError("a circle needs a point on the way")
     via = block.frame.pose @ block.via.pose
+    if block.angle is not None:
+        if isinstance(block.target, JointTarget):
+            raise BlockError("angle= needs a pose as target: it is a point of the circle, not its end")
+        return around(start, via, target, block.angle, block.rise, moving=block.turning is Turning.PATH)
     least = block.turning is Turning.LEAST
     weight = block.curving.via_weight
     return arc(
@@ -229,7 +233,7 @@ def check_numbers(block: Block) -> None:
     poses = [place.pose for place in (block.target, block.via) if isinstance(place, PoseTarget)]
     values = [value for pose in (*poses, block.tool.pose, block.frame.pose) for part in pose for value in part]
     values += block.target.q if isinstance(block.target, JointTarget) else block.target.extra
-    values += (block.blend.leave, block.blend.reach, block.blend.distance, *block.blend.axes)
+    values += (block.angle or 0.0, block.rise, block.blend.leave, block.blend.reach, block.blend.distance, *block.blend.axes)
     if not all(map(math.isfinite, values)):
         raise BlockError("a value is no finite number", code=154, source="VAL 3")
     pace = block.pace

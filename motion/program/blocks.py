@@ -252,6 +252,8 @@ class Block:
     synchron: Synchron | None = None
     on_belt: OnBelt | None = None
     alteration: Alteration | None = None
+    angle: float | None = None  # CIRCULAR, rad: the circle through via and target is run so far, and beyond the target
+    rise: float = 0.0  # with angle: m along the axis over the whole angle, a helix
     lowest: Vector | None = None  # LIMIT_MIN: x, y, z (m) in the block's frame below which the tool is nowhere
     highest: Vector | None = None  # LIMIT_MAX
     freeze: bool = False  # in an alterable part: from the end of this block on the correction stays as it is (alterEnd before the end)

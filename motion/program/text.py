@@ -274,6 +274,9 @@ class Reader:
         blend = parts["blend"]
         if blend and "rounding" not in blend:
             blend["rounding"] = Rounding.CARTESIAN
+        for name in ("angle", "rise"):
+            if name in keys and (kind is not Interpolation.CIRCULAR or "angle" not in keys):
+                raise _Fault(name, "belongs to a circular block with angle=")
         if "zone" in keys:
             blend |= {"axes": self.joints("zone", keys["zone"].split(",")), "rounding": Rounding.JOINT}
         if "arcs" in keys:
@@ -326,7 +329,7 @@ PARTS = ("synchron", "synchron_end", "alter", "alter_end", "sync", *CALLS)
 OTHERS = ("tool", "frame", "point", "set", *PARTS, "label", "iol", "ppo", *HEADS)
 STATEMENTS = (*HEADINGS, *OTHERS, *MOVES)
 ACTING = ("out", "until", "error", "wait", "delay", "belt", "camin", "camout", "freeze")
-ONCE = ("config", "extra", *ACTING, "time", "weight")  # of one block alone
+ONCE = ("config", "extra", *ACTING, "time", "weight", "angle", "rise")  # of one block alone
 
 
 def read(text: str) -> Program:

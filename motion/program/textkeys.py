@@ -50,6 +50,8 @@ KEYS = (
     Key("distance", "mm", 0.0, BIG, 1e-3, "blend", "distance", "the end point is missed by this much; wins over leave and reach"),
     Key("share", "%", 1.0, 50.0, 0.01, "blend", "share", "the most of a block a corner may take"),
     Key("flyby", "%", 0.0, 100.0, 0.01, "blend", "flyby", "speed in the middle of the corner, share of the mean of both"),
+    Key("angle", "deg", 0.01, BIG, DEG, "", "angle", "circular: the circle through both points is run so far: 360 a full circle"),
+    Key("rise", "mm", -BIG, BIG, 1e-3, "", "rise", "with angle: along the axis of the circle over the whole angle, a helix"),
     Key("tension", "%", 0.0, 100.0, 0.01, "curving", "tension", "spline: 0 straight with corners, 100 full swing"),
     Key("tube", "mm", 0.0, BIG, 1e-3, "curving", "tube", "spline: leaves the straight line to the point by no more; 0: free"),
     Key("oritension", "%", 0.0, 100.0, 0.01, "curving", "orientation_tension", "the same for the orientation"),

@@ -86,6 +86,8 @@ class BeltPlan:
         if block.on_belt is None or self.synchron.at is None:
             what = "belt=" if block.on_belt is None else "at= of the part, the belt value of the point before it"
             raise BlockError(f"{what} is needed with a belt of type {self.facts.kind.value} ({self.facts.name})")
+        if block.angle is not None:
+            raise BlockError(f"angle= has no place on a belt of type {self.facts.kind.value} ({self.facts.name}): its blocks end at points")
         check_numbers(block)
         if self._trial is None:
             self.tool = block.tool.pose

@@ -162,3 +162,29 @@ def test_an_axis_the_programmed_speed_asks_too_much_of_is_an_error_before_anythi
 def test_a_cell_says_what_becomes_of_a_path_that_is_too_fast() -> None:
     assert machine_of_cell(load_cell(str(PATH), CELL)).too_fast is TooFast.ABORT
     assert machine_of_cell(load_cell(str(PATH), CELL.replace('"abort"', '"slow"'))).too_fast is TooFast.SLOW
+
+
+def test_a_circle_goes_on_round_and_up_where_its_angle_says_so() -> None:
+    route = Route(arms.portal(), (0.1, 0.0, 0.0))
+    around = Block(Interpolation.CIRCULAR, arms.at(-100.0), arms.at(0.0, 100.0), angle=4.5 * np.pi, rise=0.045)
+    route.add(around)
+    (found,) = route.take()
+    s = np.linspace(0.0, found.path.length, 451)
+    turn = 4.5 * np.pi * s / found.path.length
+    wanted = np.stack([0.1 * np.cos(turn), 0.1 * np.sin(turn), 0.045 * s / found.path.length], axis=1)
+    assert np.abs(found.path.at(s)[:, :3] - wanted).max() < 1e-8
+    assert route.standing == pytest.approx((0.0, 0.1, 0.045), abs=1e-9)
+    route.add(replace(around, target=arms.at(0.0, -100.0, 45.0), via=arms.at(100.0, 0.0, 45.0), angle=2 * np.pi, rise=0.0))
+    assert route.standing == pytest.approx((0.0, 0.1, 0.045), abs=1e-9), "a full circle"
+    for wrong, code in (
+        ({"angle": -1.0}, 552),
+        ({"angle": np.nan}, 154),
+        ({"rise": np.inf}, 154),
+        ({"via": arms.at(0.0, 100.0, 45.0)}, 552),
+    ):
+        with pytest.raises(BlockError) as caught:
+            route.add(replace(around, **wrong))
+        assert caught.value.code == code
+    near = "circular via pose 430 -70 200 180 0 0 to pose 350 10 200 180 0 0 angle={} rise=20 turning=path\n"
+    assert faults(near.format(360)) == []
+    assert [block for block, _, _ in faults(near.format(3600))] == [2], "no axis turns ten times"

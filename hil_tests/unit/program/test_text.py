@@ -40,7 +40,7 @@ point H joints 0 90 -10 0
 set speed=50 path=200 radius=10
 ptp H blend=off zone=1,1,2,3
 linear A tool=grip frame=table slope=block limitmin=100,-400.5,150
-circular via pose 400 200 50 180 0 30 to pose 300 100 50 180 0 30 turning=least out=7:1@20,8:0 until=!5
+circular via pose 400 200 50 180 0 30 to pose 300 100 50 180 0 30 turning=least angle=450 rise=-20 out=7:1@20,8:0 until=!5
 spline A extra=100mm,30deg tension=20 tube=0.05 weight=0 time=4 ramp=50
 set radius=0
 linear A leave=5 reach=20 distance=3 share=40 flyby=75 lead=no arcs=yes
@@ -67,6 +67,7 @@ def test_everything_the_text_can_say_arrives_in_si() -> None:
     assert isinstance(line.target, PoseTarget)
     assert (line.target.configuration.shoulder, line.target.configuration.wrist) == (Shoulder.RIGHTY, Wrist.NEGATIVE)
     assert arc.via is not None and arc.turning is Turning.LEAST
+    assert (arc.angle, arc.rise) == pytest.approx((math.radians(450), -0.02)) and curve.angle is None
     assert arc.outputs == (Output(7, 1.0, 0.02), Output(8, 0.0)) and arc.until == Until(5, False)
     assert isinstance(curve.target, PoseTarget) and curve.target.extra == pytest.approx((0.1, math.radians(30)))
     assert (curve.pace.time, curve.pace.ramp, curve.curving.tension, curve.curving.weight) == (4.0, 0.5, 0.2, 0.0)
@@ -121,10 +122,17 @@ def test_each_fault_has_its_line_its_key_and_the_range_and_all_are_told() -> Non
 
 @pytest.mark.parametrize("key", textkeys.KEYS, ids=lambda key: str(key.name))
 def test_both_ends_of_every_range_are_legal_and_one_step_beyond_is_not(key: textkeys.Key) -> None:
+    move = "circular via pose 1 0 0 0 0 0 to pose 0 1 0 0 0 0 angle=90" if key.name in ("angle", "rise") else "linear pose 0 0 0 0 0 0"
     for value in (key.low, key.high):
-        read(f"start 0\nlinear pose 0 0 0 0 0 0 {key.name}={value!r}")
+        read(f"start 0\n{move} {key.name}={value!r}")
     for value in (key.low - 1e-6 - abs(key.low) * 1e-9, key.high * (1 + 1e-9) + 1e-6, math.nan, math.inf):
-        assert faults(f"start 0\nlinear pose 0 0 0 0 0 0 {key.name}={value!r}")[0][:2] == (2, key.name)
+        assert faults(f"start 0\n{move} {key.name}={value!r}")[0][:2] == (2, key.name)
+
+
+def test_angle_and_rise_stand_in_a_circular_block_alone() -> None:
+    assert faults("start 0\nlinear pose 0 0 0 0 0 0 angle=90")[0][:2] == (2, "angle")
+    assert faults("start 0\ncircular via pose 1 0 0 0 0 0 to pose 0 1 0 0 0 0 rise=90")[0][:2] == (2, "rise")
+    assert faults("start 0\nset angle=90")[0][:2] == (2, "angle")
 
 
 def test_a_text_without_a_start_or_empty_says_so() -> None:
