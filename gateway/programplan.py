@@ -72,5 +72,6 @@ def machine_of_cell(cell: Cell) -> "Machine":
         if ours.unit != its.unit:
             raise MotionError(f"axis {ours.name} of the cell is in {ours.unit}, axis {its.name} of robot {name} in {its.unit}")
     if cell.belt and robot.carried:
-        raise MotionError(f"robot {name}: axes that carry the robot or the workpiece and belts cannot be in one cell (AX-565)")
+        names = ", ".join(axis.name for axis in own[robot.arm :])
+        raise MotionError(f"additional axes {names} carry the robot or the workpiece; no belt can be in the same cell (AX-565)")
     return replace(robot, limits=tuple(own), too_fast=TooFast(cell.robot.too_fast))

@@ -22,10 +22,15 @@ from motion.planner.robot import Machine, machine_of
 from motion.planner.route import Kind, Stretch
 from motion.planner.runs import runs
 from motion.planner.trace import route_of
-from motion.program.blocks import Program
+from motion.program.blocks import PoseTarget, Program, Tool
 from motion.program.text import read
 from motion.robot import AxisOfRobot, Robot
 from motion.robot import Kind as Geometry
+from motion.sync.alter import Alter
+from motion.sync.altered import AlteredArm, AlterMotion
+from motion.val3.mdesc import BlendKind, Mdesc
+from motion.val3.stack import MotionStack
+from motion.val3.trsf import Trsf
 
 UM = 1e-6
 TOOL = convention("val3").pose((0, 0, 100, 0, 0, 0))
@@ -186,6 +191,28 @@ def off_curve(places: Array, curve: Array) -> float:
         n = min(max(int(np.argmin(np.linalg.norm(curve - place, axis=1))), 1), len(curve) - 2)
         found = max(found, min(float(off_segment(place[None], curve[n + k], curve[n + k + 1])[0]) for k in (-1, 0)))
     return found
+
+
+def test_a_correction_lies_on_the_path_while_track_and_table_move() -> None:
+    text = read(HEAD + f"linear pose 413 520 320 180 0 180 {WAYS[1]}")
+    inner = Arm(carried(), text.start)
+    arm = AlteredArm(inner, carried().kinematics, Alter(1e-3))
+    moves = AlterMotion(MotionStack(arm), arm, [axis.speed for axis in carried().limits])
+    target = text.blocks[0].target
+    assert isinstance(target, PoseTarget)
+    moves.alter_movel(target, Tool("torch", TOOL), Mdesc(blend=BlendKind.OFF))
+    arm.step()
+    moves.alter_begin(Tool("flange"), Mdesc())
+    worst, furthest = 0.0, 0.0
+    for k in range(400):
+        arm.alter.alter(Trsf(z=-4.0 * (1 - math.cos(2 * math.pi * k / 250))))
+        q = arm.step()
+        deep, straight = seen(np.array([q, inner.joints]))
+        worst = max(worst, float(np.linalg.norm((deep - straight)[:2])))
+        furthest = max(furthest, float(deep[2] - straight[2]))
+        assert q[6:] == inner.joints[6:], "the course of what carries is not corrected"
+    assert arm.fault is None and worst < UM and furthest == pytest.approx(8e-3, abs=1e-4)
+    assert inner.joints[6:] == pytest.approx((0.52, math.radians(10)))
 
 
 def test_the_curve_is_the_same_at_any_override_and_after_a_stop_and_no_axis_is_beyond_its_limits() -> None:
