@@ -79,7 +79,7 @@ def _planes(tool: Array, marks: Sequence[int]) -> list[Chart]:
         planes.append(("seen from the side", side[0], "z mm", side[1], z))
     charts = []
     for title, x_label, y_label, a, b in planes:
-        stops = [min(int(k), len(a) - 1) for k in marks]
+        stops = [0, *(min(int(k), len(a) - 1) for k in marks)]
         lines = [Line("tool", a.tolist(), b.tolist()), Line("rest", [float(a[k]) for k in stops], [float(b[k]) for k in stops], dots=True)]
         charts.append(Chart(title, x_label, y_label, lines, equal=True))
     return charts

