@@ -207,8 +207,8 @@ def bare_cycle(machine: Machine, start: tuple[float, ...], count: int = 4000) ->
     return costs
 
 
-def run(steps: int = 100_000, programs: int = 60, segments: int = 150_000) -> list[Figure]:
-    """All figures, as `axisgate bench motion` prints them."""
+def run(steps: int = 100_000, programs: int = 60, segments: int = 15_000) -> list[Figure]:
+    """All figures, as `axisgate bench motion` prints them; `make soak` drives 1,000 programs and streams 150,000 segments."""
     parts: tuple[Callable[[], Sequence[Mapping[str, str | float | bool]]], ...] = (
         lambda: step_figures(steps),
         cycle_costs,
