@@ -2,19 +2,20 @@
 
 import pathlib
 
-from drivers.drives.cia402_boot import Identity, Loss, NodePlan, Parameter, default_pdos
+from drivers.drives.cia402_boot import PROBE_FUNCTION, Identity, Loss, NodePlan, Parameter, default_pdos, probe_parameter, probe_pdos
 from drivers.drives.cia402_family import GATEWAY_NODE
 from gateway.axes import scaling_of
 from gateway.canopen_sheets import read_eds
 from gateway.cell import Axis, Bus, Cell
 from gateway.checks.figures import canopen_room
+from gateway.programplan import probe_of
 from motion.units import to_si
 from protocols.canopen import eds
 from protocols.canopen.dictionary import ObjectDictionary
 from protocols.canopen.types import Value, encode
 
 SLOW_SHARE = 0.2  # of the homing speed, where the cell names no slow speed
-OWN = (0x1005, 0x1006, 0x1014, 0x1016, 0x1017, 0x6040, 0x6060, 0x607A, 0x60C2)  # written by the start-up itself
+OWN = (0x1005, 0x1006, 0x1014, 0x1016, 0x1017, 0x6040, 0x6060, 0x607A, PROBE_FUNCTION, 0x60C2)  # written by the start-up itself
 
 
 def node_plans(cell: Cell, bus: Bus, p5_ms: int, *, simulated: bool) -> list[tuple[str, NodePlan]]:
@@ -33,9 +34,13 @@ def _plan(cell: Cell, bus: Bus, axis: Axis, node: int, p5_ms: int, torque: bool,
     identity = identity_of(sheet.dictionary) if sheet is not None and own else Identity()
     serial = int(axis.drive.serial, 0) if axis.drive.serial[:1].isdigit() and not simulated else None
     parameters = (*_file_parameters(sheet.dictionary, node), *homing_parameters(axis)) if sheet is not None else homing_parameters(axis)
+    pdos, measuring = default_pdos(node, torque=torque), probe_of(cell, axis.name)
+    if measuring is not None:
+        pdos = probe_pdos(node, measuring.probe, pdos)
+        parameters = (*parameters, probe_parameter(f"measuring.{measuring.channel}.drives"))
     return NodePlan(
         node,
-        default_pdos(node, torque=torque),
+        pdos,
         Identity(identity.vendor, identity.product, None, serial),
         tuple(parameters),
         heartbeat_ms=bus.heartbeat_ms,

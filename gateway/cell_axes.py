@@ -114,6 +114,7 @@ class PlantAxis:
     start: float = 0.0  # axis position at power-up, unit
     reference_switch: Span | None = None
     hard_limits: Span | None = None
+    probe: Span | None = None  # touch probe inputs of a CiA 402 drive are actuated between these places
     settings: Mapping[str, float] = field(default_factory=dict)
 
 

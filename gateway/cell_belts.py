@@ -30,8 +30,10 @@ class Measuring:
     """[[measuring]]: a measuring input of programs by its number of the rho 3: 6x0 probe of board x, 6xy its y-th high-speed input."""
 
     channel: int
-    input: int  # RC input its wire comes to
+    input: int = -1  # RC input its wire comes to; -1: none, drives measure
     axes: tuple[str, ...] = ()  # on the board; empty: all of the robot
+    drives: tuple[str, ...] = ()  # axes whose CiA 402 drives catch the edge by their touch probe
+    probe: int = 1  # of those drives: 1 | 2
 
 
 @dataclass(frozen=True, slots=True)

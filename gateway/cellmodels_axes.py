@@ -91,6 +91,7 @@ class PlantAxis(Table):
     start: float = Field(default=0.0, json_schema_extra=unit("{u}"))
     reference_switch: Span | None = None
     hard_limits: Span | None = None
+    probe: Span | None = None
     settings: dict[str, float | bool] = {}
 
 

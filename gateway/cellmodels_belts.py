@@ -31,8 +31,10 @@ class Belt(Table):
 
 class Measuring(Table):
     channel: int = Field(ge=610, le=699)
-    input: int = Field(ge=0, le=1023)
+    input: int = Field(default=-1, ge=-1, le=1023)
     axes: list[str] = []
+    drives: list[str] = []
+    probe: Literal[1, 2] = 1
 
 
 class PathOutput(Table):

@@ -28,7 +28,9 @@ def make_family(cell: Cell, bus: Bus, p5_ms: int, *, simulated: bool = False) ->
 
         nodes = [(n, axis.drive.node) for n, axis in on_it if axis.drive.node is not None]
         beat = max(1, bus.heartbeat_ms // p5_ms)
-        family = Cia402Family(nodes, beat, (MISSED + 1) * bus.heartbeat_ms // p5_ms + 1)
+        named = {name: each.probe for each in cell.measuring for name in each.drives}
+        probes = {axis.drive.node: named[axis.name] for _, axis in on_it if axis.drive.node is not None and axis.name in named}
+        family = Cia402Family(nodes, beat, (MISSED + 1) * bus.heartbeat_ms // p5_ms + 1, probes)
         return with_couplers(cell, bus, family, p5_ms) if cell.io else family
     from gateway.rho3_buses import IO_PROTOCOL, with_rho3
 

@@ -26,7 +26,8 @@ def fast_wires(cell: Cell, families: Mapping[str, BusFamily]) -> FastWires | Non
     """`families`: bus -> what speaks there; None: every measuring input comes through the services."""
     if not cell.measuring:
         return None
-    found = [wire for number in sorted({each.input for each in cell.measuring}) if (wire := _wire(cell, families, number)) is not None]
+    numbers = sorted({each.input for each in cell.measuring if each.input >= 0})
+    found = [wire for number in numbers if (wire := _wire(cell, families, number)) is not None]
     return FastWires(found) if found else None
 
 

@@ -40,11 +40,13 @@ def bus_settings(cell: Cell, bus: str, p5_ms: float) -> BusSettings:
     for axis in cell.axis:
         if axis.drive.bus != bus:
             continue
-        servo = servo_settings(axis, cell.plant.axis.get(axis.name, PlantAxis()) if cell.plant else PlantAxis())
+        plant = cell.plant.axis.get(axis.name, PlantAxis()) if cell.plant else PlantAxis()
+        servo = servo_settings(axis, plant)
         if axis.drive.module is not None:
             axes[axis.drive.module] = servo
         elif axis.drive.node is not None:
             absolute = MULTITURN if axis.home.by == "none" else 0
+            low, high = _probe(axis, plant)
             # sync_faults 0: what a shared machine does to the grid is told by the cycle, not by a drive that gives up (AX-310)
             nodes[axis.drive.node] = DriveSettings(
                 servo,
@@ -52,8 +54,20 @@ def bus_settings(cell: Cell, bus: str, p5_ms: float) -> BusSettings:
                 multiturn_turns=absolute,
                 sync_faults=0,
                 own_feed_forward=float(servo.speed_feed_forward > 0.0),
+                probe_1_from_rad=low,
+                probe_1_to_rad=high,
+                probe_2_from_rad=low,
+                probe_2_to_rad=high,
             )
     return BusSettings(p5_ms, cell.plant.seed if cell.plant else 1, axes, nodes)
+
+
+def _probe(axis: Axis, plant: PlantAxis) -> tuple[float, float]:
+    """Motor angles between which both probe inputs are actuated."""
+    if plant.probe is None:
+        return -math.inf, -math.inf
+    low, high = sorted((motor_rad(axis, plant.probe.from_), motor_rad(axis, plant.probe.to)))
+    return low, high
 
 
 def belt_settings(cell: Cell, bus: str) -> str:

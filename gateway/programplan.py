@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from gateway.cell import Cell
 from gateway.cell_belts import Measuring
 from gateway.files import beside
-from gateway.pure.plannerrecords import ProgramFacts
+from gateway.pure.plannerrecords import MeasuringFacts, ProgramFacts
 
 if TYPE_CHECKING:
     from motion.planner.robot import Machine
@@ -47,6 +47,21 @@ def written_for(named: str, model: str) -> bool:
 def measured_mask(cell: Cell, measuring: Measuring) -> int:
     """Axes (bit n-1 = axis n of the cell) on the board of a measuring input; none named: all."""
     return sum(1 << n for n, axis in enumerate(cell.axis) if not measuring.axes or axis.name in measuring.axes)
+
+
+def probe_of(cell: Cell, axis: str) -> Measuring | None:
+    """The measuring input that this axis' drive catches by itself; a checked cell has one at most."""
+    return next((each for each in cell.measuring if axis in each.drives), None)
+
+
+def measuring_facts(cell: Cell) -> dict[int, MeasuringFacts]:
+    """Every measuring input by its number, for the planner."""
+    return {each.channel: _facts(cell, each) for each in cell.measuring}
+
+
+def _facts(cell: Cell, measuring: Measuring) -> MeasuringFacts:
+    drives = sum(1 << n for n, axis in enumerate(cell.axis) if axis.name in measuring.drives)
+    return MeasuringFacts(measuring.input, measured_mask(cell, measuring), drives)
 
 
 def machine_of_cell(cell: Cell) -> "Machine":

@@ -9,7 +9,7 @@ from enum import Enum, IntEnum, auto
 from typing import NamedTuple
 
 from drivers.drives.cia402_states import Command, State, next_command, state_of
-from drivers.drives.family import Actual, Demand, Event, Homing, Power
+from drivers.drives.family import Actual, Demand, Event, Homing, Latched, Power
 from drivers.drives.held import HeldPosition
 
 LOST_AFTER = 2  # actual values missing in a row
@@ -52,6 +52,7 @@ class Cia402Actual(NamedTuple):
     inputs: int = 0  # 60FDh
     mode: int = 0  # 6061h
     error: int = 0  # code of the last EMCY, 0: none
+    latched: Latched | None = None  # 60BAh, 60BBh, or 60BCh, 60BDh
 
     @property
     def reference_switch(self) -> bool:

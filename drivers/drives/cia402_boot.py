@@ -8,7 +8,7 @@ Source: CiA 301, 7.5.2 (objects 1000h..1A00h), CiA 302-2 (boot-up order), IEC 61
 """
 
 from collections.abc import Generator, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
 
 from protocols.canopen import cobid
@@ -204,11 +204,28 @@ def default_pdos(node: int, *, torque: bool) -> tuple[Pdo, ...]:
     return tuple(found)
 
 
+PROBE_FUNCTION, PROBE_STATUS, PROBE_PLACES = 0x60B8, Mapped(0x60B9, 0, 16), (0x60BA, 0x60BC)  # places: rising edge, falling one next
+
+
+def probe_pdos(node: int, probe: int, pdos: Iterable[Pdo]) -> tuple[Pdo, ...]:
+    """Those of a drive whose touch probe (1, 2) measures: its status behind the inputs, where it was at its edges, and what arms it."""
+    place = PROBE_PLACES[probe - 1]
+    found = [replace(pdo, entries=(*pdo.entries, PROBE_STATUS)) if INPUTS in pdo.entries else pdo for pdo in pdos]
+    found.append(Pdo(True, 3, cobid.rpdo(3, node), EVENT_DRIVEN, (Mapped(PROBE_FUNCTION, 0, 16),)))
+    found.append(Pdo(False, 4, cobid.tpdo(4, node), EVENT_DRIVEN, (Mapped(place, 0, 32), Mapped(place + 1, 0, 32)), event_ms=100))
+    return tuple(found)
+
+
+def probe_parameter(why: str) -> Parameter:
+    """Off at first: the cycle arms it, and sees then whether the drive does."""
+    return Parameter(PROBE_FUNCTION, 0, bytes(2), why)
+
+
 NAMES = {
     0x1000: "device type", 0x1006: "communication cycle period", 0x1016: "heartbeat consumer", 0x1017: "heartbeat producer",
     0x1018: "identity", 0x6007: "abort connection option", 0x605A: "quick stop option", 0x605B: "shutdown option",
     0x605C: "disable operation option", 0x605D: "halt option", 0x605E: "fault reaction option", 0x6060: "mode", 0x6061: "mode display",
-    0x60C2: "interpolation time", 0x6502: "supported modes",
+    0x60B8: "touch probe function", 0x60C2: "interpolation time", 0x6502: "supported modes",
 }  # fmt: skip
 
 

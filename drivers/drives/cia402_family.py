@@ -8,15 +8,20 @@ Source: CiA 301, predefined connection set; AX-302 (maps), AX-303 (heartbeat).
     TPDO2 280h+n  6077h torque i16, 60F4h lag i32             every SYNC where the bus has room, else not mapped
     TPDO3 380h+n  60FDh inputs u32, 6061h mode i8             on change
 
+Drives whose touch probe measures (AX-569) have TPDO3 with 60B9h status u16 behind the others, and
+
+    RPDO3 400h+n  60B8h touch probe function u16              to arm it anew after an edge
+    TPDO4 480h+n  60BAh, 60BBh i32 (probe 2: 60BCh, 60BDh)    on change
+
 A node is spoken to cyclically only between `release` (the master has configured it) and its next boot-up message or `hold`.
 """
 
 import struct
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from drivers.drives.cia402 import Cia402Actual, Cia402Set
-from drivers.drives.family import Heard, SetRecord
+from drivers.drives.family import Heard, Latched, SetRecord
 from protocols.base.errors import DecodeError
 from protocols.base.machine import Frame, Ns
 from protocols.canopen import cobid
@@ -25,11 +30,17 @@ from protocols.canopen.nmt import State, heartbeat
 SYNC = Frame(cobid.SYNC)
 GATEWAY_NODE = 127  # produces the heartbeat the drives watch
 BOOT_UP = bytes((State.INITIALISING,))
-TPDO2, TPDO3 = cobid.tpdo(2, 0), cobid.tpdo(3, 0)
+TPDO2, TPDO3, TPDO4 = cobid.tpdo(2, 0), cobid.tpdo(3, 0), cobid.tpdo(4, 0)
+NO_PROBES: Mapping[int, int] = {}
 MODE_EVERY = 8  # cycles between two RPDO2 of one node that does not show the wanted mode yet
 
 _SET, _MODE = struct.Struct("<Hi"), struct.Struct("<b")
 _STATUS, _TORQUE, _INPUTS = struct.Struct("<Hi"), struct.Struct("<hi"), struct.Struct("<Ib")
+_PROBED, _PLACES, _WORD = struct.Struct("<IbH"), struct.Struct("<ii"), struct.Struct("<H")
+PROBE_ON = 0x31  # 60B8h of probe 1: enabled, first event, its own input, both edges
+ARMED, RISEN, FALLEN = 1, 2, 4  # 60B9h
+TAKEN = RISEN | FALLEN
+PLACES_WITHIN = 2  # cycles the places of an edge may come behind its status
 
 
 @dataclass(slots=True)
@@ -43,6 +54,14 @@ class _Node:
     mode: int = 0
     error: int = 0
     wait: int = 0  # cycles until RPDO2 may be sent again
+    probe: int = 0  # touch probe that measures: 1, 2; 0: none
+    status: int = -1  # its byte of 60B9h, -1: not heard yet
+    places: tuple[int, int] = (0, 0)  # of its last rising and falling edge
+    edges: int = 0  # of its status, not told yet
+    settling: int = 0
+    arm: int = -1  # 60B8h sent last
+    wait_arm: int = 0
+    latched: Latched = Latched()
     set_id: int = field(init=False)
     mode_id: int = field(init=False)
 
@@ -53,15 +72,19 @@ class _Node:
 class Cia402Family:
     """Nodes of one bus; `axes`: (index in the cell, node)."""
 
-    def __init__(self, axes: Sequence[tuple[int, int]], heartbeat_cycles: int, quiet_cycles: int) -> None:
-        """The heartbeat leaves every `heartbeat_cycles`, first after `quiet_cycles`: by then a predecessor's death was noticed."""
+    def __init__(
+        self, axes: Sequence[tuple[int, int]], heartbeat_cycles: int, quiet_cycles: int, probes: Mapping[int, int] = NO_PROBES
+    ) -> None:
+        """The heartbeat leaves every `heartbeat_cycles`, first after `quiet_cycles`: by then a predecessor's death was noticed.  probes:
+        nodes whose touch probe (1, 2) measures."""
         self.aside: list[Frame] = []
-        self._nodes = {number: _Node(index, number) for index, number in axes}
+        self._nodes = {number: _Node(index, number, probe=probes.get(number, 0)) for index, number in axes}
         self._heartbeat_cycles, self._beat = max(1, heartbeat_cycles), max(1, quiet_cycles)
         self._heartbeat = heartbeat(GATEWAY_NODE, State.OPERATIONAL)
         self._status = {cobid.tpdo(1, number): node for number, node in self._nodes.items()}
         self._others = {TPDO2 + number: node for number, node in self._nodes.items()}
         self._others |= {TPDO3 + number: node for number, node in self._nodes.items()}
+        self._others |= {TPDO4 + number: node for number, node in self._nodes.items() if number in probes}
 
     @property
     def expected(self) -> int:
@@ -73,6 +96,7 @@ class Cia402Family:
         found = self._nodes.get(node)
         if found is not None:
             found.released, found.mode, found.error = True, mode, 0
+            found.status, found.edges = -1, 0
 
     def answers(self, node: int, mode: int) -> None:
         """Heard beside another master: one that answers SYNC was configured by him, in this mode as long as nothing else is heard."""
@@ -103,6 +127,8 @@ class Cia402Family:
                 modes += self._mode(node, value.mode)
             else:
                 node.wait = 0
+            if node.probe:
+                modes += _arming(node)
         frames += modes
         self._beat -= 1
         if self._beat <= 0:
@@ -127,7 +153,11 @@ class Cia402Family:
             if not node.released:
                 return None
             status, position = _STATUS.unpack(data)
-            actual = Cia402Actual(status, position, node.torque, node.lag, node.inputs, node.mode, node.error)
+            if node.edges:
+                _settle(node)
+            actual = Cia402Actual(
+                status, position, node.torque, node.lag, node.inputs, node.mode, node.error, node.latched if node.probe else None
+            )
             return Heard(node.index, actual)
         node = self._others.get(identifier)
         if node is not None:
@@ -155,7 +185,48 @@ def _take(node: _Node, identifier: int, data: bytes) -> None:
         if len(data) != _TORQUE.size:
             raise DecodeError(f"TPDO2 of node {node.number}: {_TORQUE.size} bytes expected, {data.hex(' ')}")
         node.torque, node.lag = _TORQUE.unpack(data)
+    elif identifier == TPDO4 + node.number:
+        if len(data) != _PLACES.size:
+            raise DecodeError(f"TPDO4 of node {node.number}: {_PLACES.size} bytes expected, {data.hex(' ')}")
+        node.places = _PLACES.unpack(data)
+    elif node.probe:
+        if len(data) != _PROBED.size:
+            raise DecodeError(f"TPDO3 of node {node.number}: {_PROBED.size} bytes expected, {data.hex(' ')}")
+        node.inputs, node.mode, status = _PROBED.unpack(data)
+        _shown(node, status)
     else:
         if len(data) != _INPUTS.size:
             raise DecodeError(f"TPDO3 of node {node.number}: {_INPUTS.size} bytes expected, {data.hex(' ')}")
         node.inputs, node.mode = _INPUTS.unpack(data)
+
+
+def _shown(node: _Node, status: int) -> None:
+    """60B9h: an edge is one whose bit was not there before; what the first telegram says is the beginning."""
+    byte = status >> 8 * (node.probe - 1) & 0xFF
+    new = byte & TAKEN & ~node.status if node.status >= 0 else 0
+    node.status = byte
+    if new:
+        node.edges, node.settling = node.edges | new, PLACES_WITHIN
+
+
+def _settle(node: _Node) -> None:
+    """Its places may come behind the status: an edge is told when both are here."""
+    node.settling -= 1
+    if node.settling > 0:
+        return
+    before, (rising, falling) = node.latched, node.places
+    rises, falls = before.rises + bool(node.edges & RISEN), before.falls + bool(node.edges & FALLEN)
+    node.latched, node.edges = Latched(rises, rising, falls, falling), 0
+
+
+def _arming(node: _Node) -> list[Frame]:
+    """Switched off and on again after every edge, so that the next one is seen even at the same place."""
+    if node.status < 0 or node.edges or node.status & (TAKEN | ARMED) == ARMED:
+        node.arm = -1
+        return []
+    wanted = 0 if node.status & TAKEN else PROBE_ON << 8 * (node.probe - 1)
+    node.wait_arm = 0 if wanted != node.arm else node.wait_arm - 1
+    if node.wait_arm > 0:
+        return []
+    node.arm, node.wait_arm = wanted, MODE_EVERY
+    return [Frame(cobid.rpdo(3, node.number), _WORD.pack(wanted))]

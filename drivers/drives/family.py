@@ -7,7 +7,7 @@ bits, identifiers and frames that is, only the family knows (AX-300).
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum, auto
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, runtime_checkable
 
 from protocols.base.machine import Frame, Ns
 
@@ -56,6 +56,23 @@ class Demand(NamedTuple):
     speed_rpm: float = 0.0  # feed-forward
     limit_switch: bool = False  # ENABLE LIMIT SWITCH (rho3 2.7)
     home: bool = False  # reference by itself: counts by its rising edge, gives up by its level
+
+
+class Latched(NamedTuple):
+    """What a drive's own touch probe has caught so far: edges of each kind, and where the drive was at the last one."""
+
+    rises: int = 0
+    rising_inc: int = 0
+    falls: int = 0
+    falling_inc: int = 0
+
+
+@runtime_checkable
+class Latching(Protocol):
+    """An actual value that tells of a touch probe; None: this drive has none, or it has not spoken yet."""
+
+    @property
+    def latched(self) -> Latched | None: ...
 
 
 class Actual(Protocol):

@@ -98,7 +98,7 @@ def plant(check: Context) -> None:
 def _plant_axis(check: Context, axis: Axis, values: PlantAxis) -> None:
     key = f"plant.axis.{axis.name}"
     switch = values.reference_switch
-    for name, span in (("reference_switch", switch), ("hard_limits", values.hard_limits)):
+    for name, span in (("reference_switch", switch), ("hard_limits", values.hard_limits), ("probe", values.probe)):
         if span is not None and span.from_ >= span.to:
             check.fault(f"{key}.{name}", f"{number(span.from_)}..{number(span.to)}", "from has to be below to", "", axis.unit)
     if values.hard_limits and not values.hard_limits.from_ <= values.start <= values.hard_limits.to:

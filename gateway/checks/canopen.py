@@ -3,11 +3,12 @@
 from collections.abc import Iterator
 
 from drivers.drives.canopen_plan import Used, collisions, dictionary_map_faults, gateway_identifiers, io_pdos, node_identifiers, restricted
-from drivers.drives.cia402_boot import default_pdos
+from drivers.drives.cia402_boot import default_pdos, probe_pdos
 from drivers.drives.cia402_family import GATEWAY_NODE
 from gateway.canopen_sheets import read_eds
 from gateway.cell import Axis, Bus, Cell, Notice
 from gateway.checks.context import Context
+from gateway.programplan import probe_of
 from protocols.servodyn import plan
 
 SHOWN = 3  # faults of a data sheet told one by one
@@ -46,7 +47,11 @@ def used_on(cell: Cell, bus: Bus) -> list[Used]:
         found = gateway_identifiers(GATEWAY_NODE)
         for axis in axes:
             if axis.drive.node is not None:
-                found += node_identifiers(axis.drive.node, f"axis {axis.name}", default_pdos(axis.drive.node, torque=True))
+                measuring = probe_of(cell, axis.name)
+                pdos = default_pdos(axis.drive.node, torque=True)
+                if measuring is not None:
+                    pdos = probe_pdos(axis.drive.node, measuring.probe, pdos)
+                found += node_identifiers(axis.drive.node, f"axis {axis.name}", pdos)
         for node in sorted({io.device.node for io in cell.io if io.device.bus == bus.name and io.device.node is not None}):
             found += node_identifiers(node, f"coupler {node}", io_pdos(node))
         return found

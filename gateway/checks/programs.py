@@ -3,7 +3,9 @@
 from collections.abc import Iterator
 
 from gateway.axes import rc_numbers
+from gateway.canopen_sheets import read_eds
 from gateway.cell import Cell, Notice
+from gateway.cell_belts import Measuring
 from gateway.checks.context import Context, twice
 from gateway.controllers import boards_of, p11_of
 from gateway.families import DRIVE_PROTOCOLS, make_family
@@ -92,6 +94,9 @@ def _measuring(check: Context) -> None:
     for each in cell.measuring:
         for axis in each.axes:
             check.unknown(f"measuring.{each.channel}.axes", axis, "axis")
+        _probes(check, each)
+    for twofold, _, _ in twice((name, str(each.channel)) for each in cell.measuring for name in each.drives):
+        check.fault("measuring.drives", twofold, "another table has the touch probe of this drive already")
     if not cell.measuring or cell.controller is None or cell.controller.kind != "rho3" or cell.rho3 is None:
         return
     try:
@@ -104,6 +109,29 @@ def _measuring(check: Context) -> None:
             check.fault(f"measuring.{each.channel}.channel", each.channel, f"inadmissable input: P11 gives {given}")
 
 
+def _probes(check: Context, measuring: Measuring) -> None:
+    """A wire comes to an RC input or to drives; only CiA 402 drives have touch probes, and those only stand for a probe 6x0."""
+    key = f"measuring.{measuring.channel}"
+    if (measuring.input < 0) is (not measuring.drives):
+        check.fault(f"{key}.input", measuring.input, "its wire comes to an RC input (input) or to drives (drives): name one")
+    if not measuring.drives:
+        return
+    if measuring.channel % 10:
+        check.fault(f"{key}.drives", measuring.channel, "drives catch edges of a probe 6x0; an input 6xy needs its level: input")
+    axes = {axis.name: axis for axis in check.cell.axis}
+    for name in measuring.drives:
+        if check.unknown(f"{key}.drives", name, "axis") or name not in axes:
+            continue
+        if measuring.axes and name not in measuring.axes:
+            check.fault(f"{key}.drives", name, "is not among the axes of the board")
+        if axes[name].drive.type != "cia402":
+            check.fault(f"{key}.drives", name, "its drive has no touch probe (60B8h): take the wire to an RC input")
+            continue
+        sheet = read_eds(check.cell, axes[name], simulated=False)
+        if sheet is not None and sheet.dictionary.entry(0x60B8, 0) is None:
+            check.fault(f"{key}.drives", name, f"{sheet.path.name} has no touch probe (60B8h): take the wire to an RC input")
+
+
 def wires(cell: Cell) -> Iterator[Notice]:
     """Which way each measuring input takes (AX-481)."""
     if not cell.measuring:
@@ -112,6 +140,10 @@ def wires(cell: Cell) -> Iterator[Notice]:
     fast = fast_wires(cell, buses)
     numbers = fast.numbers if fast is not None else frozenset()
     for each in cell.measuring:
+        if each.drives:
+            where = f"touch probe {each.probe} of {', '.join(each.drives)}"
+            yield Notice("note", f"measuring.{each.channel}.drives", f"{where} measures, other axes at that instant (AX-569)")
+            continue
         way = "is heard in the cycle" if each.input in numbers else "comes through the services, a cycle or two later"
         yield Notice("note", f"measuring.{each.channel}.input", f"RC input {each.input} {way} (AX-481)")
 

@@ -16,9 +16,9 @@ from gateway.files import read_text
 from gateway.image import RegionReader, RegionWriter, RingReader, RingWriter, fds_from_text
 from gateway.journal import Journal
 from gateway.pathoutputs import output_places
-from gateway.programplan import machine_of_cell, measured_mask, written_for
+from gateway.programplan import machine_of_cell, measuring_facts, written_for
 from gateway.pure.permits import free_outputs
-from gateway.pure.plannerrecords import SAY_LAYOUT, MeasuringFacts, PlannerState, pack_piece, pack_planner, unpack_block, unpack_planner
+from gateway.pure.plannerrecords import SAY_LAYOUT, PlannerState, pack_piece, pack_planner, unpack_block, unpack_planner
 from gateway.pure.programfollow import follow, standing
 from gateway.pure.programs import Programs
 from gateway.pure.records import CellState, unpack_cell_state
@@ -47,7 +47,7 @@ class PlannerProcess:
         self.programs.functions = output_places(plan.cell)
         self.programs.windows = [window_of(axis) for axis in plan.cell.axis]
         self.programs.option = plan.cell.alter is not None
-        self.programs.channels = {each.channel: MeasuringFacts(each.input, measured_mask(plan.cell, each)) for each in plan.cell.measuring}
+        self.programs.channels = measuring_facts(plan.cell)
         said = self.region.latest()
         if said is not None:
             self.programs.follows(unpack_planner(said))

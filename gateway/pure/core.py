@@ -278,6 +278,8 @@ class Core:
     def _drive(self, actuals: Sequence[Actual | None], inputs: InputImage) -> list[SetRecord]:
         """All of it happens once per SYNC."""
         mover, homings = self._mover, self._homings
+        if mover.probing:
+            mover.hear(actuals)
         sample = mover.step(inputs)
         if homings.under_way:
             homings.step(actuals)

@@ -7,6 +7,9 @@ get levels and stamps from the image, and positions as the drives latched them (
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+from drivers.drives.family import Latched
+from gateway.pure.coreaxis import HeldAxis
+from gateway.pure.coreprobes import DriveProbe
 from gateway.pure.inputrecords import FlyingAt, StartOrder
 from gateway.pure.records import CellState, InputImage, Quality
 from motion.measure.flying import FlyingMeasurement
@@ -44,6 +47,18 @@ class Wire:
         return stamp if known < stamp <= now + self.period_ns else now
 
 
+@dataclass(slots=True)
+class Armed:
+    """One channel that waits for its edge.  probe: drives catch it; told: and the edge was handed on."""
+
+    wire: Wire
+    bench: Bench
+    mask: int
+    since: Ns
+    probe: DriveProbe | None = None
+    told: bool = False
+
+
 class CoreFlying:
     """Probes that store @MPOS on the way: `state.measured_mask`, and `measured` of each axis."""
 
@@ -51,7 +66,7 @@ class CoreFlying:
         self._state, self._axes, self._period_ns = state, axes, period_ns
         self._probes = FlyingMeasurement()
         self._history = History(axes)
-        self._armed: dict[int, tuple[Wire, Bench, int]] = {}  # channel -> wire, what it measures, mask
+        self._armed: dict[int, Armed] = {}  # by channel
         self._edges: list[Edge] = []  # whose positions are not known yet
 
     def program_started(self) -> None:
@@ -68,6 +83,17 @@ class CoreFlying:
     def on(self) -> bool:
         """A probe waits for its edge."""
         return bool(self._armed)
+
+    @property
+    def by_drives(self) -> bool:
+        """Drives catch an edge that is waited for."""
+        return any(armed.probe is not None for armed in self._armed.values())
+
+    def hear(self, said: Sequence[tuple[Latched, HeldAxis] | None]) -> None:
+        """What the drives' own probes have caught, before look()."""
+        for armed in self._armed.values():
+            if armed.probe is not None:
+                armed.probe.hear(said)
 
     def read(self, channel: int) -> int:
         """What the channel reads for the program: 1 once it has measured."""
@@ -87,12 +113,17 @@ class CoreFlying:
         bench = Bench(axes, (), boards, self._history, MeasuredPosition(axes), self._period_ns, self._period_ns * 1e-9)
         self._probes.on(KINEMATIC, int(order.edge), order.channel, bench, now)
         wire = Wire(order.number, self._period_ns)
-        wire.look(inputs, now)
-        self._armed[order.channel] = wire, bench, order.mask
+        if not order.drives:
+            wire.look(inputs, now)
+        probe = DriveProbe(order.drives, order.edge) if order.drives else None
+        self._armed[order.channel] = Armed(wire, bench, order.mask, now, probe)
 
     def look(self, inputs: InputImage, now: Ns) -> None:
         """Once a cycle, before the positions of the cycle are known."""
-        for channel, (wire, _, _) in self._armed.items():
+        for channel, armed in self._armed.items():
+            if armed.probe is not None:
+                continue
+            wire = armed.wire
             first, stamp = wire.level is None, wire.look(inputs, now)
             if stamp is not None and not first:
                 self._edges.append(Edge(channel, stamp, bool(wire.level)))
@@ -101,14 +132,24 @@ class CoreFlying:
         """places: (axes,) as latched at this SYNC."""
         now = self._state.sync_ns
         self._history.add(now, places)
+        self._caught()
         self._probes.step(tuple(edge for edge in self._edges if edge.stamp_ns <= now))
         self._edges = [edge for edge in self._edges if edge.stamp_ns > now]  # where the axes were then comes with the next SYNC
         for channel in [channel for channel in self._armed if self._probes.input(channel)]:
-            _, bench, mask = self._armed.pop(channel)
+            armed = self._armed.pop(channel)
+            caught = armed.probe.places if armed.probe is not None else {}
             for n in range(self._axes):
-                if mask >> n & 1:
-                    self._state.axes[n].measured = bench.mpos.component(n)
-            self._state.measured_mask = mask
+                if armed.mask >> n & 1:
+                    self._state.axes[n].measured = caught.get(n, armed.bench.mpos.component(n))
+            self._state.measured_mask = armed.mask
+
+    def _caught(self) -> None:
+        """Edges of drives whose instant is known now."""
+        for channel, armed in self._armed.items():
+            instant = armed.probe.instant(self._history) if armed.probe is not None and not armed.told else None
+            if armed.probe is not None and instant is not None:
+                armed.told = True
+                self._edges.append(Edge(channel, max(instant, armed.since), armed.probe.edge))
 
 
 @dataclass(slots=True)

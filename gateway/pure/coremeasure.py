@@ -6,6 +6,9 @@ SYNCs is interpolated (motion.measure).  Source: rho 3 Releases part 1, L1100-12
 
 from collections.abc import Sequence
 
+from drivers.drives.family import Latched
+from gateway.pure.coreaxis import HeldAxis
+from gateway.pure.coreprobes import DriveProbe
 from gateway.pure.plannerrecords import UntilInput
 from gateway.pure.records import CellState, InputImage, Quality
 from motion.measure.history import History
@@ -25,6 +28,7 @@ class CoreMeasure:
     def __init__(self, state: CellState, axes: int, period_ns: Ns) -> None:
         self._state, self._axes, self._period_ns = state, axes, period_ns
         self._until: UntilInput | None = None
+        self._probe: DriveProbe | None = None  # of a part whose edge the drives catch
         self._history = History(axes)
         self._level: bool | None = None  # of the last cycle in which the input was good
         self._stamp: Ns = 0  # of its byte then
@@ -41,11 +45,23 @@ class CoreMeasure:
         """The part that follows ends with this input."""
         self._until, self._history = until, History(self._axes)
         self._level, self._hit, self._stored, self._patience = None, None, False, PATIENT
-        self._see(until, inputs, now)
+        self._probe = DriveProbe(until.drives, until.level) if until.drives else None
+        if self._probe is None:
+            self._see(until, inputs, now)
 
     def end(self) -> None:
         """The part is over, or the program."""
-        self._until = None
+        self._until, self._probe = None, None
+
+    def hear(self, said: Sequence[tuple[Latched, HeldAxis] | None]) -> None:
+        """What the drives' own probes have caught, before look()."""
+        if self._probe is not None:
+            self._probe.hear(said)
+
+    @property
+    def by_drives(self) -> bool:
+        """The drives catch the edge of this part."""
+        return self._probe is not None
 
     @property
     def on(self) -> bool:
@@ -71,6 +87,9 @@ class CoreMeasure:
         until = self._until
         if until is None or path is State.IDLE:
             return False
+        if self._probe is not None:
+            self._hit = now if self._hit is None and self._probe.hit else self._hit
+            return self._hit is not None and path is State.RUNNING
         before = self._level
         edge = self._see(until, inputs, now)
         if self._hit is None and self._level is until.level and ((before is not None and before is not until.level) or not until.by_edge):
@@ -92,6 +111,10 @@ class CoreMeasure:
         if self._hit is None or self._stored:
             return
         self._patience -= 1
+        if self._probe is not None:
+            self._hit = self._probe.instant(self._history) or 0
+            if not self._hit:
+                return
         board = frozenset(n for n in range(self._axes) if until.mask >> n & 1)
         asked = MeasuringInput(0, InputKind.PROBE if until.by_edge else InputKind.HIGH_SPEED, BOARD, 0)
         hit = max(self._hit, self._history.oldest_ns or 0)  # the part began with the oldest
@@ -101,7 +124,8 @@ class CoreMeasure:
         self._stored, mask = True, 0
         for n, place in enumerate(found):
             if place is not None:
-                self._state.axes[n].measured, mask = place, mask | 1 << n
+                caught = self._probe.places.get(n, place) if self._probe is not None else place
+                self._state.axes[n].measured, mask = caught, mask | 1 << n
         self._state.measured_mask = mask
 
     def _see(self, until: UntilInput, inputs: InputImage, now: Ns) -> Ns:

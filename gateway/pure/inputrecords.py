@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from gateway.pure.plannerrecords import Part, PieceRecord
 from motion.pieces import RECORD_SIZE
 
-_START, _FLYING = struct.Struct("=i?d"), struct.Struct("=QdiiI??")
+_START, _FLYING = struct.Struct("=i?d"), struct.Struct("=QdiiI??I")
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +21,7 @@ class StartOrder:
 @dataclass(frozen=True, slots=True)
 class FlyingAt:
     """SF 43 or SF 44 so long (s at full speed) after the beginning of a piece.  channel: probe 6x0; number: RC input of its wire; mask:
-    axes (bit n-1 = axis n) whose positions are stored; edge: True positive, None: switched off."""
+    axes (bit n-1 = axis n) whose positions are stored; edge: True positive, None: switched off; drives: axes whose drives catch it."""
 
     piece: int
     after: float
@@ -29,6 +29,7 @@ class FlyingAt:
     number: int
     mask: int
     edge: bool | None
+    drives: int = 0
 
 
 def start_record(job: int, generation: int, order: StartOrder) -> PieceRecord:
@@ -44,13 +45,13 @@ def start_of(record: PieceRecord) -> StartOrder:
 def flying_record(job: int, generation: int, at: FlyingAt) -> PieceRecord:
     """As a record of the pieces ring."""
     on, positive = at.edge is not None, at.edge is True
-    return _record(Part.FLYING, job, generation, _FLYING.pack(at.piece, at.after, at.channel, at.number, at.mask, on, positive))
+    return _record(Part.FLYING, job, generation, _FLYING.pack(at.piece, at.after, at.channel, at.number, at.mask, on, positive, at.drives))
 
 
 def flying_of(record: PieceRecord) -> FlyingAt:
     """The reverse of flying_record."""
-    piece, after, channel, number, mask, on, positive = _FLYING.unpack_from(record.piece)
-    return FlyingAt(piece, after, channel, number, mask, positive if on else None)
+    piece, after, channel, number, mask, on, positive, drives = _FLYING.unpack_from(record.piece)
+    return FlyingAt(piece, after, channel, number, mask, positive if on else None, drives)
 
 
 def _record(part: Part, job: int, generation: int, body: bytes) -> PieceRecord:

@@ -6,11 +6,13 @@ A cell with belts or a correction has one more: gateway.pure.beltmover, gateway.
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from drivers.drives.family import Actual
 from gateway.pure.coreaxis import HeldAxis
 from gateway.pure.coredriveon import DriveOnGate
 from gateway.pure.corehoming import Homings
 from gateway.pure.coreinputs import CoreFlying, CoreStart
 from gateway.pure.coremeasure import CoreMeasure
+from gateway.pure.coreprobes import latches
 from gateway.pure.coreprogram import ProgramRun
 from gateway.pure.inputrecords import FlyingAt, flying_of, start_of
 from gateway.pure.plannerrecords import FunctionAt, Part, PieceRecord, SwitchAt, function_number, function_of, switch_of, until_of
@@ -319,6 +321,17 @@ class Mover:
     def _release(self) -> None:
         self.start.end()
         self.stepper.set_override(self.override)
+
+    @property
+    def probing(self) -> bool:
+        """What the drives' own probes catch is wanted (hear)."""
+        return self.measure.by_drives or self.flying.by_drives
+
+    def hear(self, actuals: Sequence[Actual | None]) -> None:
+        """actuals: (axes,) of this SYNC, before step()."""
+        said = latches(self._axes, actuals)
+        self.measure.hear(said)
+        self.flying.hear(said)
 
     def store(self, actual: Sequence[float | None]) -> None:
         """actual: (axes,) as latched at this SYNC, None where the telegram did not come."""

@@ -142,26 +142,30 @@ class FunctionAt:
 
 @dataclass(frozen=True, slots=True)
 class MeasuringFacts:
-    """[[measuring]]: RC input that carries the wire of a channel, axes (bit n-1 = axis n) whose positions it stores."""
+    """[[measuring]]: RC input that carries the wire of a channel, axes (bit n-1 = axis n) whose positions it stores; drives: those whose
+    own touch probe catches the edge (then there is no input: -1)."""
 
     input: int
     mask: int
+    drives: int = 0
 
 
 @dataclass(frozen=True, slots=True)
 class UntilInput:
-    """RC input `number` has this value.  mask: axes whose positions are stored; by_edge: a probe, it has to change during the block."""
+    """RC input `number` has this value.  mask: axes whose positions are stored; by_edge: a probe, it has to change during the block;
+    drives: axes whose drives catch its edge."""
 
     number: int
     level: bool
     mask: int = 0
     by_edge: bool = False
+    drives: int = 0
 
 
 VOID = -1
 PPO_NUMBERS = 1000  # added to the number of a PPO where a function is told as one number
 _FUNCTION = struct.Struct("=Qd?iiiddi")
-_SWITCH, _UNTIL = struct.Struct("=Qdi?"), struct.Struct("=i?I?")
+_SWITCH, _UNTIL = struct.Struct("=Qdi?"), struct.Struct("=i?I?I")
 
 
 def switch_record(job: int, generation: int, switch: SwitchAt) -> PieceRecord:
@@ -172,9 +176,8 @@ def switch_record(job: int, generation: int, switch: SwitchAt) -> PieceRecord:
 
 def until_record(job: int, generation: int, until: UntilInput) -> PieceRecord:
     """As a record of the pieces ring."""
-    return PieceRecord(
-        Part.UNTIL, job, generation, _UNTIL.pack(until.number, until.level, until.mask, until.by_edge).ljust(RECORD_SIZE, b"\0")
-    )
+    body = _UNTIL.pack(until.number, until.level, until.mask, until.by_edge, until.drives)
+    return PieceRecord(Part.UNTIL, job, generation, body.ljust(RECORD_SIZE, b"\0"))
 
 
 def function_record(job: int, generation: int, at: FunctionAt) -> PieceRecord:

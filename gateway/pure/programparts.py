@@ -159,7 +159,7 @@ class Measuring:
         if facts is None or asked.kind in (InputKind.MODIFIED, InputKind.NORMAL):
             known = ", ".join(f"ch{channel}" for channel in sorted(self.channels)) or "none"
             raise ProgramFault(INADMISSABLE_INPUT, f"channel {until.channel}; this cell has {known} ([[measuring]])")
-        return UntilInput(facts.input, until.value, facts.mask & mask, asked.by_edge)
+        return UntilInput(facts.input, until.value, facts.mask & mask, asked.by_edge, facts.drives & mask)
 
     def start(self, wait: StartWait) -> StartOrder:
         """Raises ProgramFault inadmissable input for what is no high-speed input of the cell."""
@@ -170,7 +170,7 @@ class Measuring:
     def flying(self, piece: int, after: float, call: Flying, mask: int) -> FlyingAt:
         """Raises ProgramFault inadmissable input for what is no probe of the cell."""
         wire = self._wire(call.channel, InputKind.PROBE)
-        return FlyingAt(piece, after, call.channel, wire.input, wire.mask & mask, call.edge)
+        return FlyingAt(piece, after, call.channel, wire.input, wire.mask & mask, call.edge, wire.drives & mask)
 
     def _wire(self, channel: int, kind: InputKind) -> MeasuringFacts:
         facts = self.channels.get(channel)

@@ -32,8 +32,8 @@ FACTS = {1: ProgramFacts("there", ALL), 2: ProgramFacts("back", ALL)}
 class WithPlanner:
     """A cell in virtual time and the planner's inside beside it: one turn a cycle."""
 
-    def __init__(self) -> None:
-        self.cell = CellBench(cell=CELL)
+    def __init__(self, cell: CellBench | None = None) -> None:
+        self.cell = cell or CellBench(cell=CELL)
         self.cell.office = Office(self.cell.office.axes, self.cell.office._plan, 1, FACTS)
         self.cell.run(0.1)
         for code in (Code.REQUEST_CONTROL, Code.OVERRIDE, Code.ENABLE):

@@ -39,6 +39,11 @@ class History:
         """Stamp of the first positions still kept."""
         return self._places[0].stamp_ns if self._places else None
 
+    @property
+    def stamps(self) -> list[int]:
+        """Of everything that is kept, rising."""
+        return [place.stamp_ns for place in self._places]
+
     def add(self, stamp_ns: int, q: Sequence[float], qd: Sequence[float] | None = None) -> None:
         """Positions (m or rad) at this instant, and their speeds (per s) where they are known."""
         if len(q) != self._axes or (qd is not None and len(qd) != self._axes):
