@@ -88,15 +88,15 @@ def test_a_drive_stops_the_axes_and_mpos_is_the_place_it_has_latched(both: Probe
 
 def test_the_same_place_is_measured_again_and_again(both: Probes) -> None:
     for _ in range(2):
-        job = both.order(f"ptp joints {joints(90)} until=ch610", f"ptp joints {joints(2)}", velocity=0.5)
+        job = both.order(f"ptp joints {joints(90)} until=ch610", f"ptp joints {joints(2)}")
         assert done(both, job) and both.measured()[0] == pytest.approx(AT, abs=2e-4)
         assert max(one for one, _ in both.seen) < 80.0
         both.seen.clear()
 
 
 def test_a_falling_edge_is_another_place(both: Probes) -> None:
-    assert done(both, both.order(f"ptp joints {joints(60)}"))
-    assert done(both, both.order(f"ptp joints {joints(3)} until=!ch610", velocity=0.2))
+    assert done(both, both.order(f"ptp joints {joints(30)}"))
+    assert done(both, both.order(f"ptp joints {joints(3)} until=!ch610", velocity=0.5))
     assert both.measured()[0] == pytest.approx(AT, abs=2e-4) and 4.0 < both.places()[0] < AT
 
 
@@ -106,8 +106,8 @@ def test_an_edge_before_the_block_is_not_the_blocks(both: Probes) -> None:
 
 
 def test_a_flying_measurement_takes_the_drives_place_too(both: Probes) -> None:
-    assert done(both, both.order("measure_on ch610", f"ptp joints {joints(70)}", "measure_off ch610", f"ptp joints {joints(69)}"))
-    assert both.measured()[0] == pytest.approx(AT, abs=2e-4) and both.at(69.0)
+    assert done(both, both.order("measure_on ch610", f"ptp joints {joints(38)}", "measure_off ch610", f"ptp joints {joints(37)}"))
+    assert both.measured()[0] == pytest.approx(AT, abs=2e-4) and both.at(37.0)
     assert both.measured()[1] == pytest.approx(both.second_at(AT), abs=0.02)
 
 
