@@ -17,7 +17,7 @@ from hil_tests.pair import MATE, Mate, Pair
 from hil_tests.pair import REPORTS as MATES_REPORTS
 from hil_tests.purity import Purity
 from hil_tests.reports import Reporter
-from hil_tests.rig.uml.lane import REPORTS, GuestLane
+from hil_tests.rig.uml.lane import CLAIMS, REPORTS, GuestLane
 
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # hundreds of processes start in a run: each would compile axisgate anew
 sys.dont_write_bytecode = False
@@ -41,6 +41,8 @@ def pytest_configure(config: pytest.Config) -> None:
     plugins.register(Marks(config.getoption("--matrix")), "axisgate-marks")
     if REPORTS in os.environ:  # inside the guest
         plugins.register(Reporter(config, pathlib.Path(os.environ[REPORTS])), "axisgate-reporter")
+        if CLAIMS in os.environ:  # beside another guest
+            plugins.register(Mate(pathlib.Path(os.environ[CLAIMS])), "axisgate-mate")
     elif MATE in os.environ:  # the second process of the pure tests
         plugins.register(Reporter(config, pathlib.Path(os.environ[MATE], MATES_REPORTS)), "axisgate-reporter")
         plugins.register(Mate(pathlib.Path(os.environ[MATE])), "axisgate-mate")

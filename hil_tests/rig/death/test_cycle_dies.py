@@ -15,7 +15,7 @@ from hil_tests.lab.cell_running import P5_NS, CellRun, Disturbed, running_cell
 from hil_tests.lab.judge import Judge
 from hil_tests.lab.plc2 import ABORTED
 
-REPETITIONS = int(os.environ.get("AXISGATE_LOSSES", "3"))  # with two of CiA 402 drives 5 for each way; 25 in `make soak`: 100 in all
+REPETITIONS = int(os.environ.get("AXISGATE_LOSSES", "4"))  # with one of CiA 402 drives 5 for each way; 25 in `make soak`: 100 in all
 SUPERVISION_NS = 2 * P5_NS  # of the drives (AX-001)
 SYNC, FAULT_BIT = 100, 0x08
 ACTUALS = frozenset(range(610, 661, 10))

@@ -1,6 +1,7 @@
 """The guest's tests are collected here, run in guests, and reported here one by one.
 
-They are those marked `vcan` and, where the guest has a clock of its own, whole cells whose drives notice a late cycle (OWN_TIME).
+They are those marked `vcan` and, where the guest has a clock of its own, whole cells whose drives notice a late cycle, and lines that
+wait for seconds (OWN_TIME).
 Each counts as a test of this session: the guest's pytest writes its reports to a host file, they are replayed under the same test
 ids.  A guest that dies fails every test it did not report.
 """
@@ -22,8 +23,12 @@ REPORTS = "AXISGATE_GUEST_REPORTS"  # set inside the guest: file for the reports
 LIMIT = "AXISGATE_GUEST_LIMIT"  # seconds for the whole lane
 ON_HOST = "AXISGATE_TEST_ON_HOST"  # set by hand: only tests marked vcan go to the guest
 RIG = "hil_tests/rig/"
-OWN_TIME = ("belts", "canopen", "planner", "scope", "shadow")  # folders of the rig
-SECOND = ("canopen", "scope")  # of these, in the second guest
+CLAIMS = "AXISGATE_GUEST_CLAIMS"  # set inside the guest: folder where two guests share the modules (hil_tests/pair.py)
+OWN_TIME = (  # folders and modules of the rig: whole cells that a late cycle would stop; lines that wait for seconds
+    *("belts", "canopen", "planner", "scope", "shadow"),
+    *("line_tools/test_learn_the_demo.py", "line_tools/test_tools_on_a_cable.py", "modbus/test_modbus_probe.py"),
+    *("rho3/test_rho3_lines.py", "serial/test_line_3964r.py"),
+)
 
 
 def inside() -> bool:
@@ -33,8 +38,8 @@ def inside() -> bool:
 class Boot:
     """One guest with its tests; runs beside us until its results are asked for."""
 
-    def __init__(self, config: pytest.Config, folder: pathlib.Path, ids: Sequence[str]) -> None:
-        self._config, self._folder = config, folder
+    def __init__(self, config: pytest.Config, folder: pathlib.Path, ids: Sequence[str], claims: pathlib.Path | None = None) -> None:
+        self._config, self._folder, self._claims = config, folder, claims
         self._results: reports.Reports | None = None
         self.died = ""
         folder.mkdir(parents=True, exist_ok=True)
@@ -70,7 +75,9 @@ class Boot:
 
     def _environment(self) -> dict[str, str]:
         kept = {name: value for name, value in os.environ.items() if name == "CI" or name.startswith("AXISGATE_")}
-        return {**kept, "AXISGATE_RUNTIME": "/run/axisgate", REPORTS: str(self._folder / "reports.jsonl"), "PYTHONUNBUFFERED": "1"}
+        shared = {} if self._claims is None else {CLAIMS: str(self._claims)}
+        ours = {"AXISGATE_RUNTIME": "/run/axisgate", REPORTS: str(self._folder / "reports.jsonl"), "PYTHONUNBUFFERED": "1"}
+        return {**kept, **shared, **ours}
 
 
 class GuestLane:
@@ -83,7 +90,8 @@ class GuestLane:
     def __init__(self, config: pytest.Config) -> None:
         self._config = config
         self._folder = config.rootpath / "build" / "uml" / f"lane-{os.getpid()}"  # several sessions may run at once
-        self._boots: dict[str, Boot] = {}
+        self._boots: list[Boot] = []
+        self._results: reports.Reports = {}
 
     @pytest.hookimpl(trylast=True)
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
@@ -98,26 +106,35 @@ class GuestLane:
     def pytest_runtest_protocol(self, item: pytest.Item, nextitem: pytest.Item | None) -> bool | None:
         if not of_the_guest(item):
             return None
-        if item.nodeid not in self._boots:
+        if not self._boots:
             self._start(item.session)
-        boot = self._boots[item.nodeid]
-        reports.replay(item, nextitem, boot.results(), f"the guest did not report the end of this test; {boot.died}")
+        if not self._results:
+            self._results = {name: told for boot in self._boots for name, told in boot.results().items()}
+        died = "\n".join(boot.died for boot in self._boots)
+        reports.replay(item, nextitem, self._results, f"the guest did not report the end of this test; {died}")
         return True
 
     def pytest_sessionfinish(self) -> None:
         """An interrupted session takes its guests along."""
-        for boot in set(self._boots.values()):
+        for boot in self._boots:
             boot.end()
 
     def _start(self, session: pytest.Session) -> None:
-        """Two guests for two processors, of about the same length; one where the host's clock counts."""
+        """Two guests for two processors, which share the modules until they meet; one where the host's clock counts."""
         forget_the_dead(self._folder.parent)
-        chosen = [item for item in session.items if of_the_guest(item)]
-        second = [item for item in chosen if folder_of(item) in SECOND]
-        for name, items in (("first", [item for item in chosen if item not in second]), ("second", second)):
-            ids = [item.nodeid for item in items]
-            if ids:
-                self._boots.update(dict.fromkeys(ids, Boot(self._config, self._folder / name, ids)))
+        modules: dict[str, list[str]] = {}
+        for item in session.items:
+            if of_the_guest(item):
+                modules.setdefault(str(item.path), []).append(item.nodeid)
+        if not modules:
+            return
+        claims = self._folder / "claims" if guest.own_time() and len(modules) > 1 else None
+        turns = {"first": list(modules.values())}
+        if claims is not None:
+            claims.mkdir(parents=True)
+            turns["second"] = turns["first"][::-1]
+        for name, chosen in turns.items():
+            self._boots.append(Boot(self._config, self._folder / name, [each for ids in chosen for each in ids], claims))
 
 
 def of_the_guest(item: pytest.Item) -> bool:
@@ -126,13 +143,14 @@ def of_the_guest(item: pytest.Item) -> bool:
 
 
 def wants_own_time(item: pytest.Item) -> bool:
-    return folder_of(item) in OWN_TIME and guest.own_time() and ON_HOST not in os.environ
+    return of_one(item, OWN_TIME) and guest.own_time() and ON_HOST not in os.environ
 
 
-def folder_of(item: pytest.Item) -> str:
-    """Of the rig; "" for others."""
-    folder, _, rest = item.nodeid.removeprefix(RIG).partition("/")
-    return folder if rest and item.nodeid.startswith(RIG) else ""
+def of_one(item: pytest.Item, places: Sequence[str]) -> bool:
+    """Whether the test stands in one of these folders or modules of the rig."""
+    module = item.nodeid.partition("::")[0]
+    folder, _, rest = module.removeprefix(RIG).partition("/")
+    return module.startswith(RIG) and bool(rest) and not {folder, f"{folder}/{rest}"}.isdisjoint(places)
 
 
 def turn(item: pytest.Item) -> int:
