@@ -3,6 +3,7 @@
 import asyncio
 import contextlib
 import itertools
+import pathlib
 import time
 from collections.abc import AsyncIterator, Callable
 from functools import partial
@@ -21,6 +22,7 @@ STX, DLE, NAK = b"\x02", b"\x10", b"\x15"
 CHAR_NS = 11_000_000_000 / 9600
 BLOCK = bytes(range(128))  # holds a DLE
 RECOVERY_NS = 2_000_000_000
+VECTORS = pathlib.Path(__file__).parents[2] / "vectors" / "3964r_block_check.txt"  # number; payload; wire; once
 
 
 class Station:
@@ -92,6 +94,29 @@ def test_a_block_each_way(line: LineStarter) -> None:
     assert record.sent_by("B")[:3] == DLE + DLE + STX
     assert record.characters() == 2 * (len(wire) + 4)
     assert abs(pace_ns(record.stamps("A")[1 : len(wire) + 2]) / CHAR_NS - 1) < 0.01, "the block runs without gaps"
+
+
+def test_the_twelve_vectors_cross_the_line_in_their_written_form(line: LineStarter) -> None:
+    """Payload FF stands doubled on a pty (PARMRK form); the record has it as it was on the line."""
+    rig = line("--baud", "9600")
+    vectors = [tuple(map(bytes.fromhex, row.split(";")[1:3])) for row in VECTORS.read_text().splitlines() if row and row[0] != "#"]
+    payloads = [payload for payload, _ in vectors]
+
+    async def cross(sender: Station, hearer: Station) -> None:
+        for payload in payloads:
+            sender.send(payload)
+        await until(lambda: hearer.blocks == payloads and len(sender.told(BlockSent)) == 12, 20)
+
+    async def play() -> None:
+        async with pair(rig) as (a, b):
+            await cross(a, b)
+            await cross(b, a)
+
+    asyncio.run(play())
+    record = rig.record()
+    assert len(vectors) == 12
+    for side in "AB":
+        assert b"".join(STX + wire for _, wire in vectors) in record.sent_by(side)
 
 
 def test_both_at_once_and_both_arrive(line: LineStarter) -> None:
