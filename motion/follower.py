@@ -128,6 +128,7 @@ class Follower:
     def _commit(self, tail: list[TimedPiece], rows: list[Rows]) -> None:
         if tail[0].new_tail:
             self._cut(tail[0])
+        self._law.disturbed()
         for piece, table in zip(tail, rows, strict=True):
             self._begins.append(self._end)
             self._pieces.append(piece)
@@ -257,6 +258,7 @@ class Follower:
         if more == 0.0:
             return False
         more = self._law.bounded(self._u, more)
+        self._law.disturbed()
         self._u += h * more
         self._omega = min(max(self._omega + 0.5 * h * h * more, -1.0), 1.0)
         self._tau += h * h * h * more

@@ -49,6 +49,22 @@ class Rows(NamedTuple):
         return len(self.table[0, 0])
 
 
+class Span(NamedTuple):
+    """Rows that follow one another: (parts, columns, rows)."""
+
+    rows: Array
+
+    def most_u(self, omega: float) -> float:
+        """Highest |u| that is lawful at all of them with any omega up to this one."""
+        reach, bend = self.rows[Part.REACH], self.rows[Part.BEND]
+        return float((reach - omega * omega * np.absolute(bend)).min())
+
+    def most_c(self, omega: float, u: float) -> float:
+        """The same for |c|, with any omega and u up to these."""
+        pull, lean, twist = self.rows[Part.PULL :]
+        return float((pull - omega * (u * np.absolute(lean) + omega * omega * np.absolute(twist))).min())
+
+
 class Track:
     """Grows at the end, loses rows at both ends; what is looked at lies in a window, in one run of memory."""
 
@@ -139,6 +155,14 @@ class Track:
         index -= self._from
         here, rows = self._seen[: Part.PULL], self._seen[Part.PULL :]
         return here.take(index[:places], axis=2, mode="clip"), rows.take(index[places:], axis=2, mode="clip")
+
+    def span(self, low: float, high: float) -> Span:
+        """All rows from time to time, not copied; beyond the ends the first or last row."""
+        first, last = (int(max(tau, 0.0) * self._inverse) for tau in (low, high))
+        self._show(first, last)
+        end = self._seen.shape[2]
+        begin = min(max(first - self._from, 0), end - 1)
+        return Span(self._seen[:, :, begin : max(last + 1 - self._from, begin + 1)])
 
     def stands(self, tau: float) -> bool:
         """The path itself rests there."""
