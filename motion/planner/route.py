@@ -294,12 +294,22 @@ class Route:
             self._run_out(last)
             return 0.0
         shares = (1.0 - leave / last.length, reach / leg.length)
+        if last.block.blend.flyby == 0.0 and Interpolation.PTP not in (last.block.kind, leg.block.kind):
+            self._resting_in(rounded, last, leg, shares)
+            return reach
 
         def square() -> tuple[JointPath, JointPath]:
             return self._axes_of(last, last.length - leave, last.length, here), self._axes_of(leg, 0.0, reach, leg.start)
 
         self._put(Stretch(rounded, last.number, Kind.CORNER, last.block, shares, leg.block, way=last.length, square=square))
         return reach
+
+    def _resting_in(self, rounded: JointPath, last: Leg, leg: Leg, shares: tuple[float, float]) -> None:
+        """_IV_FLYBY_S = 0 (Reis L1792-1811, L2155): the path stays rounded, and the axes rest in the middle of it (AX-415)."""
+        middle = 0.5 * rounded.length
+        before, after = joint_part(rounded, 0.0, middle), joint_part(rounded, middle, rounded.length)
+        self._put(Stretch(before, last.number, Kind.MAIN, last.block, (shares[0], 1.0), stop=True, way=last.length))
+        self._put(Stretch(after, leg.number, Kind.MAIN, leg.block, (0.0, shares[1]), way=leg.length))
 
     def _join_slopes(self, last: Leg, leg: Leg, leave: float) -> float:
         """Block slope: the next block starts while this one still brakes, and both are added (motion.program.slopes)."""

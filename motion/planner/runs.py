@@ -188,7 +188,7 @@ def _flyby(stretch: Stretch, start: float, end: float, machine: Machine, factors
     """Reis: (v1 + v2) / 2 * _IV_FLYBY_S / 100 in the middle of the corner, straight to the speeds of both blocks at its ends."""
     both, share = _both_speeds(stretch), stretch.source.blend.flyby
     assert both is not None and share is not None
-    middle = max(0.5 * (both[0] + both[1]) * share, 1e-4)  # 0: a standstill would never be left; the law creeps through (AX-415)
+    middle = max(0.5 * (both[0] + both[1]) * share, 1e-4)  # 0 itself is a stop there (AX-415)
     step = (end - start) / FLYBY_STEPS
     caps = []
     for k in range(FLYBY_STEPS):

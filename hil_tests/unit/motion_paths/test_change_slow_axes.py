@@ -25,7 +25,7 @@ def pieces_of(speed: float, length: float, radius: float = math.inf) -> list[Tim
     times = np.linspace(0.0, total, math.ceil(total / 0.005) + 1)
     nodes = [node(t, speed, total, radius) for t in times]
     most = most_nodes(2) - 1
-    found = []
+    found: list[TimedPiece] = []
     for first in range(0, len(times) - 1, most):
         last = min(first + most, len(times) - 1)
         part = times[first : last + 1] - times[first]

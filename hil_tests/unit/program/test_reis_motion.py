@@ -174,6 +174,17 @@ def test_iv_flyby_s_is_the_share_of_the_mean_speed_in_the_middle_of_the_corner()
         assert speed[middle] == pytest.approx(wanted, rel=0.01), share
 
 
+@pytest.mark.requirement("RSV-MOT-07", by="motion.planner.route:Route._resting_in")
+@answers
+def test_iv_flyby_s_0_rests_once_in_the_middle_of_the_rounded_corner_and_goes_on() -> None:
+    places, speed = rounded(100.0, 200.0, BAHN_RADIUS=30, IV_FLYBY_S=0)
+    resting = np.nonzero(speed[20:-20] < 1.0)[0] + 20
+    assert 1 <= len(resting) <= 8 and resting[-1] - resting[0] < 8, "one short rest, no creeping"
+    x, y = places[resting[len(resting) // 2]]
+    assert (100.0 - x, y) == pytest.approx((0.1875 * 30, 0.1875 * 30), abs=0.02), "the middle of the same rounded path"
+    assert len(places) < 800, "a stop costs no more than braking and starting"
+
+
 @pytest.mark.requirement("RSV-MOT-08", by="motion.planner.route:Route._leave")
 @pytest.mark.requirement("RSV-MOT-08", "RSV-MOT-09", by="motion.program.reis:Path._blend")
 @answers

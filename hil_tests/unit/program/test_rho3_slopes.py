@@ -8,6 +8,7 @@ from hil_tests.lab.arms import Array, at, portal
 from motion.paths.joints import joint_line
 from motion.planner.route import Kind, Route, Stretch
 from motion.program.blocks import Blend, Block, Interpolation, JointTarget, PoseTarget, Rounding, Slope
+from motion.program.passing import Passing, Presets
 from motion.program.slopes import earliest, frozen, overlap, ramped, summed, within
 
 LIMITS = portal().limits
@@ -136,6 +137,28 @@ def test_r_0_goes_exactly_through_the_point_and_r_20_does_not() -> None:
 
     assert missed(row(0.0), (0.1, 0.0, 0.0)) < 1e-9 and row(0.0)[0].stop
     assert missed(row(0.02), (0.1, 0.0, 0.0)) == pytest.approx(0.1875 * 0.02 * 2**0.5, abs=1e-6) and not row(0.02)[0].stop
+
+
+@pytest.mark.requirement("RHO-MOT-07", by="motion.planner.route:_axis_range")
+@answers
+def test_r_ptp_0_stops_exactly_at_the_point_on_either_slope_and_r_ptp_1_passes_it() -> None:
+    passing = Passing(Presets(0.0, 1.0, axes=(0.02, 0.02, 0.02)))
+
+    def row(factor: float, slope: Slope) -> list[Stretch]:
+        found = passing.block(PTP, factor=factor)
+        blend = Blend(Rounding.JOINT, found.radius, found.radius, axes=found.axes)
+        path = [Block(PTP, JointTarget(q), blend=blend, slope=slope) for q in ((0.2, 0.0, 0.0), (0.2, 0.2, 0.0), (0.0, 0.2, 0.1))]
+        return stretches(path)
+
+    for slope in Slope:
+        exact, round_ = row(0.0, slope), row(1.0, slope)
+        for point in ((0.2, 0.0, 0.0), (0.2, 0.2, 0.0)):
+            assert missed(exact, point) < 1e-9 and missed(round_, point) > 1e-4, slope
+        assert [s.kind for s in exact] == [Kind.MAIN] * 3 and all(s.stop for s in exact), slope
+        assert not any(s.stop for s in round_[:-1]), slope
+    one = passing.block(PTP, factor=0.0)
+    alone = stretches([Block(PTP, JointTarget((0.2, 0.0, 0.0)), blend=Blend(Rounding.JOINT, axes=one.axes)), Block(LINEAR, at(100, 100))])
+    assert missed(alone, (0.2, 0.0, 0.0)) < 1e-9 and alone[0].stop, "into a LINEAR block too"
 
 
 def test_two_ptp_blocks_with_block_slope_and_axis_ranges() -> None:
