@@ -176,7 +176,7 @@ class Follower:
             self._change(wanted)
         else:
             self._tau += self._omega * self._h
-            self._track.foresee(self._tau)
+            self._track.foresee(self._tau, self._omega)
         samples = self._sampled()
         past = self._past
         if changing and len(past) == PAST and self._correct(samples):

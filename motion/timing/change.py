@@ -13,7 +13,7 @@ nearly the fastest: it is taken when it is at least as fast as what the first me
 Everything is written for omega that falls; for omega that rises v = -u takes the place of u.
 """
 
-from math import ceil, inf, nan, sqrt
+from math import ceil, inf, nan
 from typing import NamedTuple
 
 import numpy as np
@@ -143,17 +143,13 @@ class Change:
         h, left, top = self._h, wanted - w, max(abs(w), abs(wanted))
         if w * wanted < 0.0:
             return []
-        here = self._track.span(tau, tau)
-        most_u, most_c = here.most_u(0.0), here.most_c(0.0, 0.0)
+        most_u, most_c = self._track.here(tau)
         calm = least_time(left, most_u, most_c)
         longest = max(CALM_ENOUGH * calm, least_time(left, self._most_u, self._most_c)) + 2 * abs(u) / most_c + 2 * h
         way = (0.5 * (abs(w) + abs(wanted)) * calm + top * abs(u) / most_c) * CALM_ENOUGH
         sense = 1.0 if w + wanted > 0.0 else -1.0
         for _ in range(LOOKS):
-            span = self._span(tau, sense * way)
-            most_u = span.most_u(top)
-            peak = sqrt(max(span.most_c(top, 0.0), 0.0) * abs(left) + u * u)
-            most_c = span.most_c(top, min(most_u, peak))
+            most_u, most_c = self._span(tau, sense * way).most(top, left, u)
             if most_u <= 0.0 or most_c <= 0.0 or least_time(left, most_u, most_c) > longest:
                 return []
             found = phases(left, u, most_u, most_c, h)
@@ -170,8 +166,7 @@ class Change:
 
     def _calming(self, tau: float, w: float, u: float) -> list[Phase]:
         """To u = 0, whatever omega then is; none where even that would leave the limits."""
-        span = self._span(tau, w * self._track.ramp)
-        most_c = span.most_c(abs(w), abs(u))
+        _, most_c = self._span(tau, w * self._track.ramp).most(abs(w), 0.0, u)
         if most_c <= 0.0:
             return []
         found = calmed(u, most_c, self._h)

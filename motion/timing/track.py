@@ -11,7 +11,8 @@ from bisect import bisect_right
 from collections import deque
 from collections.abc import Sequence
 from enum import IntEnum
-from itertools import islice
+from itertools import chain, islice
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +25,7 @@ ACCEL_TOP, JERK_TOP = 1.0165, 1.07  # shares of the limits allowed while omega c
 LEAST = 1e-9  # s or s^2: q' over its limit; below it the column says nothing about u or c
 FREE = 1e8  # a limit above it is none
 VIEW = 240  # rows kept in view beside those asked for
+FAR = 320  # rows more, the way a steady speed goes
 NEXT = 120  # rows from the end of the view at which a steady period already looks further
 STILL = 1e-9  # shares of the limits below which the path itself stands: omega may be anything
 
@@ -43,6 +45,7 @@ class Rows(NamedTuple):
 
     first: int
     table: NDArray[np.float32]
+    resting: list[bool]  # of its rows: the path itself stands
 
     @property
     def size(self) -> int:
@@ -54,15 +57,20 @@ class Span(NamedTuple):
 
     rows: Array
 
-    def most_u(self, omega: float) -> float:
-        """Highest |u| that is lawful at all of them with any omega up to this one."""
-        reach, bend = self.rows[Part.REACH], self.rows[Part.BEND]
-        return float((reach - omega * omega * np.absolute(bend)).min())
-
-    def most_c(self, omega: float, u: float) -> float:
-        """The same for |c|, with any omega and u up to these."""
-        pull, lean, twist = self.rows[Part.PULL :]
-        return float((pull - omega * (u * np.absolute(lean) + omega * omega * np.absolute(twist))).min())
+    def most(self, omega: float, left: float, u: float) -> tuple[float, float]:
+        """Highest |u| that is lawful at all of them with any omega up to this one; highest |c| with any |u| that a change of omega by
+        `left`, begun at u, then comes to."""
+        reach, pull = self.rows[Part.REACH], self.rows[Part.PULL]
+        bend, _, lean, twist = np.absolute(self.rows[Part.BEND :])
+        bend *= omega * omega
+        np.subtract(reach, bend, out=bend)
+        most_u = float(np.minimum.reduce(bend, axis=None))
+        twist *= omega * omega * omega
+        np.subtract(pull, twist, out=twist)
+        free = max(float(np.minimum.reduce(twist, axis=None)), 0.0)
+        lean *= omega * min(most_u, sqrt(free * abs(left) + u * u))
+        np.subtract(twist, lean, out=lean)
+        return most_u, float(np.minimum.reduce(lean, axis=None))
 
 
 class Track:
@@ -126,7 +134,7 @@ class Track:
         table = np.zeros((len(Part), self.columns, len(grid)), dtype=np.float32)
         table[Part.REACH], table[Part.PULL] = ACCEL_TOP / LEAST, JERK_TOP / LEAST
         if len(grid) == 0:
-            return Rows(first, table)
+            return Rows(first, table, [])
         accel, jerk = np.array(piece.accel), np.array(piece.jerk)
         self.ramp = max(self.ramp, *(float(a / j) for a, j in zip(accel, jerk, strict=True) if a < FREE and j < FREE), 0.0)
         chain = _Chain(piece, going)
@@ -145,7 +153,8 @@ class Track:
         }
         for part, values in found.items():
             table[part, list(where)] = values.T
-        return Rows(first, table)
+        free = np.min(table[Part.REACH], axis=0) >= ACCEL_TOP / LEAST * (1 - 1e-6)
+        return Rows(first, table, (free & (np.max(np.abs(table[Part.BEND]), axis=0) * LEAST < STILL)).tolist())
 
     def around(self, tau: Array, places: int) -> tuple[Array, Array]:
         """REACH and BEND at the first `places` of these times, PULL, LEAN and TWIST at the others: (parts, columns, n), copies; beyond
@@ -164,17 +173,23 @@ class Track:
         begin = min(max(first - self._from, 0), end - 1)
         return Span(self._seen[:, :, begin : max(last + 1 - self._from, begin + 1)])
 
+    def here(self, tau: float) -> tuple[float, float]:
+        """Highest |u| and |c| at this place if it were a straight line."""
+        reach, _, pull, _, _ = self.span(tau, tau).rows[:, :, 0].tolist()
+        return min(reach), min(pull)
+
     def stands(self, tau: float) -> bool:
         """The path itself rests there."""
         row = int(tau * self._inverse)
         self._show(row, row)
         return self._resting[min(max(row - self._from, 0), len(self._resting) - 1)]
 
-    def foresee(self, tau: float) -> None:
-        """To be called while speed is steady: what a change of speed would look at is brought into view before it is needed."""
+    def foresee(self, tau: float, omega: float) -> None:
+        """To be called while speed is steady: what a change of speed would look at is brought into view before it is needed, and so
+        much more the way omega goes that this is seldom."""
         row = int(tau * self._inverse)
         if (row - NEXT < self._from and row - NEXT >= self._firsts[0]) or row + VIEW + NEXT > self._to:
-            self._look(row, row + VIEW)
+            self._look(row - (FAR if omega < 0.0 else 0), row + VIEW + (FAR if omega > 0.0 else 0))
 
     def _show(self, low: int, high: int) -> None:
         if (low < self._from and low >= self._firsts[0]) or high >= self._to:
@@ -186,12 +201,9 @@ class Track:
         first = max(bisect_right(self._firsts, low) - 1, 0)
         last = max(bisect_right(self._firsts, high), first + 1)
         begins = [*islice(self._firsts, first, last), self._firsts[last] if last < len(self._firsts) else self.count]
-        tables = islice(self._tables, first, last)
-        parts = [rows.table[:, :, : end - begin] for rows, begin, end in zip(tables, begins, begins[1:], strict=False)]
-        self._seen = np.concatenate(parts, axis=2, dtype=np.float64)
-        reach, bend = self._seen[Part.REACH], self._seen[Part.BEND]
-        free = np.minimum.reduce(reach, axis=0) >= ACCEL_TOP / LEAST * (1 - 1e-6)
-        self._resting = (free & (np.maximum.reduce(np.abs(bend), axis=0) * LEAST < STILL)).tolist()
+        seen = list(zip(islice(self._tables, first, last), begins, begins[1:], strict=False))
+        self._seen = np.concatenate([rows.table[:, :, : end - begin] for rows, begin, end in seen], axis=2, dtype=np.float64)
+        self._resting = list(chain.from_iterable(rows.resting[: end - begin] for rows, begin, end in seen))
         self._from, self._to = begins[0], begins[-1]
         if last == len(self._firsts):
             self._to = max(self._to, high + 1)  # beyond the end the last row holds, until more comes
