@@ -16,6 +16,9 @@ from hil_tests.lab.carried_cell import ARM, carried_cell, cell_text
 from hil_tests.lab.cell402bench import Cell402Bench
 from hil_tests.lab.planned_bench import Driven, Planned, off_circle, off_segment
 from hil_tests.unit.program.test_carried import HEAD, seen
+from motion.planner.trace import route_of
+from motion.program.blocks import Interpolation
+from motion.program.text import read
 
 ROUNDED, FOLLOWED = 25e-6, 1e-3  # m: half an increment of each axis; a position loop cuts arcs by the square of its lag
 A, B, END = (0.4, 0.52, 0.33), (0.4, 0.6, 0.33), (0.4, 0.57, 0.33)
@@ -29,6 +32,7 @@ circular via pose 415 585 330 180 0 180 to pose 400 570 330 180 0 180 extra=540m
 """
 )
 CELL = carried_cell()
+SHIPPED = read((ARM.parents[1] / "programs" / "track-and-table.txt").read_text())
 
 
 @functools.cache
@@ -74,3 +78,10 @@ def test_a_belt_in_the_cell_of_a_carried_robot_is_refused_in_words() -> None:
     assert machine_of_cell(load_cell(str(ARM), text)).carried
     with pytest.raises(CellFaults, match="T1, D1 carry the robot or the workpiece; no belt can be in the same cell"):
         load_cell(str(ARM), text.replace("# ---- the emulated machine", belt + "# ---- the emulated machine"))
+
+
+def test_the_shipped_program_can_be_run_in_such_a_cell() -> None:
+    found = route_of(SHIPPED, machine_of_cell(CELL))
+    assert not found.faults and found.stretches[-1].stop
+    rim = next(one for one in found.stretches if one.source.kind is Interpolation.CIRCULAR)
+    assert float(off_circle(seen(rim.path.at(np.linspace(0.0, rim.path.length, 50))[:, :8]), (0.55, 0.6, 0.17), 0.15).max()) < 1e-6
