@@ -31,7 +31,8 @@ TOUCH = 0.9999  # of the speed limit: differences of rounded positions stay belo
 WARP = 2.0  # beta of a round is at most so many times that of the round before
 SETTLED = 1e-4  # change of the duration below which no further round is tried
 JUDGE_S = 1e-3  # period at which the set values are judged
-ACCEL_GOOD, JERK_GOOD = 1.012, 1.042  # shares of the limits at that period; beyond them the place is planned again with less
+ACCEL_GOOD, JERK_GOOD = 1.012, 1.044  # shares of the limits at that period; beyond them the place is planned again with less
+PHASES = (0.0, 0.25, 0.5, 0.75)  # of the period: where its samples fall; between two of them jerk was 0.01 more
 REPAIRS = 3
 AROUND = 4  # periods on both sides of such a place
 
@@ -102,7 +103,7 @@ def _excess(path: JointPath, limits: LawLimits, law: Law) -> tuple[Array, Array,
     """Places (from, at, to in s), how far acceleration or jerk are beyond what is good there, and how far speed is, wherever
     the samples fall."""
     places, much, fast = [], [], []
-    for phase in (0.0, 0.5) if law.at_rest else (0.0,):
+    for phase in PHASES if law.at_rest else (0.0,):
         s, (speed, accel, jerk) = _differences(path, limits, law, JUDGE_S, phase)
         index = np.arange(len(jerk)) + 2
         places.append(np.stack([s[np.maximum(index - AROUND, 0)], s[index], s[np.minimum(index + AROUND, len(s) - 1)]], axis=1))
