@@ -8,8 +8,10 @@ from numpy.typing import NDArray
 
 from gateway.svg import Chart, Line, draw
 from motion.planner.robot import Machine
+from motion.planner.team import Team
 from motion.planner.trace import Findings, Trace, tool_places
 from motion.program.blocks import Program
+from motion.program.team import TeamProgram
 from motion.units import from_si
 
 STYLE = """
@@ -33,11 +35,30 @@ ORDERS = ((1, "speed"), (2, "acceleration"), (3, "jerk"))
 def page(program: Program, machine: Machine, trace: Trace) -> str:
     """One self-contained HTML document."""
     title = html.escape(program.name or "program")
-    body = [
-        f"<h1>{title}</h1>",
-        f"<p>robot {html.escape(program.robot)}, {len(program.blocks)} blocks, {trace.t[-1]:.3f} s at 100 %, set values on a grid of "
-        f"{trace.period * 1e3:g} ms.</p>",
-        *_alterable(program),
+    return _document(
+        title, [_head(title, f"robot {program.robot}", len(program.blocks), trace), *_alterable(program), *_body(machine, trace)]
+    )
+
+
+def team_page(program: TeamProgram, team: Team, traces: Sequence[Trace]) -> str:
+    """The same of several kinematics, one after the other over the same time."""
+    title = html.escape(program.name or "program")
+    body = [_head(title, f"{len(program.kinematics)} kinematics on one clock", len(program.blocks), traces[0])]
+    for each, machine, trace in zip(program.kinematics, team.machines, traces, strict=True):
+        body += [f"<h1>{html.escape(each.name)}: {html.escape(each.robot)}</h1>", *_body(machine, trace)]
+    return _document(title, body)
+
+
+def _head(title: str, who: str, blocks: int, trace: Trace) -> str:
+    return (
+        f"<h1>{title}</h1>\n<p>{html.escape(who)}, {blocks} blocks, {trace.t[-1]:.3f} s at 100 %, set values on a grid of "
+        f"{trace.period * 1e3:g} ms.</p>"
+    )
+
+
+def _body(machine: Machine, trace: Trace) -> list[str]:
+    """What one robot does."""
+    return [
         "<h2>Path of the tool</h2>",
         *(draw(chart, 860, 420) for chart in _planes(trace.tool, np.searchsorted(trace.t, [t for _, t in trace.ends]).tolist())),
         "<h2>Along time</h2>",
@@ -47,6 +68,9 @@ def page(program: Program, machine: Machine, trace: Trace) -> str:
         "<h2>Corners</h2>",
         _corners(trace),
     ]
+
+
+def _document(title: str, body: Sequence[str]) -> str:
     return (
         f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{title}</title><style>{STYLE}</style></head>\n<body>\n'
         + "\n".join(body)

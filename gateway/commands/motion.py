@@ -16,16 +16,21 @@ from gateway.commands.motion_run import main as run
 from gateway.errors import Exit
 from gateway.files import ConfigNotFound, find_config, read_text
 from gateway.motionpaper import Paper, sections_of
-from gateway.motionplot import page
+from gateway.motionplot import page, team_page
 from gateway.programplan import machine_of_cell
 from gateway.progress import Progress
 from gateway.robotfile import RobotFaults, load_robot
 from motion.errors import MotionError
 from motion.planner.robot import Machine, machine_of
+from motion.planner.team import Team, called, team_of
+from motion.planner.teamtrace import team_findings, team_traces
 from motion.planner.trace import Trace
 from motion.program.blocks import Program
 from motion.program.errors import BlockError, TextFaults
+from motion.program.team import TeamProgram
 from motion.program.text import read
+from motion.program.textteam import read_team, several
+from motion.robot import Installation
 from motion.sync.facts import BeltFacts
 from motion.units import to_si
 
@@ -59,7 +64,10 @@ def main(argv: list[str]) -> int:
     if isinstance(cell, int):
         return cell
     try:
-        program, machine, belts = load(options.program, options.robot, cell)
+        text = read_text(find_config(options.program, "programs"))
+        if several(text):
+            return team(text, options)
+        program, machine, belts = load(text, options.robot, cell)
     except (ConfigNotFound, OSError, UnicodeDecodeError, RobotFaults) as error:
         return refuse(error)
     except TextFaults as told:
@@ -103,9 +111,44 @@ class Belts:
         return tuple(to_si(belt.data.simulated if given is None else given, belt.data.unit) for belt in self.facts)
 
 
-def load(name: str, robot: str | None, cell: Cell | None) -> tuple[Program, Machine, Belts]:
+def team(text: str, options: argparse.Namespace) -> int:
+    """A program of several kinematics."""
+    if options.robot or options.cell:
+        raise MotionError("the program names the robot of each kinematic: --robot and --cell are for programs of one robot")
+    program = read_team(text)
+    machines = team_of_program(program)
+    findings = team_findings(program, machines)
+    if options.what == "check" or findings.faults:
+        return check(program, findings.faults, options.json)
+    traces = team_traces(findings, machines)
+    target = pathlib.Path(options.out or f"{pathlib.Path(options.program).stem}.html")
+    target.write_text(team_page(program, machines, traces))
+    rows = [
+        (each.name, _tops(machine, made), made) for each, machine, made in zip(program.kinematics, machines.machines, traces, strict=True)
+    ]
+    seconds = float(traces[0].t[-1])
+    if options.json:
+        told = {name: {"loads": tops, "corners": _corners(made)} for name, tops, made in rows}
+        print(json.dumps({"page": str(target), "seconds": round(seconds, 4), "kinematics": told}, indent=1))
+    else:
+        print(f"{target}: {seconds:.3f} s")
+        for name, tops, _ in rows:
+            print(f"  {name}: largest loads of the axes: {_loads(tops)}")
+    return Exit.OK
+
+
+def team_of_program(program: TeamProgram) -> Team:
+    """The robots its kinematics name."""
+    made = team_of(Installation(tuple(called(each.name, load_robot(each.robot)) for each in program.kinematics)))
+    for each, machine in zip(program.kinematics, made.machines, strict=True):
+        if len(each.start) != machine.axes:
+            raise MotionError(f"kinematic {each.name}: start has {len(each.start)} values, its robot has {machine.axes} axes")
+    return made
+
+
+def load(text: str, robot: str | None, cell: Cell | None) -> tuple[Program, Machine, Belts]:
     """The program, the robot it is for, and the belts its blocks may lie on."""
-    program, belts = read(read_text(find_config(name, "programs"))), Belts()
+    program, belts = read(text), Belts()
     if cell is None:
         if not (robot or program.robot):
             raise MotionError("the program names no robot: `robot NAME` in it, or --robot NAME, or --cell CELL")
@@ -122,7 +165,7 @@ def load(name: str, robot: str | None, cell: Cell | None) -> tuple[Program, Mach
     return program, machine, belts
 
 
-def check(program: Program, faults: Sequence[BlockError], as_json: bool) -> int:
+def check(program: Program | TeamProgram, faults: Sequence[BlockError], as_json: bool) -> int:
     """Findings, one a line."""
     if as_json:
         print(json.dumps([_record(program, fault) for fault in faults], indent=1))
@@ -134,11 +177,11 @@ def check(program: Program, faults: Sequence[BlockError], as_json: bool) -> int:
     return Exit.FINDING if faults else Exit.OK
 
 
-def _line(program: Program, fault: BlockError) -> int:
+def _line(program: Program | TeamProgram, fault: BlockError) -> int:
     return program.blocks[fault.block - 1].line if 1 <= fault.block <= len(program.blocks) else 0
 
 
-def _record(program: Program, fault: BlockError) -> dict[str, object]:
+def _record(program: Program | TeamProgram, fault: BlockError) -> dict[str, object]:
     return {
         "block": fault.block,
         "line": _line(program, fault),
@@ -153,11 +196,22 @@ def plot(program: Program, machine: Machine, made: Trace, options: argparse.Name
     """The page, and what it shows in a few numbers."""
     target = pathlib.Path(options.out or f"{pathlib.Path(options.program).stem}.html")
     target.write_text(page(program, machine, made))
-    tops = {name: float(np.max(made.loads(machine, order))) for order, name in ((1, "speed"), (2, "acceleration"), (3, "jerk"))}
+    tops = _tops(machine, made)
     if options.json:
-        corners = [{"block": c.block, "missed_mm": round(c.missed * 1e3, 4)} for c in made.corners]
-        print(json.dumps({"page": str(target), "seconds": round(float(made.t[-1]), 4), "loads": tops, "corners": corners}, indent=1))
+        told = {"page": str(target), "seconds": round(float(made.t[-1]), 4), "loads": tops, "corners": _corners(made)}
+        print(json.dumps(told, indent=1))
     else:
-        loads = ", ".join(f"{name} {100 * value:.1f} %" for name, value in tops.items())
-        print(f"{target}: {made.t[-1]:.3f} s; largest loads of the axes: {loads}")
+        print(f"{target}: {made.t[-1]:.3f} s; largest loads of the axes: {_loads(tops)}")
     return Exit.OK
+
+
+def _tops(machine: Machine, made: Trace) -> dict[str, float]:
+    return {name: float(np.max(made.loads(machine, order))) for order, name in ((1, "speed"), (2, "acceleration"), (3, "jerk"))}
+
+
+def _loads(tops: dict[str, float]) -> str:
+    return ", ".join(f"{name} {100 * value:.1f} %" for name, value in tops.items())
+
+
+def _corners(made: Trace) -> list[dict[str, float]]:
+    return [{"block": corner.block, "missed_mm": round(corner.missed * 1e3, 4)} for corner in made.corners]

@@ -13,6 +13,7 @@ from motion.planner.robot import Machine
 from motion.planner.route import Kind, Route, Stretch
 from motion.planner.runs import make_run, runs
 from motion.planner.squares import quicker
+from motion.planner.team import Team
 from motion.program.blocks import Block, PoseTarget, Program
 from motion.program.errors import BlockError
 from motion.program.factors import FULL, Factors
@@ -138,6 +139,14 @@ def numbered(error: BlockError, number: int) -> BlockError:
 
 def trace(stretches: Sequence[Stretch], machine: Machine, factors: Factors = FULL, period: float = PERIOD_S) -> Trace:
     """Runs all whole runs; raises MotionError where a path cannot be run at all."""
+    rows, q, blocks, ends = sampled(stretches, machine, factors, period)
+    return seen(rows, stretches, machine, q, blocks, ends, period)
+
+
+def sampled(
+    stretches: Sequence[Stretch], machine: Machine | Team, factors: Factors = FULL, period: float = PERIOD_S
+) -> tuple[list[list[Stretch]], Array, list[int], list[tuple[int, float]]]:
+    """Stretches from rest to rest as they are run, set values (n, axes), block of each, (block, s at which it is left)."""
     parts, blocks, ends, clock = [], [], [], 0.0
     laws = KnownLaws()
     taken = laws.seconds(factors)
@@ -151,13 +160,29 @@ def trace(stretches: Sequence[Stretch], machine: Machine, factors: Factors = FUL
         clock += (count + 1) * period
         ends.append((run.stretches[-1].block, clock))
     q = np.concatenate(parts) if parts else np.zeros((1, machine.axes))
+    return rows, q, blocks or [0], ends
+
+
+def seen(
+    rows: Sequence[Sequence[Stretch]],
+    stretches: Sequence[Stretch],
+    machine: Machine,
+    q: Array,
+    blocks: Sequence[int],
+    ends: Sequence[tuple[int, float]],
+    period: float,
+) -> Trace:
+    """What one robot's tool does meanwhile."""
     tools = _tools(stretches)
-    places = [tool_at(machine, row, tools.get(block)) for row, block in zip(q, blocks or [0], strict=True)]
+    places, tool = [], next(iter(tools.values()), None)
+    for row, block in zip(q, blocks, strict=True):
+        tool = tools.get(block, tool)  # one of a team that rests keeps its tool
+        places.append(tool_at(machine, row, tool))
     return Trace(
         np.arange(len(q), dtype=np.float64) * period,
         q,
         np.array(places),
-        np.array(blocks or [0]),
+        np.array(blocks),
         period,
         tuple(corner_report(stretch, machine) for row in rows for stretch in row if stretch.kind is Kind.CORNER),
         tuple(ends),

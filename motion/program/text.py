@@ -134,6 +134,8 @@ class Reader:
                 self.acts = (*self.acts, call_of(head, rest, inside=self.inside))
             case "label":
                 self.named_place(head, rest)
+            case "kinematic":
+                raise _Fault(head, "a program of several kinematics is for `axisgate motion check|plot`: a cell has one robot (AX-564)")
             case _ if head in MOVES:
                 self.move(MOVES[head], rest, number)
             case _:

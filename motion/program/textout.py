@@ -23,15 +23,25 @@ def write(program: Program, angles: str = "val3") -> str:
     ways = convention(angles)
     units = program.units or ("deg",) * len(program.start)
     lines = [f"program {program.name}" if program.name else "", f"robot {program.robot}" if program.robot else ""]
-    lines += [f"angles {angles}", f"axes {' '.join(units)}", f"start {_joints(program.start, units)}"]
+    lines += heading(program.start, units, angles)
     references = [block.alteration.reference for block in program.blocks if block.alteration is not None]
-    for word, places in (
-        ("tool", _places([*(block.tool for block in program.blocks), *(each for each in references if isinstance(each, Tool))])),
-        ("frame", _places([*(block.frame for block in program.blocks), *(each for each in references if isinstance(each, Frame))])),
-    ):
-        lines += [f"{word} {name} {_pose(pose, ways)}" for name, pose in places.items()]
+    lines += places_of(program.blocks, ways, references)
     lines += _moves(program, ways, units)
     return "\n".join(line for line in lines if line) + "\n"
+
+
+def heading(start: tuple[float, ...], units: tuple[str, ...], angles: str) -> list[str]:
+    """What is said of the axes of a robot."""
+    units = units or ("deg",) * len(start)
+    return [f"angles {angles}", f"axes {' '.join(units)}", f"start {_joints(start, units)}"]
+
+
+def places_of(blocks: Sequence[Block], ways: Convention, references: Sequence[Tool | Frame] = ()) -> list[str]:
+    """Lines of the tools and frames that blocks name."""
+    tools = _places([*(block.tool for block in blocks), *(each for each in references if isinstance(each, Tool))])
+    frames = _places([*(block.frame for block in blocks), *(each for each in references if isinstance(each, Frame))])
+    found = [("tool", *each) for each in tools.items()] + [("frame", *each) for each in frames.items()]
+    return [f"{word} {name} {_pose(pose, ways)}" for word, name, pose in found]
 
 
 def _moves(program: Program, ways: Convention, units: tuple[str, ...]) -> list[str]:
@@ -57,7 +67,7 @@ def _moves(program: Program, ways: Convention, units: tuple[str, ...]) -> list[s
         front += [_act(each) for each in block.acts]
         lines += [*begin, *front] if block.acts and block.acts[0].inside else [*front, *begin]
         lines += [_function(each) for each in block.functions]
-        lines.append(_move(block, ways, units))
+        lines.append(written_move(block, ways, units))
     named = {block.until.error for block in blocks if block.until is not None} - {block.label for block in blocks} - {""}
     if program.acts and part is not None and not program.acts[0].inside:
         lines.append("synchron_end")
@@ -75,7 +85,8 @@ def _places(places: Iterable[Tool | Frame]) -> dict[str, Pose]:
     return found
 
 
-def _move(block: Block, ways: Convention, units: tuple[str, ...]) -> str:
+def written_move(block: Block, ways: Convention, units: tuple[str, ...]) -> str:
+    """Kind, target and keys of a block, without the lines that stand in front of it."""
     words = [block.kind.value]
     if block.via is not None:
         words += ["via", f"pose {_pose(block.via.pose, ways)}", "to"]

@@ -8,6 +8,10 @@ from motion.orientation import angle_between
 from motion.program.blocks import Program
 
 
+def same(a: object, b: object) -> bool:
+    return _same(a, b)
+
+
 def same_program(a: Program, b: Program) -> bool:
     return _same(a, b)
 

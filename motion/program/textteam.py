@@ -1,0 +1,151 @@
+"""The text form of programs of several kinematics; one kinematic: motion.program.text.
+
+`kinematic NAME ROBOT` begins what is said of one: angles, axes, start, tool, frame, point, set, as in a program of one robot.  `kinematic
+NAME` goes back to it.  A move without a name is that of the kinematic named last; `move NAME linear A and NAME ptp B` moves several
+together.
+"""
+
+from dataclasses import dataclass, field
+
+from motion.conventions import CONVENTIONS, convention
+from motion.errors import MotionError
+from motion.program.blocks import Block
+from motion.program.errors import TextError, TextFaults
+from motion.program.team import Kinematic, Shared, TeamProgram
+from motion.program.text import MOVES, Reader
+from motion.program.textout import heading, places_of, written_move
+from motion.program.textwords import Fault, name, one
+from motion.robot import MOST_KINEMATICS
+
+OWN = ("angles", "axes", "start", "tool", "frame", "point", "set")  # said of one kinematic
+STATEMENTS = ("program", "kinematic", *OWN, *MOVES, "move")
+
+
+def several(text: str) -> bool:
+    """Whether a text is a program of several kinematics."""
+    return any(line.split()[:1] == ["kinematic"] for line in text.splitlines())
+
+
+@dataclass(slots=True)
+class _TeamReader:
+    name: str = ""
+    readers: dict[str, Reader] = field(default_factory=dict)
+    now: str = ""  # kinematic named last
+    blocks: list[Shared] = field(default_factory=list)
+
+    def line(self, words: list[str], number: int) -> None:
+        head, rest = words[0], words[1:]
+        match head:
+            case "program":
+                self.name = one(head, rest)
+            case "kinematic":
+                self.kinematic(rest)
+            case _ if head in OWN:
+                self.reader(self.now).line(words, number)
+            case "move":
+                self.move(rest, number)
+            case _ if head in MOVES:
+                self.add({self.now: self.own(self.now, words, number)}, number)
+            case "robot":
+                raise Fault(head, "`kinematic NAME ROBOT` names the robot of each kinematic")
+            case _:
+                raise Fault(head, f"no statement of a program of several kinematics; {', '.join(STATEMENTS)} are (AX-341)")
+
+    def kinematic(self, rest: list[str]) -> None:
+        if not 1 <= len(rest) <= 2:
+            raise Fault("kinematic", "kinematic NAME ROBOT, or NAME alone to go back to it")
+        self.now = name("kinematic", rest[0])
+        if len(rest) == 1 and self.now not in self.readers:
+            raise Fault("kinematic", f"{self.now!r} is unknown: kinematic NAME ROBOT, with its robot file, comes first")
+        if len(rest) == 2:
+            if self.now in self.readers:
+                raise Fault("kinematic", f"{self.now} has a robot already")
+            if self.blocks:
+                raise Fault("kinematic", f"{self.now} has to stand before the first move")
+            if len(self.readers) == MOST_KINEMATICS:
+                raise Fault("kinematic", f"at most {MOST_KINEMATICS} kinematics in one cell")
+            self.readers[self.now] = Reader(robot=rest[1])
+
+    def reader(self, named: str) -> Reader:
+        if named not in self.readers:
+            known = ", ".join(self.readers) or "none: `kinematic NAME ROBOT` comes first"
+            raise Fault("kinematic", f"{named!r} is unknown; {known}" if named else known)
+        return self.readers[named]
+
+    def move(self, rest: list[str], number: int) -> None:
+        """NAME MOVE .. and NAME MOVE .. ."""
+        parts: list[list[str]] = [[]]
+        for word in rest:
+            if word == "and":
+                parts.append([])
+            else:
+                parts[-1].append(word)
+        moves: dict[str, Block] = {}
+        for part in parts:
+            if len(part) < 2 or part[1] not in MOVES:
+                raise Fault("move", f"NAME and one of {', '.join(MOVES)}, then its target; `and` between two kinematics")
+            if part[0] in moves:
+                raise Fault("move", f"{part[0]} stands twice in one block")
+            moves[part[0]] = self.own(part[0], part[1:], number)
+        self.add(moves, number)
+
+    def own(self, named: str, words: list[str], number: int) -> Block:
+        """One kinematic's part of a block."""
+        reader = self.reader(named)
+        try:
+            reader.line(words, number)
+        except Fault as fault:
+            raise Fault(fault.key, f"kinematic {named}: {fault.what}") from None
+        (block,) = reader.take()
+        return block
+
+    def add(self, moves: dict[str, Block], number: int) -> None:
+        self.blocks.append(Shared(tuple(moves.get(each) for each in self.readers), number))
+
+    def kinematics(self) -> tuple[Kinematic, ...]:
+        named = {id(each): word for word, each in reversed(CONVENTIONS.items())}
+        return tuple(
+            Kinematic(each, reader.robot, reader.start, reader.units, named[id(reader.angles)]) for each, reader in self.readers.items()
+        )
+
+
+def read_team(text: str) -> TeamProgram:
+    """The program of a text; raises TextFaults with every fault in it."""
+    reader, faults = _TeamReader(), []
+    for number, raw in enumerate(text.splitlines(), 1):
+        words = raw.partition("#")[0].split()
+        try:
+            if words:
+                reader.line(words, number)
+        except Fault as fault:
+            faults.append(TextError(number, fault.key, fault.what))
+        except TextError as error:
+            faults.append(error)
+        except MotionError as error:
+            faults.append(TextError(number, words[0], str(error)))
+    faults += [
+        TextError(0, "start", f"is missing: where the axes of kinematic {each} stand before the first block")
+        for each, own in reader.readers.items()
+        if not own.start
+    ]
+    if faults:
+        raise TextFaults(faults)
+    return TeamProgram(reader.name, reader.kinematics(), tuple(reader.blocks))
+
+
+def write_team(program: TeamProgram) -> str:
+    """The text of a program; raises MotionError where one name stands for two tools or frames of one kinematic."""
+    lines = [f"program {program.name}"] if program.name else []
+    for n, each in enumerate(program.kinematics):
+        own = [block for shared in program.blocks if (block := shared.moves[n]) is not None]
+        lines.append(f"kinematic {each.name} {each.robot}")
+        lines += heading(each.start, each.units, each.angles)
+        lines += places_of(own, convention(each.angles))
+    for shared in program.blocks:
+        parts = []
+        for each, block in zip(program.kinematics, shared.moves, strict=True):
+            if block is not None:
+                units = each.units or ("deg",) * len(each.start)
+                parts.append(f"{each.name} {written_move(block, convention(each.angles), units)}")
+        lines.append(f"move {' and '.join(parts)}")
+    return "\n".join(lines) + "\n"
