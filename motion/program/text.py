@@ -110,7 +110,7 @@ class Reader:
     def line(self, words: list[str], number: int) -> None:
         head, rest = words[0], words[1:]
         match head:
-            case "program" | "robot" | "angles" | "axes" | "start":
+            case "program" | "robot" | "angles" | "axes" | "start" | "kinematic":
                 self.heading(head, rest)
             case "tool" | "frame":
                 self.place(head, rest)
@@ -134,8 +134,6 @@ class Reader:
                 self.acts = (*self.acts, call_of(head, rest, inside=self.inside))
             case "label":
                 self.named_place(head, rest)
-            case "kinematic":
-                raise _Fault(head, "a program of several kinematics is for `axisgate motion check|plot`: a cell has one robot (AX-564)")
             case _ if head in MOVES:
                 self.move(MOVES[head], rest, number)
             case _:
@@ -156,6 +154,8 @@ class Reader:
                 if not rest or len(rest) > MAX_JOINTS or any(unit not in ("mm", "deg") for unit in rest):
                     raise _Fault(head, f"1 .. {MAX_JOINTS} units, each mm or deg")
                 self.units = tuple(rest)
+            case "kinematic":
+                raise _Fault(head, "a program of several kinematics is for `axisgate motion check|plot`: a cell has one robot (AX-564)")
             case _:
                 self.start = self.joints(head, rest)
 
