@@ -165,6 +165,15 @@ def test_it_stops_in_the_point_where_one_of_them_may_not_round_it() -> None:
     assert np.min(np.linalg.norm(two - (0.0, 0.05, 0.0), axis=1)) <= UM
 
 
+def test_it_stops_in_the_point_where_the_way_of_one_of_them_goes_back_on_itself() -> None:
+    team = portals(2)
+    rows = driven(team, together(line(100, blend=ROUND), line(0, 50, blend=ROUND)), together(line(200), line(0, 0)))
+    one, two = own_rows(team, rows)
+    assert np.min(np.linalg.norm(one - (0.1, 0.0, 0.0), axis=1) + np.linalg.norm(two - (0.0, 0.05, 0.0), axis=1)) <= UM
+    assert rows[-1] == pytest.approx((0.2, 0, 0, 0, 0, 0), abs=1e-9)
+    assert_within(team, rows)
+
+
 def test_faults_name_block_kinematic_and_axis_and_nothing_of_the_block_is_taken() -> None:
     route = TeamRoute(portals(2), (0.0,) * 6)
     route.add(together(line(100), line(0, 50)))
