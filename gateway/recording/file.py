@@ -10,6 +10,7 @@ from typing import Any
 
 from gateway.pure.recording.blocks import MAGIC, Kind, Scan, decode, encode, whole_length
 from gateway.pure.recording.messages import Message, What, unpack
+from gateway.pure.records import CELL_STATE_LAYOUT
 from protocols.base.errors import DecodeError
 
 FORMAT = "axisgate-record/1"
@@ -174,6 +175,11 @@ def _scanned(path: pathlib.Path, content: bytes) -> Found:
         raise RecordError(f"{path}: a block that is whole says nothing this version knows ({error})") from error
     if found.head.get("format") != FORMAT:
         raise RecordError(f"{path}: format {found.head.get('format', 'unknown')}; this version reads {FORMAT}")
+    if found.head.get("state") != CELL_STATE_LAYOUT:
+        by = found.head.get("version", "unknown")
+        raise RecordError(
+            f"{path}: recorded by axisgate {by}, whose cycles say something else than this one's; play it there, or record it anew"
+        )
     found.continues = open_segment is not None
     found.spoiled, found.cut = scan.spoiled, scan.cut
     return found

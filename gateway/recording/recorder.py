@@ -25,7 +25,7 @@ from gateway.pure.recording.messages import (
     pack,
     unpack,
 )
-from gateway.pure.records import CELL_STATE_SIZE, RC_BYTES
+from gateway.pure.records import CELL_STATE_LAYOUT, CELL_STATE_SIZE, RC_BYTES
 from gateway.pure.scope.records import SCOPE_LAYOUT
 from gateway.recording.file import Writer
 from gateway.recording.states import Start, frozen
@@ -216,7 +216,16 @@ def head_of(status: Mapping[str, Any], rings: Rings, **more: Any) -> dict[str, A
     from gateway.recording.file import FORMAT
 
     shown = {name: status[name] for name in ("cell", "file", "simulated", "p5_ms")}
-    return {"format": FORMAT, "version": version(), "wall": wall(), "stamp_ns": time.monotonic_ns(), "run": rings.run, **shown, **more}
+    return {
+        "format": FORMAT,
+        "state": CELL_STATE_LAYOUT,
+        "version": version(),
+        "wall": wall(),
+        "stamp_ns": time.monotonic_ns(),
+        "run": rings.run,
+        **shown,
+        **more,
+    }
 
 
 def status_of(run: str) -> dict[str, Any]:

@@ -15,7 +15,8 @@ import pytest
 
 from gateway.commands.replay import main as replay
 from gateway.files import find_config
-from gateway.recording.file import Found, read
+from gateway.pure.recording.blocks import MAGIC, Kind, encode
+from gateway.recording.file import FORMAT, Found, read
 from hil_tests.lab.cell_running import ALL, HOME, TARGET, CellRun, running_cell
 from hil_tests.lab.plc2 import PTP
 
@@ -147,3 +148,11 @@ def test_what_is_no_recording_is_named(tmp_path: pathlib.Path) -> None:
     assert code == 2 and "no recording; axisgate record CELL" in words
     code, words = replayed(tmp_path / "nothing.axrec")
     assert code == 3 and "No such file" in words
+
+
+def test_a_recording_of_another_version_names_it(tmp_path: pathlib.Path) -> None:
+    file = tmp_path / "old.axrec"
+    head = {"format": FORMAT, "version": "0.0.9", "state": "cell-state/1 otherwise"}
+    file.write_bytes(MAGIC + encode(Kind.HEAD, json.dumps(head).encode()))
+    code, words = replayed(file)
+    assert code == 2 and "recorded by axisgate 0.0.9" in words and "record it anew" in words
