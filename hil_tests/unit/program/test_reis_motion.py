@@ -174,7 +174,6 @@ def test_iv_flyby_s_is_the_share_of_the_mean_speed_in_the_middle_of_the_corner()
         assert speed[middle] == pytest.approx(wanted, rel=0.01), share
 
 
-@pytest.mark.requirement("RSV-MOT-07", by="motion.planner.route:Route._resting_in")
 @answers
 def test_iv_flyby_s_0_rests_once_in_the_middle_of_the_rounded_corner_and_goes_on() -> None:
     places, speed = rounded(100.0, 200.0, BAHN_RADIUS=30, IV_FLYBY_S=0)
