@@ -5,67 +5,22 @@ over the same s, so that all are at the same share of their ways at any moment. 
 kinematic that moves there may round it; else all stop in it (AX-340).
 """
 
-import copy
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 from motion.errors import MotionError
 from motion.kinematics.base import Joints
-from motion.paths.joints import JointPath, joined, joint_part
-from motion.paths.together import State, repaced, rescaled, side_by_side
-from motion.planner.legs import Leg, make_leg
-from motion.planner.robot import Machine
-from motion.planner.route import EMPTY, SMALLEST, Kind, Route, Stretch
+from motion.paths.joints import JointPath, joined
+from motion.paths.together import rescaled, side_by_side
+from motion.planner.route import EMPTY, Kind, Stretch
 from motion.planner.team import Team, TeamStretch
-from motion.program.blocks import MEASURED, Block, Interpolation, Rounding, Slope
+from motion.planner.teamcorner import Member, cut, paced
+from motion.program.blocks import MEASURED, Block, Interpolation, Rounding
 from motion.program.errors import BlockError
-from motion.program.passing import passed
 from motion.program.team import Shared
 
 MOST = 0.5  # of a block, for one that begins or ends in the corner
 LEFT = 0.999  # of what is known of a block, at most, may go into the corner at its end
-
-
-class _Member(Route):
-    """The route of one of several.  forced: shares of the blocks before and behind that the next corner takes."""
-
-    def __init__(self, machine: Machine, start: Sequence[float]) -> None:
-        super().__init__(machine, start)
-        self.forced: tuple[float, float] | None = None
-
-    def twin(self) -> "_Member":
-        """Another one that stands where this one does."""
-        made = copy.copy(self)
-        made._now = replace(self._now)
-        return made
-
-    def number(self, next_: int) -> None:
-        """Of the block that comes next."""
-        self._now.number = next_ - 1
-
-    def look(self, block: Block) -> tuple[float, float, float] | None:
-        """(share of the last block, share of this one) the corner between them would take, and the length of this one; None: it stops
-        there."""
-        last = self._now.last
-        if last is None or last.block.slope is Slope.BLOCK:
-            return None
-        if not (last.block.blend.past_circles or passed(last.block.kind, block.kind, block_slope=False)):
-            return None
-        leg = make_leg(0, block, self._now.standing, self._machine)
-        if leg is None:
-            return None
-        leave, reach = super()._ranges(last, leg)
-        return (leave / last.length, reach / leg.length, leg.length) if min(leave, reach) > SMALLEST else None
-
-    def way(self, block: Block) -> float:
-        """Length of its way from where the axes stand; 0.0: none."""
-        leg = make_leg(0, block, self._now.standing, self._machine)
-        return 0.0 if leg is None else leg.length
-
-    def _ranges(self, last: Leg, leg: Leg) -> tuple[float, float]:
-        if self.forced is None:
-            return super()._ranges(last, leg)
-        return self.forced[0] * last.length, self.forced[1] * leg.length
 
 
 @dataclass(frozen=True)
@@ -104,7 +59,7 @@ class _Corner:
 
 @dataclass
 class _State:
-    routes: list[_Member]
+    routes: list[Member]
     number: int = 0
     alone: int | None = None  # kinematic whose own route is open
     held: _Held | None = None
@@ -116,7 +71,7 @@ class TeamRoute:
 
     def __init__(self, team: Team, start: Sequence[float]) -> None:
         self._team = team
-        self._now = _State([_Member(machine, own) for machine, own in zip(team.machines, team.split(start), strict=True)])
+        self._now = _State([Member(machine, own) for machine, own in zip(team.machines, team.split(start), strict=True)])
 
     @property
     def standing(self) -> Joints:
@@ -223,7 +178,7 @@ class TeamRoute:
         if any(block is not None and block.blend.rounding is Rounding.OFF for block in shared.moves):
             self._finish()
 
-    def _told(self, n: int, number: int, action: Callable[[_Member], object]) -> list[Stretch]:
+    def _told(self, n: int, number: int, action: Callable[[Member], object]) -> list[Stretch]:
         """Something done by one kinematic's route: what became known; errors name the kinematic."""
         route = self._now.routes[n]
         route.number(number)
@@ -333,7 +288,7 @@ class TeamRoute:
             if n not in corner.lengths:  # comes to rest in the corner
                 now.routes[n].finish()
                 path = joined([*known, *(each.path for each in now.routes[n].take())])
-                mains[n], last = _cut(path, path.length - corner.leave * length)
+                mains[n], last = cut(path, path.length - corner.leave * length)
                 rests[n] = now.routes[n].standing
                 piece = Stretch(last, held.number, Kind.MAIN, held.block(n), (1.0 - corner.leave, 1.0), way=length)
             else:
@@ -343,7 +298,7 @@ class TeamRoute:
                 route.forced = None
                 on, whole = [each.path for each in got if each.block == number and each.kind is Kind.MAIN], corner.lengths[n]
                 if n not in held.ways:  # begins in the corner
-                    first, rest = _cut(joined(on), corner.reach * whole)
+                    first, rest = cut(joined(on), corner.reach * whole)
                     piece = Stretch(first, held.number, Kind.MAIN, _block(shared, n), (0.0, corner.reach), way=whole)
                     on = [rest]
                 else:
@@ -354,7 +309,7 @@ class TeamRoute:
                     mains[n] = joined([*known, *(each.path for each in got if each.block == held.number and each.kind is Kind.MAIN)])
                 ways[n] = (tuple(on), whole)
             rates = (corner.leave * length / corner.half, corner.reach * corner.lengths.get(n, 0.0) / corner.half)
-            rounded.append((n, replace(piece, path=_paced(piece.path, rates, 2 * corner.half), square=None)))
+            rounded.append((n, replace(piece, path=paced(piece.path, rates, 2 * corner.half), square=None)))
         if 1.0 - corner.leave - held.begins > EMPTY:
             self._put_main(held, 1.0 - corner.leave, mains)
         lead = _lead(held.shared, tuple(held.ways))
@@ -365,7 +320,7 @@ class TeamRoute:
         return True
 
 
-def _adding(shared: Shared, n: int) -> Callable[[_Member], object]:
+def _adding(shared: Shared, n: int) -> Callable[[Member], object]:
     return lambda route: route.add(_block(shared, n))
 
 
@@ -373,50 +328,6 @@ def _block(shared: Shared, n: int) -> Block:
     block = shared.moves[n]
     assert block is not None
     return block
-
-
-def _cut(path: JointPath, at: float) -> tuple[JointPath, JointPath]:
-    """In two."""
-    return joint_part(path, 0.0, at), joint_part(path, at, path.length)
-
-
-def _paced(path: JointPath, rates: tuple[float, float], length: float) -> JointPath:
-    """From the rate (own s by common s) before a corner to that behind it, without a bend at both ends."""
-    a, b = rates
-    if abs(b - a) <= 1e-12 * max(a, b):
-        return rescaled(path, length)
-    if path.length < 0.5 * (a + b) * length * (1 - 1e-9):
-        return repaced(path, _of_corner(rates, path.length, length), length)
-
-    def pace(u: float) -> State:
-        x, step = u / length, b - a
-        return a * u + step * length * x**3 * (1 - 0.5 * x), a + step * x * x * (3 - 2 * x), step * 6 * x * (1 - x) / length
-
-    return repaced(path, pace, length)
-
-
-def _of_corner(rates: tuple[float, float], whole: float, length: float) -> Callable[[float], State]:
-    """Of a corner between curves (motion.paths.corner), whose own s runs through a smooth step: its t from 0 to 1 is the even pace."""
-    a, b = (1.0 / (rate * length) for rate in rates)  # t by s at both ends
-    step = b - a
-
-    def pace(u: float) -> State:
-        t, x = u / length, 0.5
-        low, high = 0.0, 1.0
-        for _ in range(60):
-            wrong = whole * (a * x + step * x**4 * (2.5 - 3 * x + x * x)) - t
-            low, high = (low, x) if wrong > 0.0 else (x, high)
-            x -= wrong / (whole * (a + step * x**3 * (10 - 15 * x + 6 * x * x)))
-            if not low <= x <= high:
-                x = 0.5 * (low + high)
-            if abs(wrong) < 1e-15:
-                break
-        first = a + step * x**3 * (10 - 15 * x + 6 * x * x)
-        second = step * 30 * x * x * (1 - x) ** 2 / whole
-        rate = 1.0 / (length * first)
-        return x * whole, rate, -second * rate * rate / first
-
-    return pace
 
 
 def _lifted(
