@@ -77,7 +77,7 @@ lint: $(STAMP)
 test: $(STAMP) references native kernel
 	@mkdir -p build; lint=0; $(MAKE) --no-print-directory lint || lint=1; \
 	branches=0; $(MAKE) --no-print-directory branches || branches=1; \
-	$(PY) -m pytest --matrix build/matrix/results.json; tests=$$?; \
+	$(PY) -m pytest --matrix=build/matrix/results.json; tests=$$?; \
 	test $$lint -eq 0 || { echo "make test: lint failed (above the tests)" >&2; exit 1; }; \
 	test $$branches -eq 0 || { echo "make test: a branch of the serial protocols is not tested (above the tests)" >&2; exit 1; }; \
 	exit $$tests
