@@ -238,10 +238,7 @@ class CoreBelts:
     def set_override(self, value: float) -> bool:
         """True when it acts here instead of at the stepper."""
         self._override = value
-        if self._rig is None:
-            return False
-        self._rig.set_override(value)
-        return True
+        return self._rig is not None
 
     def load(self, piece: Piece | TimedPiece) -> bool:
         """A piece of a type 1; False: it is the stepper's alone."""
@@ -275,6 +272,7 @@ class CoreBelts:
             if self._waited and (self._settled(carried) or self._waited > PATIENT_CYCLES):
                 self._engage(stepper, carried, order)
             return Sample(self._q, (0.0,) * len(self._q), 0, 0.0, State.IDLE, stepper.step().done_id)
+        self._rig.set_override(min(self._override, carried.beside))
         made = self._rig.step(self._framed(carried, frame))
         self._behind = self._behind + 1 if made.short else 0
         self._look_ahead(carried, made.q)
@@ -293,7 +291,7 @@ class CoreBelts:
 
     def _engage(self, stepper: Stepper, carried: Carried, order: SynchronOrder) -> None:
         rig = SyncStepper(stepper, self._kinematics, self._speeds, self._period, self._q)
-        rig.set_override(self._override)
+        carried.bear(self._kinematics, self._limits[: self._arm], self._q[: self._arm])
         carried.engage()
         self._reference = carried.coupling.value if isnan(order.reference) else order.reference
         try:

@@ -21,7 +21,7 @@ from motion.sync.alterable import order_of
 from motion.sync.belts import Type
 from motion.sync.facts import BeltFacts
 from motion.sync.planned import BeltPlan
-from motion.sync.reserve import reserved
+from motion.sync.reserve import ACCEL, JERK, reserved
 
 
 @dataclass
@@ -99,7 +99,8 @@ class Coming:
         frame = plan.facts.carrier.frame(engaged - plan.reference)
         seen = compose(frame.inverse(), machine.kinematics.forward(tuple(start[:arm])))
         places = (*machine.kinematics.follow(seen, tuple(start[:arm])), *start[arm:])
-        return replace(machine, limits=tuple(reserved(machine.limits))), places, [plan.add(block) for block in self.blocks]
+        planned = replace(machine, limits=tuple(reserved(machine.limits)), shares=(ACCEL, JERK))
+        return planned, places, [plan.add(block) for block in self.blocks]
 
 
 def begun(block: Block, number: int, belts: Sequence[BeltFacts], machine: Machine, start: Sequence[float]) -> list[Coming]:

@@ -301,6 +301,8 @@ class Planner:
         number = self.next_id if first_id is None else first_id
         blocks = block_ends(run) if len(run.stretches) <= NAMED else ()
         path, limits = run.driven
+        if isinstance(self.machine, Machine):
+            limits = limits.whole(*self.machine.shares)
         pieces = timed_pieces(path, limits, law, first_id=number, mask=self.mask, blocks=blocks, new_tail=first_id is not None)
         self.next_id = number + len(pieces)
         self._marks = [mark for mark in self._marks if mark.piece < number] + marks_of(run, law, pieces, goes_on=first_id is not None)

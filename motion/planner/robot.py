@@ -27,6 +27,7 @@ class Machine:
     turn_speed: float = inf
     turn_accel: float = inf
     too_fast: TooFast = TooFast.SLOW
+    shares: tuple[float, float] = (1.0, 1.0)  # of the axes' acceleration and jerk `limits` are: pieces carry the whole
 
     def __post_init__(self) -> None:
         if not self.arm <= len(self.limits) <= MAX_JOINTS:

@@ -70,6 +70,13 @@ class Coupling:
         """Of the frame, per s."""
         return self._rate
 
+    @property
+    def asks(self) -> tuple[float, float]:
+        """Largest acceleration and jerk of catching up, per s2 and s3."""
+        if self._lasts <= 0.0:
+            return 0.0, 0.0
+        return 3.94 * abs(self._speed) / self._lasts, 36.0 * abs(self._speed) / (self._lasts * self._lasts)
+
     def engage(self, belt: float, speed: float) -> None:
         """SYNCHRON: the belt is at this value and has this speed.  MotionError while the frame still moves."""
         if self.state is not Hold.OFF:

@@ -1,7 +1,7 @@
 """Limits of a path for its law: one number a column (the axes, then way of the TCP, then its turning), and caps on stretches."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,13 @@ class LawLimits:
     accel: Array
     jerk: Array
     caps: tuple[Cap, ...] = ()
+
+    def whole(self, accel: float, jerk: float) -> "LawLimits":
+        """Those of the axes where these are such shares of theirs; way and turning stay."""
+        if accel == jerk == 1.0:
+            return self
+        axes = np.arange(len(self.speed)) < len(self.speed) - 2
+        return replace(self, accel=np.where(axes, self.accel / accel, self.accel), jerk=np.where(axes, self.jerk / jerk, self.jerk))
 
     def at(self, s: Array) -> tuple[Array, Array, Array]:
         """(n, axes + 2) speed, accel, jerk at these s, caps applied."""

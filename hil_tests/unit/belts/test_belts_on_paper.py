@@ -50,6 +50,26 @@ def test_a_carried_robot_goes_with_its_belt_and_the_program_goes_on_beside_it() 
     assert np.max(np.linalg.norm(np.diff(made.q, axis=0), axis=1)) < 1.0 * made.period, "it never jumps from one part to the next"
 
 
+ROUND = CARRIED.replace(" path=60", "").replace("belt=60mm", "belt=60mm radius=30", 1).replace("150 150 90", "220 80 70")
+
+
+@pytest.mark.parametrize(("text", "speed"), [(CARRIED, 0.1), (ROUND, 0.02), (ROUND, 0.15)])
+def test_catching_up_and_path_together_stay_within_the_limits_of_every_axis(text: str, speed: float) -> None:
+    made = run(text, speed)
+    way, h = made.belts[0], made.period
+    first = int(np.argmin(np.abs(made.t - way.t[0])))
+    on = made.q[first : first + len(way.t)]
+    for order, most, limits in (
+        (1, 1.0, [axis.speed for axis in MACHINE.limits]),
+        (2, 1.02, [axis.accel for axis in MACHINE.limits]),
+        (3, 1.10, [axis.jerk for axis in MACHINE.limits]),
+    ):
+        loads = np.abs(np.diff(on, order, axis=0)) / h**order / np.array(limits)
+        assert loads.max() <= most, (order, loads.max(axis=0))
+    begins = on[np.argmax(np.abs(on[:, 1] - 0.12) > 1e-6), 0] - 0.1
+    assert begins < 0.01, "the path does not wait until the robot is on its belt"
+
+
 def test_type_2_arrives_with_its_belt_and_the_cam_is_a_parabola_a_line_and_a_parabola() -> None:
     made = run(FOLLOWED)
     paced, cam = made.belts

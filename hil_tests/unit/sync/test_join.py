@@ -18,7 +18,7 @@ from motion.stepper import State, Stepper
 from motion.sync.carried import Carried
 from motion.sync.join import SyncStepper
 from motion.sync.parallel import Carrier, Coupling, Hold, ParallelPart
-from motion.sync.reserve import reserved
+from motion.sync.reserve import borne, left_over, reserved
 from motion.sync.scout import allowed
 from motion.sync.tracker import Tracker
 
@@ -138,6 +138,22 @@ def test_carried_out_of_reach_the_joints_stay_the_path_stops_and_place_goes_on()
         made = rig.step(translation(2.0, 0.0, 0.0))
         assert made.q == held
     assert made.path.state is State.STOPPED
+
+
+def test_what_getting_on_leaves_to_the_path_adds_up_to_the_limits() -> None:
+    along, axes = (1.0, -0.5, 0.0), LIMITS[:3]
+    accel, jerk = borne(along, axes)
+    assert accel == pytest.approx(min(0.9 * axes[0].accel, 1.8 * axes[1].accel))
+    assert jerk == pytest.approx(min(0.7 * axes[0].jerk, 1.4 * axes[1].jerk))
+    for by_accel, by_jerk in ((0.6 * accel, 0.1 * jerk), (0.1 * accel, jerk), (0.0, 0.0)):
+        share = left_over(along, axes, by_accel, by_jerk)
+        sums = [
+            (0.9 * share**2 + abs(p) * by_accel / axis.accel, 0.7 * share**3 + abs(p) * by_jerk / axis.jerk)
+            for p, axis in zip(along, axes, strict=True)
+            if p
+        ]
+        assert max(max(pair) for pair in sums) == pytest.approx(1.0) if share < 1.0 else by_accel == 0.0
+    assert left_over(along, axes, 2 * axes[0].accel, 0.0) == 0.0
 
 
 @answers
