@@ -20,6 +20,8 @@ from motion.paths.turning import vector_change, vector_rate
 MISS = 0.1875  # share of |m u2 - l u1|
 SHARPEST = 0.02  # |u1 + u2| below which a corner is a way back: nothing rounds it
 JOIN_M = 1e-9
+BINOMIAL = tuple(tuple(math.comb(k, i) for i in range(k + 1)) for k in range(6))
+FIVE = BINOMIAL[5]
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,13 +122,17 @@ def _between_lines(before: Curve, after: Curve, point: Pose, leave: float, reach
     return Corner(quintic, leave, reach, 4 * leave * reach / (leave + reach), miss(into.p1, out.p1, leave, reach))
 
 
-def _bezier(b: Sequence[float]) -> Row:
-    """Control values of degree 5 -> coefficients."""
-    row = []
-    for k in range(6):
-        total = sum((-1) ** (k - i) * math.comb(k, i) * b[i] for i in range(k + 1))
-        row.append(math.comb(5, k) * total)
-    return tuple(row)
+def _bezier(values: Sequence[float]) -> Row:
+    """Control values of degree 5 -> coefficients: binomial numbers times the differences, written out since every corner needs six."""
+    a, b, c, d, e, f = values
+    return (
+        a,
+        5 * (b - a),
+        10 * (a - 2 * b + c),
+        10 * (-a + 3 * b - 3 * c + d),
+        5 * (a - 4 * b + 6 * c - 4 * d + e),
+        -a + 5 * b - 10 * c + 10 * d - 5 * e + f,
+    )
 
 
 def hermite(length: float, start: Sequence[float], end: Sequence[float]) -> Row:
@@ -179,14 +185,15 @@ def deviation(curve: Curve, point: Vector, samples: int = 64) -> float:
 def inside_sphere(curve: Corner, point: Vector) -> float:
     """Radius of the smallest sphere round the point that holds all control points, and so the curve."""
     rows = curve.quintic.rows
-    return max(norm(sub(add(curve.quintic.origin.position, p), point)) for p in _control_points(rows[:3]))
+    return max(norm(sub(add(curve.quintic.origin.position, p), point)) for p in control_points(rows[:3]))
 
 
-def _control_points(rows: Sequence[Row]) -> list[Vector]:
+def control_points(rows: Sequence[Row], length: float = 1.0) -> list[Vector]:
+    """Six of the curve with these three rows of coefficients over 0 .. length: their hull holds it."""
     columns = []
     for row in rows:
-        full = [*row, *[0.0] * (6 - len(row))]
-        columns.append([sum(math.comb(k, i) * full[i] / math.comb(5, i) for i in range(k + 1)) for k in range(6)])
+        full = [c * length**k for k, c in enumerate([*row, *[0.0] * (6 - len(row))])]
+        columns.append([sum(n * full[i] / FIVE[i] for i, n in enumerate(choices)) for choices in BINOMIAL])
     return [(x, y, z) for x, y, z in zip(*columns, strict=True)]
 
 

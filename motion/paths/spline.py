@@ -13,7 +13,7 @@ from itertools import pairwise
 from motion.frames import Pose, Rotation, Vector, product, rotate, transposed
 from motion.orientation import angle_between, is_half_turn, rotation_vector, slerp
 from motion.paths.base import PathError, add, dot, norm, scale, sub
-from motion.paths.corner import hermite
+from motion.paths.corner import control_points, hermite
 from motion.paths.polynomial import Chain, Polynomial, Row
 from motion.paths.turning import vector_change, vector_rate
 
@@ -95,16 +95,16 @@ def fit(
 
 def swing(interval: Polynomial) -> float:
     """How far at most an interval leaves its chord: the control points' distance from it, m."""
-    columns = []
-    for row in interval.rows[:3]:
-        scaled = [c * interval.length**k for k, c in enumerate([*row, *[0.0] * (6 - len(row))])]
-        columns.append([sum(math.comb(k, i) * scaled[i] / math.comb(5, i) for i in range(k + 1)) for k in range(6)])
-    hull = [(x, y, z) for x, y, z in zip(*columns, strict=True)]
-    chord = sub(hull[5], hull[0])
-    if norm(chord) == 0.0:
-        return max(norm(sub(p, hull[0])) for p in hull)
-    u = scale(chord, 1 / norm(chord))
-    return max(norm(sub(way, scale(u, min(max(dot(way, u), 0.0), norm(chord))))) for way in (sub(p, hull[0]) for p in hull))
+    return beside(interval, interval.origin.position, interval.at(interval.length).position)
+
+
+def beside(interval: Polynomial, a: Vector, b: Vector) -> float:
+    """How far at most an interval leaves the straight way from a to b: the control points' distance from it, m."""
+    chord = sub(b, a)
+    way = norm(chord)
+    u = scale(chord, 1 / way) if way > 0.0 else chord
+    steps = [sub(add(interval.origin.position, p), a) for p in control_points(interval.rows[:3], interval.length)]
+    return max(norm(sub(step, scale(u, min(max(dot(step, u), 0.0), way)))) for step in steps)
 
 
 def _shares(name: str, value: Sequence[float] | float, count: int) -> list[float]:

@@ -7,8 +7,8 @@ from math import inf
 from motion.errors import MotionError
 from motion.kinematics.base import Joints
 from motion.paths.base import PathError
-from motion.paths.polynomial import Chain, part
-from motion.paths.spline import fit
+from motion.paths.polynomial import part
+from motion.paths.tube import Fitted, fitted
 from motion.planner.extra import joining
 from motion.planner.legs import Leg, base_pose, check_joints, extra_of, tcp, told
 from motion.planner.robot import Machine
@@ -29,13 +29,13 @@ def place_of(block: Block, standing: Joints, machine: Machine) -> Joints:
     return machine.inverse(flange, (*standing[: machine.arm], *extra_of(block, standing, machine)))
 
 
-def curve_of(row: Row, start: Joints, machine: Machine) -> Chain:
+def curve_of(row: Row, start: Joints, machine: Machine) -> Fitted:
     """The whole curve; BlockError names the block whose way makes none."""
     first = row[0][1]
     points = [tcp(start, first, machine), *(base_pose(block, start, machine) for _, block in row)]
     marks = [first.curving, *(block.curving for _, block in row)]
     try:
-        return fit(
+        return fitted(
             points,
             [block.curving.tube or inf for _, block in row],
             [m.tension for m in marks],
@@ -46,20 +46,20 @@ def curve_of(row: Row, start: Joints, machine: Machine) -> Chain:
         raise told(error, row[error.interval][0], machine) from error
 
 
-def legs_of(row: Row, curve: Chain, start: Joints, machine: Machine) -> Iterator[Leg]:
+def legs_of(row: Row, whole: Fitted, start: Joints, machine: Machine) -> Iterator[Leg]:
     """One for each block, in order; of start and end only the additional axes count."""
-    arm, ends = machine.arm, (*curve.starts[1:], curve.length)
+    arm, ends = machine.arm, whole.ends
     values = [tuple(start[arm:])]
     for number, block in row:
         try:
             values.append(extra_of(block, (*start[:arm], *values[-1]), machine))
         except MotionError as error:
             raise told(error, number, machine) from error
-    lengths = [b - a for a, b in pairwise((0.0, *ends))]
+    lengths = [b - a for a, b in pairwise(ends)]
     slopes = _slopes(values, lengths)
     for n, (number, block) in enumerate(row):
         stands = (*start[:arm], *values[n]), (*start[:arm], *values[n + 1])
-        piece = part(curve, ends[n] - lengths[n], ends[n])
+        piece = part(whole.curve, ends[n], ends[n + 1])
         ends_at = [[(value, slope, 0.0) for value, slope in zip(values[k], slopes[k], strict=True)] for k in (n, n + 1)]
         yield Leg(number, block, piece, None, lengths[n], *stands, joining(lengths[n], *ends_at))
 

@@ -222,7 +222,7 @@ Act = Sync | BeltCall
 @dataclass(frozen=True, slots=True)
 class Curving:
     """Spline and orientation weights, 0 .. 1 (Reis _ISPL_TENS, _IORI_TENS, _IORI_WEIGHT, _IORI_CIRCHP).  tube: m, a spline leaves the
-    straight line to this point by no more, 0: as far as it swings."""
+    straight line to this point by no more and may pass beside the point, 0: meets it."""
 
     tension: float = 1.0
     orientation_tension: float = 1.0

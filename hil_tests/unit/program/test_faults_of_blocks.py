@@ -100,7 +100,9 @@ def test_dense_points_are_run_inside_a_tube_that_the_block_asks_for() -> None:
         return float(worst.max())
 
     assert leaves(splined(ZIGZAG)) > 60e-6
-    assert leaves(splined(ZIGZAG, tube=50e-6)) <= 50e-6 + 1e-9
+    inside = splined(ZIGZAG, tube=50e-6)
+    assert leaves(inside) <= 50e-6 + 1e-9
+    assert inside[40::41, 3] == pytest.approx([1e-3 * k * k for k in range(1, 15)], abs=1e-9), "beside the points its blocks end"
     with pytest.raises(MotionError, match=r"block 1: no smooth curve stays within 0\.0001 mm") as caught:
         splined(ZIGZAG, tube=1e-7)
     assert isinstance(caught.value, BlockError)
