@@ -7,6 +7,7 @@ only "damaged" or BREAK; where the driver counts (TIOCGICOUNT) its counters tell
 import contextlib
 import errno
 import fcntl
+import os
 import struct
 import termios
 from collections.abc import Mapping, Sequence
@@ -53,6 +54,27 @@ def told_apart(items: list[bytes | Damage], before: Mapping[Damage, int], now: M
     return [Damage.OVERRUN, *named] if new[Damage.OVERRUN] > 0 else named  # the kernel does not say where characters are missing
 
 
+def _kept(path: str, frame: str, line_format: LineFormat) -> PortError:
+    return PortError(errno.EINVAL, f"serial port {path}: the driver keeps {frame} where {line_format} was asked; take another interface")
+
+
+def _refused(path: str, line_format: LineFormat, error: Exception) -> PortError:
+    """What an interface says that took nothing of what was asked; it is looked at once more for the frame it keeps."""
+    try:
+        fd = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+    except OSError as gone:
+        return PortError(gone.errno or 0, f"serial port {path}: cannot be opened ({gone})")
+    try:
+        frame = frame_of(termios.tcgetattr(fd), line_format.baud)
+    except termios.error:
+        frame = str(line_format)
+    finally:
+        os.close(fd)
+    if frame != str(line_format):
+        return _kept(path, frame, line_format)
+    return PortError(errno.EIO, f"serial port {path}: refuses {line_format} ({error})")
+
+
 class SerialPort(DescriptorPort):
     """One UART or USB adapter."""
 
@@ -76,6 +98,8 @@ class SerialPort(DescriptorPort):
         except (serial.SerialException, OSError, ValueError) as error:  # ValueError: a speed the driver refuses
             number = getattr(error, "errno", None) or 0
             raise PortError(number, f"serial port {path}: {HINTS.get(number, f'cannot be opened ({error})')}") from error
+        except termios.error as error:  # nothing of what was asked was new to the driver but the frame, and that it does not take
+            raise _refused(path, line_format, error) from error
         self._fd = self._serial.fileno()
         try:
             self._claim(line_format)
@@ -115,9 +139,7 @@ class SerialPort(DescriptorPort):
         settings = termios.tcgetattr(self._fd)
         kept = frame_of(settings, line_format.baud)
         if kept != str(line_format):
-            raise PortError(
-                errno.EINVAL, f"serial port {self.name}: the driver keeps {kept} where {line_format} was asked; take another interface"
-            )
+            raise _kept(self.name, kept, line_format)
         check = termios.INPCK if self._serial.parity != serial.PARITY_NONE else 0
         settings[0] = settings[0] & ~(termios.IGNPAR | termios.IGNBRK | termios.BRKINT) | termios.PARMRK | check
         termios.tcsetattr(self._fd, termios.TCSANOW, settings)

@@ -55,6 +55,12 @@ def test_8e1_with_parity_check_and_marks_is_what_the_driver_is_asked_for(monkeyp
     assert speed == termios.B9600
 
 
+def test_a_frame_that_is_not_taken_is_named_whatever_the_line_was_used_for_before() -> None:
+    open_bytes(ONE, GUEST_FRAME).close()
+    with pytest.raises(PortError, match="the driver keeps 38400 8N1 where 9600 8E1 was asked"):  # now nothing but the frame is new
+        open_bytes(ONE, "9600 8E1")
+
+
 def test_marks_are_on_and_nothing_else_touches_the_characters() -> None:
     port = open_bytes(ONE, GUEST_FRAME)
     try:
