@@ -176,7 +176,7 @@ def plan_run(
             spare=True,
         ),
     ]
-    if cell.robot is not None:
+    if cell.robot:
         core[0] = replace(core[0], regions=(*core[0].regions, "pieces", "planner"))
         core[1] = replace(core[1], regions=(*core[1].regions, "blocks", "planner"))
         core.append(
@@ -282,7 +282,7 @@ def make_regions(plan: RunPlan) -> dict[str, int]:
     fds["told"] = create_ring("told", messages.TOLD_BYTES, messages.TOLD_RECORDS, messages.TOLD_LAYOUT)
     fds["recorder"] = create_region("recorder", messages.ASKED.size, messages.ASKED_LAYOUT)
     fds["trace"] = create_ring("trace", TRACE_BYTES, TRACE_RECORDS, TRACE_LAYOUT)
-    if plan.cell.robot is not None:
+    if plan.cell.robot:
         fds["blocks"] = create_ring("blocks", plannerrecords.SAY_SIZE, plannerrecords.BLOCKS, plannerrecords.SAY_LAYOUT)
         fds["pieces"] = create_ring("pieces", plannerrecords.PIECE_SIZE, plannerrecords.PIECES, plannerrecords.PIECE_LAYOUT)
         fds["planner"] = create_region("planner", plannerrecords.PLANNER_BYTES, "planner/1 json")

@@ -126,7 +126,7 @@ class Cell:
     bus: tuple[Bus, ...] = ()
     axis: tuple[Axis, ...] = ()
     modbus: tuple[Modbus, ...] = ()
-    robot: Robot | None = None
+    robot: tuple[Robot, ...] = ()
     program: tuple[Program, ...] = ()
     belt: tuple[Belt, ...] = ()
     measuring: tuple[Measuring, ...] = ()
@@ -152,6 +152,11 @@ class Cell:
         return next((bus.cycle_ms for bus in self.bus if bus.protocol != "rho3-io"), 4)
 
     @property
+    def first_robot(self) -> Robot | None:
+        """The only one, or the one on the first axes."""
+        return self.robot[0] if self.robot else None
+
+    @property
     def warnings(self) -> tuple[Notice, ...]:
         return tuple(notice for notice in self.notices if notice.level == "warning")
 
@@ -163,8 +168,8 @@ class Cell:
         """What this file asks for and `run` cannot play yet, each by its key; empty: all of it runs."""
         reasons = [f"{key} = {value}" for key, value, played in self._choices() if value not in played]
         reasons += [f"db.{db.number}[{entry.at}] = {entry.signal}" for db in self.db for entry in db.entries if not _served(entry.signal)]
-        if self.robot is not None and self.program and self.robot.kinematics not in PLANNED_KINEMATICS:  # nothing else asks for them
-            reasons.append(f"robot.kinematics = {self.robot.kinematics}")
+        unknown = [robot.kinematics for robot in self.robot if self.program and robot.kinematics not in PLANNED_KINEMATICS]
+        reasons += [f"robot.kinematics = {kinematics}" for kinematics in unknown]  # nothing else asks for them
         return reasons
 
     def _choices(self) -> Iterator[tuple[str, str | int, tuple[str | int, ...]]]:

@@ -130,7 +130,7 @@ class CellFile(Table):
     defaults: Defaults = Defaults()
     axis: list[Axis] = []
     modbus: list[Modbus] = []
-    robot: Robot | None = Field(default=None, json_schema_extra={"allowed": "one table [robot]: a cell runs one robot (AX-564)"})
+    robot: list[Robot] = []  # one table [robot] stands for a list of one (gateway.config)
     program: list[Program] = []
     belt: list[Belt] = []
     measuring: list[Measuring] = []

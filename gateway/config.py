@@ -87,6 +87,8 @@ class _Loader:
         merged = merge(self.path, self.raw, self.places)
         sources = dict(merged.sources)
         self._defaults(merged.raw, sources)
+        if isinstance(merged.raw.get("robot"), dict):
+            merged.raw["robot"] = [merged.raw["robot"]]
         faults = [fault for fault in merged.faults if fault.kind == "field"] + self._plant(merged.raw)
         model, found = self._validated(merged.raw)
         faults = sorted(faults + found, key=lambda fault: fault.line or 0)

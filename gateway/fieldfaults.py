@@ -106,6 +106,8 @@ def _fault(file: str, raw: Mapping[str, Any], places: dict[Path, int], detail: E
         span, hint = "a text", "must not be empty"
     elif kind not in ("greater_than", "greater_than_equal", "less_than", "less_than_equal", "string_pattern_mismatch"):
         hint = detail["msg"]
+    if path[:2] == ("robot", 0) and ("robot", 0) not in places:
+        path = ("robot", *path[2:])  # one table [robot]
     return Fault(file, key_of(raw, path), shown, span, _axis_unit(raw, path, unit), hint, nearest(places, path))
 
 

@@ -5,17 +5,19 @@ services) must not load it.
 """
 
 import pathlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from gateway.cell import Cell
+from gateway.cell import Cell, Robot
 from gateway.cell_belts import Measuring
-from gateway.files import beside
+from gateway.files import beside, read_text
 from gateway.pure.plannerrecords import MeasuringFacts, ProgramFacts
 
 if TYPE_CHECKING:
     from motion.planner.robot import Machine
+    from motion.planner.team import Team
+    from motion.program.team import Kinematic
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,8 +37,21 @@ def plan_programs(cell: Cell) -> Mapping[int, ProgramPlan]:
     """Number -> plan of every program; a checked cell's files are there."""
     if not cell.program:
         return {}
-    mask = (1 << machine_of_cell(cell).axes) - 1
-    return {each.number: ProgramPlan(each.name, str(beside(cell.file, each.file, "programs")), mask) for each in cell.program}
+    made = {}
+    for each in cell.program:
+        path = beside(cell.file, each.file, "programs")
+        made[each.number] = ProgramPlan(each.name, str(path), mask_of(cell, robots_of(cell, read_text(path), each.kinematics)))
+    return made
+
+
+def robots_of(cell: Cell, text: str, kinematics: str = "") -> "Machine | Team":
+    """Those a program moves; kinematics: what its [[program]] names.  MotionError."""
+    from motion.program.text import read
+    from motion.program.textteam import read_team, several
+
+    if several(text):
+        return team_meant(cell, read_team(text).kinematics)
+    return robot_meant(cell, read(text).robot if len(cell.robot) > 1 else "", kinematics)
 
 
 def written_for(named: str, model: str) -> bool:
@@ -65,7 +80,23 @@ def _facts(cell: Cell, measuring: Measuring) -> MeasuringFacts:
 
 
 def machine_of_cell(cell: Cell) -> "Machine":
-    """The cell's robot on its first axes, with their limits; MotionError tells what does not fit."""
+    """The only robot of a cell, or the one on its first axes; MotionError tells what does not fit."""
+    return machines_of_cell(cell)[0]
+
+
+def machines_of_cell(cell: Cell) -> "tuple[Machine, ...]":
+    """Robots on the axes of the cell, with their limits: each on those behind the axes of the one before; MotionError (AX-564)."""
+    from motion.errors import MotionError
+
+    if not cell.robot or not all(robot.model for robot in cell.robot):
+        raise MotionError("the cell has no [robot] with a model: programs need its kinematics")
+    machines: list[Machine] = []
+    for robot in cell.robot:
+        machines.append(_machine(cell, robot, sum(machine.axes for machine in machines)))
+    return tuple(machines)
+
+
+def _machine(cell: Cell, table: Robot, first: int) -> "Machine":
     from gateway.axes import limits_of
     from gateway.files import ConfigNotFound
     from gateway.robotfile import RobotFaults, load_robot
@@ -73,20 +104,62 @@ def machine_of_cell(cell: Cell) -> "Machine":
     from motion.planner.robot import machine_of
     from motion.timing.limiter import TooFast
 
-    if cell.robot is None or not cell.robot.model:
-        raise MotionError("the cell has no [robot] with a model: programs need its kinematics")
-    name = cell.robot.model
+    name = table.model
     try:
         robot = machine_of(load_robot(str(beside(cell.file, name, "robots"))))
     except (ConfigNotFound, RobotFaults, OSError) as error:
         raise MotionError(f"robot {name!r}: {error}") from error
-    own = [limits_of(axis) for axis in cell.axis[: robot.axes]]
+    own = [limits_of(axis) for axis in cell.axis[first : first + robot.axes]]
     if len(own) < robot.axes:
-        raise MotionError(f"robot {name} has {robot.axes} axes, the cell {len(own)}")
+        left = f"{len(own)} are left behind those of the robots before it" if first else f"the cell {len(own)}"
+        raise MotionError(f"robot {name} has {robot.axes} axes, {left}")
     for ours, its in zip(own, robot.limits, strict=True):
         if ours.unit != its.unit:
             raise MotionError(f"axis {ours.name} of the cell is in {ours.unit}, axis {its.name} of robot {name} in {its.unit}")
     if cell.belt and robot.carried:
         names = ", ".join(axis.name for axis in own[robot.arm :])
         raise MotionError(f"additional axes {names} carry the robot or the workpiece; no belt can be in the same cell (AX-565)")
-    return replace(robot, limits=tuple(own), too_fast=TooFast(cell.robot.too_fast))
+    return replace(robot, limits=tuple(own), too_fast=TooFast(table.too_fast))
+
+
+def called_in(cell: Cell) -> str:
+    """The robots of a cell in words."""
+    return ", ".join(f"{robot.name} ({robot.model})" if robot.name else robot.model for robot in cell.robot)
+
+
+def robot_meant(cell: Cell, written: str, kinematics: str = "") -> "Machine":
+    """The robot a program of one is for.  written: the file of robots its text names, or ""; kinematics: what its [[program]] names, or "".
+    MotionError: none, or one of several."""
+    from motion.errors import MotionError
+
+    found = [n for n, robot in enumerate(cell.robot) if not kinematics or kinematics in (robot.name, robot.model)]
+    found = [n for n in found if written_for(written, cell.robot[n].model)]
+    if cell.robot and not found:
+        raise MotionError(f"the program is written for robot {written or kinematics}, this cell's is {called_in(cell)}")
+    if len(found) > 1:
+        raise MotionError(f'the program is for one of {called_in(cell)}: kinematics = "NAME" in its [[program]] says for which')
+    return machines_of_cell(cell)[found[0] if found else 0]
+
+
+def team_meant(cell: Cell, kinematics: "Sequence[Kinematic]") -> "Team":
+    """The robots a program of several kinematics names, in the order of the cell; MotionError."""
+    from motion.errors import MotionError
+    from motion.planner.team import Team
+
+    names, places = [robot.name for robot in cell.robot], []
+    for each in kinematics:
+        if each.name not in names:
+            raise MotionError(f"kinematic {each.name}: no [[robot]] has this name; this cell has {called_in(cell)}")
+        places.append(names.index(each.name))
+        if not written_for(each.robot, cell.robot[places[-1]].model):
+            raise MotionError(f"kinematic {each.name} is written for robot {each.robot}, this cell's is {cell.robot[places[-1]].model}")
+    if places != sorted(places):
+        raise MotionError(f"kinematics stand in the order of the cell's [[robot]] tables: {', '.join(names)}")
+    machines = machines_of_cell(cell)
+    return Team(tuple(each.name for each in kinematics), tuple(machines[n] for n in places))
+
+
+def mask_of(cell: Cell, robots: "Machine | Team") -> int:
+    """Axes of the cell (bit n-1 = axis n) that are theirs."""
+    own = {axis.name for axis in robots.limits}
+    return sum(1 << n for n, axis in enumerate(cell.axis) if axis.name in own)

@@ -13,7 +13,7 @@ def alter(check: Context) -> None:
     table = check.cell.alter
     if table is None:
         return
-    if check.cell.robot is None or not check.cell.robot.model:
+    if not check.cell.robot or not check.cell.robot[0].model:
         check.fault("alter", "", "a correction acts on the path of a robot: [robot] with a model is missing")
     size = 6 * WORD * (2 if table.type == "REAL" else 1)
     if table.input % WORD or table.input + size > BITS:

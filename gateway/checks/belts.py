@@ -23,7 +23,7 @@ def belts(check: Context) -> None:
         check.fault(f"belt.{name}.name", name, "another belt has this name")
     for number, belt in enumerate(cell.belt, 1):
         _one(check, belt, number)
-    if cell.belt and cell.robot is None:
+    if cell.belt and not cell.robot:
         check.fault("belt", "", "belts carry the path of a robot: [robot] with a model is missing")
     if cell.plant is not None:
         known = {each.name for each in cell.belt}

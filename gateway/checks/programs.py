@@ -6,12 +6,13 @@ from gateway.axes import rc_numbers
 from gateway.canopen_sheets import read_eds
 from gateway.cell import Cell, Notice
 from gateway.cell_belts import Measuring
+from gateway.cell_program import Program
 from gateway.checks.context import Context, twice
 from gateway.controllers import boards_of, p11_of
 from gateway.families import DRIVE_PROTOCOLS, make_family
 from gateway.fastwires import fast_wires
 from gateway.files import ConfigNotFound, beside, read_text
-from gateway.programplan import machine_of_cell, written_for
+from gateway.programplan import machines_of_cell, robots_of, written_for
 from gateway.pure.interface.fastio import BOARDS, FastInputs
 from gateway.pure.permits import free_outputs
 
@@ -32,29 +33,38 @@ def programs(check: Context) -> None:
     from motion.errors import MotionError
 
     try:
-        machine_of_cell(cell)
+        machines_of_cell(cell)
     except MotionError as error:
-        check.fault("robot.model" if cell.robot else "program", cell.robot.model if cell.robot else "", str(error))
+        check.fault("robot.model" if cell.robot else "program", cell.robot[0].model if cell.robot else "", str(error))
+        return
+    names = {word for robot in cell.robot for word in (robot.name, robot.model)}
     for each in cell.program:
-        if each.kinematics and (cell.robot is None or each.kinematics not in (cell.robot.name, cell.robot.model)):
+        if each.kinematics and each.kinematics not in names:
             check.fault(f"program.{each.number}.kinematics", each.kinematics, "no [robot] has this name")
-        _read(check, f"program.{each.number}.file", each.file)
+        else:
+            _read(check, f"program.{each.number}.file", each)
 
 
-def _read(check: Context, key: str, file: str) -> None:
+def _read(check: Context, key: str, table: Program) -> None:
     from motion.errors import MotionError
     from motion.program.blocks import Flying
     from motion.program.text import read
+    from motion.program.textteam import several
 
+    file = table.file
     try:
-        program = read(read_text(beside(check.cell.file, file, "programs")))
+        text = read_text(beside(check.cell.file, file, "programs"))
+        program = None if several(text) else read(text)
+        if len(check.cell.robot) > 1 or program is None:
+            robots_of(check.cell, text, table.kinematics)
     except (ConfigNotFound, OSError, UnicodeDecodeError) as error:
         check.fault(key, file, str(error))
     except MotionError as error:
         check.fault(key, file, str(error).splitlines()[0])
-    else:
-        robot = check.cell.robot
-        if robot is not None and not written_for(program.robot, robot.model):
+        return
+    if program is not None:
+        robot = check.cell.robot[0]
+        if len(check.cell.robot) == 1 and not written_for(program.robot, robot.model):
             check.fault(key, file, f"is written for robot {program.robot}, this cell's is {robot.model}")
         there = {each.channel for each in check.cell.measuring}
         for block in program.blocks:
@@ -82,7 +92,7 @@ def _path_outputs(check: Context) -> None:
         if each.volts not in (10.0, 13.3):
             check.fault(f"{key}.volts", each.volts, "", "10 or 13.3", "V")
         taken |= bits
-    if cell.path_output and cell.robot is None:
+    if cell.path_output and not cell.robot:
         check.fault("path_output", "", "the coordinates are those of a robot: [robot] with a model is missing")
 
 

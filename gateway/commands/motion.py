@@ -17,7 +17,7 @@ from gateway.errors import Exit
 from gateway.files import ConfigNotFound, find_config, read_text
 from gateway.motionpaper import Paper, sections_of
 from gateway.motionplot import page, team_page
-from gateway.programplan import machine_of_cell
+from gateway.programplan import machine_of_cell, robot_meant, team_meant
 from gateway.progress import Progress
 from gateway.robotfile import RobotFaults, load_robot
 from motion.errors import MotionError
@@ -66,7 +66,7 @@ def main(argv: list[str]) -> int:
     try:
         text = read_text(find_config(options.program, "programs"))
         if several(text):
-            return team(text, options)
+            return team(text, options, cell)
         program, machine, belts = load(text, options.robot, cell)
     except (ConfigNotFound, OSError, UnicodeDecodeError, RobotFaults) as error:
         return refuse(error)
@@ -111,12 +111,12 @@ class Belts:
         return tuple(to_si(belt.data.simulated if given is None else given, belt.data.unit) for belt in self.facts)
 
 
-def team(text: str, options: argparse.Namespace) -> int:
+def team(text: str, options: argparse.Namespace, cell: Cell | None) -> int:
     """A program of several kinematics."""
-    if options.robot or options.cell:
-        raise MotionError("the program names the robot of each kinematic: --robot and --cell are for programs of one robot")
+    if options.robot:
+        raise MotionError("the program names the robot of each kinematic: --robot is for programs of one robot")
     program = read_team(text)
-    machines = team_of_program(program)
+    machines = team_of_program(program, cell)
     findings = team_findings(program, machines)
     if options.what == "check" or findings.faults:
         return check(program, findings.faults, options.json)
@@ -137,9 +137,12 @@ def team(text: str, options: argparse.Namespace) -> int:
     return Exit.OK
 
 
-def team_of_program(program: TeamProgram) -> Team:
-    """The robots its kinematics name."""
-    made = team_of(Installation(tuple(called(each.name, load_robot(each.robot)) for each in program.kinematics)))
+def team_of_program(program: TeamProgram, cell: Cell | None) -> Team:
+    """The robots its kinematics name, of a cell with the limits of its axes."""
+    if cell is not None:
+        made = team_meant(cell, program.kinematics)
+    else:
+        made = team_of(Installation(tuple(called(each.name, load_robot(each.robot)) for each in program.kinematics)))
     for each, machine in zip(program.kinematics, made.machines, strict=True):
         if len(each.start) != machine.axes:
             raise MotionError(f"kinematic {each.name}: start has {len(each.start)} values, its robot has {machine.axes} axes")
@@ -159,10 +162,15 @@ def load(text: str, robot: str | None, cell: Cell | None) -> tuple[Program, Mach
         if program.acts or any(block.acts for block in program.blocks):
             raise MotionError("sync and belt functions are about the belts of a cell: --cell CELL says of which")
     else:
-        machine, belts = machine_of_cell(cell), Belts(belt_facts(cell), cell.cycle_ms)
+        machine, belts = _robot_in(cell, program), Belts(belt_facts(cell), cell.cycle_ms)
     if len(program.start) != machine.axes:
         raise MotionError(f"start has {len(program.start)} values, its robot has {machine.axes} axes")
     return program, machine, belts
+
+
+def _robot_in(cell: Cell, program: Program) -> Machine:
+    """The cell's robot; of several the one the program names."""
+    return robot_meant(cell, program.robot) if len(cell.robot) > 1 else machine_of_cell(cell)
 
 
 def check(program: Program | TeamProgram, faults: Sequence[BlockError], as_json: bool) -> int:

@@ -4,10 +4,12 @@ holds then ends at rest on the path, and nothing moves again without a fresh ord
 
 import argparse
 import contextlib
+import functools
 import pathlib
 import select
 import signal
 import time
+from collections.abc import Sequence
 
 from gateway.assembly import RunPlan, load_plan
 from gateway.axes import rc_numbers, window_of
@@ -16,7 +18,7 @@ from gateway.files import read_text
 from gateway.image import RegionReader, RegionWriter, RingReader, RingWriter, fds_from_text
 from gateway.journal import Journal
 from gateway.pathoutputs import output_places
-from gateway.programplan import machine_of_cell, measuring_facts, written_for
+from gateway.programplan import mask_of, measuring_facts, robot_meant, team_meant
 from gateway.pure.permits import free_outputs
 from gateway.pure.plannerrecords import SAY_LAYOUT, PlannerState, pack_piece, pack_planner, unpack_block, unpack_planner
 from gateway.pure.programfollow import follow, standing
@@ -25,6 +27,8 @@ from gateway.pure.records import CellState, unpack_cell_state
 from gateway.realtime import Timerfd, die_with_parent, go_ahead
 from motion.errors import MotionError
 from motion.planner.robot import Machine
+from motion.planner.team import Team
+from motion.program.team import Kinematic
 
 TURN_NS = 5_000_000
 TAKEN = 64  # block records a turn: a long program does not keep the life counter waiting
@@ -43,7 +47,8 @@ class PlannerProcess:
         self.region = RegionWriter(fds["planner"], "planner")
         self.count = len(plan.cell.axis)
         outputs = free_outputs(rc_numbers(plan.cell), self.count)
-        self.programs = Programs(self.machine, self.mask, self.text, outputs, belts=belt_facts(plan.cell))
+        mask = functools.partial(mask_of, plan.cell)
+        self.programs = Programs(self.machine, mask, self.text, outputs, belts=belt_facts(plan.cell), team_of=self.team)
         self.programs.functions = output_places(plan.cell)
         self.programs.windows = [window_of(axis) for axis in plan.cell.axis]
         self.programs.option = plan.cell.alter is not None
@@ -54,12 +59,23 @@ class PlannerProcess:
         self._told: tuple[int, str] = (0, "")
         self._stop = False
 
-    def machine(self, name: str) -> Machine:
+    def machine(self, name: str, number: int) -> Machine:
         """The cell's robot, which a program names or not; raises MotionError."""
-        model = self.plan.cell.robot.model if self.plan.cell.robot else ""
-        if not written_for(name, model):
-            raise MotionError(f"the program is written for robot {name}, this cell's is {model}")
-        return machine_of_cell(self.plan.cell)
+        tables = {each.number: each.kinematics for each in self.plan.cell.program}
+        machine = robot_meant(self.plan.cell, name, tables.get(number, ""))
+        self._as_ordered(machine, number)
+        return machine
+
+    def team(self, kinematics: Sequence[Kinematic], number: int) -> Team:
+        """The robots a program of several kinematics names; raises MotionError."""
+        team = team_meant(self.plan.cell, kinematics)
+        self._as_ordered(team, number)
+        return team
+
+    def _as_ordered(self, robots: Machine | Team, number: int) -> None:
+        """Whoever orders a program was looked at with the axes it had as the run began."""
+        if number in self.plan.programs and mask_of(self.plan.cell, robots) & ~self.plan.programs[number].mask:
+            raise MotionError(f"program {number} moves other robots than when the run began: start the gateway again")
 
     def text(self, number: int) -> str:
         """The program as it stands in its file now; raises MotionError."""
@@ -67,11 +83,6 @@ class PlannerProcess:
             return read_text(pathlib.Path(self.plan.programs[number].path))
         except (KeyError, OSError, UnicodeDecodeError) as error:
             raise MotionError(f"program {number}: {error}") from error
-
-    @staticmethod
-    def mask(machine: Machine) -> int:
-        """The first axes of the cell are the robot's."""
-        return (1 << machine.axes) - 1
 
     def run(self) -> None:
         """Until SIGTERM."""

@@ -9,11 +9,22 @@ from math import isnan
 from gateway.pure.alterrecords import FREEZE, alter_record
 from gateway.pure.beltacts import act_order, belts_after
 from gateway.pure.beltrecords import belt_block_record, synchron_record
-from gateway.pure.inputrecords import FlyingAt, StartOrder
-from gateway.pure.plannerrecords import MeasuringFacts, Part, PieceRecord, UntilInput
+from gateway.pure.inputrecords import FlyingAt, StartOrder, flying_record, start_record
+from gateway.pure.plannerrecords import (
+    FunctionAt,
+    MeasuringFacts,
+    Part,
+    PieceRecord,
+    SwitchAt,
+    UntilInput,
+    function_record,
+    switch_record,
+    until_record,
+)
 from motion.frames import compose
 from motion.measure.errors import INADMISSABLE_INPUT, POINT_NOT_DEFINED, ProgramFault
 from motion.measure.inputs import InputKind, input_of
+from motion.planner.marks import Mark
 from motion.planner.robot import Machine
 from motion.program.blocks import MEASURED, Act, Alteration, Block, Flying, JointTarget, Output, StartWait, Synchron, Until
 from motion.program.errors import BlockError
@@ -172,6 +183,23 @@ class Measuring:
         """Raises ProgramFault inadmissable input for what is no probe of the cell."""
         wire = self._wire(call.channel, InputKind.PROBE)
         return FlyingAt(piece, after, call.channel, wire.input, wire.mask & mask, call.edge, wire.drives & mask)
+
+    def inputs(self, block: Block, mask: int, job: int, generation: int) -> list[PieceRecord]:
+        """What the block that begins a part ends with and waits for."""
+        found = []
+        if block.until is not None:
+            found.append(until_record(job, generation, self.wanted(block.until, mask)))
+        if block.wait is not None:
+            found.append(start_record(job, generation, self.start(block.wait)))
+        return found
+
+    def marked(self, mark: Mark, mask: int, job: int, generation: int) -> PieceRecord:
+        """An output, a function or a measurement on a piece."""
+        if isinstance(mark.function, Flying):
+            return flying_record(job, generation, self.flying(mark.piece, mark.after, mark.function, mask))
+        if mark.function is not None:
+            return function_record(job, generation, FunctionAt(mark.piece, mark.after, mark.function))
+        return switch_record(job, generation, SwitchAt(mark.piece, mark.after, mark.number, mark.value != 0.0))
 
     def _wire(self, channel: int, kind: InputKind) -> MeasuringFacts:
         facts = self.channels.get(channel)

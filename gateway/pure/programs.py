@@ -11,34 +11,34 @@ from dataclasses import dataclass, field, replace
 
 from gateway.pure.beltacts import act_order, act_record, belts_after, sets_type
 from gateway.pure.coreoutputs import Places
-from gateway.pure.inputrecords import flying_record, start_record
 from gateway.pure.plannerrecords import (
     AHEAD,
     VOID,
     BlockRecord,
-    FunctionAt,
     MeasuringFacts,
     Part,
     PieceRecord,
     PlannerState,
     Say,
     SwitchAt,
-    function_record,
     run_of,
     switch_record,
-    until_record,
 )
 from gateway.pure.programchecks import Away, OfCell
 from gateway.pure.programparts import Coming, Measuring, acting, apart, begun, told
+from gateway.pure.programteam import no_programs, no_team, own_axes, own_blocks, reader_for
 from motion.errors import MotionError
 from motion.planner.marks import check_outputs
 from motion.planner.planner import Planner
 from motion.planner.robot import Machine
 from motion.planner.route import Route
-from motion.program.blocks import Act, Block, Flying
+from motion.planner.team import Team
+from motion.program.blocks import Act, Block
 from motion.program.errors import BlockError, TextError
 from motion.program.factors import FULL, Factors
+from motion.program.team import Kinematic, Shared
 from motion.program.text import Reader
+from motion.program.textteam import TeamReader
 from motion.sync.alterable import check_alterable
 from motion.sync.belts import Type
 from motion.sync.facts import BeltFacts
@@ -48,28 +48,27 @@ QUIET_TURNS = 6  # turns without a new block after which what is known is run
 ALWAYS = 1 << 62
 
 
-def _no_programs(number: int) -> str:
-    raise MotionError(f"program {number}: this cell has none")
-
-
 @dataclass
 class Programs:
-    """One kinematic of a run.  machine_of: robot name -> machine, text_of: number -> text (files are read there: not this module's
-    business); both raise MotionError."""
+    """What the robots of a run are moved by.  machine_of: (robot a text names, number of the program, 0: a stream) -> machine, text_of:
+    number -> text, team_of: kinematics of a text, its number -> team (files are read there: not this module's business); all raise
+    MotionError."""
 
-    machine_of: Callable[[str], Machine]
-    mask_of: Callable[[Machine], int]
-    text_of: Callable[[int], str] = _no_programs
+    machine_of: Callable[[str, int], Machine]
+    mask_of: Callable[[Machine | Team], int]
+    text_of: Callable[[int], str] = no_programs
     outputs: Container[int] = range(0)  # RC outputs programs may switch
     belts: Sequence[BeltFacts] = ()
     functions: Places = field(default_factory=dict)  # IO logic and PPO the cell has
     option: bool = False  # the cell has a correction (VAL 3 alter)
     channels: Mapping[int, MeasuringFacts] = field(default_factory=dict)  # measuring inputs by their numbers
     windows: Sequence[float] = ()  # of the axes of the cell, in position; m and rad
+    team_of: Callable[[Sequence[Kinematic], int], Team] = no_team
     state: PlannerState = PlannerState()
     generation: int = 0
     _planner: Planner | None = None
-    _reader: Reader = field(default_factory=Reader)
+    _reader: Reader | TeamReader = field(default_factory=Reader)
+    _number: int = 0  # of the program of the cell; 0: a stream
     _factors: Factors = FULL
     _lines: Iterator[tuple[int, str]] | None = None  # of a program of the cell, not read yet
     _line_of: list[int] = field(default_factory=list)  # block - 1 -> line
@@ -152,9 +151,9 @@ class Programs:
         if record.say is Say.DROP:
             self._drop()
             return
+        if record.say is Say.BEGIN and self.state.job and not self._ended:
+            return  # one stream at a time; whoever orders sees that its job did not begin
         if record.say in (Say.BEGIN, Say.RUN):
-            if record.say is Say.BEGIN and self.state.job and not self._ended:
-                return  # one stream at a time; whoever orders sees that its job did not begin
             self._begin(record.job)
         if record.job != self.state.job:
             return
@@ -167,7 +166,7 @@ class Programs:
         """A program of the cell is ordered at rest alone, so whatever job was there is over."""
         self._begins.clear()
         self.state = PlannerState(job=job, failed_job=self.state.failed_job)
-        self._reader, self._planner, self._factors, self._ended = Reader(), None, FULL, False
+        self._reader, self._number, self._planner, self._factors, self._ended = Reader(), 0, None, FULL, False
         self._lines, self._line_of, self._at, self._rest = None, [], 0, None
         self._trial, self._last, self._handed, self._before, self._blocks, self._error = None, None, False, 0, 0, ""
         self._measuring, self._measured, self._ahead = Measuring(self.channels), (), self._belts
@@ -177,7 +176,7 @@ class Programs:
         if record.say is Say.RUN:
             order = run_of(record)
             self._factors = Factors(order.velocity, order.acceleration, order.acceleration)
-            self._lines = enumerate(self.text_of(order.number).splitlines(), 1)
+            self._number, self._lines = order.number, enumerate(self.text_of(order.number).splitlines(), 1)
             return
         if record.text:
             self._statement(record.text, 0, standing)
@@ -188,24 +187,26 @@ class Programs:
             self._end()
 
     def _statement(self, text: str, line: int, standing: Sequence[float]) -> None:
+        self._reader = reader_for(text, self._reader)
         self._reader.statement(text, line)
         for block in self._reader.take():
             planner = self._planner = self._planner or self._made(standing)
             self._line_of.append(line)
-            cell = OfCell(self.functions, self.outputs, self._measuring, self.mask_of(planner.robot), whole=self._lines is not None)
-            cell.check(block, len(self._line_of), planner.robot)
-            check_alterable(block, self._last, len(self._line_of), option=self.option)
-            self._last = block
-            self._add(planner, block)
+            for machine, own in own_blocks(planner.machine, block):
+                cell = OfCell(self.functions, self.outputs, self._measuring, self.mask_of(machine), whole=self._lines is not None)
+                cell.check(own, len(self._line_of), machine)
+            if isinstance(block, Shared):
+                self._add_whole(planner, block)
+            else:
+                check_alterable(block, self._last, len(self._line_of), option=self.option)
+                self._last = block
+                self._add(planner, block)
 
     def _add(self, planner: Planner, block: Block) -> None:
         """A block that ends with an input, waits for one or goes to @MPOS, and a part on a belt, are parts of their own: where they begin
         or end is known only then.  What comes after is tried as if the part had reached its target, the belt where it was programmed."""
         if self._trial is None and not apart(block):
-            before = planner.standing
-            planner.add(block)
-            away = Away(self._off, self.windows)
-            away.check(before, planner.standing, len(self._line_of), planner.robot, self.mask_of(planner.robot))
+            self._add_whole(planner, block)
             return
         trial = self._divided(planner, len(self._line_of) - 1)
         try:
@@ -227,6 +228,13 @@ class Programs:
             raise told(error, self._tried) from error
         part.blocks.append(block)
 
+    def _add_whole(self, planner: Planner, block: Block | Shared) -> None:
+        before, away = planner.standing, Away(self._off, self.windows)
+        planner.add(block)
+        for machine, first in own_axes(planner.machine):
+            own = slice(first, first + machine.axes)
+            away.check(before[own], planner.standing[own], len(self._line_of), machine, self.mask_of(machine))
+
     def _divided(self, planner: Planner, blocks: int) -> Route:
         """What is tried from the first part on that does not simply go on; so many blocks stand before it."""
         if self._trial is None:
@@ -242,15 +250,14 @@ class Programs:
     def _behind(self, standing: Sequence[float]) -> None:
         """Statements of belts behind the last block."""
         if self._reader.acts:
-            planner = self._planner = self._planner or self._made(standing)
-            self._divided(planner, len(self._line_of)).finish()
+            self._planner = self._planner or self._made(standing)
+            self._divided(self._planner, len(self._line_of)).finish()
             self._acting(self._reader.acts, len(self._line_of) + 1)
 
     def _go_on(self, standing: Sequence[float], engaged: float, *, met: bool) -> None:
         """A part is over, and the axes rest where it ended, or have got onto a belt: the next one begins."""
         self._begins.clear()
-        self._at, self._rest, self._handed = 0, None, False
-        self._before, self._blocks = self._before + self._blocks, 0
+        self._at, self._rest, self._handed, self._before, self._blocks = 0, None, False, self._before + self._blocks, 0
         if self._error and not met:
             self._skip(self._error)
         self._error = ""
@@ -303,17 +310,12 @@ class Programs:
         except BlockError as error:
             raise told(error, self._before) from error
         self._out += part.begins(job, generation)
-        until = blocks[0].until
-        if until is not None:
-            wanted = self._measuring.wanted(until, self.mask_of(planner.robot))
-            self._out.append(until_record(job, generation, wanted))
-        if blocks[0].wait is not None:
-            self._out.append(start_record(job, generation, self._measuring.start(blocks[0].wait)))
+        self._out += self._measuring.inputs(blocks[0], self.mask_of(planner.robot), job, generation)
 
     def _places(self, planner: Planner) -> list[float | None]:
         """@MPOS of the robot's axes."""
-        mask = self.mask_of(planner.robot)
-        return [self._measured[n] if n < len(self._measured) else None for n in range(mask.bit_length()) if mask >> n & 1]
+        mask, found = self.mask_of(planner.robot), self._measured
+        return [found[n] if n < len(found) else None for n in range(mask.bit_length()) if mask >> n & 1]
 
     def _end(self) -> None:
         self._ended = True
@@ -322,7 +324,8 @@ class Programs:
         self._quiet = QUIET_TURNS
 
     def _made(self, standing: Sequence[float]) -> Planner:
-        machine = self.machine_of(self._reader.robot)
+        read, number = self._reader, self._number
+        machine = self.team_of(read.kinematics(), number) if isinstance(read, TeamReader) else self.machine_of(read.robot, number)
         mask = self.mask_of(machine)
         places = [standing[n] for n in range(len(standing)) if mask >> n & 1]
         return Planner(machine, places, mask=mask, capacity=1 << 20, next_id=self._spare, factors=self._factors)
@@ -436,14 +439,8 @@ class Programs:
                     del self._begins[number]
             self._begins[made.id] = begins[made.id]
             self._last_id, self._spare = made.id, made.id + 1
-            for _, after, number, value, function in (mark for mark in marks if mark.piece == made.id):
-                if isinstance(function, Flying):
-                    order = self._measuring.flying(made.id, after, function, self.mask_of(planner.robot))
-                    self._out.append(flying_record(job, self.generation, order))
-                elif function is not None:
-                    self._out.append(function_record(job, self.generation, FunctionAt(made.id, after, function)))
-                else:
-                    self._out.append(switch_record(job, self.generation, SwitchAt(made.id, after, number, value != 0.0)))
+            own = (mark for mark in marks if mark.piece == made.id)
+            self._out += [self._measuring.marked(mark, planner.mask or 0, job, self.generation) for mark in own]
             self._out.append(PieceRecord(Part.PIECE, job, self.generation, encode_timed(made)))
 
     def _tau(self, piece: int, planner: Planner) -> float:

@@ -44,7 +44,7 @@ def described(plan: RunPlan, plant: Plant, skeleton: Skeleton) -> Row:
         "notices": [{"level": notice.level, "where": notice.where, "text": notice.text} for notice in cell.notices],
         "evidence": evidence(plan),
         "faults": plant.known(),
-        "robot": {"kind": skeleton.kind, "reach": skeleton.reach, "why": skeleton.why, "model": cell.robot.model if cell.robot else ""},
+        "robot": {"kind": skeleton.kind, "reach": skeleton.reach, "why": skeleton.why, "model": cell.robot[0].model if cell.robot else ""},
     }
 
 

@@ -21,8 +21,11 @@ class Skeleton:
         ends = [cell.axis[n].limits.max / 1000.0 for n in linear]
         self.reach = max(ends, default=1.0)
         self._draw: Callable[[Sequence[float]], Lines] = Portal(linear, ends).lines
-        if cell.robot is not None and cell.robot.model:
-            self._load(cell.robot.model)
+        if cell.robot and cell.robot[0].model:
+            self._load(cell.robot[0].model)
+        if len(cell.robot) > 1 and not self.why:
+            first, *others = (f"{robot.name} ({robot.model})" for robot in cell.robot)
+            self.why = f"{first} is drawn, without {', '.join(others)}: where they stand to each other is not known"
 
     def _load(self, model: str) -> None:
         """Kinematics and robot files are loaded only where a cell has a robot: they take their time."""

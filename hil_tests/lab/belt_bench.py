@@ -80,7 +80,7 @@ class BeltBench(CellBench):
     def another_planner(self, before: PlannerState) -> None:
         """`before`: what the one before it said last."""
         free = free_outputs(AS_SHIPPED, AXES)
-        self.programs = Programs(lambda _: MACHINE, lambda _: ALL, lambda _: self.text, free, belts=FACTS)
+        self.programs = Programs(lambda *_: MACHINE, lambda _: ALL, lambda _: self.text, free, belts=FACTS)
         self.programs.follows(before)
         self.planner = self._beside()
 

@@ -11,7 +11,7 @@ from drivers.emulator.servodyn_slave import ServodynSlave
 from gateway.axes import limits_of, scaling_of
 from gateway.cell import Cell
 from gateway.plant import bus_settings, motor_rad
-from gateway.programplan import machine_of_cell
+from gateway.programplan import machine_of_cell, mask_of, robot_meant, team_meant
 from gateway.pure.command_block import Code, Command
 from gateway.pure.jobs import Job
 from gateway.pure.office import Office
@@ -25,6 +25,7 @@ from hil_tests.lab.cellbench import CellBench
 from hil_tests.lab.planner_beside import PlannerBeside
 from hil_tests.lab.servodyn_bus import CODEC
 from motion.frames import IDENTITY, Pose
+from motion.planner.robot import Machine
 from motion.units import to_si
 
 
@@ -44,7 +45,11 @@ class Planned:
         every, self.text = (1 << len(self.cell.axis)) - 1, ""
         bench.office = Office(bench.office.axes, bench.office._plan, 1, {1: ProgramFacts("it", every)})
         free = free_outputs(AS_SHIPPED, len(self.cell.axis))
-        self.programs = Programs(lambda _: self.machine, lambda _: every, lambda _: self.text, free)
+        if len(self.cell.robot) > 1:
+            self.programs = Programs(self._robot, lambda robots: mask_of(self.cell, robots), lambda _: self.text, free)
+            self.programs.team_of = lambda kinematics, _: team_meant(self.cell, kinematics)
+        else:
+            self.programs = Programs(lambda *_: self.machine, lambda _: every, lambda _: self.text, free)
         self.planner = PlannerBeside(self.programs, len(self.cell.axis))
         bench.each = self._turn
         bench.office.planner = self.programs.state
@@ -55,6 +60,9 @@ class Planned:
     @property
     def state(self) -> CellState:
         return self.bench.core.state
+
+    def _robot(self, named: str, number: int) -> Machine:
+        return robot_meant(self.cell, named)
 
     def _turn(self) -> None:
         self.planner.turn(self.bench.core, self.bench.office)

@@ -40,7 +40,7 @@ class WithPlanner:
             assert self.cell.settle(self.cell.give(code)).state is CommandState.DONE
         self.texts: dict[int, str] = {}
         free = free_outputs(AS_SHIPPED, len(LIMITS))
-        self.programs = Programs(lambda _: Machine(Identity(LIMITS), LIMITS), lambda _: ALL, self.text, free)
+        self.programs = Programs(lambda *_: Machine(Identity(LIMITS), LIMITS), lambda _: ALL, self.text, free)
         self.planner = PlannerBeside(self.programs, len(LIMITS))
         self.cell.each = self.turn
         self.cell.office.planner = self.programs.state

@@ -77,6 +77,11 @@ class Reader:
         """Of a synchronous or alterable part."""
         return self.part is not None or self.altered.part is not None
 
+    @property
+    def untold(self) -> bool:
+        """Nothing but the name of the program was read."""
+        return self == Reader(self.name)
+
     def statement(self, raw: str, number: int = 0) -> None:
         """One line; raises TextError.  Its block, if it is one, waits for take()."""
         words = raw.partition("#")[0].split()
@@ -155,7 +160,7 @@ class Reader:
                     raise _Fault(head, f"1 .. {MAX_JOINTS} units, each mm or deg")
                 self.units = tuple(rest)
             case "kinematic":
-                raise _Fault(head, "a program of several kinematics is for `axisgate motion check|plot`: a cell has one robot (AX-564)")
+                raise _Fault(head, "stands before everything else of a program of several kinematics")
             case _:
                 self.start = self.joints(head, rest)
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from motion.conventions import CONVENTIONS, convention
 from motion.errors import MotionError
-from motion.program.blocks import Block
+from motion.program.blocks import Act, Block
 from motion.program.errors import TextError, TextFaults
 from motion.program.team import Kinematic, Shared, TeamProgram
 from motion.program.text import MOVES, Reader
@@ -27,11 +27,36 @@ def several(text: str) -> bool:
 
 
 @dataclass(slots=True)
-class _TeamReader:
+class TeamReader:
+    """Line by line, as motion.program.text.Reader."""
+
     name: str = ""
     readers: dict[str, Reader] = field(default_factory=dict)
     now: str = ""  # kinematic named last
     blocks: list[Shared] = field(default_factory=list)
+    moved: bool = False  # a move has been read
+    acts: tuple[Act, ...] = ()  # of belts: none (AX-341)
+
+    def statement(self, raw: str, number: int = 0) -> None:
+        """One line; raises TextError.  Its block, if it is one, waits for take()."""
+        words = raw.partition("#")[0].split()
+        try:
+            if words:
+                self.line(words, number)
+        except Fault as fault:
+            raise TextError(number, fault.key, fault.what) from None
+        except TextError:
+            raise
+        except MotionError as error:
+            raise TextError(number, words[0], str(error)) from error
+
+    def take(self) -> list[Shared]:
+        """Blocks since the last call."""
+        blocks, self.blocks = self.blocks, []
+        return blocks
+
+    def ended(self) -> None:
+        """The text is over; nothing can be missing behind the blocks."""
 
     def line(self, words: list[str], number: int) -> None:
         head, rest = words[0], words[1:]
@@ -60,7 +85,7 @@ class _TeamReader:
         if len(rest) == 2:
             if self.now in self.readers:
                 raise Fault("kinematic", f"{self.now} has a robot already")
-            if self.blocks:
+            if self.moved:
                 raise Fault("kinematic", f"{self.now} has to stand before the first move")
             if len(self.readers) == MOST_KINEMATICS:
                 raise Fault("kinematic", f"at most {MOST_KINEMATICS} kinematics in one cell")
@@ -100,6 +125,7 @@ class _TeamReader:
         return block
 
     def add(self, moves: dict[str, Block], number: int) -> None:
+        self.moved = True
         self.blocks.append(Shared(tuple(moves.get(each) for each in self.readers), number))
 
     def kinematics(self) -> tuple[Kinematic, ...]:
@@ -111,18 +137,12 @@ class _TeamReader:
 
 def read_team(text: str) -> TeamProgram:
     """The program of a text; raises TextFaults with every fault in it."""
-    reader, faults = _TeamReader(), []
+    reader, faults = TeamReader(), []
     for number, raw in enumerate(text.splitlines(), 1):
-        words = raw.partition("#")[0].split()
         try:
-            if words:
-                reader.line(words, number)
-        except Fault as fault:
-            faults.append(TextError(number, fault.key, fault.what))
+            reader.statement(raw, number)
         except TextError as error:
             faults.append(error)
-        except MotionError as error:
-            faults.append(TextError(number, words[0], str(error)))
     faults += [
         TextError(0, "start", f"is missing: where the axes of kinematic {each} stand before the first block")
         for each, own in reader.readers.items()

@@ -55,7 +55,7 @@ class Both:
 
     def __init__(self, writer: RingWriter, reader: RingReader) -> None:
         self.writer, self.reader = writer, reader
-        self.programs = Programs(lambda _: machine(), lambda _: 7)
+        self.programs = Programs(lambda *_: machine(), lambda _: 7)
         self.stepper = Stepper(AXES, P, (0.0, 0.0, 0.0))
         self.piece, self.rows, self.records = 0, [(0.0, 0.0, 0.0)], 0
 
@@ -139,7 +139,7 @@ def test_a_program_said_in_two_halves_runs_through_without_a_stop_in_between() -
 def test_killed_at_any_write_of_the_ring_the_axes_end_at_rest_on_the_path(half: bool) -> None:
     """The child says both halves of the program at once, so that every piece there is comes through the dying ring."""
     path, reached = curve(), []
-    programs = Programs(lambda _: machine(), lambda _: 7)
+    programs = Programs(lambda *_: machine(), lambda _: 7)
     records = made(programs, [*opening(), *said(SECOND, Say.END)], 0, (0.0, 0.0, 0.0), moving=False)
     while records[-1].part is not Part.LAST:
         records += made(programs, [], 0, (0.0, 0.0, 0.0), moving=False)

@@ -318,7 +318,7 @@ def test_a_new_cycle_knows_nothing_of_the_program(both: WithPlanner) -> None:
 
 def test_a_fault_found_before_the_cycle_took_the_order_waits_for_it() -> None:
     """The planner may be quicker than the cycle, which drops what belongs to a job it has not heard of: the job would never end."""
-    programs = Programs(lambda _: Machine(Identity(LIMITS), LIMITS), lambda _: ALL, lambda _: "nonsense", free_outputs(AS_SHIPPED, 6))
+    programs = Programs(lambda *_: Machine(Identity(LIMITS), LIMITS), lambda _: ALL, lambda _: "nonsense", free_outputs(AS_SHIPPED, 6))
     order = [run_record(ProgramOrder(7, 1, 1.0, 1.0))]
     assert programs.turn(order, 1, 0, [0.0] * 6, moving=False, taken=6) == []
     programs.prepare([0.0] * 6)

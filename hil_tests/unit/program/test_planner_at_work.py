@@ -46,7 +46,7 @@ class Counted:
 
 
 def programs() -> Programs:
-    return Programs(lambda _: arms.portal(), lambda machine: (1 << machine.axes) - 1, lambda _: TEXT)
+    return Programs(lambda *_: arms.portal(), lambda machine: (1 << machine.axes) - 1, lambda _: TEXT)
 
 
 def turn(made: Programs, *records: BlockRecord, piece: int = 0) -> list[PieceRecord]:

@@ -6,7 +6,6 @@ import pathlib
 import pytest
 
 from gateway.commands.motion import main, team_of_program
-from gateway.config import CellFaults, load_cell
 from gateway.files import find_config, read_text
 from hil_tests.unit.program.close import same
 from motion.planner.teamtrace import team_findings
@@ -103,7 +102,7 @@ def test_check_names_line_block_kinematic_and_axis_of_every_block_that_cannot_be
     assert said[1].startswith("line 19: block 6: kinematic left: a program of several kinematics knows no until")
     assert said[2] == "6 blocks: 2 cannot be run"
     assert main(["check", str(path), "--robot", "portal"]) == 2
-    assert team_findings(read_team(TEXT), team_of_program(read_team(TEXT))).faults == ()
+    assert team_findings(read_team(TEXT), team_of_program(read_team(TEXT), None)).faults == ()
 
 
 def test_plot_draws_the_path_of_each_kinematic(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -119,15 +118,3 @@ def test_plot_draws_the_path_of_each_kinematic(tmp_path: pathlib.Path, capsys: p
     assert drawn.count("<h2>Path of the tool</h2>") == 2
     assert "left: portal" in drawn
     assert "right.Z" in drawn
-
-
-def test_a_cell_says_that_it_runs_one_robot() -> None:
-    scara = read_text(find_config("scara", "cells"))
-    for old, new, words in (
-        ("[robot]", "[[robot]]", "a cell runs one robot"),
-        ("scara-pick-and-place", "arm-and-scara", "a cell has one robot"),
-    ):
-        assert old in scara
-        with pytest.raises(CellFaults) as found:
-            load_cell("cell.toml", scara.replace(old, new))
-        assert any(words in f"{fault}" for fault in found.value.faults)

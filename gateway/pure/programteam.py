@@ -1,0 +1,45 @@
+"""What programs of one robot and of several kinematics have in common for the planner process.  Pure."""
+
+from collections.abc import Iterator, Sequence
+
+from motion.errors import MotionError
+from motion.planner.robot import Machine
+from motion.planner.team import Team
+from motion.program.blocks import Block
+from motion.program.team import Kinematic, Shared
+from motion.program.text import Reader
+from motion.program.textteam import TeamReader, several
+
+
+def no_programs(number: int) -> str:
+    """Of a cell without programs."""
+    raise MotionError(f"program {number}: this cell has none")
+
+
+def no_team(kinematics: Sequence[Kinematic], number: int) -> Team:
+    """Of a cell with one robot whose programs nobody gave kinematics."""
+    raise MotionError(f"kinematic {kinematics[0].name}: this cell has one robot alone")
+
+
+def reader_for(text: str, reader: Reader | TeamReader) -> Reader | TeamReader:
+    """Who reads this line: `kinematic` at the beginning tells a program of several kinematics."""
+    if isinstance(reader, Reader) and several(text) and reader.untold:
+        return TeamReader(reader.name)
+    return reader
+
+
+def own_axes(robots: Machine | Team) -> Iterator[tuple[Machine, int]]:
+    """Each robot, and the first of its axes among those of all."""
+    if isinstance(robots, Team):
+        yield from zip(robots.machines, robots.firsts, strict=False)
+    else:
+        yield robots, 0
+
+
+def own_blocks(robots: Machine | Team, block: Block | Shared) -> Iterator[tuple[Machine, Block]]:
+    """Each robot that a block moves, and its own part of it."""
+    machines = robots.machines if isinstance(robots, Team) else (robots,)
+    moves = block.moves if isinstance(block, Shared) else (block,)
+    for machine, own in zip(machines, moves, strict=True):
+        if own is not None:
+            yield machine, own
