@@ -1,8 +1,16 @@
-"""The cell of a six-axis arm and a SCARA: the shipped arm with a second robot and its four axes behind its own."""
+"""The cell of a six-axis arm and a SCARA: the shipped arm with a second robot and its four axes behind its own;
+and the judge of the shipped program of both: geometry of its points alone."""
+
+import numpy as np
 
 from gateway.cell import Cell
 from gateway.config import load_cell
+from gateway.programplan import machines_of_cell
+from hil_tests.lab.arms import Array
 from hil_tests.lab.carried_cell import ARM, AXIS, PLANT
+from hil_tests.lab.planned_bench import Driven, off_segment
+from motion.conventions import convention
+from motion.frames import IDENTITY
 
 ROBOTS = """[[robot]]
 kinematics = "arm6"
@@ -15,6 +23,7 @@ model      = "sr60-like"
 name       = "scara"
 
 """
+SHIPPED = (ARM.parents[1] / "programs" / "arm-and-scara.txt").read_text()
 PROGRAMS = """[[program]]
 number = 1
 file   = "arm-and-scara"
@@ -37,9 +46,17 @@ AXES = (
 
 def cell_text(more: str = "", robots: str = ROBOTS) -> str:
     """As a file beside the shipped one would have it."""
-    text = ARM.read_text()
+    return _with_scara(ARM.read_text(), f"{robots}{PROGRAMS}{more}")
+
+
+def both(text: str) -> str:
+    """The shipped cell with other programs, and the SCARA beside the arm."""
+    return _with_scara(text, ROBOTS + text[text.index("[[program]]") : text.index("# ---- drives")])
+
+
+def _with_scara(text: str, robots_and_programs: str) -> str:
     begin, end = text.index("[robot]"), text.index("# ---- drives")
-    head, plant = f"{text[:begin]}{robots}{PROGRAMS}{more}{text[end:]}".split("# ---- the emulated machine", 1)
+    head, plant = f"{text[:begin]}{robots_and_programs}{text[end:]}".split("# ---- the emulated machine", 1)
     axes = "".join(AXIS.format(**axis) for axis in AXES)
     return f"{head}{axes}# ---- the emulated machine{plant.rstrip()}\n" + "".join(PLANT.format(**axis) for axis in AXES)
 
@@ -47,3 +64,43 @@ def cell_text(more: str = "", robots: str = ROBOTS) -> str:
 def arm_and_scara() -> Cell:
     """Checked."""
     return load_cell(str(ARM), cell_text())
+
+
+CELL = arm_and_scara()
+MACHINES = machines_of_cell(CELL)
+TOOLS = (convention("val3").pose((0, 0, 100, 0, 0, 0)), IDENTITY)
+POINTS = (  # PART, OVER, PLACE of arm and SCARA
+    ((0.35, -0.15, 0.2), (0.35, 0.0, 0.25), (0.35, 0.15, 0.2)),
+    ((0.35, -0.15, 0.08), (0.35, 0.0, 0.12), (0.35, 0.15, 0.08)),
+)
+ROUND = (0.03, 0.02)
+OWN = (slice(0, 6), slice(6, 10))
+ROUNDED = 25e-6  # m: half an increment of each axis
+FOLLOWED = 1e-3
+
+
+def tips(rows: Array, n: int) -> Array:
+    """(rows, 3) m of one robot's tool."""
+    return np.array([(MACHINES[n].forward(tuple(float(v) for v in row[OWN[n]])) @ TOOLS[n]).position for row in rows])
+
+
+def carried(rows: Array) -> slice:
+    """Rows from PART to PLACE: the arm is at neither before and behind."""
+    arm = tips(rows, 0)
+    first, last = (int(np.argmin(np.linalg.norm(arm - POINTS[0][n], axis=1))) for n in (0, 2))
+    return slice(first, last + 1)
+
+
+def judge_lines(made: Driven) -> None:
+    """Both tools on their own lines between the points, rounded at OVER, by set values and mechanics of the emulator's record."""
+    for rows, close in ((made.sets, ROUNDED), (made.actual, FOLLOWED)):
+        part = rows[carried(rows)]
+        assert len(part) > 100
+        for n, (a, b, c) in enumerate(POINTS):
+            places = tips(part, n)
+            on = np.minimum(off_segment(places, a, b), off_segment(places, b, c))
+            beside = np.linalg.norm(places - b, axis=1) > ROUND[n]
+            assert float(on[beside].max()) < close
+            assert 1e-3 < float(np.linalg.norm(places - b, axis=1).min()) < 0.1875 * 2.0 * ROUND[n] + close, "rounded"
+            for place in (a, c):
+                assert float(np.linalg.norm(places - place, axis=1).min()) < close

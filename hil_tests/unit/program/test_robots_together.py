@@ -8,39 +8,31 @@ import pytest
 
 from gateway.config import load_cell
 from gateway.faults import CellFaults
-from gateway.programplan import machines_of_cell, plan_programs
+from gateway.programplan import plan_programs
 from gateway.pure.command_block import Code
 from gateway.pure.jobs import Job
 from gateway.pure.reasons import CommandState
 from gateway.pure.records import Motion
 from gateway.web.skeleton import Skeleton
-from hil_tests.lab.arm_and_scara import ROBOTS, arm_and_scara, cell_text
+from hil_tests.lab.arm_and_scara import (
+    CELL,
+    OWN,
+    POINTS,
+    ROBOTS,
+    ROUND,
+    SHIPPED,
+    carried,
+    cell_text,
+    judge_lines,
+    tips,
+)
 from hil_tests.lab.arms import Array
 from hil_tests.lab.carried_cell import ARM
 from hil_tests.lab.cell402bench import Cell402Bench
-from hil_tests.lab.planned_bench import Driven, Planned, off_segment
-from motion.conventions import convention
-from motion.frames import IDENTITY
+from hil_tests.lab.planned_bench import Driven, Planned
 
-CELL = arm_and_scara()
-SHIPPED = (ARM.parents[1] / "programs" / "arm-and-scara.txt").read_text()
 ALONE = "robot sr60-like\naxes deg deg mm deg\nptp joints 40 90 -200 0\n"
-MACHINES = machines_of_cell(CELL)
-TOOLS = (convention("val3").pose((0, 0, 100, 0, 0, 0)), IDENTITY)
-POINTS = (  # PART, OVER, PLACE of arm and SCARA
-    ((0.35, -0.15, 0.2), (0.35, 0.0, 0.25), (0.35, 0.15, 0.2)),
-    ((0.35, -0.15, 0.08), (0.35, 0.0, 0.12), (0.35, 0.15, 0.08)),
-)
-ROUND = (0.03, 0.02)
-OWN = (slice(0, 6), slice(6, 10))
-ROUNDED = 25e-6  # m: half an increment of each axis
-FOLLOWED = 1e-3
 STANDS = 4e-6  # rad, m: an increment
-
-
-def tips(rows: Array, n: int) -> Array:
-    """(rows, 3) m of one robot's tool."""
-    return np.array([(MACHINES[n].forward(tuple(float(v) for v in row[OWN[n]])) @ TOOLS[n]).position for row in rows])
 
 
 def gone(places: Array, start: tuple[float, ...], end: tuple[float, ...]) -> Array:
@@ -81,26 +73,8 @@ def driven() -> tuple[Driven, Driven]:
     return both, ended(planned, planned.order(ALONE))
 
 
-def carried(rows: Array) -> slice:
-    """Rows from PART to PLACE: the arm is at neither before and behind."""
-    arm = tips(rows, 0)
-    first, last = (int(np.argmin(np.linalg.norm(arm - POINTS[0][n], axis=1))) for n in (0, 2))
-    return slice(first, last + 1)
-
-
 def test_each_tool_keeps_its_own_lines_through_a_stop_and_a_slow_stretch() -> None:
-    made, _ = driven()
-    for rows, close in ((made.sets, ROUNDED), (made.actual, FOLLOWED)):
-        part = rows[carried(rows)]
-        assert len(part) > 100
-        for n, (a, b, c) in enumerate(POINTS):
-            places = tips(part, n)
-            on = np.minimum(off_segment(places, a, b), off_segment(places, b, c))
-            beside = np.linalg.norm(places - b, axis=1) > ROUND[n]
-            assert float(on[beside].max()) < close
-            assert 1e-3 < float(np.linalg.norm(places - b, axis=1).min()) < 0.1875 * 2.0 * ROUND[n] + close, "rounded"
-            for place in (a, c):
-                assert float(np.linalg.norm(places - place, axis=1).min()) < close
+    judge_lines(driven()[0])
 
 
 def test_both_begin_and_end_together_and_are_at_the_same_share_of_their_ways() -> None:
