@@ -21,6 +21,7 @@ from hil_tests.lab.cell402bench import DEMO_402, Cell402Bench, Dialogue
 from hil_tests.lab.program_bench import WithPlanner, joints
 
 AT, BEYOND = 20.0, 40.0  # of axis 1: its probe is actuated between
+EDGE = AT + 10.0 / 16384  # half an increment further: there no rounding decides which of two increments the drive shows
 FIRST, SECOND = DEMO_402.axis[0].name, DEMO_402.axis[1].name
 PLANT = DEMO_402.plant or Plant()
 CELL = replace(
@@ -28,7 +29,7 @@ CELL = replace(
     axis=tuple(replace(axis, home=Home(by="none")) for axis in DEMO_402.axis),
     plant=replace(
         PLANT,
-        axis={name: replace(axis, start=2.0, probe=Span(AT, BEYOND) if name == FIRST else None) for name, axis in PLANT.axis.items()},
+        axis={name: replace(axis, start=2.0, probe=Span(EDGE, BEYOND) if name == FIRST else None) for name, axis in PLANT.axis.items()},
     ),
     measuring=(Measuring(610, drives=(FIRST,)),),
 )
