@@ -21,9 +21,11 @@ import canopen
 from canopen.emcy import EmcyError
 from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError, SdoError
 
+from drivers.drives import canopen_steps as steps
 from drivers.drives import cia402_boot as plans
 from drivers.drives import io_boot
-from drivers.drives.cia402_boot import Answer, Booted, BootRefused, NodePlan, Refused, Silent
+from drivers.drives.canopen_steps import Answer, Refused, Silent
+from drivers.drives.cia402_boot import Booted, BootRefused, NodePlan
 from drivers.drives.io_boot import CouplerPlan
 from drivers.ports import cycle_bus
 from gateway.edsfile import canopen_dictionary
@@ -305,22 +307,22 @@ class CanopenMaster:
             return booted
         raise BootRefused("stopped", dead=True)
 
-    def _answer(self, node: Node, step: plans.Step) -> Answer:
+    def _answer(self, node: Node, step: steps.Step) -> Answer:
         match step:
-            case plans.Read(index, sub):
+            case steps.Read(index, sub):
                 return self.upload(node.plan.node, index, sub)
-            case plans.Write(index, sub, data):
+            case steps.Write(index, sub, data):
                 return self.download(node.plan.node, index, sub, data)
-            case plans.Nmt(command, awaits):
+            case steps.Nmt(command, awaits):
                 assert self._network is not None
                 boots = node.boots
                 node.state = -1
                 self._network.send_message(cobid.NMT, bytes((command, node.plan.node)))
                 return self._await(node, awaits, boots)
-            case plans.Pause(ms):
+            case steps.Pause(ms):
                 self._stop.wait(ms / 1000.0)
                 return b""
-            case plans.Sync(ms):
+            case steps.Sync(ms):
                 self._link.send(cobid.SYNC, b"")  # only a tool's own port takes it: the cycle's ring refuses SYNC
                 self._stop.wait(ms / 1000.0)
                 return b""
@@ -335,7 +337,7 @@ class CanopenMaster:
                 return Silent.YES
         return b""
 
-    def carry(self, number: int, plan: Generator[plans.Step, Answer, T]) -> T:
+    def carry(self, number: int, plan: Generator[steps.Step, Answer, T]) -> T:
         """A dialogue of a tool with a node that is started up; raises what the plan raises."""
         node = self.nodes[number]
         with node.lock:

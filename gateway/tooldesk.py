@@ -8,7 +8,7 @@ import threading
 import time
 from typing import TYPE_CHECKING
 
-from drivers.drives.cia402_boot import Refused
+from drivers.drives.canopen_steps import Refused
 from gateway.pure.command_block import Code, Command
 from gateway.pure.jobs import Job, OnLoss
 from gateway.pure.records import AXES, Quality, set_bit

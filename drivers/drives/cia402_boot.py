@@ -11,10 +11,11 @@ from collections.abc import Generator, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
 
+from drivers.drives.canopen_steps import Answer, Nmt, Pause, Read, Refused, Silent, Step, Write
 from protocols.canopen import cobid
 from protocols.canopen.nmt import Command, State
 from protocols.canopen.pdo import RPDO_COMMUNICATION, RPDO_MAPPING, TPDO_COMMUNICATION, TPDO_MAPPING, Mapped, mapped
-from protocols.canopen.sdo import TEXTS, Abort
+from protocols.canopen.sdo import Abort
 
 CSP = 8
 PROFILE = 402
@@ -27,68 +28,6 @@ START_TRIES, START_PAUSE_MS = 40, 10
 PDOS = 4  # of each direction that a device may have valid from the factory and that are switched off when they are not ours
 
 
-# ---- steps and answers -----------------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, slots=True)
-class Read:
-    """SDO upload."""
-
-    index: int
-    sub: int = 0
-
-
-@dataclass(frozen=True, slots=True)
-class Write:
-    """SDO download."""
-
-    index: int
-    sub: int
-    data: bytes
-
-
-@dataclass(frozen=True, slots=True)
-class Nmt:
-    """A command to this node; `awaits`: the state its heartbeat has to show then, within the boot time-out."""
-
-    command: Command
-    awaits: State | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Pause:
-    """Nothing for a while."""
-
-    ms: int
-
-
-@dataclass(frozen=True, slots=True)
-class Sync:
-    """One SYNC of a tool that plays the cycle for a moment, then a pause; never while a cycle owns the bus."""
-
-    pause_ms: int
-
-
-Step = Read | Write | Nmt | Pause | Sync
-
-
-@dataclass(frozen=True, slots=True)
-class Refused:
-    """The node answered with an abort code."""
-
-    code: int
-
-    def __str__(self) -> str:
-        return f"{TEXTS.get(self.code, 'unknown reason')} ({self.code:08X}h)"
-
-
-class Silent(Enum):
-    """The node did not answer in time."""
-
-    YES = "no answer"
-
-
-Answer = bytes | Refused | Silent
 Plan = Generator[Step, Answer, "Booted"]
 
 

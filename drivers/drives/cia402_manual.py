@@ -7,8 +7,9 @@ beside the machine: there is no path, no other axis and no lag supervision but t
 from collections.abc import Generator, Sequence
 from dataclasses import dataclass
 
+from drivers.drives.canopen_steps import Answer, Pause, Read, Silent, Step, Sync, Write
 from drivers.drives.cia402 import Bit, Mode
-from drivers.drives.cia402_boot import Answer, Pause, Read, Silent, Step, Sync, Write, name_of
+from drivers.drives.cia402_boot import name_of
 from drivers.drives.cia402_states import Command, State, next_command, state_of
 
 POLL_MS, TRIES = 5, 400  # for a state; a move has its own limit

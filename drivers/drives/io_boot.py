@@ -1,4 +1,4 @@
-"""Start-up of a CiA 401 coupler as a plan of steps, in the language of cia402_boot.  Pure.
+"""Start-up of a CiA 401 coupler as a plan of steps, in the language of canopen_steps.  Pure.
 
 Source: CiA 301, 7.5.2 (1000h, 1016h, 1017h, 1018h, 1800h); CiA 401 (6005h, 6206h error mode outputs, 6207h error value outputs).
 """
@@ -6,21 +6,8 @@ Source: CiA 301, 7.5.2 (1000h, 1016h, 1017h, 1018h, 1800h); CiA 401 (6005h, 6206
 from collections.abc import Generator
 from dataclasses import dataclass
 
-from drivers.drives.cia402_boot import (
-    Answer,
-    Booted,
-    BootRefused,
-    Identity,
-    Nmt,
-    NodePlan,
-    Plan,
-    Read,
-    Refused,
-    Silent,
-    Step,
-    Write,
-    name_of,
-)
+from drivers.drives.canopen_steps import Answer, Nmt, Read, Refused, Silent, Step, Write
+from drivers.drives.cia402_boot import Booted, BootRefused, Identity, NodePlan, Plan, name_of
 from protocols.canopen.nmt import Command, State
 
 PROFILE = 401

@@ -3,8 +3,10 @@
 from collections.abc import Generator, Sequence
 from typing import TypeVar
 
+from drivers.drives import canopen_steps as steps
 from drivers.drives import cia402_boot as plans
-from drivers.drives.cia402_boot import Answer, Booted, Refused, Silent
+from drivers.drives.canopen_steps import Answer, Refused, Silent
+from drivers.drives.cia402_boot import Booted
 from drivers.drives.family import BusFamily
 from drivers.emulator.cia402_slave import Cia402Slave
 from gateway.canopen_plans import node_plans
@@ -29,11 +31,11 @@ class Dialogue:
     def __init__(self, slave: Cia402Slave, node: int, now: int) -> None:
         self.slave, self.node, self.now = slave, node, now
         self.heard: list[Frame] = []
-        self.steps: list[plans.Step] = []
+        self.steps: list[steps.Step] = []
         self.refuse: dict[tuple[int, int], int] = {}  # (index, sub) of a download -> abort code: a hostile node
         self.lies: dict[tuple[int, int], bytes] = {}  # what an upload answers instead
 
-    def carry(self, plan: Generator[plans.Step, Answer, T]) -> T:
+    def carry(self, plan: Generator[steps.Step, Answer, T]) -> T:
         """To its end; raises what the plan raises."""
         step = next(plan)
         while True:
@@ -44,21 +46,21 @@ class Dialogue:
                 result: T = end.value
                 return result
 
-    def answer(self, step: plans.Step) -> Answer:
+    def answer(self, step: steps.Step) -> Answer:
         match step:
-            case plans.Read(index, sub):
+            case steps.Read(index, sub):
                 return self.lies.get((index, sub)) or self.upload(index, sub)
-            case plans.Write(index, sub, data):
+            case steps.Write(index, sub, data):
                 if (index, sub) in self.refuse:
                     return Refused(self.refuse[index, sub])
                 return self.download(index, sub, data)
-            case plans.Nmt(command, awaits):
+            case steps.Nmt(command, awaits):
                 self.say(nmt.command(command, self.node))
                 return self.shown(awaits) if awaits is not None else b""
-            case plans.Pause(pause):
+            case steps.Pause(pause):
                 self.wait(pause)
                 return b""
-            case plans.Sync(pause):
+            case steps.Sync(pause):
                 self.say(Frame(cobid.SYNC))
                 self.wait(pause)
                 return b""

@@ -5,6 +5,7 @@ import os
 import pathlib
 import time
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,8 +17,9 @@ from gateway.programplan import machine_of_cell
 from gateway.pure.plannerrecords import PlannerState, unpack_planner
 from gateway.pure.records import AxisFlag, CellState, Motion, get_bit, unpack_cell_state
 from hil_tests.lab.arms import Array
-from hil_tests.lab.cell_running import CellRun, running_cell
-from hil_tests.lab.plc2 import ENABLE, OVERRIDE, REQUEST, RESET, Status
+from hil_tests.lab.cell_running import P5_MS, CellRun, running_cell
+from hil_tests.lab.planned_bench import Driven
+from hil_tests.lab.plc2 import DONE, ENABLE, OVERRIDE, REQUEST, RESET, RESUME, STOP, Status
 from motion.planner.route import Route
 from motion.program.text import read
 
@@ -125,6 +127,24 @@ class ProgramRun:
         self.plc.send(PROGRAM, number, velocity)
         self.watch("it moves", lambda s: s.motion is Motion.RUNNING and s.piece > 0)
         time.sleep(seconds)
+
+    def slowed_stopped_resumed(self, stop_here: Callable[[], bool], stopped_there: Callable[[], bool]) -> Driven:
+        """Program 1 from rest to rest: at 30 %, stopped on the way, on at 60 and 100 %; what the emulator recorded of it."""
+        self.ready()
+        assert self.command(OVERRIDE, 0, 0.3).state == DONE
+        since = self.run.record().rows[-1].stamp_ns
+        self.plc.send(PROGRAM, 1)
+        self.watch("where it is stopped", lambda s: s.piece > 0 and stop_here(), 60.0)
+        assert self.command(STOP).state == DONE
+        self.watch("stopped on the path", lambda s: s.motion is Motion.STOPPED)
+        assert self.still() and stopped_there(), "on the way"
+        assert self.command(OVERRIDE, 0, 0.6).state == DONE
+        assert self.command(RESUME).state == DONE
+        assert self.command(OVERRIDE, 0, 1.0).state == DONE
+        self.watch("at rest", lambda s: s.motion is Motion.IDLE, 60.0)
+        assert self.still() and not self.state().failed_job
+        record = self.run.record()
+        return Driven(self.cell, replace(record, rows=tuple(row for row in record.rows if row.stamp_ns >= since)), P5_MS / 1e3)
 
 
 @contextlib.contextmanager

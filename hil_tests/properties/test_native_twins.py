@@ -4,7 +4,6 @@ import copy
 import os
 import random
 import shutil
-import socket
 import struct
 import time
 from collections.abc import Sequence
@@ -22,12 +21,11 @@ from drivers.drives.limits import LagMonitor, LagState
 from drivers.drives.scaling import Scaling
 from drivers.drives.servodyn import Drive, DriveSettings, Phase
 from drivers.drives.tracking import Tracking
-from drivers.ports.canwire import RECORD, pack_records
 from gateway.axes import core_axes
 from gateway.image import ImageError, RegionReader, RegionWriter, RingReader, RingWriter, create_region, create_ring
 from gateway.native import built
 from gateway.native.built import PYTHON_ONLY
-from gateway.native.quick import Collect, Quick, QuickTelegrams
+from gateway.native.quick import Quick
 from gateway.pure.axisloops import PYTHON
 from gateway.pure.command_block import Code
 from gateway.pure.core import Core
@@ -35,21 +33,17 @@ from gateway.pure.coreaxis import CoreAxis, HeldAxis
 from gateway.pure.records import AXES, FLAGS, RC_BYTES, AxisState, CellState, Motion, cell_state_packer
 from gateway.realtime import Alarm
 from hil_tests.lab.cellbench import DEMO, FAMILY, CellBench
-from protocols.base.errors import EncodeError
-from protocols.base.machine import Frame
-from protocols.servodyn.codec import ActualValue, SetValue
+from hil_tests.lab.native import ENDS, FLAG, native_parts
+from protocols.servodyn.codec import ActualValue
 
 pytestmark = pytest.mark.cref
-ENDS = [0, 1, -1, 8191, 8192, 8193, 32768, 32769, 2**31 - 1, 2**31, -(2**31), -(2**31) - 1]
 REALS = st.one_of(st.floats(), st.floats(-1e3, 1e3), st.sampled_from([0.0, -0.0, 0.5, 1.5, 2.5, 1e-9]))
 INC = st.one_of(st.sampled_from(ENDS), st.integers(-(2**33), 2**33), st.integers(-40_000, 40_000))
 
 
 @pytest.fixture(scope="module")
 def quick() -> Quick:
-    found = Quick(python=False)
-    assert not found.missing
-    return found
+    return native_parts()
 
 
 # ---- the loops over the axes -------------------------------------------------------------------------------------------
@@ -193,7 +187,6 @@ def held_axes(draw: st.DrawFn) -> HeldAxis:
     return axis
 
 
-FLAG = st.booleans()
 ACTUALS = st.one_of(
     st.none(),
     st.builds(
@@ -256,103 +249,6 @@ def test_what_does_not_fit_is_refused(quick: Quick) -> None:
         quick.loops.drive_axes([axis], [None], (0.0, 0.0), (0.0,), False)
     with pytest.raises(TypeError):
         quick.loops.drive_axes([cast(HeldAxis, object())], [None], (0.0,), (0.0,), False)
-
-
-# ---- telegrams ---------------------------------------------------------------------------------------------------------
-
-WIDE = st.one_of(st.sampled_from([*ENDS, 255, 256, 32767, -32768, -32769]), st.integers(-300, 300))
-SETS = st.builds(SetValue, *[FLAG] * 5, WIDE, WIDE, WIDE)
-USUAL = st.builds(SetValue, *[FLAG] * 5, st.integers(0, 255), st.integers(-(2**31), 2**31 - 1), st.integers(-32767, 32767))
-
-
-@pytest.fixture(scope="module")
-def telegrams(quick: Quick) -> QuickTelegrams:
-    found = quick.telegrams(FAMILY)
-    assert found is not None
-    return found
-
-
-@settings(max_examples=60, deadline=None)
-@given(values=st.one_of(st.lists(USUAL, min_size=6, max_size=6), st.lists(SETS, min_size=6, max_size=6)))
-def test_a_burst_is_the_same_in_both_or_left_to_the_twin(telegrams: QuickTelegrams, values: list[SetRecord]) -> None:
-    made = telegrams.message(values)
-    try:
-        asked = FAMILY.burst(values)
-    except EncodeError:
-        assert made is None
-    else:
-        assert [made] == pack_records(asked)
-
-
-ROWS = st.tuples(
-    st.sampled_from([610, 620, 630, 640, 650, 660, 660, 610, 620, 611, 2047, 0x80000000, 0xE0000001]),
-    st.sampled_from([8, 8, 8, 8, 8, 8, 7, 0]),
-    st.binary(min_size=8, max_size=8),
-    st.integers(995, 1005),
-)
-
-
-@settings(max_examples=80, deadline=None)
-@given(messages=st.lists(st.lists(ROWS, min_size=1, max_size=7), min_size=1, max_size=3), before=st.lists(FLAG, min_size=6, max_size=6))
-def test_messages_are_heard_the_same_in_both_or_left_to_the_twin(
-    quick: Quick, telegrams: QuickTelegrams, messages: list[list[tuple[int, int, bytes, int]]], before: list[bool]
-) -> None:
-    """As long as an axis is missing, one after the other; what holds anything but actual values comes back untouched."""
-    mine: list[Actual | None] = [ActualValue() if there else None for there in before]
-    theirs, missing, late, odd = list(mine), 6, 0, None
-    octets = [b"".join(RECORD.pack(*row[:2], 1, row[2], row[3], 7) for row in rows) for rows in messages]
-    near, far = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-    with near, far:
-        for each in octets:
-            far.send(each)
-        far.close()  # after the last message the bus is gone
-        for rows, message in zip(messages, octets, strict=True):
-            if missing <= 0:
-                break
-            if not all(identifier in range(610, 661, 10) and size == 8 for identifier, size, *_ in rows):
-                odd = (0, message)
-                break
-            for identifier, _, data, stamp in rows:
-                heard = FAMILY.hear(Frame(identifier, data, stamp))
-                assert heard is not None
-                late += stamp < 1000
-                if stamp >= 1000:
-                    missing -= theirs[heard.axis] is None
-                    theirs[heard.axis] = heard.actual
-        gone = odd or ((0, None) if missing > 0 else None)
-        said = collector(quick)([(telegrams.table, near.fileno(), 1000)], mine, 6, time.monotonic_ns() + 10_000_000_000)
-    assert said == (missing, late, gone)
-    assert repr(mine) == repr(theirs)
-
-
-def collector(quick: Quick) -> Collect:
-    assert quick.collect is not None
-    return quick.collect
-
-
-def test_nothing_is_waited_for_beyond_the_time(quick: Quick, telegrams: QuickTelegrams) -> None:
-    near, far = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-    with near, far:
-        far.send(RECORD.pack(610, 8, 1, bytes(8), 2000, 1))
-        actuals: list[Actual | None] = [None] * 6
-        bus = (telegrams.table, near.fileno(), 1000)
-        assert collector(quick)([bus], actuals, 6, time.monotonic_ns() - 1) == (6, 0, None)
-        assert collector(quick)([bus], actuals, 6, time.monotonic_ns() + 20_000_000) == (5, 0, None)
-        far.send(bytes(31))
-        assert collector(quick)([bus], actuals, 5, time.monotonic_ns() + 10_000_000_000) == (5, 0, (0, bytes(31)))
-
-
-def test_two_buses_are_heard_in_one_wait(quick: Quick, telegrams: QuickTelegrams) -> None:
-    pairs = [socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET) for _ in range(2)]
-    actuals: list[Actual | None] = [None] * 6
-    for n, (_, far) in enumerate(pairs):
-        far.send(b"".join(RECORD.pack(610 + 10 * axis, 8, 1, bytes(8), 2000, 1) for axis in range(3 * n, 3 * n + 3)))
-    buses = [(telegrams.table, near.fileno(), 1000) for near, _ in pairs]
-    assert collector(quick)(buses, actuals, 6, time.monotonic_ns() + 10_000_000_000) == (0, 0, None)
-    assert None not in actuals
-    for pair in pairs:
-        for end in pair:
-            end.close()
 
 
 # ---- memory ------------------------------------------------------------------------------------------------------------

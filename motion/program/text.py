@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from typing import TypeVar
 
 from motion.conventions import CONVENTIONS, Convention, convention
-from motion.errors import MotionError
 from motion.frames import Pose
 from motion.outputs.function import Function
 from motion.program import textkeys
@@ -40,6 +39,7 @@ from motion.program.textwords import key as _key
 from motion.program.textwords import name as _name
 from motion.program.textwords import number as _number
 from motion.program.textwords import one as _one
+from motion.program.textwords import statement
 from motion.program.textwords import word as _word
 from motion.program.textwords import yes as _yes
 from motion.units import to_si
@@ -84,17 +84,7 @@ class Reader:
 
     def statement(self, raw: str, number: int = 0) -> None:
         """One line; raises TextError.  Its block, if it is one, waits for take()."""
-        words = raw.partition("#")[0].split()
-        if not words:
-            return
-        try:
-            self.line(words, number)
-        except _Fault as fault:
-            raise TextError(number, fault.key, fault.what) from None
-        except TextError:
-            raise
-        except MotionError as error:
-            raise TextError(number, words[0], str(error)) from error
+        statement(raw, number, self.line)
 
     def take(self) -> list[Block]:
         """Blocks since the last call."""

@@ -8,13 +8,12 @@ together.
 from dataclasses import dataclass, field
 
 from motion.conventions import CONVENTIONS, convention
-from motion.errors import MotionError
 from motion.program.blocks import Act, Block
 from motion.program.errors import TextError, TextFaults
 from motion.program.team import Kinematic, Shared, TeamProgram
 from motion.program.text import MOVES, Reader
 from motion.program.textout import heading, places_of, written_move
-from motion.program.textwords import Fault, name, one
+from motion.program.textwords import Fault, name, one, statement
 from motion.robot import MOST_KINEMATICS
 
 OWN = ("angles", "axes", "start", "tool", "frame", "point", "set")  # said of one kinematic
@@ -39,16 +38,7 @@ class TeamReader:
 
     def statement(self, raw: str, number: int = 0) -> None:
         """One line; raises TextError.  Its block, if it is one, waits for take()."""
-        words = raw.partition("#")[0].split()
-        try:
-            if words:
-                self.line(words, number)
-        except Fault as fault:
-            raise TextError(number, fault.key, fault.what) from None
-        except TextError:
-            raise
-        except MotionError as error:
-            raise TextError(number, words[0], str(error)) from error
+        statement(raw, number, self.line)
 
     def take(self) -> list[Shared]:
         """Blocks since the last call."""

@@ -1,7 +1,11 @@
 """Words of the text form: one, a name, KEY=VALUE, a number in its range, one of several, yes or no.  Each raises Fault."""
 
 import re
+from collections.abc import Callable
 from enum import Enum
+
+from motion.errors import MotionError
+from motion.program.errors import TextError
 
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_.-]*")
 
@@ -11,6 +15,21 @@ class Fault(Exception):
 
     def __init__(self, key: str, what: str) -> None:
         self.key, self.what = key, what
+
+
+def statement(raw: str, number: int, line: Callable[[list[str], int], None]) -> None:
+    """One line without its comment, for whoever reads its words; raises TextError with its number."""
+    words = raw.partition("#")[0].split()
+    if not words:
+        return
+    try:
+        line(words, number)
+    except Fault as fault:
+        raise TextError(number, fault.key, fault.what) from None
+    except TextError:
+        raise
+    except MotionError as error:
+        raise TextError(number, words[0], str(error)) from error
 
 
 def one(head: str, rest: list[str]) -> str:

@@ -5,7 +5,8 @@ from collections.abc import Mapping, Sequence
 import pytest
 
 from drivers.drives import io_boot
-from drivers.drives.cia402_boot import Answer, BootRefused, Nmt, Read, Refused, Silent, Write
+from drivers.drives.canopen_steps import Answer, Nmt, Read, Refused, Silent, Write
+from drivers.drives.cia402_boot import BootRefused
 from drivers.drives.cia402_family import Cia402Family
 from drivers.emulator.coupler401 import Couplers
 from gateway.cell import Io, IoDevice

@@ -4,6 +4,7 @@ import pytest
 
 from drivers.drives import cia402_boot as plans
 from drivers.drives.canopen_plan import collisions, gateway_identifiers, node_identifiers
+from drivers.drives.canopen_steps import Read, Write
 from drivers.drives.cia402_boot import (
     CONTROLWORD,
     BootRefused,
@@ -12,8 +13,6 @@ from drivers.drives.cia402_boot import (
     NodePlan,
     Parameter,
     Pdo,
-    Read,
-    Write,
     boot,
     default_pdos,
     map_faults,
