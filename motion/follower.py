@@ -21,7 +21,7 @@ WAITING = 1024  # pieces that may wait
 PAST = 3  # periods a third difference looks back
 FORGOTTEN = 8  # pieces of the history dropped at most with a piece that comes: the work of a period stays bounded
 BRAKING_S = 2.0  # before the end of the history going back is stopped: nowhere else does a path begin at speed
-NEAR = 4  # pieces looked at behind a new one: more than a period together
+NEAR = 4  # pieces looked at behind a new one: four periods together and more
 FIT, FIT_SPEED, FIT_ACCEL = 1e-9, 1e-6, 1e-4  # steps allowed where pieces meet: m or rad, shares of 1 + value
 
 
@@ -41,13 +41,13 @@ class Progress(NamedTuple):
 class Follower:
     """See the module.  Raises PieceError on pieces that cannot follow, never in step()."""
 
-    def __init__(self, axes: int, period_s: float, grid_s: float | None = None) -> None:
+    def __init__(self, axes: int, period_s: float) -> None:
         self._axes, self._h = axes, period_s
         self._pieces: deque[TimedPiece] = deque()
         self._begins: deque[float] = deque()
         self._index = 0  # of the piece under way
         self._interval = 0
-        self._track = Track(axes + 1, grid_s or min(0.25 * period_s, 1e-3), period_s)
+        self._track = Track(axes + 1, period_s)
         self._law = Change(self._track, period_s)
         self._pending: list[TimedPiece] = []
         self._rows: list[Rows] = []  # of the pending pieces: worked out as they come, so that taking a long tail costs little
@@ -253,8 +253,8 @@ class Follower:
         """Move tau a little where the set values would leave the limits; whether it was moved."""
         h, piece = self._h, self._pieces[self._index]
         three, two, one = self._past
-        slopes = zip(samples, one, two, three, piece.accel, piece.jerk, strict=True)
-        more = correction(((q, slope, *rest) for (q, slope), *rest in slopes), h)
+        parts = zip(samples, one, two, three, piece.accel, piece.jerk, strict=True)
+        more = correction([(q, slope, p, pp, ppp, accel, jerk) for (q, slope), p, pp, ppp, accel, jerk in parts], self._omega, h)
         if more == 0.0:
             return False
         more = self._law.bounded(self._u, more)

@@ -33,9 +33,10 @@ PROBE = 0.1  # of the largest u, for a look at places where v is smaller
 RESERVE = 0.06  # of the jerk limit, kept for what was not foreseen
 TRUST = 0.5  # of both the new way and the one before in what is foreseen: two new ones would answer one another
 SPARE = 1.05  # ways to land are taken so much longer: they are foreseen, not known
-BOLD = 0.4  # of a new way deeper than the foreseen one: what an axis that is about to turn back will bear is known late
+BOLD = 0.4  # of what a new way differs from the foreseen one: what an axis that is about to turn back will bear is known late
+USEFUL = 0.75  # of what c brings an axis at once, with half of what v then takes away: less, and c is no help
 STIFF = 0.8  # of v a period: more does its own jerk not take away
-SHARES = np.linspace(0.0, 1.0, 5)  # of the range of c, tried for the landing
+SHARES = np.linspace(0.25, 1.0, 4)  # of the range of c, tried for the landing
 CALM_ENOUGH = 1.15  # times what the limits here would take: so long may a change in phases take
 BEYOND = 1.5  # of the largest u foreseen
 CLOSE = 8  # periods of a landing that phases take over
@@ -56,8 +57,13 @@ class _Rise(NamedTuple):
         way *= self.scale
         return np.minimum(way, 0.0, out=way)
 
+    def way(self, v: float) -> float:
+        """The sum of v over all these places, place 1 by half."""
+        back = self.back(v)
+        return float(np.add.reduce(back)) - 0.5 * back.item(0)
+
     def ways(self, tried: Array) -> Array:
-        """The same from each of some v: the sums of v over all places, place 1 by half."""
+        """The same from each of some v."""
         ways = self.sum + tried[:, None] / self.first
         ways *= self.scale
         np.minimum(ways, 0.0, out=ways)
@@ -109,24 +115,27 @@ class Change:
         """c for this period, from tau, omega and u, towards the wanted omega."""
         if wanted != self._ordered or self._close(wanted - w, u):
             self._order(tau, w, u, wanted)
-        return self._next_phase() if self._phases else self._foreseeing(tau, w, u, wanted)
+        return self._next_phase(wanted) if self._phases else self._foreseeing(tau, w, u, wanted)
 
     # ---- in phases -----------------------------------------------------------------------------------------------------
     def _order(self, tau: float, w: float, u: float, wanted: float) -> None:
-        """A new change: in phases where that serves; else foreseen, from u = 0 where phases had gone further than that would."""
-        under_way, self._ordered = self._count == 0, wanted
-        self._phases = self._planned(tau, w, u, wanted)
-        if not self._phases and under_way and u != 0.0:
-            self._phases, self._ordered = self._calming(tau, w, u), nan
-        if self._phases:
-            self._count, self._left = 0, self._phases[-1].periods
+        """A new change: in phases where that serves; else foreseen, from u = 0 where phases had gone further than that would; else the
+        phases under way go on: they end sooner than anything that would turn round."""
+        found, ordered = self._planned(tau, w, u, wanted), wanted
+        if not found and self._count == 0 and u != 0.0:
+            found, ordered = self._calming(tau, w, u), nan
+            if not found and self._phases and self._ordered == self._ordered:
+                return
+        self._phases, self._ordered = found, ordered if found else wanted
+        if found:
+            self._count, self._left = 0, found[-1].periods
 
     def _close(self, left: float, u: float) -> bool:
         """A foreseen change is about to land: whole periods land without a rest, whatever lies between its places."""
         most = CLOSE * self._h * self.room
         return self._count > 0 and abs(u) <= most and 4 * abs(left) <= CLOSE * self._h * most
 
-    def _next_phase(self) -> float:
+    def _next_phase(self, wanted: float) -> float:
         c = self._phases[-1].c
         self._left -= 1
         self.room = 0.0  # no landing before the end
@@ -134,7 +143,7 @@ class Change:
             self._phases.pop()
             if self._phases:
                 self._left = self._phases[-1].periods
-            elif self._ordered == self._ordered:
+            elif self._ordered == wanted:
                 self.room = inf
         return c
 
@@ -199,9 +208,9 @@ class Change:
         if v0 <= 0.0:  # from the lowest v of place 1 every place behind can still be met
             first = scale.item(1) * (float(np.maximum.reduce(base[1:])) + total.item(1))
             least = min(max(first, least), 0.0)
-        if self._steady and braking:
+        if self._steady and v0 <= 0.0:
             foreseen = flip * seen.item(1)
-            least = max(least, foreseen + BOLD * (least - foreseen)) if least < foreseen else least
+            least = foreseen + BOLD * (least - foreseen)
         self._steady = True
         highest = max(scale.item(1) * (total.item(1) + v0), v0 - self._most_c * dt)
         rise = _Rise(scale[1:], total[1:] - total.item(1), scale.item(1))
@@ -280,25 +289,29 @@ class Change:
         middle = (0.5 * self._h * flip) * v
         middle += omega
         idle, foot, rises, falls = self._reach(rows, middle, v, flip)
-        pull, lean, sides = rows[0], rows[1], self._sides
-        room, free = rises + falls, idle + foot
-        np.negative(falls, out=falls)
-        np.maximum(lowest, self._edge(room, free, v, lean), out=lowest)
-        lowest[-1] = 0.0
+        pull, lean = rows[0], rows[1]
         slope = idle - rises
         slope /= v  # the more v is below that place the slower it rises
         if 0.0 >= v0 > v.item(0):
             share = v0 / v.item(0)
-            falls[0] = share * falls.item(0) - (1.0 - share) * foot.item(0)
+            falls[0] = share * falls.item(0) + (1.0 - share) * foot.item(0)
         tight = min(pull[:, 0].tolist())
-        if room.item(0) < 0.0:  # an axis that turns back can hardly be helped by c: the others decide
-            heavy = pull[:, 0] <= HEAVY * tight
-            rises[0], falls[0] = sides[2, heavy, 0].min(), -sides[3, heavy, 0].min()
         self._reserve = RESERVE * tight
-        np.minimum(rises, self._most_c, out=rises)
-        np.maximum(falls, -self._most_c, out=falls)
+        room, free = rises + falls, idle + foot
+        if rises.item(0) < 0.0 or falls.item(0) < 0.0:  # an axis that bears more of c later than it gains now asks for nothing
+            self._use(self._gain[:, 0] > USEFUL, rises, falls)
+        if rises.item(0) + falls.item(0) < 0.0:  # an axis that turns back can hardly be helped by c: the others decide
+            self._use(pull[:, 0] <= HEAVY * tight, rises, falls)
+        np.maximum(lowest, self._edge(room, free, v, lean), out=lowest)
+        lowest[-1] = 0.0
+        np.negative(falls, out=falls)
         self.room = min(rises.item(1), -falls.item(1))
         return _Bounds(lowest, falls, *self._risen(rises, slope, v))
+
+    def _use(self, axes: NDArray[np.bool_], rises: Array, falls: Array) -> None:
+        """What c may be at the present place, by these axes alone; by all of them where there are none."""
+        if axes.any():
+            rises[0], falls[0] = (min(float(side[axes, 0].min()), self._most_c) for side in self._sides[2:])
 
     def _braked(self, here: Array, omega: Array, flip: float, braking: bool) -> Array:
         """Lowest v by the accelerations; `here` is used up."""
@@ -320,14 +333,13 @@ class Change:
         lean *= v
         steady *= flip * middle * middle * middle
         rows[1:] /= gain
-        np.absolute(gain, out=gain)
-        pull /= gain
+        pull /= np.absolute(gain, out=self._chords[0])
         sides = self._sides
         np.subtract(pull, steady, out=sides[0])
         np.add(pull, steady, out=sides[1])
         np.subtract(sides[0], lean, out=sides[2])
         np.add(sides[1], lean, out=sides[3])
-        return np.asarray(np.minimum.reduce(sides, axis=1))  # minima over columns: in one run of memory, so they are quick
+        return np.asarray(np.minimum.reduce(sides, axis=1, initial=self._most_c))  # over columns: in one run of memory, so they are quick
 
     def _edge(self, room: Array, free: Array, v: Array, lean: Array) -> Array:
         """Lowest v by the jerks.  Both ends of what c may be are bent towards one another with growing |v|: chords from v = 0 to the v
@@ -364,14 +376,17 @@ class Change:
     def _landing(self, left: float, v0: float, least: float, highest: float, rise: _Rise) -> tuple[float, Array | None]:
         """The lowest v after this period, at least `least`, from which the wanted omega is not overshot; the way on where that decides."""
         half, left = 0.5 * self._dt, left / SPARE
+        way = -self._dt * rise.way(least) - half * (v0 + least)
+        if way <= left:
+            return least, None
         tried = least + SHARES * max(highest - least, 0.0)
         if least < 0.0 < highest:  # behind v = 0 nothing more is gained: a chord over that place would rest short of what is wanted
             tried = np.append(least * (1.0 - SHARES), highest)
-        low, way = 0.0, 0.0
-        for k, (v, behind) in enumerate(zip(tried.tolist(), rise.ways(tried).tolist(), strict=True)):
+        low = least
+        for v, behind in zip(tried.tolist(), rise.ways(tried).tolist(), strict=True):
             before, way = way, -self._dt * behind - half * (v0 + v)
             if way <= left:
-                first = v if k == 0 else low + (v - low) * (before - left) / (before - way)
-                return first, rise.back(first) if k else None
+                low += (v - low) * (before - left) / (before - way)
+                break
             low = v
         return low, rise.back(low)

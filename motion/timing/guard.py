@@ -5,26 +5,35 @@ third difference of the set values may come out higher than planned.  A set valu
 moves third differences by c q' and second ones by h c q'.  So the bounds of all axes leave a range of c, in closed form.
 """
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 
 ACCEL_MOST, JERK_MOST = 1.018, 1.09  # shares of the limits that the set values may reach
 LEVELS = (1.0, 1.02, 1.05, 1.1, 1.2, 1.4, 1.8, 2.5)  # of these shares: where no c serves all axes, the lowest level that does
+LASTING = 6.0  # times h q'' u is the jerk that stays: two periods of it
 LEAST = 1e-9  # share of a limit per unit of c: below it c says nothing to an axis
 
 Row = tuple[float, float, float, float, float, float, float]
 
 
-def correction(rows: Iterable[Row], period_s: float) -> float:
-    """What to add to c.  Rows: new position, slope q', the three positions before it (last one first), acceleration and jerk limit."""
+def correction(rows: Sequence[Row], omega: float, period_s: float) -> float:
+    """What to add to c.  Rows: new position, slope q', the three positions before it (last one first), acceleration and jerk limit.
+
+    What c adds to u an axis bears in every period from then on: where that is more than what its jerk gains now, it asks for nothing.
+    """
     h, h3 = period_s, period_s**3
+    thirds, seconds = JERK_MOST * h3, ACCEL_MOST * h * h
+    if not any(
+        abs(q - 3.0 * (one - two) - three) > thirds * jerk or abs(q - 2.0 * one + two) > seconds * accel
+        for q, _, one, two, three, accel, jerk in rows
+    ):
+        return 0.0
     shares: list[tuple[float, float]] = []
-    beyond = False
     for q, slope, one, two, three, accel, jerk in rows:
         most_j, most_a = jerk * JERK_MOST, accel * ACCEL_MOST
-        third, second = (q - 3.0 * (one - two) - three) / (h3 * most_j), (q - 2.0 * one + two) / (h * h * most_a)
-        beyond = beyond or not (-1.0 <= third <= 1.0 and -1.0 <= second <= 1.0)
-        shares += ((third, slope / most_j), (second, h * slope / most_a))
-    return _nearest(shares) if beyond else 0.0
+        third, bend = (q - 3.0 * (one - two) - three) / (h3 * most_j), (q - 2.0 * one + two) / (h * h)
+        gains = (slope * omega * slope + LASTING * h * bend * slope) * omega >= 0.0
+        shares += ((third, slope / most_j if gains else 0.0), (bend / most_a, h * slope / most_a))
+    return _nearest(shares)
 
 
 def _nearest(shares: list[tuple[float, float]]) -> float:

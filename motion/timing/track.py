@@ -11,22 +11,24 @@ from bisect import bisect_right
 from collections import deque
 from collections.abc import Sequence
 from enum import IntEnum
-from itertools import chain, islice
-from math import sqrt
+from math import ceil, sqrt
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from motion.timed import TimedPiece
+from motion.timing.window import Window
 
 Array = NDArray[np.float64]
 ACCEL_TOP, JERK_TOP = 1.0165, 1.07  # shares of the limits allowed while omega changes
 LEAST = 1e-9  # s or s^2: q' over its limit; below it the column says nothing about u or c
 FREE = 1e8  # a limit above it is none
-VIEW = 240  # rows kept in view beside those asked for
-FAR = 320  # rows more, the way a steady speed goes
-NEXT = 120  # rows from the end of the view at which a steady period already looks further
+COARSE_S = 1e-3  # between rows, at most
+VIEW = 240  # rows kept in view behind those asked for
+FAR = 320  # rows more, where the path is driven back
+NEXT = 120  # rows beside VIEW that a steady period has in view
+SOME = 64  # rows that come at a time
 STILL = 1e-9  # shares of the limits below which the path itself stands: omega may be anything
 
 
@@ -45,7 +47,7 @@ class Rows(NamedTuple):
 
     first: int
     table: NDArray[np.float32]
-    resting: list[bool]  # of its rows: the path itself stands
+    resting: bytes  # a byte of each of its rows: the path itself stands
 
     @property
     def size(self) -> int:
@@ -76,16 +78,16 @@ class Span(NamedTuple):
 class Track:
     """Grows at the end, loses rows at both ends; what is looked at lies in a window, in one run of memory."""
 
-    def __init__(self, columns: int, step: float, window: float) -> None:
-        self.step = step
+    def __init__(self, columns: int, period_s: float) -> None:
+        half = max(ceil(0.5 * period_s / COARSE_S), 2)
+        self.step = step = 0.5 * period_s / half
         self.ramp = 0.0  # s from no to full acceleration, of the slowest column
         self.columns = columns
-        self._window = window  # over which the acceleration's change is told: what a judge of the set values sees
+        self._period, self._half = period_s, half  # s; rows in half of it
         self._tables: deque[Rows] = deque()
         self._firsts: deque[int] = deque()  # of the tables: each holds from there to where the next one begins
-        self._seen: Array = np.zeros((len(Part), columns, 0))  # rows _from .. _to, as (parts, columns, rows)
-        self._resting: list[bool] = []  # of these rows: the path itself stands
-        self._from = self._to = 0
+        self._seen = Window(len(Part), columns)
+        self._to = 0  # what lies before this row is in view, or never was: the last row holds beyond the end
         self._inverse = 1.0 / step
 
     @property
@@ -99,12 +101,12 @@ class Track:
         self._tables.append(rows)
         self._firsts.append(rows.first)
         self._settle()
-        self._to = min(self._to, rows.first)
+        self._cut(rows.first)
 
     def pop(self) -> None:
         """Forget the last piece."""
         self._firsts.pop()
-        self._to = min(self._to, self._tables.pop().first)
+        self._cut(self._tables.pop().first)
         if self._tables:
             self._firsts[-1] = self._tables[-1].first
             self._settle()
@@ -113,6 +115,10 @@ class Track:
         """Forget the first piece."""
         self._firsts.popleft()
         self._tables.popleft()
+
+    def _cut(self, row: int) -> None:
+        self._to = min(self._to, row)
+        self._seen.cut(row)
 
     def _settle(self) -> None:
         """A piece shorter than the window begins no later than the rows of those behind it, which take the place of its own."""
@@ -125,21 +131,25 @@ class Track:
     def prepared(self, piece: TimedPiece, before: Sequence[TimedPiece], begin: float, where: Sequence[int]) -> "Rows":
         """Rows up to the piece's end, from shortly before its beginning where it goes on from others.
 
-        before: the pieces it goes on from, the last one first, as many as the window is long; where: column of each of its columns.
+        before: the pieces it goes on from, the last one first, four periods of them; where: column of each of its columns.
+        The path's own acceleration and jerk are told by differences over periods: what a judge of the set values sees.
         """
-        h = self._window
+        h, half = self._period, self._half
         going = [one for one in before if one.mask == piece.mask] if before and before[0].mask == piece.mask else []
-        first = max(int((begin - h if going else begin) / self.step + 1), 0) if begin > 0.0 else 0
+        first = max(int((begin - 2.0 * h if going else begin) / self.step + 1), 0) if begin > 0.0 else 0
         grid: Array = (np.arange(first, int((begin + piece.duration) / self.step) + 1, dtype=np.float64) + 0.5) * self.step - begin
         table = np.zeros((len(Part), self.columns, len(grid)), dtype=np.float32)
         table[Part.REACH], table[Part.PULL] = ACCEL_TOP / LEAST, JERK_TOP / LEAST
         if len(grid) == 0:
-            return Rows(first, table, [])
+            return Rows(first, table, b"")
         accel, jerk = np.array(piece.accel), np.array(piece.jerk)
         self.ramp = max(self.ramp, *(float(a / j) for a, j in zip(accel, jerk, strict=True) if a < FREE and j < FREE), 0.0)
-        chain = _Chain(piece, going)
-        (early, bend), (late, bent) = (chain.at(grid + k * h) for k in (-0.5, 0.5))
-        slope, second, third = chain.at(grid)[0], (late - early) / h, (bent - bend) / h
+        reach = 3 * half  # rows beside those wanted: a third difference is three periods wide
+        values, slopes = _Chain(piece, going).at(grid[0] + self.step * np.arange(-reach, len(grid) + reach))
+        slope = slopes[reach:-reach]
+        early, late, later = (slice(k * half, k * half + len(grid)) for k in (2, 4, 6))
+        second = (slopes[late] - slopes[early]) / h
+        third = (values[later] - 3.0 * (values[late] - values[early]) - values[: len(grid)]) / h**3
         second = np.clip(second, -accel, accel)  # full speed itself is lawful, whatever rounding says
         third = np.clip(third, -jerk, jerk)
         size, sign = np.abs(slope), np.where(slope < 0.0, -1.0, 1.0)
@@ -154,24 +164,27 @@ class Track:
         for part, values in found.items():
             table[part, list(where)] = values.T
         free = np.min(table[Part.REACH], axis=0) >= ACCEL_TOP / LEAST * (1 - 1e-6)
-        return Rows(first, table, (free & (np.max(np.abs(table[Part.BEND]), axis=0) * LEAST < STILL)).tolist())
+        return Rows(first, table, (free & (np.max(np.abs(table[Part.BEND]), axis=0) * LEAST < STILL)).tobytes())
 
     def around(self, tau: Array, places: int) -> tuple[Array, Array]:
         """REACH and BEND at the first `places` of these times, PULL, LEAN and TWIST at the others: (parts, columns, n), copies; beyond
         the ends the first or last row."""
         index = (tau * self._inverse).astype(np.intp)
         self._show(int(np.minimum.reduce(index)), int(np.maximum.reduce(index)))
-        index -= self._from
-        here, rows = self._seen[: Part.PULL], self._seen[Part.PULL :]
+        seen = self._seen
+        np.minimum(index, seen.end - 1, out=index)
+        index -= seen.low  # take() holds the other end
+        here, rows = seen.rows[: Part.PULL], seen.rows[Part.PULL :]
         return here.take(index[:places], axis=2, mode="clip"), rows.take(index[places:], axis=2, mode="clip")
 
     def span(self, low: float, high: float) -> Span:
         """All rows from time to time, not copied; beyond the ends the first or last row."""
         first, last = (int(max(tau, 0.0) * self._inverse) for tau in (low, high))
         self._show(first, last)
-        end = self._seen.shape[2]
-        begin = min(max(first - self._from, 0), end - 1)
-        return Span(self._seen[:, :, begin : max(last + 1 - self._from, begin + 1)])
+        seen = self._seen
+        end = seen.end - seen.low
+        begin = min(max(first - seen.low, 0), end - 1)
+        return Span(seen.rows[:, :, begin : min(max(last + 1 - seen.low, begin + 1), end)])
 
     def here(self, tau: float) -> tuple[float, float]:
         """Highest |u| and |c| at this place if it were a straight line."""
@@ -182,31 +195,39 @@ class Track:
         """The path itself rests there."""
         row = int(tau * self._inverse)
         self._show(row, row)
-        return self._resting[min(max(row - self._from, 0), len(self._resting) - 1)]
+        return self._seen.rests(row)
 
     def foresee(self, tau: float, omega: float) -> None:
-        """To be called while speed is steady: what a change of speed would look at is brought into view before it is needed, and so
-        much more the way omega goes that this is seldom."""
+        """To be called while speed is steady: what a change of speed would look at is brought into view before it is needed."""
         row = int(tau * self._inverse)
-        if (row - NEXT < self._from and row - NEXT >= self._firsts[0]) or row + VIEW + NEXT > self._to:
-            self._look(row - (FAR if omega < 0.0 else 0), row + VIEW + (FAR if omega > 0.0 else 0))
+        if row + VIEW + NEXT > self._to:
+            self._more(row - VIEW, row + VIEW + NEXT + SOME)
+        if omega < 0.0 and self._seen.low > row - NEXT >= self._firsts[0]:
+            self._anew(row - VIEW - FAR, row + VIEW)
 
     def _show(self, low: int, high: int) -> None:
-        if (low < self._from and low >= self._firsts[0]) or high >= self._to:
-            self._look(low, high)
+        if self._seen.low > low >= self._firsts[0]:
+            self._anew(low - VIEW, high)
+        if high >= self._to:
+            self._more(low - VIEW, high + SOME)
 
-    def _look(self, low: int, high: int) -> None:
-        """Bring these rows into the window, and some more, so that it is not moved in every period."""
-        low, high = low - VIEW, high + VIEW
-        first = max(bisect_right(self._firsts, low) - 1, 0)
-        last = max(bisect_right(self._firsts, high), first + 1)
-        begins = [*islice(self._firsts, first, last), self._firsts[last] if last < len(self._firsts) else self.count]
-        seen = list(zip(islice(self._tables, first, last), begins, begins[1:], strict=False))
-        self._seen = np.concatenate([rows.table[:, :, : end - begin] for rows, begin, end in seen], axis=2, dtype=np.float64)
-        self._resting = list(chain.from_iterable(rows.resting[: end - begin] for rows, begin, end in seen))
-        self._from, self._to = begins[0], begins[-1]
-        if last == len(self._firsts):
-            self._to = max(self._to, high + 1)  # beyond the end the last row holds, until more comes
+    def _anew(self, low: int, high: int) -> None:
+        """Look from another row on: rows come at the end of a window only."""
+        self._seen.begin(max(low, self._firsts[0]))
+        self._to = self._seen.end
+        self._more(low, high)
+
+    def _more(self, low: int, high: int) -> None:
+        """Rows up to `high` come into view; those before `low` may go."""
+        seen, firsts = self._seen, self._firsts
+        seen.room(low, high)
+        at = max(bisect_right(firsts, seen.end) - 1, 0)
+        while seen.end < high and at < len(firsts):
+            rows, end = self._tables[at], firsts[at + 1] if at + 1 < len(firsts) else self.count
+            part = slice(seen.end - firsts[at], max(min(end, high), seen.end) - firsts[at])
+            seen.add(rows.table[:, :, part], rows.resting[part])
+            at += 1
+        self._to = seen.end if seen.end >= high else high
 
 
 class _Chain:
@@ -216,24 +237,25 @@ class _Chain:
         self._piece, self._before = piece, before
 
     def at(self, tau: Array) -> tuple[Array, Array]:
-        """First and second derivatives, (n, columns), at these rising times of the piece; negative: before it."""
-        first, second = _derivatives(self._piece, np.clip(tau, 0.0, self._piece.duration))
-        count, begin = int(np.searchsorted(tau, 0.0)), 0.0
+        """Values and first derivatives, (n, columns), at these rising times of the piece; negative: before it."""
+        values, slopes = _sampled(self._piece, np.clip(tau, 0.0, self._piece.duration))
+        count, begin, start = int(np.searchsorted(tau, 0.0)), 0.0, np.array(self._piece.nodes[0][::3])
         for piece in self._before:
             if count == 0:
                 break
             begin -= piece.duration
-            first[:count], second[:count] = _derivatives(piece, np.maximum(tau[:count] - begin, 0.0))
+            values[:count], slopes[:count] = _sampled(piece, np.maximum(tau[:count] - begin, 0.0))
+            start -= piece.nodes[-1][::3]  # the way may be counted anew
+            values[:count] += start
+            start += piece.nodes[0][::3]
             count = int(np.searchsorted(tau[:count], begin))
-        return first, second
+        return values, slopes
 
 
-def _derivatives(piece: TimedPiece, tau: Array) -> tuple[Array, Array]:
+def _sampled(piece: TimedPiece, tau: Array) -> tuple[Array, Array]:
     times = np.array(piece.times)
     index = np.clip(np.searchsorted(times, tau, side="right") - 1, 0, len(times) - 2)
     rows = np.array(piece.quintics)[index]
     u = (tau - times[index])[:, None]
-    f, e, d, c, b = (rows[:, :, k] for k in range(5))
-    first = (((5 * f * u + 4 * e) * u + 3 * d) * u + 2 * c) * u + b
-    second = ((20 * f * u + 12 * e) * u + 6 * d) * u + 2 * c
-    return first, second
+    f, e, d, c, b, a = (rows[:, :, k] for k in range(6))
+    return ((((f * u + e) * u + d) * u + c) * u + b) * u + a, (((5 * f * u + 4 * e) * u + 3 * d) * u + 2 * c) * u + b

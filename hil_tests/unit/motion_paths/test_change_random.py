@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from hil_tests.bench.online_figures import loaded, random_pieces, reached, run_out
+from hil_tests.lab import arms
 from hil_tests.lab.motionpaths import portal_limits, worst_shares
+from hil_tests.soak import motion as soak
 
 LIMITS = portal_limits()
 
@@ -28,3 +30,11 @@ def test_override_100_30_100_keeps_the_limits_of_axes_that_turn_back_or_ride_on_
     speed, accel, jerk = worst_shares(np.array([pieces[0].start(), *(s.q for s in samples)]), LIMITS)
     assert speed <= 1.0 and accel <= 1.02 and jerk <= 1.10
     assert reached(run_out(loaded(pieces, 3), {}), samples, at, 0.31) <= 120.0
+
+
+@pytest.mark.parametrize("seed", [1_000_354, 1_000_983, 1_000_447])
+def test_random_orders_keep_the_limits_of_axes_that_turn_back_as_the_path_comes_back_to_full_speed(seed: int) -> None:
+    """The programs of a soak whose jerk had come to 1.54, 1.52 and 1.48 of the limit."""
+    driven = np.array(soak.ordered(soak.loaded(soak.pieces_of(seed), soak.MS), random.Random(seed)))
+    shares = arms.shares(arms.portal(), driven, soak.MS)
+    assert all(share <= top for share, top in zip(shares, soak.TOPS_CHANGING, strict=True)), shares
