@@ -16,6 +16,7 @@ from motion.paths.base import Curve, PathError
 from motion.paths.joints import JointPath, joint_line
 from motion.paths.line import line, standing_still
 from motion.planner.extra import Course, places, straight
+from motion.planner.relative import check_absolute, resolved
 from motion.planner.robot import Machine
 from motion.program.blocks import Block, Interpolation, JointTarget, PoseTarget, Turning
 from motion.program.errors import BlockError
@@ -62,6 +63,7 @@ def told(error: MotionError, number: int, machine: Machine) -> BlockError:
 def make_leg(number: int, block: Block, standing: Joints, machine: Machine) -> Leg | None:
     """The block's way from where the axes stand; None: a block without way (the same point again), which is skipped as both VAL 3
     and the rho 3 do.  Raises what `told` turns into a BlockError."""
+    block = resolved(block, standing, machine)
     check_numbers(block)
     if block.kind is Interpolation.PTP:
         return _ptp(number, block, standing, machine)
@@ -230,6 +232,7 @@ def check_end(block: Block, standing: Joints, end: Joints, machine: Machine) -> 
 
 def check_numbers(block: Block) -> None:
     """Every number of a block is finite, every speed above 0."""
+    check_absolute(block)
     poses = [place.pose for place in (block.target, block.via) if isinstance(place, PoseTarget)]
     values = [value for pose in (*poses, block.tool.pose, block.frame.pose) for part in pose for value in part]
     values += block.target.q if isinstance(block.target, JointTarget) else block.target.extra

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import TypeVar
 
+from motion.conventions import Convention
 from motion.frames import IDENTITY, Pose, Vector
 from motion.kinematics.base import FREE, Configuration
 from motion.outputs.function import Function
@@ -99,6 +100,18 @@ class PoseTarget:
 
 Target = JointTarget | PoseTarget
 MEASURED = JointTarget(())  # @MPOS: where the axes were at the edge of the last measurement
+UNKNOWN = JointTarget((math.nan,))  # of a block with a shift: known where the block begins, and nothing can be run to it before
+
+
+@dataclass(frozen=True, slots=True)
+class Shift:
+    """MOVE_REL of the rho 3: the target lies so far from where the block before ends; numbers are added to numbers (AX-567).  values: of
+    each axis (m or rad), or with `angles` x, y, z (m) and three angles (rad) of the tool in the block's frame.  extra: of additional axes
+    beside a pose (m or rad), empty: they stay."""
+
+    values: tuple[float, ...]
+    angles: Convention | None = None
+    extra: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -256,6 +269,7 @@ class Block:
     rise: float = 0.0  # with angle: m along the axis over the whole angle, a helix
     lowest: Vector | None = None  # LIMIT_MIN: x, y, z (m) in the block's frame below which the tool is nowhere
     highest: Vector | None = None  # LIMIT_MAX
+    shift: Shift | None = None  # PTP and LINEAR: the target is relative, and `target` UNKNOWN
     freeze: bool = False  # in an alterable part: from the end of this block on the correction stays as it is (alterEnd before the end)
     label: str = ""  # in front of it
     acts: tuple[Act, ...] = ()  # of belts, done at rest before it

@@ -13,6 +13,7 @@ from motion.program import textkeys
 from motion.program.blocks import (
     MAX_JOINTS,
     MEASURED,
+    UNKNOWN,
     Act,
     Blend,
     Block,
@@ -26,6 +27,7 @@ from motion.program.blocks import (
     PoseTarget,
     Program,
     Rounding,
+    Shift,
     Synchron,
     Target,
     Tool,
@@ -33,7 +35,19 @@ from motion.program.blocks import (
 from motion.program.errors import TextError, TextFaults
 from motion.program.textalter import AlterParts
 from motion.program.textinputs import HEADS, flying_of, wait_of
-from motion.program.textvalues import CALLS, call_of, corner_of, filled, function_of, length_of, outputs_of, placed, sync_of, until_of
+from motion.program.textvalues import (
+    CALLS,
+    call_of,
+    corner_of,
+    filled,
+    function_of,
+    length_of,
+    outputs_of,
+    placed,
+    shift_of,
+    sync_of,
+    until_of,
+)
 from motion.program.textwords import Fault as _Fault
 from motion.program.textwords import key as _key
 from motion.program.textwords import name as _name
@@ -59,7 +73,7 @@ class Reader:
     start: tuple[float, ...] = ()
     tools: dict[str, Tool] = field(default_factory=lambda: {"-": Tool()})
     frames: dict[str, Frame] = field(default_factory=lambda: {"-": Frame()})
-    points: dict[str, Target] = field(default_factory=dict)
+    points: dict[str, Target | Shift] = field(default_factory=dict)
     modal: dict[str, str] = field(default_factory=dict)
     blocks: list[Block] = field(default_factory=list)
     part: Synchron | None = None  # SYNCHRON without SYNCHRON_END so far
@@ -221,15 +235,17 @@ class Reader:
         if left:
             raise _Fault("", f"{' '.join(left)} is too much after the target")
         block = self.block(kind, placed(target, keys), via, {**self.modal, **keys}, number)
+        if block.shift is not None and kind not in RELATIVE:
+            raise _Fault("rel", f"a relative target is one of {' and '.join(word.value for word in RELATIVE)}, not of {kind.value}")
         self.blocks.append(block)
         self.label, self.functions, self.acts, self.count = "", (), (), self.count + 1
         if block.until is not None and block.until.error:
             self.errors.append((number, block.until.error, self.count))
 
     # ---- parts -------------------------------------------------------------------------------------------------------
-    def target(self, words: list[str]) -> tuple[Target, list[str]]:
+    def target(self, words: list[str]) -> tuple[Target | Shift, list[str]]:
         if not words:
-            raise _Fault("", "the target is missing: joints .., pose .. or the name of a point")
+            raise _Fault("", "the target is missing: joints .., pose .., rel joints .., rel pose .. or the name of a point")
         match words[0]:
             case "joints":
                 return JointTarget(self.joints("joints", words[1:])), []
@@ -237,10 +253,20 @@ class Reader:
                 return PoseTarget(self.pose("pose", words[1:])), []
             case "mpos":
                 return MEASURED, words[1:]
+            case "rel":
+                return self.shift(words[1:]), []
             case name if name in self.points:
                 return self.points[name], words[1:]
             case name:
                 raise _Fault("", f"point {name!r} is unknown; {', '.join(self.points) or 'none'} are known")
+
+    def shift(self, words: list[str]) -> Shift:
+        match words[:1]:
+            case ["joints"]:
+                return Shift(self.joints("rel joints", words[1:]))
+            case ["pose"]:
+                return Shift(shift_of(words[1:]), self.angles)
+        raise _Fault("rel", "rel joints .. (one difference for each axis) or rel pose .. (x y z mm, three angles deg)")
 
     def pose(self, key: str, words: list[str]) -> Pose:
         if len(words) != 6:
@@ -254,7 +280,7 @@ class Reader:
         units = self.units or ("deg",) * len(words)
         return tuple(to_si(_number(key, word, -BIG, BIG, unit), unit) for word, unit in zip(words, units, strict=True))
 
-    def block(self, kind: Interpolation, target: Target, via: PoseTarget | None, keys: dict[str, str], number: int) -> Block:
+    def block(self, kind: Interpolation, target: Target | Shift, via: PoseTarget | None, keys: dict[str, str], number: int) -> Block:
         parts: dict[str, dict[str, object]] = {"pace": {}, "blend": {}, "curving": {}, "": {}}
         if "radius" in keys:
             radius = _number("radius", keys["radius"], 0.0, BIG, "mm") * 1e-3
@@ -280,9 +306,10 @@ class Reader:
             blend["past_circles"] = _yes("arcs", keys["arcs"])
         if "lead" in keys:
             parts["pace"]["lead"] = _yes("lead", keys["lead"])
+        shift = target if isinstance(target, Shift) else None
         made = Block(
             kind,
-            target,
+            UNKNOWN if isinstance(target, Shift) else target,
             via,
             filled(Pace(), parts["pace"]),
             filled(Blend(), blend),
@@ -298,6 +325,7 @@ class Reader:
             alteration=self.altered.part,
             lowest=corner_of("limitmin", keys.get("limitmin", "-")),
             highest=corner_of("limitmax", keys.get("limitmax", "-")),
+            shift=shift,
             freeze=self.altered.freeze(keys.get("freeze")),
             label=self.label,
             acts=self.acts,
@@ -321,6 +349,7 @@ class Reader:
 
 
 BIG = textkeys.BIG
+RELATIVE = (Interpolation.PTP, Interpolation.LINEAR)  # MOVE_REL (rho 3)
 HEADINGS = ("program", "robot", "angles", "axes", "start")
 PARTS = ("synchron", "synchron_end", "alter", "alter_end", "sync", *CALLS)
 OTHERS = ("tool", "frame", "point", "set", *PARTS, "label", "iol", "ppo", *HEADS)

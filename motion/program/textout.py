@@ -13,7 +13,21 @@ from motion.frames import Pose
 from motion.kinematics.base import FREE, Configuration
 from motion.outputs.function import Function
 from motion.program import textalter, textkeys
-from motion.program.blocks import MEASURED, Act, Alteration, BeltCall, Blend, Block, Flying, Frame, JointTarget, Program, Synchron, Tool
+from motion.program.blocks import (
+    MEASURED,
+    Act,
+    Alteration,
+    BeltCall,
+    Blend,
+    Block,
+    Flying,
+    Frame,
+    JointTarget,
+    Program,
+    Shift,
+    Synchron,
+    Tool,
+)
 from motion.program.textvalues import CALLED
 from motion.units import from_si
 
@@ -92,7 +106,10 @@ def written_move(block: Block, ways: Convention, units: tuple[str, ...]) -> str:
         words += ["via", f"pose {_pose(block.via.pose, ways)}", "to"]
     target = block.target
     keys = _keys(block, units)
-    if target == MEASURED:
+    if block.shift is not None:
+        words.append(_shift(block.shift, ways, units))
+        keys += _extra(block.shift.extra, units)
+    elif target == MEASURED:
         words.append("mpos")
     elif isinstance(target, JointTarget):
         words.append(f"joints {_joints(target.q, units)}")
@@ -101,10 +118,21 @@ def written_move(block: Block, ways: Convention, units: tuple[str, ...]) -> str:
         flags = target.configuration
         if flags != FREE:
             keys.append(f"config={','.join(str(getattr(flags, f.name).value) for f in fields(Configuration))}")
-        if target.extra:
-            own = units[len(units) - len(target.extra) :]
-            keys.append(f"extra={','.join(_plain(from_si(value, unit)) + unit for value, unit in zip(target.extra, own, strict=True))}")
+        keys += _extra(target.extra, units)
     return " ".join([*words, *keys])
+
+
+def _extra(values: tuple[float, ...], units: tuple[str, ...]) -> list[str]:
+    own = units[len(units) - len(values) :]
+    return [f"extra={','.join(_plain(from_si(v, unit)) + unit for v, unit in zip(values, own, strict=True))}"] if values else []
+
+
+def _shift(shift: Shift, ways: Convention, units: tuple[str, ...]) -> str:
+    if shift.angles is None:
+        return f"rel joints {_joints(shift.values, units)}"
+    if shift.angles != ways:
+        raise MotionError(f"a relative pose in angles of the {shift.angles.control} cannot be written in those of the {ways.control}")
+    return f"rel pose {_joints(shift.values, ('mm',) * 3 + ('deg',) * 3)}"
 
 
 def _act(act: Act) -> str:

@@ -9,7 +9,7 @@ from motion.frames import Vector
 from motion.kinematics.base import Elbow, Shoulder, Wrist
 from motion.outputs.function import Function
 from motion.program import textkeys
-from motion.program.blocks import BeltCall, Blend, Block, Curving, Output, Pace, PoseTarget, Sync, Target, Until, changed
+from motion.program.blocks import BeltCall, Blend, Block, Curving, Output, Pace, PoseTarget, Shift, Sync, Target, Until, changed
 from motion.program.textwords import Fault, name, number
 from motion.units import to_si
 
@@ -44,10 +44,22 @@ def corner_of(key: str, word: str) -> Vector | None:
     return (x, y, z)
 
 
-def placed(target: Target, keys: dict[str, str]) -> Target:
+def shift_of(words: list[str]) -> tuple[float, ...]:
+    """Differences of a pose: three of mm, three of deg; m and rad."""
+    if len(words) != 6:
+        raise Fault("rel pose", f"six numbers are needed (x y z mm, three angles deg), {len(words)} are there")
+    units = ("mm",) * 3 + ("deg",) * 3
+    return tuple(to_si(number("rel pose", word, -BIG, BIG, ""), unit) for word, unit in zip(words, units, strict=True))
+
+
+def placed(target: Target | Shift, keys: dict[str, str]) -> Target | Shift:
     """config= and extra= into a pose."""
     if not {"config", "extra"} & set(keys):
         return target
+    if isinstance(target, Shift) and target.angles is not None:
+        if "config" in keys:
+            raise Fault("config", "a relative target keeps the configuration")
+        return replace(target, extra=_extra(keys["extra"]))
     if not isinstance(target, PoseTarget):
         raise Fault("config" if "config" in keys else "extra", "needs a pose as target, not joints")
     flags = dict(_flag(word) for word in keys["config"].split(",")) if "config" in keys else {}

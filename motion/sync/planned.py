@@ -11,8 +11,9 @@ from math import inf, isfinite, isnan, nan
 from motion.errors import MotionError
 from motion.frames import IDENTITY, Pose, Rotation, compose
 from motion.planner.legs import base_pose, check_numbers, extra_of, told
+from motion.planner.relative import check_shift, moved, moved_extra
 from motion.planner.robot import Machine
-from motion.program.blocks import Blend, Block, Frame, Interpolation, JointTarget, Synchron
+from motion.program.blocks import Blend, Block, Frame, Interpolation, JointTarget, OnBelt, PoseTarget, Shift, Synchron
 from motion.program.errors import BlockError
 from motion.sync.belts import Belt, Type
 from motion.sync.coordinates import coordinates
@@ -51,6 +52,7 @@ class BeltPlan:
     reference: float = nan
     _trial: SynchronPart | None = None
     _rotation: Rotation | None = None
+    _end: Pose = IDENTITY  # types 2 and 3: of the tool behind the last block
     _count: int = 0
 
     @property
@@ -73,8 +75,11 @@ class BeltPlan:
         return made
 
     def _seen(self, block: Block) -> Block:
-        if isinstance(block.target, JointTarget):
-            raise BlockError(f"a place of the axes does not lie on belt {self.facts.name}: a pose is needed")
+        self._check_place(block)
+        if block.shift is not None and block.on_belt is not None:
+            raise BlockError(
+                f"belt= has no place in a relative block of type 1: its target lies on belt {self.facts.name} as the one before"
+            )
         if isnan(self.reference) and self._count == 0:
             given = self.synchron.at if self.synchron.at is not None else block.on_belt.value if block.on_belt else None
             self.reference = nan if given is None else given
@@ -82,25 +87,45 @@ class BeltPlan:
             raise BlockError(f"belt= needs at= of its part, or belt= in the first block of it (belt {self.facts.name})")
         return seen_from(block, self.facts.carrier, self.reference)
 
+    def _check_place(self, block: Block) -> None:
+        axes = isinstance(block.target, JointTarget) if block.shift is None else block.shift.angles is None
+        if axes:
+            raise BlockError(f"a place of the axes does not lie on belt {self.facts.name}: a pose is needed")
+
     def _followed(self, block: Block) -> Block:
         if block.on_belt is None or self.synchron.at is None:
             what = "belt=" if block.on_belt is None else "at= of the part, the belt value of the point before it"
             raise BlockError(f"{what} is needed with a belt of type {self.facts.kind.value} ({self.facts.name})")
         if block.angle is not None:
             raise BlockError(f"angle= has no place on a belt of type {self.facts.kind.value} ({self.facts.name}): its blocks end at points")
-        check_numbers(block)
+        check_numbers(block if block.shift is None else replace(block, shift=None, target=PoseTarget(IDENTITY)))
         if self._trial is None:
             self.tool = block.tool.pose
             pose = self.machine.kinematics.forward(tuple(self.start[: self.machine.arm])) @ self.tool
             self._rotation = pose.rotation
             position = (*coordinates(pose, pose.rotation), *self.start[self.machine.arm :])
             self._trial = SynchronPart(self._belt(), self.kinematic, position, self.synchron.at)
+            self._end = pose
         if block.tool.pose != self.tool:
             raise BlockError("the tool cannot change in a synchronous part")
+        if block.shift is not None and block.kind is not Interpolation.PTP:
+            block = self._absolute(block, block.shift, block.on_belt)
         made = self._block(block)
         self._trial.add(made)
         self.blocks.append(made)
+        self._end = base_pose(block, tuple(self.start), self.machine)
         return replace(block, blend=Blend())
+
+    def _absolute(self, block: Block, shift: Shift, on_belt: OnBelt) -> Block:
+        """A relative block with the place and belt value it leads to: belt= is a difference, too, as the belt is a coordinate of the
+        point (L6249, AX-567)."""
+        self._check_place(block)
+        check_shift(shift)
+        before = self.blocks[-1] if self.blocks else None
+        extra = moved_extra(shift, before.target[6:] if before else tuple(self.start[self.machine.arm :]))
+        pose = moved(shift, block.frame.pose.inverse() @ self._end)
+        belt = on_belt.value + (before.belt if before else self.synchron.at or 0.0)
+        return replace(block, target=PoseTarget(pose, extra=extra), on_belt=replace(on_belt, value=belt), shift=None)
 
     def _belt(self) -> Belt:
         """One that stands at 0: enough for the rules of blocks."""

@@ -17,6 +17,8 @@ def same_program(a: Program, b: Program) -> bool:
 
 
 def _same(a: object, b: object) -> bool:
+    if a is b:
+        return True
     if isinstance(a, Pose) and isinstance(b, Pose):
         return _same(tuple(a.position), tuple(b.position)) and angle_between(a.rotation, b.rotation) <= 1e-9
     if type(a) is not type(b):

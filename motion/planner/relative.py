@@ -1,0 +1,71 @@
+"""Relative targets: MOVE_REL of the rho 3, for axes and for the tool.  Where they lie is known where the block before ends.
+
+Source: rho 3 Releases part 1, L1443, L1626, L4175-4180, L11664; the manual shows the statement and tells nothing of its angles: AX-567.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+from motion.frames import Pose
+from motion.kinematics.base import FREE, Joints
+from motion.planner.robot import Machine
+from motion.program.blocks import Block, Interpolation, JointTarget, PoseTarget, Shift, Target
+from motion.program.errors import BlockError
+
+KINDS = (Interpolation.PTP, Interpolation.LINEAR)
+NOT_HERE = "a relative target is one of ptp and linear blocks"
+
+
+def resolved(block: Block, standing: Joints, machine: Machine) -> Block:
+    """The block with the target its shift leads to from where the axes stand.  BlockError: numbers that are none, or too many."""
+    shift = block.shift
+    if shift is None or block.kind not in KINDS:
+        return block
+    check_shift(shift)
+    if shift.angles is None:
+        if len(shift.values) != machine.axes:
+            raise BlockError(f"{len(shift.values)} joint values, the robot has {machine.axes} axes", code=154, source="VAL 3")
+        return replace(block, target=JointTarget(_added(standing, shift.values)), shift=None)
+    extra = moved_extra(shift, standing[machine.arm :])
+    target: Target = JointTarget((*standing[: machine.arm], *extra))  # the dummy block: nothing turned about and back
+    if any(shift.values):
+        here = block.frame.pose.inverse() @ machine.forward(standing) @ block.tool.pose
+        target = PoseTarget(moved(shift, here), FREE, extra)
+    return replace(block, target=target, shift=None)
+
+
+def moved(shift: Shift, here: Pose) -> Pose:
+    """A pose with the numbers of a shift added to its own; orientations that do not change keep every digit."""
+    assert shift.angles is not None
+    x, y, z = _added(here.position, shift.values[:3])
+    turn = shift.values[3:]
+    if not any(turn):
+        return Pose((x, y, z), here.rotation)
+    first, second, third = _added(shift.angles.to_angles(here.rotation), turn)
+    return Pose((x, y, z), shift.angles.to_rotation(first, second, third))
+
+
+def moved_extra(shift: Shift, standing: Sequence[float]) -> tuple[float, ...]:
+    """Additional axes behind the block; BlockError where the numbers are not one for each."""
+    if len(shift.extra) not in (0, len(standing)):
+        raise BlockError(f"{len(shift.extra)} values of additional axes, the robot has {len(standing)}", code=154, source="VAL 3")
+    return _added(standing, shift.extra or (0.0,) * len(standing))
+
+
+def check_shift(shift: Shift) -> None:
+    """Six numbers for a pose, and all of them finite; BlockError."""
+    if shift.angles is not None and len(shift.values) != 6:
+        raise BlockError(f"{len(shift.values)} values of a relative pose, six are needed", code=154, source="VAL 3")
+    if not all(map(math.isfinite, (*shift.values, *shift.extra))):
+        raise BlockError("a value is no finite number", code=154, source="VAL 3")
+
+
+def check_absolute(block: Block) -> None:
+    """A block whose shift nothing has turned into a target is none of those that may have one: BlockError."""
+    if block.shift is not None:
+        raise BlockError(NOT_HERE)
+
+
+def _added(one: Sequence[float], other: Sequence[float]) -> tuple[float, ...]:
+    return tuple(a + b for a, b in zip(one, other, strict=True))
