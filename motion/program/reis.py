@@ -281,16 +281,3 @@ def way(start: Target, end: Target, data: MachineData) -> tuple[bool, bool]:
         moves = any(math.degrees(abs(b - a)) > data.RS_AX_EPS for a, b in zip(start.q, end.q, strict=True))
         return moves, moves
     return True, True  # one of each: known only to the planner, which has the robot
-
-
-def check_additional_axes(travels: Mapping[str, float], speeds: Mapping[str, float], time_s: float, block: int) -> None:
-    """Path error 706 when an additional axis cannot make its way (m or rad) within the time of the path at its speed limit."""
-    for axis, travel in travels.items():
-        if abs(travel) > speeds[axis] * time_s * (1 + 1e-9):
-            raise BlockError(
-                f"cannot make its way in the {time_s:g} s of the path: {abs(travel) / speeds[axis]:.3g} s are needed at full speed",
-                code=706,
-                block=block,
-                axis=axis,
-                source=SOURCE,
-            )

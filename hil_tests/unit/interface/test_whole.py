@@ -25,6 +25,7 @@ def test_3_1_axis_specific_drive_on_works_only_without_the_group_signal() -> Non
     assert drive_on(given(198), 6) == 0 == drive_on(given(), 6)
 
 
+@pytest.mark.requirement("RHO-MOT-47", by="gateway.pure.interface.drives:DisabledAxes.update")
 @answers
 def test_11_1_a_disabled_axis_stays_so_until_a_start_with_0() -> None:
     axes = DisabledAxes(20)

@@ -106,7 +106,7 @@ def test_no_response_leads_to_the_error_part_and_mpos_stays_what_it_was() -> Non
 @answers
 def test_reading_mpos_first_is_point_not_defined() -> None:
     mpos = MeasuredPosition((0, 1))
-    assert refusal(mpos) == POINT_NOT_DEFINED and refusal(mpos, 1) == POINT_NOT_DEFINED
+    assert refusal(mpos) == refusal(mpos, 1) == "point not defined"
     mpos.take((0.25, None))
     assert refusal(mpos) == POINT_NOT_DEFINED and refusal(mpos, 1) == POINT_NOT_DEFINED
     assert mpos.component(0) == 0.25 and not mpos.occupied

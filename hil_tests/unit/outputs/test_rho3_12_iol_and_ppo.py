@@ -6,7 +6,7 @@ from hil_tests.lab.answers import answers
 from motion.errors import MotionError
 from motion.limits import AxisLimits
 from motion.measure.errors import ProgramFault
-from motion.outputs.rho3 import IOL_IN_USE, PPO_IN_USE, STOPPED, Analog, Call, Kind, PathOutputs, Stop
+from motion.outputs.rho3 import IOL_IN_USE, PPO_IN_USE, Analog, Call, Kind, PathOutputs, Stop
 from motion.ptp import plan_ptp
 from motion.stepper import State, Stepper
 
@@ -86,7 +86,7 @@ def test_a_stop_in_the_block_clears_the_io_and_freezes_the_ppo(stop: Stop) -> No
     frozen = outputs.outputs[Kind.PPO, 1, 3]
     assert 49.0 < frozen < 52.0 and outputs.outputs[Kind.IOL, 1, 1] == 1.0 and set(way.said) == {""}
     way.cycle(Kind.PPO, 3, stops=(stop,))
-    assert way.said[-1].startswith(STOPPED) and stop.value in way.said[-1]
+    assert way.said[-1].startswith("PPO/IOL : IPO - STOP") and stop.value in way.said[-1]
     assert outputs.outputs[Kind.IOL, 1, 1] == 0.0 and outputs.outputs[Kind.PPO, 1, 3] == frozen
     way.run(Kind.PPO, 3)
     assert outputs.outputs[Kind.IOL, 1, 1] == 0.0 and outputs.outputs[Kind.PPO, 1, 3] == frozen, "nothing changes on the rest of the way"
@@ -104,7 +104,11 @@ def test_a_coordinate_that_stops_before_the_position_ends_the_functions_even_whe
     way = Way(outputs)
     way.run(Kind.PPO, 3)
     way.cycle(Kind.PPO, 3)
-    assert way.said[-1].startswith(STOPPED) and Stop.COORDINATE.value in way.said[-1] and way.said[:-2] == [""] * (len(way.said) - 2)
+    assert (
+        way.said[-1].startswith("PPO/IOL : IPO - STOP")
+        and Stop.COORDINATE.value in way.said[-1]
+        and way.said[:-2] == [""] * (len(way.said) - 2)
+    )
     assert outputs.outputs[Kind.PPO, 1, 3] == pytest.approx(80 * 200 / 300, abs=0.2)
     assert outputs.outputs[Kind.IOL, 1, 7] == 0.0 and not outputs.in_use(Kind.IOL, 1, 7)
 

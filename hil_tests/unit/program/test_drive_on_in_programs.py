@@ -13,6 +13,7 @@ from gateway.pure.command_block import Code
 from gateway.pure.jobs import Job
 from gateway.pure.reasons import CommandState, Reason
 from gateway.pure.records import AxisFlag, CellState, Motion
+from hil_tests.lab.answers import answers
 from hil_tests.lab.asserted import asserted
 from hil_tests.lab.belt_bench import CELL
 from hil_tests.lab.planned_bench import Driven, Planned, ServodynRobot
@@ -190,6 +191,8 @@ def test_move_until_accepts_the_position_and_the_axis_goes_on_from_there(portal:
     assert np.max(np.abs(np.diff(sets[:, 2]))) < 0.5 * 0.004, "no jump: where it stood, not where the program had left it"
 
 
+@pytest.mark.requirement("RHO-MOT-47", by="gateway.pure.office:Office.bar")
+@answers
 def test_a_disabled_axis_keeps_its_place_programs_move_the_others_and_those_that_need_it_say_so(portal: Portal) -> None:
     job = portal.run(AWAY)
     portal.until(far)

@@ -9,7 +9,7 @@ from motion.conventions import VAL3
 from motion.errors import MotionError
 from motion.program.blocks import Interpolation, JointTarget, PoseTarget, Turning
 from motion.program.errors import BlockError
-from motion.program.reis import MachineData, Mode, Parameters, Path, check_additional_axes
+from motion.program.reis import MachineData, Mode, Parameters, Path
 
 START = PoseTarget(VAL3.pose((0, 0, 0, 0, 0, 0)))
 
@@ -153,15 +153,6 @@ def test_approximation_faults_620_102_621_623_624() -> None:
         following.set("BAHN_ZEIT", 1.0)
         following.position(target)
         assert fault(following) == (code, 1)
-
-
-@pytest.mark.requirement("RSV-MOT-18", by="motion.program.reis:check_additional_axes")
-@answers
-def test_an_additional_axis_that_cannot_keep_the_time_is_path_error_706() -> None:
-    check_additional_axes({"E1": 1.0}, {"E1": 0.5}, 2.0, 3)
-    with pytest.raises(BlockError, match="E1") as caught:
-        check_additional_axes({"E1": -1.0}, {"E1": 0.5}, 1.9, 3)
-    assert (caught.value.code, caught.value.block, caught.value.axis) == (706, 3, "E1")
 
 
 def test_bahn_zeit_wins_over_speed_and_is_not_modal() -> None:

@@ -248,6 +248,7 @@ def test_an_additional_axis_that_cannot_keep_the_time_is_706_and_one_of_the_arm_
         return 0, ""
 
     assert fault(0.1, 4.0) == (0, "")
+    assert fault(0.1, 3.0) == (0, "") and fault(0.1, 2.5) == (706, "E1"), "100 mm at 50 mm/s, with a quarter of the time up and one down"
     assert fault(0.3, 4.0) == (706, "E1")
     assert fault(0.0, 0.04) == (611, "x")
 

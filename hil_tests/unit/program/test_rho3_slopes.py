@@ -161,6 +161,64 @@ def test_r_ptp_0_stops_exactly_at_the_point_on_either_slope_and_r_ptp_1_passes_i
     assert missed(alone, (0.2, 0.0, 0.0)) < 1e-9 and alone[0].stop, "into a LINEAR block too"
 
 
+def outside(row: list[Stretch], corner: tuple[float, float, float], radius: float) -> Array:
+    every = places(row)
+    return np.asarray(every[np.linalg.norm(every - np.array(corner), axis=1) > radius + 1e-9])
+
+
+@pytest.mark.requirement("RHO-MOT-02", by="motion.planner.route:Route._corner")
+@answers
+def test_r_20_leaves_the_path_only_inside_its_sphere_and_is_tangent_where_it_enters_and_leaves_it() -> None:
+    row = stretches([Block(LINEAR, at(100), blend=R20), Block(LINEAR, at(100, 100))])
+    assert [s.kind for s in row] == [Kind.MAIN, Kind.CORNER, Kind.MAIN]
+    assert missed(row, (0.1, 0.0, 0.0)) > 0.001
+    away = outside(row, (0.1, 0.0, 0.0), 0.02)
+    assert float(np.max(np.minimum(np.abs(away[:, 1]), np.abs(away[:, 0] - 0.1)))) < 1e-9, "programmed path outside of the sphere"
+    rounded = row[1].path
+    ends = rounded.at(np.array([0.0, rounded.length]), 0)[:, :3]
+    assert ends == pytest.approx(np.array([[0.08, 0.0, 0.0], [0.1, 0.02, 0.0]]), abs=1e-9)
+    directions = rounded.at(np.array([0.0, rounded.length]), 1)[:, :3]
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    assert directions == pytest.approx(np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]), abs=1e-9), "tangent"
+
+
+@pytest.mark.requirement("RHO-MOT-03", by="motion.paths.corner:clipped")
+@pytest.mark.requirement("RHO-MOT-03", by="motion.planner.route:Route._ranges")
+@answers
+def test_points_10_apart_with_r_20_are_passed_by_the_largest_overlap_there_is() -> None:
+    corners = [(0.01, 0.0, 0.0), (0.01, 0.01, 0.0), (0.02, 0.01, 0.0)]
+    row = stretches([Block(LINEAR, at(x, y), blend=R20) for x, y in ((10, 0), (10, 10), (20, 10), (20, 20))])
+    assert [s.kind for s in row].count(Kind.CORNER) == 3 and not any(s.stop for s in row[:-1])
+    largest = 0.1875 * 0.005 * 2**0.5  # the half of 10 mm each
+    assert [missed(row, corner) for corner in corners] == pytest.approx([largest] * 3, abs=2e-6)
+    free = stretches([Block(LINEAR, at(x, y), blend=R20) for x, y in ((50, 0), (50, 50))])
+    assert missed(free, (0.05, 0.0, 0.0)) == pytest.approx(4 * largest, abs=2e-6), "not reduced where there is room"
+
+
+@pytest.mark.requirement("RHO-MOT-01", by=("motion.planner.route:_axis_range", "motion.planner.route:Route._corner"))
+@pytest.mark.requirement("RHO-MOT-01", by="motion.program.passing:Passing.block")
+@answers
+def test_r_ptp_2_passes_the_point_within_twice_p213_and_no_axis_changes_its_speed_in_a_step() -> None:
+    """P213: 20 mm of the axes; R_PTP 1 and 2."""
+    passing = Passing(Presets(0.0, 1.0, axes=(0.02, 0.02, 0.02)))
+
+    def row(factor: float) -> list[Stretch]:
+        found = passing.block(PTP, factor=factor)
+        first = Block(PTP, JointTarget((0.2, 0.0, 0.0)), blend=Blend(Rounding.JOINT, axes=found.axes))
+        return stretches([first, Block(PTP, JointTarget((0.2, 0.2, 0.0)))])
+
+    for factor in (1.0, 2.0):
+        before, rounded, after = row(factor)
+        assert rounded.kind is Kind.CORNER and before.path.q(before.path.length)[0] == pytest.approx(0.2 - 0.02 * factor, abs=1e-9)
+        assert rounded.path.q(rounded.path.length)[1] == pytest.approx(0.02 * factor, abs=1e-9), "doubled"
+        assert len(outside([before, rounded, after], (0.2, 0.0, 0.0), 0.02 * factor)) > 100
+        assert not before.stop and not rounded.stop
+        for one, other in ((before, rounded), (rounded, after)):
+            ends = [s.path.at(np.array([at_s]), 1)[0, :3] for s, at_s in ((one, one.path.length), (other, 0.0))]
+            speeds = [end / np.linalg.norm(end) for end in ends]
+            assert speeds[0] == pytest.approx(speeds[1], abs=1e-9), "from block to block without a corner"
+
+
 def test_two_ptp_blocks_with_block_slope_and_axis_ranges() -> None:
     axes = Blend(Rounding.JOINT, axes=(0.02, 0.02, 0.02))
     row = stretches(
