@@ -6,6 +6,7 @@ import pytest
 from gateway.pure.command_block import Code
 from gateway.pure.reasons import CommandState, Reason
 from gateway.pure.records import get_bit
+from hil_tests.lab.answers import answers
 from hil_tests.lab.belt_bench import ALL, BeltBench
 from hil_tests.lab.belt_run import SPEED
 from motion.sync.cam import cam
@@ -54,6 +55,8 @@ def test_a_part_of_type_1_waits_for_its_belt_from_either_side(bench: BeltBench, 
     assert 0.058 < turn * first.belt < 0.064
 
 
+@pytest.mark.requirement("RHO-MOT-23", by="gateway.pure.corebelts:CoreBelts._follow")
+@answers
 def test_a_part_of_type_2_reaches_its_point_with_its_belt(bench: BeltBench) -> None:
     bench.started(2)
     job = bench.order(AT[0], "linear pose 200 150 50 0 0 0 belt=160mm pathaccel=3000", "synchron_end", "ptp joints 100 100 50 0")
@@ -64,6 +67,8 @@ def test_a_part_of_type_2_reaches_its_point_with_its_belt(bench: BeltBench) -> N
     smooth(bench)
 
 
+@pytest.mark.requirement("RHO-MOT-27", by=("gateway.pure.corebelts:CoreBelts._follow", "gateway.pure.corebelts:CoreBelts.add"))
+@answers
 def test_a_part_of_type_3_follows_its_cam_exactly_in_all_coordinates(bench: BeltBench) -> None:
     curve = cam(0.1, 0.03, 0.05)
     bench.started(3)
@@ -105,6 +110,20 @@ def test_a_belt_reversed_before_the_start_is_928_and_opens_ready(bench: BeltBenc
     assert job.detail == "block 1, kinematic 1: wrong belt direction (rho 3 928)"
     bench.run(0.5)
     assert not get_bit(bench.core.outputs, 64) and get_bit(bench.core.outputs, 67) and bench.core.state.emergency
+
+
+@pytest.mark.requirement("RHO-MOT-24", by=("gateway.pure.corebelts:CoreBelts._follow", "gateway.pure.beltmover:BeltMover._belt_fault"))
+@answers
+def test_a_robot_more_than_five_cycles_of_belt_path_late_is_944_and_stands(bench: BeltBench) -> None:
+    bench.started(2)
+    job = bench.order(AT[0], "linear pose 200 150 50 0 0 0 belt=160mm pathaccel=200", "synchron_end", "ptp joints 100 100 50 0")
+    bench.finished(job)
+    assert (job.state, job.reason) == (CommandState.ABORTED, Reason.BELT_FAULT)
+    assert job.detail == "block 1, kinematic 1: BS-tolerance too big (rho 3 944)"
+    left = next(s.belt for s in bench.seen if s.belt_code == 944)
+    assert 0.160 + 5 * 0.004 * SPEED <= left < 0.160 + 9 * 0.004 * SPEED, "beyond the point by the tolerance, no sooner"
+    bench.run(0.5)
+    assert 110.0 < bench.set()[0] < 190.0 and still(bench) and not get_bit(bench.core.outputs, 64)
 
 
 def test_feed_hold_on_a_belt_of_type_2_is_944(bench: BeltBench) -> None:

@@ -50,6 +50,8 @@ def test_a_fast_input_stores_the_next_position_controller_cycle(both: Probing) -
     assert both.measured == pytest.approx(both.was(-(-stamp // grid) * grid), abs=CLOSE)
 
 
+@pytest.mark.requirement("RHO-MOT-11", by="gateway.pure.coremeasure:CoreMeasure.stands")
+@answers
 def test_a_fast_input_that_stands_lets_nothing_move_and_measures_where_the_axes_stand(both: Probing) -> None:
     before = both.places()
     both.change(FAST)
@@ -58,6 +60,8 @@ def test_a_fast_input_that_stands_lets_nothing_move_and_measures_where_the_axes_
     assert both.measured == pytest.approx(both.cell.core.state.axes[0].actual, abs=3e-5), "within the increments of the encoder"
 
 
+@pytest.mark.requirement("RHO-MOT-11", by="gateway.pure.coremeasure:CoreMeasure.look")
+@answers
 def test_a_probe_that_stands_has_to_change_during_the_block(both: Probing) -> None:
     both.change(PROBE)
     job = both.order(f"ptp joints {joints(90)} until=ch610")
@@ -101,6 +105,8 @@ def test_a_label_at_the_very_end_ends_the_program(both: Probing) -> None:
     assert done(both, job) and both.at(12.0)
 
 
+@pytest.mark.requirement("RHO-MOT-13", by="gateway.pure.programparts:Measuring.resolved")
+@answers
 def test_mpos_after_a_block_whose_input_never_came_is_not_defined(both: Probing) -> None:
     job = both.order(f"ptp joints {joints(12)} until=ch610", "ptp mpos")
     assert both.finished(job).state is CommandState.ABORTED
