@@ -41,6 +41,7 @@ CALM_ENOUGH = 1.15  # times what the limits here would take: so long may a chang
 BEYOND = 1.5  # of the largest u foreseen
 CLOSE = 8  # periods of a landing that phases take over
 TURN = 1e-9  # of omega: rounding, no turning round
+LITTLE = 1e-6  # of c: less is rounding
 LOOKS = 3  # at the way a change in phases makes, each a little further
 
 
@@ -201,7 +202,7 @@ class Change:
         taus = self._placing @ omega
         taus += tau
         v0 = flip * u
-        lowest, falls, scale, total = self._bounds(taus, omega, flip * seen, flip, braking)
+        lowest, falls, scale, total = self._bounds(taus, omega, flip * seen, flip, braking, w * wanted < 0.0)
         base = lowest / scale
         base -= total
         least = v0 + falls.item(0) * dt
@@ -220,21 +221,26 @@ class Change:
             way = np.empty(len(seen))
             way[1:] = back
         else:
-            backwards = base[::-1]
-            np.maximum.accumulate(backwards, out=backwards)
-            base += total
-            base *= scale
-            down = self._before @ falls
-            way = np.minimum(base, 0.0, out=base)
-            way -= down
-            way[0] = v0
-            np.maximum.accumulate(way, out=way)
-            way += down
+            way = self._down(base, total, scale, falls, v0)
         way[0], way[1] = v0, first
         if flip < 0.0:
             np.negative(way, out=way)
         self._keep(way, dt)
         return flip * (first - v0) / dt
+
+    def _down(self, base: Array, total: Array, scale: Array, falls: Array, v0: float) -> Array:
+        """From v0 down to the lowest v from which all behind can be met, and along it; `base` is used up."""
+        backwards = base[::-1]
+        np.maximum.accumulate(backwards, out=backwards)
+        base += total
+        base *= scale
+        down = self._before @ falls
+        way = np.minimum(base, 0.0, out=base)
+        way -= down
+        way[0] = v0
+        np.maximum.accumulate(way, out=way)
+        way += down
+        return way
 
     def _begin(self, u: float) -> None:
         self.prepare()
@@ -279,12 +285,12 @@ class Change:
         else:
             mean[:-1] += (self._h / dt) * (mean[1:] - mean[:-1])
 
-    def _bounds(self, taus: Array, omega: Array, v: Array, flip: float, braking: bool) -> _Bounds:
+    def _bounds(self, taus: Array, omega: Array, v: Array, flip: float, braking: bool, turning: bool) -> _Bounds:
         """taus: of the places, then of the middles of the periods that begin there: c is that of a period."""
         v0 = v.item(0)
         lower = np.minimum(v, -self._probe)
         v = lower if v0 <= 0.0 else np.where(v > 0.0, v, lower)
-        here, rows = self._track.around(taus, len(v))  # (parts, columns, places), our own
+        here, rows = self._track.around(taus, len(v), turning)  # (parts, columns, places), our own
         lowest = self._braked(here, omega, flip, braking)
         middle = (0.5 * self._h * flip) * v
         middle += omega
@@ -318,9 +324,8 @@ class Change:
         bound = here[Part.BEND]
         bound *= omega * omega if flip > 0.0 else -omega * omega
         bound += here[Part.REACH]
-        lowest: Array = np.minimum.reduce(bound, axis=0)
-        np.negative(lowest, out=lowest)
-        return np.maximum(lowest, -self._most_u * (1.0 if braking else CALM), out=lowest)
+        lowest: Array = np.minimum.reduce(bound, axis=0, initial=self._most_u * (1.0 if braking else CALM))
+        return np.negative(lowest, out=lowest)
 
     def _reach(self, rows: Array, middle: Array, v: Array, flip: float) -> Array:
         """How far c may rise and fall with v = 0, then with the v foreseen: (4, places).  rows: PULL, LEAN, TWIST become what they are
@@ -344,9 +349,8 @@ class Change:
     def _edge(self, room: Array, free: Array, v: Array, lean: Array) -> Array:
         """Lowest v by the jerks.  Both ends of what c may be are bent towards one another with growing |v|: chords from v = 0 to the v
         foreseen are on the safe side."""
-        least = 1e-9 * free
         edge = v * free
-        edge /= np.maximum(free - room, least)
+        edge /= np.maximum(free - room, LITTLE)
         further = np.minimum(edge, 0.0)
         np.maximum(further, -self._most_u, out=further)
         further /= v
@@ -358,7 +362,7 @@ class Change:
         spare = np.add(*np.minimum.reduce(self._chords, axis=1))
         if np.minimum.reduce(spare) < 0.0:
             deep = (further > 0.0) & (spare < 0.0)
-            np.copyto(edge, v * (1.0 + further * room / np.maximum(room - spare, least)), where=deep)
+            np.copyto(edge, v * (1.0 + further * room / np.maximum(room - spare, LITTLE)), where=deep)
         return np.minimum(edge, 0.0, out=edge)
 
     def _risen(self, rises: Array, slope: Array, v: Array) -> tuple[Array, Array]:

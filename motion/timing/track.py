@@ -166,11 +166,12 @@ class Track:
         free = np.min(table[Part.REACH], axis=0) >= ACCEL_TOP / LEAST * (1 - 1e-6)
         return Rows(first, table, (free & (np.max(np.abs(table[Part.BEND]), axis=0) * LEAST < STILL)).tobytes())
 
-    def around(self, tau: Array, places: int) -> tuple[Array, Array]:
+    def around(self, tau: Array, places: int, turning: bool) -> tuple[Array, Array]:
         """REACH and BEND at the first `places` of these times, PULL, LEAN and TWIST at the others: (parts, columns, n), copies; beyond
-        the ends the first or last row."""
+        the ends the first or last row.  turning: they may rise first and fall then, or the other way round."""
         index = (tau * self._inverse).astype(np.intp)
-        self._show(int(np.minimum.reduce(index)), int(np.maximum.reduce(index)))
+        ends = index.tolist() if turning else (index.item(0), index.item(places - 1), index.item(-1))
+        self._show(min(ends), max(ends))
         seen = self._seen
         np.minimum(index, seen.end - 1, out=index)
         index -= seen.low  # take() holds the other end
