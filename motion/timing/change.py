@@ -274,10 +274,12 @@ class Change:
         self._placing = np.concatenate([self._summing, self._summing + 0.5 * h * np.eye(count)])
 
     def _keep(self, way: Array, dt: float) -> None:
-        """The way as it is seen a period later."""
-        mean = self._foreseen
+        """The way as it is seen a period later, never beyond what u can be at all: seen again it would only grow."""
+        mean, most = self._foreseen, max(BEYOND * self._most_u, abs(way.item(0)))
         mean += way
         mean *= TRUST
+        np.minimum(mean, most, out=mean)
+        np.maximum(mean, -most, out=mean)
         mean[0], mean[1] = way.item(0), way.item(1)
         if dt == self._h:
             mean[:-1] = mean[1:]
