@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from motion.errors import PieceError
 from motion.timed import TimedPiece
-from motion.timing.change import Change
+from motion.timing.change import MOST, Change
 from motion.timing.guard import correction
 from motion.timing.track import Rows, Track
 
@@ -119,8 +119,9 @@ class Follower:
             at = next((k for k, one in enumerate(self._pieces) if one.id >= self._pending[0].id), at)
         before = [*reversed(self._pending[-NEAR:]), *(self._pieces[k] for k in range(at - 1, max(at - NEAR, 0) - 1, -1))]
         piece.quintics  # noqa: B018 - worked out here, not in the middle of the piece
-        rows = self._track.prepared(piece, before[:NEAR], begin, (*piece.axes, self._axes))
+        self._track.rate(piece)
         self._law.prepare()
+        rows = self._track.prepared(piece, before[:NEAR], begin, (*piece.axes, self._axes), self._law.apart)
         self._pending.append(piece)
         self._rows.append(rows)
         self._next = begin + piece.duration
@@ -205,7 +206,7 @@ class Follower:
             self._law.forget()
             return
         c = self._law.step(self._tau - h * (w + 0.5 * h * u), w, u, wanted)
-        w, u = min(max(w + h * (u + h * c / 2), -1.0), 1.0), u + h * c
+        w, u = min(max(w + h * (u + h * c / 2), -MOST), MOST), u + h * c
         self._tau += h * (w + 0.5 * h * u)
         left = wanted - w
         inside = left * u >= 0.0 and 2 * abs(left) <= abs(u) * h
@@ -260,7 +261,7 @@ class Follower:
         more = self._law.bounded(self._u, more)
         self._law.disturbed()
         self._u += h * more
-        self._omega = min(max(self._omega + 0.5 * h * h * more, -1.0), 1.0)
+        self._omega = min(max(self._omega + 0.5 * h * h * more, -MOST), MOST)
         self._tau += h * h * h * more
         return True
 

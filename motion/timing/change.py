@@ -32,7 +32,7 @@ CALM = 0.4  # of the largest u where the path is to go faster: nobody waits for 
 PROBE = 0.1  # of the largest u, for a look at places where v is smaller
 RESERVE = 0.06  # of the jerk limit, kept for what was not foreseen
 TRUST = 0.5  # of both the new way and the one before in what is foreseen: two new ones would answer one another
-SPARE = 1.05  # ways to land are taken so much longer: they are foreseen, not known
+SPARE, AMPLE = 1.05, 1.3  # ways to land are taken so much longer: they are foreseen, not known, and beyond full speed there is nothing
 BOLD = 0.4  # of what a new way differs from the foreseen one: what an axis that is about to turn back will bear is known late
 USEFUL = 0.75  # of what c brings an axis at once, with half of what v then takes away: less, and c is no help
 STIFF = 0.8  # of v a period: more does its own jerk not take away
@@ -41,6 +41,7 @@ CALM_ENOUGH = 1.15  # times what the limits here would take: so long may a chang
 BEYOND = 1.5  # of the largest u foreseen
 CLOSE = 8  # periods of a landing that phases take over
 TURN = 1e-9  # of omega: rounding, no turning round
+MOST = 1.02  # of full speed, for a moment: a change that comes back to it too fast lands from beyond, the jerk of the axes kept
 LITTLE = 1e-6  # of c: less is rounding
 LOOKS = 3  # at the way a change in phases makes, each a little further
 
@@ -95,6 +96,11 @@ class Change:
         self._left = 0  # periods of the present phase
         self._ordered = nan  # omega the change under way leads to; nan: to be looked at anew
         self.room = 0.0  # the smaller of the two bounds of c in the next period
+
+    @property
+    def apart(self) -> float:
+        """s from place to place that is foreseen."""
+        return self._dt
 
     def forget(self) -> None:
         """Nothing is foreseen: speed is steady, or the path is another one."""
@@ -167,7 +173,7 @@ class Change:
                 return []
             went = travel(found, w, u, h)
             low, high = sorted((sense * went.lowest, sense * went.highest))
-            if low < -TURN or high > 1.0 + TURN:
+            if low < -TURN or high > max(top, 1.0) + TURN:
                 return []
             if sense * went.way <= way and high <= top + TURN:
                 return found[::-1]
@@ -181,7 +187,7 @@ class Change:
             return []
         found = calmed(u, most_c, self._h)
         went = travel(found, w, u, self._h)
-        return found if went.lowest >= -1.0 and went.highest <= 1.0 and w * went.end >= 0.0 else []
+        return found if went.lowest >= -MOST and went.highest <= MOST and w * went.end >= 0.0 else []
 
     def _span(self, tau: float, way: float) -> Span:
         h = self._h
@@ -195,7 +201,10 @@ class Change:
         dt, seen, braking = self._dt, self._foreseen, abs(w) > abs(wanted)
         seen[0] = u
         flip = 1.0 if w > wanted or (w == wanted and u > 0.0) else -1.0
+        spare = SPARE if braking else AMPLE
         omega = self._summing @ seen
+        if not braking:
+            omega *= spare
         omega += w
         np.minimum(omega, max(w, wanted), out=omega)
         np.maximum(omega, min(w, wanted), out=omega)
@@ -215,7 +224,7 @@ class Change:
         self._steady = True
         highest = max(scale.item(1) * (total.item(1) + v0), v0 - self._most_c * dt)
         rise = _Rise(scale[1:], total[1:] - total.item(1), scale.item(1))
-        first, back = self._landing(flip * (w - wanted), v0, least, highest, rise)
+        first, back = self._landing(flip * (w - wanted) / spare, v0, least, highest, rise)
         first = min(first, highest + self._reserve * dt)
         if back is not None:
             way = np.empty(len(seen))
@@ -314,6 +323,8 @@ class Change:
         lowest[-1] = 0.0
         np.negative(falls, out=falls)
         self.room = min(rises.item(1), -falls.item(1))
+        if self._dt > self._h:  # the next period lies between the first two places
+            self.room = min(self.room, rises.item(0), -falls.item(0))
         return _Bounds(lowest, falls, *self._risen(rises, slope, v))
 
     def _use(self, axes: NDArray[np.bool_], rises: Array, falls: Array) -> None:
@@ -381,7 +392,7 @@ class Change:
 
     def _landing(self, left: float, v0: float, least: float, highest: float, rise: _Rise) -> tuple[float, Array | None]:
         """The lowest v after this period, at least `least`, from which the wanted omega is not overshot; the way on where that decides."""
-        half, left = 0.5 * self._dt, left / SPARE
+        half = 0.5 * self._dt
         way = -self._dt * rise.way(least) - half * (v0 + least)
         if way <= left:
             return least, None

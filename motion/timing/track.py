@@ -39,7 +39,8 @@ class Part(IntEnum):
     BEND = 1
     PULL = 2
     LEAN = 3
-    TWIST = 4
+    MEAN = 4  # twist on average, over as much as lies between places that a change of speed foresees
+    TWIST = 5
 
 
 class Rows(NamedTuple):
@@ -63,7 +64,7 @@ class Span(NamedTuple):
         """Highest |u| that is lawful at all of them with any omega up to this one; highest |c| with any |u| that a change of omega by
         `left`, begun at u, then comes to."""
         reach, pull = self.rows[Part.REACH], self.rows[Part.PULL]
-        bend, _, lean, twist = np.absolute(self.rows[Part.BEND :])
+        bend, lean, twist = (np.absolute(self.rows[part]) for part in (Part.BEND, Part.LEAN, Part.TWIST))
         bend *= omega * omega
         np.subtract(reach, bend, out=bend)
         most_u = float(np.minimum.reduce(bend, axis=None))
@@ -128,30 +129,39 @@ class Track:
                 return
             self._firsts[k] = first
 
-    def prepared(self, piece: TimedPiece, before: Sequence[TimedPiece], begin: float, where: Sequence[int]) -> "Rows":
+    def rate(self, piece: TimedPiece) -> None:
+        """What comes next may have slower axes."""
+        self.ramp = max(self.ramp, *(a / j for a, j in zip(piece.accel, piece.jerk, strict=True) if a < FREE and j < FREE), 0.0)
+
+    def prepared(self, piece: TimedPiece, before: Sequence[TimedPiece], begin: float, where: Sequence[int], apart: float) -> "Rows":
         """Rows up to the piece's end, from shortly before its beginning where it goes on from others.
 
-        before: the pieces it goes on from, the last one first, four periods of them; where: column of each of its columns.
+        before: the pieces it goes on from, the last one first, four periods of them; where: column of each of its columns; apart: s,
+        over which MEAN is one.
         The path's own acceleration and jerk are told by differences over periods: what a judge of the set values sees.
         """
         h, half = self._period, self._half
+        around = round(0.5 * apart / self.step)  # rows from the middle of what MEAN sees to its end
+        reach = max(3 * half, around + half)  # rows beside those wanted: a third difference is three periods wide
         going = [one for one in before if one.mask == piece.mask] if before and before[0].mask == piece.mask else []
-        first = max(int((begin - 2.0 * h if going else begin) / self.step + 1), 0) if begin > 0.0 else 0
+        first = max(int((begin - (reach + half) * self.step if going else begin) / self.step + 1), 0) if begin > 0.0 else 0
         grid: Array = (np.arange(first, int((begin + piece.duration) / self.step) + 1, dtype=np.float64) + 0.5) * self.step - begin
         table = np.zeros((len(Part), self.columns, len(grid)), dtype=np.float32)
         table[Part.REACH], table[Part.PULL] = ACCEL_TOP / LEAST, JERK_TOP / LEAST
         if len(grid) == 0:
             return Rows(first, table, b"")
         accel, jerk = np.array(piece.accel), np.array(piece.jerk)
-        self.ramp = max(self.ramp, *(float(a / j) for a, j in zip(accel, jerk, strict=True) if a < FREE and j < FREE), 0.0)
-        reach = 3 * half  # rows beside those wanted: a third difference is three periods wide
         values, slopes = _Chain(piece, going).at(grid[0] + self.step * np.arange(-reach, len(grid) + reach))
-        slope = slopes[reach:-reach]
-        early, late, later = (slice(k * half, k * half + len(grid)) for k in (2, 4, 6))
-        second = (slopes[late] - slopes[early]) / h
-        third = (values[later] - 3.0 * (values[late] - values[early]) - values[: len(grid)]) / h**3
-        second = np.clip(second, -accel, accel)  # full speed itself is lawful, whatever rounding says
-        third = np.clip(third, -jerk, jerk)
+        at = {rows: slice(reach + rows, reach + rows + len(grid)) for rows in (0, *(k * half for k in (-3, -1, 1, 3)))}
+        bends = (slopes[2 * half :] - slopes[: -2 * half]) / h  # from reach - half rows before the grid on
+        middle = reach - half
+        slope, second = slopes[at[0]], bends[middle : middle + len(grid)]
+        third = (values[at[3 * half]] - 3.0 * (values[at[half]] - values[at[-half]]) - values[at[-3 * half]]) / h**3
+        mean = third
+        if 2 * around > 2 * half:
+            early, late = (bends[middle + rows : middle + rows + len(grid)] for rows in (-around, around))
+            mean = (late - early) / (2 * around * self.step)
+        second, third, mean = np.clip(second, -accel, accel), np.clip(third, -jerk, jerk), np.clip(mean, -jerk, jerk)  # lawful it is
         size, sign = np.abs(slope), np.where(slope < 0.0, -1.0, 1.0)
         by_accel, by_jerk = np.maximum(size / accel, LEAST), np.maximum(size / jerk, LEAST)
         found = {
@@ -159,24 +169,28 @@ class Track:
             Part.BEND: sign * second / accel / by_accel,
             Part.PULL: JERK_TOP / by_jerk,
             Part.LEAN: 3.0 * sign * second / jerk / by_jerk,
+            Part.MEAN: sign * mean / jerk / by_jerk,
             Part.TWIST: sign * third / jerk / by_jerk,
         }
-        for part, values in found.items():
-            table[part, list(where)] = values.T
+        for part, numbers in found.items():
+            table[part, list(where)] = numbers.T
         free = np.min(table[Part.REACH], axis=0) >= ACCEL_TOP / LEAST * (1 - 1e-6)
         return Rows(first, table, (free & (np.max(np.abs(table[Part.BEND]), axis=0) * LEAST < STILL)).tobytes())
 
     def around(self, tau: Array, places: int, turning: bool) -> tuple[Array, Array]:
-        """REACH and BEND at the first `places` of these times, PULL, LEAN and TWIST at the others: (parts, columns, n), copies; beyond
-        the ends the first or last row.  turning: they may rise first and fall then, or the other way round."""
+        """REACH and BEND at the first `places` of these times, PULL, LEAN and MEAN at the others, of those TWIST at the first one:
+        (parts, columns, n), copies; beyond the ends the first or last row.  turning: times may rise first and fall then, or the other
+        way round."""
         index = (tau * self._inverse).astype(np.intp)
         ends = index.tolist() if turning else (index.item(0), index.item(places - 1), index.item(-1))
         self._show(min(ends), max(ends))
         seen = self._seen
         np.minimum(index, seen.end - 1, out=index)
         index -= seen.low  # take() holds the other end
-        here, rows = seen.rows[: Part.PULL], seen.rows[Part.PULL :]
-        return here.take(index[:places], axis=2, mode="clip"), rows.take(index[places:], axis=2, mode="clip")
+        here = seen.rows[: Part.PULL].take(index[:places], axis=2, mode="clip")
+        rows = seen.rows[Part.PULL : Part.TWIST].take(index[places:], axis=2, mode="clip")
+        rows[-1, :, 0] = seen.rows[Part.TWIST, :, max(index.item(places), 0)]
+        return here, rows
 
     def span(self, low: float, high: float) -> Span:
         """All rows from time to time, not copied; beyond the ends the first or last row."""
@@ -189,8 +203,8 @@ class Track:
 
     def here(self, tau: float) -> tuple[float, float]:
         """Highest |u| and |c| at this place if it were a straight line."""
-        reach, _, pull, _, _ = self.span(tau, tau).rows[:, :, 0].tolist()
-        return min(reach), min(pull)
+        rows = self.span(tau, tau).rows
+        return min(rows[Part.REACH, :, 0].tolist()), min(rows[Part.PULL, :, 0].tolist())
 
     def stands(self, tau: float) -> bool:
         """The path itself rests there."""

@@ -2,12 +2,14 @@
 
 import itertools
 import math
+import random
 
 import numpy as np
 import pytest
 
-from hil_tests.bench.online_figures import loaded
+from hil_tests.bench.online_figures import loaded, random_pieces
 from hil_tests.lab.motionpaths import MS, portal_limits, worst_shares
+from hil_tests.soak import motion as soak
 from motion.stepper import Sample, State, Stepper
 from motion.timed import TimedPiece, most_nodes
 
@@ -117,3 +119,14 @@ def test_each_stop_on_an_arc_ends_and_keeps_the_limits(speed: float, radius: flo
     accel, jerk = shares(pieces, samples)
     assert accel <= 1.02 and jerk <= 1.10
     assert max(abs(math.hypot(s.q[0], s.q[1] - radius) - radius) for s in samples) <= 1e-6
+
+
+@pytest.mark.parametrize(("accel", "jerk", "seed"), [(20.0, 200.0, 4), (20.0, 200.0, 9), (5.0, 50.0, 2), (3.0, 30.0, 3), (3.0, 30.0, 9)])
+def test_random_orders_on_random_chains_keep_the_limits_and_end(accel: float, jerk: float, seed: int) -> None:
+    """They came back to full speed with more change than the last period may take, up to 13 times the jerk limit; the third one had
+    driven what it foresaw beyond all bounds and ended in a number that is none."""
+    limits = portal_limits(2.0 if accel != 5.0 else 1.0, accel, jerk)
+    pieces = random_pieces(random.Random(seed), limits, 3)
+    driven = soak.ordered(loaded(pieces, 3), random.Random(seed + 100))[1:]
+    speed, acceleration, third = worst_shares(np.array([pieces[0].start(), *driven]), limits)
+    assert speed <= 1.0 and acceleration <= 1.02 and third <= 1.10
