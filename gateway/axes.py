@@ -55,7 +55,8 @@ def scaling_of(axis: Axis) -> Scaling:
 def limits_of(axis: Axis) -> AxisLimits:
     """Travel, speed, acceleration, jerk in SI."""
     limits = axis.limits
-    return limits_from(axis.name, axis.unit, lower=limits.min, upper=limits.max, speed=limits.speed, accel=limits.accel, jerk=limits.jerk)
+    rates = {"speed": limits.speed, "accel": limits.accel, "jerk": limits.jerk}
+    return limits_from(axis.name, axis.unit, lower=limits.min, upper=limits.max, **rates, modulo=axis.modulo)
 
 
 def reference_of(axis: Axis, scaling: Scaling) -> ReferenceSettings | DriveHoming | None:
@@ -122,13 +123,18 @@ def core_axes(cell: Cell, p5_ms: float, zeros: Mapping[str, float] = NO_ZEROS, *
         lag = axis.following_error
         warn, trip = (to_si(lag.warn, axis.unit), to_si(lag.trip, axis.unit)) if lag else (float("inf"), float("inf"))
         standing = to_si(lag.standstill, axis.unit) if lag and lag.standstill is not None else float("inf")
-        found.append(CoreAxis(axis.name, scaling, reference_of(axis, scaling), window_of(axis), drive, warn, trip, standing, zeroed))
+        modulo = to_si(axis.modulo, axis.unit)
+        found.append(
+            CoreAxis(axis.name, scaling, reference_of(axis, scaling), window_of(axis), drive, warn, trip, standing, zeroed, modulo)
+        )
     return found
 
 
 def axis_facts(cell: Cell) -> list[AxisFacts]:
     """The axes as the office judges them."""
-    return [AxisFacts(axis.name, axis.unit, to_si(1.0, axis.unit), axis.limits.min, axis.limits.max) for axis in cell.axis]
+    return [
+        AxisFacts(axis.name, axis.unit, to_si(1.0, axis.unit), axis.limits.min, axis.limits.max, axis.modulo > 0.0) for axis in cell.axis
+    ]
 
 
 def make_planner(cell: Cell) -> Planner:

@@ -70,12 +70,16 @@ class AxisDefaults(Table):
     first_enable: FirstEnable = FirstEnable()
 
 
+_IN_UNITS = unit("{u}")
+
+
 class Axis(AxisDefaults):
     name: Name
     unit: Literal["mm", "deg"]
     drive: Drive
     limits: AxisLimits
     mechanics: Mechanics = Mechanics()
+    modulo: float = Field(default=0.0, ge=0, json_schema_extra=_IN_UNITS)
 
 
 class Defaults(Table):

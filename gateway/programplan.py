@@ -15,6 +15,7 @@ from gateway.files import beside, read_text
 from gateway.pure.plannerrecords import MeasuringFacts, ProgramFacts
 
 if TYPE_CHECKING:
+    from motion.limits import AxisLimits
     from motion.planner.robot import Machine
     from motion.planner.team import Team
     from motion.program.team import Kinematic
@@ -119,7 +120,23 @@ def _machine(cell: Cell, table: Robot, first: int) -> "Machine":
     if cell.belt and robot.carried:
         names = ", ".join(axis.name for axis in own[robot.arm :])
         raise MotionError(f"additional axes {names} carry the robot or the workpiece; no belt can be in the same cell (AX-565)")
+    _check_endless(name, robot, own)
     return replace(robot, limits=tuple(own), too_fast=TooFast(table.too_fast))
+
+
+def _check_endless(name: str, robot: "Machine", own: "Sequence[AxisLimits]") -> None:
+    """Axes that go round have no part in a geometry: MotionError."""
+    from motion.errors import MotionError
+    from motion.kinematics.identity import Identity
+
+    for n, axis in enumerate(own):
+        if not axis.modulo:
+            continue
+        if robot.carried:
+            raise MotionError(f"axis {axis.name} is endless (modulo); in a cell whose additional axes carry robot or workpiece none can be")
+        if n < robot.arm and not isinstance(robot.kinematics, Identity):
+            what = f"axis {axis.name} is endless (modulo), and the arm of robot {name} has a geometry"
+            raise MotionError(f"{what}: only axes of kind identity and additional axes go round (AX-568)")
 
 
 def called_in(cell: Cell) -> str:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from motion.errors import LimitError, MotionError
 from motion.units import from_si, kind_of, to_si
 
+ROUNDS = 1e5  # an endless axis makes at most so many in one program: beyond, positions would lose their last digits
 TOUCH = 1e-9  # m or rad: a target on the limit is inside it, whatever the last bit of a unit conversion says
 
 
@@ -25,6 +26,7 @@ class AxisLimits:
     accel: float  # per s2
     jerk: float  # per s3
     unit: str = "rad"  # outside unit of a position
+    modulo: float = 0.0  # rad: an endless axis (P303 3) goes round at it (P311); 0: an axis with ends
 
     def __post_init__(self) -> None:
         kind_of(self.unit)
@@ -36,10 +38,14 @@ class AxisLimits:
             raise LimitError(self.name, "lower travel limit", lower, -math.inf, upper, self.unit)
 
 
-def limits_from(name: str, unit: str, *, lower: float, upper: float, speed: float, accel: float, jerk: float) -> AxisLimits:
-    """Limits given in the outside unit (mm, deg) -> AxisLimits in SI."""
+def limits_from(
+    name: str, unit: str, *, lower: float, upper: float, speed: float, accel: float, jerk: float, modulo: float = 0.0
+) -> AxisLimits:
+    """Limits given in the outside unit (mm, deg) -> AxisLimits in SI; an endless axis travels as far as it likes."""
+    if modulo > 0.0:
+        lower, upper = -ROUNDS * modulo, ROUNDS * modulo
     inside = [to_si(value, unit) for value in (lower, upper, speed, accel, jerk)]
-    return AxisLimits(name, inside[0], inside[1], inside[2], inside[3], inside[4], unit)
+    return AxisLimits(name, inside[0], inside[1], inside[2], inside[3], inside[4], unit, to_si(modulo, unit))
 
 
 def check_target(limits: AxisLimits, target: float) -> None:

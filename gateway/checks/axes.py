@@ -20,6 +20,19 @@ def limits(check: Context) -> None:
             check.fault(key, number(lag.warn), f"has to be at most trip = {number(lag.trip)}", "", axis.unit)
 
 
+def endless(check: Context) -> None:
+    """modulo: a turning axis whose positions are 0 .. modulo (P303 = 3, P311)."""
+    for axis in check.cell.axis:
+        if not axis.modulo:
+            continue
+        key, bound = f"axis.{axis.name}", axis.limits
+        if axis.unit != "deg":
+            check.fault(f"{key}.modulo", number(axis.modulo), "an endless axis turns: unit has to be deg", "", axis.unit)
+        if (bound.min, bound.max) != (0.0, axis.modulo):
+            hint = f"an endless axis has the positions 0..{number(axis.modulo)}: min = 0, max = modulo"
+            check.fault(f"{key}.limits", f"{number(bound.min)}..{number(bound.max)}", hint, "", axis.unit)
+
+
 def homing(check: Context) -> None:
     """A gateway-run search has a speed, its result lies inside the limits."""
     for axis in check.cell.axis:
@@ -116,4 +129,4 @@ def _plant_axis(check: Context, axis: Axis, values: PlantAxis) -> None:
         check.fault(f"{key}.speed_limit_rad_s", number(limit), hint, "", "rad/s")
 
 
-CHECKS = (limits, homing, measuring_systems, positions, plant)
+CHECKS = (limits, endless, homing, measuring_systems, positions, plant)

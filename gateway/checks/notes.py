@@ -4,6 +4,7 @@ import math
 import re
 from collections.abc import Iterator
 
+from gateway.axes import scaling_of
 from gateway.cell import Axis, Cell, Db, Entry, Line, Notice
 from gateway.checks.blocks import counts_of, place_of, split_unit
 from gateway.checks.context import number
@@ -12,10 +13,12 @@ from gateway.pure.addresses import DataWord
 from gateway.pure.bus_traffic import judge
 from gateway.pure.dialects import link_profile
 from gateway.pure.names import Kind, lookup
+from motion.units import to_si
 from protocols.p3964r.profiles import NETWORK
 
 EVERY = re.compile(r"(?:every|alle) (\d+) ms")
 MARGIN = 1.25  # turnaround of both stations and doubled DLE on top of the bare characters
+COUNTER = 2**31  # increments
 CYCLE_FULL = 80.0  # %: above this a bus has no room for SDO, heartbeats and one blocking frame
 ENABLING = {  # AX-002: bit -> our name, symbol
     24: ("emergency_stop_ok", "EMSTOP_OK_RCI"),
@@ -192,6 +195,15 @@ def enabling(cell: Cell) -> Iterator[Notice]:
         yield Notice("warning", "rc_inputs", text)
 
 
+def counting(cell: Cell) -> Iterator[Notice]:
+    """Endless axes go round, the 32 bits of their drives' set values do not (AX-568)."""
+    for axis in cell.axis:
+        if axis.modulo:
+            rounds = COUNTER / abs(scaling_of(axis).inc_per_unit * to_si(axis.modulo, axis.unit))
+            text = f"endless; its set values have 32 bits: about {rounds:.0f} rounds to either side of where the drive counts from 0"
+            yield Notice("note", f"axis.{axis.name}", f"{text}, then drives off with reason SET_VALUE")
+
+
 def not_playable(cell: Cell) -> Iterator[Notice]:
     """What this version checks but cannot run."""
     reasons = cell.not_playable()
@@ -208,4 +220,4 @@ def _tens(value: float) -> float:
     return 10.0 * math.ceil(value / 10.0)
 
 
-NOTES = (tightest_range, line_silence, network, bus_load, polling, evidence, lag, enabling, bus_whole, not_playable)
+NOTES = (tightest_range, line_silence, network, bus_load, polling, evidence, lag, enabling, bus_whole, counting, not_playable)

@@ -15,6 +15,7 @@ from gateway.pure.axisloops import PYTHON, AxisLoops
 from gateway.pure.corealter import CoreAlter
 from gateway.pure.coreaxis import CoreAxis, HeldAxis
 from gateway.pure.corebelts import CoreBelts
+from gateway.pure.coreendless import CoreEndless
 from gateway.pure.corehoming import Homings
 from gateway.pure.corepublish import Publisher
 from gateway.pure.permits import AS_SHIPPED, EVERY, NO_PERMIT, EnablingInputs, RcNumbers
@@ -68,6 +69,7 @@ class Core:
         self._axes = [HeldAxis(plan, plan.drive.make(), self._tracking(plan), plan.scaling) for plan in axes]
         for axis in self._axes:
             axis.referenced = axis.plan.absolute
+        self._endless = CoreEndless(self._axes, self.state)
         self._homings = Homings(self._axes, self.state, period_s)
         self.belts, self._shared = belts, shared
         self._mover = make_mover(self._axes, self.state, self.outputs, self._homings, period_s, belts=belts, alter=alter, off=self._off)
@@ -106,6 +108,8 @@ class Core:
             self._obey(order)
         values = self._drive(actuals, inputs)
         self._watch(actuals)
+        if self._endless.axes and not (self._mover.busy or self._homings.under_way):
+            self._go_round()
         self._publish()
         if self._shared is not None:
             self._share(self._shared)
@@ -307,6 +311,11 @@ class Core:
             if axis.run is None and (axis.by_drive or not axis.drive.follows):
                 axis.set = axis.scaling.to_si(axis.drive.set_inc)
         self._mover.accept()
+
+    def _go_round(self) -> None:
+        """At rest, and with nothing under way: nobody's path counts on the old numbers."""
+        if self._endless.look():
+            self._mover.accept()
 
     # ---- supervision -------------------------------------------------------------------------------------------------
     def _watch(self, actuals: Sequence[Actual | None]) -> None:

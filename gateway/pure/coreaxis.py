@@ -25,6 +25,7 @@ class CoreAxis:
     lag_trip: float = math.inf
     standing: float = math.inf  # so far an axis may be from where it has to stand still
     zeroed: bool = True  # False: absolute, and nobody has said yet where it reads 0
+    modulo: float = 0.0  # an endless axis goes round at it; 0: an axis with ends
 
     @property
     def absolute(self) -> bool:
@@ -60,7 +61,7 @@ class HeldAxis:
     behind: float = 0.0  # active_inc - where the drive says it is, in m or rad
 
     def __post_init__(self) -> None:
-        self.limited = self.plan.reference is not None
+        self.limited = self.plan.reference is not None and not self.plan.modulo
 
     @property
     def actual(self) -> float:

@@ -17,6 +17,7 @@ class AxisFacts:
     si: float  # one unit in m or rad
     low: float
     high: float
+    endless: bool = False  # goes round: low .. high are its positions, and a way may lead beyond
 
 
 class OnLoss(Enum):

@@ -308,7 +308,7 @@ class Office:
             if job.mask >> n & 1:
                 self._plausible(axis, command.targets[n], relative=relative)
                 wanted = command.targets[n] + (start[n] / axis.si if relative else 0.0)
-                if not axis.low <= wanted <= axis.high:
+                if not axis.low <= wanted <= axis.high and not (relative and axis.endless):
                     raise Refusal(Reason.TARGET_LIMIT, f"{axis.name} {wanted:.3f} {axis.unit}; {axis.low:g}..{axis.high:g} {axis.unit}")
                 target[n] = wanted * axis.si
         piece = self._plan(start, target, job.mask, command.velocity, command.acceleration, job.id)

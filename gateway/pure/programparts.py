@@ -25,6 +25,7 @@ from motion.frames import compose
 from motion.measure.errors import INADMISSABLE_INPUT, POINT_NOT_DEFINED, ProgramFault
 from motion.measure.inputs import InputKind, input_of
 from motion.planner.marks import Mark
+from motion.planner.relative import shown
 from motion.planner.robot import Machine
 from motion.program.blocks import MEASURED, Act, Alteration, Block, Flying, JointTarget, Output, StartWait, Synchron, Until
 from motion.program.errors import BlockError
@@ -231,4 +232,5 @@ class Measuring:
         for n, place in enumerate(places):
             if place is None:
                 raise BlockError(f"{POINT_NOT_DEFINED}: @MPOS was not measured", block=number, axis=machine.name(n))
-        return replace(block, target=JointTarget(tuple(place for place in places if place is not None)))
+        measured = [place for place in places if place is not None]
+        return replace(block, target=JointTarget(shown(measured, machine.limits)))

@@ -124,6 +124,8 @@ class Hands:
         room = ROOM * (axis.limits.max - axis.limits.min)
         limit = axis.limits.max - room if direction > 0 else axis.limits.min + room
         way = limit - state.set / si
+        if axis.modulo:
+            way = direction * axis.modulo  # one round: it has no limit to stand at
         if way * direction <= 0:
             return {"state": "REFUSED", "open": False, "words": "TARGET_LIMIT", "detail": f"{axis.name} stands at its limit"}
         rest: dict[str, object] = {"velocity": percent / 100.0, "acceleration": 0.5}

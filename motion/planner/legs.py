@@ -16,7 +16,7 @@ from motion.paths.base import Curve, PathError
 from motion.paths.joints import JointPath, joint_line
 from motion.paths.line import line, standing_still
 from motion.planner.extra import Course, places, straight
-from motion.planner.relative import check_absolute, resolved
+from motion.planner.relative import check_absolute, resolved, unwound
 from motion.planner.robot import Machine
 from motion.program.blocks import Block, Interpolation, JointTarget, PoseTarget, Turning
 from motion.program.errors import BlockError
@@ -65,6 +65,7 @@ def make_leg(number: int, block: Block, standing: Joints, machine: Machine) -> L
     and the rho 3 do.  Raises what `told` turns into a BlockError."""
     block = resolved(block, standing, machine)
     check_numbers(block)
+    block = unwound(block, standing, machine)
     if block.kind is Interpolation.PTP:
         return _ptp(number, block, standing, machine)
     check_joints(block, machine)

@@ -1,6 +1,7 @@
-"""Relative targets: MOVE_REL of the rho 3, for axes and for the tool.  Where they lie is known where the block before ends.
+"""Targets that are known where the block before ends: relative ones, MOVE_REL of the rho 3, and those of endless axes.
 
 Source: rho 3 Releases part 1, L1443, L1626, L4175-4180, L11664; the manual shows the statement and tells nothing of its angles: AX-567.
+Endless axes: L5598-5644, AX-354.
 """
 
 import math
@@ -9,6 +10,8 @@ from dataclasses import replace
 
 from motion.frames import Pose
 from motion.kinematics.base import FREE, Joints
+from motion.kinematics.endless import within
+from motion.limits import AxisLimits
 from motion.planner.robot import Machine
 from motion.program.blocks import Block, Interpolation, JointTarget, PoseTarget, Shift, Target
 from motion.program.errors import BlockError
@@ -26,13 +29,40 @@ def resolved(block: Block, standing: Joints, machine: Machine) -> Block:
     if shift.angles is None:
         if len(shift.values) != machine.axes:
             raise BlockError(f"{len(shift.values)} joint values, the robot has {machine.axes} axes", code=154, source="VAL 3")
-        return replace(block, target=JointTarget(_added(standing, shift.values)), shift=None)
-    extra = moved_extra(shift, standing[machine.arm :])
-    target: Target = JointTarget((*standing[: machine.arm], *extra))  # the dummy block: nothing turned about and back
+        return replace(block, target=JointTarget(_added(shown(standing, machine.limits), shift.values)), shift=None)
+    extra = moved_extra(shift, shown(standing[machine.arm :], machine.limits[machine.arm :]))
+    target: Target = JointTarget(
+        (*shown(standing[: machine.arm], machine.limits), *extra)
+    )  # the dummy block: nothing turned about and back
     if any(shift.values):
         here = block.frame.pose.inverse() @ machine.forward(standing) @ block.tool.pose
         target = PoseTarget(moved(shift, here), FREE, extra)
     return replace(block, target=target, shift=None)
+
+
+def unwound(block: Block, standing: Joints, machine: Machine) -> Block:
+    """Endless axes, which count on from round to round inside the planner: each travels from its position within the modulo to the
+    programmed number, a whole turn or more where the numbers say so."""
+    target, limits = block.target, machine.limits
+    if not any(axis.modulo for axis in limits):
+        return block
+    if isinstance(target, JointTarget):
+        return replace(block, target=JointTarget(_unwound(target.q, standing, limits)))
+    if not target.extra:
+        return block
+    return replace(block, target=replace(target, extra=_unwound(target.extra, standing[machine.arm :], limits[machine.arm :])))
+
+
+def _unwound(wanted: Sequence[float], standing: Sequence[float], limits: Sequence[AxisLimits]) -> tuple[float, ...]:
+    if len(wanted) != len(limits):
+        return tuple(wanted)  # whoever reads it tells so
+    rows = zip(wanted, standing, limits, strict=True)
+    return tuple(here + value - within(here, axis.modulo) if axis.modulo else value for value, here, axis in rows)
+
+
+def shown(places: Sequence[float], limits: Sequence[AxisLimits]) -> tuple[float, ...]:
+    """Places of axes as programs name them: endless ones within their modulo."""
+    return tuple(within(place, axis.modulo) if axis.modulo else place for place, axis in zip(places, limits, strict=False))
 
 
 def moved(shift: Shift, here: Pose) -> Pose:
@@ -47,7 +77,7 @@ def moved(shift: Shift, here: Pose) -> Pose:
 
 
 def moved_extra(shift: Shift, standing: Sequence[float]) -> tuple[float, ...]:
-    """Additional axes behind the block; BlockError where the numbers are not one for each."""
+    """Additional axes behind the block, from where they are shown; BlockError where the numbers are not one for each."""
     if len(shift.extra) not in (0, len(standing)):
         raise BlockError(f"{len(shift.extra)} values of additional axes, the robot has {len(standing)}", code=154, source="VAL 3")
     return _added(standing, shift.extra or (0.0,) * len(standing))

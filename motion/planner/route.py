@@ -26,6 +26,7 @@ from motion.planner.exact import exact_path
 from motion.planner.extra import Course, joining, shifted, states, with_course
 from motion.planner.jointpath import joint_path_of
 from motion.planner.legs import JOINT_LIMIT, Leg, check_end, check_numbers, make_leg, told
+from motion.planner.relative import shown, unwound
 from motion.planner.robot import Machine
 from motion.planner.rows import curve_of, goes_on, legs_of, place_of
 from motion.planner.timegiven import check_time
@@ -121,7 +122,7 @@ class Route:
             return block
         if self._now.measured is None:
             raise BlockError("point not defined: @MPOS before anything was measured", source="rho 3")
-        return replace(block, target=JointTarget(self._now.measured))
+        return replace(block, target=JointTarget(shown(self._now.measured, self._machine.limits)))
 
     def finish(self) -> None:
         """The blending of the last block is cancelled: the axes run to its target and stop there."""
@@ -179,6 +180,7 @@ class Route:
         if now.last is not None:
             self._run_out(now.last)
         check_numbers(block)
+        block = unwound(block, now.standing, self._machine)
         if not now.splines:
             now.spline_start = now.standing
         now.standing = place_of(block, now.standing, self._machine)

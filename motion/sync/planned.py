@@ -11,7 +11,7 @@ from math import inf, isfinite, isnan, nan
 from motion.errors import MotionError
 from motion.frames import IDENTITY, Pose, Rotation, compose
 from motion.planner.legs import base_pose, check_numbers, extra_of, told
-from motion.planner.relative import check_shift, moved, moved_extra
+from motion.planner.relative import check_shift, moved, moved_extra, shown, unwound
 from motion.planner.robot import Machine
 from motion.program.blocks import Blend, Block, Frame, Interpolation, JointTarget, OnBelt, PoseTarget, Shift, Synchron
 from motion.program.errors import BlockError
@@ -110,11 +110,17 @@ class BeltPlan:
             raise BlockError("the tool cannot change in a synchronous part")
         if block.shift is not None and block.kind is not Interpolation.PTP:
             block = self._absolute(block, block.shift, block.on_belt)
+        block = unwound(block, (*self.start[: self.machine.arm], *self._additional), self.machine)
         made = self._block(block)
         self._trial.add(made)
         self.blocks.append(made)
         self._end = base_pose(block, tuple(self.start), self.machine)
         return replace(block, blend=Blend())
+
+    @property
+    def _additional(self) -> tuple[float, ...]:
+        """Additional axes behind the last block."""
+        return self.blocks[-1].target[6:] if self.blocks else tuple(self.start[self.machine.arm :])
 
     def _absolute(self, block: Block, shift: Shift, on_belt: OnBelt) -> Block:
         """A relative block with the place and belt value it leads to: belt= is a difference, too, as the belt is a coordinate of the
@@ -122,7 +128,7 @@ class BeltPlan:
         self._check_place(block)
         check_shift(shift)
         before = self.blocks[-1] if self.blocks else None
-        extra = moved_extra(shift, before.target[6:] if before else tuple(self.start[self.machine.arm :]))
+        extra = moved_extra(shift, shown(self._additional, self.machine.limits[self.machine.arm :]))
         pose = moved(shift, block.frame.pose.inverse() @ self._end)
         belt = on_belt.value + (before.belt if before else self.synchron.at or 0.0)
         return replace(block, target=PoseTarget(pose, extra=extra), on_belt=replace(on_belt, value=belt), shift=None)
@@ -138,9 +144,7 @@ class BeltPlan:
         else:
             pose = base_pose(block, tuple(self.start), self.machine)
         via: tuple[float, ...] = ()
-        arm = self.machine.arm
-        before = self.blocks[-1].target[6:] if self.blocks else tuple(self.start[arm:])
-        extra = extra_of(block, (*self.start[:arm], *before), self.machine)
+        extra = extra_of(block, (*self.start[: self.machine.arm], *self._additional), self.machine)
         if block.via is not None:
             via = (*coordinates(block.frame.pose @ block.via.pose, self._rotation), *extra)
         target = (*coordinates(pose, self._rotation), *extra)
