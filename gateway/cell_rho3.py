@@ -60,6 +60,8 @@ class Rho3:
     P205: tuple[float, ...] = ()
     P207: tuple[float, ...] = ()
     P208: tuple[float, ...] = ()
+    P303: tuple[int, ...] = ()
+    P311: tuple[float, ...] = ()
     P401: tuple[MeasuringSystem, ...] = ()
     P601: bool = False
     others: Mapping[str, ParamValue] = field(default_factory=dict)

@@ -57,6 +57,8 @@ class Rho3(Table):
     P205: Ways = []
     P207: Ways = []
     P208: Ways = []
+    P303: list[Annotated[int, Field(ge=0, le=4)]] = []
+    P311: Ways = []
     P401: list[MeasuringSystem] = []
     P601: bool = False
     others: dict[str, Any] = {}

@@ -62,6 +62,8 @@ PARAMETERS: Mapping[str, tuple[str, str]] = {  # P number -> (meaning, unit); rh
     "P205": ("negative software limit, printed as a magnitude (AX-124)", "deg or mm"),
     "P207": ("actual value at the reference point", "deg or mm"),
     "P208": ("way moved after the reference point", "deg or mm"),
+    "P303": ("axis type: 3, 4 endless; 1, 4 manual axis", ""),
+    "P311": ("modulo value of endless axes", "deg"),
     "P401": ("measuring systems: module, referencing mode, gear factor, pulses, evaluation, output", ""),
     "P114": ("fast jog speed, and the drives' speed limit in manual mode", "deg/s or mm/s"),
     "P601": ("download of drive parameters at start", ""),

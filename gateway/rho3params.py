@@ -17,7 +17,7 @@ LEGAL = frozenset(
     "P111 P112 P113 P114 P117 P122 P128 P129 P130 P201 P202 P203 P204 P205 P207 P208 P212 P213 P214 P301 P303 P304 P305 P306 P310 "
     "P311 P313 P401 P402 P405 P501 P503 P506 P508 P601 P602 P603 P604 P605 P606 P607 P608 P609 P610 P611 P612 P613 P614 P615".split()
 )
-USED = frozenset("P2 P5 P9 P15 P20 P21 P24 P30 P31 P32 P103 P104 P108 P109 P204 P205 P207 P208 P401 P601".split())
+USED = frozenset("P2 P5 P9 P15 P20 P21 P24 P30 P31 P32 P103 P104 P108 P109 P204 P205 P207 P208 P303 P311 P401 P601".split())
 PER_AXIS = {  # P number -> (table, key) of [[axis]], sign
     "P103": ("limits", "speed", 1.0),
     "P104": ("limits", "accel", 1.0),
@@ -28,6 +28,7 @@ PER_AXIS = {  # P number -> (table, key) of [[axis]], sign
     "P207": ("home", "position", 1.0),
     "P208": ("home", "offset", 1.0),
 }
+ENDLESS = (3, 4)  # P303
 PULSES = {1: 16384, 2: 8192, 3: 4096}  # increments per turn (rho3 2.6, L7586-7588)
 BITRATE = {0: "1 Mbit/s", 1: "500 kbit/s", 2: "250 kbit/s", 3: "125 kbit/s"}  # P30 (rho3 2.1, L7411-7415)
 
@@ -89,7 +90,10 @@ class _Work:
                         "rho3.P401, no [[axis]] table: an axis in deg for each"
                     )
         for number, axis in enumerate(_tables(axes)):
+            endless = self.endless(number, axis)
             for param, (table, key, sign) in PER_AXIS.items():
+                if endless and param in ("P204", "P205"):
+                    continue  # an axis that goes round has no ends
                 self.per_axis(param, number, axis, table, key, sign, len(_tables(axes)))
             for index, system in enumerate(systems):
                 if system.get("axis") == number + 1:
@@ -110,6 +114,28 @@ class _Work:
             inner = axis.setdefault(table, {})
             where = f"axis.{axis.get('name', number)}.{table}.{key}"
             self.put(inner, key, sign * value, f"{param}[{number + 1}]", where, ("rho3", param, number))
+
+    def endless(self, number: int, axis: dict[str, Any]) -> bool:
+        """P303 = 3, 4: the axis goes round at P311."""
+        kind, modulo = _nth(self.params.get("P303"), number), _nth(self.params.get("P311"), number)
+        if kind is None or kind in (0, 1):
+            return False
+        name = axis.get("name", number)
+        if kind not in ENDLESS:
+            self.fault(f"P303[{number + 1}]", kind, "0 main, 1 manual, 3 endless main, 4 endless manual axis", ("rho3", "P303", number))
+        elif not isinstance(modulo, int | float) or not modulo > 0:
+            hint = f"axis {name} is endless (P303 = {kind}): its modulo value is needed"
+            self.fault(f"P311[{number + 1}]", "" if modulo is None else modulo, hint, ("rho3", "P311", number))
+        else:
+            place: Path = ("rho3", "P311", number)
+            self.put(axis, "modulo", modulo, f"P311[{number + 1}]", f"axis.{name}.modulo", place)
+            for key, value in (("min", 0.0), ("max", modulo)):
+                self.put(axis.setdefault("limits", {}), key, value, f"P311[{number + 1}]", f"axis.{name}.limits.{key}", place)
+            return True
+        return False
+
+    def fault(self, key: str, value: object, hint: str, place: Path) -> None:
+        self.merged.faults.append(Fault(self.file, f"rho3.{key}", str(value), "", "", hint, nearest(self.places, place)))
 
     def measuring_system(self, index: int, system: dict[str, Any], axis: dict[str, Any]) -> None:
         """One P401 table: module, gear, increments, direction, referencing mode."""
@@ -150,6 +176,11 @@ class _Work:
             self.merged.faults.append(Fault(self.file, where, str(table[key]), "", "", hint, line, "cross"))
         table[key] = value
         self.merged.sources[where] = Source(f"rho3.{label}", nearest(self.places, place))
+
+
+def _nth(values: Any, number: int) -> Any:
+    """Of a list that is as long; None for anything else."""
+    return values[number] if isinstance(values, list) and number < len(values) else None
 
 
 def _row(table: Mapping[int, V], key: object) -> V | None:

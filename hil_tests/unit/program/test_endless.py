@@ -187,3 +187,38 @@ def test_check_and_plot_know_it_from_the_cell() -> None:
     for block in read(HEAD + "ptp joints 360 0 0 0 0\nptp joints 360 0 0 0 0").blocks:
         route.add(block)
     assert route.standing[0] == pytest.approx(2 * math.tau)
+
+
+RHO3 = "[rho3]\nP303 = {}\nP311 = {}\nP204 = [1, 1, 1, 1, 1]\nP205 = [1, 1, 1, 1, 1]\n\n[robot]"
+PLAIN = turning_text().replace("modulo = 360.0\n", "").replace("min = 0.0, max = 360.0, ", "")
+
+
+def rho3(p303: str, p311: str) -> str:
+    return PLAIN.replace("[robot]", RHO3.format(p303, p311), 1)
+
+
+def test_p303_and_p311_make_the_same_cell() -> None:
+    cell = load_cell(str(PORTAL), rho3("[3, 4, 4, 4, 3]", "[360, 360, 360, 360.0, 360]"))
+    assert [axis.modulo for axis in cell.axis] == [360.0] * 5 == [axis.modulo for axis in CELL.axis]
+    assert [axis.limits for axis in cell.axis] == [axis.limits for axis in CELL.axis]
+    some = load_cell(str(PORTAL), rho3("[3, 0, 1, 4, 3]", "[360, 0, 0, 360, 180]"))
+    assert [(axis.modulo, axis.limits.min, axis.limits.max) for axis in some.axis] == [
+        (360.0, 0.0, 360.0),
+        (0.0, -1.0, 1.0),
+        (0.0, -1.0, 1.0),
+        (360.0, 0.0, 360.0),
+        (180.0, 0.0, 180.0),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("p303", "p311", "says"),
+    [
+        ("[2, 0, 0, 0, 0]", "[0, 0, 0, 0, 0]", "endless manual axis"),
+        ("[0, 0, 0, 0, 3]", "[0, 0, 0, 0, 0]", "axis S4 is endless"),
+        ("[0, 0, 0, 0, 4]", "[0]", "its modulo value is needed"),
+    ],
+)
+def test_p303_without_a_meaning_or_a_modulo_is_refused(p303: str, p311: str, says: str) -> None:
+    with pytest.raises(CellFaults, match=says):
+        load_cell(str(PORTAL), rho3(p303, p311))
