@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from hil_tests.lab.answers import answers
@@ -55,6 +56,18 @@ def test_dc_turns_about_z_then_db_about_the_new_y_then_da_about_the_new_x() -> N
     systems.select("PAINT_1", WcFrame(0, 0, 0, 0, 90, 90))
     assert close(machine.original((1, 0, 0, 0, 0, 0))[:3], (0, 0, -1)), "db about y', after dc"
     assert close(machine.original((0, 1, 0, 0, 0, 0))[:3], (-1, 0, 0))
+    systems.select("PAINT_1", WcFrame(7, 8, 9, 130, -25, 40))
+    about = {axis: np.array(turn) for axis, turn in zip("zyx", elementary(40, -25, 130), strict=True)}
+    turned = about["z"] @ about["y"] @ about["x"]
+    for point in ((1, 0, 0), (0, 1, 0), (0, 0, 1), (10, -20, 30)):
+        expected = tuple(float(value) for value in turned @ np.array(point) + np.array((7, 8, 9)))
+        assert close(machine.original((*point, 0, 0, 0))[:3], expected), "z, then the new y, then the new x: Rz Ry Rx"
+
+
+def elementary(z: float, y: float, x: float) -> tuple[list[list[float]], ...]:
+    """Rotations about z, y and x (deg), each as it stands in any book."""
+    (cz, sz), (cy, sy), (cx, sx) = ((math.cos(math.radians(a)), math.sin(math.radians(a))) for a in (z, y, x))
+    return [[cz, -sz, 0], [sz, cz, 0], [0, 0, 1]], [[cy, 0, sy], [0, 1, 0], [-sy, 0, cy]], [[1, 0, 0], [0, cx, -sx], [0, sx, cx]]
 
 
 @pytest.mark.requirement("RHO-MOT-32", by=("motion.rho3.wc:WcSystems.active", "motion.rho3.wc:WcSystems.started_up"))

@@ -214,6 +214,11 @@ def test_an_axis_of_several_turns_takes_the_one_nearest_to_the_initial_joints() 
         found = robot.point_to_joint(flange, (*joint[:5], initial), point)
         assert found is not None
         assert math.isclose(found[5], answer, abs_tol=1e-9), initial
+    wide = robot.joint_to_point(flange, world, (*joint[:5], 200.0))
+    for initial, answer in ((380.0, 200.0), (400.0, 200.0), (25.0, 200.0), (15.0, -160.0), (-400.0, -160.0)):
+        found = robot.point_to_joint(flange, (*joint[:5], initial), wide)
+        assert found is not None, "a turn beyond +-515.7 deg is none"
+        assert math.isclose(found[5], answer, abs_tol=1e-9), initial
 
 
 def test_joints_of_another_arm_are_error_570() -> None:

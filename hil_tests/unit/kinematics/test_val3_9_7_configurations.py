@@ -33,6 +33,12 @@ def test_the_offset_of_axes_1_and_2_counts_for_the_shoulder() -> None:
     robot = arm(ArmGeometry(0.5, 0.4, 0.4, 0.1, delta=0.15))
     assert robot.configuration((0, math.radians(-10), 0, 0, 0, 0)).shoulder is Shoulder.LEFTY, "0.8 sin -10 + 0.15 > 0"
     assert robot.configuration((0, math.radians(-11), 0, 0, 0, 0)).shoulder is Shoulder.RIGHTY, "0.8 sin -11 + 0.15 < 0"
+    bent = arm(ArmGeometry(0.5, 0.4, 0.4, 0.1, elbow=0.1))
+    for j2, j3, side in ((-6, 0, Shoulder.LEFTY), (-8, 0, Shoulder.RIGHTY), (-15, 26, Shoulder.LEFTY), (-53, 173, Shoulder.RIGHTY)):
+        q2, q23 = math.radians(j2), math.radians(j2 + j3)
+        forwards = 0.4 * math.sin(q2) + 0.4 * math.sin(q23) + 0.1 * math.cos(q23)
+        assert abs(forwards) > 0.001 and (forwards > 0) is (side is Shoulder.LEFTY)
+        assert bent.configuration((0, q2, math.radians(j3), 0, 0, 0)).shoulder is side, "the offset of the elbow"
 
 
 @pytest.mark.requirement("VAL-CFG-01", by="motion.kinematics.scara:Scara.configuration")

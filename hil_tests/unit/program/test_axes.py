@@ -98,6 +98,7 @@ def test_bit_216_disables_at_once_warns_1408_and_stays_until_a_restart() -> None
     assert axes.outputs((1.0, 2.0, 3.0)) == (1.0, 2.0, 3.0)
     assert axes.update((True, False, False)) == (1408,)
     assert axes.update((True, False, False)) == (), "told once"
+    assert DisabledAxes(3).update((False, True, True)) == (1409, 1410)
     assert axes.outputs((1.0, 2.0, 3.0)) == (0.0, 2.0, 3.0)
     axes.update((False, False, False))
     assert axes.disabled == (True, False, False) and axes.warnings == (1408,), "0 has no effect before a restart"
@@ -122,14 +123,21 @@ def test_a_disabled_axis_stays_out_whatever_its_drive_on_says() -> None:
 @answers
 def test_17_1_three_axes_on_output_1_of_which_one_moves_at_a_time() -> None:
     assert groups({0: 101, 1: 102, 2: 103, 3: 2}) == {1: (0, 1, 2)}
+    assert groups({0: 302, 1: 301, 4: 1, 5: 99}) == {3: (1, 0)}
     output = SharedOutput((0, 1, 2), (0.05, 0.05, 0.05))
     volts = (1.0, 2.0, 3.0)
     assert output.step((True, True, True), volts, 0.0) == 0.0, "idle: 0 V"
     assert output.step((True, False, True), volts, 0.01) == 2.0
     assert output.step((True, True, True), volts, 0.02) == 2.0, "in position, correction time runs"
     assert output.step((True, True, True), volts, 0.071) == 0.0
-    with pytest.raises(AxisError, match="servo error"):
-        output.step((False, True, False), volts, 0.1)
+    assert output.step((True, False, True), volts, 0.08) == 2.0
+    assert output.step((True, True, True), volts, 0.10) == output.step((True, True, True), volts, 0.14) == 2.0, "50 ms from here"
+    assert output.step((True, True, True), volts, 0.16) == 0.0
+    assert output.step((False, True, True), volts, 0.2) == 1.0, "free for another axis"
+    for moving, axis in (((False, True, False), 3), ((False, False, True), 2)):
+        with pytest.raises(AxisError, match="servo error") as caught:
+            output.step(moving, volts, 0.3)
+        assert caught.value.axis == axis and "axis 1" in str(caught.value)
 
 
 def test_the_last_jogged_axis_may_keep_the_output() -> None:

@@ -204,7 +204,7 @@ def test_bahn_radius_10_leaves_10_mm_before_and_rejoins_10_mm_after_and_bahn_dis
     assert before > 10.5 and behind > 10.5
 
 
-@pytest.mark.requirement("RSV-MOT-10", by="motion.program.reis:Path._blend")
+@pytest.mark.requirement("RSV-MOT-10", by=("motion.program.reis:Path._blend", "motion.planner.rows:curve_of"))
 @answers
 def test_a_spline_goes_through_its_points_whatever_bahn_radius_says() -> None:
     points = ((40.0, 30.0), (80.0, -10.0), (130.0, 20.0), (170.0, 0.0))

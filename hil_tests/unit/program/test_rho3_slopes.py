@@ -56,6 +56,7 @@ def test_block_slope_starts_the_next_block_not_before_the_middle_and_saves_t_b()
     assert first.duration + second.duration == pytest.approx(0.3635, abs=1e-3) and whole == pytest.approx(0.3168, abs=2e-3)
 
 
+@pytest.mark.requirement("RHO-MOT-04", by=("motion.program.slopes:overlap", "motion.program.slopes:within"))
 @answers
 def test_the_start_is_delayed_where_the_sum_would_exceed_the_limits() -> None:
     """A sharp reversal: at the earliest start both accelerations point the same way and add up to twice the limit."""
@@ -68,6 +69,7 @@ def test_the_start_is_delayed_where_the_sum_would_exceed_the_limits() -> None:
     assert within(first, second, found.start, LIMITS)
 
 
+@pytest.mark.requirement("RHO-MOT-04", by="motion.program.slopes:overlap")
 @answers
 def test_the_overlapped_block_ends_before_the_middle_of_the_next_one() -> None:
     long, short = joint_line((0.0, 0.0, 0.0), (0.4, 0.0, 0.0)), joint_line((0.4, 0.0, 0.0), (0.4, 0.004, 0.0))
@@ -191,6 +193,9 @@ def test_points_10_apart_with_r_20_are_passed_by_the_largest_overlap_there_is() 
     assert [s.kind for s in row].count(Kind.CORNER) == 3 and not any(s.stop for s in row[:-1])
     largest = 0.1875 * 0.005 * 2**0.5  # the half of 10 mm each
     assert [missed(row, corner) for corner in corners] == pytest.approx([largest] * 3, abs=2e-6)
+    short = stretches([Block(LINEAR, at(x, y), blend=R20) for x, y in ((100, 0), (100, 10), (200, 10))])
+    assert missed(short, (0.1, 0.0, 0.0)) == pytest.approx(largest, abs=2e-6), "the long side shrinks with the short one: one sphere"
+    assert next(s for s in short if s.kind is Kind.CORNER).path.q(0.0)[0] == pytest.approx(0.095, abs=1e-9)
     free = stretches([Block(LINEAR, at(x, y), blend=R20) for x, y in ((50, 0), (50, 50))])
     assert missed(free, (0.05, 0.0, 0.0)) == pytest.approx(4 * largest, abs=2e-6), "not reduced where there is room"
 
@@ -217,6 +222,9 @@ def test_r_ptp_2_passes_the_point_within_twice_p213_and_no_axis_changes_its_spee
             ends = [s.path.at(np.array([at_s]), 1)[0, :3] for s, at_s in ((one, one.path.length), (other, 0.0))]
             speeds = [end / np.linalg.norm(end) for end in ends]
             assert speeds[0] == pytest.approx(speeds[1], abs=1e-9), "from block to block without a corner"
+    uneven = Blend(Rounding.JOINT, axes=(0.02, 0.03, 0.02))
+    before, _, _ = stretches([Block(PTP, JointTarget((0.2, 0.1, 0.0)), blend=uneven), Block(PTP, JointTarget((0.2, 0.3, 0.2)))])
+    assert before.path.q(before.path.length)[:2] == pytest.approx((0.18, 0.09), abs=1e-9), "the first axis that comes near begins"
 
 
 def test_two_ptp_blocks_with_block_slope_and_axis_ranges() -> None:

@@ -205,6 +205,9 @@ def test_stopped_in_the_middle_the_arm_is_settled_and_not_empty() -> None:
     assert not settling.joints(errors, (1.0, 1.0), 1.0)
     assert not settling.joints(errors, (1.0, 1.0), 1.049)
     assert settling.joints(errors, (1.0, 1.0), 1.05) is True
+    for error, good in ((0.0199, True), (0.0201, False)):
+        other = Settling(0.05)
+        assert [other.joints((0.0, error), (1.0, 2.0), now_s) for now_s in (0.0, 0.05)] == [False, good], "1 % of what is allowed"
     assert moves.is_empty() is False
     assert not settling.tool(0.001, 0.0, 0.0005, None, None, 2.0)
     assert not settling.tool(0.0004, 0.1, 0.0005, 0.2, 0.3, 3.0) and settling.tool(0.0004, 0.1, 0.0005, 0.2, 0.3, 3.3)
@@ -310,6 +313,27 @@ def test_get_move_id_tells_move_and_progress() -> None:
         assert number == pytest.approx(made, abs=2e-3)
     ids = [number for number, _ in seen]
     assert ids == sorted(ids) and any(15.7 < n < 15.9 for n in ids) and any(16.5 < n < 16.7 for n in ids)
+
+
+@pytest.mark.requirement("VAL-MID-01", by="motion.planner.runs:progress")
+@answers
+def test_get_move_id_runs_on_through_a_blended_point_and_turns_in_its_middle() -> None:
+    arm, moves = stack()
+    moves.set_move_id(15)
+    moves.movel(at(100), FLANGE, rounded(40, 20, BlendKind.CARTESIAN))
+    moves.movel(at(100, 100), FLANGE, OFF)
+    rows, ids = [], []
+    while not moves.wait_end_move():
+        rows.append(arm.step())
+        ids.append(moves.get_move_id())
+    places, numbers = np.array(rows), np.array(ids)
+    straight = (places[:, 0] < 0.06) & (places[:, 1] == 0.0)
+    assert numbers[straight] == pytest.approx(15.0 + places[straight, 0] / 0.1, abs=5e-3)
+    behind = places[:, 1] > 0.02
+    assert numbers[behind] == pytest.approx(16.0 + places[behind, 1] / 0.1, abs=5e-3)
+    assert np.all(np.diff(numbers) >= 0.0) and float(np.diff(numbers).max()) < 0.06, "without a jump"
+    middle = int(np.argmax(numbers >= 16.0))
+    assert 0.06 < places[middle, 0] < 0.1 and 0.0 < places[middle, 1] < 0.02
 
 
 @pytest.mark.requirement("VAL-MID-02", by="motion.val3.stack:MotionStack.set_move_id")
