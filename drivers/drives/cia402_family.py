@@ -96,7 +96,6 @@ class Cia402Family:
         found = self._nodes.get(node)
         if found is not None:
             found.released, found.mode, found.error = True, mode, 0
-            found.status, found.edges = -1, 0
 
     def answers(self, node: int, mode: int) -> None:
         """Heard beside another master: one that answers SYNC was configured by him, in this mode as long as nothing else is heard."""
@@ -175,6 +174,7 @@ class Cia402Family:
         elif function == cobid.heartbeat(0) and number:
             if node is not None and frame.data == BOOT_UP:
                 node.released = False  # it was reset: whatever was configured may be gone
+                node.status, node.edges = -1, 0
         elif function != cobid.sdo_answer(0) and frame.identifier != cobid.LSS_SLAVE:
             raise DecodeError(f"identifier {frame.identifier:#x} is nobody's on this bus: {frame.data.hex(' ')}")
         self.aside.append(frame)

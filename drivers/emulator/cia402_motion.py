@@ -46,6 +46,8 @@ class DriveMotion(DriveView):
         watch.unlock()
 
     def _probe_written(self, value: Value) -> None:
+        for edge in self.switches.crossed(self.servo):  # since the model's last tick, before another window is watched
+            self._edge(edge)
         self.probe.arm(int(value) if isinstance(value, int) else 0)
         self.watch_switches()
 

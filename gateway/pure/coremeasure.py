@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from drivers.drives.family import Latched
 from gateway.pure.coreaxis import HeldAxis
-from gateway.pure.coreprobes import DriveProbe
+from gateway.pure.coreprobes import LATE, DriveProbe
 from gateway.pure.plannerrecords import UntilInput
 from gateway.pure.records import CellState, InputImage, Quality
 from motion.measure.history import History
@@ -20,6 +20,7 @@ from protocols.base.machine import Ns
 BOARD = 1  # the axes of one channel are one servo board
 GOOD = int(Quality.GOOD)
 PATIENT = 50  # cycles the end of a part waits for positions that do not come
+TO_REST_NS = 60_000_000  # five time constants of a position loop of Kv 80 1/s: drives lag behind a path that has ended (AX-566)
 
 
 class CoreMeasure:
@@ -35,6 +36,8 @@ class CoreMeasure:
         self._hit: Ns | None = None
         self._stored = False
         self._patience = 0
+        self._ended = 0  # cycles since the path ended
+        self._heard_by = TO_REST_NS // period_ns + LATE  # cycles: until then the drives have told of an edge they passed
 
     def program_started(self) -> None:
         """What an earlier program measured is not this one's (L1132)."""
@@ -45,6 +48,7 @@ class CoreMeasure:
         """The part that follows ends with this input."""
         self._until, self._history = until, History(self._axes)
         self._level, self._hit, self._stored, self._patience = None, None, False, PATIENT
+        self._ended = 0
         self._probe = DriveProbe(until.drives, until.level) if until.drives else None
         if self._probe is None:
             self._see(until, inputs, now)
@@ -70,8 +74,12 @@ class CoreMeasure:
 
     @property
     def waits(self) -> bool:
-        """The edge came, its position is not stored yet."""
-        return self._until is not None and self._hit is not None and not self._stored and self._patience > 0
+        """The edge came, its position is not stored yet; or a drive may have passed it and has not told yet."""
+        if self._until is None or self._stored:
+            return False
+        if self._hit is not None:
+            return self._patience > 0
+        return self._probe is not None and self._ended < self._heard_by
 
     def stands(self, inputs: InputImage) -> bool:
         """Before the block: an input that has its value already lets nothing move, and the axes' place is measured; a probe has to
@@ -83,13 +91,14 @@ class CoreMeasure:
         return True
 
     def look(self, inputs: InputImage, now: Ns, path: State) -> bool:
-        """Once a cycle while the part is on: whether the path is to stop now.  A stopped path stays for its resume."""
+        """Once a cycle while the part is on: whether the path is to stop now, or its edge came.  A stopped path stays for its resume."""
         until = self._until
+        if until is not None and self._probe is not None:
+            self._hit = now if self._hit is None and self._probe.hit else self._hit
+            self._ended = self._ended + 1 if path is State.IDLE else 0
+            return self._hit is not None and path in (State.RUNNING, State.IDLE)
         if until is None or path is State.IDLE:
             return False
-        if self._probe is not None:
-            self._hit = now if self._hit is None and self._probe.hit else self._hit
-            return self._hit is not None and path is State.RUNNING
         before = self._level
         edge = self._see(until, inputs, now)
         if self._hit is None and self._level is until.level and ((before is not None and before is not until.level) or not until.by_edge):

@@ -384,7 +384,8 @@ class Mover:
 
     def judge(self, sample: Sample) -> None:
         """A job runs: when its set values have arrived it is done as soon as the axes have, too."""
-        if not (self.program.complete and self.free if self.program.begun else sample.done_id == self.running):
+        ended = self.program.complete and self.free and not self.measure.waits if self.program.begun else sample.done_id == self.running
+        if not ended:
             return
         late = [axis for axis in self._axes if abs(axis.set - axis.scaling.to_si(axis.drive.position_inc)) > axis.plan.window]
         self._arriving += 1

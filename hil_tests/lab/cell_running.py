@@ -54,6 +54,7 @@ TARGET = (70.0, 70.0, 33.0, 8.0, 8.0, 8.0)  # near it, so that referencing again
 SETTLE_S = 0.3  # ten time constants of the position loops and more
 PLC_PRIORITY = 10  # below the line process
 SPARE = 6  # repetitions of one run that a busy machine may spoil
+COMES_UP_S = 60.0
 DRIVES_OFF, RESYNCHRONISED, LINK_LOST, INPUT_LOST = 2, 20, 21, 26  # reasons; the last three: PLC 2 was not served in time
 KEPT_ROWS = 500
 STOLEN = (16, 17, 18, 27)  # reasons: drive fault, drive lost, following error, overrun
@@ -61,6 +62,17 @@ STOLEN = (16, 17, 18, 27)  # reasons: drive fault, drive lost, following error, 
 
 class Disturbed(Exception):
     """The machine took the processor away before the test did anything: this repetition proves nothing and is played again."""
+
+
+def spare_of(times: int) -> int:
+    """So many repetitions more may be spoilt."""
+    return max(SPARE, times // 5)
+
+
+def patience_s(repetition_s: float, times: int = 1) -> float:
+    """Time-out of a test that repeats: the run comes up, all that count and all that may be spoilt last so long, getting ready again
+    included.  So a busy machine ends in the words of `_spoilt` or in a good repetition."""
+    return COMES_UP_S + repetition_s * (1 + times + spare_of(times))  # 1: `ready` before the first
 
 
 class CyclicPlc(ModbusPlc):
@@ -133,7 +145,7 @@ class CellRun:
         command += ["--modbus-port", str(self.port), "--record", str(self.folder), "--die-with-parent", *self.more]
         with (self.folder / "run.log").open("ab") as log:
             process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True)
-        until = time.monotonic() + 60.0
+        until = time.monotonic() + COMES_UP_S
         while not wait_up(self.name, 1.0):
             if process.poll() is not None or time.monotonic() > until or self._dies_again():
                 process.kill()
@@ -331,7 +343,7 @@ class CellRun:
                 body(counted)
                 counted += 1
             except Disturbed as why:
-                self._spoilt(why, max(SPARE, times // 5))
+                self._spoilt(why, spare_of(times))
                 again()
 
     def _spoilt(self, why: Disturbed, spare: int = SPARE) -> None:

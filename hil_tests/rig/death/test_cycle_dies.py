@@ -11,7 +11,7 @@ import pytest
 from drivers.emulator.record import Flag
 from drivers.emulator.servodyn_axis import State
 from hil_tests.lab import buslog
-from hil_tests.lab.cell_running import P5_NS, CellRun, Disturbed, running_cell
+from hil_tests.lab.cell_running import P5_NS, CellRun, Disturbed, patience_s, running_cell
 from hil_tests.lab.judge import Judge
 from hil_tests.lab.plc2 import ABORTED
 
@@ -29,7 +29,7 @@ def cell() -> Iterator[CellRun]:
         yield run
 
 
-@pytest.mark.timeout(240 * max(1, REPETITIONS // 5))
+@pytest.mark.timeout(patience_s(15.0, REPETITIONS))
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "stopped"])
 def test_drives_stop_by_themselves_and_nothing_moves_until_a_fresh_command(cell: CellRun, number: signal.Signals) -> None:
     def recover() -> None:

@@ -9,7 +9,7 @@ import pytest
 
 from drivers.emulator.cia402_states import State
 from hil_tests.lab import buslog
-from hil_tests.lab.cell_running import P5_NS, CellRun, Disturbed, running_cell
+from hil_tests.lab.cell_running import P5_NS, CellRun, Disturbed, patience_s, running_cell
 from hil_tests.lab.judge import Judge
 from hil_tests.rig.canopen.test_demo_402 import configured
 
@@ -26,7 +26,7 @@ def cell() -> Iterator[CellRun]:
         yield run
 
 
-@pytest.mark.timeout(240 * max(1, REPETITIONS // 5))
+@pytest.mark.timeout(patience_s(20.0, REPETITIONS))
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "stopped"])
 def test_drives_stop_by_themselves_when_the_heartbeat_stays_away(cell: CellRun, number: signal.Signals) -> None:
     def recover() -> None:

@@ -6,11 +6,12 @@ import time
 import pytest
 
 from hil_tests.lab import buslog
-from hil_tests.lab.cell_running import ALL, HOME, TARGET, CellRun, Disturbed, running_cell
+from hil_tests.lab.cell_running import ALL, HOME, TARGET, CellRun, Disturbed, patience_s, running_cell
 from hil_tests.lab.judge import Judge, Move, SetPath
 from hil_tests.lab.plc2 import ENABLE, RESUME
 from hil_tests.rig.death.test_services_die import DEMO
 
+pytestmark = pytest.mark.timeout(patience_s(15.0))
 RESYNCHRONISED = 20
 SPEED = 0.03  # 2.5 s
 SILENCE_S = 0.5  # max_silence_ms of plc2 in the demo's cell

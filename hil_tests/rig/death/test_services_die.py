@@ -10,7 +10,7 @@ import pytest
 
 from drivers.emulator.servodyn_axis import State
 from hil_tests.lab import buslog
-from hil_tests.lab.cell_running import ALL, HOME, TARGET, CellRun, Disturbed, running_cell
+from hil_tests.lab.cell_running import ALL, HOME, TARGET, CellRun, Disturbed, patience_s, running_cell
 from hil_tests.lab.judge import Judge, Move, SetPath
 from hil_tests.lab.plc2 import PTP, REQUEST
 
@@ -31,6 +31,7 @@ def cell_that(folder: pathlib.Path, ending: str) -> str:
     return str(path)
 
 
+@pytest.mark.timeout(patience_s(12.0, REPETITIONS))
 @pytest.mark.parametrize("ending", ["stop_on_path", "finish_move"])
 def test_motion_ends_as_configured_and_services_come_back_without_moving_anything(tmp_path: pathlib.Path, ending: str) -> None:
     with running_cell(cell_that(tmp_path, ending)) as run:

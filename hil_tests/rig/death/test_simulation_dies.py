@@ -9,9 +9,11 @@ import os
 import signal
 import time
 
+import pytest
+
 from drivers.emulator.record import Flag
 from drivers.emulator.servodyn_axis import State
-from hil_tests.lab.cell_running import P5_NS, CellRun, gone, left_over, running_cell, runtime_folder, special_files
+from hil_tests.lab.cell_running import P5_NS, CellRun, gone, left_over, patience_s, running_cell, runtime_folder, special_files
 from hil_tests.lab.judge import Judge
 from hil_tests.lab.plc2 import ABORTED
 
@@ -60,6 +62,7 @@ def broker_dies(run: CellRun) -> None:
     recover(run)
 
 
+@pytest.mark.timeout(2 * patience_s(15.0))
 def test_emulator_and_broker_are_killed_in_a_move() -> None:
     with running_cell() as run:
         run.ready()

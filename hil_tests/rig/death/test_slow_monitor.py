@@ -7,10 +7,12 @@ import sys
 import time
 from dataclasses import dataclass
 
+import pytest
+
 from drivers.ports.broker import broker_stats
 from hil_tests.bench.cycle_judge import judge
 from hil_tests.lab import buslog
-from hil_tests.lab.cell_running import REALTIME, CellRun, Disturbed, running_cell
+from hil_tests.lab.cell_running import REALTIME, CellRun, Disturbed, patience_s, running_cell
 
 P5_MS = 4 if REALTIME else 10
 P5_NS = P5_MS * 1_000_000
@@ -42,6 +44,7 @@ def counted(run: CellRun, seconds: float) -> Counts:
     )
 
 
+@pytest.mark.timeout(patience_s(STOPPED_S + 6.0))
 def test_a_stopped_monitor_costs_the_cycle_nothing() -> None:
     with running_cell(plc=False, p5_ms=P5_MS) as run:
         time.sleep(1.0)

@@ -7,11 +7,12 @@ import pytest
 
 from gateway.pure.records import AxisFlag
 from hil_tests.lab.buslog import Logged, Remark, read
-from hil_tests.lab.cell_running import ALL, HOME, TARGET
+from hil_tests.lab.cell_running import ALL, HOME, TARGET, patience_s
 from hil_tests.lab.plc2 import PTP
 from hil_tests.lab.real_running import Adapter, RealRun, running_real
 
 LIMIT_S, BACK_S = 20.0, 2.0
+pytestmark = pytest.mark.timeout(patience_s(12.0) + 2 * LIMIT_S)
 TRAVEL_INC = round((TARGET[0] - HOME[0]) / 20.0 * 16384)  # of axis A1: 20 mm a turn
 SYNC, ACTUALS = 100, (610, 620, 630, 640, 650, 660)
 

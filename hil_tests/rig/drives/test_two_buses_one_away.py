@@ -16,10 +16,11 @@ from gateway.commands.fault import main as fault
 from gateway.files import find_config, read_text
 from gateway.pure.records import AxisFlag
 from hil_tests.lab.buslog import Logged, read
-from hil_tests.lab.cell_running import ALL, HOME, P5_MS, CellRun, running_cell
+from hil_tests.lab.cell_running import ALL, HOME, P5_MS, CellRun, patience_s, running_cell
 from hil_tests.lab.plc2 import ABORTED, ENABLE, PTP, RESET
 from protocols.base.machine import Ns
 
+pytestmark = pytest.mark.timeout(patience_s(20.0))
 NAME = "twobus"
 SECOND = """
 [[bus]]

@@ -15,9 +15,9 @@ import pytest
 from drivers.ports.base import runtime_dir
 from drivers.ports.open import open_bytes
 from gateway.pure.records import AxisFlag, Motion
-from hil_tests.lab.cell_running import STOLEN, CellRun, Disturbed, running_cell
+from hil_tests.lab.cell_running import COMES_UP_S, STOLEN, CellRun, Disturbed, running_cell
 from hil_tests.lab.rk512_active import Done, Refused
-from hil_tests.lab.signal_plc import Net, Rack, SignalPlc, signal_cell
+from hil_tests.lab.signal_plc import PATIENCE_S, Net, Rack, SignalPlc, signal_cell
 from hil_tests.lab.sync_line import SyncLine
 
 RESET, AUTO, CHAIN, PHG_STROBE, ACK, DRIVE_ON = 19, 23, 24, 49, 62, 66
@@ -84,6 +84,7 @@ def plant_over(door: str, folder: pathlib.Path) -> Iterator[Plant]:
 
 
 PLAYS = 4  # of one test, where a busy machine let drives or cycle give up
+pytestmark = pytest.mark.timeout(COMES_UP_S + PLAYS * (PATIENCE_S + 20.0))  # a play that is spoilt waits once in vain
 
 
 def replayed(test: Callable[[Plant], None]) -> Callable[[Plant], None]:

@@ -8,12 +8,13 @@ import pytest
 from hil_tests.lab.cell_running import running_cell
 from hil_tests.lab.hand_plc import HELP, Hand
 
-pytestmark = pytest.mark.timeout(300)
 PAGE = pathlib.Path(__file__).resolve().parents[3] / "docs" / "guide" / "tutorial.md"
 
 
 MACHINE = ("error 16;", "error 17;", "error 18;", "error 20;", "error 22;", "error 26;", "error 27;")  # what a busy machine does to drives
 SPARE = 8
+MOVE_S = 30.0  # obey gives a move up after that; as long again for getting ready
+pytestmark = pytest.mark.timeout(60.0 + 2 * SPARE * MOVE_S)
 
 
 @pytest.fixture(scope="module")

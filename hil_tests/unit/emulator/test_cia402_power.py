@@ -435,6 +435,18 @@ def test_a_probe_takes_the_first_edge_once_or_every_edge_continuously() -> None:
         assert bus.axis().probe.status & 2
 
 
+@pytest.mark.parametrize("at_rad", [20.1, 20.3])
+def test_an_edge_stands_when_the_function_is_written_just_behind_it(at_rad: float) -> None:
+    """The model looks every 250 us: what it has passed since then was forgotten by the write."""
+    bus, node = probing(0x0011, at_rad)
+    axis = bus.axis()
+    while axis.servo.position_rad < 21.0:
+        bus.run(60e-6)
+        axis.advance(bus.now)
+        axis.objects.written[0x60B8, 0](0x0011)
+    assert node.read(0x60B9) == 0x0003 and abs(node.read(0x60BA) - inc(at_rad)) <= 1
+
+
 # -- faults to order ----------------------------------------------------------------------------------
 
 

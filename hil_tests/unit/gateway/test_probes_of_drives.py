@@ -5,7 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from drivers.drives.cia402 import Cia402Drive
 from drivers.drives.cia402_boot import BootRefused, boot
+from drivers.drives.cia402_family import Cia402Family
 from gateway.canopen_plans import node_plans
 from gateway.cell import Home, Plant
 from gateway.cell_axes import Span
@@ -19,7 +21,9 @@ from gateway.pure.reasons import CommandState
 from hil_tests.lab.answers import answers
 from hil_tests.lab.cell402bench import DEMO_402, Cell402Bench, Dialogue
 from hil_tests.lab.program_bench import WithPlanner, joints
+from protocols.base.machine import Frame
 
+NODE = 3
 AT, BEYOND = 20.0, 40.0  # of axis 1: its probe is actuated between
 EDGE = AT + 10.0 / 16384  # half an increment further: there no rounding decides which of two increments the drive shows
 FIRST, SECOND = DEMO_402.axis[0].name, DEMO_402.axis[1].name
@@ -106,10 +110,34 @@ def test_an_edge_before_the_block_is_not_the_blocks(both: Probes) -> None:
     assert both.cell.core.state.measured_mask == 0 and both.at(38.0)
 
 
+@pytest.mark.parametrize("behind", [0.005, 0.05])
+@pytest.mark.parametrize("after", [(), ("label NONE", f"ptp joints {joints(21)}")], ids=["last", "with a block behind"])
+def test_an_edge_the_drive_passes_when_its_path_has_ended_is_the_blocks(both: Probes, behind: float, after: tuple[str, ...]) -> None:
+    """AX-566: it lags behind its set values, and its telegram comes some cycles later."""
+    goes_on = " error=NONE" if after else ""
+    way = f"ptp joints {joints(AT + behind)} until=ch610{goes_on}"
+    assert done(both, both.order(way, *(("ptp mpos",) if after else ()), *after))
+    assert both.measured()[0] == pytest.approx(AT, abs=2e-4)
+
+
+def test_without_an_edge_the_drives_stand_before_the_program_goes_on(both: Probes) -> None:
+    assert done(both, both.order(f"ptp joints {joints(19)} until=ch610 error=NONE", "ptp mpos", "label NONE", f"ptp joints {joints(18)}"))
+    assert both.cell.core.state.measured_mask == 0 and both.at(18.0)
+
+
 def test_a_flying_measurement_takes_the_drives_place_too(both: Probes) -> None:
     assert done(both, both.order("measure_on ch610", f"ptp joints {joints(38)}", "measure_off ch610", f"ptp joints {joints(37)}"))
     assert both.measured()[0] == pytest.approx(AT, abs=2e-4) and both.at(37.0)
     assert both.measured()[1] == pytest.approx(both.second_at(AT), abs=0.02)
+
+
+def test_a_drive_that_tells_its_status_at_its_start_alone_is_armed() -> None:
+    """One without an event timer says it once, before the cycle hears that it is started up."""
+    family = Cia402Family([(0, NODE)], heartbeat_cycles=12, quiet_cycles=12, probes={NODE: 1})
+    family.hear(Frame(0x700 + NODE, b"\0"))
+    family.hear(Frame(0x380 + NODE, bytes(7)))
+    family.release(NODE, 8)
+    assert Frame(0x400 + NODE, b"\x31\0") in family.burst([Cia402Drive().idle()])
 
 
 def test_a_node_that_will_not_arm_its_probe_is_not_started() -> None:
