@@ -384,8 +384,9 @@ class Mover:
 
     def judge(self, sample: Sample) -> None:
         """A job runs: when its set values have arrived it is done as soon as the axes have, too."""
-        ended = self.program.complete and self.free and not self.measure.waits if self.program.begun else sample.done_id == self.running
-        if not ended:
+        program = self.program
+        measured = program.failed or not self.measure.waits
+        if not (program.complete and self.free and measured if program.begun else sample.done_id == self.running):
             return
         late = [axis for axis in self._axes if abs(axis.set - axis.scaling.to_si(axis.drive.position_inc)) > axis.plan.window]
         self._arriving += 1

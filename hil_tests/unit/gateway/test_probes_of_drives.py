@@ -24,6 +24,7 @@ from hil_tests.lab.program_bench import WithPlanner, joints
 from protocols.base.machine import Frame
 
 NODE = 3
+FREE_INPUT = 300
 AT, BEYOND = 20.0, 40.0  # of axis 1: its probe is actuated between
 EDGE = AT + 10.0 / 16384  # half an increment further: there no rounding decides which of two increments the drive shows
 FIRST, SECOND = DEMO_402.axis[0].name, DEMO_402.axis[1].name
@@ -123,6 +124,17 @@ def test_an_edge_the_drive_passes_when_its_path_has_ended_is_the_blocks(both: Pr
 def test_without_an_edge_the_drives_stand_before_the_program_goes_on(both: Probes) -> None:
     assert done(both, both.order(f"ptp joints {joints(19)} until=ch610 error=NONE", "ptp mpos", "label NONE", f"ptp joints {joints(18)}"))
     assert both.cell.core.state.measured_mask == 0 and both.at(18.0)
+
+
+def test_a_program_that_fails_while_its_block_is_held_is_over_without_an_edge(both: Probes) -> None:
+    both.cell.permit(FREE_INPUT, value=False)
+    order = both.order(f"ptp joints {joints(5)}", f"ptp joints {joints(30)} wait={FREE_INPUT} until=ch610", f"ptp joints {joints(3)}")
+    both.cell.run(1.0)
+    both.cell.core.planner_lost()
+    assert both.finished(order).state is CommandState.ABORTED
+    both.cell.run(0.2)
+    assert both.at(5.0) and not both.cell.core._mover.busy
+    assert done(both, both.order(f"ptp joints {joints(4)}"))
 
 
 def test_a_flying_measurement_takes_the_drives_place_too(both: Probes) -> None:
