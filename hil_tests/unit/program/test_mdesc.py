@@ -43,6 +43,8 @@ def test_vel_120_goes_with_144() -> None:
         matching(-1.0)
 
 
+@pytest.mark.requirement("VAL-MOV-04", by="motion.val3.mdesc:Mdesc.blending")
+@answers
 def test_lengths_are_in_the_unit_of_the_application() -> None:
     mdesc = Mdesc(tvel=250.0, rvel=90.0, leave=10.0, reach=20.0, blend=BlendKind.CARTESIAN)
     assert mdesc.pace().path_speed == pytest.approx(0.25)
