@@ -85,7 +85,7 @@ def test_u_cycle_with_leave_50_and_reach_200_does_not_stop_at_depart_and_appro()
     assert rows[-1] == pytest.approx([0.5, 0.0, 0.0], abs=1e-9)
 
 
-@pytest.mark.requirement("VAL-MOV-04", by="motion.planner.route:Route.finish")
+@pytest.mark.requirement("VAL-MOV-04", by=("motion.planner.route:Route.finish", "motion.val3.stack:MotionStack.wait_end_move"))
 @answers
 def test_wait_end_move_ends_exactly_at_the_point_and_blends_the_others() -> None:
     arm, moves = stack()
@@ -230,6 +230,14 @@ def test_connection_move_by_itself_only_in_remote_mode_near_the_path_or_when_all
     assert run(arm, moves.wait_end_move)[-1] == pytest.approx([0.1, 0.0, 0.0], abs=1e-9)
     ended: Connection = moves.connection
     assert ended == Connection.NONE
+    for start in ((0.112, 0.0, 0.0), (0.1, -0.012, 0.0)):  # 12 mm from where the arm stands on one axis
+        waiting_arm, waiting = stack(following_error=(0.01, 0.01, 0.01), mode=Mode.REMOTE)
+        waiting.movel(at(100), FLANGE, OFF)
+        run(waiting_arm, waiting.wait_end_move)
+        waiting.reset_motion(start)
+        waiting.movel(at(200), FLANGE, OFF)
+        assert waiting.connection is Connection.OPERATOR, "beyond what is allowed: somebody has to confirm it"
+        assert [waiting_arm.step() for _ in range(20)] == [waiting_arm.joints] * 20
     far_arm, far = stack(following_error=(0.01, 0.01, 0.01))
     far.auto_connect_move(True)
     far.reset_motion((0.5, 0.0, 0.0))
