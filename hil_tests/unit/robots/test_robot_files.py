@@ -14,7 +14,7 @@ from motion.kinematics.coupled import Coupled
 from motion.kinematics.group import Group, Role
 from motion.robot import AxisOfRobot, Installation, Kind, Robot, ScaraGeometry, kinematics_of, workspace_of
 
-SHIPPED = ("portal", "sr60-like", "tx60-like", "tx60-on-track", "reis-like")
+SHIPPED = ("portal", "sr60-like", "tx60-like", "tx60-on-track", "reis-like", "turntables")
 TEXT = (PACKAGED / "robots" / "sr60-like.toml").read_text()
 ADDITIONAL = """
 [[additional]]
