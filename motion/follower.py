@@ -195,12 +195,22 @@ class Follower:
         """Time at full speed since the piece under way began."""
         return self._tau - self._begins[self._index] if self._begins else 0.0
 
+    @property
+    def _begins_here(self) -> bool:
+        """The path begins or ends at rest at this very place: any omega may be the first one."""
+        tau, begins = self._tau, self._begins
+        if tau in (0.0, self._end):
+            return True
+        at = next((k for k in (self._index, self._index + 1) if k < len(begins) and begins[k] == tau), None)
+        node = self._pieces[at].nodes[0] if at is not None else ()
+        return at is not None and all(abs(v) <= FIT and abs(a) <= FIT for v, a in zip(node[1::3], node[2::3], strict=True))
+
     def _change(self, wanted: float) -> None:
         """One period of a change of speed, towards the wanted omega."""
         h, w, u = self._h, self._omega, self._u
         forward = self._track.step if wanted >= 0 else -self._track.step
         stands = self._track.stands(self._tau) and self._track.stands(self._tau + forward)
-        if stands or (self._tau in (0.0, self._end) and w == 0.0):
+        if stands or (w == 0.0 and self._begins_here):
             self._omega, self._u = wanted, 0.0
             self._tau += wanted * h
             self._law.forget()

@@ -96,3 +96,18 @@ def test_pieces_shorter_than_a_period_leave_the_rows_behind_them_in_place() -> N
         wanted = 0.2 if n > 3 else 1.0
         a, b = one.step(wanted), other.step(wanted)
         assert a.q[0][0] == pytest.approx(b.q[0][0], abs=1e-7)
+
+
+@pytest.mark.parametrize("period_s", [0.001, 0.004])
+def test_what_comes_when_the_axes_rest_begins_like_the_first_of_all(period_s: float) -> None:
+    """A program after another one in the same cell: it had climbed from omega 0, 50 to 60 ms more."""
+    follower, runs = Follower(3, period_s), []
+    for number in range(3):
+        for piece in PAIR():
+            follower.load(replace(piece, id=piece.id + number * len(PAIR())))
+        run = [follower.step(1.0)]
+        while not run[-1].at_end:
+            run.append(follower.step(1.0))
+        runs.append([[place for place, _ in progress.q.values()] for progress in run])
+    assert len(runs[0]) == len(runs[1]) == len(runs[2])
+    assert np.max(np.abs(np.array(runs) - runs[0])) <= 1e-12
