@@ -5,6 +5,7 @@ import re
 
 from gateway.cell import Cell
 from gateway.config import load_cell
+from hil_tests.lab.carried_cell import PLANT
 
 PORTAL = pathlib.Path(__file__).parents[2] / "configs" / "cells" / "portal.toml"
 NAMES = ("M", "S1", "S2", "S3", "S4")
@@ -19,17 +20,6 @@ following_error = {{ warn = 15.0, trip = 20.0 }}
 home            = {{ by = "none" }}
 
 """
-PLANT = """
-[plant.axis.{name}]
-motor_inertia_kgm2   = 0.0006
-load_inertia_kgm2    = 0.0004
-coulomb_nm           = 0.2
-stiction_nm          = 0.24
-viscous_nms_per_rad  = 0.0015
-gravity_nm           = 0.0
-kv_per_s             = 80.0
-start                = 0.0
-"""
 
 
 def cell_text() -> str:
@@ -43,7 +33,7 @@ def cell_text() -> str:
     gears, ways = ("10:1", "10:1", "10:1", "7.3:1", "10:1"), ("+", "+", "-", "+", "+")
     rows = zip(NAMES, gears, ways, strict=True)
     axes = "".join(AXIS.format(name=name, module=n, gear=gear, direction=way) for n, (name, gear, way) in enumerate(rows, 1))
-    return f"{head}{axes}[plant]\nseed = 1\n" + "".join(PLANT.format(name=name) for name in NAMES)
+    return f"{head}{axes}[plant]\nseed = 1\n" + "".join(PLANT.format(name=name, start=0.0) for name in NAMES)
 
 
 def turning_cell() -> Cell:

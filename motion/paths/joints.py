@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.paths.base import PathError
-from motion.paths.corner import MISS, hermite
+from motion.paths.corner import hermite
 
 Array = NDArray[np.float64]
 DEGREE = 5
@@ -71,31 +71,6 @@ def joint_line(start: Sequence[float], end: Sequence[float]) -> JointPath:
     if not NO_WAY < length < float("inf"):
         raise PathError(f"no line leads from {list(start)} to {list(end)}")
     return joint_path([0.0, length], [[*((x, (y - x) / length) for x, y in zip(a, b, strict=True)), (0.0,), (0.0,)]])
-
-
-def joint_corner(
-    before: JointPath, after: JointPath, ranges: Sequence[float] | None = None, leave: float = 0.0, reach: float = 0.0
-) -> JointPath:
-    """Passing a PTP point.  ranges: (axes,) m or rad, the distance of each axis from the point where passing may begin (P213 x
-    R_PTP, axis criterion); else leave and reach in s of the two lines.  The smallest range of a moving axis decides.
-
-    The result begins at before.length - r and ends at r on after; its length is 2 r.  PathError where no range is left.
-    """
-    u1, u2 = before.at(np.array([before.length]), 1)[0], after.at(np.array([0.0]), 1)[0]
-    if ranges is not None:
-        leave = min((r / abs(float(u)) for r, u in zip(ranges, u1, strict=False) if abs(u) > NO_WAY), default=0.0)
-        reach = min((r / abs(float(u)) for r, u in zip(ranges, u2, strict=False) if abs(u) > NO_WAY), default=0.0)
-    r = min(leave, reach, before.length, after.length)
-    if not r > 0.0:
-        raise PathError("no range is left to pass this point")
-    if float(np.max(np.abs(u1 + u2))) < 1e-9:
-        raise PathError("the axes go back the way they came: nothing rounds this corner")
-    return joint_blend(before, before.length - r, after, r)
-
-
-def joint_miss(u1: Sequence[float], u2: Sequence[float], r: float) -> tuple[float, ...]:
-    """How far each axis passes the point by, at the middle of a corner of range r: 0.1875 r |u2 - u1|."""
-    return tuple(MISS * r * abs(b - a) for a, b in zip(u1, u2, strict=True))
 
 
 def joint_blend(before: JointPath, leave_at: float, after: JointPath, reach_at: float, length: float | None = None) -> JointPath:

@@ -142,12 +142,6 @@ class Planner:
         """More of the path is known, or will be without another block, than was committed."""
         return bool(self._fresh) or self._route.pending or self._work is not None
 
-    def limit(self, blocks: int) -> None:
-        """The look-ahead from now on: BLOCK_SEARCH (rho 3 L7998-8006), 1 block at least."""
-        if blocks < 1:
-            raise MotionError(f"a look-ahead of {blocks} blocks; at least 1 is needed")
-        self.capacity = blocks
-
     def add(self, block: Block | Shared) -> int:
         """The next block, of a team a shared one; its number, counted from 1.  Raises BlockError, or MotionError when there is no room."""
         if not self.room:

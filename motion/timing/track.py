@@ -158,7 +158,7 @@ class Track:
         slope, second = slopes[at[0]], bends[middle : middle + len(grid)]
         third = (values[at[3 * half]] - 3.0 * (values[at[half]] - values[at[-half]]) - values[at[-3 * half]]) / h**3
         mean = third
-        if 2 * around > 2 * half:
+        if around > half:
             early, late = (bends[middle + rows : middle + rows + len(grid)] for rows in (-around, around))
             mean = (late - early) / (2 * around * self.step)
         second, third, mean = np.clip(second, -accel, accel), np.clip(third, -jerk, jerk), np.clip(mean, -jerk, jerk)  # lawful it is

@@ -72,7 +72,7 @@ def way(cell: Probing, *lines: str, edge_beyond: float = 1e9) -> tuple[list[floa
 @pytest.mark.requirement("RHO-MOT-16", by="gateway.pure.coreinputs:CoreFlying.store")
 @answers
 def test_the_axes_go_on_while_the_probe_stores_where_they_were_at_its_edge() -> None:
-    cell, other = Probing(), Probing()  # two cells that have done the same until then: a ramp depends on where its path began
+    cell, other = Probing(), Probing()  # they have done the same until then, to the last digit
     for each in (cell, other):
         assert each.finished(each.order(f"ptp joints {joints(3)}")).state is CommandState.DONE
     sets, stamp = way(cell, "measure_on ch610", f"ptp joints {joints(50)}", edge_beyond=30.0)

@@ -11,7 +11,8 @@ from motion.frames import Pose
 from motion.kinematics.base import KinematicsError
 from motion.limits import AxisLimits
 from motion.paths.base import PathError, norm, sub
-from motion.paths.joints import JointPath, joined, joint_blend, joint_corner, joint_line, joint_miss, joint_part
+from motion.paths.corner import MISS
+from motion.paths.joints import JointPath, joined, joint_blend, joint_line, joint_part
 from motion.paths.line import line
 from motion.paths.spline import spline
 from motion.planner.jointpath import joint_path_of
@@ -24,14 +25,14 @@ P213 = (0.02, 0.03, 0.05)
 
 
 def passing(factor: float) -> tuple[JointPath, JointPath, JointPath]:
-    """Leg, corner with P213 x factor, leg."""
+    """Leg, corner with P213 x factor, leg: the first axis within its range decides."""
     before, after = joint_line(A, B), joint_line(B, C)
-    curve = joint_corner(before, after, [factor * distance for distance in P213])
-    r = 0.5 * curve.length
+    shares = np.abs([before.at(np.array([0.0]), 1)[0, :3], after.at(np.array([0.0]), 1)[0, :3]])
+    r = factor * float(np.min(np.array(P213) / shares))
+    curve = joint_blend(before, before.length - r, after, r)
     return joint_part(before, 0.0, before.length - r), curve, joint_part(after, r, after.length)
 
 
-@pytest.mark.requirement("RHO-MOT-01", by="motion.paths.joints:joint_corner")
 def test_r_ptp_2_doubles_the_range_and_speed_is_continuous_at_the_block_transition() -> None:
     with asserted():
         once, twice = passing(1.0)[1], passing(2.0)[1]
@@ -52,14 +53,10 @@ def test_r_ptp_2_doubles_the_range_and_speed_is_continuous_at_the_block_transiti
 
 def test_the_corner_between_ptp_blocks_misses_the_point_by_the_closed_form() -> None:
     before, after = joint_line(A, B), joint_line(B, C)
-    curve = joint_corner(before, after, leave=0.05, reach=0.05)
+    curve = joint_blend(before, before.length - 0.05, after, 0.05)
     u1, u2 = ((np.array(y) - np.array(x)) / np.max(np.abs(np.array(y) - np.array(x))) for x, y in ((A, B), (B, C)))
     middle = curve.at(np.array([0.05]))[0, :3] - np.array(B)
-    assert np.abs(middle) == pytest.approx(joint_miss(list(u1), list(u2), 0.05), abs=1e-12)
-    with pytest.raises(PathError, match="no range"):
-        joint_corner(before, after, (0.0, 0.0, 0.0))
-    with pytest.raises(PathError, match="go back"):
-        joint_corner(before, joint_line(B, A), P213)
+    assert np.abs(middle) == pytest.approx(MISS * 0.05 * np.abs(u2 - u1), abs=1e-12)
 
 
 def test_parts_and_joints_of_paths_fit_and_misfits_are_refused() -> None:
