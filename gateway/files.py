@@ -6,6 +6,7 @@ Looked up in this order: the path as given, $AXISGATE_CONFIGS (several folders s
 import os
 import pathlib
 import tomllib
+from collections.abc import Sequence
 
 PACKAGED = pathlib.Path(__file__).resolve().parent.parent / "configs"
 SUFFIX = {"cells": ".toml", "drives": "", "robots": ".toml", "signals": ".toml", "benches": ".toml", "programs": ".txt", "errors": ".toml"}
@@ -15,12 +16,13 @@ class ConfigNotFound(FileNotFoundError):
     """No such file; the message names every place that was searched and what there is."""
 
 
-def find_config(name: str, kind: str) -> pathlib.Path:
-    """The file `name` of a kind (cells, drives, robots, signals, benches); the suffix may be left out for TOML kinds."""
+def find_config(name: str, kind: str, first: Sequence[pathlib.Path] = ()) -> pathlib.Path:
+    """The file `name` of a kind (cells, drives, robots, signals, benches), `first` of these; a kind's own suffix may be left out."""
     wanted = pathlib.Path(name)
-    if wanted.is_file():
-        return wanted
-    searched = [str(wanted.absolute())]
+    for each in (*first, wanted):
+        if each.is_file():
+            return each
+    searched = [str(each.absolute()) for each in (*first, wanted)]
     if not wanted.is_absolute():
         for folder in _folders():
             for candidate in _candidates(folder, kind, name):
@@ -32,8 +34,8 @@ def find_config(name: str, kind: str) -> pathlib.Path:
 
 def beside(path: str, name: str, kind: str) -> pathlib.Path:
     """A file another file names: beside that file first, then as `find_config` does."""
-    neighbour = pathlib.Path(path).parent / name
-    return neighbour if neighbour.is_file() else find_config(name, kind)
+    folder = pathlib.Path(path).parent
+    return find_config(name, kind, first=[folder / each for each in (name, *_names(name, kind))])
 
 
 def read_text(path: pathlib.Path) -> str:
@@ -59,8 +61,11 @@ def _folders() -> list[pathlib.Path]:
 
 
 def _candidates(folder: pathlib.Path, kind: str, name: str) -> list[pathlib.Path]:
-    names = [name] if pathlib.Path(name).suffix else [name + SUFFIX.get(kind, "")]
-    return [place / each for each in names for place in (folder / kind, folder)]
+    return [place / each for each in _names(name, kind) for place in (folder / kind, folder)]
+
+
+def _names(name: str, kind: str) -> list[str]:
+    return [name] if pathlib.Path(name).suffix else [name + SUFFIX.get(kind, "")]
 
 
 def names_in(kind: str) -> list[str]:

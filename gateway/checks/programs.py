@@ -59,6 +59,7 @@ def _read(check: Context, key: str, table: Program) -> None:
             robots_of(check.cell, text, table.kinematics)
     except (ConfigNotFound, OSError, UnicodeDecodeError) as error:
         check.fault(key, file, str(error))
+        return
     except MotionError as error:
         check.fault(key, file, str(error).splitlines()[0])
         return

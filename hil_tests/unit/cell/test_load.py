@@ -1,6 +1,7 @@
 """The cell file: what is valid becomes data with sources, what is not is named whole, in one run (users.md 3.4, 3.5; design.md 5)."""
 
 import dataclasses
+import pathlib
 import re
 from typing import Any
 
@@ -406,3 +407,25 @@ def test_a_line_behind_a_serial_server_is_told_its_times_and_how_to_pack(profile
     cell = load_cell("c", edited("demo", *edits))
     (found,) = [note for note in (*cell.warnings, *cell.notes) if "no delimiter character" in note.text]
     assert found.level == kind and words in found.text and cell.not_playable() == []
+
+
+# ---------------------------------------------------------------------------------------------------------- files beside it
+
+
+def portal_with(program: str, folder: pathlib.Path) -> str:
+    cell = folder / "cell.toml"
+    cell.write_text(edited("portal", ('file   = "portal-u-cycle"', f'file   = "{program}"')))
+    return str(cell)
+
+
+def test_a_program_that_is_not_there_is_told_with_the_places_looked_in(tmp_path: pathlib.Path) -> None:
+    with pytest.raises(CellFaults) as found:
+        load_cell(portal_with("nowhere", tmp_path))
+    assert keys(found.value.faults) == ["program.1.file"]
+    assert f"no such file; looked for {tmp_path}/nowhere, {tmp_path}/nowhere.txt" in str(found.value.faults[0])
+
+
+@pytest.mark.parametrize("name", ["own", "own.txt"])
+def test_a_program_beside_the_cell_is_found_with_and_without_its_suffix(name: str, tmp_path: pathlib.Path) -> None:
+    (tmp_path / "own.txt").write_text(read_text(find_config("portal-u-cycle", "programs")))
+    assert load_cell(portal_with(name, tmp_path)).program[0].file == name
