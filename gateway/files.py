@@ -43,6 +43,13 @@ def read_text(path: pathlib.Path) -> str:
     return path.read_text(encoding="utf-8-sig")
 
 
+def read_octets(path: pathlib.Path, most: int) -> bytes:
+    """A binary file, read as a whole; OSError for one of more than `most` bytes."""
+    if path.stat().st_size > most:
+        raise OSError(f"{path}: {path.stat().st_size} bytes, {most} are the most")
+    return path.read_bytes()
+
+
 def read_signals(name: str = "rho3") -> list[dict[str, str | int]]:
     """The [[signal]] tables of a signal list."""
     tables: list[dict[str, str | int]] = tomllib.loads(read_text(find_config(name, "signals")))["signal"]

@@ -13,7 +13,9 @@ import numpy as np
 from gateway.pure.beltwords import OURS, belt_words
 from gateway.pure.corebelts import BeltFault, CoreBelts
 from gateway.pure.programparts import Coming, acting, begun
+from gateway.pure.programtrial import Files
 from gateway.pure.records import InputImage, Quality, set_bit
+from motion.files.playing import FilePath
 from motion.planner.planner import Planner
 from motion.planner.robot import Machine
 from motion.planner.route import Route
@@ -26,6 +28,7 @@ from motion.sync.belts import SIMULATION, Type
 from motion.sync.facts import BeltFacts
 from motion.units import from_si
 
+NO_FILES = Files()
 LEAD_S = 0.5  # so long before the value its part begins at a belt starts: its filter has settled by then
 MOST_S = 600.0  # of one part
 
@@ -38,6 +41,7 @@ class Section:
     stands: Sequence[float]
     blocks: list[Block] = field(default_factory=list)
     part: Coming | None = None
+    path: FilePath | None = None  # of its one block, MOVE_FILE
 
 
 def sections_of(
@@ -46,6 +50,7 @@ def sections_of(
     belts: Sequence[BeltFacts],
     *,
     option: bool = True,
+    files: Files = NO_FILES,
     said: Callable[[int], None] = lambda block: None,
 ) -> tuple[list[Section], list[BlockError]]:
     """Every block, each looked at from where the last good one ended; a part on a belt as if the belt stood where it is meant to be, an
@@ -61,13 +66,18 @@ def sections_of(
                 found.append(section)
             belts = acting(block.acts, number, belts, "")[1]
             apart = section.part is not None and not section.part.holds(block)
-            if (section.part is None) != (block.synchron is None) or apart or block.acts:
+            filed = block.file is not None or section.path is not None
+            if (section.part is None) != (block.synchron is None) or apart or block.acts or filed:
                 route.finish()
                 part = begun(block, number, belts, machine, route.standing)[-1] if block.synchron is not None else None
                 section = Section(number, route.standing, part.blocks if part is not None else [], part)
                 found.append(section)
             plan = section.part.tried if section.part is not None else None
-            route.add(block if plan is None else plan.add(block), number)
+            if block.file is not None:
+                section.path = files.path(block, 0, tuple(route.standing), machine, number)[1]
+                route.stands(section.path)
+            else:
+                route.add(block if plan is None else plan.add(block), number)
             section.blocks.append(block)
         except BlockError as error:
             faults.append(numbered(error, number))
@@ -99,6 +109,10 @@ class _Looked:
         self._after_rows(lambda: self._route.add(block))
         self._numbers.append(number)
 
+    def stands(self, path: FilePath) -> None:
+        """Behind a block no route knows."""
+        self._route.reset(path.end)
+
     def finish(self) -> None:
         self._after_rows(self._route.finish)
 
@@ -129,7 +143,10 @@ class Paper:
         stands = tuple(sections[0].stands)
         parts: list[Trace] = []
         for section in sections:
-            made = self._plain(section, stands) if section.part is None else self._on_belt(section, section.part, stands)
+            if section.path is not None:
+                made = self._filed(section, section.path, stands)
+            else:
+                made = self._plain(section, stands) if section.part is None else self._on_belt(section, section.part, stands)
             parts.append(made)
             stands = tuple(float(v) for v in made.q[-1])
             said(section.first + len(section.blocks) - 1)
@@ -141,6 +158,14 @@ class Paper:
             route.add(block)
         route.finish()
         return trace(route.take(), self.machine, period=self.period).later(section.first - 1)
+
+    def _filed(self, section: Section, path: FilePath, stands: Sequence[float]) -> Trace:
+        """MOVE_FILE."""
+        t = np.arange(math.ceil(path.duration / self.period) + 1, dtype=np.float64) * self.period
+        q = path.begun_at(stands).at(np.minimum(t, path.duration))
+        places = np.array([tool_at(self.machine, row, section.blocks[0].tool.pose) for row in q])
+        numbers = np.full(len(t), section.first)
+        return Trace(t, q, places, numbers, self.period, (), ((section.first, path.duration),))
 
     def _on_belt(self, section: Section, part: Coming, stands: Sequence[float]) -> Trace:
         """From the moment its belt comes near until the robot stands again."""

@@ -11,13 +11,17 @@ from typing import TYPE_CHECKING
 
 from gateway.cell import Cell, Robot
 from gateway.cell_belts import Measuring
-from gateway.files import beside, read_text
+from gateway.files import ConfigNotFound, beside, read_octets, read_text
 from gateway.pure.plannerrecords import MeasuringFacts, ProgramFacts
 
+LARGEST = 8_000_000  # bytes of a BNR file: more points than one block takes
+
 if TYPE_CHECKING:
+    from motion.errors import MotionError
     from motion.limits import AxisLimits
     from motion.planner.robot import Machine
     from motion.planner.team import Team
+    from motion.program.blocks import Block
     from motion.program.team import Kinematic
 
 
@@ -43,6 +47,30 @@ def plan_programs(cell: Cell) -> Mapping[int, ProgramPlan]:
         path = beside(cell.file, each.file, "programs")
         made[each.number] = ProgramPlan(each.name, str(path), mask_of(cell, robots_of(cell, read_text(path), each.kinematics)))
     return made
+
+
+def read_bnr(program: str, name: str) -> bytes:
+    """A file of set points (MOVE_FILE): beside the program, else of configs/programs; MotionError."""
+    from motion.errors import MotionError
+
+    try:
+        return read_octets(beside(program, name, "programs"), LARGEST)
+    except (ConfigNotFound, OSError) as error:
+        raise MotionError(f"{name}: {error}") from error
+
+
+def bnr_files(program: str, blocks: "Sequence[Block]") -> "dict[str, bytes | MotionError]":
+    """Every file its blocks name, or why it cannot be read."""
+    from motion.errors import MotionError
+
+    found: dict[str, bytes | MotionError] = {}
+    for block in blocks:
+        if block.file is not None and block.file.name not in found:
+            try:
+                found[block.file.name] = read_bnr(program, block.file.name)
+            except MotionError as error:
+                found[block.file.name] = error
+    return found
 
 
 def robots_of(cell: Cell, text: str, kinematics: str = "") -> "Machine | Team":
@@ -99,7 +127,6 @@ def machines_of_cell(cell: Cell) -> "tuple[Machine, ...]":
 
 def _machine(cell: Cell, table: Robot, first: int) -> "Machine":
     from gateway.axes import limits_of
-    from gateway.files import ConfigNotFound
     from gateway.robotfile import RobotFaults, load_robot
     from motion.errors import MotionError
     from motion.planner.robot import machine_of

@@ -12,7 +12,7 @@ from gateway.controllers import boards_of, p11_of
 from gateway.families import DRIVE_PROTOCOLS, make_family
 from gateway.fastwires import fast_wires
 from gateway.files import ConfigNotFound, beside, read_text
-from gateway.programplan import machines_of_cell, robots_of, written_for
+from gateway.programplan import bnr_files, machines_of_cell, robots_of, written_for
 from gateway.pure.interface.fastio import BOARDS, FastInputs
 from gateway.pure.permits import free_outputs
 
@@ -53,7 +53,8 @@ def _read(check: Context, key: str, table: Program) -> None:
 
     file = table.file
     try:
-        text = read_text(beside(check.cell.file, file, "programs"))
+        path = beside(check.cell.file, file, "programs")
+        text = read_text(path)
         program = None if several(text) else read(text)
         if len(check.cell.robot) > 1 or program is None:
             robots_of(check.cell, text, table.kinematics)
@@ -68,6 +69,10 @@ def _read(check: Context, key: str, table: Program) -> None:
         if len(check.cell.robot) == 1 and not written_for(program.robot, robot.model):
             check.fault(key, file, f"is written for robot {program.robot}, this cell's is {robot.model}")
         there = {each.channel for each in check.cell.measuring}
+        for name, data in bnr_files(str(path), program.blocks).items():
+            if isinstance(data, MotionError):
+                line = next(block.line for block in program.blocks if block.file is not None and block.file.name == name)
+                check.fault(key, file, f"line {line}: move_file {data}")
         for block in program.blocks:
             named = [asked.channel for asked in (block.until, block.wait) if asked is not None and asked.channel]
             named += [call.channel for call in block.functions if isinstance(call, Flying)]

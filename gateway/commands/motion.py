@@ -17,8 +17,9 @@ from gateway.errors import Exit
 from gateway.files import ConfigNotFound, find_config, read_text
 from gateway.motionpaper import Paper, sections_of
 from gateway.motionplot import page, team_page
-from gateway.programplan import machine_of_cell, robot_meant, team_meant
+from gateway.programplan import bnr_files, machine_of_cell, robot_meant, team_meant
 from gateway.progress import Progress
+from gateway.pure.programtrial import Files
 from gateway.robotfile import RobotFaults, load_robot
 from motion.errors import MotionError
 from motion.planner.robot import Machine, machine_of
@@ -76,8 +77,10 @@ def main(argv: list[str]) -> int:
         return Exit.INVALID
     except MotionError as error:
         return refuse(error)
+    files = files_of(options.program, program, 0 if cell is None else 1000 * cell.cycle_ms)
     with Progress("blocks", len(program.blocks)) as said:
-        sections, faults = sections_of(program, machine, belts.facts, option=cell is None or cell.alter is not None, said=said)
+        found = sections_of(program, machine, belts.facts, option=cell is None or cell.alter is not None, files=files, said=said)
+    sections, faults = found
     if options.what == "check" or faults:
         return check(program, faults, options.json)
     try:
@@ -88,6 +91,19 @@ def main(argv: list[str]) -> int:
     except MotionError as error:
         return refuse(error)
     return plot(program, machine, made, options)
+
+
+def files_of(path: str, program: Program, period_us: int) -> Files:
+    """The BNR files it names, beside it."""
+    found = bnr_files(str(find_config(path, "programs")), program.blocks)
+
+    def read(name: str, number: int) -> bytes:
+        data = found[name]
+        if isinstance(data, MotionError):
+            raise data
+        return data
+
+    return Files(read, period_us)
 
 
 def refuse(error: Exception) -> int:

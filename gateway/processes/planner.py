@@ -18,11 +18,12 @@ from gateway.files import read_text
 from gateway.image import RegionReader, RegionWriter, RingReader, RingWriter, fds_from_text
 from gateway.journal import Journal
 from gateway.pathoutputs import output_places
-from gateway.programplan import mask_of, measuring_facts, robot_meant, team_meant
+from gateway.programplan import mask_of, measuring_facts, read_bnr, robot_meant, team_meant
 from gateway.pure.permits import free_outputs
 from gateway.pure.plannerrecords import SAY_LAYOUT, PlannerState, pack_piece, pack_planner, unpack_block, unpack_planner
 from gateway.pure.programfollow import follow, standing
 from gateway.pure.programs import Programs
+from gateway.pure.programtrial import Files
 from gateway.pure.records import CellState, unpack_cell_state
 from gateway.realtime import Timerfd, die_with_parent, go_ahead
 from motion.errors import MotionError
@@ -49,6 +50,7 @@ class PlannerProcess:
         outputs = free_outputs(rc_numbers(plan.cell), self.count)
         mask = functools.partial(mask_of, plan.cell)
         self.programs = Programs(self.machine, mask, self.text, outputs, belts=belt_facts(plan.cell), team_of=self.team)
+        self.programs.files = Files(self.file, plan.p5_ms * 1000)
         self.programs.functions = output_places(plan.cell)
         self.programs.windows = [window_of(axis) for axis in plan.cell.axis]
         self.programs.option = plan.cell.alter is not None
@@ -83,6 +85,10 @@ class PlannerProcess:
             return read_text(pathlib.Path(self.plan.programs[number].path))
         except (KeyError, OSError, UnicodeDecodeError) as error:
             raise MotionError(f"program {number}: {error}") from error
+
+    def file(self, name: str, number: int) -> bytes:
+        """A BNR file beside the program, as it is now; raises MotionError."""
+        return read_bnr(self.plan.programs[number].path, name)
 
     def run(self) -> None:
         """Until SIGTERM."""

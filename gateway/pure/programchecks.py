@@ -54,6 +54,8 @@ class OfCell:
             raise BlockError("a synchronous part stands in a program of the cell alone", block=number)
         if block.alteration is not None:
             raise BlockError("an alterable part stands in a program of the cell alone", block=number)
+        if block.file is not None:
+            raise BlockError("move_file stands in a program of the cell alone", block=number)
         if block.acts:
             raise BlockError("sync and belt functions stand in a program of the cell alone", block=number)
 

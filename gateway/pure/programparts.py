@@ -49,6 +49,7 @@ class Coming:
     error: str = ""  # label to go on at when the input of its block did not come
     label: str = ""  # in front of it
     act: Act | None = None  # of a belt: nothing else happens in this part
+    data: bytes = b""  # of the file its block runs (MOVE_FILE)
 
     def holds(self, block: Block) -> bool:
         """Whether the block belongs to this part."""
@@ -60,7 +61,8 @@ class Coming:
             or block.until is not None
             or block.wait is not None
             or block.target == MEASURED
-            or (self.blocks and self.blocks[-1].until is not None)
+            or block.file is not None
+            or (self.blocks and (self.blocks[-1].until is not None or self.blocks[-1].file is not None))
         ):
             return False
         if block.alteration != self.alteration:
@@ -153,7 +155,7 @@ def told(error: BlockError, blocks: int) -> BlockError:
 
 def apart(block: Block) -> bool:
     """Whether a block begins a part of its own wherever it stands."""
-    asks = block.until is not None or block.wait is not None or block.target == MEASURED
+    asks = block.until is not None or block.wait is not None or block.target == MEASURED or block.file is not None
     return asks or bool(block.synchron or block.alteration or block.acts)
 
 

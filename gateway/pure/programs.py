@@ -5,7 +5,6 @@ as enough is known; or it is a program of the cell (RUN), which is read whole an
 to the cycle (AX-322).  A fault in a block ends the job, and what was handed on before ends at rest.
 """
 
-from collections import deque
 from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -25,15 +24,15 @@ from gateway.pure.plannerrecords import (
     switch_record,
 )
 from gateway.pure.programchecks import Away, OfCell
-from gateway.pure.programparts import Coming, Measuring, acting, apart, begun, told
+from gateway.pure.programparts import Coming, Measuring, apart, told
 from gateway.pure.programteam import no_programs, no_team, own_axes, own_blocks, reader_for
+from gateway.pure.programtrial import Files, Trial
 from motion.errors import MotionError
-from motion.planner.marks import check_outputs
+from motion.planner.fileplan import FilePlan, file_path
 from motion.planner.planner import Planner
 from motion.planner.robot import Machine
-from motion.planner.route import Route
 from motion.planner.team import Team
-from motion.program.blocks import Act, Block
+from motion.program.blocks import Block
 from motion.program.errors import BlockError, TextError
 from motion.program.factors import FULL, Factors
 from motion.program.team import Kinematic, Shared
@@ -46,6 +45,7 @@ from motion.timed import encode_timed
 
 QUIET_TURNS = 6  # turns without a new block after which what is known is run
 ALWAYS = 1 << 62
+LEAST = 1e-3  # velocity factor of an order
 
 
 @dataclass
@@ -62,11 +62,12 @@ class Programs:
     functions: Places = field(default_factory=dict)  # IO logic and PPO the cell has
     option: bool = False  # the cell has a correction (VAL 3 alter)
     channels: Mapping[int, MeasuringFacts] = field(default_factory=dict)  # measuring inputs by their numbers
+    files: Files = Files()
     windows: Sequence[float] = ()  # of the axes of the cell, in position; m and rad
     team_of: Callable[[Sequence[Kinematic], int], Team] = no_team
     state: PlannerState = PlannerState()
     generation: int = 0
-    _planner: Planner | None = None
+    _planner: Planner | FilePlan | None = None
     _reader: Reader | TeamReader = field(default_factory=Reader)
     _number: int = 0  # of the program of the cell; 0: a stream
     _factors: Factors = FULL
@@ -78,9 +79,7 @@ class Programs:
     _last_id: int = 0  # of the pieces handed on
     _at: int = 0  # last piece of the part the cycle was seen on; 0: it has not begun
     _rest: float | None = None  # tau at which it ran out, until it goes on
-    _trial: Route | None = None  # of the blocks behind the first one that ends with an input
-    _tried: int = 0  # blocks before those
-    _later: deque[Coming] = field(default_factory=deque)  # parts to come
+    _trial: Trial = field(default_factory=lambda: Trial((), Files()))  # of parts to come
     _start: Sequence[float] = ()  # of the axes where a part on a belt began
     _blocks: int = 0  # of the part under way
     _handed: bool = False  # the part under way is handed on whole, and another one follows
@@ -93,7 +92,6 @@ class Programs:
     _begins: dict[int, float] = field(default_factory=dict)  # piece -> tau
     _off: int = 0  # axes (bit n-1 = axis n) nobody wants on, as the program was ordered
     _belts: Sequence[BeltFacts] = ()  # as programs have set them since the cycle began (SF 21)
-    _ahead: Sequence[BeltFacts] = ()  # as they will be behind everything read so far
     _spare: int = 1  # ids go on over jobs: a chain never meets an older number
 
     def turn(
@@ -168,15 +166,15 @@ class Programs:
         self.state = PlannerState(job=job, failed_job=self.state.failed_job)
         self._reader, self._number, self._planner, self._factors, self._ended = Reader(), 0, None, FULL, False
         self._lines, self._line_of, self._at, self._rest = None, [], 0, None
-        self._trial, self._last, self._handed, self._before, self._blocks, self._error = None, None, False, 0, 0, ""
-        self._measuring, self._measured, self._ahead = Measuring(self.channels), (), self._belts
-        self._later.clear()
+        self._last, self._handed, self._before, self._blocks, self._error = None, False, 0, 0, ""
+        self._measuring, self._measured, self._trial = Measuring(self.channels), (), Trial(self._belts, self.files)
 
     def _obey(self, record: BlockRecord, standing: Sequence[float]) -> None:
         if record.say is Say.RUN:
             order = run_of(record)
             self._factors = Factors(order.velocity, order.acceleration, order.acceleration)
-            self._number, self._lines = order.number, enumerate(self.text_of(order.number).splitlines(), 1)
+            self._number = self._trial.program = order.number
+            self._lines = enumerate(self.text_of(order.number).splitlines(), 1)
             return
         if record.text:
             self._statement(record.text, 0, standing)
@@ -190,7 +188,7 @@ class Programs:
         self._reader = reader_for(text, self._reader)
         self._reader.statement(text, line)
         for block in self._reader.take():
-            planner = self._planner = self._planner or self._made(standing)
+            planner = self._adding(standing)
             self._line_of.append(line)
             for machine, own in own_blocks(planner.machine, block):
                 cell = OfCell(self.functions, self.outputs, self._measuring, self.mask_of(machine), whole=self._lines is not None)
@@ -202,31 +200,20 @@ class Programs:
                 self._last = block
                 self._add(planner, block)
 
+    def _adding(self, standing: Sequence[float]) -> Planner:
+        """What blocks are added to."""
+        planner = self._planner
+        if not isinstance(planner, Planner):
+            planner = self._planner = self._made(standing)
+        return planner
+
     def _add(self, planner: Planner, block: Block) -> None:
         """A block that ends with an input, waits for one or goes to @MPOS, and a part on a belt, are parts of their own: where they begin
         or end is known only then.  What comes after is tried as if the part had reached its target, the belt where it was programmed."""
-        if self._trial is None and not apart(block):
+        if not self._trial.begun and not apart(block):
             self._add_whole(planner, block)
             return
-        trial = self._divided(planner, len(self._line_of) - 1)
-        try:
-            if not self._later or not self._later[-1].holds(block):
-                trial.finish()
-                self._acting(block.acts, len(self._line_of), block.label)
-                self._later += begun(block, len(self._line_of), self._ahead, planner.robot, trial.standing)
-        except BlockError as error:
-            raise told(error, self._tried if block.synchron is None else 0) from error
-        part = self._later[-1]
-        looked_at = part.tried.add(block) if part.tried is not None else block
-        try:
-            trial.add(looked_at)
-            if block.until is not None:
-                trial.finish()
-            for stretch in trial.take():
-                check_outputs(stretch)
-        except BlockError as error:
-            raise told(error, self._tried) from error
-        part.blocks.append(block)
+        self._trial.add(planner, block, len(self._line_of))
 
     def _add_whole(self, planner: Planner, block: Block | Shared) -> None:
         before, away = planner.standing, Away(self._off, self.windows)
@@ -235,24 +222,10 @@ class Programs:
             own = slice(first, first + machine.axes)
             away.check(before[own], planner.standing[own], len(self._line_of), machine, self.mask_of(machine))
 
-    def _divided(self, planner: Planner, blocks: int) -> Route:
-        """What is tried from the first part on that does not simply go on; so many blocks stand before it."""
-        if self._trial is None:
-            planner.finish()
-            self._trial, self._tried = Route(planner.robot, planner.standing), blocks
-            self._trial.assume_measured()  # whether anything is measured by then is looked at by itself (OfCell)
-        return self._trial
-
-    def _acting(self, acts: Sequence[Act], number: int, label: str = "") -> None:
-        parts, self._ahead = acting(acts, number, self._ahead, label)
-        self._later += parts
-
     def _behind(self, standing: Sequence[float]) -> None:
         """Statements of belts behind the last block."""
         if self._reader.acts:
-            self._planner = self._planner or self._made(standing)
-            self._divided(self._planner, len(self._line_of)).finish()
-            self._acting(self._reader.acts, len(self._line_of) + 1)
+            self._trial.behind(self._adding(standing), self._reader.acts, len(self._line_of))
 
     def _go_on(self, standing: Sequence[float], engaged: float, *, met: bool) -> None:
         """A part is over, and the axes rest where it ended, or have got onto a belt: the next one begins."""
@@ -261,13 +234,13 @@ class Programs:
         if self._error and not met:
             self._skip(self._error)
         self._error = ""
-        while self._later and (act := self._later[0].act) is not None and sets_type(act):
-            self._later.popleft()
+        while self._trial.later and (act := self._trial.later[0].act) is not None and sets_type(act):
+            self._trial.later.popleft()
             self._belts = belts_after(act, self._belts)  # nothing for the cycle to do
-        if not self._later:
+        if not self._trial.later:
             self._planner = None  # the last one was a part of the cycle's own: nothing is left to plan
             return
-        part = self._later.popleft()
+        part = self._trial.later.popleft()
         self._before, self._error = part.number - 1, part.error
         try:
             self._next_part(part, standing, engaged)
@@ -276,8 +249,8 @@ class Programs:
 
     def _skip(self, label: str) -> None:
         """The ERROR part of MOVE UNTIL: everything before the label is left out (rho3 L1134)."""
-        while self._later and self._later[0].label != label:
-            self._later.popleft()
+        while self._trial.later and self._trial.later[0].label != label:
+            self._trial.later.popleft()
 
     def _next_part(self, part: Coming, standing: Sequence[float], engaged: float) -> None:
         job, generation = self.state.job, self.generation
@@ -289,6 +262,9 @@ class Programs:
             self.state = replace(self.state, block=self._before, share=1.0)
             return
         planner = self._made(standing)
+        if part.blocks and part.blocks[0].file is not None:
+            self._planner, self._blocks = self._played(part, planner), 1
+            return
         if part.engages or part.follows:
             self._start, self._handed = planner.standing, True
             if part.engages:
@@ -311,6 +287,13 @@ class Programs:
             raise told(error, self._before) from error
         self._out += part.begins(job, generation)
         self._out += self._measuring.inputs(blocks[0], self.mask_of(planner.robot), job, generation)
+
+    def _played(self, part: Coming, planner: Planner) -> FilePlan:
+        """The points of a file from where the axes really stand; more slowly where the order asks for it."""
+        (block,), machine = part.blocks, planner.robot
+        path = file_path(block, part.data, planner.standing, machine, self.files.period_us, part.number)
+        slower = replace(path, period=path.period / max(self._factors.velocity, LEAST))
+        return FilePlan(machine, block, slower, planner.mask or 0, planner.next_id)
 
     def _places(self, planner: Planner) -> list[float | None]:
         """@MPOS of the robot's axes."""
@@ -404,8 +387,8 @@ class Programs:
         block, share = planner.place(tau)
         block = max(block, min(self._blocks, 1))  # a part that has begun is at its first block, whether its path is there or not
         over = self._ended and not planner.open and not state.ended
-        last = over and not self._later
-        if over and self._later:
+        last = over and not self._trial.later
+        if over and self._trial.later:
             self._handed, self._blocks = True, planner.added
             self._out.append(PieceRecord(Part.REST, state.job, self.generation))
         if last:
@@ -422,7 +405,7 @@ class Programs:
         if self.state.ended and not moving and piece in (0, self._last_id) and not new:
             self.state = replace(self.state, job=0)
 
-    def _hand_on(self, planner: Planner, tau: float) -> None:
+    def _hand_on(self, planner: Planner | FilePlan, tau: float) -> None:
         """Pieces that are due; raises MotionError where a path has no law."""
         waiting = [number for number in self._begins if number > self._at]
         if len(waiting) >= AHEAD:
@@ -443,7 +426,7 @@ class Programs:
             self._out += [self._measuring.marked(mark, planner.mask or 0, job, self.generation) for mark in own]
             self._out.append(PieceRecord(Part.PIECE, job, self.generation, encode_timed(made)))
 
-    def _tau(self, piece: int, planner: Planner) -> float:
+    def _tau(self, piece: int, planner: Planner | FilePlan) -> float:
         """Where the follower may be at the latest: the end of the piece under way, or of all there is when it has run out."""
         if piece in self._begins:
             return self._begins.get(piece + 1, planner.end)

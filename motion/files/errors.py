@@ -20,8 +20,8 @@ TEXTS = {
 
 
 class MoveFileError(MotionError):
-    """Ends the process.  code: the manual's number; text: as the control shows it."""
+    """Ends the process.  code: the manual's number; text: as the control shows it; axis: its name, where one is to blame."""
 
-    def __init__(self, code: int, detail: str = "") -> None:
-        self.code, self.text, self.detail = code, TEXTS[code], detail
+    def __init__(self, code: int, detail: str = "", axis: str = "") -> None:
+        self.code, self.text, self.detail, self.axis = code, TEXTS[code], detail, axis
         super().__init__(f"{self.text} (rho 3 {code}){f': {detail}' if detail else ''}")

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
-from motion.errors import MotionError
+from motion.errors import LimitError, MotionError
 from motion.files import bnr
 from motion.files.errors import (
     AXES,
@@ -26,8 +26,8 @@ from motion.files.errors import (
     MoveFileError,
 )
 from motion.kinematics.endless import AxisType, within
-from motion.limits import AxisLimits, check_speed, check_target
-from motion.units import to_si
+from motion.limits import TOUCH, AxisLimits
+from motion.units import from_si, to_si
 
 SHORTEST = 24  # bytes: the six fields without the reserve
 NO_MODULO, BY_FILE, BY_P311 = 0.0, 1.0, 2.0
@@ -129,11 +129,13 @@ class MoveFiles:
 
     def _flags(self, flag: Sequence[float | None]) -> tuple[float, ...]:
         if len(flag) != len(self.control.limits) or any(value is None for value in flag):
-            raise MoveFileError(MODULO_FLAG, f"{tuple(flag)}: {len(self.control.limits)} values, 0.0 where nothing is wanted")
+            unset = next((axis.name for axis, value in zip(self.control.limits, (*flag, None), strict=False) if value is None), "")
+            said = ", ".join("not set" if value is None else f"{value:g}" for value in flag) or "none"
+            raise MoveFileError(MODULO_FLAG, f"{said}: {len(self.control.limits)} values, 0.0 where nothing is wanted", unset)
         flags = tuple(value if value in (BY_FILE, BY_P311) else NO_MODULO for value in flag if value is not None)
         for axis, value in enumerate(flags):
             if value == BY_FILE and not self.control.endless(axis):
-                raise MoveFileError(NO_ENDLESS_AXIS, f"axis {self.control.limits[axis].name}")
+                raise MoveFileError(NO_ENDLESS_AXIS, "modulo flag 1 is for axes that go round", self.control.limits[axis].name)
         return flags
 
     def _inside(self, rows: Sequence[Sequence[float]], standing: Sequence[float], base: int) -> None:
@@ -141,11 +143,16 @@ class MoveFiles:
         period_s = self.control.cycle_us(base) * 1e-6
         for axis, limits in enumerate(self.control.limits):
             column = [standing[axis], *(to_si(row[axis], limits.unit) for row in rows)]
-            if not self.control.endless(axis):
-                for value in (min(column[1:]), max(column[1:])):
-                    check_target(limits, value)
-            for before, after in pairwise(column):
-                check_speed(limits, (after - before) / period_s)
+            for number, (before, after) in enumerate(pairwise(column), 1):
+                if not (self.control.endless(axis) or limits.lower - TOUCH <= after <= limits.upper + TOUCH):
+                    raise LimitError(limits.name, f"point {number}", *_shown(limits, after, limits.lower, limits.upper), limits.unit)
+                if not abs(after - before) <= limits.speed * period_s * (1 + 1e-12):
+                    speeds = _shown(limits, (after - before) / period_s, -limits.speed, limits.speed)
+                    raise LimitError(limits.name, f"speed to point {number}", *speeds, f"{limits.unit}/s")
+
+
+def _shown(limits: AxisLimits, value: float, lower: float, upper: float) -> tuple[float, float, float]:
+    return from_si(value, limits.unit), from_si(lower, limits.unit), from_si(upper, limits.unit)
 
 
 @dataclass(slots=True)

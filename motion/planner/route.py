@@ -156,6 +156,8 @@ class Route:
     def _add(self, number: int, block: Block) -> None:
         now = self._now
         now.number = number
+        if block.file is not None:
+            raise BlockError(f"move_file {block.file.name} stands in a program of one robot, in its cell or on paper")
         if block.kind is Interpolation.SPLINE:
             self._add_spline(number, block)
             return

@@ -100,7 +100,7 @@ class PoseTarget:
 
 Target = JointTarget | PoseTarget
 MEASURED = JointTarget(())  # @MPOS: where the axes were at the edge of the last measurement
-UNKNOWN = JointTarget((math.nan,))  # of a block with a shift: known where the block begins, and nothing can be run to it before
+UNKNOWN = JointTarget((math.nan,))  # of a block with a shift or a file: known where it begins, and nothing can be run to it before
 
 
 @dataclass(frozen=True, slots=True)
@@ -233,6 +233,17 @@ Act = Sync | BeltCall
 
 
 @dataclass(frozen=True, slots=True)
+class FileCall:
+    """MOVE_FILE of the rho 3 (SF 45): the points of a BNR file are the set values.  base: 1 interpolation, 2 position-controller cycles;
+    modulo: @MODULO_FLAG of each axis, None: not set; offset: read marker of READ_BEGIN, None: the file is not open."""
+
+    name: str
+    base: int
+    modulo: tuple[float | None, ...] = ()
+    offset: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Curving:
     """Spline and orientation weights, 0 .. 1 (Reis _ISPL_TENS, _IORI_TENS, _IORI_WEIGHT, _IORI_CIRCHP).  tube: m, a spline leaves the
     straight line to this point by no more and may pass beside the point, 0: meets it."""
@@ -270,6 +281,7 @@ class Block:
     lowest: Vector | None = None  # LIMIT_MIN: x, y, z (m) in the block's frame below which the tool is nowhere
     highest: Vector | None = None  # LIMIT_MAX
     shift: Shift | None = None  # PTP and LINEAR: the target is relative, and `target` UNKNOWN
+    file: FileCall | None = None  # the way is that of a file, and `target` UNKNOWN
     freeze: bool = False  # in an alterable part: from the end of this block on the correction stays as it is (alterEnd before the end)
     label: str = ""  # in front of it
     acts: tuple[Act, ...] = ()  # of belts, done at rest before it

@@ -3,7 +3,8 @@
 read(text) takes a whole text and tells all its faults at once, each with line, key and range; motion.program.textout writes one.
 """
 
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 from motion.conventions import CONVENTIONS, Convention, convention
@@ -34,6 +35,8 @@ from motion.program.blocks import (
 )
 from motion.program.errors import TextError, TextFaults
 from motion.program.textalter import AlterParts
+from motion.program.textfiles import HEADS as FILE_HEADS
+from motion.program.textfiles import OpenFiles
 from motion.program.textinputs import HEADS, flying_of, wait_of
 from motion.program.textvalues import (
     CALLS,
@@ -42,6 +45,7 @@ from motion.program.textvalues import (
     filled,
     function_of,
     length_of,
+    mirrored_target,
     outputs_of,
     placed,
     shift_of,
@@ -79,6 +83,7 @@ class Reader:
     part: Synchron | None = None  # SYNCHRON without SYNCHRON_END so far
     parts: int = 0
     altered: AlterParts = field(default_factory=AlterParts)
+    files: OpenFiles = field(default_factory=OpenFiles)
     labels: dict[str, int] = field(default_factory=dict)  # blocks before it
     label: str = ""  # in front of the next block
     errors: list[tuple[int, str, int]] = field(default_factory=list)  # line, label, number of the block that names it
@@ -129,24 +134,25 @@ class Reader:
                 self.set(rest)
             case "synchron" | "synchron_end":
                 self.synchron(head, rest)
-            case "iol" | "ppo":
-                self.functions = (*self.functions, function_of(head, rest))
-            case _ if head in HEADS:
-                self.functions = (*self.functions, flying_of(head, rest))
+            case _ if head in FUNCTIONS:
+                self.functions = (*self.functions, FUNCTIONS[head](head, rest))
             case "alter":
                 self.altered.begin(rest, self.tools, self.frames)
             case "alter_end":
                 self.altered.end(rest)
-            case "sync":
-                self.acts = (*self.acts, sync_of(head, rest, inside=self.inside))
-            case _ if head in CALLS:
-                self.acts = (*self.acts, call_of(head, rest, inside=self.inside))
+            case _ if head in FILE_HEADS:
+                self.file(head, rest, number)
+            case _ if head in ACTS:
+                self.acts = (*self.acts, self.act(head, rest))
             case "label":
                 self.named_place(head, rest)
             case _ if head in MOVES:
                 self.move(MOVES[head], rest, number)
             case _:
                 raise _Fault("", f"{head!r} is no statement; {', '.join(STATEMENTS)} are")
+
+    def act(self, head: str, rest: list[str]) -> Act:
+        return (sync_of if head == "sync" else call_of)(head, rest, inside=self.inside)
 
     def heading(self, head: str, rest: list[str]) -> None:
         """What is said of the program as a whole."""
@@ -215,6 +221,7 @@ class Reader:
             if name in ONCE:
                 raise _Fault(name, "acts on one block alone and is written there")
         self.block(Interpolation.PTP, JointTarget(()), None, {**self.modal, **keys}, 0)  # only to see whether they are legal
+        mirrored_target(JointTarget(()), keys.get("mirror", "-"), asked=False)
         if "radius" in keys:
             self.modal.pop("leave", None), self.modal.pop("reach", None)
         self.modal.update(keys)
@@ -234,13 +241,34 @@ class Reader:
         target, left = self.target(words)
         if left:
             raise _Fault("", f"{' '.join(left)} is too much after the target")
-        block = self.block(kind, placed(target, keys), via, {**self.modal, **keys}, number)
+        plane = keys.get("mirror", self.modal.get("mirror", "-"))
+        target = mirrored_target(placed(target, keys), plane, asked=keys.get("mirror", "-") != "-")
+        if via is not None and isinstance(other := mirrored_target(via, plane, asked=False), PoseTarget):
+            via = other
+        block = self.block(kind, target, via, {**self.modal, **keys}, number)
         if block.shift is not None and kind not in RELATIVE:
             raise _Fault("rel", f"a relative target is one of {' and '.join(word.value for word in RELATIVE)}, not of {kind.value}")
-        self.blocks.append(block)
-        self.label, self.functions, self.acts, self.count = "", (), (), self.count + 1
+        self.added(block)
         if block.until is not None and block.until.error:
             self.errors.append((number, block.until.error, self.count))
+
+    def file(self, head: str, rest: list[str], number: int) -> None:
+        """MOVE_FILE, and what opens and closes its file."""
+        match head:
+            case "read_begin":
+                self.files.read_begin(rest)
+            case "close":
+                self.files.close(rest)
+            case _:
+                if self.inside:
+                    raise _Fault(head, "stands outside of synchronous and alterable parts")
+                block = self.block(Interpolation.PTP, UNKNOWN, None, {}, number)
+                self.added(replace(block, file=self.files.call(rest)))
+
+    def added(self, block: Block) -> None:
+        """One more; what stood in front of it is its own."""
+        self.blocks.append(block)
+        self.label, self.functions, self.acts, self.count = "", (), (), self.count + 1
 
     # ---- parts -------------------------------------------------------------------------------------------------------
     def target(self, words: list[str]) -> tuple[Target | Shift, list[str]]:
@@ -351,8 +379,14 @@ class Reader:
 BIG = textkeys.BIG
 RELATIVE = (Interpolation.PTP, Interpolation.LINEAR)  # MOVE_REL (rho 3)
 HEADINGS = ("program", "robot", "angles", "axes", "start")
-PARTS = ("synchron", "synchron_end", "alter", "alter_end", "sync", *CALLS)
-OTHERS = ("tool", "frame", "point", "set", *PARTS, "label", "iol", "ppo", *HEADS)
+FUNCTIONS: dict[str, Callable[[str, list[str]], Function | Flying]] = {
+    "iol": function_of,
+    "ppo": function_of,
+    **dict.fromkeys(HEADS, flying_of),
+}  # begin with a block
+ACTS = ("sync", *CALLS)  # done at rest before one
+PARTS = ("synchron", "synchron_end", "alter", "alter_end", *ACTS)
+OTHERS = ("tool", "frame", "point", "set", *PARTS, "label", *FUNCTIONS, *FILE_HEADS)
 STATEMENTS = (*HEADINGS, *OTHERS, *MOVES)
 ACTING = ("out", "until", "error", "wait", "delay", "belt", "camin", "camout", "freeze")
 ONCE = ("config", "extra", *ACTING, "time", "weight", "angle", "rise")  # of one block alone

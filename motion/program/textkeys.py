@@ -70,6 +70,7 @@ OTHERS = {
     "zone": "one distance for each axis: passing of a PTP point by the axis criterion",
     "tool": "name of a `tool` line, or - for none",
     "frame": "name of a `frame` line, or - for none",
+    "mirror": "xy, yz or xz: poses are mirrored across this plane of the block's frame, SF 17; - for none",
     "limitmin": "x,y,z mm: working range of the tool in the block's frame, LIMIT_MIN; - for none",
     "limitmax": "x,y,z mm: its other end, LIMIT_MAX; - for none",
     "config": "righty,epositive,wnegative ..: demanded configuration",

@@ -12,7 +12,7 @@ from motion.errors import MotionError
 from motion.frames import Pose
 from motion.kinematics.base import FREE, Configuration
 from motion.outputs.function import Function
-from motion.program import textalter, textkeys
+from motion.program import textalter, textfiles, textkeys
 from motion.program.blocks import (
     MEASURED,
     Act,
@@ -64,6 +64,7 @@ def _moves(program: Program, ways: Convention, units: tuple[str, ...]) -> list[s
     blocks: Sequence[Block] = program.blocks
     part: Synchron | None = None
     altered: Alteration | None = None
+    files: dict[str, int] = {}
     for block in blocks:
         if block.synchron != part:
             lines += ["synchron_end"] if part is not None else []
@@ -81,7 +82,7 @@ def _moves(program: Program, ways: Convention, units: tuple[str, ...]) -> list[s
         front += [_act(each) for each in block.acts]
         lines += [*begin, *front] if block.acts and block.acts[0].inside else [*front, *begin]
         lines += [_function(each) for each in block.functions]
-        lines.append(written_move(block, ways, units))
+        lines += [written_move(block, ways, units)] if block.file is None else textfiles.written(block.file, files)
     named = {block.until.error for block in blocks if block.until is not None} - {block.label for block in blocks} - {""}
     if program.acts and part is not None and not program.acts[0].inside:
         lines.append("synchron_end")

@@ -11,6 +11,7 @@ from motion.outputs.function import Function
 from motion.program import textkeys
 from motion.program.blocks import BeltCall, Blend, Block, Curving, Output, Pace, PoseTarget, Shift, Sync, Target, Until, changed
 from motion.program.textwords import Fault, name, number
+from motion.rho3.kinematic import PLANES, mirrored
 from motion.units import to_si
 
 Part = TypeVar("Part", Pace, Blend, Curving, Block)
@@ -50,6 +51,23 @@ def shift_of(words: list[str]) -> tuple[float, ...]:
         raise Fault("rel pose", f"six numbers are needed (x y z mm, three angles deg), {len(words)} are there")
     units = ("mm",) * 3 + ("deg",) * 3
     return tuple(to_si(number("rel pose", word, -BIG, BIG, ""), unit) for word, unit in zip(words, units, strict=True))
+
+
+def mirrored_target(target: Target | Shift, plane: str, *, asked: bool) -> Target | Shift:
+    """SF 17 MIRROR; asked: for this block alone, which then has to name a pose.  Places of axes stay as they are (L8962-8976)."""
+    if plane == "-":
+        return target
+    if plane not in PLANES:
+        raise Fault("mirror", f"{plane!r}: {', '.join(PLANES)}, or - for none")
+    across = PLANES[plane]
+    if isinstance(target, PoseTarget):
+        return replace(target, pose=mirrored(target.pose, across))
+    if isinstance(target, Shift) and target.angles is not None:  # three lengths, three turns about x, y and z
+        signs = [-1.0 if n == across else 1.0 if n < 3 or n == across + 3 else -1.0 for n in range(6)]
+        return replace(target, values=tuple(value * sign for value, sign in zip(target.values, signs, strict=True)))
+    if asked:
+        raise Fault("mirror", "needs a pose as target, not places of axes")
+    return target
 
 
 def placed(target: Target | Shift, keys: dict[str, str]) -> Target | Shift:

@@ -16,8 +16,10 @@ import pytest
 from gateway.commands import motion_run
 from gateway.pure.reasons import Reason
 from gateway.pure.records import AxisFlag, Motion
+from hil_tests.lab.cell_running import P5_MS
 from hil_tests.lab.plc2 import ABANDON, ABORTED, ACCEPTED, DISABLE, DONE, ENABLE, OVERRIDE, REFUSED, RELEASE, RESUME, RUNNING, STOP
 from hil_tests.lab.program_run import ON_PATH, PROBE, PROGRAM, ProgramRun, along, away, program_run
+from motion.files import bnr
 
 HEAD = "robot sr60-like\nangles rho3\naxes deg deg mm deg\nstart 0 90 -200 0\n"
 PROGRAMS = {
@@ -40,6 +42,8 @@ ppo 3 1 2 50 1000 0
 linear pose 350 50 105 180 0 0 path=50
 """,
     8: HEAD + "ptp joints 20 90 -200 0\n",
+    9: HEAD + "read_begin curve.bnr 80\nmove_file curve.bnr modulo=0,0,0,0\n",
+    10: HEAD + "read_begin curve.bnr 84\nmove_file curve.bnr modulo=0,0,0,0\n",
     5: HEAD + f"ptp joints 60 90 -200 0 speed=10 until={PROBE}\nptp joints 0 90 -200 0\n",
 }
 MEASURING = f"\n[[measuring]]\nchannel = 610\ninput = {PROBE}\n"
@@ -50,7 +54,9 @@ FUNCTIONS = "".join(
 
 @pytest.fixture(scope="module")
 def scara(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ProgramRun]:
-    with program_run(tmp_path_factory.mktemp("cell"), "scara", PROGRAMS, change=lambda text: text + MEASURING + FUNCTIONS) as run:
+    folder = tmp_path_factory.mktemp("cell")
+    (folder / "curve.bnr").write_bytes(bnr.encode(bnr.Header(time_base_us=1000 * P5_MS, axes=4), POINTS.tolist()))
+    with program_run(folder, "scara", PROGRAMS, change=lambda text: text + MEASURING + FUNCTIONS) as run:
         run.ready()
         yield run
 
@@ -156,6 +162,26 @@ def test_outputs_led_by_a_coordinate_are_seen_by_the_plc_over_modbus(home: Progr
         assert not on or after > -1e-6, "not before the path is at y = 0"
         assert value - 500 <= 10.0 * after * 1e3 + 2, f"it leads with the coordinate, which was at {before}"
     assert {on for _, on, _, _ in seen} == {False, True} and len({value for _, _, value, _ in seen}) > 5
+
+
+K = np.arange(1, 301) / 300
+POINTS = np.outer(10 * K**3 - 15 * K**4 + 6 * K**5, (40.0, -20.0, 30.0, 60.0)) + (0.0, 90.0, -200.0, 0.0)  # mm and deg
+
+
+def test_the_points_of_a_bnr_file_are_the_set_values_of_the_cycle(home: ProgramRun) -> None:
+    points = np.float32([POINTS[0] * 0 + (0.0, 90.0, -200.0, 0.0), *POINTS]) * np.array([np.pi / 180, np.pi / 180, 1e-3, np.pi / 180])
+    home.plc.send(PROGRAM, 9)
+    rows = home.watch("on its way", lambda s: s.motion is Motion.RUNNING)
+    rows = home.watch("at rest", lambda s: s.motion is Motion.IDLE)
+    assert home.plc.wait(lambda s: s.state in (DONE, ABORTED), 5).state == DONE
+    seen = np.unique(rows[np.abs(rows - home.sets()).max(axis=1) > 1e-3], axis=0)
+    nearest = [np.abs(points - row).max(axis=1).min() for row in seen]
+    assert len(seen) > 20 and max(nearest) < 1e-9, "what is seen of it are its points"
+    assert home.sets() == pytest.approx(points[-1], abs=1e-9)
+    wrong = home.command(PROGRAM, 10)
+    assert (wrong.state, wrong.reason) == (REFUSED, Reason.PROGRAM_FAULT)
+    said = [entry["text"] for entry in home.run.journal("command") if "cannot be run" in entry["text"]]
+    assert "line 6: block 1: MF: Format error: curve.bnr" in said[-1] and "(rho 3 100)" in said[-1]
 
 
 def place(home: ProgramRun) -> tuple[float, float, float]:

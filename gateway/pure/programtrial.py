@@ -1,0 +1,106 @@
+"""What of a program is tried before anything of it moves: its parts from the first one on that does not simply go on.  Pure."""
+
+from collections import deque
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+from gateway.pure.programparts import Coming, acting, begun, told
+from motion.errors import MotionError
+from motion.files.playing import FilePath
+from motion.kinematics.base import Joints
+from motion.planner.fileplan import file_path
+from motion.planner.marks import check_outputs
+from motion.planner.planner import Planner
+from motion.planner.robot import Machine
+from motion.planner.route import Route
+from motion.program.blocks import Act, Block
+from motion.program.errors import BlockError
+from motion.sync.facts import BeltFacts
+
+
+def no_files(name: str, number: int) -> bytes:
+    """Of whoever has none."""
+    raise MotionError(f"{name}: no such file")
+
+
+@dataclass(frozen=True, slots=True)
+class Files:
+    """BNR files.  read: name, number of the program -> bytes, raises MotionError; period_us: P5 of the cell."""
+
+    read: Callable[[str, int], bytes] = no_files
+    period_us: int = 0  # 0: no cell
+
+    def path(self, block: Block, program: int, standing: Joints, machine: Machine, number: int) -> tuple[bytes, FilePath]:
+        """The file of a MOVE_FILE block, and its way from where the axes stand; BlockError."""
+        assert block.file is not None
+        try:
+            data = self.read(block.file.name, program)
+        except MotionError as error:
+            raise BlockError(f"move_file {error}", block=number) from error
+        return data, file_path(block, data, standing, machine, self.period_us, number)
+
+
+@dataclass
+class Trial:
+    """later: the parts to come; belts: as they will be behind everything looked at so far; program: its number."""
+
+    belts: Sequence[BeltFacts]
+    files: Files
+    program: int = 0
+    later: deque[Coming] = field(default_factory=deque)
+    _route: Route | None = None  # of the blocks behind the first one that ends with an input
+    _tried: int = 0  # blocks before those, and those that no route knows
+
+    @property
+    def begun(self) -> bool:
+        """Parts are looked at by themselves from here on."""
+        return self._route is not None
+
+    def add(self, planner: Planner, block: Block, number: int) -> None:
+        """The block is tried as if the part before had reached its target, the belt where it was programmed; BlockError."""
+        route = self._divided(planner, number - 1)
+        try:
+            if not self.later or not self.later[-1].holds(block):
+                route.finish()
+                self._acting(block.acts, number, block.label)
+                self.later += begun(block, number, self.belts, planner.robot, route.standing)
+        except BlockError as error:
+            raise told(error, self._tried if block.synchron is None else 0) from error
+        part = self.later[-1]
+        if block.file is not None:
+            self._file(part, block, planner, route)
+            return
+        looked_at = part.tried.add(block) if part.tried is not None else block
+        try:
+            route.add(looked_at)
+            if block.until is not None:
+                route.finish()
+            for stretch in route.take():
+                check_outputs(stretch)
+        except BlockError as error:
+            raise told(error, self._tried) from error
+        part.blocks.append(block)
+
+    def _file(self, part: Coming, block: Block, planner: Planner, route: Route) -> None:
+        """MOVE_FILE: no route leads along it."""
+        part.data, path = self.files.path(block, self.program, route.standing, planner.robot, part.number)
+        route.reset(path.end)
+        part.blocks.append(block)
+        self._tried += 1
+
+    def behind(self, planner: Planner, acts: Sequence[Act], blocks: int) -> None:
+        """Statements behind the last block."""
+        self._divided(planner, blocks).finish()
+        self._acting(acts, blocks + 1)
+
+    def _divided(self, planner: Planner, blocks: int) -> Route:
+        """What is tried from the first part on that does not simply go on; so many blocks stand before it."""
+        if self._route is None:
+            planner.finish()
+            self._route, self._tried = Route(planner.robot, planner.standing), blocks
+            self._route.assume_measured()  # whether anything is measured by then is looked at by itself (OfCell)
+        return self._route
+
+    def _acting(self, acts: Sequence[Act], number: int, label: str = "") -> None:
+        parts, self.belts = acting(acts, number, self.belts, label)
+        self.later += parts
