@@ -42,8 +42,8 @@ ppo 3 1 2 50 1000 0
 linear pose 350 50 105 180 0 0 path=50
 """,
     8: HEAD + "ptp joints 20 90 -200 0\n",
-    9: HEAD + "read_begin curve.bnr 80\nmove_file curve.bnr modulo=0,0,0,0\n",
-    10: HEAD + "read_begin curve.bnr 84\nmove_file curve.bnr modulo=0,0,0,0\n",
+    21: HEAD + "read_begin curve.bnr 80\nmove_file curve.bnr modulo=0,0,0,0\n",
+    22: HEAD + "read_begin curve.bnr 84\nmove_file curve.bnr modulo=0,0,0,0\n",
     5: HEAD + f"ptp joints 60 90 -200 0 speed=10 until={PROBE}\nptp joints 0 90 -200 0\n",
 }
 MEASURING = f"\n[[measuring]]\nchannel = 610\ninput = {PROBE}\n"
@@ -170,7 +170,7 @@ POINTS = np.outer(10 * K**3 - 15 * K**4 + 6 * K**5, (40.0, -20.0, 30.0, 60.0)) +
 
 def test_the_points_of_a_bnr_file_are_the_set_values_of_the_cycle(home: ProgramRun) -> None:
     points = np.float32([POINTS[0] * 0 + (0.0, 90.0, -200.0, 0.0), *POINTS]) * np.array([np.pi / 180, np.pi / 180, 1e-3, np.pi / 180])
-    home.plc.send(PROGRAM, 9)
+    home.plc.send(PROGRAM, 21)
     rows = home.watch("on its way", lambda s: s.motion is Motion.RUNNING)
     rows = home.watch("at rest", lambda s: s.motion is Motion.IDLE)
     assert home.plc.wait(lambda s: s.state in (DONE, ABORTED), 5).state == DONE
@@ -178,7 +178,7 @@ def test_the_points_of_a_bnr_file_are_the_set_values_of_the_cycle(home: ProgramR
     nearest = [np.abs(points - row).max(axis=1).min() for row in seen]
     assert len(seen) > 20 and max(nearest) < 1e-9, "what is seen of it are its points"
     assert home.sets() == pytest.approx(points[-1], abs=1e-9)
-    wrong = home.command(PROGRAM, 10)
+    wrong = home.command(PROGRAM, 22)
     assert (wrong.state, wrong.reason) == (REFUSED, Reason.PROGRAM_FAULT)
     said = [entry["text"] for entry in home.run.journal("command") if "cannot be run" in entry["text"]]
     assert "line 6: block 1: MF: Format error: curve.bnr" in said[-1] and "(rho 3 100)" in said[-1]
