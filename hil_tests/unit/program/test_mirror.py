@@ -14,7 +14,8 @@ from motion.program.errors import TextFaults
 from motion.program.text import read
 from motion.program.textout import write
 
-ARM = "axes deg deg deg deg deg deg\nstart 0 30 90 0 60 0\nframe f 300 40 50 0 0 30\npoint P pose 350 -150 200 170 10 30\npoint STEP rel pose 10 20 -30 5 -7 9\n"
+ARM = "axes deg deg deg deg deg deg\nstart 0 30 90 0 60 0\nframe f 300 40 50 0 0 30\npoint P pose 350 -150 200 170 10 30\n"
+ARM += "point STEP rel pose 10 20 -30 5 -7 9\n"
 ACROSS = {"yz": (-1.0, 1.0, 1.0), "xz": (1.0, -1.0, 1.0), "xy": (1.0, 1.0, -1.0)}
 
 
