@@ -169,7 +169,9 @@ POINTS = np.outer(10 * K**3 - 15 * K**4 + 6 * K**5, (40.0, -20.0, 30.0, 60.0)) +
 
 
 def test_the_points_of_a_bnr_file_are_the_set_values_of_the_cycle(home: ProgramRun) -> None:
-    points = np.float32([POINTS[0] * 0 + (0.0, 90.0, -200.0, 0.0), *POINTS]) * np.array([np.pi / 180, np.pi / 180, 1e-3, np.pi / 180])
+    points = np.array([(0.0, 90.0, -200.0, 0.0), *POINTS], dtype=np.float32).astype(float) * np.array(
+        [np.pi / 180, np.pi / 180, 1e-3, np.pi / 180]
+    )
     home.plc.send(PROGRAM, 21)
     rows = home.watch("on its way", lambda s: s.motion is Motion.RUNNING)
     rows = home.watch("at rest", lambda s: s.motion is Motion.IDLE)
