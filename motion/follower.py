@@ -265,7 +265,7 @@ class Follower:
         h, piece = self._h, self._pieces[self._index]
         three, two, one = self._past
         parts = zip(samples, one, two, three, piece.accel, piece.jerk, strict=True)
-        more = correction([(q, slope, p, pp, ppp, accel, jerk) for (q, slope), p, pp, ppp, accel, jerk in parts], self._omega, h)
+        more = correction([(q, slope, p, pp, ppp, accel, jerk) for (q, slope), p, pp, ppp, accel, jerk in parts], self._omega, self._u, h)
         if more == 0.0:
             return False
         more = self._law.bounded(self._u, more)

@@ -30,7 +30,8 @@ QUICK, HASTE = 0.5, 2.0  # u by the ramp, c by u and ramp
 HEAVY = 4.0  # times the least room for c that an axis has: more, and it counts as one that c hardly moves
 CALM = 0.4  # of the largest u where the path is to go faster: nobody waits for it
 PROBE = 0.1  # of the largest u, for a look at places where v is smaller
-RESERVE = 0.06  # of the jerk limit, kept for what was not foreseen
+RESERVE = 0.02  # of the jerk limit, for what was not foreseen: with it the set value comes to what the last look leaves it
+LESS = ((0.02, 0.935), (0.005, 0.95))  # of the jerk limit, with each period ahead less, and at least; on the way up, on the way down
 TRUST = 0.5  # of both the new way and the one before in what is foreseen: two new ones would answer one another
 SPARE, AMPLE = 1.05, 1.3  # ways to land are taken so much longer: they are foreseen, not known, and beyond full speed there is nothing
 BOLD = 0.4  # of what a new way differs from the foreseen one: what an axis that is about to turn back will bear is known late
@@ -218,11 +219,11 @@ class Change:
         if v0 <= 0.0:  # from the lowest v of place 1 every place behind can still be met
             first = scale.item(1) * (float(np.maximum.reduce(base[1:])) + total.item(1))
             least = min(max(first, least), 0.0)
+        highest = max(scale.item(1) * (total.item(1) + v0), v0 - self._most_c * dt)
         if self._steady and v0 <= 0.0:
             foreseen = flip * seen.item(1)
-            least = foreseen + BOLD * (least - foreseen)
+            least = min(foreseen + BOLD * (least - foreseen), max(least, highest))  # never above what c can reach now
         self._steady = True
-        highest = max(scale.item(1) * (total.item(1) + v0), v0 - self._most_c * dt)
         rise = _Rise(scale[1:], total[1:] - total.item(1), scale.item(1))
         first, back = self._landing(flip * (w - wanted) / spare, v0, least, highest, rise)
         first = min(first, highest + self._reserve * dt)
@@ -276,11 +277,14 @@ class Change:
         self._places = count
         self._sides, self._chords, self._gain = (np.empty((*parts, self._track.columns, count)) for parts in ((4,), (2,), ()))
         self._scale, self._sum = np.ones(count), np.zeros(count)
+        self._used = [np.maximum(1.0 - less * dt / h * np.arange(count), least) for less, least in LESS]
         self._before = dt * np.tri(count, k=-1)
         self._summing = 0.5 * dt * (np.tri(count, k=-1) + np.tri(count))
         self._summing[:, 0] -= 0.5 * dt
         self._summing[0] = 0.0
-        self._placing = np.concatenate([self._summing, self._summing + 0.5 * h * np.eye(count)])
+        self._half = np.full(count, 0.5 * dt)  # from each place to the middle of the time its c holds: of the first one a period
+        self._half[0] = 0.5 * h
+        self._placing = np.concatenate([self._summing, self._summing + np.diag(self._half)])
 
     def _keep(self, way: Array, dt: float) -> None:
         """The way as it is seen a period later, never beyond what u can be at all: seen again it would only grow."""
@@ -297,14 +301,17 @@ class Change:
             mean[:-1] += (self._h / dt) * (mean[1:] - mean[:-1])
 
     def _bounds(self, taus: Array, omega: Array, v: Array, flip: float, braking: bool, turning: bool) -> _Bounds:
-        """taus: of the places, then of the middles of the periods that begin there: c is that of a period."""
+        """taus: of the places, then of the middles between them, where c is told: the first one a period, the others a place wide."""
         v0 = v.item(0)
         lower = np.minimum(v, -self._probe)
         v = lower if v0 <= 0.0 else np.where(v > 0.0, v, lower)
         here, rows = self._track.around(taus, len(v), turning)  # (parts, columns, places), our own
         lowest = self._braked(here, omega, flip, braking)
-        middle = (0.5 * self._h * flip) * v
+        middle = self._half * v
+        if flip < 0.0:
+            np.negative(middle, out=middle)
         middle += omega
+        rows[0] *= self._used[1 if braking else 0]  # what is foreseen comes a little otherwise: the places behind must still be met then
         idle, foot, rises, falls = self._reach(rows, middle, v, flip)
         pull, lean = rows[0], rows[1]
         slope = idle - rises
@@ -342,12 +349,12 @@ class Change:
 
     def _reach(self, rows: Array, middle: Array, v: Array, flip: float) -> Array:
         """How far c may rise and fall with v = 0, then with the v foreseen: (4, places).  rows: PULL, LEAN, TWIST become what they are
-        for c in a whole period, with the v foreseen; the columns stay in `_sides`."""
+        for c all the way to the next place, with the v foreseen; the columns stay in `_sides`."""
         pull, lean, steady = rows
         lean *= middle
         gain = self._gain
-        np.multiply(lean, 0.5 * self._h, out=gain)
-        gain += 1.0  # c changes v, and v the jerk, while the period lasts
+        np.multiply(lean, self._half, out=gain)
+        gain += 1.0  # c changes v, and v the jerk, while it lasts
         lean *= v
         steady *= flip * middle * middle * middle
         rows[1:] /= gain
@@ -372,7 +379,7 @@ class Change:
         np.multiply(lean, further, out=gain)
         np.subtract(self._sides[2], gain, out=above)
         np.add(self._sides[3], gain, out=below)
-        spare = np.add(*np.minimum.reduce(self._chords, axis=1))
+        spare = np.add(*np.minimum.reduce(self._chords, axis=1, initial=self._most_c))
         if np.minimum.reduce(spare) < 0.0:
             deep = (further > 0.0) & (spare < 0.0)
             np.copyto(edge, v * (1.0 + further * room / np.maximum(room - spare, LITTLE)), where=deep)

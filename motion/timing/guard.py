@@ -8,17 +8,18 @@ moves third differences by c q' and second ones by h c q'.  So the bounds of all
 from collections.abc import Sequence
 
 ACCEL_MOST, JERK_MOST = 1.018, 1.09  # shares of the limits that the set values may reach
-LEVELS = (1.0, 1.02, 1.05, 1.1, 1.2, 1.4, 1.8, 2.5)  # of these shares: where no c serves all axes, the lowest level that does
-LASTING = 6.0  # times h q'' u is the jerk that stays: two periods of it
+LEVELS = (1.0, 1.004, 1.008, 1.02, 1.05, 1.1, 1.2, 1.4, 1.8, 2.5)  # of these shares: where no c serves all axes, the lowest level that does
+LASTING = 6.0  # times h omega q'' is the share of c that stays: two periods of it
 LEAST = 1e-9  # share of a limit per unit of c: below it c says nothing to an axis
 
 Row = tuple[float, float, float, float, float, float, float]
 
 
-def correction(rows: Sequence[Row], omega: float, period_s: float) -> float:
+def correction(rows: Sequence[Row], omega: float, u: float, period_s: float) -> float:
     """What to add to c.  Rows: new position, slope q', the three positions before it (last one first), acceleration and jerk limit.
 
-    What c adds to u an axis bears in every period from then on: where that is more than what its jerk gains now, it asks for nothing.
+    What c adds to u an axis bears in every period from then on, times 3 omega q'': where that is more than what its jerk gains now, it
+    asks for nothing.  omega^2 q'' is its acceleration without the share of u.
     """
     h, h3 = period_s, period_s**3
     thirds, seconds = JERK_MOST * h3, ACCEL_MOST * h * h
@@ -31,7 +32,7 @@ def correction(rows: Sequence[Row], omega: float, period_s: float) -> float:
     for q, slope, one, two, three, accel, jerk in rows:
         most_j, most_a = jerk * JERK_MOST, accel * ACCEL_MOST
         third, bend = (q - 3.0 * (one - two) - three) / (h3 * most_j), (q - 2.0 * one + two) / (h * h)
-        gains = (slope * omega * slope + LASTING * h * bend * slope) * omega >= 0.0
+        gains = (slope * omega * omega + LASTING * h * omega * (bend - u * slope)) * slope >= 0.0
         shares += ((third, slope / most_j if gains else 0.0), (bend / most_a, h * slope / most_a))
     return _nearest(shares)
 
