@@ -34,8 +34,8 @@ def find_config(name: str, kind: str, first: Sequence[pathlib.Path] = ()) -> pat
 
 def beside(path: str, name: str, kind: str) -> pathlib.Path:
     """A file another file names: beside that file first, then as `find_config` does."""
-    folder = pathlib.Path(path).parent
-    return find_config(name, kind, first=[folder / each for each in (name, *_names(name, kind))])
+    folder, own = pathlib.Path(path).parent, SUFFIX[kind] != ".toml"  # cells stand beside a cell, and may be called as their robot is
+    return find_config(name, kind, first=[folder / each for each in (name, *(_names(name, kind) if own else ()))])
 
 
 def read_text(path: pathlib.Path) -> str:
