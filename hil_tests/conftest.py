@@ -13,7 +13,7 @@ from hil_tests.host import Host
 from hil_tests.lanes import Lanes
 from hil_tests.matrix.marks import Marks
 from hil_tests.numbers import one_thread
-from hil_tests.pair import MATE, Mate, Pair
+from hil_tests.pair import MATE, RUNTIME, Mate, Pair
 from hil_tests.pair import REPORTS as MATES_REPORTS
 from hil_tests.purity import Purity
 from hil_tests.reports import Reporter
@@ -23,7 +23,6 @@ os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # hundreds of processes start i
 sys.dont_write_bytecode = False
 one_thread()  # before any test module loads numpy
 
-RUNTIME = "AXISGATE_RUNTIME"
 MINE = pytest.StashKey[pathlib.Path]()
 
 
@@ -44,10 +43,11 @@ def pytest_configure(config: pytest.Config) -> None:
         if CLAIMS in os.environ:  # beside another guest
             plugins.register(Mate(pathlib.Path(os.environ[CLAIMS])), "axisgate-mate")
     elif MATE in os.environ:  # the second process of the pure tests
-        plugins.register(Reporter(config, pathlib.Path(os.environ[MATE], MATES_REPORTS)), "axisgate-reporter")
-        plugins.register(Mate(pathlib.Path(os.environ[MATE])), "axisgate-mate")
+        shared = pathlib.Path(os.environ.pop(MATE))  # a test run that one of these tests starts is another matter
+        plugins.register(Reporter(config, shared / MATES_REPORTS), "axisgate-reporter")
+        plugins.register(Mate(shared), "axisgate-mate")
     elif RIGS_REPORTS in os.environ:  # the process of the rig's tests
-        reports = os.environ.pop(RIGS_REPORTS)  # a test run that one of these tests starts is another matter
+        reports = os.environ.pop(RIGS_REPORTS)
         plugins.register(Reporter(config, pathlib.Path(reports)), "axisgate-reporter")
     else:
         plugins.register(GuestLane(config), "axisgate-guest")

@@ -1,5 +1,9 @@
 """The rig's tests of a whole run, in a process of their own, one module after the other; what a busy machine spoilt is played again.
 
+Modules that stand a busy machine (BESIDE in hil_tests/places.py) are played beside the pure tests and the guests, where those have a
+clock of their own, by a process like that; the others when all these have ended, alone.  What failed beside them counts as not
+played: it is played with the others, and what it says there is its verdict.
+
 A shared machine takes the processor away for tens of milliseconds, and a cell that runs on it then stops, as it must.  Two witnesses
 (hil_tests/lab/stolen.py) write it down: one of the highest priority for 10 ms and more in which nobody ran, an ordinary one for 40 ms
 and more in which such a process was not served.  A module of which a test failed while they saw that is played again at the end,
@@ -18,9 +22,11 @@ from collections.abc import Sequence
 
 import pytest
 
-from hil_tests import lanes, reports
+from hil_tests import reports
 from hil_tests.lab.stolen import left_alone, stolen, witness
-from hil_tests.pair import forget_the_dead, whole_run
+from hil_tests.pair import forget_the_dead, surroundings, whole_run
+from hil_tests.places import BESIDE, of_one, unhurried
+from hil_tests.rig.uml import guest
 from hil_tests.rig.uml.lane import of_the_guest
 
 REPORTS = "AXISGATE_TEST_RIG"  # set in that process: file for its reports
@@ -28,6 +34,7 @@ P5 = "AXISGATE_TEST_P5"  # ms; hil_tests/lab/cell_running.py
 AGAIN_P5_MS = (16, 32)  # of the first and the second repetition
 MOST_AGAIN = 25  # modules; more than these is no matter of the machine
 POLL_S = 0.2
+ENDS_S = 60.0
 
 
 class Child:
@@ -47,7 +54,7 @@ class Child:
         slower = {} if p5_ms is None else {P5: str(p5_ms)}
         command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-q", "--color=no", f"@{listed}"]
         with self.log.open("wb") as log:
-            environment = {**os.environ, REPORTS: str(self._file), **slower}
+            environment = surroundings(**{REPORTS: str(self._file)}, **slower)
             self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, env=environment)
 
     def wait(self, ids: Sequence[str]) -> reports.Reports:
@@ -58,6 +65,12 @@ class Child:
             if not alive or all(any(r.when == "teardown" for r in self._results.get(name, ())) for name in ids):
                 return self._results
             time.sleep(POLL_S)
+
+    def leave(self) -> None:
+        """All its tests have ended: it may finish."""
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self._process.wait(ENDS_S)
+        self.end()
 
     def end(self) -> None:
         if self._process.poll() is None:
@@ -91,34 +104,47 @@ class Host:
     def __init__(self, config: pytest.Config) -> None:
         self._config = config
         self._folder = config.rootpath / "build" / "rig" / str(os.getpid())
-        self._child: Child | None = None
+        self._children: dict[str, Child] = {}  # in the order of their starts; at most the last one runs
         self._modules: dict[str, list[pytest.Item]] = {}
-        self._again: dict[str, list[pytest.Item]] = {}
+        self._waiting: dict[str, list[pytest.Item]] = {}  # modules whose verdict is not told yet
+        self._by: dict[str, Child] = {}  # who played the module last
         self._told: list[str] = []
 
     @pytest.hookimpl(tryfirst=True)
+    def pytest_runtestloop(self, session: pytest.Session) -> None:
+        if not whole_run(self._config):
+            return
+        for item in session.items:
+            if on_host(item):
+                self._modules.setdefault(module_of(item), []).append(item)
+        modules = [module for module, items in self._modules.items() if of_one(items[0], BESIDE)]
+        if modules and guest.own_time() and (os.cpu_count() or 1) > 1 and not session.testsfailed:
+            self._start("beside", modules)
+
+    @pytest.hookimpl(tryfirst=True)
     def pytest_runtest_protocol(self, item: pytest.Item, nextitem: pytest.Item | None) -> bool | None:
-        if not whole_run(self._config) or not on_host(item):
+        module = module_of(item)
+        if module not in self._modules or not on_host(item):
             return None
         reports.no_time_out()
-        if self._child is None:
-            self._start(item.session)
-        assert self._child is not None
-        module = module_of(item)
-        ids = [each.nodeid for each in self._modules[module]]
-        results = self._child.wait(ids)
-        if reports.all_well(ids, results) or not self._child.spoilt(ids):
-            reports.replay(item, nextitem, results, f"the rig's process did not report the end of this test; see {self._child.log}")
+        if module not in self._by:
+            self._start("first", [each for each in self._modules if each not in self._by or each in self._waiting])
+        ids = ids_of(self._modules[module])
+        child = self._by[module]
+        results = child.wait(ids)
+        settled = reports.all_well(ids, results) or (child is not self._children.get("beside") and not child.spoilt(ids))
+        if settled:
+            reports.replay(item, nextitem, results, f"the rig's process did not report the end of this test; see {child.log}")
         else:
-            self._again.setdefault(module, []).append(item)
+            self._waiting.setdefault(module, []).append(item)
             item.session._setupstate.teardown_exact(nextitem)
         if nextitem is None:
             self._play_again()
         return True
 
     def pytest_sessionfinish(self) -> None:
-        if self._child is not None:
-            self._child.end()
+        for child in self._children.values():
+            child.end()
 
     def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:
         if self._told:
@@ -126,39 +152,49 @@ class Host:
             for line in self._told:
                 terminalreporter.write_line(line)
 
-    def _start(self, session: pytest.Session) -> None:
-        forget_the_dead(self._folder.parent)
-        self._folder.mkdir(parents=True)
-        for item in session.items:
-            if on_host(item):
-                self._modules.setdefault(module_of(item), []).append(item)
-        self._child = Child(self._config, self._folder, "first", [each.nodeid for module in self._modules.values() for each in module])
+    def _start(self, name: str, modules: Sequence[str], p5_ms: int | None = None) -> None:
+        """A process that plays these modules, when the one before has ended."""
+        if not self._children:
+            forget_the_dead(self._folder.parent)
+            self._folder.mkdir(parents=True)
+        for child in self._children.values():
+            child.leave()
+        ids = [each for module in modules for each in ids_of(self._modules[module])]
+        self._told += [
+            f"{module}: failed beside the pure tests; again alone" for module in modules if module in self._waiting and p5_ms is None
+        ]
+        self._children[name] = child = Child(self._config, self._folder, name, ids, p5_ms)
+        self._by.update(dict.fromkeys(modules, child))
 
     def _play_again(self) -> None:
-        assert self._child is not None
+        if self._waiting and list(self._children) == ["beside"]:
+            self._start("first", list(self._waiting))
+        self._tell_settled()
         for number, p5_ms in enumerate(AGAIN_P5_MS, start=1):
-            spoilt = {module: times for module, items in self._again.items() if (times := self._child.spoilt(ids_of(items)))}
-            if not spoilt or len(self._again) > MOST_AGAIN:
+            spoilt = {module: times for module, items in self._waiting.items() if (times := self._by[module].spoilt(ids_of(items)))}
+            if not spoilt or len(self._waiting) > MOST_AGAIN:
                 break
             self._told += [f"{module}: {away(times)}; again at P5 {p5_ms} ms" for module, times in spoilt.items()]
-            self._child.end()
-            ids = [name for module in spoilt for name in ids_of(self._again[module])]
-            self._child = Child(self._config, self._folder, f"again{number}", ids, p5_ms)
-            results = self._child.wait(ids)
-            for module in spoilt:
-                if reports.all_well(ids_of(self._again[module]), results) or not self._child.spoilt(ids_of(self._again[module])):
-                    self._tell(self._again.pop(module), results)
-        for items in self._again.values():
-            self._tell(items, self._child.wait(()))
+            self._start(f"again{number}", list(spoilt), p5_ms)
+            self._tell_settled()
+        for module in list(self._waiting):
+            self._tell(module)
 
-    def _tell(self, items: Sequence[pytest.Item], results: reports.Reports) -> None:
-        assert self._child is not None
-        for item in items:
-            reports.tell(item, results, f"the rig's process did not report the end of this test; see {self._child.log}")
+    def _tell_settled(self) -> None:
+        """What is well, or failed while nothing spoilt it."""
+        for module, items in list(self._waiting.items()):
+            ids = ids_of(items)
+            if reports.all_well(ids, self._by[module].wait(ids)) or not self._by[module].spoilt(ids):
+                self._tell(module)
+
+    def _tell(self, module: str) -> None:
+        child = self._by[module]
+        for item in self._waiting.pop(module):
+            reports.tell(item, child.wait(()), f"the rig's process did not report the end of this test; see {child.log}")
 
 
 def on_host(item: pytest.Item) -> bool:
-    return lanes.lane_of(item.nodeid, item.keywords) != "pure" and not of_the_guest(item)
+    return not unhurried(item) and not of_the_guest(item)
 
 
 def module_of(item: pytest.Item) -> str:

@@ -1,4 +1,5 @@
-"""The pure tests of a whole run by two processes: ours takes files from the front, its mate from the back, until they meet.
+"""The pure tests of a whole run, and the rig's that only start commands, by two processes: ours takes files from the front, its mate
+from the back, until they meet.
 
 They need no quiet and no time of their own, so they may share the machine, also with a guest that has its own clock.
 """
@@ -12,10 +13,13 @@ import sys
 
 import pytest
 
-from hil_tests import lanes, reports
+from hil_tests import reports
+from hil_tests.places import unhurried
+from hil_tests.rig.uml.lane import of_the_guest
 
 MATE = "AXISGATE_TEST_MATE"  # set in the mate: folder of claims and reports
 REPORTS = "reports.jsonl"
+RUNTIME = "AXISGATE_RUNTIME"
 
 
 class Claims:
@@ -59,12 +63,13 @@ class Pair:
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtestloop(self, session: pytest.Session) -> None:
-        if whole_run(self._config) and (os.cpu_count() or 1) > 1:
-            self._start(list(dict.fromkeys(str(item.path) for item in session.items if pure(item))))
+        files = list(dict.fromkeys(str(item.path) for item in session.items if ours(item)))
+        if files and whole_run(self._config) and (os.cpu_count() or 1) > 1:
+            self._start(files)
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtest_protocol(self, item: pytest.Item, nextitem: pytest.Item | None) -> bool | None:
-        if self._mate is None or not pure(item) or self._claims.mine(item):
+        if self._mate is None or not ours(item) or self._claims.mine(item):
             return None
         if self._results is None:
             reports.no_time_out()
@@ -85,7 +90,7 @@ class Pair:
         listed.write_text("\n".join(reversed(files)))
         command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-q", "--color=no", f"@{listed}"]
         with self._log.open("wb") as log:
-            environment = {**os.environ, MATE: str(self._folder)}
+            environment = surroundings(**{MATE: str(self._folder)})
             self._mate = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, env=environment)
 
     @property
@@ -100,8 +105,13 @@ def whole_run(config: pytest.Config) -> bool:
     return whole and not options.collectonly
 
 
-def pure(item: pytest.Item) -> bool:
-    return lanes.lane_of(item.nodeid, item.keywords) == "pure"
+def ours(item: pytest.Item) -> bool:
+    return unhurried(item) and not of_the_guest(item)
+
+
+def surroundings(**ours: str) -> dict[str, str]:
+    """The environment of a test process of ours; it makes its own folder of sockets, so that no two play with one another's runs."""
+    return {**{name: value for name, value in os.environ.items() if name != RUNTIME}, **ours}
 
 
 def forget_the_dead(parent: pathlib.Path) -> None:

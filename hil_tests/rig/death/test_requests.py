@@ -16,14 +16,15 @@ from drivers.emulator.record import read
 from drivers.ports.base import runtime_dir
 from gateway.processes.supervisor import ask
 from hil_tests.lab.bus_running import running_bus
-from hil_tests.lab.cell_running import CellRun, gone, left_over, running_cell, runtime_folder, special_files
+from hil_tests.lab.cell_running import P5_MS, CellRun, gone, left_over, running_cell, runtime_folder, special_files
 
-LIMIT_S = 20
+LIMIT_S = 60
+P5_TOOLS_MS = max(P5_MS, 20)  # tools look at it: no cycle here needs to be short, and a long one leaves them the processor
 
 
 @pytest.fixture(scope="module")
 def run() -> Iterator[CellRun]:
-    with running_cell(name="tools") as running:
+    with running_cell(name="tools", p5_ms=P5_TOOLS_MS) as running:
         yield running
 
 

@@ -9,6 +9,7 @@ import pytest
 
 from hil_tests.demo import realtime_allowed
 from hil_tests.host import P5
+from hil_tests.rig.uml import guest
 
 HOGGED = """
 import os, pathlib, subprocess, sys, time
@@ -28,6 +29,25 @@ def test_that_minds_the_hog():
     assert os.environ.get("AXISGATE_TEST_P5") == "16", "the first play is spoilt"
 def test_beside_it(): pass
 """
+BESIDE = """
+import pathlib
+def times(name):
+    with open(name, "a") as file: file.write("x")
+    return pathlib.Path(name).stat().st_size
+def test_that_fails_the_first_time(): assert times("first") >= 2
+def test_that_always_fails(): assert times("always") == 0
+def test_that_is_well(): pass
+"""
+ALONE = "import pathlib\ndef test_alone(): assert pathlib.Path('first').stat().st_size >= 2\n"
+NO_MATE = "import os, pathlib, time\nassert 'AXISGATE_TEST_MATE' not in os.environ, 'a test run started here would be a mate, too'\n"
+BY_US = """
+def test_mate():
+    until = time.monotonic() + 60
+    while not pathlib.Path('mate').exists():
+        assert time.monotonic() < until
+        time.sleep(0.05)
+"""
+BY_MATE = "def test_mate(): pathlib.Path('mate').touch()\n"
 WRONG = "import time\ndef test_wrong(): assert 1 == 2\n"
 
 
@@ -36,11 +56,7 @@ def test_a_spoilt_module_is_played_again_whole_and_a_wrong_one_is_not(tmp_path: 
     (tmp_path / "rig").mkdir()
     (tmp_path / "rig" / "test_a_hog.py").write_text(HOGGED)
     (tmp_path / "rig" / "test_right.py").write_text("def test_right(): pass\n")
-    (tmp_path / "conftest.py").write_text("from hil_tests.conftest import pytest_addoption, pytest_configure\n")
-    (tmp_path / "pytest.ini").write_text("[pytest]\ntestpaths = rig\nmarkers =\n    requirement\n    vcan\n    mbpoll\n    cref\n")
-    command = [sys.executable, "-m", "pytest", "-v", "--color=no", "-p", "no:cacheprovider"]
-    root = pathlib.Path(__file__).resolve().parents[3]
-    environment = {**{name: value for name, value in os.environ.items() if name != P5}, "PYTHONPATH": str(root)}
+    command, environment = whole_run(tmp_path, "rig")
     done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
     assert (done.returncode, "3 passed" in done.stdout) == (0, True), done.stdout
     assert "rig/test_a_hog.py: not served" in done.stdout and "again at P5 16 ms" in done.stdout
@@ -48,3 +64,26 @@ def test_a_spoilt_module_is_played_again_whole_and_a_wrong_one_is_not(tmp_path: 
     (tmp_path / "rig" / "test_wrong.py").write_text(WRONG)
     done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
     assert "1 failed, 1 passed" in done.stdout and "assert 1 == 2" in done.stdout
+
+
+@pytest.mark.skipif(not guest.own_time() or os.cpu_count() == 1, reason="without a guest in a time of its own nothing is played beside it")
+def test_what_failed_beside_the_pure_tests_is_judged_alone(tmp_path: pathlib.Path) -> None:
+    texts = {"bus_tools/test_beside.py": BESIDE, "death/test_alone.py": ALONE}
+    texts |= {"completion/test_us.py": NO_MATE + BY_US, "motion/test_mate.py": NO_MATE + BY_MATE}
+    for name, text in texts.items():
+        (file := tmp_path / "hil_tests/rig" / name).parent.mkdir(parents=True)
+        file.write_text(text)
+    command, environment = whole_run(tmp_path, "hil_tests")
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert "1 failed, 5 passed" in done.stdout and "test_that_always_fails" in done.stdout, done.stdout
+    assert done.stdout.count("hil_tests/rig/bus_tools/test_beside.py: failed beside the pure tests; again alone") == 1
+    assert len((tmp_path / "always").read_text()) >= 2, "beside them, then alone; more often where the machine was busy then, too"
+
+
+def whole_run(folder: pathlib.Path, tests: str) -> tuple[list[str], dict[str, str]]:
+    """A project of its own with axisgate's way to run its tests: command and environment."""
+    (folder / "conftest.py").write_text("from hil_tests.conftest import pytest_addoption, pytest_configure\n")
+    (folder / "pytest.ini").write_text(f"[pytest]\ntestpaths = {tests}\nmarkers =\n    requirement\n    vcan\n    mbpoll\n    cref\n")
+    root = pathlib.Path(__file__).resolve().parents[3]
+    environment = {**{name: value for name, value in os.environ.items() if name != P5}, "PYTHONPATH": str(root)}
+    return [sys.executable, "-m", "pytest", "-v", "--color=no", "-p", "no:cacheprovider"], environment

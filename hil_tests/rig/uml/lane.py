@@ -1,7 +1,7 @@
 """The guest's tests are collected here, run in guests, and reported here one by one.
 
 They are those marked `vcan` and, where the guest has a clock of its own, whole cells whose drives notice a late cycle, and lines that
-wait for seconds (OWN_TIME).
+wait for seconds (OWN_TIME in hil_tests/places.py).
 Each counts as a test of this session: the guest's pytest writes its reports to a host file, they are replayed under the same test
 ids.  A guest that dies fails every test it did not report.
 """
@@ -17,18 +17,13 @@ from collections.abc import Sequence
 import pytest
 
 from hil_tests import lanes, reports
+from hil_tests.places import BESIDE, OWN_TIME, of_one, unhurried
 from hil_tests.rig.uml import guest
 
 REPORTS = "AXISGATE_GUEST_REPORTS"  # set inside the guest: file for the reports
 LIMIT = "AXISGATE_GUEST_LIMIT"  # seconds for the whole lane
 ON_HOST = "AXISGATE_TEST_ON_HOST"  # set by hand: only tests marked vcan go to the guest
-RIG = "hil_tests/rig/"
 CLAIMS = "AXISGATE_GUEST_CLAIMS"  # set inside the guest: folder where two guests share the modules (hil_tests/pair.py)
-OWN_TIME = (  # folders and modules of the rig: whole cells that a late cycle would stop; lines that wait for seconds
-    *("belts", "canopen", "planner", "scope", "shadow"),
-    *("line_tools/test_learn_the_demo.py", "line_tools/test_tools_on_a_cable.py", "modbus/test_modbus_probe.py"),
-    *("rho3/test_rho3_lines.py", "serial/test_line_3964r.py"),
-)
 
 
 def inside() -> bool:
@@ -146,18 +141,12 @@ def wants_own_time(item: pytest.Item) -> bool:
     return of_one(item, OWN_TIME) and guest.own_time() and ON_HOST not in os.environ
 
 
-def of_one(item: pytest.Item, places: Sequence[str]) -> bool:
-    """Whether the test stands in one of these folders or modules of the rig."""
-    module = item.nodeid.partition("::")[0]
-    folder, _, rest = module.removeprefix(RIG).partition("/")
-    return module.startswith(RIG) and bool(rest) and not {folder, f"{folder}/{rest}"}.isdisjoint(places)
-
-
 def turn(item: pytest.Item) -> int:
-    """Pure tests, those of the guest, then all that want a quiet machine; each kind in the order collected."""
-    if lanes.lane_of(item.nodeid, item.keywords) == "pure":
-        return 0
-    return 1 if of_the_guest(item) else 2
+    """What needs no quiet, the guests' tests and what is played beside both, then all that want a quiet machine; each in the order
+    collected."""
+    if of_the_guest(item):
+        return 1
+    return 0 if unhurried(item) else 2 if of_one(item, BESIDE) else 3
 
 
 def forget_the_dead(parent: pathlib.Path) -> None:

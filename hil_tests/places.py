@@ -1,0 +1,57 @@
+"""Where the rig's modules are played in a whole run: folders of hil_tests/rig, or modules `folder/file`.
+
+In the order of a run: what needs no quiet, by two processes (hil_tests/pair.py), and beside it the guests (hil_tests/rig/uml/lane.py)
+and BESIDE; then, alone, all the others (hil_tests/host.py).
+"""
+
+from collections.abc import Sequence
+
+import pytest
+
+from hil_tests import lanes
+
+RIG = "hil_tests/rig/"
+PURE = tuple(f"hil_tests/{folder}/" for folder, lane in lanes.FOLDERS.items() if lane == "pure")
+OWN_TIME = (  # in guests with a clock of their own: whole cells that a late cycle would stop; lines that wait for seconds
+    *("belts", "canopen", "planner", "scope", "shadow"),
+    *("line_tools/test_learn_the_demo.py", "line_tools/test_tools_on_a_cable.py", "modbus/test_modbus_probe.py"),
+    *("rho3/test_rho3_lines.py", "serial/test_line_3964r.py"),
+)
+COMMANDS = (  # they start commands or call them and read files; no clock runs in what they prove
+    *("completion", "datfiles", "motion"),
+    *("bridge/test_mapping_command.py", "broker/test_socketcan_refusals.py", "cell/test_commands.py", "doors/test_modbus_door.py"),
+    *("house/test_commands.py", "house/test_cycle_modules.py", "house/test_every_command.py", "house/test_matrix.py"),
+    *("house/test_mutant.py", "house/test_pair.py", "house/test_places.py"),
+    *("line_tools/test_any_system.py", "line_tools/test_commands.py", "line_tools/test_export_is_there.py"),
+    *("rho3can/test_bus_infer_command.py", "rho3can/test_import_command.py", "starting/test_new_and_assess.py"),
+    *("trace/test_trace_guide.py", "trace/test_tshark.py", "val3_sio/test_guide.py", "web/test_store.py"),
+)
+BESIDE = (  # real processes that wait more than they compute, and whose times are long ones: they stood a machine six times too busy
+    *("bus_tools", "doctor", "monitor", "northbound", "retain", "bench/test_bench_short.py"),
+    *("bridge/test_cl300_bits.py", "bridge/test_couplers.py", "bridge/test_example_cells.py", "bridge/test_other_contacts.py"),
+    *("bridge/test_pic_timer.py", "broker/test_broker.py", "broker/test_broker_python_can.py", "broker/test_wired_broker.py"),
+    *(
+        "cycle/test_late_values.py",
+        "death/test_requests.py",
+        "doors/test_line_roles.py",
+        "drives/test_adapter_ports.py",
+        "drives/test_listening_only.py",
+    ),
+    *("drives/test_one_axis_whole.py", "emulator/test_fault_command.py", "image/test_image_death.py", "image/test_image_rules.py"),
+    *("modbus/test_mbpoll_run.py", "modbus/test_modbus_cell_run.py", "modbus/test_modbus_judges.py"),
+    *("modbus/test_modbus_other_clients.py", "modbus/test_modbus_rtu.py", "modbus/test_modbus_server.py", "modbus/test_modbus_tls.py"),
+    *("rho3/test_rho3_guide.py", "serial/test_line_runner.py", "serial/test_rfc2217.py"),
+    *("val3_sio/test_serial.py", "val3_sio/test_tcp_server.py", "val3_sio/test_udp.py"),
+)
+
+
+def unhurried(item: pytest.Item) -> bool:
+    """Whether it needs neither quiet nor a time of its own."""
+    return item.nodeid.startswith(PURE) or lanes.lane_of(item.nodeid, item.keywords) == "pure" or of_one(item, COMMANDS)
+
+
+def of_one(item: pytest.Item, places: Sequence[str]) -> bool:
+    """Whether the test stands in one of these folders or modules of the rig."""
+    module = item.nodeid.partition("::")[0]
+    folder, _, rest = module.removeprefix(RIG).partition("/")
+    return module.startswith(RIG) and bool(rest) and not {folder, f"{folder}/{rest}"}.isdisjoint(places)
