@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from gateway.axes import limits_of
 from gateway.cell import Cell
 from gateway.cell_alter import Alter
-from gateway.programplan import machine_of_cell
+from gateway.programplan import numbers_of, robots_placed
 
 if TYPE_CHECKING:
     from gateway.pure.corealter import AlterFacts, CoreAlter
@@ -17,7 +17,14 @@ def alter_of_cell(cell: Cell, p5_ms: int) -> "CoreAlter | None":
         return None
     from gateway.pure.corealter import CoreAlter
 
-    return CoreAlter(_facts(cell.alter), machine_of_cell(cell).kinematics, [limits_of(axis) for axis in cell.axis], p5_ms / 1000.0)
+    robots, numbers = robots_placed(cell), altered(cell)
+    own = {number: robot for number, robot in robots.items() if number in numbers}
+    return CoreAlter(_facts(cell.alter), own, [limits_of(axis) for axis in cell.axis], p5_ms / 1000.0)
+
+
+def altered(cell: Cell) -> tuple[int, ...]:
+    """Numbers of the robots that a correction moves."""
+    return numbers_of(cell, cell.alter.robot) if cell.alter is not None else ()
 
 
 def _facts(table: Alter) -> "AlterFacts":

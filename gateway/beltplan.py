@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 from gateway.cell import Cell
 from gateway.cell_belts import Belt
+from gateway.programplan import numbers_of
 
 if TYPE_CHECKING:
     from motion.sync.facts import BeltFacts
@@ -11,10 +12,10 @@ if TYPE_CHECKING:
 
 def belt_facts(cell: Cell) -> "tuple[BeltFacts, ...]":
     """All belts of a checked cell, in the order of the file."""
-    return tuple(_facts(belt) for belt in cell.belt)
+    return tuple(_facts(cell, belt) for belt in cell.belt)
 
 
-def _facts(belt: Belt) -> "BeltFacts":
+def _facts(cell: Cell, belt: Belt) -> "BeltFacts":
     from motion.sync.belts import BeltData, Type
     from motion.sync.facts import BeltFacts
     from motion.sync.parallel import Carrier
@@ -24,13 +25,14 @@ def _facts(belt: Belt) -> "BeltFacts":
     if belt.v_stop is not None or belt.v_run is not None:
         low = belt.v_stop if belt.v_stop is not None else belt.v_run or 0.0
         thresholds = (low, low if belt.v_run is None else belt.v_run, belt.patience_ms)
-    x, y, z = belt.factors
+    names = [robot.name for robot in cell.robot] or [""]
+    factors = {n: belt.factors_of.get(names[n - 1], belt.factors) for n in numbers_of(cell, belt.robot)}
     return BeltFacts(
         belt.name,
         BeltData(to_si(belt.increment, belt.unit), belt.simulated, belt.unit),
         Type(belt.type),
         belt.tolerance,
-        Carrier((x, y, z)),
+        {n: Carrier((x, y, z)) for n, (x, y, z) in factors.items()},
         thresholds,
         to_si(belt.accel, belt.unit),
         to_si(belt.jerk, belt.unit),

@@ -15,3 +15,4 @@ class Alter:
     silence_ms: int = 100  # so old a correction may be
     every_ms: int = 4  # so often it is taken; in between the set values go straight from one to the next
     status: int | None = None  # first RC output of two words: answer and mode, alterStopTime
+    robot: tuple[str, ...] = ()  # whose programs it corrects; empty: the only one

@@ -1,6 +1,7 @@
 """[[belt]] of the cell file, and [plant.belt.NAME]: conveyors and round tables a program can run with (docs/guide/belts.md)."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,6 +24,8 @@ class Belt:
     patience_ms: int = 0
     accel: float = 2000.0  # with which the robot catches up, unit/s2
     jerk: float = 20000.0
+    robot: tuple[str, ...] = ()  # who follows it, by the names of [[robot]]; empty: the only one
+    factors_of: Mapping[str, tuple[float, ...]] = field(default_factory=dict)  # P503 of robots that stand otherwise to it
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,9 +34,10 @@ class Measuring:
 
     channel: int
     input: int = -1  # RC input its wire comes to; -1: none, drives measure
-    axes: tuple[str, ...] = ()  # on the board; empty: all of the robot
+    axes: tuple[str, ...] = ()  # on the board; empty: all of its robots
     drives: tuple[str, ...] = ()  # axes whose CiA 402 drives catch the edge by their touch probe
     probe: int = 1  # of those drives: 1 | 2
+    robot: tuple[str, ...] = ()  # whose programs use it; empty: the only one
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +50,7 @@ class PathOutput:
     bits: int = 16  # of a PPO: 8 | 16, two's complement
     rated: float = 0.0  # P405 of an analog output: the value at `volts`
     volts: float = 10.0  # 10 | 13.3
+    robot: tuple[str, ...] = ()  # whose coordinates lead it: one; empty: the only one
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,3 +14,4 @@ class SharedOutput:
     correction_ms: int = 0  # P201: so long the position loop stays closed behind INPOS
     gain: float = 16.7  # of that loop, 1/s
     keep_last: bool = False  # outside of programs the last axis keeps it until another one moves
+    robot: tuple[str, ...] = ()  # whose axes they are: one; empty: the only one

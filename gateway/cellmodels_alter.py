@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from gateway.cellmodels_base import Table, unit
+from gateway.cellmodels_base import Robots, Table, unit
 
 
 class Alter(Table):
@@ -16,3 +16,4 @@ class Alter(Table):
     silence_ms: int = Field(default=100, ge=10, le=10000, json_schema_extra=unit("ms"))
     every_ms: int = Field(default=4, ge=1, le=1000, json_schema_extra=unit("ms"))
     status: int | None = Field(default=None, ge=0, le=1023)
+    robot: Robots = []

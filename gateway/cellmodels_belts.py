@@ -4,10 +4,12 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from gateway.cellmodels_base import Name, Table
+from gateway.cellmodels_base import Name, OneRobot, Robots, Table
 from gateway.cellmodels_base import unit as _unit
 
 U, PER_S, PER_S2, PER_S3 = (_unit(text) for text in ("mm or deg", "mm/s or deg/s", "mm/s2 or deg/s2", "mm/s3 or deg/s3"))
+
+Factors = Annotated[list[float], Field(min_length=3, max_length=3)]
 
 
 class Belt(Table):
@@ -20,13 +22,15 @@ class Belt(Table):
     bytes: Literal[2, 4] = 4
     type: Literal[1, 2, 3] = 1
     tolerance: int = Field(default=5, ge=1, le=12, json_schema_extra=_unit("interpolation cycles"))
-    factors: Annotated[list[float], Field(min_length=3, max_length=3)] = [1.0, 0.0, 0.0]
+    factors: Factors = [1.0, 0.0, 0.0]
     simulated: float = Field(default=0.0, ge=-10000.0, le=10000.0, json_schema_extra=PER_S)
     v_stop: float | None = Field(default=None, ge=0.0, le=10000.0, json_schema_extra=PER_S)
     v_run: float | None = Field(default=None, ge=0.0, le=10000.0, json_schema_extra=PER_S)
     patience_ms: int = Field(default=0, ge=0, le=60000, json_schema_extra=_unit("ms"))
     accel: float = Field(default=2000.0, gt=0.0, le=1e6, json_schema_extra=PER_S2)
     jerk: float = Field(default=20000.0, gt=0.0, le=1e9, json_schema_extra=PER_S3)
+    robot: Robots = []
+    factors_of: dict[str, Factors] = {}
 
 
 class Measuring(Table):
@@ -35,6 +39,7 @@ class Measuring(Table):
     axes: list[str] = []
     drives: list[str] = []
     probe: Literal[1, 2] = 1
+    robot: Robots = []
 
 
 class PathOutput(Table):
@@ -44,6 +49,7 @@ class PathOutput(Table):
     bits: Literal[8, 16] = 16
     rated: float = Field(default=0.0, ge=0.0, le=1e6)
     volts: float = Field(default=10.0, ge=10.0, le=13.3, json_schema_extra=_unit("V"))
+    robot: OneRobot = []
 
 
 class PlantBelt(Table):

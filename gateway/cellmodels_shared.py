@@ -4,7 +4,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from gateway.cellmodels_base import Name, Table, unit
+from gateway.cellmodels_base import Name, OneRobot, Table, unit
 
 
 class SharedOutput(Table):
@@ -15,3 +15,4 @@ class SharedOutput(Table):
     correction_ms: int = Field(default=0, ge=0, le=10000, json_schema_extra=unit("ms"))
     gain: float = Field(default=16.7, ge=0.0, le=1000.0, json_schema_extra=unit("1/s"))
     keep_last: bool = False
+    robot: OneRobot = []

@@ -8,7 +8,7 @@ from gateway.beltplan import belt_facts
 from gateway.cell import Cell
 from gateway.image import RegionWriter
 from gateway.io_regions import MOST_BELTS, OFFSETS, OFFSETS_LAYOUT
-from gateway.programplan import machine_of_cell
+from gateway.programplan import robots_placed
 from gateway.pure.corebelts import CoreBelts
 
 
@@ -59,8 +59,8 @@ class BeltOffsets:
 
 
 def belts_of(cell: Cell, p5_ms: int) -> CoreBelts:
-    """Belts of a checked cell; its robot stands on its first axes."""
-    return CoreBelts(belt_facts(cell), machine_of_cell(cell).kinematics, [limits_of(axis) for axis in cell.axis], p5_ms / 1000.0)
+    """Belts of a checked cell."""
+    return CoreBelts(belt_facts(cell), robots_placed(cell), [limits_of(axis) for axis in cell.axis], p5_ms / 1000.0)
 
 
 def encoders_of(cell: Cell, bus: str, belts: CoreBelts) -> dict[int, Encoder]:

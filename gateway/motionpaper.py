@@ -50,11 +50,13 @@ def sections_of(
     belts: Sequence[BeltFacts],
     *,
     option: bool = True,
+    kinematic: int = 1,
     files: Files = NO_FILES,
     said: Callable[[int], None] = lambda block: None,
 ) -> tuple[list[Section], list[BlockError]]:
     """Every block, each looked at from where the last good one ended; a part on a belt as if the belt stood where it is meant to be, an
-    alterable part without its correction.  option: the cell has one; `said` hears the number of each block that was looked at."""
+    alterable part without its correction.  option: the robot has one; kinematic: its number in the cell; `said` hears the number of each
+    block that was looked at."""
     route, found, faults = _Looked(machine, program.start), [Section(1, program.start)], []
     for number, block in enumerate(program.blocks, 1):
         try:
@@ -69,7 +71,7 @@ def sections_of(
             filed = block.file is not None or section.path is not None
             if (section.part is None) != (block.synchron is None) or apart or block.acts or filed:
                 route.finish()
-                part = begun(block, number, belts, machine, route.standing)[-1] if block.synchron is not None else None
+                part = begun(block, number, belts, machine, route.standing, kinematic)[-1] if block.synchron is not None else None
                 section = Section(number, route.standing, part.blocks if part is not None else [], part)
                 found.append(section)
             plan = section.part.tried if section.part is not None else None
@@ -190,7 +192,7 @@ class _PartRun:
         own, place = part.tried.facts, part.tried.belt
         now = (own if n == place else each for n, each in enumerate(paper.belts))  # as statements of belts have set it
         facts = [self._even(each, speed) for each, speed in zip(now, paper.speeds, strict=True)]
-        self._belts = CoreBelts(facts, paper.machine.kinematics, paper.machine.limits, paper.period)
+        self._belts = CoreBelts(facts, {self._plan.kinematic: paper.machine.kinematics}, paper.machine.limits, paper.period)
         self._stepper = Stepper(len(self._stands), paper.period, self._stands)
         self._inputs = InputImage()
         set_bit(self._inputs.values, SIMULATION, True)

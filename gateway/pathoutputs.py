@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from gateway.cell import Cell
-from gateway.programplan import machine_of_cell
+from gateway.programplan import numbers_of, robots_placed
 
 if TYPE_CHECKING:
     from gateway.pure.coreoutputs import CoreOutputs, Places
@@ -17,7 +17,8 @@ def output_places(cell: Cell) -> "Places":
     found = {}
     for each in cell.path_output:
         kind = Kind.PPO if each.kind == "ppo" else Kind.IOL
-        found[kind, each.function] = OutputPlace(each.output, each.bits if kind is Kind.PPO else 1, each.rated, each.volts)
+        (kinematic, *_) = numbers_of(cell, each.robot)
+        found[kind, each.function] = OutputPlace(each.output, each.bits if kind is Kind.PPO else 1, each.rated, each.volts, kinematic)
     return found
 
 
@@ -27,4 +28,4 @@ def functions_of(cell: Cell, p5_ms: int) -> "CoreOutputs | None":
         return None
     from gateway.pure.coreoutputs import CoreOutputs
 
-    return CoreOutputs(output_places(cell), machine_of_cell(cell).kinematics, p5_ms / 1000.0)
+    return CoreOutputs(output_places(cell), robots_placed(cell), p5_ms / 1000.0)

@@ -4,9 +4,12 @@ Files are read here and in the planner process alone.  Imports of the motion cor
 services) must not load it.
 """
 
+import functools
+import operator
 import pathlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import accumulate
 from typing import TYPE_CHECKING
 
 from gateway.cell import Cell, Robot
@@ -18,6 +21,7 @@ LARGEST = 8_000_000  # bytes of a BNR file: more points than one block takes
 
 if TYPE_CHECKING:
     from motion.errors import MotionError
+    from motion.kinematics.base import PathKinematics
     from motion.limits import AxisLimits
     from motion.planner.robot import Machine
     from motion.planner.team import Team
@@ -88,9 +92,19 @@ def written_for(named: str, model: str) -> bool:
     return not named or pathlib.PurePath(named).stem == pathlib.PurePath(model).stem
 
 
+def numbers_of(cell: Cell, names: Sequence[str]) -> tuple[int, ...]:
+    """Numbers, from 1, of the robots a table of a checked cell is about; none named: the only one."""
+    return tuple(n for n, robot in enumerate(cell.robot, 1) if not names or robot.name in names) or (1,)
+
+
 def measured_mask(cell: Cell, measuring: Measuring) -> int:
-    """Axes (bit n-1 = axis n of the cell) on the board of a measuring input; none named: all."""
-    return sum(1 << n for n, axis in enumerate(cell.axis) if not measuring.axes or axis.name in measuring.axes)
+    """Axes (bit n-1 = axis n of the cell) on the board of a measuring input; none named: all of its robots."""
+    mask = sum(1 << n for n, axis in enumerate(cell.axis) if not measuring.axes or axis.name in measuring.axes)
+    if len(cell.robot) < 2:
+        return mask
+    machines = machines_of_cell(cell)
+    own = (mask_of(cell, machines[number - 1]) for number in numbers_of(cell, measuring.robot))
+    return mask & functools.reduce(operator.or_, own)
 
 
 def probe_of(cell: Cell, axis: str) -> Measuring | None:
@@ -144,9 +158,10 @@ def _machine(cell: Cell, table: Robot, first: int) -> "Machine":
     for ours, its in zip(own, robot.limits, strict=True):
         if ours.unit != its.unit:
             raise MotionError(f"axis {ours.name} of the cell is in {ours.unit}, axis {its.name} of robot {name} in {its.unit}")
-    if cell.belt and robot.carried:
+    number = cell.robot.index(table) + 1
+    if robot.carried and any(number in numbers_of(cell, belt.robot) for belt in cell.belt):
         names = ", ".join(axis.name for axis in own[robot.arm :])
-        raise MotionError(f"additional axes {names} carry the robot or the workpiece; no belt can be in the same cell (AX-565)")
+        raise MotionError(f"additional axes {names} carry the robot or the workpiece; no belt can be one of this robot (AX-565)")
     _check_endless(name, robot, own)
     return replace(robot, limits=tuple(own), too_fast=TooFast(table.too_fast))
 
@@ -164,6 +179,22 @@ def _check_endless(name: str, robot: "Machine", own: "Sequence[AxisLimits]") -> 
         if n < robot.arm and not isinstance(robot.kinematics, Identity):
             what = f"axis {axis.name} is endless (modulo), and the arm of robot {name} has a geometry"
             raise MotionError(f"{what}: only axes of kind identity and additional axes go round (AX-568)")
+
+
+def robots_placed(cell: Cell) -> "dict[int, PathKinematics]":
+    """Kinematics of every robot by its number, from 1, on the axes of the cell: as the cycle takes them."""
+    from motion.kinematics.placed import behind
+
+    machines = machines_of_cell(cell)
+    firsts = accumulate((machine.axes for machine in machines), initial=0)
+    return {n: behind(machine.kinematics, first) for n, (machine, first) in enumerate(zip(machines, firsts, strict=False), 1)}
+
+
+def numbers_by_axis(cell: Cell) -> dict[str, int]:
+    """Number of each of several robots, from 1, by the name of its first axis."""
+    if len(cell.robot) < 2:
+        return {}
+    return {machine.limits[0].name: n for n, machine in enumerate(machines_of_cell(cell), 1)}
 
 
 def called_in(cell: Cell) -> str:

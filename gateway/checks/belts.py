@@ -40,6 +40,11 @@ def _one(check: Context, belt: Belt, number: int) -> None:
         check.fault(f"{where}.byte", belt.byte, f"{belt.bytes} bytes from here are more than a telegram has", f"0..{8 - belt.bytes}")
     if not any(belt.factors):
         check.fault(f"{where}.factors", list(belt.factors), "a belt that moves nothing (P503)")
+    for name, factors in belt.factors_of.items():
+        if name not in (belt.robot or tuple(robot.name for robot in cell.robot)):
+            check.fault(f"{where}.factors_of", name, "no robot of this belt", ", ".join(belt.robot))
+        elif not any(factors):
+            check.fault(f"{where}.factors_of.{name}", list(factors), "a belt that moves nothing (P503)")
     if not belt.bus:
         if belt.id:
             check.fault(f"{where}.id", belt.id, "an encoder needs `bus`, the drive bus it is on")

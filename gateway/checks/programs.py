@@ -12,7 +12,7 @@ from gateway.controllers import boards_of, p11_of
 from gateway.families import DRIVE_PROTOCOLS, make_family
 from gateway.fastwires import fast_wires
 from gateway.files import ConfigNotFound, beside, read_text
-from gateway.programplan import bnr_files, machines_of_cell, robots_of, written_for
+from gateway.programplan import bnr_files, machines_of_cell, numbers_by_axis, numbers_of, robots_of, written_for
 from gateway.pure.interface.fastio import BOARDS, FastInputs
 from gateway.pure.permits import free_outputs
 
@@ -56,8 +56,10 @@ def _read(check: Context, key: str, table: Program) -> None:
         path = beside(check.cell.file, file, "programs")
         text = read_text(path)
         program = None if several(text) else read(text)
+        number = 1
         if len(check.cell.robot) > 1 or program is None:
-            robots_of(check.cell, text, table.kinematics)
+            robots = robots_of(check.cell, text, table.kinematics)
+            number = numbers_by_axis(check.cell).get(robots.limits[0].name, 1)
     except (ConfigNotFound, OSError, UnicodeDecodeError) as error:
         check.fault(key, file, str(error))
         return
@@ -68,7 +70,7 @@ def _read(check: Context, key: str, table: Program) -> None:
         robot = check.cell.robot[0]
         if len(check.cell.robot) == 1 and not written_for(program.robot, robot.model):
             check.fault(key, file, f"is written for robot {program.robot}, this cell's is {robot.model}")
-        there = {each.channel for each in check.cell.measuring}
+        there = {each.channel for each in check.cell.measuring if number in numbers_of(check.cell, each.robot)}
         for name, data in bnr_files(str(path), program.blocks).items():
             if isinstance(data, MotionError):
                 line = next(block.line for block in program.blocks if block.file is not None and block.file.name == name)
@@ -77,7 +79,7 @@ def _read(check: Context, key: str, table: Program) -> None:
             named = [asked.channel for asked in (block.until, block.wait) if asked is not None and asked.channel]
             named += [call.channel for call in block.functions if isinstance(call, Flying)]
             for channel in [each for each in named if each not in there]:
-                check.fault(key, file, f"line {block.line}: channel {channel} is in no [[measuring]] table")
+                check.fault(key, file, f"line {block.line}: channel {channel} is in no [[measuring]] table of the robot")
 
 
 def _path_outputs(check: Context) -> None:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gateway.alterplan import altered
 from gateway.beltplan import belt_facts
 from gateway.cell import Cell
 from gateway.commands.common import load as cell_of
@@ -17,7 +18,7 @@ from gateway.errors import Exit
 from gateway.files import ConfigNotFound, find_config, read_text
 from gateway.motionpaper import Paper, sections_of
 from gateway.motionplot import page, team_page
-from gateway.programplan import bnr_files, machine_of_cell, robot_meant, team_meant
+from gateway.programplan import bnr_files, machine_of_cell, numbers_by_axis, robot_meant, team_meant
 from gateway.progress import Progress
 from gateway.pure.programtrial import Files
 from gateway.robotfile import RobotFaults, load_robot
@@ -79,7 +80,9 @@ def main(argv: list[str]) -> int:
         return refuse(error)
     files = files_of(options.program, program, 0 if cell is None else 1000 * cell.cycle_ms)
     with Progress("blocks", len(program.blocks)) as said:
-        found = sections_of(program, machine, belts.facts, option=cell is None or cell.alter is not None, files=files, said=said)
+        number = 1 if cell is None else numbers_by_axis(cell).get(machine.limits[0].name, 1)
+        option = cell is None or number in altered(cell)
+        found = sections_of(program, machine, belts.facts, option=option, kinematic=number, files=files, said=said)
     sections, faults = found
     if options.what == "check" or faults:
         return check(program, faults, options.json)

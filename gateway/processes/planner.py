@@ -4,7 +4,6 @@ holds then ends at rest on the path, and nothing moves again without a fresh ord
 
 import argparse
 import contextlib
-import functools
 import pathlib
 import select
 import signal
@@ -12,17 +11,13 @@ import time
 from collections.abc import Sequence
 
 from gateway.assembly import RunPlan, load_plan
-from gateway.axes import rc_numbers, window_of
-from gateway.beltplan import belt_facts
 from gateway.files import read_text
 from gateway.image import RegionReader, RegionWriter, RingReader, RingWriter, fds_from_text
 from gateway.journal import Journal
-from gateway.pathoutputs import output_places
-from gateway.programplan import mask_of, measuring_facts, read_bnr, robot_meant, team_meant
-from gateway.pure.permits import free_outputs
+from gateway.plannerplan import programs_of
+from gateway.programplan import mask_of, read_bnr, robot_meant, team_meant
 from gateway.pure.plannerrecords import SAY_LAYOUT, PlannerState, pack_piece, pack_planner, unpack_block, unpack_planner
 from gateway.pure.programfollow import follow, standing
-from gateway.pure.programs import Programs
 from gateway.pure.programtrial import Files
 from gateway.pure.records import CellState, unpack_cell_state
 from gateway.realtime import Timerfd, die_with_parent, go_ahead
@@ -47,14 +42,8 @@ class PlannerProcess:
         self.pieces = RingWriter(fds["pieces"], "pieces")
         self.region = RegionWriter(fds["planner"], "planner")
         self.count = len(plan.cell.axis)
-        outputs = free_outputs(rc_numbers(plan.cell), self.count)
-        mask = functools.partial(mask_of, plan.cell)
-        self.programs = Programs(self.machine, mask, self.text, outputs, belts=belt_facts(plan.cell), team_of=self.team)
+        self.programs = programs_of(plan.cell, self.machine, self.text, self.team)
         self.programs.files = Files(self.file, plan.p5_ms * 1000)
-        self.programs.functions = output_places(plan.cell)
-        self.programs.windows = [window_of(axis) for axis in plan.cell.axis]
-        self.programs.option = plan.cell.alter is not None
-        self.programs.channels = measuring_facts(plan.cell)
         said = self.region.latest()
         if said is not None:
             self.programs.follows(unpack_planner(said))

@@ -43,8 +43,8 @@ class AlterMover(Mover):
             super().stop(reason)
 
     def leave(self) -> bool:
-        """An alterable part needs all its axes."""
-        return not self.alter.on and super().leave()
+        """An alterable part needs all axes of its robot."""
+        return (not self.alter.on or self.all_wanted()) and super().leave()
 
     def drop(self, reason: Reason) -> None:
         super().drop(reason)
@@ -92,11 +92,11 @@ class AlterMover(Mover):
 
     def _take_alter(self, record: PieceRecord) -> None:
         """alterBegin; what does not fit ends the program before it moves."""
-        if self.gate.watches:
-            self._refuse(self.gate.missing)
+        if missing := self.gate.missing_of(self.program.mask):
+            self._refuse(missing)
             return
         try:
-            if self._homings.job or self._state.emergency or not self.all_enabled((1 << len(self._axes)) - 1):
+            if self._homings.job or self._state.emergency or not self.all_enabled(self.program.mask):
                 raise MotionError("the axes are not all enabled and free")
             self.alter.begin(alter_of(record), [axis.set for axis in self._axes])
         except MotionError:

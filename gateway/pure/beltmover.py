@@ -59,8 +59,8 @@ class BeltMover(Mover):
             self._leave_belt(reason)
 
     def leave(self) -> bool:
-        """A synchronous part needs all its axes."""
-        return self._belts.free and super().leave()
+        """A synchronous part needs all axes of its robot."""
+        return (self._belts.free or self.all_wanted()) and super().leave()
 
     def drop(self, reason: Reason) -> None:
         super().drop(reason)
@@ -102,10 +102,10 @@ class BeltMover(Mover):
             if record.part is Part.BELT_ACT:
                 self._act(act_of(record))
                 return
-            if self.gate.watches:
-                self._refuse(self.gate.missing)
+            if missing := self.gate.missing_of(program.mask):
+                self._refuse(missing)
                 return
-            if self._homings.job or self._state.emergency or not self.all_enabled((1 << len(self._axes)) - 1):
+            if self._homings.job or self._state.emergency or not self.all_enabled(self.program.mask):
                 raise MotionError("the axes are not all enabled and free")
             if record.part is Part.BELT_BLOCK:
                 belts.add(belt_block_of(record))

@@ -15,24 +15,24 @@ from motion.sync.pace import Pace
 from motion.sync.part import BeltBlock
 
 COORDINATES = 24  # six of the tool and additional axes
-_ORDER = struct.Struct("=BBBI dd 12d")
+_ORDER = struct.Struct("=BBBBI dd 12d")
 _BLOCK = struct.Struct(f"=BBB 6d {COORDINATES}d {COORDINATES}d")
 KINDS = tuple(Interpolation)
 
 
 def synchron_record(job: int, generation: int, order: SynchronOrder) -> PieceRecord:
     """As a record of the pieces ring."""
-    head = (order.belt, order.kind.value, order.tolerance, order.block, order.at, order.reference)
+    head = (order.belt, order.kind.value, order.tolerance, order.kinematic, order.block, order.at, order.reference)
     body = _ORDER.pack(*head, *order.tool.position, *order.tool.rotation)
     return PieceRecord(Part.SYNCHRON, job, generation, body.ljust(RECORD_SIZE, b"\0"))
 
 
 def synchron_of(record: PieceRecord) -> SynchronOrder:
     """The reverse of synchron_record."""
-    belt, kind, tolerance, block, at, reference, *pose = _ORDER.unpack_from(record.piece)
+    belt, kind, tolerance, kinematic, block, at, reference, *pose = _ORDER.unpack_from(record.piece)
     a, b, c, d, e, f, g, h, i = pose[3:]
     tool = Pose((pose[0], pose[1], pose[2]), (a, b, c, d, e, f, g, h, i))
-    return SynchronOrder(belt, Type(kind), at, reference, block, tool, tolerance)
+    return SynchronOrder(belt, Type(kind), at, reference, block, tool, tolerance, kinematic)
 
 
 def belt_block_record(job: int, generation: int, block: BeltBlock) -> PieceRecord:

@@ -5,14 +5,15 @@ path from the stepper, and its end.  A correction that falls silent, is too fast
 """
 
 import struct
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from gateway.pure.records import NEVER, InputImage, Quality
 from motion.errors import MotionError
 from motion.frames import Pose, compose
-from motion.kinematics.base import Kinematics, KinematicsError
+from motion.kinematics.base import KinematicsError, PathKinematics
 from motion.kinematics.group import on_course
+from motion.kinematics.placed import first_of
 from motion.limits import TOUCH, AxisLimits
 from motion.stepper import Sample, State
 from motion.sync.alter import Alter, AlterFault, Mode
@@ -83,18 +84,19 @@ class Correction:
 
 
 class CoreAlter:
-    """The alterable part that may be under way.  kinematics: as motion.planner.robot.Machine has it; limits: of all axes of the cell."""
+    """The alterable part that may be under way.  robots: kinematics by number, as motion.planner.robot.Machine has them, each on the axes
+    of the cell; limits: of those."""
 
-    def __init__(self, facts: AlterFacts, kinematics: Kinematics, limits: Sequence[AxisLimits], period_s: float) -> None:
+    def __init__(self, facts: AlterFacts, robots: Mapping[int, PathKinematics], limits: Sequence[AxisLimits], period_s: float) -> None:
         self.facts, self.on = facts, False
         self.fault: tuple[int, int] | None = None  # code, axis from 1 or 0
         self.block = 0
         self._source = Correction(facts)
-        self._kinematics, self._limits, self._arm = kinematics, tuple(limits), kinematics.axes
-        self._period = period_s
-        slowest = max(axis.speed / axis.accel + axis.accel / axis.jerk for axis in self._limits[: self._arm])
+        self._robots, self._limits, self._period = robots, tuple(limits), period_s
         every = max(round(facts.every_s / period_s), 1) * period_s
-        self.alter = Alter(period_s, stop_time_s=slowest, every_s=every)
+        self._alters = {number: Alter(period_s, stop_time_s=self._slowest(robot), every_s=every) for number, robot in robots.items()}
+        self._kinematics, self.alter = next(iter(robots.values())), next(iter(self._alters.values()))  # of the robot of the part
+        self._arm = self._kinematics.axes
         self._order: AlterOrder | None = None
         self._q: tuple[float, ...] = ()
         self._tip: Pose | None = None  # tool centre point of the cycle before
@@ -102,11 +104,19 @@ class CoreAlter:
         self._alive = False
         self._answer = 0
 
+    def _slowest(self, robot: PathKinematics) -> float:
+        """Time the slowest of its axes takes to stop."""
+        own = self._limits[first_of(robot) : robot.axes]
+        return max(axis.speed / axis.accel + axis.accel / axis.jerk for axis in own)
+
     # ---- a part --------------------------------------------------------------------------------------------------------
     def begin(self, order: AlterOrder, q: Sequence[float]) -> None:
         """alterBegin: the axes (all of the cell) rest at q."""
-        if self.on:
-            raise MotionError("an alterable part is under way")
+        if self.on or order.kinematic not in self._robots:
+            raise MotionError("an alterable part is under way, or the robot has no correction")
+        self.alter.reset_motion()
+        self._kinematics, self.alter = self._robots[order.kinematic], self._alters[order.kinematic]
+        self._arm = self._kinematics.axes
         self.reset()
         self._order, self._q, self._tip, self.block = order, tuple(q), None, order.block
         self.alter.begin(order.reference, order.frame, order.limits(self._limits[: self._arm]))

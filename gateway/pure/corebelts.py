@@ -5,7 +5,7 @@ and the joints are found from them.  Whatever ends a part ends at rest: the robo
 jerk; faults of types 2 and 3 open READY (rho3 L6112), and the drives stop by themselves (AX-543).
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import isnan, nan, sqrt
 
@@ -13,7 +13,7 @@ from gateway.pure.beltacts import COUNTER, PARAMETERS, ActOrder
 from gateway.pure.records import InputImage, Quality
 from motion.errors import MotionError
 from motion.frames import Pose, Rotation, compose
-from motion.kinematics.base import Kinematics, KinematicsError
+from motion.kinematics.base import KinematicsError, PathKinematics
 from motion.limits import TOUCH, AxisLimits
 from motion.pieces import Piece
 from motion.stepper import Sample, State, Stepper
@@ -30,7 +30,6 @@ from motion.sync.watch import Motion
 from motion.timed import TimedPiece
 
 TRAVEL, SILENT, SPEED = 65001, 65002, 65003  # AX-545: an axis would leave its travel; no telegram of the encoder; an axis is too slow
-KINEMATIC = 1
 DELAY = 2  # cycles from the SYNC that latches a belt to the one that activates the set value made of it (AX-144)
 SILENT_CYCLES = 5
 SETTLED, PATIENT_CYCLES = 0.03, 100  # share of the belt's speed its filter may be off when a robot gets on; cycles that is waited for
@@ -59,9 +58,11 @@ class Zero:
 
 
 class CoreBelts:
-    """All belts of a cell and the one part that may be under way.  kinematics: of the arm, the first axes of the cell."""
+    """All belts of a cell and the one part that may be under way.  robots: kinematics by number, each on the axes of the cell."""
 
-    def __init__(self, facts: Sequence[BeltFacts], kinematics: Kinematics, limits: Sequence[AxisLimits], period_s: float) -> None:
+    def __init__(
+        self, facts: Sequence[BeltFacts], robots: Mapping[int, PathKinematics], limits: Sequence[AxisLimits], period_s: float
+    ) -> None:
         """limits: of all axes of the cell."""
         self.facts, self.all = tuple(facts), make_belts(tuple(facts), period_s)
         self.counts = [0] * len(self.facts)  # as the encoders said last
@@ -69,9 +70,9 @@ class CoreBelts:
         self.order: SynchronOrder | None = None  # of the part under way
         self.fault: BeltFault | None = None
         self.engaged_now = False  # in this cycle the robot got onto its belt
-        self._kinematics, self._limits, self._period = kinematics, tuple(limits), period_s
-        self._arm = kinematics.axes
-        self._speeds = tuple(axis.speed for axis in self._limits[: self._arm])
+        self._robots, self._limits, self._period = robots, tuple(limits), period_s
+        self._kinematics = next(iter(robots.values()))  # of the robot of the part
+        self._arm = self._kinematics.axes
         self._encoders = [False] * len(self.facts)
         self._zeros: list[Zero | None] = [None] * len(self.facts)  # of encoders that have spoken
         self._stood: dict[int, float] = {}  # offsets as they were kept, until their encoder speaks
@@ -184,19 +185,21 @@ class CoreBelts:
 
     def synchron(self, order: SynchronOrder, q: Sequence[float]) -> None:
         """SYNCHRON: the axes (all of the cell) rest at q.  MotionError where a part is under way, or there is no such belt."""
-        if self.order is not None or not 0 <= order.belt < len(self.facts):
-            raise MotionError(f"SYNCHRON on belt {order.belt + 1}: not possible now")
+        if self.order is not None or not 0 <= order.belt < len(self.facts) or order.kinematic not in self.facts[order.belt].carriers:
+            raise MotionError(f"SYNCHRON of kinematic {order.kinematic} on belt {order.belt + 1}: not possible now")
+        self._kinematics = self._robots[order.kinematic]
+        self._arm = self._kinematics.axes
         self.order, self.fault, self._q, self._behind, self._waited = order, None, tuple(q), 0, 0
         self.all.all[order.belt].kind, self.all.all[order.belt].tolerance = order.kind, order.tolerance
         if order.kind is Type.PARALLEL:
             facts = self.facts[order.belt]
             belt, coupling = self.all.all[order.belt], Coupling(facts.accel, facts.jerk)
-            self._carried = Carried(ParallelPart(belt, facts.carrier), self._trackers[order.belt], coupling)
+            self._carried = Carried(ParallelPart(belt, facts.carriers[order.kinematic]), self._trackers[order.belt], coupling)
             return
         belt = self.all.all[order.belt]
         pose = compose(self._kinematics.forward(self._q[: self._arm]), order.tool)
         self._rotation = pose.rotation
-        self._part = SynchronPart(belt, KINEMATIC, (*coordinates(pose, pose.rotation), *self._q[self._arm :]), order.at)
+        self._part = SynchronPart(belt, order.kinematic, (*coordinates(pose, pose.rotation), *self._q[self._arm :]), order.at)
 
     def add(self, block: BeltBlock) -> None:
         """The next block of types 2 and 3; BeltError, MotionError."""
@@ -290,7 +293,8 @@ class CoreBelts:
         return abs(carried.tracker.speed - watch.speed) <= SETTLED * abs(watch.speed) + watch.stop
 
     def _engage(self, stepper: Stepper, carried: Carried, order: SynchronOrder) -> None:
-        rig = SyncStepper(stepper, self._kinematics, self._speeds, self._period, self._q)
+        speeds = [axis.speed for axis in self._limits[: self._arm]]
+        rig = SyncStepper(stepper, self._kinematics, speeds, self._period, self._q)
         carried.bear(self._kinematics, self._limits[: self._arm], self._q[: self._arm])
         carried.engage()
         self._reference = carried.coupling.value if isnan(order.reference) else order.reference

@@ -26,6 +26,10 @@ class DriveOnGate:
         """Some axis is out of the loop, or its position is not accepted."""
         return bool(self.kept or self._rule.unaccepted)
 
+    def missing_of(self, mask: int) -> int:
+        """The first of these axes (from 1) that is out of the loop, or whose position is not accepted; 0: none."""
+        return min((n + 1 for n in self.kept | self._rule.unaccepted if mask >> n & 1), default=0)
+
     # ---- programs ----------------------------------------------------------------------------------------------------
     def begin(self, mask: int) -> bool:
         """A program is ordered: True when its axes follow, but for those nobody wants on; one at least."""
@@ -50,11 +54,6 @@ class DriveOnGate:
         self.kept = {n for n in self.kept if not self._rule.on[n] or n in self._rule.unaccepted}
 
     # ---- signals -------------------------------------------------------------------------------------------------------
-    @property
-    def missing(self) -> int:
-        """The first axis (from 1) that `watches` is about."""
-        return min(self.kept | self._rule.unaccepted, default=-1) + 1
-
     def leave(self, ahead: Iterable[TimedPiece]) -> int:
         """Axes are not wanted on any more; the first of them (from 1) that one of the committed pieces would move, 0: none."""
         self._update(moving=False)

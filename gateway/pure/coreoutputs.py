@@ -11,34 +11,36 @@ from gateway.pure.plannerrecords import function_number
 from gateway.pure.records import CellState, Motion, Permit, set_bit
 from motion.conventions import RHO3
 from motion.errors import MotionError
-from motion.kinematics.base import Kinematics
+from motion.kinematics.base import PathKinematics
 from motion.outputs.function import Function
 from motion.outputs.rho3 import Analog, Call, Kind, PathOutputs, Stop
 
-KINEMATIC, COORDINATES = 1, 6
+COORDINATES = 6
 FULL = 0x7FFF  # of an analog output: its most volts
 HELD = (Motion.STOPPING, Motion.STOPPED)
 
 
 @dataclass(frozen=True, slots=True)
 class OutputPlace:
-    """Where a function's value stands: RC output (of the lowest bit), bits (1: IO logic), rated value and volts of an analog output."""
+    """Where a function's value stands: RC output (of the lowest bit), bits (1: IO logic), rated value and volts of an analog output;
+    kinematic: whose coordinates lead it, from 1."""
 
     output: int
     bits: int = 1
     rated: float = 0.0
     volts: float = 10.0
+    kinematic: int = 1
 
 
 Places = Mapping[tuple[Kind, int], OutputPlace]
 
 
 class CoreOutputs:
-    """All functions of a cell.  kinematics: as motion.planner.robot.Machine has it: of the first axes of the cell, those that
-    carry the robot or the workpiece among them."""
+    """All functions of a cell.  robots: kinematics by number, as motion.planner.robot.Machine has them (axes that carry the robot or the
+    workpiece among theirs), each on the axes of the cell."""
 
-    def __init__(self, places: Places, kinematics: Kinematics, period_s: float) -> None:
-        self._places, self._kinematics, self._period = places, kinematics, period_s
+    def __init__(self, places: Places, robots: Mapping[int, PathKinematics], period_s: float) -> None:
+        self._places, self._robots, self._period = places, robots, period_s
         analog = {number: Analog(place.rated, place.volts) for (kind, number), place in places.items() if kind is Kind.PPO and place.rated}
         self._functions = PathOutputs(analog)
         self._running = 0  # at most so many functions run
@@ -55,13 +57,19 @@ class CoreOutputs:
         """q: set values of this cycle, m and rad."""
         if not self._running:
             return
-        point = RHO3.values(self._kinematics.forward(tuple(q[: self._kinematics.axes])))
-        self._functions.step(KINEMATIC, point, self._period, self._stops(state))
-        said = self._functions.stopped
+        stops = self._stops(state)
+        for kinematic in {place.kinematic for (kind, number), place in self._places.items() if self._in_use(kind, number, place)}:
+            robot = self._robots[kinematic]
+            point = RHO3.values(robot.forward(tuple(q[: robot.axes])))
+            self._functions.step(kinematic, point, self._period, stops)
+            said = self._functions.stopped
+            if said is not None:
+                state.path_stop = function_number(said[0] is Kind.PPO, said[1])
         self._show(image)
-        if said is not None:
-            state.path_stop = function_number(said[0] is Kind.PPO, said[1])
-        self._running = sum(self._functions.in_use(kind, KINEMATIC, number) for kind, number in self._places)
+        self._running = sum(self._in_use(kind, number, place) for (kind, number), place in self._places.items())
+
+    def _in_use(self, kind: Kind, number: int, place: OutputPlace) -> bool:
+        return self._functions.in_use(kind, place.kinematic, number)
 
     def _stops(self, state: CellState) -> Sequence[Stop]:
         permits, failed = state.permits, state.failed_job
@@ -78,7 +86,7 @@ class CoreOutputs:
 
     def _show(self, image: bytearray) -> None:
         for (kind, number), place in self._places.items():
-            value = self._functions.outputs.get((kind, KINEMATIC, number))
+            value = self._functions.outputs.get((kind, place.kinematic, number))
             if value is None:
                 continue
             if kind is Kind.IOL:
@@ -101,14 +109,15 @@ def as_call(asked: Function) -> tuple[Kind, Call]:
     return kind, Call(asked.number, asked.kinematic, asked.coordinate, asked.position, asked.value, asked.time_ms)
 
 
-def check_function(asked: Function, places: Places) -> None:
-    """Before anything moves; MotionError names what the cell does not have."""
+def check_function(asked: Function, places: Places, kinematic: int) -> None:
+    """Before anything moves; MotionError names what the robot, of this number in its cell, does not have."""
     kind, call = as_call(asked)
     PathOutputs({number: Analog(1.0) for _, number in places}).call(kind, call)
-    if (kind, abs(call.number)) not in places:
-        known = ", ".join(sorted(f"{each.name} {number}" for each, number in places)) or "none"
-        raise MotionError(f"{kind.name} {abs(call.number)}: no such function; this cell has {known} ([[path_output]])")
-    if call.kinematic != KINEMATIC or (call.number > 0 and call.coordinate > COORDINATES):
+    own = [key for key, place in places.items() if place.kinematic == kinematic]
+    if (kind, abs(call.number)) not in own:
+        known = ", ".join(sorted(f"{each.name} {number}" for each, number in own)) or "none"
+        raise MotionError(f"{kind.name} {abs(call.number)}: no such function; the robot has {known} ([[path_output]])")
+    if call.kinematic != kinematic or (call.number > 0 and call.coordinate > COORDINATES):
         raise MotionError(
-            f"{kind.name} {call.number}: kinematic {call.kinematic}, coordinate {call.coordinate}; kinematic 1, 1..6: x y z a b c"
+            f"{kind.name} {call.number}: kinematic {call.kinematic}, coordinate {call.coordinate}; kinematic {kinematic}, 1..6: x y z a b c"
         )

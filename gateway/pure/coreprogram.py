@@ -13,9 +13,11 @@ REACHED = 1e-9  # s at full speed
 
 @dataclass(slots=True)
 class ProgramRun:
-    """job: ordered and not over, 0: none; begun: a piece of it was taken; complete: nothing more comes."""
+    """job: ordered and not over, 0: none; mask: axes it may move (bit n-1 = axis n); begun: a piece of it was taken; complete: nothing more
+    comes."""
 
     job: int = 0
+    mask: int = 0
     begun: bool = False
     complete: bool = False
     switches: deque[Entry] = field(default_factory=deque)  # outputs to come, in the order of the way
@@ -23,9 +25,10 @@ class ProgramRun:
     rests: bool = False  # nothing more comes of the part
     failed: bool = False  # what was committed of it is still run
 
-    def order(self, job: int) -> None:
+    def order(self, job: int, mask: int = 0) -> None:
         """From now on pieces of this job are taken."""
-        self.job, self.begun, self.complete, self.failed = job, False, False, False
+        self.job, self.mask = job, mask
+        self.begun, self.complete, self.failed = False, False, False
         self.part_over()
 
     def clear(self) -> None:

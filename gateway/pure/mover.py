@@ -103,7 +103,7 @@ class Mover:
         if self._homings.job or self.busy or self._state.emergency or not self.gate.begin(record.mask):
             self._state.fail(record.job, Reason.NOT_READY)
             return
-        self.program.order(record.job)
+        self.program.order(record.job, record.mask)
         self._state.path_stop = 0
         self.measure.program_started()
         self.flying.program_started()
@@ -137,6 +137,10 @@ class Mover:
         self.stepper.set_override(self.override)
 
     # ---- drive-on of single axes -------------------------------------------------------------------------------------
+    def all_wanted(self) -> bool:
+        """Nobody switched off an axis of the program."""
+        return all(axis.wanted for n, axis in enumerate(self._axes) if self.program.mask >> n & 1)
+
     def leave(self) -> bool:
         """Some axes are not wanted on any more: True where the program under way goes on without them, or stops on its path."""
         if not self.program.job or not any(axis.wanted for axis in self._axes):

@@ -20,13 +20,14 @@ OUTPUTS_ARE = "programs switch RC outputs to 0 or 1, and none that axisgate itse
 @dataclass(frozen=True, slots=True)
 class OfCell:
     """functions, outputs: those the cell has, and that programs may switch; mask: axes of the robot; whole: the program is one of the
-    cell and read whole, not a stream."""
+    cell and read whole, not a stream; kinematic: number of the robot in the cell."""
 
     functions: Places
     outputs: Container[int]
     measuring: Measuring
     mask: int
     whole: bool
+    kinematic: int = 1
 
     def check(self, block: Block, number: int, machine: Machine) -> None:
         """Raises BlockError."""
@@ -41,7 +42,7 @@ class OfCell:
                 if not self.whole or block.synchron is not None:
                     raise MotionError("IO logic, PPO and measure_on stand in programs of the cell, outside of synchronous parts")
                 if not isinstance(function, Flying):
-                    check_function(function, self.functions)
+                    check_function(function, self.functions, self.kinematic)
         except MotionError as error:
             raise told(error, number, machine) from error
         for output in block.outputs:

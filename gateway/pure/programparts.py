@@ -74,11 +74,11 @@ class Coming:
         """Run by the cycle itself, from block to block with the belt."""
         return self.tried is not None and self.tried.facts.kind is not Type.PARALLEL
 
-    def begins(self, job: int, generation: int) -> list[PieceRecord]:
-        """alterBegin of an alterable part."""
+    def begins(self, job: int, generation: int, kinematic: int) -> list[PieceRecord]:
+        """alterBegin of an alterable part.  kinematic: number of the robot in its cell."""
         if self.alteration is None:
             return []
-        return [alter_record(job, generation, order_of(self.alteration, self.blocks[0].tool, self.number))]
+        return [alter_record(job, generation, order_of(self.alteration, self.blocks[0].tool, self.number, kinematic))]
 
     @staticmethod
     def marked(block: Block) -> Block:
@@ -110,15 +110,16 @@ class Coming:
         if isnan(plan.reference):
             plan.reference = engaged
         arm = machine.arm
-        frame = plan.facts.carrier.frame(engaged - plan.reference)
+        frame = plan.carrier.frame(engaged - plan.reference)
         seen = compose(frame.inverse(), machine.kinematics.forward(tuple(start[:arm])))
         places = (*machine.kinematics.follow(seen, tuple(start[:arm])), *start[arm:])
         planned = replace(machine, limits=tuple(reserved(machine.limits)), shares=(ACCEL, JERK))
         return planned, places, [plan.add(block) for block in self.blocks]
 
 
-def begun(block: Block, number: int, belts: Sequence[BeltFacts], machine: Machine, start: Sequence[float]) -> list[Coming]:
-    """The parts that begin with this block; BlockError for a belt the cell does not have or that has no room for the block."""
+def begun(block: Block, number: int, belts: Sequence[BeltFacts], machine: Machine, start: Sequence[float], kinematic: int) -> list[Coming]:
+    """The parts that begin with this block; BlockError for a belt the robot does not follow or that has no room for the block.  kinematic:
+    number of the robot in its cell."""
     synchron: Synchron | None = block.synchron
     label = "" if block.acts else block.label
     if synchron is None:
@@ -128,11 +129,13 @@ def begun(block: Block, number: int, belts: Sequence[BeltFacts], machine: Machin
         raise BlockError("until= has no place in a synchronous part", block=number)
     if block.wait is not None or block.target == MEASURED:
         raise BlockError("wait= and mpos have no place in a synchronous part", block=number)
-    place = next((n for n, each in enumerate(belts) if each.name == synchron.belt), None)
+    own = {each.name: n for n, each in enumerate(belts) if kinematic in each.carriers}
+    place = own.get(synchron.belt)
     if place is None:
-        known = ", ".join(each.name for each in belts) or "none"
-        raise BlockError(f"belt {synchron.belt}: Inadmiss. Belt-No; this cell has {known}", code=93, block=number, source="rho 3")
-    plan = BeltPlan(belts[place], place, synchron, machine, start, number)
+        whose = "this robot follows" if any(each.name == synchron.belt for each in belts) else "this cell has"
+        known = ", ".join(own) or "none"
+        raise BlockError(f"belt {synchron.belt}: Inadmiss. Belt-No; {whose} {known}", code=93, block=number, source="rho 3")
+    plan = BeltPlan(belts[place], place, synchron, machine, start, number, kinematic)
     if belts[place].kind is not Type.PARALLEL:
         return [Coming(number, tried=plan, label=label)]
     return [Coming(number, tried=plan, engages=True, label=label), Coming(number, tried=plan)]
@@ -167,24 +170,25 @@ class Measuring:
     last: int = 0  # axes the last block with an input will have measured
 
     def wanted(self, until: Until, mask: int) -> UntilInput:
-        """Raises ProgramFault inadmissable input for a channel the cell does not have."""
+        """Raises ProgramFault inadmissable input for a channel the robot does not have."""
         if not until.channel:
             return UntilInput(until.number, until.value, mask)
-        asked, facts = input_of(until.channel), self.channels.get(until.channel)
+        asked, own = input_of(until.channel), self._own(mask)
+        facts = own.get(until.channel)
         if facts is None or asked.kind in (InputKind.MODIFIED, InputKind.NORMAL):
-            known = ", ".join(f"ch{channel}" for channel in sorted(self.channels)) or "none"
-            raise ProgramFault(INADMISSABLE_INPUT, f"channel {until.channel}; this cell has {known} ([[measuring]])")
+            known = ", ".join(f"ch{channel}" for channel in sorted(own)) or "none"
+            raise ProgramFault(INADMISSABLE_INPUT, f"channel {until.channel}; the robot has {known} ([[measuring]])")
         return UntilInput(facts.input, until.value, facts.mask & mask, asked.by_edge, facts.drives & mask)
 
-    def start(self, wait: StartWait) -> StartOrder:
-        """Raises ProgramFault inadmissable input for what is no high-speed input of the cell."""
+    def start(self, wait: StartWait, mask: int) -> StartOrder:
+        """Raises ProgramFault inadmissable input for what is no high-speed input of the robot."""
         if not wait.channel:
             return StartOrder(wait.number, wait.value, wait.delay)
-        return StartOrder(self._wire(wait.channel, InputKind.HIGH_SPEED).input, wait.value, wait.delay)
+        return StartOrder(self._wire(wait.channel, InputKind.HIGH_SPEED, mask).input, wait.value, wait.delay)
 
     def flying(self, piece: int, after: float, call: Flying, mask: int) -> FlyingAt:
-        """Raises ProgramFault inadmissable input for what is no probe of the cell."""
-        wire = self._wire(call.channel, InputKind.PROBE)
+        """Raises ProgramFault inadmissable input for what is no probe of the robot."""
+        wire = self._wire(call.channel, InputKind.PROBE, mask)
         return FlyingAt(piece, after, call.channel, wire.input, wire.mask & mask, call.edge, wire.drives & mask)
 
     def inputs(self, block: Block, mask: int, job: int, generation: int) -> list[PieceRecord]:
@@ -193,7 +197,7 @@ class Measuring:
         if block.until is not None:
             found.append(until_record(job, generation, self.wanted(block.until, mask)))
         if block.wait is not None:
-            found.append(start_record(job, generation, self.start(block.wait)))
+            found.append(start_record(job, generation, self.start(block.wait, mask)))
         return found
 
     def marked(self, mark: Mark, mask: int, job: int, generation: int) -> PieceRecord:
@@ -204,12 +208,17 @@ class Measuring:
             return function_record(job, generation, FunctionAt(mark.piece, mark.after, mark.function))
         return switch_record(job, generation, SwitchAt(mark.piece, mark.after, mark.number, mark.value != 0.0))
 
-    def _wire(self, channel: int, kind: InputKind) -> MeasuringFacts:
-        facts = self.channels.get(channel)
+    def _own(self, mask: int) -> dict[int, MeasuringFacts]:
+        """Channels on whose boards the robot has axes."""
+        return {channel: facts for channel, facts in self.channels.items() if facts.mask & mask}
+
+    def _wire(self, channel: int, kind: InputKind, mask: int) -> MeasuringFacts:
+        own = self._own(mask)
+        facts = own.get(channel)
         if facts is None or input_of(channel).kind is not kind:
-            known = ", ".join(f"ch{each}" for each in sorted(self.channels) if input_of(each).kind is kind) or "none"
+            known = ", ".join(f"ch{each}" for each in sorted(own) if input_of(each).kind is kind) or "none"
             word = "high-speed inputs" if kind is InputKind.HIGH_SPEED else "probes"
-            raise ProgramFault(INADMISSABLE_INPUT, f"channel {channel}; {word} of this cell: {known} ([[measuring]])")
+            raise ProgramFault(INADMISSABLE_INPUT, f"channel {channel}; {word} of the robot: {known} ([[measuring]])")
         return facts
 
     def check(self, block: Block, mask: int, machine: Machine) -> None:
@@ -218,7 +227,7 @@ class Measuring:
             missing = next(n for n in range(machine.axes) if (mask & ~self.last) >> n & 1)
             raise BlockError(f"{POINT_NOT_DEFINED}: @MPOS is measured by until= or measure_on before it", axis=machine.name(missing))
         if block.wait is not None:
-            self.start(block.wait)
+            self.start(block.wait, mask)
         for call in block.functions:
             if isinstance(call, Flying):
                 stored = self.flying(0, 0.0, call, mask).mask

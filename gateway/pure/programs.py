@@ -55,12 +55,13 @@ class Programs:
     MotionError."""
 
     machine_of: Callable[[str, int], Machine]
-    mask_of: Callable[[Machine | Team], int]
+    mask_of: Callable[[Machine | Team], int]  # axes of the cell
     text_of: Callable[[int], str] = no_programs
     outputs: Container[int] = range(0)  # RC outputs programs may switch
     belts: Sequence[BeltFacts] = ()
     functions: Places = field(default_factory=dict)  # IO logic and PPO the cell has
-    option: bool = False  # the cell has a correction (VAL 3 alter)
+    kinematic_of: Callable[[Machine], int] = lambda _: 1  # number of a robot in the cell
+    altered: Container[int] = ()  # kinematics that have a correction (VAL 3 alter)
     channels: Mapping[int, MeasuringFacts] = field(default_factory=dict)  # measuring inputs by their numbers
     files: Files = Files()
     windows: Sequence[float] = ()  # of the axes of the cell, in position; m and rad
@@ -191,12 +192,13 @@ class Programs:
             planner = self._adding(standing)
             self._line_of.append(line)
             for machine, own in own_blocks(planner.machine, block):
-                cell = OfCell(self.functions, self.outputs, self._measuring, self.mask_of(machine), whole=self._lines is not None)
+                mask, kinematic = self.mask_of(machine), self.kinematic_of(machine)
+                cell = OfCell(self.functions, self.outputs, self._measuring, mask, whole=self._lines is not None, kinematic=kinematic)
                 cell.check(own, len(self._line_of), machine)
             if isinstance(block, Shared):
                 self._add_whole(planner, block)
             else:
-                check_alterable(block, self._last, len(self._line_of), option=self.option)
+                check_alterable(block, self._last, len(self._line_of), option=kinematic in self.altered)
                 self._last = block
                 self._add(planner, block)
 
@@ -213,7 +215,7 @@ class Programs:
         if not self._trial.begun and not apart(block):
             self._add_whole(planner, block)
             return
-        self._trial.add(planner, block, len(self._line_of))
+        self._trial.add(planner, block, len(self._line_of), self.kinematic_of(planner.robot))
 
     def _add_whole(self, planner: Planner, block: Block | Shared) -> None:
         before, away = planner.standing, Away(self._off, self.windows)
@@ -285,7 +287,7 @@ class Programs:
             planner.finish()
         except BlockError as error:
             raise told(error, self._before) from error
-        self._out += part.begins(job, generation)
+        self._out += part.begins(job, generation, self.kinematic_of(planner.robot))
         self._out += self._measuring.inputs(blocks[0], self.mask_of(planner.robot), job, generation)
 
     def _played(self, part: Coming, planner: Planner) -> FilePlan:

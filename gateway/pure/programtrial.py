@@ -56,14 +56,15 @@ class Trial:
         """Parts are looked at by themselves from here on."""
         return self._route is not None
 
-    def add(self, planner: Planner, block: Block, number: int) -> None:
-        """The block is tried as if the part before had reached its target, the belt where it was programmed; BlockError."""
+    def add(self, planner: Planner, block: Block, number: int, kinematic: int) -> None:
+        """The block is tried as if the part before had reached its target, the belt where it was programmed; BlockError.  kinematic:
+        number of the robot in its cell."""
         route = self._divided(planner, number - 1)
         try:
             if not self.later or not self.later[-1].holds(block):
                 route.finish()
                 self._acting(block.acts, number, block.label)
-                self.later += begun(block, number, self.belts, planner.robot, route.standing)
+                self.later += begun(block, number, self.belts, planner.robot, route.standing, kinematic)
         except BlockError as error:
             raise told(error, self._tried if block.synchron is None else 0) from error
         part = self.later[-1]

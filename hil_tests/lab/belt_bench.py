@@ -63,7 +63,7 @@ class BeltBench(CellBench):
 
     def _new_core(self) -> Core:
         period = self.period_ns / 1e9
-        self.belts = CoreBelts(FACTS, MACHINE.kinematics, [limits_of(axis) for axis in CELL.axis], period)
+        self.belts = CoreBelts(FACTS, {1: MACHINE.kinematics}, [limits_of(axis) for axis in CELL.axis], period)
         self.encoders = encoders_of(CELL, "drives", self.belts)
         return Core(core_axes(CELL, self.p5_ms), period, self.generation, belts=self.belts)
 

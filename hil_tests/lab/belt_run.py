@@ -3,10 +3,14 @@
 import contextlib
 import pathlib
 import re
+import signal
+import subprocess
+import sys
 from collections.abc import Iterator
 
 from gateway.processes.emulator_control import EmulatorControl
 from gateway.pure.records import CellState, Motion
+from gateway.recording.file import read
 from hil_tests.lab.program_run import PROBE, ProgramRun, program_run
 from motion.sync.belts import SET_COUNTER
 
@@ -54,6 +58,21 @@ class BeltRun:
         seen = self.programs.state().cycle + 3
         self.programs.watch("cycles with the input", lambda state: state.cycle >= seen)
         self.programs.coil(SET_COUNTER + kind - 1, False)
+
+    @contextlib.contextmanager
+    def recorded(self, file: pathlib.Path) -> Iterator[pathlib.Path]:
+        """`axisgate record` of what is done inside."""
+        command = [sys.executable, "-m", "gateway", "record", "--slug", self.programs.run.name, "-o", str(file), "--json"]
+        with (
+            subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as recorder,
+            contextlib.ExitStack() as ends,
+        ):
+            ends.callback(recorder.kill)  # whatever becomes of the test
+            self.programs.watch("it records", lambda s: file.exists() and file.stat().st_size > 1000 and read(file).cycles > 0, 60.0)
+            yield file
+            recorder.send_signal(signal.SIGTERM)
+            said, wrong = recorder.communicate(timeout=60)
+        assert recorder.returncode == 0, f"{said}\n{wrong}"
 
     def snapshots(self, seconds: float = 20.0) -> list[CellState]:
         """States of the cycle, each whole, from the moment the program is taken until it is over."""

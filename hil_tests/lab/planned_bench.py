@@ -10,8 +10,9 @@ from drivers.emulator.record import Record, read
 from drivers.emulator.servodyn_slave import ServodynSlave
 from gateway.axes import limits_of, scaling_of
 from gateway.cell import Cell
+from gateway.plannerplan import programs_of
 from gateway.plant import bus_settings, motor_rad
-from gateway.programplan import machine_of_cell, mask_of, robot_meant, team_meant
+from gateway.programplan import machine_of_cell, robot_meant, team_meant
 from gateway.pure.command_block import Code, Command
 from gateway.pure.jobs import Job
 from gateway.pure.office import Office
@@ -44,11 +45,10 @@ class Planned:
         self.bench, self.cell, self.machine = bench, bench.cell, machine_of_cell(bench.cell)
         every, self.text = (1 << len(self.cell.axis)) - 1, ""
         bench.office = Office(bench.office.axes, bench.office._plan, 1, {1: ProgramFacts("it", every)})
-        free = free_outputs(AS_SHIPPED, len(self.cell.axis))
         if len(self.cell.robot) > 1:
-            self.programs = Programs(self._robot, lambda robots: mask_of(self.cell, robots), lambda _: self.text, free)
-            self.programs.team_of = lambda kinematics, _: team_meant(self.cell, kinematics)
+            self.programs = programs_of(self.cell, self._robot, lambda _: self.text, lambda named, _: team_meant(self.cell, named))
         else:
+            free = free_outputs(AS_SHIPPED, len(self.cell.axis))
             self.programs = Programs(lambda *_: self.machine, lambda _: every, lambda _: self.text, free)
         self.planner = PlannerBeside(self.programs, len(self.cell.axis))
         bench.each = self._turn

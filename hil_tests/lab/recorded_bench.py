@@ -69,13 +69,12 @@ class RecordedBench(CellBench):
         self.slave.receive(stamped, self.now)
         actuals: list[Actual | None] = [None] * len(self.cell.axis)
         answers = [frame._replace(stamp_ns=self.now + 1) for frame in self.slave.take_output()]
-        answers = [frame for frame in answers if (heard := self.family.hear(frame)) is None or heard.axis + 1 not in self.silent]
+        heard = [(frame, said) for frame in answers if (said := self.family.hear(frame)) is None or said.axis + 1 not in self.silent]
         if tap.on:
-            tap.heard(0, [*answers, *self.others])
-        for frame in answers:
-            heard = self.family.hear(frame)
-            if heard is not None:
-                actuals[heard.axis] = heard.actual
+            tap.heard(0, [*(frame for frame, _ in heard), *self.others])
+        for _, said in heard:
+            if said is not None:
+                actuals[said.axis] = said.actual
         self.services_ns = self.now if self.services_alive else self.services_ns
         orders, self.orders = self.orders, []
         missing = sum(actual is None for actual in actuals)

@@ -91,8 +91,9 @@ class SingularPose(KinematicsError):
     number = 540
 
 
-class Kinematics(Protocol):
-    """axes: how many joints; q and near: (axes,) m or rad; poses are those of the flange in the base of the robot."""
+class PathKinematics(Protocol):
+    """What the cycle needs of a robot that is on its path.  axes: how many joints; q and near: (axes,) m or rad; poses are those of the
+    flange in the base of the robot."""
 
     @property
     def axes(self) -> int: ...
@@ -101,15 +102,19 @@ class Kinematics(Protocol):
         """Where the flange is."""
         ...
 
+    def follow(self, pose: Pose, near: Sequence[float]) -> Joints:
+        """As Kinematics.inverse for a path: shoulder and elbow stay as in `near`, the wrist goes the shorter way.  The fast one."""
+        ...
+
+
+class Kinematics(PathKinematics, Protocol):
+    """All that a planner asks of a robot."""
+
     def inverse(self, pose: Pose, near: Sequence[float], configuration: Configuration | None = None) -> Joints:
         """The joints inside the limits that are nearest to `near` and meet `configuration` (None: any).
 
         Raises Unreachable, OutOfLimits or WrongConfiguration.
         """
-        ...
-
-    def follow(self, pose: Pose, near: Sequence[float]) -> Joints:
-        """As `inverse` for a path: shoulder and elbow stay as in `near`, the wrist goes the shorter way.  The fast one."""
         ...
 
     def branches(self, pose: Pose) -> list[Branch]:

@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 from motion.errors import MotionError
 from motion.frames import IDENTITY, Pose, Vector, compose, rotate
-from motion.kinematics.base import Branch, Configuration, Joints, Kinematics, OutOfLimits
+from motion.kinematics.base import Branch, Configuration, Joints, Kinematics, OutOfLimits, PathKinematics
 from motion.kinematics.choice import inside
+from motion.kinematics.placed import Placed, first_of
 from motion.limits import AxisLimits
 from motion.orientation import rotation_by
 from motion.units import Kind, kind_of
@@ -171,8 +172,9 @@ class OnTable(Group):
         return super()._seen(compose(self.workpiece(near), pose), near)
 
 
-def on_course(kinematics: Kinematics, near: Sequence[float], course: Sequence[float]) -> Joints:
-    """Joints near which to look for others: those of the arm from `near`, additional axes where their course has them; both (axes,) or
-    longer, as the axes of a cell are."""
-    own = kinematics.main.axes if isinstance(kinematics, Group) else kinematics.axes
-    return (*near[:own], *course[own : kinematics.axes])
+def on_course(kinematics: PathKinematics, near: Sequence[float], course: Sequence[float]) -> Joints:
+    """Joints near which to look for others: those of the arm from `near`, additional axes and those of robots before it where their course
+    has them; both (axes,) or longer, as the axes of a cell are."""
+    first, robot = first_of(kinematics), kinematics.own if isinstance(kinematics, Placed) else kinematics
+    arm = first + (robot.main.axes if isinstance(robot, Group) else robot.axes)
+    return (*course[:first], *near[first:arm], *course[arm : kinematics.axes])

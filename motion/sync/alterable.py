@@ -13,13 +13,14 @@ from motion.program.errors import BlockError
 from motion.sync.alter import NO_OPTION, AlterLimits, Reference
 
 SOURCE = "VAL 3"
-OPTION = "alterBegin: option not enabled; the cell has no [alter]"
+OPTION = "alterBegin: option not enabled; the cell has no [alter] for the robot"
 
 
 @dataclass(frozen=True, slots=True)
 class AlterOrder:
     """alterBegin for the cycle.  frame: the reference on the base, or the tool on the flange; limits.joints: shares of the axis speeds
-    (one number); tool: tool centre point whose speed is judged; block: number of the first block."""
+    (one number); tool: tool centre point whose speed is judged; block: number of the first block; kinematic: of the
+    cell, from 1."""
 
     reference: Reference
     frame: Pose
@@ -31,6 +32,7 @@ class AlterOrder:
     tool: Pose = IDENTITY
     until: Until | None = None
     block: int = 1
+    kinematic: int = 1
 
     def limits(self, axes: Sequence[AxisLimits]) -> AlterLimits:
         """axes: of the arm; nothing is let faster than an axis can be."""
@@ -38,14 +40,15 @@ class AlterOrder:
         return AlterLimits(tuple(share * axis.speed for axis in axes), self.path, self.turn, self.accel, self.decel)
 
 
-def order_of(part: Alteration, tool: Tool, block: int) -> AlterOrder:
+def order_of(part: Alteration, tool: Tool, block: int, kinematic: int) -> AlterOrder:
     """Of a part whose blocks have this tool."""
     kind = Reference.FRAME if isinstance(part.reference, Frame) else Reference.TOOL
-    return AlterOrder(kind, part.reference.pose, part.speed, part.path, part.turn, part.accel, part.decel, tool.pose, part.until, block)
+    limits = (part.speed, part.path, part.turn, part.accel, part.decel)
+    return AlterOrder(kind, part.reference.pose, *limits, tool.pose, part.until, block, kinematic)
 
 
 def check_alterable(block: Block, before: Block | None, number: int, *, option: bool) -> None:
-    """before: the block before it in the program; option: the cell has a correction.  Raises BlockError."""
+    """before: the block before it in the program; option: the robot has a correction.  Raises BlockError."""
     part = block.alteration
     if part is None:
         return

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from motion.frames import Pose, compose
-from motion.kinematics.base import Joints, Kinematics, KinematicsError
+from motion.kinematics.base import Joints, KinematicsError, PathKinematics
 from motion.limits import AxisLimits
 from motion.sync.parallel import Coupling, Hold, ParallelPart
 from motion.sync.reserve import borne, left_over
@@ -32,7 +32,7 @@ class Carried:
     def __post_init__(self) -> None:
         self.frame = self.part.carrier.frame(self.coupling.value)
 
-    def bear(self, kinematics: Kinematics, limits: Sequence[AxisLimits], q: Joints) -> None:
+    def bear(self, kinematics: PathKinematics, limits: Sequence[AxisLimits], q: Joints) -> None:
         """Before engage(): getting on and off asks no more of the arm's axes than they bear where they stand, at q, and the path beside
         it no more than that leaves."""
         value, carrier = self.part.value(self.tracker.ahead()), self.part.carrier

@@ -1,6 +1,7 @@
 """What planner and cycle must know of a belt, and what one tells the other of a synchronous part.  Frozen data, SI unless said."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from math import nan
 
 from motion.frames import IDENTITY, Pose
@@ -10,13 +11,14 @@ from motion.sync.parallel import Carrier
 
 @dataclass(frozen=True, slots=True)
 class BeltFacts:
-    """One belt.  thresholds: SF 15 as (v_stop, v_run in unit/s, ms), None: those of the start-up; accel, jerk: of catching up."""
+    """One belt.  carriers: how it carries each kinematic of the cell (by its number, from 1) that follows it; thresholds: SF 15 as (v_stop,
+    v_run in unit/s, ms), None: those of the start-up; accel, jerk: of catching up."""
 
     name: str
     data: BeltData
     kind: Type = Type.PARALLEL
     tolerance: int = STANDARD_TOLERANCE
-    carrier: Carrier = Carrier()
+    carriers: Mapping[int, Carrier] = field(default_factory=lambda: {1: Carrier()})
     thresholds: tuple[float, float, int] | None = None
     accel: float = 2.0
     jerk: float = 20.0
@@ -25,8 +27,8 @@ class BeltFacts:
 @dataclass(frozen=True, slots=True)
 class SynchronOrder:
     """SYNCHRON of one part.  belt: place among the belts, from 0; at: belt value it begins at, NaN: at once; reference: belt value at
-    which the path is planned, NaN: the one it begins at; block: number of its first block; tool: of types 2 and 3.  Kind and tolerance
-    are those the belt has from here on (SF 21)."""
+    which the path is planned, NaN: the one it begins at; block: number of its first block; tool: of types 2 and 3; kinematic: of the
+    cell, from 1.  Kind and tolerance are those the belt has from here on (SF 21)."""
 
     belt: int
     kind: Type
@@ -35,6 +37,7 @@ class SynchronOrder:
     block: int = 1
     tool: Pose = IDENTITY
     tolerance: int = STANDARD_TOLERANCE
+    kinematic: int = 1
 
 
 def make_belts(facts: tuple[BeltFacts, ...], period_s: float) -> Belts:

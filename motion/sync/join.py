@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from motion.errors import MotionError
 from motion.frames import IDENTITY, Pose, compose
-from motion.kinematics.base import Joints, Kinematics, KinematicsError
+from motion.kinematics.base import Joints, KinematicsError, PathKinematics
 from motion.pieces import Piece
 from motion.stepper import Sample, Stepper
 from motion.sync.chain import Chain
@@ -34,7 +34,7 @@ class Joined(NamedTuple):
 class SyncStepper:
     """Owns the stepper of one kinematic while it is synchronous.  speeds: limits of the arm's joints per s."""
 
-    def __init__(self, stepper: Stepper, kinematics: Kinematics, speeds: Sequence[float], period_s: float, q: Sequence[float]) -> None:
+    def __init__(self, stepper: Stepper, kinematics: PathKinematics, speeds: Sequence[float], period_s: float, q: Sequence[float]) -> None:
         if len(speeds) != kinematics.axes:
             raise MotionError(f"{len(speeds)} speed limits for {kinematics.axes} joints")
         self._stepper, self._kinematics, self._speeds, self._period = stepper, kinematics, tuple(speeds), period_s

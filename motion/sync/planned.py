@@ -38,7 +38,8 @@ def seen_from(block: Block, carrier: Carrier, reference: float) -> Block:
 
 @dataclass
 class BeltPlan:
-    """One part.  start: (axes,) where the robot stands before it; number: of its first block in the program."""
+    """One part.  start: (axes,) where the robot stands before it; number: of its first block in the program; kinematic: the robot's number
+    in its cell, one of those that follow the belt."""
 
     facts: BeltFacts
     belt: int  # place among the belts, from 0
@@ -59,7 +60,13 @@ class BeltPlan:
     def order(self) -> SynchronOrder:
         """For the cycle."""
         at = nan if self.synchron.at is None else self.synchron.at
-        return SynchronOrder(self.belt, self.facts.kind, at, self.reference, self.number, self.tool, self.facts.tolerance)
+        facts = self.facts
+        return SynchronOrder(self.belt, facts.kind, at, self.reference, self.number, self.tool, facts.tolerance, self.kinematic)
+
+    @property
+    def carrier(self) -> Carrier:
+        """How the belt carries this robot."""
+        return self.facts.carriers[self.kinematic]
 
     def add(self, block: Block) -> Block:
         """The next block, checked; what a route may try: the block as the robot sees it.  Raises BlockError with the program's number."""
@@ -85,7 +92,7 @@ class BeltPlan:
             self.reference = nan if given is None else given
         if isnan(self.reference) and block.on_belt is not None:
             raise BlockError(f"belt= needs at= of its part, or belt= in the first block of it (belt {self.facts.name})")
-        return seen_from(block, self.facts.carrier, self.reference)
+        return seen_from(block, self.carrier, self.reference)
 
     def _check_place(self, block: Block) -> None:
         axes = isinstance(block.target, JointTarget) if block.shift is None else block.shift.angles is None

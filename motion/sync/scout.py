@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from motion.frames import IDENTITY, Pose, compose
-from motion.kinematics.base import Joints, Kinematics, KinematicsError
+from motion.kinematics.base import Joints, KinematicsError, PathKinematics
 from motion.orientation import interpolated
 from motion.stepper import Sample
 from motion.sync.chain import Chain
@@ -23,7 +23,7 @@ TOP = 0.97  # of a joint's speed that is planned for; the rest is for what chang
 class Scout:
     """speeds: limits of the arm's joints per s; horizon_s: how far ahead at full speed: at least the time to brake."""
 
-    kinematics: Kinematics
+    kinematics: PathKinematics
     chain: Chain
     speeds: Sequence[float]
     period_s: float

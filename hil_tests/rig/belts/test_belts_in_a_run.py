@@ -9,8 +9,6 @@ import pathlib
 import signal
 import sqlite3
 import struct
-import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from math import nan
@@ -100,16 +98,9 @@ def test_set_values_on_the_bus_go_with_the_belts_encoder_and_the_program_goes_on
 
 def test_a_recorded_run_with_belts_plays_without_a_difference(home: BeltRun, tmp_path: pathlib.Path) -> None:
     """Encoders are inputs of the run; the program goes onto its belt in the recording."""
-    file = tmp_path / "belts.axrec"
-    command = [sys.executable, "-m", "gateway", "record", "--slug", home.programs.run.name, "-o", str(file), "--json"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as recorder, contextlib.ExitStack() as ends:
-        ends.callback(recorder.kill)  # whatever becomes of the test
-        home.programs.watch("it records", lambda s: file.exists() and file.stat().st_size > 1000 and read(file).cycles > 0, 60.0)
+    with home.recorded(tmp_path / "belts.axrec") as file:
         started(home, 2, 1)
         assert home.programs.plc.wait(lambda s: s.state in (DONE, ABORTED), 10).state == DONE, home.programs.run.words()
-        recorder.send_signal(signal.SIGTERM)
-        said, wrong = recorder.communicate(timeout=60)
-    assert recorder.returncode == 0, f"{said}\n{wrong}"
     found = read(file)
     with recorded_cell(found) as cell:
         verdict = replay(found, cell, cell)

@@ -84,6 +84,6 @@ def test_check_and_plot_take_alterable_blocks_and_say_what_the_cell_lacks(
     assert motion.main(["check", str(program), "--cell", str(cell)]) == 0
     assert capsys.readouterr().out == "2 blocks: all can be run\n" * 2
     assert motion.main(["check", str(program), "--cell", "portal"]) == 1
-    assert "line 6: block 1: alterBegin: option not enabled; the cell has no [alter] (VAL 3 -2)" in capsys.readouterr().out
+    assert "line 6: block 1: alterBegin: option not enabled; the cell has no [alter] for the robot (VAL 3 -2)" in capsys.readouterr().out
     assert motion.main(["plot", str(program), "--cell", str(cell), "--out", str(tmp_path / "it.html")]) == 0
     assert "Alterable, drawn without a correction: block 1." in (tmp_path / "it.html").read_text()

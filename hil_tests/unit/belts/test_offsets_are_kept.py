@@ -18,7 +18,7 @@ class Counting:
     """The first belt of three, with an encoder of 16 bits; each look is a cycle."""
 
     def __init__(self) -> None:
-        self.belts = CoreBelts(FACTS, MACHINE.kinematics, [limits_of(axis) for axis in CELL.axis], 0.004)
+        self.belts = CoreBelts(FACTS, {1: MACHINE.kinematics}, [limits_of(axis) for axis in CELL.axis], 0.004)
         self.encoder = Encoder(self.belts, 0, 0, 2)
         self.inputs = InputImage()
 

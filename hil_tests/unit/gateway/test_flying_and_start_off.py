@@ -250,9 +250,9 @@ def test_a_wait_and_a_probe_at_the_same_block(cell: Probing) -> None:
     ("lines", "words"),
     [
         (["measure_on ch630", f"ptp joints {joints(5)}"], "inadmissable input: channel 630"),
-        (["measure_on ch611", f"ptp joints {joints(5)}"], "inadmissable input: channel 611; probes of this cell: ch610, ch620"),
+        (["measure_on ch611", f"ptp joints {joints(5)}"], "inadmissable input: channel 611; probes of the robot: ch610, ch620"),
         (["measure_on ch620", f"ptp joints {joints(5)}", "ptp mpos"], "block 2, axis A3: point not defined"),
-        ([f"ptp joints {joints(5)} wait=ch610"], "inadmissable input: channel 610; high-speed inputs of this cell: ch611"),
+        ([f"ptp joints {joints(5)} wait=ch610"], "inadmissable input: channel 610; high-speed inputs of the robot: ch611"),
         ([f"ptp joints {joints(5)} wait=2000"], "wait=2000: an RC input is needed"),
         ([f"ptp joints {joints(5)} delay=1"], "delay"),
         ([f"ptp joints {joints(5)} wait=ch611 delay=-1"], "delay: -1 s is outside"),

@@ -18,7 +18,7 @@ def bench() -> WithPlanner:
     """The demo's first axes as the x, y, z of a portal."""
     made = WithPlanner()
     made.programs.functions = PLACES
-    made.cell.core._mover.functions = CoreOutputs(PLACES, Portal("xyz", LIMITS[:3]), made.cell.period_ns / 1e9)
+    made.cell.core._mover.functions = CoreOutputs(PLACES, {1: Portal("xyz", LIMITS[:3])}, made.cell.period_ns / 1e9)
     return made
 
 
@@ -64,7 +64,7 @@ def test_a_function_still_in_use_ends_the_program_on_its_path_with_its_name(both
 @pytest.mark.parametrize(
     ("line", "words"),
     [
-        ("iol 9 1 1 0 1 0", "IOL 9: no such function; this cell has IOL 2, PPO 3"),
+        ("iol 9 1 1 0 1 0", "IOL 9: no such function; the robot has IOL 2, PPO 3"),
         ("ppo 3 2 1 0 1 0", "kinematic 2"),
         ("ppo 3 1 7 0 1 0", "coordinate 7"),
         ("iol 2 1 1 0 1", "iol: six numbers"),

@@ -26,7 +26,7 @@ class Way:
 
     def __init__(self) -> None:
         self.state, self.image = CellState(permits=ALL_PERMITS, motion=Motion.RUNNING), bytearray(RC_BYTES)
-        self.outputs = CoreOutputs(PLACES, portal().kinematics, PERIOD)
+        self.outputs = CoreOutputs(PLACES, {1: portal().kinematics}, PERIOD)
         self.x = 0.0
 
     def call(self, ppo: bool, *numbers: float) -> None:

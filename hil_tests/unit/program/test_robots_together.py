@@ -118,16 +118,12 @@ def test_programs_move_the_axes_of_the_robots_they_name_and_the_page_says_whom_i
     assert [robot.name for robot in one.robot] == ["ARM"] and plan_programs(one)[1].mask == 0b111111 and not Skeleton(one).why
 
 
-BELT = '[[belt]]\nname = "B1"\ntype = 1\nincrement = 0.1\nbus = "drives"\nid = 497\nsimulated = 50.0\n\n'
-MEASURING = "[[measuring]]\nchannel = 610\ninput = 200\n\n"
 MANY = ROBOTS + '[[robot]]\nkinematics = "arm6"\nmodel = "tx60-like"\nname = "other"\n\n'
 
 
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        (cell_text(BELT), "belongs to a robot that has its cell for itself; this cell has 2 robots"),
-        (cell_text(MEASURING), "belongs to a robot that has its cell for itself; this cell has 2 robots"),
         (cell_text(robots=MANY), "axes of all robots of one cell"),
         (cell_text(robots=MANY), "robot tx60-like has 6 axes, 0 are left behind those of the robots before it"),
         (cell_text().replace('= "scara"\n\n[[program]]', '= "arm"\n\n[[program]]'), "another robot has this name"),
