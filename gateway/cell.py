@@ -77,7 +77,7 @@ class Robot:
     model: str = ""
     name: str = ""
     zero: str = ""
-    too_fast: str = "slow"
+    too_fast: str | int = "slow"  # or P306 sub-query 6, 0..3
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,6 +26,13 @@ class IoBlock:
 
 
 @dataclass(frozen=True, slots=True)
+class OfKinematic:
+    """One entry of P306; monitoring: sub-query 6, "Monitoring axis WC" (L5580-5596)."""
+
+    monitoring: int = 0
+
+
+@dataclass(frozen=True, slots=True)
 class MeasuringSystem:
     """One [[rho3.P401]] table."""
 
@@ -61,6 +68,7 @@ class Rho3:
     P207: tuple[float, ...] = ()
     P208: tuple[float, ...] = ()
     P303: tuple[int, ...] = ()
+    P306: tuple[OfKinematic, ...] = ()
     P311: tuple[float, ...] = ()
     P401: tuple[MeasuringSystem, ...] = ()
     P601: bool = False

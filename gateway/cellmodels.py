@@ -6,7 +6,7 @@ Strict, frozen, unknown keys forbidden. Field names are the keys of the file (`f
 import datetime
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from gateway.cellmodels_alter import Alter
 from gateway.cellmodels_axes import Axis, Defaults, Plant
@@ -55,12 +55,17 @@ class Position(Table):
 RouteForm = Literal["", "bit", "u8", "s8", "u16", "s16", "u32", "s32", "KF", "KH", "KM", "DH", "KZ", "KG", "REAL", "BCD"]
 
 
+def _mode(value: object) -> object:
+    """`true` and 3.0 are equal to legal numbers and none."""
+    return repr(value) if isinstance(value, bool | float) else value
+
+
 class Robot(Table):
     kinematics: str
     model: str = ""
     name: str = ""
     zero: str = ""
-    too_fast: Literal["slow", "abort", "error"] = "slow"
+    too_fast: Annotated[Literal["slow", "abort", "error", 0, 1, 2, 3], BeforeValidator(_mode)] = "slow"
 
 
 class Program(Table):

@@ -24,6 +24,10 @@ class OutputBlock(IoBlock):
     id: int = Field(ge=471, le=480)
 
 
+class OfKinematic(Table):
+    monitoring: int = Field(default=0, ge=0, le=3)
+
+
 class MeasuringSystem(Table):
     axis: int = Field(ge=1, le=12)
     module: int = Field(ge=1, le=12)
@@ -58,6 +62,7 @@ class Rho3(Table):
     P207: Ways = []
     P208: Ways = []
     P303: list[Annotated[int, Field(ge=0, le=4)]] = []
+    P306: list[OfKinematic] = []
     P311: Ways = []
     P401: list[MeasuringSystem] = []
     P601: bool = False

@@ -63,6 +63,7 @@ PARAMETERS: Mapping[str, tuple[str, str]] = {  # P number -> (meaning, unit); rh
     "P207": ("actual value at the reference point", "deg or mm"),
     "P208": ("way moved after the reference point", "deg or mm"),
     "P303": ("axis type: 3, 4 endless; 1, 4 manual axis", ""),
+    "P306": ("of each kinematic; monitoring: sub-query 6, axis speeds on paths: 0 none, 1 abort, 2 manual, 3 limit with warning", ""),
     "P311": ("modulo value of endless axes", "deg"),
     "P401": ("measuring systems: module, referencing mode, gear factor, pulses, evaluation, output", ""),
     "P114": ("fast jog speed, and the drives' speed limit in manual mode", "deg/s or mm/s"),

@@ -19,7 +19,9 @@ from motion.files.playing import FilePath
 from motion.planner.planner import Planner
 from motion.planner.robot import Machine
 from motion.planner.route import Route
+from motion.planner.team import worst
 from motion.planner.trace import PERIOD_S, BeltWay, Trace, joined, numbered, tool_at, trace
+from motion.planner.watched import Slowed
 from motion.program.blocks import Block, Program
 from motion.program.errors import BlockError
 from motion.stepper import State, Stepper
@@ -53,10 +55,11 @@ def sections_of(
     kinematic: int = 1,
     files: Files = NO_FILES,
     said: Callable[[int], None] = lambda block: None,
+    slowed: dict[int, Slowed] | None = None,
 ) -> tuple[list[Section], list[BlockError]]:
     """Every block, each looked at from where the last good one ended; a part on a belt as if the belt stood where it is meant to be, an
     alterable part without its correction.  option: the robot has one; kinematic: its number in the cell; `said` hears the number of each
-    block that was looked at."""
+    block that was looked at, `slowed` gets those whose programmed speed an axis cannot keep."""
     route, found, faults = _Looked(machine, program.start), [Section(1, program.start)], []
     for number, block in enumerate(program.blocks, 1):
         try:
@@ -89,6 +92,8 @@ def sections_of(
         route.finish()
     except BlockError as error:
         faults.append(error)
+    if slowed is not None:
+        slowed |= route.slowed()
     faults = sorted((*route.rows, *faults), key=lambda fault: fault.block)
     return [section for section in found if section.blocks], faults
 
@@ -117,6 +122,10 @@ class _Looked:
 
     def finish(self) -> None:
         self._after_rows(self._route.finish)
+
+    def slowed(self) -> dict[int, Slowed]:
+        """Block of the program -> what its worst axis cannot keep."""
+        return worst((self._numbers[stretch.block - 1], stretch) for stretch in self._route.take())
 
     def _after_rows(self, action: Callable[[], object]) -> None:
         try:

@@ -17,7 +17,7 @@ LEGAL = frozenset(
     "P111 P112 P113 P114 P117 P122 P128 P129 P130 P201 P202 P203 P204 P205 P207 P208 P212 P213 P214 P301 P303 P304 P305 P306 P310 "
     "P311 P313 P401 P402 P405 P501 P503 P506 P508 P601 P602 P603 P604 P605 P606 P607 P608 P609 P610 P611 P612 P613 P614 P615".split()
 )
-USED = frozenset("P2 P5 P9 P15 P20 P21 P24 P30 P31 P32 P103 P104 P108 P109 P204 P205 P207 P208 P303 P311 P401 P601".split())
+USED = frozenset("P2 P5 P9 P15 P20 P21 P24 P30 P31 P32 P103 P104 P108 P109 P204 P205 P207 P208 P303 P306 P311 P401 P601".split())
 PER_AXIS = {  # P number -> (table, key) of [[axis]], sign
     "P103": ("limits", "speed", 1.0),
     "P104": ("limits", "accel", 1.0),
@@ -54,6 +54,7 @@ def merge(file: str, raw: Mapping[str, Any], places: dict[Path, int]) -> Merged:
     work = _Work(file, merged, places, params)
     work.clock()
     work.axes()
+    work.kinematics()
     return merged
 
 
@@ -114,6 +115,18 @@ class _Work:
             inner = axis.setdefault(table, {})
             where = f"axis.{axis.get('name', number)}.{table}.{key}"
             self.put(inner, key, sign * value, f"{param}[{number + 1}]", where, ("rho3", param, number))
+
+    def kinematics(self) -> None:
+        """P306 of each kinematic: sub-query 6, what becomes of a path that is too fast for an axis."""
+        robots = self.merged.raw.get("robot")
+        robots = [robots] if isinstance(robots, dict) else _tables(robots)
+        rows = _tables(self.params.get("P306"))
+        for number, (robot, row) in enumerate(zip(robots, rows, strict=False)):
+            if "monitoring" in row:
+                where = f"robot.{robot.get('name', number)}.too_fast"
+                self.put(robot, "too_fast", row["monitoring"], f"P306[{number + 1}].monitoring", where, ("rho3", "P306", number))
+        if robots and len(rows) > len(robots):
+            self.fault("P306", f"{len(rows)} tables", f"{len(robots)} [[robot]] tables: one each at most", ("rho3", "P306"))
 
     def endless(self, number: int, axis: dict[str, Any]) -> bool:
         """P303 = 3, 4: the axis goes round at P311."""

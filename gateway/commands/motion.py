@@ -4,7 +4,7 @@ import argparse
 import json
 import pathlib
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,8 +25,9 @@ from gateway.robotfile import RobotFaults, load_robot
 from motion.errors import MotionError
 from motion.planner.robot import Machine, machine_of
 from motion.planner.team import Team, called, team_of
-from motion.planner.teamtrace import team_findings, team_traces
+from motion.planner.teamtrace import team_findings, team_slowed, team_traces
 from motion.planner.trace import Trace
+from motion.planner.watched import Slowed
 from motion.program.blocks import Program
 from motion.program.errors import BlockError, TextFaults
 from motion.program.team import TeamProgram
@@ -79,18 +80,21 @@ def main(argv: list[str]) -> int:
     except MotionError as error:
         return refuse(error)
     files = files_of(options.program, program, 0 if cell is None else 1000 * cell.cycle_ms)
+    slowed: dict[int, Slowed] = {}
     with Progress("blocks", len(program.blocks)) as said:
         number = 1 if cell is None else numbers_by_axis(cell).get(machine.limits[0].name, 1)
         option = cell is None or number in altered(cell)
-        found = sections_of(program, machine, belts.facts, option=option, kinematic=number, files=files, said=said)
+        found = sections_of(
+            program, machine, belts.facts, option=option, kinematic=number, files=files, said=said, slowed=slowed
+        )
     sections, faults = found
     if options.what == "check" or faults:
-        return check(program, faults, options.json)
+        return check(program, faults, slowed, as_json=options.json)
     try:
         with Progress("motion", len(program.blocks)) as said:
             made = Paper(machine, belts.facts, belts.speeds(options.belt_speed), belts.p5_ms).run(sections, said)
     except BlockError as error:  # the belt runs on while the robot works: not all of it can be known before
-        return check(program, [error], options.json)
+        return check(program, [error], slowed, as_json=options.json)
     except MotionError as error:
         return refuse(error)
     return plot(program, machine, made, options)
@@ -138,7 +142,7 @@ def team(text: str, options: argparse.Namespace, cell: Cell | None) -> int:
     machines = team_of_program(program, cell)
     findings = team_findings(program, machines)
     if options.what == "check" or findings.faults:
-        return check(program, findings.faults, options.json)
+        return check(program, findings.faults, team_slowed(findings), as_json=options.json)
     traces = team_traces(findings, machines)
     target = pathlib.Path(options.out or f"{pathlib.Path(options.program).stem}.html")
     target.write_text(team_page(program, machines, traces))
@@ -192,26 +196,32 @@ def _robot_in(cell: Cell, program: Program) -> Machine:
     return robot_meant(cell, program.robot) if len(cell.robot) > 1 else machine_of_cell(cell)
 
 
-def check(program: Program | TeamProgram, faults: Sequence[BlockError], as_json: bool) -> int:
-    """Findings, one a line."""
+def check(program: Program | TeamProgram, faults: Sequence[BlockError], slowed: Mapping[int, Slowed], *, as_json: bool) -> int:
+    """Findings, one a line; slowed: blocks that are run, but not as fast as programmed (too_fast = 3)."""
     if as_json:
-        print(json.dumps([_record(program, fault) for fault in faults], indent=1))
+        warnings = [
+            _record(program, BlockError(each.words, block=number, axis=each.axis, source="rho 3")) for number, each in slowed.items()
+        ]
+        print(json.dumps([_record(program, fault) for fault in faults] + [row | {"warning": True} for row in warnings], indent=1))
     else:
         for fault in faults:
-            print(f"line {_line(program, fault)}: {fault}")
+            print(f"line {_line(program, fault.block)}: {fault}")
+        for number, each in slowed.items():
+            print(f"line {_line(program, number)}: warning: {each.of(number)}")
         count = len(faults)
         print(f"{len(program.blocks)} blocks: " + ("all can be run" if not count else f"{count} cannot be run"))
     return Exit.FINDING if faults else Exit.OK
 
 
-def _line(program: Program | TeamProgram, fault: BlockError) -> int:
-    return program.blocks[fault.block - 1].line if 1 <= fault.block <= len(program.blocks) else 0
+def _line(program: Program | TeamProgram, block: int) -> int:
+    return program.blocks[block - 1].line if 1 <= block <= len(program.blocks) else 0
 
 
 def _record(program: Program | TeamProgram, fault: BlockError) -> dict[str, object]:
     return {
         "block": fault.block,
-        "line": _line(program, fault),
+        "line": _line(program, fault.block),
+        "warning": False,
         "axis": fault.axis,
         "code": fault.code,
         "source": fault.source,

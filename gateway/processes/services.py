@@ -303,6 +303,8 @@ class Services:
             errors.append((state.stop_cause, text(Reason(state.stop_cause))))
         if state.path_stop and Reason.OUTPUT_IN_USE not in (e[0] for e in errors):
             errors.append((Reason.OUTPUT_STOPPED, text(Reason.OUTPUT_STOPPED, detail=function_words(state.path_stop))))
+        if self.office.planner is not None and self.office.planner.warning:
+            errors.append((Reason.INTERPOLATOR_STOP, text(Reason.INTERPOLATOR_STOP, detail=self.office.planner.warning)))
         io = self.complaints.look(self.signals, now)
         for door, refusal in list(self.values.refusals.items()):
             if now - refusal[2] > REFUSALS_KEPT_NS:

@@ -15,7 +15,8 @@ from motion.pieces import RECORD_SIZE
 BLOCKS = 2048  # records in the blocks ring
 PIECES = 1024  # records in the pieces ring: half a minute of motion
 AHEAD = 128  # pieces handed on and not run: two seconds, the longest the axes go on after the planner's death
-PLANNER_BYTES = 1024
+PLANNER_BYTES = 2048
+WORDS = 400  # characters of a sentence
 TEXT_BYTES = 1000
 
 
@@ -243,6 +244,7 @@ class PlannerState:
     fault: str = ""
     fault_block: int = 0
     fault_code: int = 0
+    warning: str = ""  # about the block under way
     cycle: int = 0  # generation of the cycle that the types of belts hold for
     types: tuple[tuple[int, int], ...] = ()  # of the belts as programs have set them (SF 21): type and tolerance
 
@@ -250,7 +252,7 @@ class PlannerState:
 def pack_planner(state: PlannerState) -> bytes:
     """JSON, padded to PLANNER_BYTES."""
     fields = {name: getattr(state, name) for name in PlannerState.__slots__}
-    fields["fault"] = state.fault[:400]
+    fields |= {"fault": state.fault[:WORDS], "warning": state.warning[:WORDS]}
     return json.dumps(fields).encode().ljust(PLANNER_BYTES)
 
 

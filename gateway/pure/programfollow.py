@@ -27,5 +27,6 @@ def follow(programs: Programs, records: Sequence[BlockRecord], state: CellState,
         engaged=state.engaged,
         met=state.met,
         measured=[axis.measured if state.measured_mask >> n & 1 else None for n, axis in enumerate(axes)],
+        override=state.override,
         off=sum(1 << n for n, axis in enumerate(axes) if not axis.flags & AxisFlag.ON),
     )

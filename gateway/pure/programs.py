@@ -27,6 +27,7 @@ from gateway.pure.programchecks import Away, OfCell
 from gateway.pure.programparts import Coming, Measuring, apart, told
 from gateway.pure.programteam import no_programs, no_team, own_axes, own_blocks, reader_for
 from gateway.pure.programtrial import Files, Trial
+from gateway.pure.programwarnings import Slowing
 from motion.errors import MotionError
 from motion.planner.fileplan import FilePlan, file_path
 from motion.planner.planner import Planner
@@ -93,6 +94,8 @@ class Programs:
     _begins: dict[int, float] = field(default_factory=dict)  # piece -> tau
     _off: int = 0  # axes (bit n-1 = axis n) nobody wants on, as the program was ordered
     _belts: Sequence[BeltFacts] = ()  # as programs have set them since the cycle began (SF 21)
+    _slowing: Slowing = field(default_factory=Slowing)
+    _override: float = 1.0
     _spare: int = 1  # ids go on over jobs: a chain never meets an older number
 
     def turn(
@@ -110,11 +113,13 @@ class Programs:
         met: bool = True,
         measured: Sequence[float | None] = (),
         off: int = 0,
+        override: float = 1.0,
     ) -> list[PieceRecord]:
         """records: new ones; the rest is the cycle's: its generation, the piece under way (0: none), where the axes stand, whether they
         move, the last order it took (nothing is handed on before it knows of the job), the job that failed last, the number of parts
         that are over, the belt value at which the robot got onto a belt, whether the last part with an input ended by it, where the
-        axes were measured last (None: they were not), and the axes (bit n-1 = axis n) nobody wants on."""
+        axes were measured last (None: they were not), the axes (bit n-1 = axis n) nobody wants on, and the override."""
+        self._override = override
         if generation != self.generation:
             self.generation, self._belts = generation, self.belts  # a start-up of the control
             self._drop()
@@ -169,6 +174,7 @@ class Programs:
         self._lines, self._line_of, self._at, self._rest = None, [], 0, None
         self._last, self._handed, self._before, self._blocks, self._error = None, False, 0, 0, ""
         self._measuring, self._measured, self._trial = Measuring(self.channels), (), Trial(self._belts, self.files)
+        self._slowing.begin()
 
     def _obey(self, record: BlockRecord, standing: Sequence[float]) -> None:
         if record.say is Say.RUN:
@@ -354,14 +360,16 @@ class Programs:
         line = self._line_of[block - 1] if 0 < block <= len(self._line_of) else 0
         words = f"line {line}: {error}" if line and not isinstance(error, TextError) else str(error)
         job = self.state.job
-        self.state = replace(self.state, failed_job=job, fault=words, fault_block=block, fault_code=code, job=0, ended=True, waiting=0)
+        self.state = replace(
+            self.state, failed_job=job, fault=words, fault_block=block, fault_code=code, job=0, ended=True, waiting=0, warning=""
+        )
         self._planner, self._ended, self._lines = None, True, None
         self._out.append(PieceRecord(Part.FAULT, job, self.generation))
 
     def _drop(self) -> None:
         self._planner, self._ended, self._lines = None, True, None
         self._begins.clear()
-        self.state = replace(self.state, job=0, waiting=0, ended=True)
+        self.state = replace(self.state, job=0, waiting=0, ended=True, warning="")
 
     # ---- what is handed on ---------------------------------------------------------------------------------------------------
     def _plan(self, piece: int, moving: bool, taken: int) -> None:
@@ -403,9 +411,14 @@ class Programs:
             waiting=planner.waiting,
             handed=state.handed + new,
             ended=state.ended or last,
+            warning=self._slowing.look(planner.slowed, self._before, block, self._factors.velocity * self._override, self._line_of),
         )
         if self.state.ended and not moving and piece in (0, self._last_id) and not new:
-            self.state = replace(self.state, job=0)
+            self.state = replace(self.state, job=0, warning="")
+
+    def take_warnings(self) -> list[str]:
+        """Sentences about blocks that began since the last call."""
+        return self._slowing.take()
 
     def _hand_on(self, planner: Planner | FilePlan, tau: float) -> None:
         """Pieces that are due; raises MotionError where a path has no law."""

@@ -64,6 +64,7 @@ class Reason(IntEnum):
     SERVO_ERROR = 40
     DRIVE_ON_NOT_AVAILABLE = 41
     DRIVE_ON_NOT_ALLOWED = 42
+    INTERPOLATOR_STOP = 43
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,6 +128,7 @@ _TEXTS: dict[Reason, tuple[str, str]] = {
     Reason.OUTPUT_STOPPED: ("PPO/IOL : IPO - STOP: {0}", "PPO/IOL : IPO - STOP: {0}"),
     Reason.DRIVE_ON_NOT_AVAILABLE: ("DRIVE ON not avail.: {0}", "ANTRIEB EIN fehlt: {0}"),
     Reason.DRIVE_ON_NOT_ALLOWED: ("DRIVE ON not allowed: {0}", "ANTRIEB EIN nicht erlaubt: {0}"),
+    Reason.INTERPOLATOR_STOP: ("warning: {0}", "Warnung: {0}"),
     Reason.CYCLE_RESTARTED: ("the cycle process was restarted; drives are off", "Zyklus-Prozess neu gestartet; Antriebe sind aus"),
     Reason.REFERENCE_FAILED: ("referencing failed: {0}", "Referenzieren fehlgeschlagen: {0}"),
     Reason.TIME_OUT: ("not reached in time: {0}", "nicht rechtzeitig erreicht: {0}"),

@@ -134,7 +134,7 @@ class Regions:
         if payload is None:
             return {}
         planner = unpack_planner(payload)
-        names = ("job", "block", "share", "waiting", "handed", "ended", "failed_job", "fault", "fault_block", "fault_code")
+        names = ("job", "block", "share", "waiting", "handed", "ended", "failed_job", "fault", "fault_block", "fault_code", "warning")
         return {name: getattr(planner, name) for name in names}
 
     def input_bit(self, number: int) -> tuple[int, int, int | None]:

@@ -23,9 +23,10 @@ from motion.planner.route import Kind, Route, Stretch
 from motion.planner.runs import Run, make_run
 from motion.planner.squares import quicker
 from motion.planner.swift import STEP_S, Swift, cropped, swift, width_s
-from motion.planner.team import Team
+from motion.planner.team import Team, worst
 from motion.planner.teamroute import TeamRoute
 from motion.planner.timegiven import time_given
+from motion.planner.watched import Slowed
 from motion.program.blocks import Block
 from motion.program.factors import FULL, Factors
 from motion.program.team import Shared
@@ -85,6 +86,7 @@ class Planner:
     capacity: int = LOOK_AHEAD
     factors: Factors = FULL
     next_id: int = 1
+    slowed: dict[int, Slowed] = field(init=False, default_factory=dict)  # block -> what its worst axis cannot keep
     lead_s: float = LEAD_S
     horizon_s: float = HORIZON_S
     window: int = WINDOW
@@ -165,12 +167,14 @@ class Planner:
         for stretch in self._route.take():
             check_outputs(stretch)
             self._fresh.append(stretch)
+            self.slowed |= worst([(stretch.block, stretch)])
 
     def reset(self, standing: Sequence[float]) -> None:
         """Everything is dropped, a new chain begins (tau 0); the axes stand here."""
         self._route.reset(standing)
         self._fresh.clear()
         self._marks.clear()
+        self.slowed.clear()
         self._planned.clear()
         self._laws.forget()
         self._work = None

@@ -30,7 +30,7 @@ from motion.planner.relative import shown, unwound
 from motion.planner.robot import Machine
 from motion.planner.rows import curve_of, goes_on, legs_of, place_of
 from motion.planner.timegiven import check_time
-from motion.planner.watched import check_range, check_speed
+from motion.planner.watched import Slowed, check_range, check_speed
 from motion.program.blocks import MEASURED, Block, Interpolation, JointTarget, Rounding, Slope
 from motion.program.errors import BlockError
 from motion.program.passing import passed
@@ -66,6 +66,7 @@ class Stretch:
     square: Callable[[], tuple[JointPath, JointPath]] | None = field(
         default=None, compare=False
     )  # of a corner: to the point, and on from it
+    slowed: Slowed | None = None  # an axis cannot keep the programmed speed all along
 
 
 @dataclass
@@ -233,7 +234,7 @@ class Route:
             check_time(stretch.path, stretch.source, stretch.block, self._machine)
         self._check_travel(stretch.path)
         if stretch.kind is Kind.MAIN:
-            check_speed(stretch.path, stretch.source, self._machine)
+            stretch = replace(stretch, slowed=check_speed(stretch.path, stretch.source, self._machine))
         self._now.out = (*self._now.out, stretch)
         self._now.tail = None if stretch.stop else stretch.path
 

@@ -1,6 +1,6 @@
 """Several kinematics that share one clock: their machines, and stretches of path on which they move together."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import accumulate, pairwise
 
@@ -10,6 +10,7 @@ from motion.errors import MotionError
 from motion.limits import AxisLimits
 from motion.planner.robot import Machine, machine_of
 from motion.planner.route import Stretch
+from motion.planner.watched import Slowed
 from motion.robot import MOST_AXES, MOST_KINEMATICS, Installation, Robot
 from motion.timing.limits import FREE, Cap, LawLimits
 
@@ -84,6 +85,16 @@ class TeamStretch(Stretch):
     """source: of the kinematic that leads.  parts: (kinematic, its own stretch, as long in s as the whole one) of those that move."""
 
     parts: tuple[tuple[int, Stretch], ...] = field(default=())
+
+
+def worst(stretches: Iterable[tuple[int, Stretch]]) -> dict[int, Slowed]:
+    """Of stretches with the number of their block: what the axis cannot keep that is slowed most, of blocks that are."""
+    found: dict[int, Slowed] = {}
+    for number, stretch in stretches:
+        for _, own in own_parts(stretch):
+            if own.slowed is not None and (number not in found or own.slowed.share > found[number].share):
+                found[number] = own.slowed
+    return found
 
 
 def own_parts(stretch: Stretch) -> Iterator[tuple[int, Stretch]]:

@@ -1,8 +1,9 @@
 """A program of several kinematics on paper: what of it cannot be run, and what each kinematic does."""
 
-from motion.planner.team import Team, own_parts
+from motion.planner.team import Team, own_parts, worst
 from motion.planner.teamroute import TeamRoute
 from motion.planner.trace import PERIOD_S, Findings, Trace, numbered, sampled, seen
+from motion.planner.watched import Slowed
 from motion.program.errors import BlockError
 from motion.program.team import TeamProgram
 
@@ -20,6 +21,11 @@ def team_findings(program: TeamProgram, team: Team) -> Findings:
     except BlockError as error:
         faults.append(error)
     return Findings(() if faults else tuple(route.take()), tuple(faults))
+
+
+def team_slowed(findings: Findings) -> dict[int, Slowed]:
+    """Blocks in which an axis cannot keep the programmed speed."""
+    return worst((stretch.block, stretch) for stretch in findings.stretches)
 
 
 def team_traces(findings: Findings, team: Team, period: float = PERIOD_S) -> list[Trace]:

@@ -29,9 +29,22 @@ class Monitoring(Enum):
 class TooFast(Enum):
     """What becomes of a path whose programmed speed asks more of an axis than its limit."""
 
-    SLOW = "slow"  # it is run more slowly there, on the path: what P306 = 2 and 3 wanted, by a law instead of by clocks
+    SLOW = "slow"  # it is run more slowly there, on the path, and nobody hears of it: P306 = 0
+    WARN = "warn"  # the same, and "Interpolator Stop" is told with the axis: P306 = 3, by a law instead of by clocks
     ABORT = "abort"  # P306 = 1, told before anything moves
     ERROR = "error"  # VAL 3: 540, told before anything moves
+
+
+def too_fast(said: str | int) -> TooFast:
+    """A word, or P306 sub-query 6 of a program: programs run in automatic alone, where mode 2 watches nothing (AX-571)."""
+    if isinstance(said, str):
+        return TooFast(said)
+    match Monitoring(said):
+        case Monitoring.NONE | Monitoring.MANUAL:
+            return TooFast.SLOW
+        case Monitoring.ABORT:
+            return TooFast.ABORT
+    return TooFast.WARN
 
 
 class AxisTooFast(MotionError):

@@ -51,6 +51,7 @@ class Collected:
     blocks: dict[int, list[dict[str, int]]] = field(default_factory=lambda: defaultdict(list))
     clear: int | str | None = None  # P24
     download: bool | None = None  # P601
+    monitoring: list[int] = field(default_factory=list)  # P306 sub-query 6 of each kinematic
 
 
 def import_list(text: str, name: str) -> tuple[str, Report]:
@@ -74,7 +75,15 @@ def import_list(text: str, name: str) -> tuple[str, Report]:
 
 def _take(entry: Entry, kept: Collected) -> bool:
     number, first = entry.parameter, entry.values[0]
-    takers: dict[int, Callable[[Entry, Collected], bool]] = {15: _boards, 21: _range, 30: _bus, 31: _block, 32: _block, 401: _system}
+    takers: dict[int, Callable[[Entry, Collected], bool]] = {
+        15: _boards,
+        21: _range,
+        30: _bus,
+        31: _block,
+        32: _block,
+        306: _kinematic,
+        401: _system,
+    }
     if number in takers:
         return takers[number](entry, kept)
     if number in SINGLE and isinstance(first, int) and not isinstance(first, bool):
@@ -107,6 +116,13 @@ def _range(entry: Entry, kept: Collected) -> bool:
     if label:
         kept.ranges[label] = _whole(entry.values[0])
     return bool(label)
+
+
+def _kinematic(entry: Entry, kept: Collected) -> bool:
+    if "monitoring" not in entry.label.lower():
+        return False
+    kept.monitoring.append(_whole(entry.values[0]))
+    return True
 
 
 def _bus(entry: Entry, kept: Collected) -> bool:
@@ -237,6 +253,8 @@ def _numbers(kept: Collected, axes: list[int]) -> Iterable[str]:
         rows = [row for row in kept.blocks[number] if len(row) == 4]
         if rows:
             yield f"P{number} = [ {', '.join(_row(row, ('bus', 'start', 'length', 'id')) for row in rows)} ]"
+    if kept.monitoring:
+        yield f"P306 = [ {', '.join(f'{{ monitoring = {mode} }}' for mode in kept.monitoring)} ]"
     for number in (*PER_AXIS, *DRIVE):
         values = kept.per_axis.get(number, {})
         if values and axes and all(axis in values for axis in axes):

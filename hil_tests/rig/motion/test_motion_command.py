@@ -7,6 +7,7 @@ import re
 import pytest
 
 from gateway.commands.motion import main
+from gateway.files import find_config, read_text
 from gateway.svg import Chart, Line, draw, thinned, ticks
 from hil_tests.lab.belt_bench import HEAD, TEXT
 
@@ -48,6 +49,22 @@ def test_check_as_json(wrong: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", wrong, "--json"]) == 1
     found = json.loads(capsys.readouterr().out)
     assert (found[0]["block"], found[0]["line"], found[0]["code"], found[0]["axis"]) == (1, 5, 520, "J2")
+
+
+def test_check_warns_of_a_path_that_an_axis_of_the_cell_slows_down_and_it_can_be_run_all_the_same(
+    tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    cell, program = (str(tmp_path / name) for name in ("cell.toml", "fast.txt"))
+    pathlib.Path(cell).write_text(read_text(find_config("portal", "cells")).replace("[robot]\n", "[robot]\ntoo_fast = 3\n"))
+    pathlib.Path(program).write_text("axes mm mm mm deg\nstart 50 50 50 0\nlinear pose 450 50 50 0 0 0 path=1600\n")
+    assert main(["check", program, "--cell", cell]) == 0
+    assert capsys.readouterr().out.startswith("line 3: warning: block 1, axis X: Interpolator Stop: 2 times its speed, 0 % along the path")
+    assert main(["check", program, "--cell", cell, "--json"]) == 0
+    (found,) = json.loads(capsys.readouterr().out)
+    assert (found["block"], found["line"], found["axis"], found["warning"]) == (1, 3, "X", True)
+    pathlib.Path(cell).write_text(pathlib.Path(cell).read_text().replace("too_fast = 3", "too_fast = 1"))
+    assert main(["check", program, "--cell", cell]) == 1
+    assert "block 1, axis X: Ax-Velocity exceeded" in capsys.readouterr().out
 
 
 def test_a_program_with_belts_is_looked_at_in_its_cell(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -46,6 +46,13 @@ def test_axes_have_the_numbers_of_the_list() -> None:
     assert two.mechanics.ratio == 4.1 and three.home.speed == 20.0 and two.home.position == 90.0
 
 
+def test_p306_gives_the_monitoring_of_axis_speeds_for_each_kinematic_and_nothing_else() -> None:
+    """L5582-5589: sub-query 6, "Monitoring axis WC"."""
+    cell, report = imported(LIST + "P306 ROBI_1\nRobot type : 3\nMonitoring axis WC : 3\nP306 ROBI_2\nMonitoring axis WC : 1\n")
+    assert cell.rho3 is not None and [each.monitoring for each in cell.rho3.P306] == [3, 1]
+    assert any("P306 'Robot type'" in each for each in report.ignored)
+
+
 def test_drive_parameters_are_kept_but_the_download_stays_off() -> None:
     cell, report = imported()
     assert cell.rho3 is not None and not cell.rho3.P601

@@ -35,7 +35,7 @@ export function mount(root, { t, cell, me, may, post }) {
       table.update(page.axes);
       const words = [[t("state"), t(["at rest", "moving", "stopping", "stopped on the path", "referencing"][head.motion])], [t("override"), `${head.override} %`], [t("order"), page.job || "-"], [t("progress"), page.job ? `${Math.round(page.progress * 100)} %` : "-"]];
       const q = page.queue;
-      if ("waiting" in q) words.push([t("program"), q.job || "-"], [t("block"), q.block || "-"], [t("blocks waiting"), q.waiting], [t("pieces handed on"), q.handed], [t("fault"), q.fault || "-"]);
+      if ("waiting" in q) words.push([t("program"), q.job || "-"], [t("block"), q.block || "-"], [t("blocks waiting"), q.waiting], [t("pieces handed on"), q.handed], [t("fault"), q.fault || "-"], [t("warning"), q.warning || "-"]);
       else words.push([t("queue"), t("no planner in this cell: one move at a time")]);
       const key = JSON.stringify(words);
       if (queue.dataset.key !== key) { queue.dataset.key = key; queue.replaceChildren(facts(words)); }
