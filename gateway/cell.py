@@ -77,6 +77,7 @@ class Robot:
     model: str = ""
     name: str = ""
     zero: str = ""
+    shape: str = "jerk"
     too_fast: str | int = "slow"  # or P306 sub-query 6, 0..3
 
 

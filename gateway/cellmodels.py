@@ -65,6 +65,7 @@ class Robot(Table):
     model: str = ""
     name: str = ""
     zero: str = ""
+    shape: Literal["jerk", "sin2"] = "jerk"
     too_fast: Annotated[Literal["slow", "abort", "error", 0, 1, 2, 3], BeforeValidator(_mode)] = "slow"
 
 

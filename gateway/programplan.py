@@ -144,6 +144,7 @@ def _machine(cell: Cell, table: Robot, first: int) -> "Machine":
     from gateway.robotfile import RobotFaults, load_robot
     from motion.errors import MotionError
     from motion.planner.robot import machine_of
+    from motion.program.blocks import Shape
     from motion.timing.limiter import too_fast
 
     name = table.model
@@ -163,7 +164,7 @@ def _machine(cell: Cell, table: Robot, first: int) -> "Machine":
         names = ", ".join(axis.name for axis in own[robot.arm :])
         raise MotionError(f"additional axes {names} carry the robot or the workpiece; no belt can be one of this robot (AX-565)")
     _check_endless(name, robot, own)
-    return replace(robot, limits=tuple(own), too_fast=too_fast(table.too_fast))
+    return replace(robot, limits=tuple(own), shape=Shape(table.shape), too_fast=too_fast(table.too_fast))
 
 
 def _check_endless(name: str, robot: "Machine", own: "Sequence[AxisLimits]") -> None:

@@ -84,9 +84,7 @@ def main(argv: list[str]) -> int:
     with Progress("blocks", len(program.blocks)) as said:
         number = 1 if cell is None else numbers_by_axis(cell).get(machine.limits[0].name, 1)
         option = cell is None or number in altered(cell)
-        found = sections_of(
-            program, machine, belts.facts, option=option, kinematic=number, files=files, said=said, slowed=slowed
-        )
+        found = sections_of(program, machine, belts.facts, option=option, kinematic=number, files=files, said=said, slowed=slowed)
     sections, faults = found
     if options.what == "check" or faults:
         return check(program, faults, slowed, as_json=options.json)

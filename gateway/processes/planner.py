@@ -116,7 +116,7 @@ class PlannerProcess:
         if fault != self._told and state.fault:
             self.journal.write("program", state.fault, job=state.failed_job, block=state.fault_block, code=state.fault_code)
         self._told = fault
-        for words in self.programs.take_warnings():
+        for words in self.programs.slowing.take():
             self.journal.write("program", words, job=state.job, warning=True)
 
 

@@ -67,6 +67,7 @@ class Programs:
     files: Files = Files()
     windows: Sequence[float] = ()  # of the axes of the cell, in position; m and rad
     team_of: Callable[[Sequence[Kinematic], int], Team] = no_team
+    slowing: Slowing = field(default_factory=Slowing)  # sentences about blocks that have begun
     state: PlannerState = PlannerState()
     generation: int = 0
     _planner: Planner | FilePlan | None = None
@@ -94,7 +95,6 @@ class Programs:
     _begins: dict[int, float] = field(default_factory=dict)  # piece -> tau
     _off: int = 0  # axes (bit n-1 = axis n) nobody wants on, as the program was ordered
     _belts: Sequence[BeltFacts] = ()  # as programs have set them since the cycle began (SF 21)
-    _slowing: Slowing = field(default_factory=Slowing)
     _override: float = 1.0
     _spare: int = 1  # ids go on over jobs: a chain never meets an older number
 
@@ -174,7 +174,7 @@ class Programs:
         self._lines, self._line_of, self._at, self._rest = None, [], 0, None
         self._last, self._handed, self._before, self._blocks, self._error = None, False, 0, 0, ""
         self._measuring, self._measured, self._trial = Measuring(self.channels), (), Trial(self._belts, self.files)
-        self._slowing.begin()
+        self.slowing.begin()
 
     def _obey(self, record: BlockRecord, standing: Sequence[float]) -> None:
         if record.say is Say.RUN:
@@ -411,14 +411,10 @@ class Programs:
             waiting=planner.waiting,
             handed=state.handed + new,
             ended=state.ended or last,
-            warning=self._slowing.look(planner.slowed, self._before, block, self._factors.velocity * self._override, self._line_of),
+            warning=self.slowing.look(planner.slowed, self._before, block, self._factors.velocity * self._override, self._line_of),
         )
         if self.state.ended and not moving and piece in (0, self._last_id) and not new:
             self.state = replace(self.state, job=0, warning="")
-
-    def take_warnings(self) -> list[str]:
-        """Sentences about blocks that began since the last call."""
-        return self._slowing.take()
 
     def _hand_on(self, planner: Planner | FilePlan, tau: float) -> None:
         """Pieces that are due; raises MotionError where a path has no law."""

@@ -61,11 +61,11 @@ def u_portal() -> list[Figure]:
     missed = 0.0
     for k, (a, b) in enumerate(itertools.pairwise(blocks)):
         found = overlap(a, b, earliest(a, 0.0125), limits)
-        curve = frozen(a, b, found) if found else None
-        assert found is not None and curve is not None
+        made = frozen(a, b, found) if found else None
+        assert found is not None and made is not None
         way = summed(a, b, found.start, np.linspace(found.start, a.duration, 800))
         missed = max(missed, float(np.min(np.linalg.norm(way - np.array(points[k + 1]), axis=1))))
-        corners.append(Rounded(found.leave, found.reach, curve))
+        corners.append(Rounded(found.leave, found.reach, made[0]))
     bounds = law_limits(limits)
     law = jerk_limited(assembled(legs, corners), bounds)
     stops = sum(block.duration for block in blocks)

@@ -11,6 +11,7 @@ from motion.kinematics.base import Joints
 from motion.kinematics.endless import AxisType, within
 from motion.planner.marks import Mark
 from motion.planner.robot import Machine
+from motion.planner.watched import Slowed
 from motion.program.blocks import Block
 from motion.program.errors import BlockError
 from motion.timed import TimedPiece
@@ -102,6 +103,11 @@ class FilePlan:
     def working(self) -> bool:
         """Its law is there."""
         return False
+
+    @property
+    def slowed(self) -> dict[int, Slowed]:
+        """Its speed is the file's."""
+        return {}
 
     @property
     def end(self) -> float:

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from motion.planner.runs import Run
+from motion.planner.shaped import shaped_law
 from motion.planner.straight import straight_law
 from motion.program.factors import Factors
 from motion.timing.jerk import jerk_limited_work
@@ -25,7 +26,7 @@ class KnownLaws:
         for known, under, law in self._made:
             if under == factors and _same(known, run):
                 return law
-        law = straight_law(run) or (yield from jerk_limited_work(run.path, run.limits))
+        law = shaped_law(run) or straight_law(run) or (yield from jerk_limited_work(run.path, run.limits))
         self._made.append((run, factors, law))
         return law
 

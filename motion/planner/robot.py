@@ -9,7 +9,7 @@ from motion.frames import Pose
 from motion.kinematics.base import Configuration, Joints, Kinematics
 from motion.kinematics.group import Group, OnTable, Role
 from motion.limits import AxisLimits
-from motion.program.blocks import MAX_JOINTS
+from motion.program.blocks import MAX_JOINTS, Shape
 from motion.robot import Kind, Robot, kinematics_of
 from motion.timing.limiter import TooFast
 
@@ -27,6 +27,7 @@ class Machine:
     turn_speed: float = inf
     turn_accel: float = inf
     too_fast: TooFast = TooFast.SLOW
+    shape: Shape = Shape.JERK  # of blocks that do not say
     shares: tuple[float, float] = (1.0, 1.0)  # of the axes' acceleration and jerk `limits` are: pieces carry the whole
 
     def __post_init__(self) -> None:

@@ -31,10 +31,10 @@ from motion.planner.robot import Machine
 from motion.planner.rows import curve_of, goes_on, legs_of, place_of
 from motion.planner.timegiven import check_time
 from motion.planner.watched import Slowed, check_range, check_speed
-from motion.program.blocks import MEASURED, Block, Interpolation, JointTarget, Rounding, Slope
+from motion.program.blocks import MEASURED, Block, Interpolation, JointTarget, Rounding, Shape, Slope
 from motion.program.errors import BlockError
 from motion.program.passing import passed
-from motion.program.slopes import Ramped, earliest, frozen, overlap, ramped
+from motion.program.slopes import Clock, Ramped, earliest, frozen, overlap, ramped
 from motion.units import from_si
 
 EMPTY = 1e-9  # of a block: less is nothing left to run
@@ -66,6 +66,7 @@ class Stretch:
     square: Callable[[], tuple[JointPath, JointPath]] | None = field(
         default=None, compare=False
     )  # of a corner: to the point, and on from it
+    clock: Clock | None = field(default=None, compare=False)  # block slope with sine squares: when it is where
     slowed: Slowed | None = None  # an axis cannot keep the programmed speed all along
 
 
@@ -119,6 +120,8 @@ class Route:
         self._now.measured = self._now.standing
 
     def _resolved(self, block: Block) -> Block:
+        if block.shape is Shape.ROBOT and self._machine.shape is Shape.SIN2:
+            block = replace(block, shape=self._machine.shape)
         if block.target != MEASURED:
             return block
         if self._now.measured is None:
@@ -225,6 +228,7 @@ class Route:
                 (start / leg.length, end / leg.length),
                 stop=stop,
                 way=leg.length,
+                clock=self._ramped(leg).clock(start, end) if leg.block.slope is Slope.BLOCK and leg.block.shape is Shape.SIN2 else None,
             )
         )
         now.known = end
@@ -321,13 +325,13 @@ class Route:
         limits = self._machine.limits
         before, after = (self._ramped(one) for one in (last, leg))
         found = overlap(before, after, earliest(before, leave), limits) if leave > SMALLEST else None
-        curve = frozen(before, after, found) if found is not None else None
-        if found is None or curve is None or last.length - found.leave < self._now.known - EMPTY * last.length:
+        made = frozen(before, after, found) if found is not None else None
+        if found is None or made is None or last.length - found.leave < self._now.known - EMPTY * last.length:
             self._run_out(last)
             return 0.0
         self._main(last, last.length - found.leave)
         shares = (1.0 - found.leave / last.length, found.reach / leg.length)
-        self._put(Stretch(curve, last.number, Kind.CORNER, last.block, shares, leg.block, way=last.length))
+        self._put(Stretch(made[0], last.number, Kind.CORNER, last.block, shares, leg.block, way=last.length, clock=made[1]))
         return found.reach
 
     def _ramped(self, leg: Leg) -> Ramped:
@@ -339,6 +343,7 @@ class Route:
             speed=min(pace.speed, 1.0),
             accel=min(pace.accel, pace.decel, 1.0),
             path_speed=pace.path_speed or math.inf,
+            sine=leg.block.shape is Shape.SIN2,
         )
 
     def _leave(self, leg: Leg) -> float:

@@ -43,6 +43,14 @@ class Slope(Enum):
     BLOCK = "block"
 
 
+class Shape(Enum):
+    """How the speed of a block from rest to rest goes up and down (AX-575)."""
+
+    ROBOT = "robot"  # as the robot's default says
+    JERK = "jerk"  # jerk-limited, the quickest
+    SIN2 = "sin2"  # rho 3 `Sinus*2-slope`: the acceleration is a sine square of the time
+
+
 class Rounding(Enum):
     """What kind of curve rounds the end point."""
 
@@ -268,6 +276,7 @@ class Block:
     frame: Frame = Frame()
     turning: Turning = Turning.VIA
     slope: Slope = Slope.PROGRAM
+    shape: Shape = Shape.ROBOT
     curving: Curving = Curving()
     outputs: tuple[Output, ...] = ()
     functions: tuple[Function | Flying, ...] = ()

@@ -8,7 +8,7 @@ Time and path are separate here as everywhere: the sum is formed once at 100 %, 
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +19,8 @@ from motion.limits import AxisLimits
 from motion.paths.corner import hermite
 from motion.paths.joints import JointPath, joint_path
 from motion.profile import Profile
+from motion.timing.law import Law
+from motion.timing.sinesquare import SineSquare, sine_square
 
 Array = NDArray[np.float64]
 TRIES = 24  # start times looked at between the earliest one and no overlap
@@ -29,12 +31,30 @@ SLOWEST = 0.02  # of the faster block's speed: below it the sum stands nearly st
 
 
 @dataclass(frozen=True)
+class Clock:
+    """Where on its path a stretch is while blocks with sine-square slope run as they were added: from `begins` to `ends` of `way`."""
+
+    way: Callable[[Array], Array]
+    begins: float
+    ends: float
+
+    @property
+    def duration(self) -> float:
+        """Seconds."""
+        return self.ends - self.begins
+
+    def at(self, t: Array) -> Array:
+        """(n,) s since the stretch began, t after that."""
+        return np.asarray(self.way(self.begins + t) - self.way(np.array([self.begins])))
+
+
+@dataclass(frozen=True)
 class Ramped:
-    """One block with its own jerk-limited ramps from rest to rest.  times: s at which it has made each of `ways`."""
+    """One block with its own ramps from rest to rest."""
 
     path: JointPath
     duration: float
-    _profile: Profile
+    _profile: Profile | SineSquare
 
     def s(self, t: float) -> tuple[float, float, float]:
         """(s, sdot, sddot) t seconds after its start; at rest before and after."""
@@ -52,6 +72,13 @@ class Ramped:
             low, high = (low, middle) if self.s(middle)[0] >= s else (middle, high)
         return high
 
+    def clock(self, begin: float, end: float) -> Clock | None:
+        """Of its stretch between these s; None: its ramps are jerk-limited, whose law is made anew along the whole curve."""
+        if not isinstance(self._profile, SineSquare):
+            return None
+        whole = self.path.length
+        return Clock(self._profile.way, self.time_at(begin) if begin > 0.0 else 0.0, self.time_at(end) if end < whole else self.duration)
+
     def motion(self, t: Array) -> tuple[Array, Array, Array]:
         """(n, axes) position against its start, speed and acceleration."""
         state = np.array([self.s(float(x)) for x in t])
@@ -62,9 +89,16 @@ class Ramped:
 
 
 def ramped(
-    path: JointPath, limits: Sequence[AxisLimits], *, speed: float = 1.0, accel: float = 1.0, path_speed: float = math.inf
+    path: JointPath,
+    limits: Sequence[AxisLimits],
+    *,
+    speed: float = 1.0,
+    accel: float = 1.0,
+    path_speed: float = math.inf,
+    sine: bool = False,
 ) -> Ramped:
-    """A block with constant limits along s: the smallest its axes allow anywhere on it; shares of speed and acceleration."""
+    """A block with constant limits along s: the smallest its axes allow anywhere on it; shares of speed and acceleration; sine: with the
+    sine-square slope (AX-575)."""
     s = np.linspace(0.0, path.length, 33)
     n = path.axes
     first, second = np.abs(path.at(s, 1)), np.abs(path.at(s, 2))[:, :n]
@@ -77,8 +111,12 @@ def ramped(
     if bend > 0.0:  # half of the acceleration is left for the ramps
         v = min(v, math.sqrt(0.5 / bend))
     left = strength * accel - np.max(second, axis=0) * v * v
+    most, quickest = float(np.min(left / largest)), float(np.min(jolt / largest))
+    if sine:
+        shape = sine_square(path.length, v, most, quickest)
+        return Ramped(path, shape.duration, shape)
     profile = Profile()
-    profile.configure(path.length, float(np.min(left / largest)), float(np.min(jolt / largest)))
+    profile.configure(path.length, most, quickest)
     if not profile.to_end((0.0, 0.0, 0.0), v):
         raise MotionError(f"no ramps fit a block of length {path.length:g}")
     return Ramped(path, profile.duration, profile)
@@ -149,9 +187,9 @@ def summed(before: Ramped, after: Ramped, start: float, t: Array) -> Array:
     return np.asarray(place + before.motion(t)[0] + after.motion(t - start)[0])
 
 
-def frozen(before: Ramped, after: Ramped, found: Overlap) -> JointPath | None:
-    """The curve of the overlap as a path of the axes (way and turning go on as on the two blocks); None where the sum nearly
-    stands still, so that it makes no path that can be run at any speed."""
+def frozen(before: Ramped, after: Ramped, found: Overlap) -> tuple[JointPath, Clock] | None:
+    """The curve of the overlap as a path of the axes (way and turning go on as on the two blocks), and when both are where on it; None
+    where the sum nearly stands still, so that it makes no path that can be run at any speed."""
     t = np.linspace(found.start, before.duration, NODES + 1)
     one, two = before.motion(t), after.motion(t - found.start)
     place = summed(before, after, found.start, t)
@@ -174,7 +212,8 @@ def frozen(before: Ramped, after: Ramped, found: Overlap) -> JointPath | None:
         ]
         rows.append([hermite(length, a, b) for a, b in zip(*ends, strict=True)])
         knots.append(knots[-1] + length)
-    return joint_path(knots, rows)
+    law = Law(np.array(knots), rate, pull, float(t[1] - t[0]), (0.0, float(rate[0]), float(pull[0])))
+    return joint_path(knots, rows), Clock(law.at, 0.0, law.duration)
 
 
 def _ways(before: Ramped, after: Ramped, found: Overlap, t: Array) -> tuple[Array, Array]:

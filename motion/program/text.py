@@ -310,6 +310,8 @@ class Reader:
 
     def block(self, kind: Interpolation, target: Target | Shift, via: PoseTarget | None, keys: dict[str, str], number: int) -> Block:
         parts: dict[str, dict[str, object]] = {"pace": {}, "blend": {}, "curving": {}, "": {}}
+        if keys.get("shape") == "trapezoid":
+            raise _Fault("shape", "a trapezoid steps the acceleration: the law of a block with time= alone (BAHN_ZEIT, ramp=); AX-575")
         if "radius" in keys:
             radius = _number("radius", keys["radius"], 0.0, BIG, "mm") * 1e-3
             parts["blend"] |= {"leave": radius, "reach": radius}

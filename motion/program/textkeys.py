@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from enum import Enum
 
-from motion.program.blocks import Blend, Block, Curving, Pace, Rounding, Slope, Turning
+from motion.program.blocks import Blend, Block, Curving, Pace, Rounding, Shape, Slope, Turning
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +62,7 @@ CHOICES = (
     Choice("blend", Rounding, "blend", "rounding", "how the end point is passed"),
     Choice("turning", Turning, "", "turning", "orientation along an arc"),
     Choice("slope", Slope, "", "slope", "one speed over all blocks, or ramps of each block added"),
+    Choice("shape", Shape, "", "shape", "ramps: as the robot has them, jerk-limited, or a sine square"),
 )
 OTHERS = {
     "radius": "mm: leave and reach together",

@@ -45,7 +45,7 @@ def driven(planned: Planned, mode: int) -> tuple[CommandState, list[str], set[st
     while job.open:
         planned.bench.cycle()
         stood.add(planned.programs.state.warning)
-    return job.state, planned.programs.take_warnings(), stood - {""}, planned.driven().shares()
+    return job.state, planned.programs.slowing.take(), stood - {""}, planned.driven().shares()
 
 
 @pytest.mark.requirement("RHO-MOT-45", by="gateway.pure.programwarnings:Slowing.look")

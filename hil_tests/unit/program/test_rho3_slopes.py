@@ -84,8 +84,9 @@ def test_the_frozen_curve_is_the_sum_and_joins_both_paths() -> None:
     first, second = ramped(up, LIMITS), ramped(over, LIMITS)
     found = overlap(first, second, earliest(first, 0.0125), LIMITS)
     assert found is not None
-    curve = frozen(first, second, found)
-    assert curve is not None
+    made = frozen(first, second, found)
+    assert made is not None
+    curve = made[0]
     dense = curve.at(np.linspace(0.0, curve.length, 4000))[:, :3]
     sums = summed(first, second, found.start, np.linspace(found.start, first.duration, 50))
     away = max(float(np.min(np.linalg.norm(dense - row, axis=1))) for row in sums)
