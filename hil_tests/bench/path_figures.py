@@ -16,7 +16,7 @@ from hil_tests.lab import motionpaths as lab
 from motion.limits import AxisLimits
 from motion.paths.base import norm, sub
 from motion.paths.corner import corner, deviation, radius_for
-from motion.paths.joints import joint_line
+from motion.paths.joints import joint_blend, joint_line
 from motion.paths.line import line
 from motion.paths.spline import spline
 from motion.planner.jointpath import joint_path_of
@@ -88,6 +88,33 @@ def u_6r() -> list[Figure]:
         row("motion.u_6r", best, "s", 0.345, "exact stops, same run", stops),
         row("motion.u_6r_never_slower", worst, "x exact stops", 1.0, "exact stops, same run", 1.0),
     ]
+
+
+def u_portal_wide() -> list[Figure]:
+    """Corners cut by 6.6 mm, one way; and both ways of the narrow one, with a rest where the way turns back."""
+    bounds = law_limits(lab.portal_limits())
+    radius = radius_for(6.6e-3, (0.0, 0.0, 1.0), (1.0, 0.0, 0.0))
+    wide = jerk_limited(assembled(*lab.u_portal(radius)), bounds)
+    narrow = u_portal()[0]["value"]
+    assert isinstance(narrow, float)
+    return [
+        row("motion.u_portal_wide", wide.duration, "s", 0.356, "corners of 3.0 mm, same run", narrow),
+        row("motion.u_portal_both", 2.0 * narrow, "s", 0.735, f"3.3 mm ({RECORDED})", 0.735),
+    ]
+
+
+def ptp_passing() -> Figure:
+    """The U of the arm point to point, its points passed with half of the shorter block on each side (the most a P213 gives)."""
+    legs, _, limits = lab.u_arm(0.0125)
+    places = [legs[0].q(0.0), *(leg.q(leg.length) for leg in legs)]
+    lines = [joint_line(a, b) for a, b in itertools.pairwise(places)]
+    corners: list[Rounded | None] = []
+    for a, b in itertools.pairwise(lines):
+        half = 0.5 * min(a.length, b.length)
+        corners.append(Rounded(half, half, joint_blend(a, a.length - half, b, half, 2 * half)))
+    stops = duration(fastest(lines, [None, None], limits)[0])
+    share = duration(fastest(lines, corners, limits)[0]) / stops
+    return row("motion.ptp_passing", share, "x exact stops", 1.0, "goal 15 of motion.md", 0.85)
 
 
 def contour() -> list[Figure]:
