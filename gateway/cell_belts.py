@@ -38,6 +38,7 @@ class Measuring:
     drives: tuple[str, ...] = ()  # axes whose CiA 402 drives catch the edge by their touch probe
     probe: int = 1  # of those drives: 1 | 2
     robot: tuple[str, ...] = ()  # whose programs use it; empty: the only one
+    latch: str = ""  # fIn0 | fIn1: it is this fast input of VAL 3
 
 
 @dataclass(frozen=True, slots=True)

@@ -40,6 +40,7 @@ class Measuring(Table):
     drives: list[str] = []
     probe: Literal[1, 2] = 1
     robot: Robots = []
+    latch: Literal["", "fIn0", "fIn1"] = ""
 
 
 class PathOutput(Table):

@@ -44,6 +44,7 @@ class Section:
     blocks: list[Block] = field(default_factory=list)
     part: Coming | None = None
     path: FilePath | None = None  # of its one block, MOVE_FILE
+    placed: bool = False  # the axes got other places before it (SF 3)
 
 
 def sections_of(
@@ -69,18 +70,21 @@ def sections_of(
                 route.finish()  # the axes rest where an alterable part begins and ends (AX-449)
                 section = Section(number, route.standing)
                 found.append(section)
-            belts = acting(block.acts, number, belts, "")[1]
+            parts, belts = acting(block.acts, number, belts, "", machine)
             apart = section.part is not None and not section.part.holds(block)
             filed = block.file is not None or section.path is not None
             if (section.part is None) != (block.synchron is None) or apart or block.acts or filed:
                 route.finish()
+                placed = [part.point for part in parts if part.point]
+                if placed:
+                    route.stands(placed[-1])
                 part = begun(block, number, belts, machine, route.standing, kinematic)[-1] if block.synchron is not None else None
-                section = Section(number, route.standing, part.blocks if part is not None else [], part)
+                section = Section(number, route.standing, part.blocks if part is not None else [], part, placed=bool(placed))
                 found.append(section)
             plan = section.part.tried if section.part is not None else None
             if block.file is not None:
                 section.path = files.path(block, 0, tuple(route.standing), machine, number)[1]
-                route.stands(section.path)
+                route.stands(section.path.end)
             else:
                 route.add(block if plan is None else plan.add(block), number)
             section.blocks.append(block)
@@ -88,7 +92,7 @@ def sections_of(
             faults.append(numbered(error, number))
         said(number)
     try:
-        acting(program.acts, len(program.blocks), belts, "")
+        acting(program.acts, len(program.blocks), belts, "", machine)
         route.finish()
     except BlockError as error:
         faults.append(error)
@@ -116,9 +120,9 @@ class _Looked:
         self._after_rows(lambda: self._route.add(block))
         self._numbers.append(number)
 
-    def stands(self, path: FilePath) -> None:
-        """Behind a block no route knows."""
-        self._route.reset(path.end)
+    def stands(self, places: Sequence[float]) -> None:
+        """Behind what no route knows."""
+        self._route.reset(places)
 
     def finish(self) -> None:
         self._after_rows(self._route.finish)
@@ -154,11 +158,12 @@ class Paper:
         stands = tuple(sections[0].stands)
         parts: list[Trace] = []
         for section in sections:
+            stands = tuple(section.stands) if section.placed else stands
             if section.path is not None:
                 made = self._filed(section, section.path, stands)
             else:
                 made = self._plain(section, stands) if section.part is None else self._on_belt(section, section.part, stands)
-            parts.append(made)
+            parts.append(replace(made, cuts=(0,)) if section.placed else made)
             stands = tuple(float(v) for v in made.q[-1])
             said(section.first + len(section.blocks) - 1)
         return joined(parts)

@@ -119,7 +119,7 @@ def measuring_facts(cell: Cell) -> dict[int, MeasuringFacts]:
 
 def _facts(cell: Cell, measuring: Measuring) -> MeasuringFacts:
     drives = sum(1 << n for n, axis in enumerate(cell.axis) if axis.name in measuring.drives)
-    return MeasuringFacts(measuring.input, measured_mask(cell, measuring), drives)
+    return MeasuringFacts(measuring.input, measured_mask(cell, measuring), drives, measuring.latch)
 
 
 def machine_of_cell(cell: Cell) -> "Machine":

@@ -101,7 +101,15 @@ class ToolDesk:
             if state.measured_mask >> n & 1:
                 places["measured"] = axis.measured / fact.si  # @MPOS
             words = services.canopen.fault(n, axis.fault_code) if axis.fault_code else ""
-            told = {"flags": int(axis.flags), "fault": axis.fault_code, "words": words, "why": services.canopen.why_not(n)}
+            planner = services.office.planner
+            placed = planner is not None and bool(planner.placed >> n & 1)
+            told = {
+                "flags": int(axis.flags),
+                "fault": axis.fault_code,
+                "words": words,
+                "why": services.canopen.why_not(n),
+                "placed": placed,
+            }
             rows.append({"name": fact.name, "unit": fact.unit, **places, **told})
         return {"axes": rows, "cycle": state.cycle, "ready": state.ready, "motion": int(state.motion), "permits": state.permits,
                 "cause": state.stop_cause, "override": state.override, "simulated": services.plan.simulated,

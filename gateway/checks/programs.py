@@ -47,7 +47,7 @@ def programs(check: Context) -> None:
 
 def _read(check: Context, key: str, table: Program) -> None:
     from motion.errors import MotionError
-    from motion.program.blocks import Flying
+    from motion.program.blocks import Flying, Latching
     from motion.program.text import read
     from motion.program.textteam import several
 
@@ -70,6 +70,7 @@ def _read(check: Context, key: str, table: Program) -> None:
         robot = check.cell.robot[0]
         if len(check.cell.robot) == 1 and not written_for(program.robot, robot.model):
             check.fault(key, file, f"is written for robot {program.robot}, this cell's is {robot.model}")
+        latches = {each.latch for each in check.cell.measuring if each.latch and number in numbers_of(check.cell, each.robot)}
         there = {each.channel for each in check.cell.measuring if number in numbers_of(check.cell, each.robot)}
         for name, data in bnr_files(str(path), program.blocks).items():
             if isinstance(data, MotionError):
@@ -78,6 +79,9 @@ def _read(check: Context, key: str, table: Program) -> None:
         for block in program.blocks:
             named = [asked.channel for asked in (block.until, block.wait) if asked is not None and asked.channel]
             named += [call.channel for call in block.functions if isinstance(call, Flying)]
+            for call in block.functions:
+                if isinstance(call, Latching) and call.name not in latches:
+                    check.fault(key, file, f"line {block.line}: {call.name} is in no [[measuring]] table (latch)")
             for channel in [each for each in named if each not in there]:
                 check.fault(key, file, f"line {block.line}: channel {channel} is in no [[measuring]] table of the robot")
 
@@ -113,6 +117,8 @@ def _measuring(check: Context) -> None:
         for axis in each.axes:
             check.unknown(f"measuring.{each.channel}.axes", axis, "axis")
         _probes(check, each)
+    for name, _, _ in twice((each.latch, str(each.channel)) for each in cell.measuring if each.latch):
+        check.fault("measuring.latch", name, "another table is this fast input already")
     for twofold, _, _ in twice((name, str(each.channel)) for each in cell.measuring for name in each.drives):
         check.fault("measuring.drives", twofold, "another table has the touch probe of this drive already")
     if not cell.measuring or cell.controller is None or cell.controller.kind != "rho3" or cell.rho3 is None:

@@ -148,6 +148,8 @@ def _zero(client: ToolClient, cell: Cell, axis: Axis, at: float, who: str) -> Ro
     row = client.axis(axis.name)
     if int(str(row["flags"])) & (AxisFlag.LOST | AxisFlag.ON):
         raise ToolError(f"axis {axis.name}: take the drive off first; a zero is written at rest, without power")
+    if row["placed"]:
+        raise ToolError(f"axis {axis.name}: a program has set its position (mach_pos): start the gateway again, then write the zero")
     entry = zeros.entry(cell, axis, float(str(row["actual"])), at, who)
     try:
         path = zeros.append(cell, entry)

@@ -173,7 +173,8 @@ class Services:
             self.clients.close()
         self.retain.close()
         if not self.plan.simulated:
-            remember(self.cell, self.values.state)
+            planner = self.office.planner
+            remember(self.cell, self.values.state, planner.placed if planner is not None else 0)
         for door in self.doors:
             if isinstance(door, ModbusDoor):
                 await door.server.close()

@@ -12,7 +12,7 @@ from gateway.pure.plannerrecords import Part, PieceRecord
 from gateway.pure.records import RC_BYTES
 from motion.errors import MotionError
 from motion.pieces import RECORD_SIZE
-from motion.program.blocks import Act, Sync
+from motion.program.blocks import BeltAct, Sync
 from motion.program.errors import BlockError
 from motion.sync.belts import Belt, Condition
 from motion.sync.errors import NO_BELT, NOT_POSSIBLE, TEXTS, BeltError
@@ -50,7 +50,7 @@ def act_of(record: PieceRecord) -> ActOrder:
     return ActOrder(function, belt, (a, b, c), CONDITIONS[condition], number, level)
 
 
-def act_order(act: Act, belts: Sequence[BeltFacts], number: int) -> ActOrder | None:
+def act_order(act: BeltAct, belts: Sequence[BeltFacts], number: int) -> ActOrder | None:
     """What the cycle does of it, None: nothing (SF 21); BlockError with the manual's number, for the block `number` behind it."""
     if act.inside:
         what = f"{TEXTS[NOT_POSSIBLE]}: SYNC and belt functions stand outside of synchronous and alterable parts"
@@ -84,12 +84,12 @@ def _sync(act: Sync, belts: Sequence[BeltFacts], number: int) -> ActOrder:
     return ActOrder(SYNC, place, condition=Condition.INPUT, input=act.input, level=act.level)
 
 
-def sets_type(act: Act) -> bool:
+def sets_type(act: BeltAct) -> bool:
     """SF 21: the cycle hears of it with the next part on that belt."""
     return not isinstance(act, Sync) and act.function == TYPE
 
 
-def belts_after(act: Act, belts: Sequence[BeltFacts]) -> tuple[BeltFacts, ...]:
+def belts_after(act: BeltAct, belts: Sequence[BeltFacts]) -> tuple[BeltFacts, ...]:
     """The belts once it is done; BeltError 92, MotionError for a value that is none."""
     if isinstance(act, Sync):
         return tuple(belts)

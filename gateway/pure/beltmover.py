@@ -91,6 +91,9 @@ class BeltMover(Mover):
             self._attend(sample)
         return sample
 
+    def _counters(self) -> Sequence[float]:
+        return [belt.counter for belt in self._belts.all.all]
+
     def _load(self, piece: Piece | TimedPiece) -> None:
         if not self._belts.load(piece):
             super()._load(piece)

@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 
 from gateway.pure.inputrecords import FlyingAt
 from gateway.pure.plannerrecords import VOID, FunctionAt, SwitchAt
+from gateway.pure.pointrecords import LatchAt, TapeAt
 
-Entry = SwitchAt | FunctionAt | FlyingAt
+Entry = SwitchAt | FunctionAt | FlyingAt | TapeAt | LatchAt
 REACHED = 1e-9  # s at full speed
 
 

@@ -3,7 +3,7 @@
 A cell with belts or a correction has one more: gateway.pure.beltmover, gateway.pure.altermover.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from drivers.drives.family import Actual
@@ -12,10 +12,12 @@ from gateway.pure.coredriveon import DriveOnGate
 from gateway.pure.corehoming import Homings
 from gateway.pure.coreinputs import CoreFlying, CoreStart
 from gateway.pure.coremeasure import CoreMeasure
+from gateway.pure.corepoints import CoreLatch, CoreTape, set_machine_position
 from gateway.pure.coreprobes import latches
-from gateway.pure.coreprogram import ProgramRun
+from gateway.pure.coreprogram import Entry, ProgramRun
 from gateway.pure.inputrecords import FlyingAt, flying_of, start_of
 from gateway.pure.plannerrecords import FunctionAt, Part, PieceRecord, SwitchAt, function_number, function_of, switch_of, until_of
+from gateway.pure.pointrecords import LatchAt, TapeAt, latch_of, machine_of, recall_of, tape_of
 from gateway.pure.reasons import Reason
 from gateway.pure.records import CellState, InputImage, OrderRecord, set_bit
 from motion.axes.errors import AxisError
@@ -25,6 +27,13 @@ from motion.pieces import Piece, decode
 from motion.stepper import Sample, State, Stepper
 from motion.timed import TimedPiece, decode_any
 
+ENTRIES: dict[Part, Callable[[PieceRecord], Entry]] = {  # done at a place of a piece
+    Part.OUTPUT: switch_of,
+    Part.FUNCTION: function_of,
+    Part.FLYING: flying_of,
+    Part.TAPE: tape_of,
+    Part.LATCH: latch_of,
+}
 ARRIVAL_S = 2.0  # after the set values: an axis that is not in its window by then has not arrived
 
 
@@ -41,6 +50,8 @@ class Mover:
         self.program = ProgramRun()  # done when nothing more comes and all is run
         self.measure = CoreMeasure(state, len(axes), round(period_s * 1e9))
         self.flying = CoreFlying(state, len(axes), round(period_s * 1e9))
+        self.latch = CoreLatch(state, len(axes), round(period_s * 1e9))
+        self.tape = CoreTape(state, len(axes))
         self.start = CoreStart(round(period_s * 1e9))
         self.functions: CoreOutputs | None = None  # of a cell with [[path_output]]
         self.gate = DriveOnGate(axes)  # drive-on of single axes
@@ -73,7 +84,7 @@ class Mover:
     @property
     def measuring(self) -> bool:
         """Positions are wanted (store)."""
-        return self.measure.on or self.flying.on
+        return self.measure.on or self.flying.on or self.latch.on or self.tape.on
 
     def all_enabled(self, mask: int) -> bool:
         return all(axis.drive.follows for n, axis in enumerate(self._axes) if mask >> n & 1)
@@ -107,6 +118,7 @@ class Mover:
         self._state.path_stop = 0
         self.measure.program_started()
         self.flying.program_started()
+        self.latch.end()
         self._release()
         self._state.stop_cause = 0
 
@@ -187,8 +199,6 @@ class Mover:
         elif record.part is Part.START:
             self.start.begin(start_of(record), self._inputs, self._state.sync_ns)
             self.stepper.set_override(0.0 if self.start.on else self.override)
-        elif record.part is Part.FLYING:
-            program.switch(flying_of(record))
         elif record.part is Part.UNTIL:
             self.measure.begin(until_of(record), self._inputs, self._state.sync_ns)
             if self.gate.kept and self.free:
@@ -200,10 +210,10 @@ class Mover:
             self._take_belt(record)
         elif record.part is Part.ALTER:
             self._take_alter(record)
-        elif record.part is Part.OUTPUT:
-            program.switch(switch_of(record))
-        elif record.part is Part.FUNCTION:
-            program.switch(function_of(record))
+        elif record.part in (Part.MACHINE, Part.RECALL):
+            self._point(record)
+        elif record.part in ENTRIES:
+            program.switch(ENTRIES[record.part](record))
         elif record.part is Part.LAST:
             program.complete = True
             if not program.begun:
@@ -257,6 +267,18 @@ class Mover:
 
     def _load(self, piece: Piece | TimedPiece) -> None:
         self.stepper.load(piece)
+
+    def _point(self, record: PieceRecord) -> None:
+        """A part by itself, over at once; the axes rest."""
+        if record.part is Part.RECALL:
+            self.tape.recall(recall_of(record))
+        else:
+            set_machine_position(self._axes, self._state, machine_of(record))
+            self._as_they_stand()
+        if not self.program.begun:
+            self._begin(self.program.job)
+            self.program.begun = True
+        self._state.parts += 1
 
     def _take_belt(self, record: PieceRecord) -> None:
         """The cell has no belts."""
@@ -342,9 +364,20 @@ class Mover:
         self.measure.store(actual)
         if not self.program.job:
             self.flying.end()
+            self.latch.end()
         places = [place for place in actual if place is not None]
-        if self.flying.on and len(places) == len(actual):
+        if len(places) < len(actual):
+            return
+        if self.flying.on:
             self.flying.store(places)
+        if self.latch.on:
+            self.latch.store(places)
+        if self.tape.on:
+            self.tape.store([*places, *self._counters()], [axis.set for axis in self._axes])
+
+    def _counters(self) -> Sequence[float]:
+        """What measuring systems say that are no axes."""
+        return ()
 
     def _attend(self, sample: Sample) -> None:
         """What belongs to a program beside its path: outputs, the input its part ends with, the end of a part."""
@@ -354,10 +387,15 @@ class Mover:
                 self._call(switch.function)
             elif isinstance(switch, FlyingAt):
                 self.flying.call(switch, self._inputs, self._state.sync_ns)
+            elif isinstance(switch, LatchAt):
+                self.latch.call(switch, self._inputs, self._state.sync_ns)
+            elif isinstance(switch, TapeAt):
+                self.tape.call(switch, len(self._axes) + len(self._counters()))
             else:
                 self._switch(switch)
         measure = self.measure
         self.flying.look(self._inputs, self._state.sync_ns)
+        self.latch.look(self._inputs, self._state.sync_ns)
         if measure.on and not self.start.on and measure.look(self._inputs, self._state.sync_ns, stepper.state) and not program.met:
             stepper.abandon()
             program.met = True

@@ -104,6 +104,10 @@ class Part(IntEnum):
     BELT_ACT = 11  # SYNC, or a special function of belts; a part of its own (beltacts)
     START = 12  # the part that follows begins when an input has a value (inputrecords)
     FLYING = 13  # a probe is switched on or off at a place of a piece that follows (inputrecords)
+    MACHINE = 14  # the axes stand at other places from here on; a part of its own (pointrecords)
+    RECALL = 15  # an entry of the reference path is wanted; a part of its own
+    TAPE = 16  # the reference path begins or ends at a place of a piece that follows
+    LATCH = 17  # VAL 3's latch is set at a place of a piece that follows
 
 
 _PIECE = struct.Struct("=II QQ")
@@ -149,6 +153,7 @@ class MeasuringFacts:
     input: int
     mask: int
     drives: int = 0
+    latch: str = ""  # fIn0, fIn1: it is this fast input of VAL 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -247,6 +252,7 @@ class PlannerState:
     warning: str = ""  # about the block under way
     cycle: int = 0  # generation of the cycle that the types of belts hold for
     types: tuple[tuple[int, int], ...] = ()  # of the belts as programs have set them (SF 21): type and tolerance
+    placed: int = 0  # axes (bit n-1 = axis n) whose positions programs have set in that cycle (SF 3)
 
 
 def pack_planner(state: PlannerState) -> bytes:

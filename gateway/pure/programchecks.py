@@ -9,9 +9,10 @@ from gateway.pure.records import RC_BYTES
 from motion.axes.errors import DRIVE_ON_NOT_AVAILABLE
 from motion.axes.interruptible import MOVES
 from motion.errors import MotionError
+from motion.outputs.function import Function
 from motion.planner.legs import told
 from motion.planner.robot import Machine
-from motion.program.blocks import Block, Flying
+from motion.program.blocks import Block
 from motion.program.errors import BlockError
 
 OUTPUTS_ARE = "programs switch RC outputs to 0 or 1, and none that axisgate itself writes (ready, drives on, in position ..)"
@@ -40,8 +41,8 @@ class OfCell:
             self.measuring.check(block, self.mask, machine)
             for function in block.functions:
                 if not self.whole or block.synchron is not None:
-                    raise MotionError("IO logic, PPO and measure_on stand in programs of the cell, outside of synchronous parts")
-                if not isinstance(function, Flying):
+                    raise MotionError("functions stand in programs of the cell, outside of synchronous parts")
+                if isinstance(function, Function):
                     check_function(function, self.functions, self.kinematic)
         except MotionError as error:
             raise told(error, number, machine) from error
@@ -55,10 +56,12 @@ class OfCell:
             raise BlockError("a synchronous part stands in a program of the cell alone", block=number)
         if block.alteration is not None:
             raise BlockError("an alterable part stands in a program of the cell alone", block=number)
+        if block.recorded:
+            raise BlockError("recorded is a target in programs of the cell alone", block=number)
         if block.file is not None:
             raise BlockError("move_file stands in a program of the cell alone", block=number)
         if block.acts:
-            raise BlockError("sync and belt functions stand in a program of the cell alone", block=number)
+            raise BlockError("sync, mach_pos and belt functions stand in a program of the cell alone", block=number)
 
 
 @dataclass(frozen=True, slots=True)

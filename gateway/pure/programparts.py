@@ -21,13 +21,31 @@ from gateway.pure.plannerrecords import (
     switch_record,
     until_record,
 )
+from gateway.pure.pointrecords import LatchAt, TapeAt, latch_record, machine_record, recall_record, tape_record
+from motion.errors import LimitError, MotionError
 from motion.frames import compose
-from motion.measure.errors import INADMISSABLE_INPUT, POINT_NOT_DEFINED, ProgramFault
+from motion.limits import check_targets
+from motion.measure.errors import BAD_MEASURING_SYSTEM, INADMISSABLE_INPUT, POINT_INVALID, POINT_NOT_DEFINED, ProgramFault
 from motion.measure.inputs import InputKind, input_of
 from motion.planner.marks import Mark
 from motion.planner.relative import shown
 from motion.planner.robot import Machine
-from motion.program.blocks import MEASURED, Act, Alteration, Block, Flying, JointTarget, Output, StartWait, Synchron, Until
+from motion.program.blocks import (
+    MEASURED,
+    Act,
+    Alteration,
+    BeltAct,
+    Block,
+    Flying,
+    JointTarget,
+    Latching,
+    MachinePoint,
+    Output,
+    Recording,
+    StartWait,
+    Synchron,
+    Until,
+)
 from motion.program.errors import BlockError
 from motion.sync.alterable import order_of
 from motion.sync.belts import Type
@@ -48,7 +66,9 @@ class Coming:
     alteration: Alteration | None = None  # of an alterable part
     error: str = ""  # label to go on at when the input of its block did not come
     label: str = ""  # in front of it
-    act: Act | None = None  # of a belt: nothing else happens in this part
+    act: BeltAct | None = None  # of a belt: nothing else happens in this part
+    point: tuple[float, ...] = ()  # places the axes get (SF 3); nothing else happens in this part
+    recall: int = 0  # entry of the reference path that is asked for (SF 31); nothing else happens in this part
     data: bytes = b""  # of the file its block runs (MOVE_FILE)
 
     def holds(self, block: Block) -> bool:
@@ -56,6 +76,9 @@ class Coming:
         if (
             self.engages
             or self.act is not None
+            or self.point != ()
+            or self.recall != 0
+            or block.recorded != 0
             or block.acts
             or block.label
             or block.until is not None
@@ -84,6 +107,12 @@ class Coming:
     def marked(block: Block) -> Block:
         """alterEnd at its end, where it says so."""
         return replace(block, outputs=(*block.outputs, Output(FREEZE, 1.0))) if block.freeze else block
+
+    def own(self, mask: int, job: int, generation: int) -> PieceRecord | None:
+        """What the cycle does at rest, and nothing else in this part."""
+        if self.point:
+            return machine_record(job, generation, mask, self.point)
+        return recall_record(job, generation, self.recall) if self.recall else None
 
     def again(self, machine: Machine, start: Sequence[float]) -> BeltPlan:
         """The same part from where the robot really stands."""
@@ -141,14 +170,33 @@ def begun(block: Block, number: int, belts: Sequence[BeltFacts], machine: Machin
     return [Coming(number, tried=plan, engages=True, label=label), Coming(number, tried=plan)]
 
 
-def acting(acts: Sequence[Act], number: int, belts: Sequence[BeltFacts], label: str) -> tuple[list[Coming], Sequence[BeltFacts]]:
+def acting(
+    acts: Sequence[Act], number: int, belts: Sequence[BeltFacts], label: str, machine: Machine
+) -> tuple[list[Coming], Sequence[BeltFacts]]:
     """Their parts, in front of the block `number`, and the belts behind them; BlockError."""
     found: list[Coming] = []
     for act in acts:
+        if isinstance(act, MachinePoint):
+            found.append(Coming(number, point=_placed(act, number, machine), label="" if found else label))
+            continue
         act_order(act, belts, number)
         belts = belts_after(act, belts)
         found.append(Coming(number, act=act, label="" if found else label))
     return found, belts
+
+
+def _placed(act: MachinePoint, number: int, machine: Machine) -> tuple[float, ...]:
+    """SF 3: inside the travel, which belongs to the new places."""
+    try:
+        if act.inside:
+            raise MotionError("mach_pos stands outside of synchronous and alterable parts")
+        check_targets(machine.limits, act.q)
+    except LimitError as error:
+        what = f"mach_pos: {str(error).partition(': ')[2]}"
+        raise BlockError(what, block=number, axis=error.axis) from error
+    except MotionError as error:
+        raise BlockError(f"mach_pos: {error}", block=number) from error
+    return act.q
 
 
 def told(error: BlockError, blocks: int) -> BlockError:
@@ -158,7 +206,7 @@ def told(error: BlockError, blocks: int) -> BlockError:
 
 def apart(block: Block) -> bool:
     """Whether a block begins a part of its own wherever it stands."""
-    asks = block.until is not None or block.wait is not None or block.target == MEASURED or block.file is not None
+    asks = block.until is not None or block.wait is not None or block.target == MEASURED or block.recorded != 0 or block.file is not None
     return asks or bool(block.synchron or block.alteration or block.acts)
 
 
@@ -167,6 +215,7 @@ class Measuring:
     """@MPOS for a program of a cell: what a block's input is, and where the axes of `mask` were at its edge.  channels: of the cell."""
 
     channels: Mapping[int, MeasuringFacts]
+    systems: int = 0  # measuring systems of the cell: its axes, then its belts
     last: int = 0  # axes the last block with an input will have measured
 
     def wanted(self, until: Until, mask: int) -> UntilInput:
@@ -191,6 +240,22 @@ class Measuring:
         wire = self._wire(call.channel, InputKind.PROBE, mask)
         return FlyingAt(piece, after, call.channel, wire.input, wire.mask & mask, call.edge, wire.drives & mask)
 
+    def latch(self, mark: Mark, call: Latching, mask: int, job: int, generation: int) -> PieceRecord:
+        """setLatch; raises ProgramFault for a fast input that is no wire of the cell."""
+        channel = self._latching(call)
+        wire = self.channels[channel]
+        if wire.drives:
+            at = FlyingAt(mark.piece, mark.after, channel, wire.input, wire.mask & mask, True, wire.drives & mask)
+            return flying_record(job, generation, at)
+        return latch_record(job, generation, LatchAt(mark.piece, mark.after, wire.input, wire.mask & mask, call.name))
+
+    def _latching(self, call: Latching) -> int:
+        channel = next((each for each, facts in self.channels.items() if facts.latch == call.name), None)
+        if channel is None:
+            known = ", ".join(facts.latch for facts in self.channels.values() if facts.latch) or "none"
+            raise ProgramFault(INADMISSABLE_INPUT, f"set_latch {call.name}; this cell has {known} ([[measuring]] latch)")
+        return channel
+
     def inputs(self, block: Block, mask: int, job: int, generation: int) -> list[PieceRecord]:
         """What the block that begins a part ends with and waits for."""
         found = []
@@ -204,6 +269,11 @@ class Measuring:
         """An output, a function or a measurement on a piece."""
         if isinstance(mark.function, Flying):
             return flying_record(job, generation, self.flying(mark.piece, mark.after, mark.function, mask))
+        if isinstance(mark.function, Latching):
+            return self.latch(mark, mark.function, mask, job, generation)
+        if isinstance(mark.function, Recording):
+            call = mark.function
+            return tape_record(job, generation, TapeAt(mark.piece, mark.after, call.system, call.distance, call.unit == "cycles"))
         if mark.function is not None:
             return function_record(job, generation, FunctionAt(mark.piece, mark.after, mark.function))
         return switch_record(job, generation, SwitchAt(mark.piece, mark.after, mark.number, mark.value != 0.0))
@@ -232,6 +302,12 @@ class Measuring:
             if isinstance(call, Flying):
                 stored = self.flying(0, 0.0, call, mask).mask
                 self.last = self.last if call.edge is None else stored
+            elif isinstance(call, Latching):
+                self.last = self.channels[self._latching(call)].mask & mask
+            elif isinstance(call, Recording) and call.system > self.systems:
+                raise BlockError(f"{BAD_MEASURING_SYSTEM} {call.system}: 1 .. {self.systems} exist", code=91, source="rho 3")
+        if block.recorded:
+            self.last = 0  # the entry takes the place of @MPOS
         if block.until is not None:
             self.last = self.wanted(block.until, mask).mask
 
@@ -241,7 +317,9 @@ class Measuring:
         if block.target != MEASURED:
             return block
         for n, place in enumerate(places):
+            if place is None and block.recorded:
+                raise BlockError(f"{POINT_INVALID}: no entry {block.recorded} is stored", code=90, block=number, source="rho 3")
             if place is None:
                 raise BlockError(f"{POINT_NOT_DEFINED}: @MPOS was not measured", block=number, axis=machine.name(n))
         measured = [place for place in places if place is not None]
-        return replace(block, target=JointTarget(shown(measured, machine.limits)))
+        return replace(block, target=JointTarget(shown(measured, machine.limits)), recorded=0)

@@ -63,6 +63,7 @@ class Programs:
     functions: Places = field(default_factory=dict)  # IO logic and PPO the cell has
     kinematic_of: Callable[[Machine], int] = lambda _: 1  # number of a robot in the cell
     altered: Container[int] = ()  # kinematics that have a correction (VAL 3 alter)
+    systems: int = 0  # measuring systems: axes and belts
     channels: Mapping[int, MeasuringFacts] = field(default_factory=dict)  # measuring inputs by their numbers
     files: Files = Files()
     windows: Sequence[float] = ()  # of the axes of the cell, in position; m and rad
@@ -96,6 +97,7 @@ class Programs:
     _off: int = 0  # axes (bit n-1 = axis n) nobody wants on, as the program was ordered
     _belts: Sequence[BeltFacts] = ()  # as programs have set them since the cycle began (SF 21)
     _override: float = 1.0
+    _placed: int = 0  # axes whose positions were set in this cycle (SF 3)
     _spare: int = 1  # ids go on over jobs: a chain never meets an older number
 
     def turn(
@@ -121,7 +123,7 @@ class Programs:
         axes were measured last (None: they were not), the axes (bit n-1 = axis n) nobody wants on, and the override."""
         self._override = override
         if generation != self.generation:
-            self.generation, self._belts = generation, self.belts  # a start-up of the control
+            self.generation, self._belts, self._placed = generation, self.belts, 0  # a start-up of the control
             self._drop()
             self._out.clear()
         if failed and failed == self.state.job:
@@ -136,8 +138,8 @@ class Programs:
         self._parts = parts
         self._plan(piece, moving, taken)
         types = tuple((each.kind.value, each.tolerance) for each in self._belts)
-        if (self.state.cycle, self.state.types) != (generation, types):
-            self.state = replace(self.state, cycle=generation, types=types)
+        if (self.state.cycle, self.state.types, self.state.placed) != (generation, types, self._placed):
+            self.state = replace(self.state, cycle=generation, types=types, placed=self._placed)
         out = [record for record in self._out if record.job <= taken]  # a cycle that has not heard of the job would drop its fault
         self._out = [record for record in self._out if record.job > taken]
         return out
@@ -145,7 +147,7 @@ class Programs:
     def follows(self, before: PlannerState) -> None:
         """The planner before this one said this last: belts stay as programs have set them, as long as its cycle runs (AX-394)."""
         if before.cycle and len(before.types) == len(self.belts):
-            self.generation = before.cycle
+            self.generation, self._placed = before.cycle, before.placed
             rows = zip(self.belts, before.types, strict=True)
             self._belts = tuple(replace(each, kind=Type(kind), tolerance=tolerance) for each, (kind, tolerance) in rows)
 
@@ -173,7 +175,7 @@ class Programs:
         self._reader, self._number, self._planner, self._factors, self._ended = Reader(), 0, None, FULL, False
         self._lines, self._line_of, self._at, self._rest = None, [], 0, None
         self._last, self._handed, self._before, self._blocks, self._error = None, False, 0, 0, ""
-        self._measuring, self._measured, self._trial = Measuring(self.channels), (), Trial(self._belts, self.files)
+        self._measuring, self._measured, self._trial = Measuring(self.channels, self.systems), (), Trial(self._belts, self.files)
         self.slowing.begin()
 
     def _obey(self, record: BlockRecord, standing: Sequence[float]) -> None:
@@ -218,10 +220,11 @@ class Programs:
     def _add(self, planner: Planner, block: Block) -> None:
         """A block that ends with an input, waits for one or goes to @MPOS, and a part on a belt, are parts of their own: where they begin
         or end is known only then.  What comes after is tried as if the part had reached its target, the belt where it was programmed."""
-        if not self._trial.begun and not apart(block):
+        if self._trial.begun or apart(block):
+            self._trial.add(planner, block, len(self._line_of), self.kinematic_of(planner.robot))
+        else:
             self._add_whole(planner, block)
-            return
-        self._trial.add(planner, block, len(self._line_of), self.kinematic_of(planner.robot))
+        self._trial.armed_by(block)
 
     def _add_whole(self, planner: Planner, block: Block | Shared) -> None:
         before, away = planner.standing, Away(self._off, self.windows)
@@ -262,14 +265,18 @@ class Programs:
 
     def _next_part(self, part: Coming, standing: Sequence[float], engaged: float) -> None:
         job, generation = self.state.job, self.generation
+        planner = self._made(standing)
+        own = part.own(planner.mask or 0, job, generation)
         if part.act is not None:
             order = act_order(part.act, self._belts, part.number)
             assert order is not None
+            own = act_record(job, generation, order)
+        if own is not None:
             self._planner, self._handed = None, True
-            self._out.append(act_record(job, generation, order))
+            self._placed |= planner.mask or 0 if part.point else 0
+            self._out.append(own)
             self.state = replace(self.state, block=self._before, share=1.0)
             return
-        planner = self._made(standing)
         if part.blocks and part.blocks[0].file is not None:
             self._planner, self._blocks = self._played(part, planner), 1
             return

@@ -2,7 +2,7 @@
 
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from gateway.pure.programparts import Coming, acting, begun, told
 from motion.errors import MotionError
@@ -13,7 +13,7 @@ from motion.planner.marks import check_outputs
 from motion.planner.planner import Planner
 from motion.planner.robot import Machine
 from motion.planner.route import Route
-from motion.program.blocks import Act, Block
+from motion.program.blocks import MEASURED, Act, Block, Flying
 from motion.program.errors import BlockError
 from motion.sync.facts import BeltFacts
 
@@ -49,6 +49,7 @@ class Trial:
     program: int = 0
     later: deque[Coming] = field(default_factory=deque)
     _route: Route | None = None  # of the blocks behind the first one that ends with an input
+    _armed: set[int] = field(default_factory=set)  # channels that wait for their edge
     _tried: int = 0  # blocks before those, and those that no route knows
 
     @property
@@ -60,13 +61,9 @@ class Trial:
         """The block is tried as if the part before had reached its target, the belt where it was programmed; BlockError.  kinematic:
         number of the robot in its cell."""
         route = self._divided(planner, number - 1)
-        try:
-            if not self.later or not self.later[-1].holds(block):
-                route.finish()
-                self._acting(block.acts, number, block.label)
-                self.later += begun(block, number, self.belts, planner.robot, route.standing, kinematic)
-        except BlockError as error:
-            raise told(error, self._tried if block.synchron is None else 0) from error
+        if not self.later or not self.later[-1].holds(block):
+            self._finished(route)
+            self._begun(block, number, planner.robot, route, kinematic)
         part = self.later[-1]
         if block.file is not None:
             self._file(part, block, planner, route)
@@ -80,7 +77,21 @@ class Trial:
                 check_outputs(stretch)
         except BlockError as error:
             raise told(error, self._tried) from error
-        part.blocks.append(block)
+        part.blocks.append(replace(block, target=MEASURED) if block.recorded else block)
+
+    def _finished(self, route: Route) -> None:
+        try:
+            route.finish()
+        except BlockError as error:
+            raise told(error, self._tried) from error
+
+    def _begun(self, block: Block, number: int, machine: Machine, route: Route, kinematic: int) -> None:
+        """The parts in front of it, and its own."""
+        self._acting(block.acts, number, machine, block.label)
+        if block.recorded:
+            self.later.append(Coming(number, recall=block.recorded, label="" if block.acts else block.label))
+            block = replace(block, label="")
+        self.later += begun(block, number, self.belts, machine, route.standing, kinematic)
 
     def _file(self, part: Coming, block: Block, planner: Planner, route: Route) -> None:
         """MOVE_FILE: no route leads along it."""
@@ -92,7 +103,7 @@ class Trial:
     def behind(self, planner: Planner, acts: Sequence[Act], blocks: int) -> None:
         """Statements behind the last block."""
         self._divided(planner, blocks).finish()
-        self._acting(acts, blocks + 1)
+        self._acting(acts, blocks + 1, planner.robot)
 
     def _divided(self, planner: Planner, blocks: int) -> Route:
         """What is tried from the first part on that does not simply go on; so many blocks stand before it."""
@@ -102,6 +113,18 @@ class Trial:
             self._route.assume_measured()  # whether anything is measured by then is looked at by itself (OfCell)
         return self._route
 
-    def _acting(self, acts: Sequence[Act], number: int, label: str = "") -> None:
-        parts, self.belts = acting(acts, number, self.belts, label)
+    def _acting(self, acts: Sequence[Act], number: int, machine: Machine, label: str = "") -> None:
+        parts, self.belts = acting(acts, number, self.belts, label, machine)
+        for part in parts:
+            if part.point and self._armed:
+                what = f"mach_pos: ch{min(self._armed)} waits for its edge, and where the axes were would not be known: measure_off before"
+                raise BlockError(what, block=number)
+            if part.point and self._route is not None:
+                self._route.reset(part.point)
         self.later += parts
+
+    def armed_by(self, block: Block) -> None:
+        """Behind it: probes that store where the axes were."""
+        for call in block.functions:
+            if isinstance(call, Flying):
+                (self._armed.discard if call.edge is None else self._armed.add)(call.channel)

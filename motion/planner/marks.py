@@ -5,11 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from motion.outputs.function import Function
 from motion.planner.route import Kind, Stretch
 from motion.planner.runs import Run
 from motion.planner.team import WAY
-from motion.program.blocks import Flying, Interpolation
+from motion.program.blocks import Called, Interpolation
 from motion.program.errors import BlockError
 from motion.timed import TimedPiece
 from motion.timing.law import Law
@@ -26,7 +25,7 @@ class Mark(NamedTuple):
     after: float
     number: int
     value: float
-    function: Function | Flying | None = None  # called here; number and value have no meaning then
+    function: Called | None = None  # called here; number and value have no meaning then
 
 
 def check_outputs(stretch: Stretch) -> None:
@@ -55,7 +54,7 @@ def marks_of(run: Run, law: Law, pieces: Sequence[TimedPiece], *, goes_on: bool)
     return marks
 
 
-def _places(run: Run) -> Iterator[tuple[float, int, float, Function | Flying | None]]:
+def _places(run: Run) -> Iterator[tuple[float, int, float, Called | None]]:
     """(s on the run, output, value, none) of every output whose block ends on it; (s, 0, 0, function) where a block that calls one begins:
     in the middle of the corner before it, else at its own beginning."""
     for stretch, start in zip(run.stretches, run.starts, strict=True):

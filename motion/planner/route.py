@@ -122,6 +122,8 @@ class Route:
     def _resolved(self, block: Block) -> Block:
         if block.shape is Shape.ROBOT and self._machine.shape is Shape.SIN2:
             block = replace(block, shape=self._machine.shape)
+        if block.recorded:  # nobody knows before: as if it were here
+            return replace(block, target=JointTarget(shown(self._now.standing, self._machine.limits)))
         if block.target != MEASURED:
             return block
         if self._now.measured is None:

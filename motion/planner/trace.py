@@ -56,9 +56,16 @@ class Trace:
     corners: tuple[CornerReport, ...]
     ends: tuple[tuple[int, float], ...]  # (block, s at which it is left)
     belts: tuple[BeltWay, ...] = ()
+    cuts: tuple[int, ...] = ()  # rows at which the axes, at rest, stand at other numbers (SF 3)
 
     def rate(self, values: Array, order: int) -> Array:
         """Differences by time, at rest before and after; same length."""
+        found = self._differences(values, order)
+        for cut in self.cuts:
+            found[max(cut - 2, 0) : cut + 2] = 0.0
+        return found
+
+    def _differences(self, values: Array, order: int) -> Array:
         padded = np.concatenate([np.repeat(values[:1], 2, axis=0), values, np.repeat(values[-1:], 2, axis=0)])
         h = self.period
         if order == 1:
@@ -94,6 +101,7 @@ def joined(parts: Sequence[Trace]) -> Trace:
     for part in parts:
         found.append(part.later(0, clock))
         clock += len(part.t) * part.period
+    begins = np.cumsum([0, *(len(part.t) for part in found)])[:-1].tolist()
     return Trace(
         np.concatenate([part.t for part in found]),
         np.concatenate([part.q for part in found]),
@@ -103,6 +111,7 @@ def joined(parts: Sequence[Trace]) -> Trace:
         tuple(corner for part in found for corner in part.corners),
         tuple(end for part in found for end in part.ends),
         tuple(way for part in found for way in part.belts),
+        tuple(begin + cut for begin, part in zip(begins, found, strict=True) for cut in part.cuts),
     )
 
 

@@ -179,6 +179,26 @@ class Flying:
 
 
 @dataclass(frozen=True, slots=True)
+class Latching:
+    """setLatch of VAL 3 where the block begins: the next rising edge of fIn0 or fIn1 stores where the axes are."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """Reference path where the block begins: rho 3 SF 29 (a mark each `distance` of measuring system `system`, in m, rad or cycles of P5 as
+    `unit` says), SF 30 (system 0)."""
+
+    system: int = 0
+    distance: float = 0.0
+    unit: str = "mm"
+
+
+Called = Function | Flying | Latching | Recording
+
+
+@dataclass(frozen=True, slots=True)
 class Synchron:
     """A belt-synchronous part (rho 3 SYNCHRON .. SYNCHRON_END): its blocks all hold this one.  at: belt value (m or rad) it begins
     at, None: at once; number: of the part in its program, so that two parts on one belt stay two."""
@@ -237,7 +257,18 @@ class BeltCall:
     inside: bool = False
 
 
-Act = Sync | BeltCall
+BeltAct = Sync | BeltCall
+
+
+@dataclass(frozen=True, slots=True)
+class MachinePoint:
+    """SF 3 MACH_POS of the rho 3: the axes stand at these places (m or rad) from here on."""
+
+    q: tuple[float, ...]
+    inside: bool = False
+
+
+Act = BeltAct | MachinePoint
 
 
 @dataclass(frozen=True, slots=True)
@@ -279,7 +310,7 @@ class Block:
     shape: Shape = Shape.ROBOT
     curving: Curving = Curving()
     outputs: tuple[Output, ...] = ()
-    functions: tuple[Function | Flying, ...] = ()
+    functions: tuple[Called, ...] = ()
     until: Until | None = None
     wait: StartWait | None = None
     synchron: Synchron | None = None
@@ -292,6 +323,7 @@ class Block:
     shift: Shift | None = None  # PTP and LINEAR: the target is relative, and `target` UNKNOWN
     file: FileCall | None = None  # the way is that of a file, and `target` UNKNOWN
     freeze: bool = False  # in an alterable part: from the end of this block on the correction stays as it is (alterEnd before the end)
+    recorded: int = 0  # the target is this entry of the reference path, and `target` UNKNOWN
     label: str = ""  # in front of it
     acts: tuple[Act, ...] = ()  # of belts, done at rest before it
     line: int = field(default=0, compare=False)  # of the program text; 0: none
@@ -299,7 +331,8 @@ class Block:
     @property
     def measures(self) -> bool:
         """@MPOS may be another one behind it."""
-        return self.until is not None or any(isinstance(call, Flying) and call.edge is not None for call in self.functions)
+        calls = self.functions
+        return self.until is not None or any(isinstance(c, Latching) or (isinstance(c, Flying) and c.edge is not None) for c in calls)
 
 
 @dataclass(frozen=True, slots=True)

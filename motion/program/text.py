@@ -9,7 +9,6 @@ from typing import TypeVar
 
 from motion.conventions import CONVENTIONS, Convention, convention
 from motion.frames import Pose
-from motion.outputs.function import Function
 from motion.program import textkeys
 from motion.program.blocks import (
     MAX_JOINTS,
@@ -18,11 +17,12 @@ from motion.program.blocks import (
     Act,
     Blend,
     Block,
+    Called,
     Curving,
-    Flying,
     Frame,
     Interpolation,
     JointTarget,
+    MachinePoint,
     OnBelt,
     Pace,
     PoseTarget,
@@ -37,7 +37,8 @@ from motion.program.errors import TextError, TextFaults
 from motion.program.textalter import AlterParts
 from motion.program.textfiles import HEADS as FILE_HEADS
 from motion.program.textfiles import OpenFiles
-from motion.program.textinputs import HEADS, flying_of, wait_of
+from motion.program.textinputs import FUNCTIONS as MEASURING
+from motion.program.textinputs import called, entry_of, wait_of
 from motion.program.textvalues import (
     CALLS,
     call_of,
@@ -88,7 +89,7 @@ class Reader:
     label: str = ""  # in front of the next block
     errors: list[tuple[int, str, int]] = field(default_factory=list)  # line, label, number of the block that names it
     count: int = 0  # blocks so far
-    functions: tuple[Function | Flying, ...] = ()  # in front of the next block
+    functions: tuple[Called, ...] = ()  # in front of the next block
     acts: tuple[Act, ...] = ()  # in front of the next block, or behind the last one
 
     @property
@@ -116,9 +117,7 @@ class Reader:
             if self.labels.get(name, -1) < block:
                 raise TextError(line, "error", f"label {name} does not stand behind the block")
         if self.functions:
-            first = self.functions[0]
-            name = "measure_on" if isinstance(first, Flying) else "ppo" if first.ppo else "iol"
-            raise TextError(0, name, "begins with a block, and none follows")
+            raise TextError(0, called(self.functions[0]).split()[0], "begins with a block, and none follows")
 
     # ---- statements --------------------------------------------------------------------------------------------------
     def line(self, words: list[str], number: int) -> None:
@@ -152,6 +151,10 @@ class Reader:
                 raise _Fault("", f"{head!r} is no statement; {', '.join(STATEMENTS)} are")
 
     def act(self, head: str, rest: list[str]) -> Act:
+        if head == "mach_pos":
+            if rest[:1] != ["joints"]:
+                raise _Fault(head, "mach_pos joints, and the place of each axis")
+            return MachinePoint(self.joints(head, rest[1:]), inside=self.inside)
         return (sync_of if head == "sync" else call_of)(head, rest, inside=self.inside)
 
     def heading(self, head: str, rest: list[str]) -> None:
@@ -238,6 +241,9 @@ class Reader:
             if left or not isinstance(middle, PoseTarget):
                 raise _Fault("via", "a pose is needed: six numbers after `pose`, or the name of such a point")
             via, words = middle, words[split + 1 :]
+        index = 0
+        if words[:1] == ["recorded"]:
+            index, words = entry_of(words[1:]), ["mpos"]
         target, left = self.target(words)
         if left:
             raise _Fault("", f"{' '.join(left)} is too much after the target")
@@ -248,7 +254,9 @@ class Reader:
         block = self.block(kind, target, via, {**self.modal, **keys}, number)
         if block.shift is not None and kind not in RELATIVE:
             raise _Fault("rel", f"a relative target is one of {' and '.join(word.value for word in RELATIVE)}, not of {kind.value}")
-        self.added(block)
+        if index and (kind not in RELATIVE or self.inside):
+            raise _Fault("recorded", "is a target of ptp and linear, outside of synchronous and alterable parts")
+        self.added(replace(block, recorded=index, target=UNKNOWN) if index else block)
         if block.until is not None and block.until.error:
             self.errors.append((number, block.until.error, self.count))
 
@@ -381,12 +389,12 @@ class Reader:
 BIG = textkeys.BIG
 RELATIVE = (Interpolation.PTP, Interpolation.LINEAR)  # MOVE_REL (rho 3)
 HEADINGS = ("program", "robot", "angles", "axes", "start")
-FUNCTIONS: dict[str, Callable[[str, list[str]], Function | Flying]] = {
+FUNCTIONS: dict[str, Callable[[str, list[str]], Called]] = {
     "iol": function_of,
     "ppo": function_of,
-    **dict.fromkeys(HEADS, flying_of),
+    **MEASURING,
 }  # begin with a block
-ACTS = ("sync", *CALLS)  # done at rest before one
+ACTS = ("sync", *CALLS, "mach_pos")  # done at rest before one
 PARTS = ("synchron", "synchron_end", "alter", "alter_end", *ACTS)
 OTHERS = ("tool", "frame", "point", "set", *PARTS, "label", *FUNCTIONS, *FILE_HEADS)
 STATEMENTS = (*HEADINGS, *OTHERS, *MOVES)

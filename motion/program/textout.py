@@ -11,7 +11,6 @@ from motion.conventions import Convention, convention
 from motion.errors import MotionError
 from motion.frames import Pose
 from motion.kinematics.base import FREE, Configuration
-from motion.outputs.function import Function
 from motion.program import textalter, textfiles, textkeys
 from motion.program.blocks import (
     MEASURED,
@@ -20,14 +19,15 @@ from motion.program.blocks import (
     BeltCall,
     Blend,
     Block,
-    Flying,
     Frame,
     JointTarget,
+    MachinePoint,
     Program,
     Shift,
     Synchron,
     Tool,
 )
+from motion.program.textinputs import called
 from motion.program.textvalues import CALLED
 from motion.units import from_si
 
@@ -79,14 +79,14 @@ def _moves(program: Program, ways: Convention, units: tuple[str, ...]) -> list[s
             altered = block.alteration
             begin += [textalter.written(altered)] if altered is not None else []
         front = [f"label {block.label}"] if block.label else []
-        front += [_act(each) for each in block.acts]
+        front += [_act(each, units) for each in block.acts]
         lines += [*begin, *front] if block.acts and block.acts[0].inside else [*front, *begin]
-        lines += [_function(each) for each in block.functions]
+        lines += [called(each) for each in block.functions]
         lines += [written_move(block, ways, units)] if block.file is None else textfiles.written(block.file, files)
     named = {block.until.error for block in blocks if block.until is not None} - {block.label for block in blocks} - {""}
     if program.acts and part is not None and not program.acts[0].inside:
         lines.append("synchron_end")
-    return [*lines, *(f"label {name}" for name in sorted(named)), *(_act(each) for each in program.acts)]
+    return [*lines, *(f"label {name}" for name in sorted(named)), *(_act(each, units) for each in program.acts)]
 
 
 def _places(places: Iterable[Tool | Frame]) -> dict[str, Pose]:
@@ -110,6 +110,8 @@ def written_move(block: Block, ways: Convention, units: tuple[str, ...]) -> str:
     if block.shift is not None:
         words.append(_shift(block.shift, ways, units))
         keys += _extra(block.shift.extra, units)
+    elif block.recorded:
+        words.append(f"recorded {block.recorded}")
     elif target == MEASURED:
         words.append("mpos")
     elif isinstance(target, JointTarget):
@@ -136,20 +138,15 @@ def _shift(shift: Shift, ways: Convention, units: tuple[str, ...]) -> str:
     return f"rel pose {_joints(shift.values, ('mm',) * 3 + ('deg',) * 3)}"
 
 
-def _act(act: Act) -> str:
+def _act(act: Act, units: tuple[str, ...]) -> str:
     """Belt values as mm, whatever the belt's unit."""
+    if isinstance(act, MachinePoint):
+        return f"mach_pos joints {_joints(act.q, units)}"
     if isinstance(act, BeltCall):
         return " ".join([CALLED[act.function], *map(_plain, (act.belt, *act.values))])
     if act.input is not None:
         return f"sync {act.belt} input={'' if act.level else '!'}{act.input}"
     return f"sync {act.belt} {'>=' if act.at_least else '<='} {_plain(act.limit * 1e3)}mm"
-
-
-def _function(call: Function | Flying) -> str:
-    if isinstance(call, Flying):
-        return f"measure_off ch{call.channel}" if call.edge is None else f"measure_on ch{call.channel} edge={int(call.edge)}"
-    numbers = (call.number, call.kinematic, call.coordinate, call.position, call.value, call.time_ms)
-    return " ".join(["ppo" if call.ppo else "iol", *map(_plain, numbers)])
 
 
 def _keys(block: Block, units: tuple[str, ...]) -> list[str]:

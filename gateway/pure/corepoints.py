@@ -1,0 +1,115 @@
+"""Positions a program asks the cycle for: machine positions set anew, the reference path, VAL 3's latch.  Pure.
+
+The rules are those of motion.measure.machine, record and latch; here they get positions as the drives latched them, and what was asked for
+stands in `state`, as @MPOS does: measured_mask, and measured of each axis (AX-578, AX-579).
+"""
+
+from collections.abc import Mapping, Sequence
+
+from gateway.pure.coreaxis import HeldAxis
+from gateway.pure.coreinputs import Wire
+from gateway.pure.pointrecords import LatchAt, TapeAt
+from gateway.pure.records import CellState, InputImage
+from motion.measure.errors import ProgramFault
+from motion.measure.history import History
+from motion.measure.latch import Change, Latch
+from motion.measure.record import BY_CYCLES, BY_DISTANCE, ReferencePaths
+from protocols.base.machine import Ns
+
+KINEMATIC = 1
+
+
+def set_machine_position(axes: Sequence[HeldAxis], state: CellState, places: Mapping[int, float]) -> None:
+    """SF 3: what the increments mean moves, the increments go on; the axes rest.  Referencing and a new cycle undo it."""
+    for n, place in places.items():
+        axis, scaling = axes[n], axes[n].scaling
+        way = axis.set - place
+        axis.scaling = scaling.with_zero(scaling.zero_inc + way * scaling.inc_per_unit)
+        axis.set = place
+        state.axes[n].measured -= way
+
+
+class CoreTape:
+    """The reference path; it is kept until the next SF 29, also behind the program."""
+
+    def __init__(self, state: CellState, axes: int) -> None:
+        self._state, self._axes = state, axes
+        self._paths = ReferencePaths(0)
+        self.on = False
+
+    def call(self, order: TapeAt, systems: int) -> None:
+        """SF 29, SF 30."""
+        self.on = order.system > 0
+        if not self.on:
+            self._paths.off(KINEMATIC)
+            return
+        self._paths = ReferencePaths(systems, BY_CYCLES if order.cycles else BY_DISTANCE)
+        self._paths.on(KINEMATIC, order.system, order.distance)
+
+    def store(self, systems: Sequence[float], sets: Sequence[float]) -> None:
+        """Once a cycle.  systems: what the measuring systems say, sets: (axes,) set values."""
+        self._paths.step(KINEMATIC, systems, sets, ())
+
+    def recall(self, index: int) -> None:
+        """SF 31; nothing is measured where no such entry is stored."""
+        try:
+            entry = self._paths.read(KINEMATIC, index)
+        except ProgramFault:
+            self._state.measured_mask = 0
+            return
+        for axis, place in zip(self._state.axes, entry.joints, strict=False):
+            axis.measured = place
+        self._state.measured_mask = (1 << self._axes) - 1
+
+
+class CoreLatch:
+    """setLatch and getLatch of VAL 3."""
+
+    def __init__(self, state: CellState, axes: int, period_ns: Ns) -> None:
+        self._state, self._axes, self._period_ns = state, axes, period_ns
+        self._latch: Latch | None = None
+        self._order = LatchAt(0, 0.0, 0, 0, "")
+        self._wire, self._history = Wire(0, 0), History(axes)
+        self._changes: list[Change] = []
+
+    @property
+    def on(self) -> bool:
+        """An edge is waited for."""
+        return self._latch is not None
+
+    def call(self, order: LatchAt, inputs: InputImage, now: Ns) -> None:
+        """setLatch: what was latched before is gone."""
+        self._order, self._history, self._changes = order, History(self._axes), []
+        self._wire = Wire(order.number, self._period_ns)
+        self._wire.look(inputs, now)
+        self._latch = Latch(self._history, range(self._axes))
+        self._latch.set_latch(order.name, now)
+        self._state.measured_mask = 0
+
+    def end(self) -> None:
+        """The program is over."""
+        self._latch = None
+
+    def look(self, inputs: InputImage, now: Ns) -> None:
+        """Once a cycle, before the positions of the cycle are known."""
+        if self._latch is None:
+            return
+        first, stamp = self._wire.level is None, self._wire.look(inputs, now)
+        if stamp is not None and not first:
+            self._changes.append(Change(self._order.name, stamp, bool(self._wire.level)))
+
+    def store(self, places: Sequence[float]) -> None:
+        """places: (axes,) as latched at this SYNC."""
+        latch, now = self._latch, self._state.sync_ns
+        if latch is None:
+            return
+        self._history.add(now, places)
+        latch.step(now, [change for change in self._changes if change.stamp_ns <= now])
+        self._changes = [change for change in self._changes if change.stamp_ns > now]  # where the axes were then comes with the next SYNC
+        caught = latch.get_latch()
+        if caught is None:
+            return
+        for n, place in enumerate(caught):
+            if self._order.mask >> n & 1:
+                self._state.axes[n].measured = place
+        self._state.measured_mask, self._latch = self._order.mask, None
