@@ -38,17 +38,10 @@ class Portal(Planned):
         return np.asarray(self.driven().sets * (1e3, 1e3, 1e3, 180 / np.pi))
 
 
-@pytest.fixture(scope="module")
-def portal() -> Portal:
-    return Portal()
-
-
 @pytest.fixture
-def cell(portal: Portal) -> Portal:
-    """At 100, 100, 50, 0 by the drives' own count."""
-    portal.bench.restart_cycle()
-    portal.bench.run(0.3)
-    portal.__init__()  # type: ignore[misc]
+def cell() -> Portal:
+    """At 100, 100, 50, 0."""
+    portal = Portal()
     assert portal.run("ptp joints 100 100 50 0") is CommandState.DONE
     portal.sets()
     return portal
