@@ -21,6 +21,7 @@ ALL: tuple[Callable[[], Figure | list[Figure]], ...] = (
     path_figures.ptp_vs_ruckig,
     path_figures.ptp_passing,
     online_figures.override,
+    online_figures.stop_time,
     path_figures.singularity,
     online_figures.step_costs,
     path_figures.plan_ms,

@@ -9,6 +9,7 @@ import time
 from dataclasses import dataclass, field
 
 import numpy as np
+import ruckig
 from numpy.typing import NDArray
 
 from hil_tests.bench.figure_row import RECORDED, Figure, row
@@ -127,6 +128,34 @@ def reached(nominal: list[Sample], samples: list[Sample], at: int, share: float)
         if now[n] <= share * full or samples[n].state is State.IDLE:
             return float(n - at)
     return float(len(samples) - at)
+
+
+def stop_time(starts: int = 33) -> Figure:
+    """Stops on a line of 300 mm, from the order to rest, against the shortest there is from the same speed and acceleration (ruckig)."""
+    limits = lab.portal_limits()
+    path, bounds = lab.portal_path(line(lab.point(0.0, 0.0, 0.0), lab.point(0.3, 0.0, 0.0))), law_limits(limits)
+    pieces = timed_pieces(path, bounds, jerk_limited(path, bounds))
+    x = np.array([0.0, *(sample.q[0] for sample in run_out(loaded(pieces, 3), {}))])
+    speed = np.gradient(x) / lab.MS
+    accel, ratios, late = np.gradient(speed) / lab.MS, [], 0.0
+    for at in (int(each) for each in np.linspace(0.02 * len(x), 0.98 * len(x), starts)):
+        rows = np.array([sample.q[0] for sample in run_out(loaded(pieces, 3), {at: 0.0}, 2 * len(x))])
+        taken = (next(n for n in range(at, len(rows)) if abs(rows[n] - rows[-1]) < 1e-9) - at) * lab.MS
+        least = _shortest(limits[0], float(speed[at]), float(accel[at]))
+        ratios.append(taken / least)
+        late = max(late, taken - least)
+    what = f"x shortest, median of {starts} stops, {late * 1e3:.0f} ms more at worst"
+    return row("motion.stop_time", statistics.median(ratios), what, 1.05, "ruckig, same run", 1.0)
+
+
+def _shortest(axis: AxisLimits, speed: float, accel: float) -> float:
+    """Seconds of the shortest stop from this state."""
+    asked, made = ruckig.InputParameter(1), ruckig.Trajectory(1)
+    asked.control_interface = ruckig.ControlInterface.Velocity
+    asked.current_velocity, asked.current_acceleration, asked.target_velocity = [speed], [accel], [0.0]
+    asked.max_velocity, asked.max_acceleration, asked.max_jerk = [2.0 * axis.speed], [1.02 * axis.accel], [axis.jerk]
+    ruckig.Ruckig(1).calculate(asked, made)
+    return float(made.duration)
 
 
 def curve_identity() -> Figure:
