@@ -16,6 +16,7 @@ from gateway.progress import steps as shown
 from hil_tests.bench import belt_figures, kinematics_bench, motion_figures
 from hil_tests.lab import arms
 from hil_tests.lab.contour import SPEED, stream
+from hil_tests.lab.toolspeed import random_blocks, streamed
 from motion.follower import Follower
 from motion.frames import NO_ROTATION, Pose
 from motion.limits import AxisLimits
@@ -124,6 +125,17 @@ def limits_of_programs(count: int) -> list[Figure]:
     ]
 
 
+def limits_of_tool(count: int = 4) -> list[Figure]:
+    """The tool against the path speed and the acceleration of each block, over random lines of all speeds that come one by one."""
+    dice, machine = random.Random(6), arms.portal()
+    found = [streamed(random_blocks(dice), machine, (0.0, 0.0, 0.0), 3) for _ in range(count)]
+    unit, reference = f"x programmed, {count} programs", "way as one quintic a corner, caps of the mean's own place (AX-380, recorded)"
+    return [
+        row("motion.limits_tcp", max(speed for speed, _, _ in found), unit, 1.001, reference, 2.49),
+        row("motion.limits_tcp_a", max(accel for _, _, accel in found), unit, 1.02, reference, 1.65),
+    ]
+
+
 def streams(count: int) -> list[Figure]:
     """Short segments: starving, the processor time of one second of motion, and how far ahead the planner looks."""
     begin = time.process_time()
@@ -213,6 +225,7 @@ def run(steps: int = 100_000, programs: int = 60, segments: int = 15_000) -> lis
         lambda: step_figures(steps),
         cycle_costs,
         lambda: limits_of_programs(programs),
+        limits_of_tool,
         lambda: streams(segments),
         motion_figures.figures,
         belt_figures.figures,

@@ -6,12 +6,11 @@ from motion.frames import Pose
 from motion.kinematics.base import Joints, Kinematics
 from motion.kinematics.portal import Portal
 from motion.paths.base import Curve
-from motion.paths.corner import Corner, hermite
+from motion.paths.corner import Corner
 from motion.paths.joints import JointPath, joint_path
-from motion.paths.polynomial import Polynomial, Row, whole
-
-_GAUSS = ((0.046910077030668, 0.118463442528095), (0.230765344947158, 0.239314335249683), (0.5, 0.284444444444444),
-          (0.769234655052842, 0.239314335249683), (0.953089922969332, 0.118463442528095))  # fmt: skip
+from motion.paths.polynomial import Polynomial, Row, values, whole
+from motion.paths.toolway import FINEST, Rate, tool_rows
+from motion.planner.extra import about
 
 
 def exact_path(curve: Curve, kinematics: Kinematics, near: Joints, tool: Pose) -> JointPath | None:
@@ -33,22 +32,28 @@ def exact_path(curve: Curve, kinematics: Kinematics, near: Joints, tool: Pose) -
     for letter, value in zip(kinematics.letters, q, strict=True):
         row = rows["xyz".index(letter)]
         columns.append((value, *(c * scale**k for k, c in enumerate(row[1:], 1))))
-    slope = math.sqrt(sum(row[1] ** 2 for row in columns if len(row) > 1))
     if scale == 1.0:
-        columns += [(0.0, slope), (0.0,)]
-    else:
-        columns += [hermite(curve.length, (0.0, 1.0, 0.0), (_way(columns, curve.length), 1.0, 0.0)), (0.0,)]
-    return joint_path([0.0, curve.length], [columns])
+        slope = math.sqrt(sum(row[1] ** 2 for row in columns if len(row) > 1))
+        return joint_path([0.0, curve.length], [[*columns, (0.0, slope), (0.0,)]])
+    return _divided(columns, curve.length)
 
 
-def _way(columns: list[Row], length: float) -> float:
-    total = 0.0
-    for share, weight in _GAUSS:
-        u, square = share * length, 0.0
-        for row in columns:
-            slope = 0.0
-            for k in range(len(row) - 1, 0, -1):
-                slope = slope * u + k * row[k]
-            square += slope * slope
-        total += weight * math.sqrt(square)
-    return total * length
+def _divided(columns: list[Row], length: float) -> JointPath:
+    """The same polynomials in as many parts as the way of the tool needs to be true."""
+
+    def rate(s: float) -> Rate:
+        table = [values(row, s) for row in columns]
+        slope = math.sqrt(sum(first * first for _, first, _, _ in table))
+        return Rate(slope, 0.0, sum(first * second for _, first, second, _ in table) / slope if slope > 0.0 else 0.0)
+
+    todo, knots, rows, made = [length], [0.0], [], 0.0
+    while todo:
+        here, there = knots[-1], todo[-1]
+        tool = tool_rows(rate, here, there, (rate(here), rate(there)), (made, 0.0), there - here <= FINEST * length)
+        if tool is None:
+            todo.append(0.5 * (here + there))
+            continue
+        knots.append(todo.pop())
+        rows.append([*(tuple(about(row, here)) for row in columns), *tool])
+        made = values(tool[0], there - here)[0]
+    return joint_path(knots, rows)

@@ -38,7 +38,7 @@ def joining(length: float, start: Sequence[State], end: Sequence[State]) -> Cour
 
 def shifted(course: Course, by: float) -> Course:
     """The same about another beginning."""
-    return tuple(tuple(_about(row, by)) for row in course)
+    return tuple(tuple(about(row, by)) for row in course)
 
 
 def with_course(path: JointPath, course: Course) -> JointPath:
@@ -51,11 +51,11 @@ def with_course(path: JointPath, course: Course) -> JointPath:
     table[:, :, -2:] = path.coefficients[:, :, arm:]
     for i, knot in enumerate(path.knots[:-1]):
         for j, row in enumerate(course):
-            table[i, :, arm + j] = _about(row, float(knot))
+            table[i, :, arm + j] = about(row, float(knot))
     return JointPath(path.knots, table)
 
 
-def _about(row: Sequence[float], u: float) -> list[float]:
+def about(row: Sequence[float], u: float) -> list[float]:
     """Six coefficients of the same polynomial about another point."""
     result = [*row, *[0.0] * (DEGREE + 1 - len(row))]
     for i in range(DEGREE):

@@ -16,11 +16,12 @@ from numpy.typing import NDArray
 
 from motion.frames import IDENTITY, Pose
 from motion.kinematics.base import Joints, Kinematics, SingularPose
-from motion.paths.base import Curve, norm, way
+from motion.paths.base import Curve
 from motion.paths.corner import hermite
 from motion.paths.joints import JointPath, joint_path
 from motion.paths.mounted import Mounted
 from motion.paths.polynomial import Chain, Row, whole
+from motion.paths.toolway import FINEST, Rate, rate_of, tool_rows
 from motion.planner.extra import states
 
 TOLERANCE = 2e-9  # m or rad between path and inverse (1e-6 is owed): parts cut out of it still fit each other
@@ -37,6 +38,7 @@ class _Knot(NamedTuple):
     s: float
     q: Joints
     state: State
+    tool: Rate
 
 
 def joint_path_of(
@@ -83,15 +85,22 @@ def _follow(
 ) -> None:
     """Intervals up to `edge`, each half as long as the one that failed, and half as long again tried after each that fits."""
     step = edge - knots[-1].s
+    made = _made(rows[-1], knots[-1].s - knots[-2].s) if rows else (0.0, 0.0)
     while knots[-1].s < edge:
         here = knots[-1]
         step = min(step, edge - here.s)
         target = edge if edge - here.s - step < 1e-9 * curve.length else here.s + step
-        there = _knot(curve, flange, kinematics, course, target, here.q, here.state[-2][0], here.s, here.state[-1][0])
+        there = _knot(curve, flange, kinematics, course, target, here.q)
         columns = [hermite(there.s - here.s, a, b) for a, b in zip(here.state, there.state, strict=True)]
+        tool = None
         if _fits(flange, kinematics, here, there, columns, tolerance):
-            rows.append(columns)
+            tool = tool_rows(
+                lambda s: rate_of(curve.derivatives(s)), here.s, there.s, (here.tool, there.tool), made, step <= FINEST * curve.length
+            )
+        if tool is not None:
+            rows.append([*columns, *tool])
             knots.append(there)
+            made = _made(rows[-1], there.s - here.s)
             step *= 1.5
         elif step > SHORTEST * curve.length:
             step *= 0.5
@@ -106,11 +115,16 @@ def _fits(flange: Mounted, kinematics: Kinematics, here: _Knot, there: _Knot, co
     h = there.s - here.s
     for probe in PROBES:
         u = probe * h
-        guess = tuple(_value(row, u) for row in columns[: kinematics.axes])
+        guess = tuple(_value(row, u) for row in columns)
         exact = kinematics.inverse(flange.at(here.s + u), guess)
         if max(abs(a - b) for a, b in zip(guess, exact, strict=True)) > tolerance:
             return False
     return True
+
+
+def _made(columns: list[tuple[float, ...]], u: float) -> tuple[float, float]:
+    """Way and turning."""
+    return _value(columns[-2], u), _value(columns[-1], u)
 
 
 def _value(row: tuple[float, ...], u: float) -> float:
@@ -120,20 +134,10 @@ def _value(row: tuple[float, ...], u: float) -> float:
     return value
 
 
-def _knot(
-    curve: Curve,
-    flange: Mounted,
-    kinematics: Kinematics,
-    course: Sequence[Row],
-    s: float,
-    near: Joints,
-    passed: float = 0.0,
-    since: float = 0.0,
-    turned: float = 0.0,
-) -> _Knot:
+def _knot(curve: Curve, flange: Mounted, kinematics: Kinematics, course: Sequence[Row], s: float, near: Joints) -> _Knot:
     arm, extra = kinematics.axes - len(course), states(tuple(course), s)
     q = kinematics.inverse(flange.at(s), (*near[:arm], *(value for value, _, _ in extra)))
-    by_s, tcp = flange.derivatives(s), curve.derivatives(s)
+    by_s = flange.derivatives(s)
     first: Array = np.array([*by_s.p1, *by_s.w])
     second: Array = np.array([*by_s.p2, *by_s.w1])
     jacobian = kinematics.jacobian(q)
@@ -146,14 +150,8 @@ def _knot(
         ahead, behind = (kinematics.jacobian([a + k * e * float(b) for a, b in zip(q, q1, strict=True)]) for k in (1, -1))
         second = second - (ahead - behind) @ q1 / (2 * e)
     q2 = np.concatenate([_solved(jacobian[:, :arm], second - jacobian[:, arm:] @ e2), e2])
-    speed, turn = norm(tcp.p1), norm(tcp.w)
-    way_state = (passed + (way(curve, since, s, 4) if s > since else 0.0), speed, _along(tcp.p1, tcp.p2, speed))
-    turn_state = (turned + 0.5 * (s - since) * (turn + norm(curve.derivatives(since).w)), turn, _along(tcp.w, tcp.w1, turn))
-    return _Knot(s, tuple(q), (*((a, float(b), float(c)) for a, b, c in zip(q, q1, q2, strict=True)), way_state, turn_state))
-
-
-def _along(a: tuple[float, float, float], b: tuple[float, float, float], length: float) -> float:
-    return (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / length if length > 0.0 else 0.0
+    state = tuple((a, float(b), float(c)) for a, b, c in zip(q, q1, q2, strict=True))
+    return _Knot(s, tuple(q), state, rate_of(curve.derivatives(s)))
 
 
 def _solved(jacobian: Array, twist: Array) -> Array:

@@ -285,9 +285,17 @@ class Planner:
         sample = last.first + round((at - last.begin) / STEP_S)
         s = float(last.quick.law.s[sample])
         index = max(k for k, start in enumerate(last.run.starts) if start <= s + SMALLEST)
-        run = make_run([*last.run.stretches[index:], *self._window()], self.machine, self.factors)
+        row = self._window()
+        run = make_run([*last.run.stretches[index:], *row], self.machine, self.factors)
         history, cut = cropped(last.quick.shifted(last.run.starts[index]), sample, last.width)
-        made = swift(run.path, run.limits, last.width, history, cut)
+        try:
+            made = swift(run.path, run.limits, last.width, history, cut)
+        except (
+            MotionError
+        ):  # too fast by now for what lies behind: what was committed ends at rest before it, and the path goes on from there
+            self._fresh.extendleft(reversed(row))
+            self._planned[-1] = replace(last, quick=None)
+            return []
         law = Law(made.law.s[cut:], made.law.speed[cut:], made.law.accel[cut:], STEP_S, _state(made.law, cut))
         pieces = self._commit(run, law, at, first_id, _Origin(made, cut, last.width))
         yield from ()  # nowhere left for a while

@@ -3,10 +3,12 @@
 The raw law is the fastest one under speeds and 9/10 of the accelerations (TOPP); the law itself is its mean over the last w seconds,
 which turns steps of acceleration into ramps of jerk 2 a / w at most along a straight path.  A mean of the past does not change
 when only the future is planned anew: so a tail joins exactly where the part in front of it was left, position, speed and
-acceleration, whatever the path does.  Where curvature makes more of it than the axes may do, speed is lowered there and the law is
-made again.
+acceleration, whatever the path does.  The mean is behind the raw law by up to half the way made in w, so the raw law keeps a speed
+limit that much before and behind the place it holds for; then the mean keeps it.  Where curvature makes more of it than the axes may do,
+speed is lowered there and the law is made again.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,7 +29,8 @@ A_STRETCH = 8  # places for each polynomial of the path, if there is room
 STENCIL = 4  # samples behind a cut that must not change: speed and acceleration are differences over them
 ACCEL_GOOD, JERK_GOOD = 1.015, 1.045
 ROUNDS = 10
-HAIR = 1.03  # in sdot^2
+HAIR = 1.01  # in sdot^2
+WORST = 1.03  # of what is good: a tail that comes out worse is not taken
 
 
 @dataclass(frozen=True)
@@ -64,7 +67,7 @@ def width_s(limits: LawLimits) -> float:
 def swift(path: JointPath, limits: LawLimits, width: float, before: Swift | None = None, cut: int = 0, start: float = 0.0) -> Swift:
     """From rest at `start` (before: None), or going on with `before` (same path coordinate) from its sample `cut` on.
 
-    Raises MotionError where no law leads to the end.
+    Raises MotionError where no law leads to the end, or none that goes on with `before` and keeps the limits.
     """
     count = round(width / STEP_S)
     keep = 0 if before is None else cut + STENCIL
@@ -79,7 +82,8 @@ def swift(path: JointPath, limits: LawLimits, width: float, before: Swift | None
     points = int(min(max(A_STRETCH * len(path.coefficients), POINTS[0]), POINTS[1]))
     grid = np.linspace(s0, path.length, points + 1)
     first, second = path.at(grid, 1), path.at(grid, 2)
-    accel, most = SHARE * limits.at(grid)[1], speed_squares(path, grid, limits)
+    behind = 0.0 if before is None else float(before.law.s[min(cut, len(before.law.s) - 1)])  # the mean is still there
+    accel, most = SHARE * limits.at(grid)[1], _kept(path, limits, grid, behind, width)
     floor = _braking(first, accel, grid, v0)
     made: Swift | None = None
     for _ in range(ROUNDS):
@@ -97,18 +101,37 @@ def swift(path: JointPath, limits: LawLimits, width: float, before: Swift | None
         lower, accel = _lowered(most, accel, grid, made, at, excess, count, raw)
         most = np.minimum(most, np.maximum(lower, floor))
     assert made is not None
+    if before is not None and float(_excess(path, limits, made.law, keep)[1].max(initial=0.0)) > WORST:
+        raise MotionError("nothing goes on with the law under way and keeps acceleration and jerk")
     return made
 
 
+def _kept(path: JointPath, limits: LawLimits, grid: Array, behind: float, width: float) -> Array:
+    """(n,) largest sdot^2 of the raw law on the grid, for its mean to keep the speed limits from s = behind on: each holds as far around
+    its place as half the way that is made in `width` at its speed."""
+    step = float(grid[1] - grid[0])
+    more = max(math.ceil((float(grid[0]) - behind) / step), 0)
+    s = np.concatenate([grid[0] - step * np.arange(more, 0, -1), grid])
+    each = speed_squares(path, s, limits)
+    reach = np.minimum(np.ceil(0.5 * width * np.sqrt(each) / step) + 1, len(s)).astype(np.int64)
+    kept = each.copy()
+    for k in np.flatnonzero(each < float(each.max())):
+        around = kept[max(k - reach[k], 0) : k + reach[k] + 1]
+        np.minimum(around, each[k], out=around)
+    return np.asarray(kept[more:])
+
+
 def _entered(first: Array, second: Array, step: float, accel: Array, most: Array, b: float) -> topp.Topp:
-    """The raw law from sdot^2 = b; on another grid than before it may have to be a hair slower."""
-    try:
-        return topp.solve(first, second, step, accel, most, b)
-    except MotionError:
-        bound = float(topp.solve(first, second, step, accel, most).controllable[0])
-        if b > bound * HAIR:
-            raise
-        return topp.solve(first, second, step, accel, most, bound * (1 - 1e-12))
+    """The raw law from sdot^2 = b; where something slow became known late with all of the acceleration, and on another grid than before
+    it may have to be a hair slower."""
+    for strength in (accel, accel / SHARE):
+        try:
+            return topp.solve(first, second, step, strength, most, b)
+        except MotionError:
+            bound = float(topp.solve(first, second, step, strength, most).controllable[0])
+    if b > bound * HAIR:
+        raise MotionError(f"the path cannot be entered at {b**0.5:.6g}: at most {bound**0.5:.6g} can still be braked")
+    return topp.solve(first, second, step, accel / SHARE, most, bound * (1 - 1e-12))
 
 
 def _braking(first: Array, accel: Array, grid: Array, speed: float) -> Array:
@@ -143,13 +166,12 @@ def _smoothed(raw: Array, speed: Array, count: int, length: float) -> Swift:
 
 
 def _excess(path: JointPath, limits: LawLimits, law: Law, keep: int) -> tuple[Array, Array]:
-    """(s, how many times too much) at the samples that may still change, acceleration and jerk by differences of the axes."""
-    n = path.axes
+    """(s, how many times too much) at the samples that may still change, acceleration and jerk by differences of the columns."""
     s = np.concatenate([law.s[:1]] * 3 + [law.s] + [law.s[-1:]] * 3)
-    q = path.at(s)[:, :n]
+    q = path.at(s)
     _, accel, jerk = limits.at(s)
-    second = np.abs(np.diff(q, 2, axis=0)) / STEP_S**2 / accel[1:-1, :n] / ACCEL_GOOD
-    third = np.abs(np.diff(q, 3, axis=0)) / STEP_S**3 / jerk[1:-2, :n] / JERK_GOOD
+    second = np.abs(np.diff(q, 2, axis=0)) / STEP_S**2 / accel[1:-1] / ACCEL_GOOD
+    third = np.abs(np.diff(q, 3, axis=0)) / STEP_S**3 / jerk[1:-2] / JERK_GOOD
     both = np.maximum(second[1:].max(axis=1), third.max(axis=1) ** (2 / 3))[2:]
     at = s[3 : 3 + len(both)]
     return at[keep:], both[keep:]
