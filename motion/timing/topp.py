@@ -2,10 +2,11 @@
 
 Grid s_i with step h, b = sdot^2, u = sddot.  Rows |q' u + q'' b| <= a at s_i and, with b + 2 h u, at s_(i+1).  Every pair of a
 lower and an upper row gives one bound of b that depends on the path alone: these are taken for all grid points at once in numpy;
-only the few rows against the next point's bound run point by point.
+only the few rows against the next point's bound run point by point, on plain numbers: a dozen of them cost less than one call of numpy.
 """
 
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -99,12 +100,14 @@ def _rows(first: Array, second: Array, h: float, accel: Array) -> _Rows:
     slope = np.where(flat, 0.0, -c / np.where(flat, 1.0, d))
     width = np.where(flat, BIG, a / size)
     low0, high0 = -width, width
-    n = d.shape[1]
-    # lower row r against upper row s: low0_r + slope_r b <= high0_s + slope_s b
-    gap = high0[:, None, :] - low0[:, :, None]
-    lean = slope[:, :, None] - slope[:, None, :]
+    # lower row r against upper row s: -width_r + slope_r b <= width_s + slope_s b; of (r, s) and (s, r) the one that leans counts
+    one, two = np.triu_indices(d.shape[1], 1)
+    wide, lean = np.ascontiguousarray(width.T), np.ascontiguousarray(slope.T)
+    gap, apart = wide[one] + wide[two], np.abs(lean[one] - lean[two])
     with np.errstate(divide="ignore", invalid="ignore"):
-        pairs = np.where(lean > FLAT, gap / lean, BIG).reshape(len(d), n * n).min(axis=1)
+        ratio = gap / apart
+        ratio[apart <= FLAT] = BIG
+        pairs = ratio.min(axis=0, initial=BIG)
         alone = np.where(flat & (np.abs(c) > FLAT), a / np.abs(c), BIG).min(axis=1)
         # b at the next point may not become negative: u >= -b / 2h must leave room under every upper row
         floor = slope + 1 / (2 * h)
@@ -122,10 +125,14 @@ def _backward(rows: _Rows, most: Array, h: float, b_end: float) -> Array:
     limit = np.minimum(most[:-1], rows.most)
     result = np.empty(len(most))
     result[-1] = k = min(b_end, float(most[-1]))
-    bounds = limit.tolist()
-    for i in range(len(bounds) - 1, -1, -1):
-        k = max(min(bounds[i], float((gain[i] * k + base[i]).min())), 0.0)
-        result[i] = k
+    rows_of = zip(reversed(gain.tolist()), reversed(base.tolist()), reversed(limit.tolist()), strict=True)
+    for i, (gains, bases, bound) in zip(range(len(limit) - 1, -1, -1), rows_of, strict=True):
+        least = bound
+        for factor, constant in zip(gains, bases, strict=True):
+            value = factor * k + constant
+            if value < least:
+                least = value
+        result[i] = k = max(least, 0.0)
     return result
 
 
@@ -134,9 +141,12 @@ def _forward(rows: _Rows, controllable: Array, h: float, b_start: float) -> Arra
     b = np.empty(len(controllable))
     b[0] = now = b_start
     bounds = controllable.tolist()
-    high0, high1 = rows.high0, rows.high1
-    for i in range(len(bounds) - 1):
-        u = float((high0[i] + high1[i] * now).min())
-        now = min(max(now + 2 * h * u, 0.0), bounds[i + 1])
-        b[i + 1] = now
+    twice = 2 * h
+    for i, (constants, slopes) in enumerate(zip(rows.high0.tolist(), rows.high1.tolist(), strict=True), 1):
+        u = inf
+        for constant, slope in zip(constants, slopes, strict=True):
+            value = constant + slope * now
+            if value < u:
+                u = value
+        b[i] = now = min(max(now + twice * u, 0.0), bounds[i])
     return b
