@@ -2,9 +2,12 @@
 robot whose axes lie behind those of the first one.  Judged by the emulator's own record of set values and mechanics, and by what the
 encoders said (AX-552, AX-564)."""
 
+import pathlib
+
 import numpy as np
 import pytest
 
+from gateway.commands.motion import main as motion
 from gateway.config import load_cell
 from gateway.faults import CellFaults
 from gateway.pure.command_block import Code
@@ -17,7 +20,7 @@ from hil_tests.lab.belt_run import INCREMENT
 from hil_tests.lab.carried_cell import ARM
 from hil_tests.lab.planned_bench import Driven
 from hil_tests.lab.recorded_belts import found_in
-from hil_tests.lab.two_on_belts import CELL, HEAD, IO, MASKS, PROBE, STATUS, OnBelts, belt_table, with_belts
+from hil_tests.lab.two_on_belts import CELL, HEAD, HEADS, IO, MASKS, PROBE, STATUS, OnBelts, belt_table, with_belts
 from motion.sync.cam import cam
 
 ACTIVE = 2  # mode of the correction
@@ -259,3 +262,22 @@ def test_a_cell_of_one_robot_may_name_it_and_shared_outputs_are_taken_with_two()
     assert load_cell(str(ARM), one).measuring[0].robot == ("ARM",)
     with pytest.raises(CellFaults, match=r"measuring.610.robot = scara: no .*robot.* has this name; this cell has ARM"):
         load_cell(str(ARM), one.replace('"ARM"\n\n# ---- d', '"scara"\n\n# ---- d'))
+
+
+def test_check_and_plot_look_at_the_program_with_the_belts_of_its_robot(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    cell, program = tmp_path / "two.toml", tmp_path / "pick.txt"
+    cell.write_text(TEXT)
+    part = ("synchron B5 at=100mm", "linear pose 350 -50 100 180 0 0 belt=100mm", "synchron_end")
+    program.write_text(HEADS["scara"] + "\n".join((OVER["scara"], *part, BACK["scara"])) + "\n")
+    assert motion(["check", str(program), "--cell", str(cell)]) == 0 and "3 blocks: all can be run" in capsys.readouterr().out
+    page = tmp_path / "pick.html"
+    assert motion(["plot", str(program), "--cell", str(cell), "--belt-speed", "100", "--out", str(page)]) == 0
+    assert "B5" in page.read_text()
+    capsys.readouterr()
+    program.write_text(program.read_text().replace("B5", "B6").replace("belt=100mm", "belt=50mm\nlinear pose 350 0 100 180 0 0 belt=70mm"))
+    assert motion(["check", str(program), "--cell", str(cell)]) == 1
+    program.write_text(program.read_text().replace("B6", "B2"))
+    assert motion(["check", str(program), "--cell", str(cell)]) == 1
+    said = capsys.readouterr().out
+    assert "kinematic 2: wrong belt direction, belt B6 (rho 3 929)" in said
+    assert f"belt B2: {NO}; this robot follows B4, B5, B6, B7, B8 (rho 3 93)" in said
