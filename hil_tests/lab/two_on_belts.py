@@ -13,6 +13,7 @@ import numpy as np
 from drivers.drives.family import BusFamily
 from drivers.emulator.belts import EmulatedBelt, EmulatedBelts
 from drivers.emulator.cia402_slave import Cia402Slave
+from gateway.cell import Cell
 from gateway.config import load_cell
 from gateway.pure.command_block import Code, Command
 from gateway.pure.core import Core
@@ -122,8 +123,8 @@ class TwoRobots(RecordedBench, Cell402Bench):
 class OnBelts(Planned):
     """Door 1 orders programs of either robot; `correct` says what the correction is (mm, deg), cycle by cycle, while it speaks."""
 
-    def __init__(self) -> None:
-        self.robots = TwoRobots(P5_MS, cell=CELL)
+    def __init__(self, cell: Cell = CELL) -> None:
+        self.robots = TwoRobots(P5_MS, cell=cell)
         self.correct: Callable[[], tuple[float, ...]] = lambda: (0.0,) * 6
         self.begun = 0
         self.zeros: dict[int, float] = {}  # m: what the encoders said when their counters were set

@@ -231,7 +231,7 @@ def test_a_recording_of_such_a_cell_plays(home: OnBelts) -> None:
 TEXT = with_belts(cell_text())
 OWNER = 'robot = "scara"\nfactors = [0.0, 1.0, 0.0]\n\n[plant.belt.B5]'
 NONE = "allowed S1, S2, S3, S4: is no axis of scara"
-SHARED = '[[shared_output]]\nname = "FU1"\noutput = 720\nrobot = "scara"\naxes = ["S3", "S4"]\n\n'
+SHARED = '[[shared_output]]\nname = "FU1"\noutput = 720\nselect = 736\nrobot = "scara"\naxes = ["S3", "S4"]\n\n'
 
 
 @pytest.mark.parametrize(
@@ -256,8 +256,21 @@ def test_tables_that_name_no_robot_or_a_wrong_one_are_refused_in_words(before: s
         load_cell(str(ARM), TEXT.replace(before, after, 1))
 
 
-def test_a_cell_of_one_robot_may_name_it_and_shared_outputs_are_taken_with_two() -> None:
-    assert load_cell(str(ARM), TEXT.replace("# ---- drives", SHARED + "# ---- drives", 1)).shared_output[0].robot == ("scara",)
+def test_two_axes_of_the_second_robot_share_a_set_point_output() -> None:
+    bench = OnBelts(load_cell(str(ARM), TEXT.replace("# ---- drives", SHARED + "# ---- drives", 1))).home()
+    job, points = bench.begin("scara", "ptp joints 0 90 -150 0", "ptp joints 0 90 -150 20"), []
+    while job.open:
+        bench.bench.cycle()
+        outputs = bench.bench.core.outputs
+        points.append((int.from_bytes(outputs[90:92], "big", signed=True), get_bit(outputs, 736), get_bit(outputs, 737)))
+    assert job.state is CommandState.DONE, job
+    bench.bench.run(0.3)
+    assert {each[1:] for each in points if abs(each[0]) > 3000} == {(True, False), (False, True)}, "one after the other"
+    job = bench.finished(bench.begin("scara", "ptp joints 0 90 -200 0"))
+    assert (job.state, job.reason) == (CommandState.ABORTED, Reason.SERVO_ERROR) and "S4" in job.detail, job
+
+
+def test_a_cell_of_one_robot_may_name_it() -> None:
     one = ARM.read_text().replace("# ---- drives", '[[measuring]]\nchannel = 610\ninput = 200\nrobot = "ARM"\n\n# ---- drives', 1)
     assert load_cell(str(ARM), one).measuring[0].robot == ("ARM",)
     with pytest.raises(CellFaults, match=r"measuring.610.robot = scara: no .*robot.* has this name; this cell has ARM"):
