@@ -219,8 +219,7 @@ def test_io_logic_is_led_by_the_second_robots_coordinate(home: OnBelts) -> None:
 def test_a_recording_of_such_a_cell_plays(home: OnBelts) -> None:
     home.robots.messages.clear()
     home.robots.record()
-    home.bench.run(0.1)
-    assert home.robots.tap.on
+    home.until(lambda _: home.robots.tap.on, 1.0)  # it looks every so many cycles
     home.started(5, SPEED)
     on = ("synchron B5 at=100mm", "linear pose 350 -50 100 180 0 0 belt=100mm", "linear pose 350 -50 60 180 0 0 path=40", "synchron_end")
     done(home, "scara", OVER["scara"], *on, "alter frame - path=400", f"{OVER['scara']} path=60", "alter_end", BACK["scara"])
