@@ -7,14 +7,14 @@ import sys
 import time
 
 from drivers.ports.base import runtime_dir
-from gateway.commands.common import DONE, ENVIRONMENT, FINDING
+from gateway.commands.common import DONE, ENVIRONMENT, USAGE
 
 SUFFIX = "-services.sock"
 EXAMPLES = """examples:
   axisgate var axis.A1.actual                   actual position of axis A1 in mm
   axisgate var DB10.DW2 --set 1200              as if the PLC had sent it (simulated cells only)
   axisgate var DB11.DW2 --watch                 until Ctrl-C
-"""
+exit code: 0 shown or written, 2 no such name, or a value it does not take, 3 no such run"""
 
 
 def main(argv: list[str]) -> int:
@@ -66,7 +66,7 @@ def converse(link: socket.socket, request: dict[str, str], *, watch: bool, as_js
         answer = json.loads(receive_line(link))
         if "error" in answer:
             print(f"axisgate var: {answer['error']}", file=sys.stderr)
-            return FINDING
+            return USAGE
         shown = json.dumps(answer) if as_json else sentence(answer)
         if shown != last:
             print(shown, flush=True)

@@ -73,7 +73,7 @@ def test_var_reads_every_kind_of_address(run: CellRun, address: str, says: str) 
 @pytest.mark.parametrize("arguments, says", WRONG)
 def test_var_tells_what_is_wrong_in_one_line(run: CellRun, arguments: tuple[str, ...], says: str) -> None:
     code, out, err = axisgate("var", *arguments)
-    assert (code, out) == (1, "") and err.startswith(f"axisgate var: {says}") and "\n" not in err, err
+    assert (code, out) == (2, "") and err.startswith(f"axisgate var: {says}") and "\n" not in err, err
 
 
 def test_var_writes_as_the_plc_would_and_speaks_json(run: CellRun) -> None:
