@@ -26,8 +26,8 @@ from gateway.pure.records import (
     TRACE_LAYOUT,
     TRACE_RECORDS,
 )
-from gateway.pure.scope.records import SCOPE_BYTES, SCOPE_LAYOUT, SCOPE_RECORDS
-from motion.pieces import RECORD_SIZE
+from gateway.pure.scope.records import SCOPE_LAYOUT, SCOPE_RECORDS, scope_bytes
+from motion.pieces import record_size
 
 ORDERS = 256  # records in the command ring: far more than one door can issue in a cycle
 DOOR_BYTES = 256  # command words (128 bytes at most) and status words (128) of one door
@@ -268,23 +268,24 @@ def coupler_children(cell: Cell, slug: str, buses: Mapping[str, str]) -> list[Ch
 
 def make_regions(plan: RunPlan) -> dict[str, int]:
     """One memfd per region and ring; the supervisor keeps them for its whole life."""
+    axes = len(plan.cell.axis)
     fds = {
         "rc_in": create_region("rc_in", records.INPUT_SIZE, records.INPUT_LAYOUT),
         "rc_out": create_region("rc_out", records.RC_BYTES, f"rc-out/1 {records.RC_BYTES}"),
-        "axes": create_region("axes", records.CELL_STATE_SIZE, records.CELL_STATE_LAYOUT),
+        "axes": create_region("axes", records.cell_state_size(axes), records.CELL_STATE_LAYOUT),
         "links": create_region("links", LINKS_BYTES, "links/1 json"),
-        "orders": create_ring("orders", records.order_size(RECORD_SIZE), ORDERS, records.order_layout(RECORD_SIZE)),
+        "orders": create_ring("orders", records.order_size(record_size(axes)), ORDERS, records.ORDER_LAYOUT),
     }
     fds["acyclic"] = create_ring("acyclic", ASIDE_BYTES, ACYCLIC_RECORDS, ASIDE_LAYOUT)
     fds["heard"] = create_ring("heard", ASIDE_BYTES, HEARD_RECORDS, ASIDE_LAYOUT)
-    fds["scope"] = create_ring("scope", SCOPE_BYTES, SCOPE_RECORDS, SCOPE_LAYOUT)
+    fds["scope"] = create_ring("scope", scope_bytes(axes), SCOPE_RECORDS, SCOPE_LAYOUT)
     fds["record"] = create_ring("record", messages.CHUNK_BYTES, messages.CHUNK_RECORDS, messages.CHUNK_LAYOUT)
     fds["told"] = create_ring("told", messages.TOLD_BYTES, messages.TOLD_RECORDS, messages.TOLD_LAYOUT)
     fds["recorder"] = create_region("recorder", messages.ASKED.size, messages.ASKED_LAYOUT)
     fds["trace"] = create_ring("trace", TRACE_BYTES, TRACE_RECORDS, TRACE_LAYOUT)
     if plan.cell.robot:
         fds["blocks"] = create_ring("blocks", plannerrecords.SAY_SIZE, plannerrecords.BLOCKS, plannerrecords.SAY_LAYOUT)
-        fds["pieces"] = create_ring("pieces", plannerrecords.PIECE_SIZE, plannerrecords.PIECES, plannerrecords.PIECE_LAYOUT)
+        fds["pieces"] = create_ring("pieces", plannerrecords.piece_size(axes), plannerrecords.PIECES, plannerrecords.PIECE_LAYOUT)
         fds["planner"] = create_region("planner", plannerrecords.PLANNER_BYTES, "planner/1 json")
     fds |= make_joined(plan.cell)
     for door in plan.doors:

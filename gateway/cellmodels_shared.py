@@ -9,7 +9,7 @@ from gateway.cellmodels_base import Name, OneRobot, Table, unit
 
 class SharedOutput(Table):
     name: Name
-    axes: Annotated[list[str], Field(min_length=2, max_length=12)]
+    axes: Annotated[list[str], Field(min_length=2, max_length=32)]
     output: int = Field(ge=0, le=1023)
     select: int | None = Field(default=None, ge=0, le=1023)
     correction_ms: int = Field(default=0, ge=0, le=10000, json_schema_extra=unit("ms"))

@@ -15,6 +15,7 @@ from gateway.pure.functions.places import STROBE_TIME, Places
 from gateway.pure.functions.plc import Settings
 from gateway.pure.interface.control import Declared, RhoControl, Setup
 from gateway.pure.interface.coupling import Coupling, Ranges
+from gateway.pure.interface.drives import AXES as SIGNALLED
 from gateway.pure.interface.fastio import Configured, FastParts
 from gateway.pure.interface.numbers import numbers_of
 from gateway.pure.interface.panelview import TEST_MN
@@ -24,6 +25,7 @@ from gateway.pure.interface.timers import unit_of
 from gateway.pure.interface.user import OUTPUTS
 from gateway.pure.interface.whole import Installation
 from gateway.pure.office import Office
+from gateway.pure.permits import SIGNAL_AXES
 from gateway.pure.phg.infos import SIGNALS
 from gateway.pure.records import RC_BYTES, CellState, InputImage, Permit, set_bit
 from gateway.pure.reis.control import ReisControl, ReisSetup
@@ -179,7 +181,7 @@ def installation(cell: Cell, controller: Controller) -> Installation:
     given, rho3 = Parameters(cell), cell.rho3
     p24 = rho3.P24 if rho3 else "all"
     return Installation(
-        axes=len(cell.axis),
+        axes=min(len(cell.axis), SIGNALLED),
         kinematics=controller.kinematics,
         p2=rho3.P2 if rho3 else 0,
         p3=given.number("P3", 8),
@@ -242,7 +244,7 @@ def of_cycle(cell: Cell) -> bytes:
     image, numbers = bytearray(RC_BYTES), rc_numbers(cell)
     for field in OUTPUT_SIGNALS.values():
         first = getattr(numbers, field)
-        for step in range(len(cell.axis) if field in ("in_position", "referenced") else 1):
+        for step in range(min(len(cell.axis), SIGNAL_AXES) if field in ("in_position", "referenced") else 1):
             set_bit(image, first + step, True)
     for block in cell.rho3.P31 if cell.rho3 else ():
         image[block.start : block.start + block.length] = b"\xff" * block.length

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from gateway.assembly import Door
 from gateway.cell import Cell
 from gateway.image import RegionWriter
-from gateway.pure.command_block import COMMAND_WORDS, STATUS_WORDS, Command, CommandBlock, Status
+from gateway.pure.command_block import AXES, COMMAND_WORDS, STATUS_WORDS, Command, CommandBlock, Status, mask_word
 from gateway.pure.datadoor import DataDoor
 from gateway.pure.jobs import OnLoss
 from gateway.pure.office import Office
@@ -40,7 +40,7 @@ class BaseDoor:
         self.number, self.name, self.kind = post.door.number, post.door.name, post.door.kind
         self.office, self.watch, self.on_loss = post.office, post.watch, post.on_loss
         self.status = Status()
-        self.block = CommandBlock(self._left_standing(post.region))
+        self.block = CommandBlock(self._left_standing(post.region), len(post.office.axes))
         self._region, self._tell = post.region, post.tell
         self._written: bytes = b""
         post.office.control.link(post.door.number, alive=False)
@@ -74,12 +74,13 @@ class BaseDoor:
         job = office.door(self.number).last
         if job is not None and status.reason is not Reason.RESYNCHRONISED:
             status.state, status.reason = job.state, job.reason
-        status.enabled = office.enabled_mask()
-        status.in_position = office.enabled_mask(AxisFlag.IN_POSITION)
-        status.referenced = office.enabled_mask(AxisFlag.REFERENCED)
-        status.fault = office.enabled_mask(AxisFlag.FAULT | AxisFlag.LOST)
+        count = len(office.axes)
+        status.enabled = mask_word(office.enabled_mask(), count)
+        status.in_position = mask_word(office.enabled_mask(AxisFlag.IN_POSITION), count)
+        status.referenced = mask_word(office.enabled_mask(AxisFlag.REFERENCED), count)
+        status.fault = mask_word(office.enabled_mask(AxisFlag.FAULT | AxisFlag.LOST), count, every=False)
         status.override, status.life, status.owner = state.override, life, office.owner
-        for n, (actual, lag) in enumerate(axes):
+        for n, (actual, lag) in enumerate(axes[:AXES]):
             status.actual[n], status.lag[n] = actual, lag
         self.publish(now)
 

@@ -17,7 +17,7 @@ from gateway.firstenable import fingerprint
 from gateway.plant import motor_rad
 from gateway.processes.emulator_control import EmulatorControl
 from gateway.processes.supervisor import ask
-from gateway.pure.records import AXES, AxisFlag
+from gateway.pure.records import AxisFlag
 from gateway.toolclient import ToolClient, ToolError, mask_of
 from protocols.canopen import cobid
 from protocols.servodyn.plan import SYNC_ID
@@ -97,7 +97,7 @@ def allowed_ms(bus: Bus, period_ms: float) -> float:
 
 
 def _far(client: ToolClient, cell: Cell, mask: int, velocity: float, *, low: bool, wait: bool) -> None:
-    targets = [0.0] * AXES
+    targets = [0.0] * len(cell.axis)
     for n, axis in enumerate(cell.axis):
         span = axis.limits.max - axis.limits.min
         targets[n] = axis.limits.min + span * (0.1 if low else 0.9)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from drivers.drives.canopen_steps import Refused
 from gateway.pure.command_block import Code, Command
 from gateway.pure.jobs import Job, OnLoss
-from gateway.pure.records import AXES, Quality, set_bit
+from gateway.pure.records import Quality, set_bit
 from protocols.base.machine import Ns, ms
 
 if TYPE_CHECKING:
@@ -71,7 +71,7 @@ class ToolDesk:
                 return self._axes()
 
     def _command(self, request: dict[str, object]) -> dict[str, object]:
-        targets = request.get("targets") or [0.0] * AXES
+        targets = request.get("targets") or []
         if not isinstance(targets, list):
             raise ValueError("targets: a list of numbers")
         values = [float(target) for target in targets]
@@ -80,7 +80,7 @@ class ToolDesk:
             int(str(request.get("mask", 0))),
             float(str(request.get("velocity", 1.0))),
             float(str(request.get("acceleration", 1.0))),
-            tuple((values + [0.0] * AXES)[:AXES]),
+            tuple(values),
         )
         job = self._services.office.command(self._door, command, time.monotonic_ns(), first_try=bool(request.get("first_try")))
         self._jobs = {key: old for key, old in self._jobs.items() if old.open}

@@ -4,20 +4,23 @@ A piece is q(s) for 0 <= s <= length, polynomials in s per axis, with the highes
 the highest |sddot| and |s jerk|, and its end condition.  It holds no time: override, stop and resume change time along
 the path and never the path.  q in m or rad; s has any unit the planner likes (plan_ptp: travel of the longest axis).
 
-Record, little endian: magic "AXPC", version u16, flags u16 (bit 0 ends at rest), id u32, mask u16, segments u8, table
-points u8, CRC-32 u32 over everything but itself; length, accel, jerk f64; MAX_SEGMENTS x (end_s f64, MAX_AXES x
-MAX_COEFFICIENTS f64, axes of the mask first, unused ones 0); MAX_TABLE f64, unused ones 0.
+Record, little endian: magic "AXPC", version u16, flags u16 (bit 0 ends at rest), id u32, mask u32, segments u8, table
+points u8, 0 u16, CRC-32 u32 over everything but itself; length, accel, jerk f64; MAX_SEGMENTS x (end_s f64, room x
+MAX_COEFFICIENTS f64, axes of the mask first, unused ones 0); MAX_TABLE f64, unused ones 0.  Room is ROOM axes, or as many
+as the mask has where it has more: a record is as long as its piece needs, and never shorter than one of ROOM axes (AX-572).
 """
 
 import math
 import struct
 import zlib
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
 from motion.errors import PieceError
 
-MAX_AXES = 12
+MAX_AXES = 32  # of one piece
+ROOM = 12  # axes every record has room for
 MAX_SEGMENTS = 4
 MAX_COEFFICIENTS = 6  # degree 5
 MAX_TABLE = 33
@@ -151,56 +154,104 @@ def _check_joins(piece: Piece) -> None:
 # ---- the record
 
 MAGIC = b"AXPC"
-VERSION = 1
+VERSION = 3
 ENDS_AT_REST = 1
 
-_HEAD = struct.Struct("<4sHHIHBBI")
+_HEAD = struct.Struct("<4sHHIIBBHI")
 _ROW = MAX_COEFFICIENTS
-_SEGMENT = 1 + MAX_AXES * _ROW
-_NUMBERS = 3 + MAX_SEGMENTS * _SEGMENT + MAX_TABLE
-_BODY = struct.Struct(f"<{_NUMBERS}d")
-RECORD_SIZE = _HEAD.size + _BODY.size  # bytes
 _HEAD_END = _HEAD.size - 4  # the CRC covers what precedes its own field, and the body
 
 
+@dataclass(frozen=True, slots=True)
+class Head:
+    """What every record begins with.  first, second: two small numbers that mean what its version says."""
+
+    version: int
+    flags: int
+    id: int
+    mask: int
+    first: int
+    second: int = 0
+
+
+def _size_of_segment(axes: int) -> int:
+    return 1 + max(ROOM, axes) * _ROW
+
+
+def numbers_of(axes: int) -> int:
+    """f64 behind the head of a record of a piece of so many axes."""
+    return 3 + MAX_SEGMENTS * _size_of_segment(axes) + MAX_TABLE
+
+
+def record_size(axes: int) -> int:
+    """Bytes of the record of a piece of so many axes."""
+    return _HEAD.size + 8 * numbers_of(axes)
+
+
+RECORD_SIZE = record_size(ROOM)  # of up to ROOM axes
+
+
+def write_record(head: Head, numbers: Sequence[float]) -> bytes:
+    """A whole record; `numbers` may be fewer than it has."""
+    count = numbers_of(head.mask.bit_count())
+    body = struct.pack(f"<{count}d", *numbers, *[0.0] * (count - len(numbers)))
+    begin = _HEAD.pack(MAGIC, head.version, head.flags, head.id, head.mask, head.first, head.second, 0, 0)[:_HEAD_END]
+    return begin + struct.pack("<I", zlib.crc32(body, zlib.crc32(begin))) + body
+
+
+def version_of(record: bytes) -> int:
+    """What the record says; 0: it is too short to say anything."""
+    return int(_HEAD.unpack_from(record)[1]) if len(record) >= _HEAD.size else 0
+
+
+def read_record(record: bytes, version: int) -> tuple[Head, tuple[float, ...]]:
+    """The reverse of write_record; raises PieceError on anything that is not a whole record of this version."""
+    if len(record) < _HEAD.size:
+        raise PieceError(f"piece record: {RECORD_SIZE} bytes expected, {len(record)} received")
+    magic, found, flags, number, mask, first, second, spare, crc = _HEAD.unpack_from(record)
+    if magic != MAGIC or found != version:
+        raise PieceError(f"piece record: starts with {record[:6].hex(' ')}, expected {MAGIC.hex(' ')} and version {version}")
+    size = record_size(mask.bit_count())
+    if len(record) != size:
+        raise PieceError(f"piece record {number}: {size} bytes expected for mask {mask:#x}, {len(record)} received")
+    if crc != zlib.crc32(record[_HEAD.size :], zlib.crc32(record[:_HEAD_END])):
+        raise PieceError(f"piece record {number}: check sum {crc:08x} is wrong")
+    if not mask or spare:
+        raise PieceError(f"piece record {number}: mask {mask:#x}, spare {spare:#x} do not fit")
+    return Head(found, flags, number, mask, first, second), struct.unpack_from(f"<{numbers_of(mask.bit_count())}d", record, _HEAD.size)
+
+
 def encode(piece: Piece) -> bytes:
-    """Piece -> RECORD_SIZE bytes."""
+    """Piece -> record_size(its axes) bytes."""
+    room = max(ROOM, len(piece.axes))
     numbers = [piece.length, piece.accel, piece.jerk]
     for segment in piece.segments:
         numbers.append(segment.end_s)
         for row in segment.coefficients:
             numbers += (*row, *[0.0] * (_ROW - len(row)))
-        numbers += [0.0] * (_ROW * (MAX_AXES - len(segment.coefficients)))
-    numbers += [0.0] * (_SEGMENT * (MAX_SEGMENTS - len(piece.segments)))
-    numbers += (*piece.table, *[0.0] * (MAX_TABLE - len(piece.table)))
-    body = _BODY.pack(*numbers)
+        numbers += [0.0] * (_ROW * (room - len(segment.coefficients)))
+    numbers += [0.0] * (_size_of_segment(room) * (MAX_SEGMENTS - len(piece.segments)))
     flags = ENDS_AT_REST if piece.ends_at_rest else 0
-    head = _HEAD.pack(MAGIC, VERSION, flags, piece.id, piece.mask, len(piece.segments), len(piece.table), 0)[:_HEAD_END]
-    return head + struct.pack("<I", zlib.crc32(body, zlib.crc32(head))) + body
+    return write_record(Head(VERSION, flags, piece.id, piece.mask, len(piece.segments), len(piece.table)), (*numbers, *piece.table))
 
 
 def decode(record: bytes) -> Piece:
-    """RECORD_SIZE bytes -> Piece; raises PieceError on anything that is not a whole, legal piece."""
-    if len(record) != RECORD_SIZE:
-        raise PieceError(f"piece record: {RECORD_SIZE} bytes expected, {len(record)} received")
-    magic, version, flags, number, mask, segments, points, crc = _HEAD.unpack_from(record)
-    if magic != MAGIC or version != VERSION:
-        raise PieceError(f"piece record: starts with {record[:6].hex(' ')}, expected {MAGIC.hex(' ')} and version {VERSION}")
-    if crc != zlib.crc32(record[_HEAD.size :], zlib.crc32(record[:_HEAD_END])):
-        raise PieceError(f"piece record {number}: check sum {crc:08x} is wrong")
-    if flags & ~ENDS_AT_REST or segments > MAX_SEGMENTS or points > MAX_TABLE or not 0 < mask < 1 << MAX_AXES:
-        raise PieceError(f"piece record {number}: flags {flags:#x}, {segments} segments, {points} points, mask {mask:#x} do not fit")
-    numbers = _BODY.unpack_from(record, _HEAD.size)
-    table_at = 3 + MAX_SEGMENTS * _SEGMENT
+    """Record -> Piece; raises PieceError on anything that is not a whole, legal piece."""
+    head, numbers = read_record(record, VERSION)
+    segments, points, axes = head.first, head.second, head.mask.bit_count()
+    if head.flags & ~ENDS_AT_REST or segments > MAX_SEGMENTS or points > MAX_TABLE:
+        raise PieceError(f"piece record {head.id}: flags {head.flags:#x}, {segments} segments, {points} points do not fit")
+    size = _size_of_segment(axes)
+    table_at = 3 + MAX_SEGMENTS * size
     return Piece(
-        number,
-        mask,
+        head.id,
+        head.mask,
         numbers[0],
-        tuple(_segment(numbers, 3 + i * _SEGMENT, len(axes_of(mask))) for i in range(segments)),
+        tuple(_segment(numbers, 3 + i * size, axes) for i in range(segments)),
         numbers[table_at : table_at + points],
         numbers[1],
         numbers[2],
-        bool(flags & ENDS_AT_REST),
+        bool(head.flags & ENDS_AT_REST),
     )
 
 

@@ -18,9 +18,10 @@ from motion.kinematics.identity import Identity
 from motion.kinematics.portal import Portal
 from motion.kinematics.scara import Scara
 from motion.limits import AxisLimits
+from motion.pieces import MAX_AXES
 from motion.workspace import Workspace
 
-MOST_KINEMATICS, MOST_AXES, MOST_BELTS = 16, 32, 8
+MOST_KINEMATICS, MOST_AXES, MOST_BELTS = 16, MAX_AXES, 8
 
 
 class Kind(Enum):

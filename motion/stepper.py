@@ -4,7 +4,7 @@ It owns (s, sdot, sddot).  A load, an override change, stop, resume and abandon 
 all limits of the piece; between them the plan is only sampled.  Call step() once per SYNC that is sent: a skipped SYNC
 delays the path and never stretches a step.  Pure: period in, samples out.
 
-Pieces of version 1 (one PTP each) run here; chains of timed pieces run in motion.follower, with the same states and orders,
+Pieces of polynomials (one PTP each) run here; chains of timed pieces run in motion.follower, with the same states and orders,
 and can be retraced.  One kind follows the other at rest.
 """
 

@@ -1,43 +1,34 @@
-"""Pieces of a path with its law: what the planner commits for LINEAR, CIRCULAR, splines, passed corners (record version 2).
+"""Pieces of a path with its law: what the planner commits for LINEAR, CIRCULAR, splines, passed corners (record version 4).
 
 A timed piece is q(tau) for 0 <= tau <= duration, tau = time at full speed: a quintic between nodes of position, speed and
 acceleration of every axis, and of the way along the path.  At full speed it keeps all limits; it carries them, so that the stepper
 can change speed along it (motion.follower) and never the path.  Pieces follow one another without a stop: one ends as the next
 begins; only the last of a chain ends at rest, and the stepper takes a tail only when it is complete.
 
-Record, little endian, as long as that of version 1: magic "AXPC", version u16 = 2, flags u16 (bit 0 ends at rest, bit 1 new tail), id
-u32, mask u16, nodes u8, 0 u8, CRC-32 u32 over everything but itself; block f64; acceleration and jerk of the axes of the mask and
-the way; nodes x (tau, then position, speed, acceleration of the same columns).
+Record: as that of motion.pieces, and as long for as many axes; version 4, flags bit 0 ends at rest, bit 1 new tail, nodes u8, 0 u8; behind
+the head block f64; acceleration and jerk of the axes of the mask and the way; nodes x (tau, then position, speed, acceleration of the
+same columns).
 """
 
 import math
-import struct
-import zlib
 from dataclasses import dataclass
 from functools import cached_property
 
 from motion.errors import PieceError
-from motion.pieces import MAGIC, MAX_AXES, RECORD_SIZE, Piece, axes_of
-from motion.pieces import VERSION as VERSION_1
-from motion.pieces import decode as decode_1
+from motion.pieces import MAX_AXES, Head, Piece, axes_of, decode, numbers_of, read_record, version_of, write_record
+from motion.pieces import VERSION as OF_POLYNOMIALS
 
-VERSION = 2
+VERSION = 4
 ENDS_AT_REST, NEW_TAIL = 1, 2
-MOST_AXES = 32  # of one piece: a team of kinematics; a record holds MAX_AXES
-NO_RECORD = 6  # axes of which a longer piece has the nodes
 
 Node = tuple[float, ...]  # 3 x columns: position, speed, acceleration of each
 Quintic = tuple[float, float, float, float, float, float]  # highest power first
 
-_HEAD = struct.Struct("<4sHHIHBBI")
-_CRC_AT = _HEAD.size - 4
-_NUMBERS = (RECORD_SIZE - _HEAD.size) // 8
-
 
 def most_nodes(axes: int) -> int:
-    """How many nodes one record holds for this number of axes; more axes than a record knows stay in memory, as long as six."""
-    columns = (axes if axes <= MAX_AXES else NO_RECORD) + 1
-    return (_NUMBERS - 1 - 2 * columns) // (1 + 3 * columns)
+    """How many nodes the record of a piece of this number of axes holds."""
+    columns = axes + 1
+    return (numbers_of(axes) - 1 - 2 * columns) // (1 + 3 * columns)
 
 
 @dataclass(frozen=True)
@@ -56,7 +47,7 @@ class TimedPiece:
 
     def __post_init__(self) -> None:
         columns = len(self.axes) + 1
-        if not (1 <= self.id < 1 << 32 and 0 < self.mask < 1 << MOST_AXES and 0 <= self.block < 1 << 32):
+        if not (1 <= self.id < 1 << 32 and 0 < self.mask < 1 << MAX_AXES and 0 <= self.block < 1 << 32):
             raise PieceError(f"piece {self.id}: id, mask {self.mask:#x} or block {self.block} out of range")
         if not 2 <= len(self.times) == len(self.nodes) <= most_nodes(columns - 1):
             raise PieceError(
@@ -112,43 +103,34 @@ def _quintic(h: float, start: Node, end: Node) -> Quintic:
 
 
 def encode_timed(piece: TimedPiece) -> bytes:
-    """TimedPiece -> RECORD_SIZE bytes; PieceError for axes a record does not know."""
-    if piece.mask >= 1 << MAX_AXES:
-        raise PieceError(f"piece {piece.id}: mask {piece.mask:#x}; a record holds axes 1 .. {MAX_AXES}")
+    """TimedPiece -> record_size(its axes) bytes."""
     numbers = [float(piece.block), *piece.accel, *piece.jerk]
     for time, node in zip(piece.times, piece.nodes, strict=True):
         numbers += (time, *node)
-    body = struct.pack(f"<{_NUMBERS}d", *numbers, *[0.0] * (_NUMBERS - len(numbers)))
     flags = (ENDS_AT_REST if piece.ends_at_rest else 0) | (NEW_TAIL if piece.new_tail else 0)
-    head = _HEAD.pack(MAGIC, VERSION, flags, piece.id, piece.mask, len(piece.times), 0, 0)[:_CRC_AT]
-    return head + struct.pack("<I", zlib.crc32(body, zlib.crc32(head))) + body
+    return write_record(Head(VERSION, flags, piece.id, piece.mask, len(piece.times)), numbers)
 
 
 def decode_any(record: bytes) -> Piece | TimedPiece:
-    """RECORD_SIZE bytes -> the piece, of either version; PieceError on anything that is not a whole, legal piece."""
-    if len(record) != RECORD_SIZE or _HEAD.unpack_from(record)[1] == VERSION_1:
-        return decode_1(record)
-    magic, version, flags, number, mask, nodes, spare, crc = _HEAD.unpack_from(record)
-    if magic != MAGIC or version != VERSION:
-        raise PieceError(f"piece record: starts with {record[:6].hex(' ')}, expected {MAGIC.hex(' ')} and version 1 or 2")
-    if crc != zlib.crc32(record[_HEAD.size :], zlib.crc32(record[:_CRC_AT])):
-        raise PieceError(f"piece record {number}: check sum {crc:08x} is wrong")
-    if flags & ~(ENDS_AT_REST | NEW_TAIL) or spare or not 0 < mask < 1 << MAX_AXES or nodes > most_nodes(mask.bit_count()):
-        raise PieceError(f"piece record {number}: flags {flags:#x}, {nodes} nodes, mask {mask:#x} do not fit")
-    columns = mask.bit_count() + 1
-    numbers = struct.unpack_from(f"<{_NUMBERS}d", record, _HEAD.size)
+    """Record -> the piece, of either version; PieceError on anything that is not a whole, legal piece."""
+    if version_of(record) == OF_POLYNOMIALS:
+        return decode(record)
+    head, numbers = read_record(record, VERSION)
+    columns, nodes = head.mask.bit_count() + 1, head.first
+    if head.flags & ~(ENDS_AT_REST | NEW_TAIL) or head.second or nodes > most_nodes(columns - 1):
+        raise PieceError(f"piece record {head.id}: flags {head.flags:#x}, {nodes} nodes do not fit")
     if not 0 <= numbers[0] < 1 << 32:
-        raise PieceError(f"piece record {number}: block {numbers[0]} is out of range")
+        raise PieceError(f"piece record {head.id}: block {numbers[0]} is out of range")
     first, size = 1 + 2 * columns, 1 + 3 * columns
     rows = [numbers[first + k * size : first + (k + 1) * size] for k in range(nodes)]
     return TimedPiece(
-        number,
-        mask,
+        head.id,
+        head.mask,
         int(numbers[0]),
         tuple(row[0] for row in rows),
         tuple(row[1:] for row in rows),
         numbers[1 : 1 + columns],
         numbers[1 + columns : first],
-        bool(flags & ENDS_AT_REST),
-        bool(flags & NEW_TAIL),
+        bool(head.flags & ENDS_AT_REST),
+        bool(head.flags & NEW_TAIL),
     )

@@ -2,14 +2,13 @@
 
 from gateway.cell import Axis, PlantAxis
 from gateway.checks.context import Context, near, number
-
-AXES = 12  # of one cell (rho3 2.1)
+from gateway.pure.records import MOST_AXES
 
 
 def limits(check: Context) -> None:
     """min < max, warn <= trip, brake ramp shorter than the travel."""
-    if len(check.cell.axis) > AXES:
-        check.fault("axis", f"{len(check.cell.axis)} axes", "", f"at most {AXES}")
+    if len(check.cell.axis) > MOST_AXES:
+        check.fault("axis", f"{len(check.cell.axis)} axes", "", f"at most {MOST_AXES}")
     for axis in check.cell.axis:
         key, bound = f"axis.{axis.name}.limits", axis.limits
         if bound.min >= bound.max:

@@ -64,7 +64,7 @@ def buses(check: Context) -> None:
         if bus.bitrate != "1 Mbit/s":
             check.fault(f"{key}.bitrate", bus.bitrate, "drives talk at 1 Mbit/s, fixed (rho3 L7280-7282)", '"1 Mbit/s"')
         if len(on_it) > MODULES:
-            check.fault(key, f"{len(on_it)} axes", "take a second bus for axes 7..12", f"at most {MODULES} axes")
+            check.fault(key, f"{len(on_it)} axes", "take another bus for the others", f"at most {MODULES} axes")
         try:
             beside(check.cell.file, bus.layout, "drives")
         except ConfigNotFound as error:

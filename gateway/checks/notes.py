@@ -11,8 +11,12 @@ from gateway.checks.context import number
 from gateway.checks.figures import cycle_us, job_ms, sdo_us, silence_s
 from gateway.pure.addresses import DataWord
 from gateway.pure.bus_traffic import judge
+from gateway.pure.command_block import AXES as TABLED
+from gateway.pure.command_block import MASKED
 from gateway.pure.dialects import link_profile
+from gateway.pure.interface.drives import AXES as SIGNALLED
 from gateway.pure.names import Kind, lookup
+from gateway.pure.permits import SIGNAL_AXES
 from motion.units import to_si
 from protocols.p3964r.profiles import NETWORK
 
@@ -204,6 +208,23 @@ def counting(cell: Cell) -> Iterator[Notice]:
             yield Notice("note", f"axis.{axis.name}", f"{text}, then drives off with reason SET_VALUE")
 
 
+def many_axes(cell: Cell) -> Iterator[Notice]:
+    """What old tables do not say of a cell with more axes than the old control had (AX-572)."""
+    names = [axis.name for axis in cell.axis]
+    if len(names) <= TABLED:
+        return
+    served = {block.line for block in cell.db}
+    doors = [f"modbus {door.name}" for door in cell.modbus if door.command_block]
+    doors += [f"line {line.name}" for line in cell.line if line.layer in ("rk512", "buep64") and line.name not in served]
+    behind = f"; bits 0..14 of its masks are axes 1..15, bit 15 is {names[MASKED]} and all behind it" if len(names) > MASKED else ""
+    for door in doors:
+        own = f"its command block has targets and positions up to axis {TABLED} ({names[TABLED - 1]}) alone"
+        yield Notice("note", door, f"{own}{behind}; programs move all (AX-572)")
+    if cell.controller is not None:
+        text = f"INPOS and referenced: axes 1..{SIGNAL_AXES}; axes behind {SIGNALLED} have neither drive-on nor disabling of their own"
+        yield Notice("note", "controller", f"{text} (AX-572)")
+
+
 def not_playable(cell: Cell) -> Iterator[Notice]:
     """What this version checks but cannot run."""
     reasons = cell.not_playable()
@@ -220,4 +241,4 @@ def _tens(value: float) -> float:
     return 10.0 * math.ceil(value / 10.0)
 
 
-NOTES = (tightest_range, line_silence, network, bus_load, polling, evidence, lag, enabling, bus_whole, counting, not_playable)
+NOTES = (tightest_range, line_silence, network, bus_load, polling, evidence, lag, enabling, bus_whole, counting, many_axes, not_playable)

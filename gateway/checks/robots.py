@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from itertools import accumulate
 
 from gateway.checks.context import Context, twice
-from gateway.pure.records import AXES
+from gateway.pure.records import MOST_AXES
 
 
 def robots(check: Context) -> None:
@@ -27,8 +27,8 @@ def robots(check: Context) -> None:
         except Fault as fault:
             check.fault("robot.name", robot.name, f"programs name each of several robots: {fault.what}")
     counts = _counts(check)
-    if sum(counts) > AXES:
-        check.fault("robot", sum(counts), "axes of all robots of one cell", f"1..{AXES}")
+    if sum(counts) > MOST_AXES:
+        check.fault("robot", sum(counts), "axes of all robots of one cell", f"1..{MOST_AXES}")
     if all(counts):
         _own_axes(check, counts)
 

@@ -8,7 +8,7 @@ from gateway.assembly import slug_of
 from gateway.cell import Cell, CheckPosition
 from gateway.commands.common import DONE, ENVIRONMENT, FINDING, USAGE, load
 from gateway.firstenable import percent
-from gateway.pure.records import AXES, AxisFlag
+from gateway.pure.records import AxisFlag
 from gateway.toolclient import Row, ToolClient, ToolError, mask_of, running, simulated
 
 EXAMPLES = """examples:
@@ -75,7 +75,7 @@ def walk(client: ToolClient, cell: Cell, *, go: bool) -> list[Row]:
 def _visit(client: ToolClient, cell: Cell, position: CheckPosition, *, go: bool) -> list[Row]:
     places = dict(position.at) | dict(zip((axis.name for axis in cell.axis), position.joints, strict=False))
     if go:
-        targets = [0.0] * AXES
+        targets = [0.0] * len(cell.axis)
         for n, axis in enumerate(cell.axis):
             targets[n] = places.get(axis.name, 0.0)
         speed = min(percent(axis.first_enable.speed) for axis in cell.axis)

@@ -15,9 +15,7 @@ from gateway.native.built import load, wanted
 from gateway.pure.axisloops import PYTHON, AxisLoops
 from gateway.pure.coreaxis import CoreAxis, HeldAxis
 from gateway.pure.records import (
-    AXES,
     AXIS_NAMES,
-    CELL_STATE_SIZE,
     FLAGS,
     STATE_AXIS,
     STATE_HEAD,
@@ -25,6 +23,7 @@ from gateway.pure.records import (
     AxisState,
     CellState,
     cell_state_packer,
+    cell_state_size,
 )
 from gateway.realtime import Alarm
 from protocols.base.layout import Packer
@@ -128,7 +127,7 @@ class Quick:
         if memory is None:
             return cell_state_packer(axes)
         codes, each = STATE_HEAD.format[1:], STATE_AXIS.format[1:]
-        packing = memory.packing(CellState, AxisState, STATE_NAMES, codes, AXIS_NAMES, each, min(axes, AXES), CELL_STATE_SIZE)
+        packing = memory.packing(CellState, AxisState, STATE_NAMES, codes, AXIS_NAMES, each, axes, cell_state_size(axes))
         pack = memory.pack
 
         def packer(state: CellState) -> bytes:

@@ -20,7 +20,7 @@ from gateway.cell import Io
 from gateway.image import RegionReader, RegionWriter, fds_from_text
 from gateway.io_plan import CHIP, outputs_of
 from gateway.pure.contacts import SAID_LAYOUT, WATCHDOG, Outputs, Said, pack_said, unpack_said
-from gateway.pure.records import RC_BYTES, Quality, unpack_cell_state
+from gateway.pure.records import CELL_STATE_LAYOUT, RC_BYTES, Quality, unpack_cell_state
 from gateway.realtime import die_with_parent
 from protocols.base.machine import Ns, ms
 
@@ -107,7 +107,7 @@ class Chips:
 
     def __init__(self, plan: RunPlan, fds: Mapping[str, int]) -> None:
         cell = plan.cell
-        self._axes, self._rc_out = RegionReader(fds["axes"], "axes"), RegionReader(fds["rc_out"], "rc_out")
+        self._axes, self._rc_out = RegionReader(fds["axes"], "axes", CELL_STATE_LAYOUT), RegionReader(fds["rc_out"], "rc_out")
         self._said, self._links = RegionReader(fds["io_out"], "io_out", SAID_LAYOUT), RegionReader(fds["links"], "links")
         self._heard = RegionWriter(fds["io_chip"], "io_chip", SAID_LAYOUT)
         self._outputs = Outputs(outputs_of(cell, CHIP, plan.p5_ms), len(cell.axis))

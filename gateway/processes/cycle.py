@@ -32,6 +32,8 @@ from gateway.pure.plannerrecords import PIECE_LAYOUT, unpack_piece
 from gateway.pure.recording.messages import What
 from gateway.pure.records import (
     ASIDE_LAYOUT,
+    CELL_STATE_LAYOUT,
+    ORDER_LAYOUT,
     TRACE_LAYOUT,
     Aside,
     AsideRecord,
@@ -94,13 +96,13 @@ class Cycle:
         self.with_io = [(bus, bus.family) for bus in self.buses if isinstance(bus.family, RhoFamily)]
         self.inputs = RegionReader(fds["rc_in"], "rc_in")
         self.links = RegionReader(fds["links"], "links")
-        self.orders = RingReader(fds["orders"], "orders")
+        self.orders = RingReader(fds["orders"], "orders", ORDER_LAYOUT)
         self.acyclic = RingReader(fds["acyclic"], "acyclic", ASIDE_LAYOUT)
         self.heard = RingWriter(fds["heard"], "heard", ASIDE_LAYOUT)
         self.pieces = RingReader(fds["pieces"], "pieces", PIECE_LAYOUT) if "pieces" in fds else None
         self.planner = RegionReader(fds["planner"], "planner") if "planner" in fds else None
         self._planner_pid = self.planner.writer_pid if self.planner else 0
-        self.axes = quick.region(fds["axes"], "axes")
+        self.axes = quick.region(fds["axes"], "axes", CELL_STATE_LAYOUT)
         self.outputs = quick.region(fds["rc_out"], "rc_out")
         self.scope = quick.ring(fds["scope"], "scope", SCOPE_LAYOUT)
         self.trace = quick.ring(fds["trace"], "trace", TRACE_LAYOUT)

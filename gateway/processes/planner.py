@@ -16,10 +16,10 @@ from gateway.image import RegionReader, RegionWriter, RingReader, RingWriter, fd
 from gateway.journal import Journal
 from gateway.plannerplan import programs_of
 from gateway.programplan import mask_of, read_bnr, robot_meant, team_meant
-from gateway.pure.plannerrecords import SAY_LAYOUT, PlannerState, pack_piece, pack_planner, unpack_block, unpack_planner
+from gateway.pure.plannerrecords import PIECE_LAYOUT, SAY_LAYOUT, PlannerState, pack_piece, pack_planner, unpack_block, unpack_planner
 from gateway.pure.programfollow import follow, standing
 from gateway.pure.programtrial import Files
-from gateway.pure.records import CellState, unpack_cell_state
+from gateway.pure.records import CELL_STATE_LAYOUT, CellState, unpack_cell_state
 from gateway.realtime import Timerfd, die_with_parent, go_ahead
 from motion.errors import MotionError
 from motion.planner.robot import Machine
@@ -37,9 +37,9 @@ class PlannerProcess:
     def __init__(self, plan: RunPlan, fds: dict[str, int]) -> None:
         self.plan = plan
         self.journal = Journal(plan.journal, "planner")
-        self.axes = RegionReader(fds["axes"], "axes")
+        self.axes = RegionReader(fds["axes"], "axes", CELL_STATE_LAYOUT)
         self.blocks = RingReader(fds["blocks"], "blocks", SAY_LAYOUT)
-        self.pieces = RingWriter(fds["pieces"], "pieces")
+        self.pieces = RingWriter(fds["pieces"], "pieces", PIECE_LAYOUT)
         self.region = RegionWriter(fds["planner"], "planner")
         self.count = len(plan.cell.axis)
         self.programs = programs_of(plan.cell, self.machine, self.text, self.team)
@@ -109,7 +109,7 @@ class PlannerProcess:
         self._tell(self.programs.state)
         self.region.write(pack_planner(self.programs.state), now)  # a fault's words are there before the cycle hears of it
         for record in pieces:
-            self.pieces.put(pack_piece(record))
+            self.pieces.put(pack_piece(record, self.pieces.size))
         self.region.beat(time.monotonic_ns())
 
     def _tell(self, state: PlannerState) -> None:

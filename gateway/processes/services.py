@@ -37,6 +37,8 @@ from gateway.pure.office import Office
 from gateway.pure.plannerrecords import function_words
 from gateway.pure.reasons import CommandState, Reason, text
 from gateway.pure.records import (
+    CELL_STATE_LAYOUT,
+    ORDER_LAYOUT,
     RC_BYTES,
     AxisFlag,
     AxisState,
@@ -58,7 +60,7 @@ from gateway.telegramdoor import TelegramDoor
 from gateway.telegramtables import named_values
 from gateway.tooldesk import ENABLING_BYTE
 from gateway.variables import Variables
-from motion.pieces import RECORD_SIZE
+from motion.pieces import record_size
 from protocols.base.machine import ms
 
 TICK_NS = ms(5)
@@ -77,11 +79,11 @@ class Services:
         cell = self.cell = plan.cell
         self.plan = plan
         self.journal = Journal(plan.journal, "services")
-        self.axes = RegionReader(fds["axes"], "axes")
+        self.axes = RegionReader(fds["axes"], "axes", CELL_STATE_LAYOUT)
         self.rc_out = RcOutputs(RegionReader(fds["rc_out"], "rc_out"))
         self.rc_in = RegionWriter(fds["rc_in"], "rc_in")
         self.links = RegionWriter(fds["links"], "links")
-        self.orders = RingWriter(fds["orders"], "orders")
+        self.orders = RingWriter(fds["orders"], "orders", ORDER_LAYOUT)
         self.recorded = ServicesTap(fds)
         self.started_ns = time.monotonic_ns()
         latest = self.rc_in.latest()
@@ -112,7 +114,7 @@ class Services:
         self.tools = Desks(self)
         self.variables = Variables(self)
         self.signals = SignalDesk(self, self.started_ns)
-        self._state_index = -1
+        self._state_index, self._piece_size = -1, record_size(len(cell.axis))
         self.complaints = IoComplaints(fds, self.journal, self.cell.cell.language)
         self._places_judged = False
         self.blind = {name: f"bus {name} {LISTENS}" for name in plan.listening}
@@ -331,7 +333,7 @@ class Services:
             self._inputs_written = payload
             self.rc_in.write(payload, time.monotonic_ns())
         for order in self.office.take_orders():
-            self.orders.put(pack_order(order, RECORD_SIZE))
+            self.orders.put(pack_order(order, self._piece_size))
         self.programs.order(self.office.take_programs())
 
     # ---- what tools see ----------------------------------------------------------------------------------------------

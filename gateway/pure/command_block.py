@@ -10,7 +10,8 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 
 from gateway.pure.reasons import CommandState, Reason
-from gateway.pure.records import AXES
+
+AXES, MASKED = 12, 15  # axes the block has targets and positions of; axes that have a bit of their own in its masks (AX-572)
 
 COMMAND_WORDS = 4 + 2 * AXES  # W0 toggle/code, W1 mask, W2 velocity, W3 acceleration, W4.. targets REAL
 STATUS_WORDS = 10 + 4 * AXES  # W0 toggle/state .. W8 owner, W9 reserved, W10.. per axis actual, lag REAL
@@ -37,14 +38,14 @@ class Code(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """One command; code as written (may be unknown); mask: of axes, for PROGRAM its number; rates 0..1; targets in the axes' own units
-    (mm, deg), 12 places."""
+    """One command; code as written (may be unknown); mask: of axes, for PROGRAM its number; rates 0..1; targets of the first axes, in the
+    axes' own units (mm, deg)."""
 
     code: int
     mask: int = 0
     velocity: float = 1.0
     acceleration: float = 1.0
-    targets: tuple[float, ...] = (0.0,) * AXES
+    targets: tuple[float, ...] = ()
 
 
 def real(high: int, low: int) -> float:
@@ -61,6 +62,19 @@ def real_words(value: float) -> tuple[int, int]:
         data = struct.pack(">f", float("inf") if value > 0 else float("-inf"))
     high, low = struct.unpack(">HH", data)
     return high, low
+
+
+def mask_word(mask: int, axes: int, *, every: bool = True) -> int:
+    """Axes of a cell of so many as the block tells them: bits 0..14 are axes 1..15, bit 15 stands for all behind them (`every`: it is set
+    when all of them are in the mask, else when one is)."""
+    own, behind = (1 << MASKED) - 1, ((1 << axes) - 1) >> MASKED
+    rest = mask >> MASKED & behind
+    return mask & own | (rest == behind if every and behind else rest != 0) << MASKED
+
+
+def mask_of_word(word: int, axes: int) -> int:
+    """The other way round; in a cell of fewer than 16 axes bit 15 is no axis, and stays."""
+    return word & (1 << MASKED) - 1 | (word >> MASKED) * max(((1 << axes) - 1) >> MASKED, 1) << MASKED
 
 
 _REALS, _WORDS = struct.Struct(f">{2 * AXES}f"), struct.Struct(f">{4 * AXES}H")
@@ -94,8 +108,9 @@ class Status:
 class CommandBlock:
     """One door's command words and the toggle that says which of them was taken."""
 
-    def __init__(self, words: Sequence[int] = ()) -> None:
-        """`words`: what a predecessor left standing; it is never carried out."""
+    def __init__(self, words: Sequence[int] = (), axes: int = AXES) -> None:
+        """`words`: what a predecessor left standing; it is never carried out.  `axes`: of the cell."""
+        self._axes = axes
         self.words = [*words, *[0] * COMMAND_WORDS][:COMMAND_WORDS]
         self._toggle = self.words[0] & TOGGLE
         self._adopt = True
@@ -130,7 +145,9 @@ class CommandBlock:
     def _command(self) -> Command:
         w = self.words
         targets = tuple(real(w[4 + 2 * n], w[5 + 2 * n]) for n in range(AXES))
-        return Command(w[0] & 0xFF, w[1], w[2] / 10_000, w[3] / 10_000, targets)
+        code = w[0] & 0xFF
+        mask = w[1] if code == Code.PROGRAM else mask_of_word(w[1], self._axes)
+        return Command(code, mask, w[2] / 10_000, w[3] / 10_000, targets)
 
     def status_words(self, status: Status) -> list[int]:
         """STATUS_WORDS words as the PLC reads them."""

@@ -21,7 +21,7 @@ from gateway.pure.corepublish import Publisher
 from gateway.pure.permits import AS_SHIPPED, EVERY, NO_PERMIT, EnablingInputs, RcNumbers
 from gateway.pure.plannerrecords import PieceRecord
 from gateway.pure.reasons import Reason
-from gateway.pure.records import RC_BYTES, CellState, InputImage, Motion, Order, OrderRecord, Permit
+from gateway.pure.records import MOST_AXES, RC_BYTES, AxisState, CellState, InputImage, Motion, Order, OrderRecord, Permit
 from motion.stepper import State
 from protocols.base.machine import Ns, ms
 
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from gateway.pure.coreoutputs import CoreOutputs
     from gateway.pure.coreshared import CoreShared
 
+EVERY_AXIS = (1 << MOST_AXES) - 1
 SETTLE_S = 0.5  # after its last set value an axis has so long to come to its place; then it stands (AX-268)
 LOST_STOP_S = 2.0  # an axis still moving so long after its chain or control input was lost is switched off
 CHAIN, CONTROL, FEED, RUN, TRAVEL = (int(permit) for permit in Permit)
@@ -62,7 +63,7 @@ class Core:
         shared: "CoreShared | None" = None,
         loops: AxisLoops = PYTHON,
     ) -> None:
-        self.state = CellState(generation=generation)
+        self.state = CellState(generation=generation, axes=[AxisState() for _ in axes])
         self.outputs = bytearray(RC_BYTES)
         self._period = period_s
         self.plans = tuple(axes)
@@ -256,7 +257,7 @@ class Core:
             self._homings.end(reason)
             self.state.stop_cause = reason
 
-    def _off(self, reason: Reason, mask: int = 0xFFFF) -> None:
+    def _off(self, reason: Reason, mask: int = EVERY_AXIS) -> None:
         """Drives off: the drive's own quick stop brings the axis to rest; the rest of a move is gone."""
         moved = [axis for n, axis in enumerate(self._axes) if mask >> n & 1 and axis.wanted]
         for axis in moved:

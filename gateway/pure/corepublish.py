@@ -2,7 +2,7 @@
 
 from gateway.pure.axisloops import FAULT, LOST, PYTHON, AxisLoops
 from gateway.pure.coreaxis import HeldAxis
-from gateway.pure.permits import RcNumbers
+from gateway.pure.permits import SIGNAL_AXES, RcNumbers
 from gateway.pure.records import RC_BYTES, CellState, Motion, set_bit, set_bits
 
 
@@ -37,6 +37,8 @@ class Publisher:
             set_bit(mask, number, True)
             set_bit(image, number, value)
         for first, values in ((numbers.in_position, in_position), (numbers.referenced, referenced)):
-            set_bits(mask, first, axes, (1 << axes) - 1)
-            set_bits(image, first, axes, values)
+            own = min(axes, SIGNAL_AXES)
+            every = (1 << own) - 1
+            set_bits(mask, first, own, every)
+            set_bits(image, first, own, values & every)
         return [(at, 0xFF ^ own, image[at]) for at, own in enumerate(mask) if own]

@@ -298,7 +298,7 @@ class DataDoor:
         """The selected position, or the targets of the same telegram, or the latest ones written before it."""
         at, speed = (self._targets, self._speed) if position is None else position
         mask = sum(1 << n for n, name in enumerate(self._axes) if name in at)
-        targets = tuple(at.get(name, 0.0) for name in self._axes) + (0.0,) * (12 - len(self._axes))
+        targets = tuple(at.get(name, 0.0) for name in self._axes)
         self._answered = False
         self._command(Command(Code.PTP_ABSOLUTE, mask, speed, 1.0, targets))
 

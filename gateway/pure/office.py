@@ -299,6 +299,9 @@ class Office:
 
     def _ptp(self, job: Job, command: Command, cell: CellState, *, relative: bool) -> None:
         self._mask(job)
+        if job.mask >> len(command.targets):
+            missing = ", ".join(axis.name for n, axis in enumerate(self.axes) if n >= len(command.targets) and job.mask >> n & 1)
+            raise Refusal(Reason.MASK, f"{job.mask:04X}h; {len(command.targets)} targets are given, none for {missing}")
         alone = self._first_try and relative and job.mask.bit_count() == 1
         self._may_move(cell, job.mask, referenced=not alone)
         self._rates(command, cell)

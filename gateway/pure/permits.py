@@ -30,12 +30,13 @@ class RcNumbers:
 
 
 AS_SHIPPED = RcNumbers()
+SIGNAL_AXES = 12  # have INPOS and referenced among the RC outputs (AX-508); those behind them do not (AX-572)
 
 
 def free_outputs(numbers: RcNumbers, axes: int) -> frozenset[int]:
     """RC outputs of the image that axisgate itself does not write."""
     own = {numbers.ready, numbers.ready2, numbers.drives_on, numbers.emergency}
-    own |= {first + n for first in (numbers.in_position, numbers.referenced) for n in range(axes)}
+    own |= {first + n for first in (numbers.in_position, numbers.referenced) for n in range(min(axes, SIGNAL_AXES))}
     return frozenset(range(8 * RC_BYTES)) - own
 
 

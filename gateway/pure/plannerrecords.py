@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 from motion.outputs.function import Function
-from motion.pieces import RECORD_SIZE
+from motion.pieces import RECORD_SIZE, record_size
 
 BLOCKS = 2048  # records in the blocks ring
 PIECES = 1024  # records in the pieces ring: half a minute of motion
@@ -111,8 +111,12 @@ class Part(IntEnum):
 
 
 _PIECE = struct.Struct("=II QQ")
-PIECE_SIZE = _PIECE.size + RECORD_SIZE
-PIECE_LAYOUT = f"pieces/1 {_PIECE.format} {RECORD_SIZE}"
+PIECE_LAYOUT = f"pieces/2 {_PIECE.format}"
+
+
+def piece_size(axes: int) -> int:
+    """Bytes of a record of the pieces ring of a cell of so many axes."""
+    return _PIECE.size + record_size(axes)
 
 
 @dataclass(frozen=True, slots=True)
@@ -221,12 +225,12 @@ def switch_of(record: PieceRecord) -> SwitchAt:
     return SwitchAt(*_SWITCH.unpack_from(record.piece))
 
 
-def pack_piece(record: PieceRecord) -> bytes:
-    """As PIECE_SIZE bytes."""
-    if len(record.piece) not in (0, RECORD_SIZE):
-        raise ValueError(f"a piece of {len(record.piece)} bytes; 0 or {RECORD_SIZE} expected")
+def pack_piece(record: PieceRecord, size: int) -> bytes:
+    """As `size` bytes: those of the ring."""
+    if _PIECE.size + len(record.piece) > size:
+        raise ValueError(f"a piece of {len(record.piece)} bytes; {size - _PIECE.size} fit")
     head = _PIECE.pack(record.part, len(record.piece), record.job, record.generation)
-    return head + record.piece.ljust(RECORD_SIZE, b"\0")
+    return (head + record.piece).ljust(size, b"\0")
 
 
 def unpack_piece(data: bytes) -> PieceRecord:

@@ -4,10 +4,10 @@ import struct
 from dataclasses import dataclass
 
 from gateway.pure.plannerrecords import Part, PieceRecord
-from gateway.pure.records import AXES
+from gateway.pure.records import MOST_AXES
 from motion.pieces import RECORD_SIZE
 
-_MACHINE, _TAPE = struct.Struct(f"=I{AXES}d"), struct.Struct("=QdId?")
+_MACHINE, _TAPE = struct.Struct(f"=I{MOST_AXES}d"), struct.Struct("=QdId?")
 _RECALL, _LATCH = struct.Struct("=I"), struct.Struct("=QdiI4s")
 
 
@@ -38,7 +38,7 @@ class LatchAt:
 def machine_record(job: int, generation: int, mask: int, values: tuple[float, ...]) -> PieceRecord:
     """SF 3, a part of its own: the axes of the mask stand at these places (m or rad), in their order."""
     rest = iter(values)
-    places = [next(rest) if mask >> n & 1 else 0.0 for n in range(AXES)]
+    places = [next(rest) if mask >> n & 1 else 0.0 for n in range(MOST_AXES)]
     return _record(Part.MACHINE, job, generation, _MACHINE.pack(mask, *places))
 
 

@@ -10,7 +10,9 @@ from enum import IntEnum, IntFlag
 from operator import attrgetter
 from typing import NamedTuple
 
-AXES = 12  # places in every record; a cell may use fewer
+from motion.pieces import MAX_AXES
+
+MOST_AXES = MAX_AXES  # of one cell (AX-572)
 RC_BYTES = 128  # PIC image: 1024 bits (rho3 0.2)
 NEVER = 0  # a stamp that says: not yet
 
@@ -113,7 +115,7 @@ class CellState:
     reason_3: int = 0
     failed_4: int = 0
     reason_4: int = 0
-    axes: list[AxisState] = field(default_factory=lambda: [AxisState() for _ in range(AXES)])
+    axes: list[AxisState] = field(default_factory=lambda: [AxisState() for _ in range(MOST_AXES)])  # published: those of the cell
 
     def fail(self, job: int, reason: int) -> None:
         """This order ended badly; 0: there was none."""
@@ -147,13 +149,17 @@ STATE_NAMES = (
 AXIS_NAMES = ("actual", "set", "speed", "lag", "torque", "flags", "fault_code", "power", "finding", "measured")
 STATE_HEAD = struct.Struct("=QqQBdQdQQHQBBBHQQQQQQQdddHIBBHBIQHQHQH")
 STATE_AXIS = struct.Struct("=dddddHHBHd")  # flags, fault code (CiA 402: 16 bits), power, finding, measured
-CELL_STATE_SIZE = STATE_HEAD.size + AXES * STATE_AXIS.size
-CELL_STATE_LAYOUT = f"cell-state/1 {STATE_HEAD.format} {AXES}x{STATE_AXIS.format}"
+CELL_STATE_LAYOUT = f"cell-state/2 {STATE_HEAD.format} axes x {STATE_AXIS.format}"
+
+
+def cell_state_size(axes: int) -> int:
+    """Bytes of the packed state of a cell of so many axes: a cycle copies those it has, not those there may be."""
+    return STATE_HEAD.size + axes * STATE_AXIS.size
 
 
 def cell_state_packer(axes: int) -> Callable[[CellState], bytes]:
-    """For the one who packs once a cycle: only the first `axes` have anything to say, the places of the others are 0."""
-    pack = struct.Struct(f"{STATE_HEAD.format}{STATE_AXIS.format[1:] * axes}{(AXES - axes) * STATE_AXIS.size}x").pack
+    """Packs the first `axes` of a state, which has no fewer: cell_state_size(axes) bytes."""
+    pack = struct.Struct(f"{STATE_HEAD.format}{STATE_AXIS.format[1:] * axes}").pack
     head = attrgetter(*STATE_NAMES)
     axis = attrgetter(*AXIS_NAMES)
 
@@ -166,21 +172,21 @@ def cell_state_packer(axes: int) -> Callable[[CellState], bytes]:
     return packer
 
 
-pack_cell_state = cell_state_packer(AXES)  # CellState as CELL_STATE_SIZE bytes
+def pack_cell_state(state: CellState) -> bytes:
+    """All axes of it."""
+    return cell_state_packer(len(state.axes))(state)
 
 
 def unpack_cell_state(data: bytes) -> CellState:
-    """The reverse of pack_cell_state."""
-    head = STATE_HEAD.unpack_from(data)
-    state = CellState()
-    for name, value in zip(STATE_NAMES, head, strict=True):
+    """The reverse of pack_cell_state: as many axes as were packed."""
+    axes = []
+    for actual, set_, speed, lag, torque, flags, *rest in STATE_AXIS.iter_unpack(memoryview(data)[STATE_HEAD.size :]):
+        axes.append(AxisState(actual, set_, speed, lag, torque, FLAGS[flags], *rest))
+    state = CellState(axes=axes)
+    for name, value in zip(STATE_NAMES, STATE_HEAD.unpack_from(data), strict=True):
         setattr(state, name, value)
     state.motion, state.emergency, state.ready = Motion(state.motion), bool(state.emergency), bool(state.ready)
     state.met = bool(state.met)
-    for number in range(AXES):
-        values = STATE_AXIS.unpack_from(data, STATE_HEAD.size + number * STATE_AXIS.size)
-        actual, set_, speed, lag, torque, flags, *rest = values
-        state.axes[number] = AxisState(actual, set_, speed, lag, torque, FLAGS[flags], *rest)
     return state
 
 
@@ -218,19 +224,17 @@ _ORDER = struct.Struct("=HHIQQdI4x")
 
 
 def order_size(piece_size: int) -> int:
-    """Bytes of one record of the command ring."""
+    """Bytes of one record of the command ring whose longest piece has so many."""
     return _ORDER.size + piece_size
 
 
-def order_layout(piece_size: int) -> str:
-    """Layout string of the command ring."""
-    return f"orders/1 {_ORDER.format} {piece_size}"
+ORDER_LAYOUT = f"orders/2 {_ORDER.format}"
 
 
 def pack_order(record: OrderRecord, piece_size: int) -> bytes:
     """OrderRecord as order_size(piece_size) bytes."""
-    if len(record.piece) not in (0, piece_size):
-        raise ValueError(f"piece of {len(record.piece)} bytes; 0 or {piece_size} expected")
+    if len(record.piece) > piece_size:
+        raise ValueError(f"piece of {len(record.piece)} bytes; {piece_size} fit")
     head = _ORDER.pack(record.order, record.reason, record.mask, record.job, record.generation, record.value, len(record.piece))
     return head + record.piece.ljust(piece_size, b"\0")
 

@@ -25,7 +25,7 @@ from gateway.pure.recording.messages import (
     pack,
     unpack,
 )
-from gateway.pure.records import CELL_STATE_LAYOUT, CELL_STATE_SIZE, RC_BYTES
+from gateway.pure.records import CELL_STATE_LAYOUT, RC_BYTES
 from gateway.pure.scope.records import SCOPE_LAYOUT
 from gateway.recording.file import Writer
 from gateway.recording.states import Start, frozen
@@ -174,7 +174,7 @@ class Recorder:
         """All of them: those of the cycles just taken were published before."""
         while records := self._rings.scope.take(AT_ONCE):
             for _, record in records:
-                self._outputs.append((int.from_bytes(record[:CYCLE], "little"), record[: CELL_STATE_SIZE + RC_BYTES]))
+                self._outputs.append((int.from_bytes(record[:CYCLE], "little"), record[:-RC_BYTES]))
         while len(self._outputs) > OUTPUTS_KEPT:
             self._outputs.popleft()
 

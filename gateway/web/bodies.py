@@ -4,6 +4,8 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from gateway.pure.records import MOST_AXES
+
 Name = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[A-Za-z0-9_.@-]+$")]
 Password = Annotated[str, Field(min_length=1, max_length=256)]
 RoleName = Literal["viewer", "operator", "setter", "admin"]
@@ -43,10 +45,10 @@ class Command(Body):
         "enable", "disable", "reference", "ptp_absolute", "ptp_relative", "resume", "abandon", "fault_reset", "override",
         "request_control", "release_control",
     ]  # fmt: skip
-    mask: int = Field(default=0, ge=0, le=0xFFFF)
+    mask: int = Field(default=0, ge=0, lt=1 << MOST_AXES)
     velocity: Share = 1.0
     acceleration: Share = 1.0
-    targets: Annotated[list[Annotated[float, Field(ge=-1e9, le=1e9)]], Field(max_length=12)] = []
+    targets: Annotated[list[Annotated[float, Field(ge=-1e9, le=1e9)]], Field(max_length=MOST_AXES)] = []
 
 
 class Force(Body):

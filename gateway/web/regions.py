@@ -9,7 +9,17 @@ from gateway.image import RegionReader
 from gateway.pure.permits import PERMITS
 from gateway.pure.plannerrecords import unpack_planner
 from gateway.pure.reasons import Reason, text
-from gateway.pure.records import RC_BYTES, AxisFlag, CellState, InputImage, Permit, Quality, unpack_cell_state, unpack_inputs
+from gateway.pure.records import (
+    CELL_STATE_LAYOUT,
+    RC_BYTES,
+    AxisFlag,
+    CellState,
+    InputImage,
+    Permit,
+    Quality,
+    unpack_cell_state,
+    unpack_inputs,
+)
 from motion.units import to_si
 
 STALE_NS = 250_000_000  # a cycle or services silent for so long: everything it tells is old
@@ -33,7 +43,7 @@ class Regions:
 
     def __init__(self, plan: Shown, fds: dict[str, int]) -> None:
         self.plan = plan
-        self.axes = RegionReader(fds["axes"], "axes")
+        self.axes = RegionReader(fds["axes"], "axes", CELL_STATE_LAYOUT)
         self.rc_in = RegionReader(fds["rc_in"], "rc_in")
         self.rc_out = RegionReader(fds["rc_out"], "rc_out")
         self.links = RegionReader(fds["links"], "links")

@@ -14,9 +14,19 @@ from gateway.pure.command_block import Code, Command
 from gateway.pure.core import Core
 from gateway.pure.jobs import Job
 from gateway.pure.office import Office
-from gateway.pure.records import InputImage, OrderRecord, Quality, pack_cell_state, pack_order, set_bit, unpack_cell_state, unpack_order
+from gateway.pure.records import (
+    MOST_AXES,
+    InputImage,
+    OrderRecord,
+    Quality,
+    pack_cell_state,
+    pack_order,
+    set_bit,
+    unpack_cell_state,
+    unpack_order,
+)
 from hil_tests.lab.servodyn_bus import CODEC
-from motion.pieces import RECORD_SIZE
+from motion.pieces import record_size
 from protocols.base.machine import Frame, Ns
 
 START: Ns = 1_000_000_000_000
@@ -93,13 +103,13 @@ class CellBench:
     def _hand_over(self) -> None:
         """Through the ring's bytes, as in the real thing; orders of another generation are dropped there."""
         for order in self.office.take_orders():
-            record = unpack_order(pack_order(order, RECORD_SIZE))
+            record = unpack_order(pack_order(order, record_size(len(self.cell.axis))))
             if record.generation == self.generation:
                 self.orders.append(record)
 
     def give(self, code: Code, mask: int = ALL, velocity: float = 1.0, targets: tuple[float, ...] = (), door: int = 1) -> Job:
         """One fresh command of a door."""
-        places = (*targets, *[0.0] * 12)[:12]
+        places = (*targets, *[0.0] * MOST_AXES)[:MOST_AXES]
         job = self.office.command(door, Command(code, mask, velocity, 1.0, places), self.now)
         self._hand_over()
         return job

@@ -2,7 +2,7 @@
 
 from gateway.pure.core import Core
 from gateway.pure.office import Office
-from gateway.pure.plannerrecords import PieceRecord, pack_piece, run_record, unpack_piece
+from gateway.pure.plannerrecords import PieceRecord, pack_piece, piece_size, run_record, unpack_piece
 from gateway.pure.programfollow import follow, standing
 from gateway.pure.programs import Programs
 
@@ -31,4 +31,4 @@ class PlannerBeside:
 
     def feed(self, core: Core, record: PieceRecord) -> None:
         """One record of the ring."""
-        core.feed(unpack_piece(pack_piece(record)))
+        core.feed(unpack_piece(pack_piece(record, piece_size(self.axes))))

@@ -14,6 +14,7 @@ from gateway.config import load_cell
 from gateway.image import RegionReader, recv_fds
 from gateway.processes.supervisor import ask
 from gateway.programplan import machine_of_cell
+from gateway.pure.command_block import mask_word
 from gateway.pure.plannerrecords import PlannerState, unpack_planner
 from gateway.pure.records import AxisFlag, CellState, Motion, get_bit, unpack_cell_state
 from hil_tests.lab.arms import Array
@@ -37,7 +38,7 @@ class ProgramRun:
         self.run, self.plc, self.texts = run, run.plc, programs
         self.cell = load_cell(run.cell)
         self.axes = len(self.cell.axis)
-        self.all = (1 << self.axes) - 1
+        self.all = mask_word((1 << self.axes) - 1, self.axes)
         self.machine = machine_of_cell(self.cell)
         with ask(run.name, "regions") as connection:
             self._fds = recv_fds(connection)

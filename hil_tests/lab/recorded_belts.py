@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from gateway.pure.core import Core
-from gateway.pure.plannerrecords import PieceRecord, pack_piece
+from gateway.pure.plannerrecords import PieceRecord, pack_piece, piece_size
 from gateway.pure.programs import Programs
 from gateway.pure.recording.messages import Message, What, pack
 from gateway.recording.file import Found, Segment
@@ -32,7 +32,7 @@ class TappedPlanner(PlannerBeside):
 
     def feed(self, core: Core, record: PieceRecord) -> None:
         if self._tap.on:
-            self._tap.put(What.PIECE, pack_piece(record))
+            self._tap.put(What.PIECE, pack_piece(record, piece_size(self.axes)))
         super().feed(core, record)
 
 

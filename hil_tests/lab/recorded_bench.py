@@ -20,7 +20,7 @@ from gateway.pure.recording.messages import (
 from gateway.pure.records import pack_cell_state, pack_inputs, pack_order, unpack_cell_state
 from gateway.recording.tap import CycleTap
 from hil_tests.lab.cellbench import CellBench
-from motion.pieces import RECORD_SIZE
+from motion.pieces import record_size
 from protocols.base.machine import Frame
 
 
@@ -80,7 +80,7 @@ class RecordedBench(CellBench):
         missing = sum(actual is None for actual in actuals)
         core.state.incomplete += missing > 0
         if tap.on:
-            tap.orders([(n, pack_order(order, RECORD_SIZE)) for n, order in enumerate(orders)])
+            tap.orders([(n, pack_order(order, record_size(len(self.cell.axis)))) for n, order in enumerate(orders)])
             tap.stepped(self.now, self.services_ns, missing)
         self.burst = self.family.burst(core.step(actuals, self.inputs, orders, self.services_ns, self.now))
         published = pack_cell_state(core.state) + bytes(core.outputs)

@@ -30,7 +30,7 @@ from gateway.pure.axisloops import PYTHON
 from gateway.pure.command_block import Code
 from gateway.pure.core import Core
 from gateway.pure.coreaxis import CoreAxis, HeldAxis
-from gateway.pure.records import AXES, FLAGS, RC_BYTES, AxisState, CellState, Motion, cell_state_packer
+from gateway.pure.records import FLAGS, MOST_AXES, RC_BYTES, AxisState, CellState, Motion, cell_state_packer
 from gateway.realtime import Alarm
 from hil_tests.lab.cellbench import DEMO, FAMILY, CellBench
 from hil_tests.lab.native import ENDS, FLAG, native_parts
@@ -264,14 +264,14 @@ def states(draw: st.DrawFn) -> CellState:
         elif each.type is float:
             setattr(state, each.name, draw(REALS))
     state.belt_axis = state.belt_code = state.stop_cause = 7
-    reals = [[draw(REALS) for _ in range(5)] for _ in range(AXES)]
-    flags = [FLAGS[draw(st.integers(0, 511))] for _ in range(AXES)]
+    reals = [[draw(REALS) for _ in range(5)] for _ in range(MOST_AXES)]
+    flags = [FLAGS[draw(st.integers(0, 511))] for _ in range(MOST_AXES)]
     state.axes = [AxisState(a, b, c, d, e, flag, 65_535, 5, 647) for (a, b, c, d, e), flag in zip(reals, flags, strict=True)]
     return state
 
 
 @settings(max_examples=25, deadline=None)
-@given(state=states(), axes=st.integers(1, AXES))
+@given(state=states(), axes=st.integers(1, MOST_AXES))
 def test_a_state_is_packed_the_same_in_both(quick: Quick, state: CellState, axes: int) -> None:
     outcomes = []
     for packer in (cell_state_packer(axes), quick.packer(axes)):

@@ -51,7 +51,7 @@ class SyncStepper:
         return self._q
 
     def load(self, piece: Piece | TimedPiece) -> None:
-        """As Stepper.load.  A piece of version 1 is run as well, but nobody looks ahead on it."""
+        """As Stepper.load.  A piece of polynomials is run as well, but nobody looks ahead on it."""
         self._stepper.load(piece)
         if isinstance(piece, TimedPiece):
             self._chain.load(piece)

@@ -9,7 +9,7 @@ from gateway.pure.reasons import Reason
 from gateway.pure.records import AxisFlag, CellState
 from protocols.base.machine import Ns
 
-DRIVE_FAULT, DRIVE_LOST = 768, 788  # + axis - 1
+DRIVE_FAULT, DRIVE_LOST, CODED = 768, 788, 20  # + axis - 1; axes behind the 20th stand in the list by axisgate's own numbers alone
 CAUSES = {
     Reason.FOLLOWING_ERROR: 808,
     Reason.REFERENCE_FAILED: 809,
@@ -46,9 +46,9 @@ _TEXTS = {
 def code_text(code: int, language: str = "en") -> str:
     """What an error of ours or of this table is about; "" for others."""
     german = language == "de"
-    if DRIVE_FAULT <= code < DRIVE_FAULT + 20:
+    if DRIVE_FAULT <= code < DRIVE_FAULT + CODED:
         return f"{'Antriebsfehler Achse' if german else 'drive fault, axis'} {code - DRIVE_FAULT + 1}"
-    if DRIVE_LOST <= code < DRIVE_LOST + 20:
+    if DRIVE_LOST <= code < DRIVE_LOST + CODED:
         return f"{'Antrieb antwortet nicht, Achse' if german else 'drive does not answer, axis'} {code - DRIVE_LOST + 1}"
     if 1408 <= code <= 1427:
         return f"{'Achse gesperrt, Achse' if german else 'axis disabled, axis'} {code - 1407}"
@@ -70,7 +70,7 @@ class CycleErrors:
             return
         seen = {
             (code + number, name)
-            for number, name in enumerate(self.names)
+            for number, name in enumerate(self.names[:CODED])
             for flag, code in ((AxisFlag.FAULT, DRIVE_FAULT), (AxisFlag.LOST, DRIVE_LOST))
             if state.axes[number].flags & flag
         }

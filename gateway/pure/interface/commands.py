@@ -11,7 +11,7 @@ from gateway.pure.interface.drives import Asked
 from gateway.pure.interface.steps import Step
 from gateway.pure.jobs import Job
 from gateway.pure.office import Office
-from gateway.pure.records import AXES, Motion
+from gateway.pure.records import Motion
 from motion.program.factors import FULL, Factors
 from protocols.base.machine import Ns
 
@@ -53,7 +53,7 @@ class AxisCommands:
         if step.program is not None:
             return self._office.order_program(door, step.program, now, speed, acceleration)
         mask = sum(1 << number for number in step.to)
-        places = tuple(step.to.get(n, 0.0) for n in range(AXES))
+        places = tuple(step.to.get(n, 0.0) for n in range(mask.bit_length()))
         return self._say(door, Command(Code.PTP_ABSOLUTE, mask, speed, acceleration, places), now)
 
     def stop(self, door: int, now: Ns, give_up: Job | None = None) -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from gateway.pure.interface.image import PicImage
 
-ALL_ON, FIRST_DRIVE, FIRST_DISABLED, AXES = 66, 192, 216, 20  # RC inputs
+ALL_ON, FIRST_DRIVE, FIRST_DISABLED, AXES = 66, 192, 216, 20  # RC inputs; axes behind the 20th have the group signal alone (AX-572)
 DISABLED_WARNING = 1408  # + axis - 1
 
 
@@ -67,9 +67,10 @@ class DriveOn:
         asked: dict[int, Asked] = {}
         for number, axis in enumerate(self._axes):
             place = FIRST_DRIVE + number
-            own = self._owner_of(place >> 3)
+            has_own = number < AXES
+            own = self._owner_of(place >> 3) if has_own else 0
             group = image.input(ALL_ON)
-            level = group or image.input(place)
+            level = group or (has_own and image.input(place))
             known = [bit for bit, owner in ((ALL_ON, self._group), (place, own)) if owner]
             trusted = bool(known) and all(image.trusted(bit) for bit in ([ALL_ON] if group else known))
             rises, falls = trusted and level and not axis.before, trusted and not level and axis.mine

@@ -10,7 +10,7 @@ from gateway.pure.interface.codes import code_text
 from gateway.pure.interface.errors import RHO3
 from gateway.pure.phg.catalogue import variable_of
 from gateway.pure.phg.variables import AxisView, KinematicView, Machine, Message, SetBits, SetFactor, Value, Variables
-from gateway.pure.records import AXES, AxisFlag, AxisState
+from gateway.pure.records import MOST_AXES, AxisFlag, AxisState
 
 if TYPE_CHECKING:
     from gateway.pure.interface.control import RhoControl
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 WARNINGS = 5  # group of error codes (rho3 3.3)
 AREA = 128  # bytes of the PIC's areas
 USER_OUTPUTS = 128
-NO_AXES = [AxisState()] * AXES  # until the cycle has spoken
+NO_AXES = [AxisState()] * MOST_AXES  # until the cycle has spoken
 
 
 class PhgValues:

@@ -15,7 +15,7 @@ from gateway.pure.fastwires import FastWires
 from gateway.pure.plannerrecords import unpack_piece
 from gateway.pure.recording.messages import BEGIN, NODE, STEP, Message, Phase, What, unpack_frames, unpack_shown
 from gateway.pure.records import (
-    CELL_STATE_SIZE,
+    RC_BYTES,
     STATE_NAMES,
     CellState,
     InputImage,
@@ -187,7 +187,7 @@ class Player:
     def _compare(self, payload: bytes) -> Iterator[Difference]:
         core = self.core
         core.state.compute_ns = 0
-        octets, outputs = payload[:CELL_STATE_SIZE], payload[CELL_STATE_SIZE:]
+        octets, outputs = payload[:-RC_BYTES], payload[-RC_BYTES:]
         expected, got = unpack_cell_state(octets), unpack_cell_state(pack_cell_state(core.state))
         for name, was, now in _fields(expected, got, [plan.name for plan in core.plans]):
             yield Difference(core.state.cycle, self.stamp_ns, name, was, now)

@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from gateway.pure.addresses import Direction
-from gateway.pure.records import AXES, RC_BYTES, STATE_AXIS, STATE_HEAD, STATE_NAMES, AxisFlag
+from gateway.pure.records import RC_BYTES, STATE_AXIS, STATE_HEAD, STATE_NAMES, AxisFlag
 from gateway.pure.scope.records import INPUTS_AT, OUTPUTS_AT
 from gateway.pure.signals import SignalList
 from motion.units import to_si
@@ -77,7 +77,7 @@ def all_names(axes: Sequence[AxisFact]) -> list[str]:
 
 
 def _axis_channel(name: str, axis: str, value: str, axes: Sequence[AxisFact]) -> Channel:
-    place = next((number for number, fact in enumerate(axes[:AXES]) if fact.name == axis), None)
+    place = next((number for number, fact in enumerate(axes) if fact.name == axis), None)
     if place is None:
         raise ChannelError(f"{name}: no axis {axis}; {', '.join(fact.name for fact in axes)}")
     at = STATE_HEAD.size + place * STATE_AXIS.size

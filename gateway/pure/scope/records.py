@@ -1,11 +1,15 @@
 """One record for each cycle: the state the cycle published, its RC outputs and the RC inputs it judged by (AX-492)."""
 
-from gateway.pure.records import CELL_STATE_LAYOUT, CELL_STATE_SIZE, RC_BYTES
+from gateway.pure.records import CELL_STATE_LAYOUT, RC_BYTES, cell_state_size
 
-SCOPE_BYTES = CELL_STATE_SIZE + 2 * RC_BYTES
 SCOPE_RECORDS = 4096  # 8 s at 2 ms: a reader that sleeps shorter loses nothing
-SCOPE_LAYOUT = f"scope/1 {CELL_STATE_LAYOUT} {RC_BYTES} {RC_BYTES}"
-OUTPUTS_AT, INPUTS_AT = CELL_STATE_SIZE, CELL_STATE_SIZE + RC_BYTES
+SCOPE_LAYOUT = f"scope/2 {CELL_STATE_LAYOUT} {RC_BYTES} {RC_BYTES}"
+OUTPUTS_AT, INPUTS_AT = -2 * RC_BYTES, -RC_BYTES  # from the end: the state before them is as long as the cell has axes
+
+
+def scope_bytes(axes: int) -> int:
+    """Of one record of a cell of so many axes."""
+    return cell_state_size(axes) + 2 * RC_BYTES
 
 
 def pack_scope(state: bytes, outputs: bytes | bytearray, inputs: bytes | bytearray) -> bytes:

@@ -18,7 +18,7 @@ from gateway.config import load_cell
 from gateway.image import RegionReader, RegionWriter
 from gateway.processes.chips import Chip, Chips
 from gateway.pure.contacts import Said, unpack_said
-from gateway.pure.records import CellState, Quality, pack_cell_state
+from gateway.pure.records import CellState, Quality, cell_state_packer
 from hil_tests.lab.cell_running import runtime_folder
 from hil_tests.lab.joined_running import JoinedRun, cell_copy, running_joined
 from hil_tests.lab.modbus_running import Running
@@ -161,13 +161,13 @@ signal = "cell.watchdog"
         assert [child.name for child in plan.children][-1] == "chips"
         fds = make_regions(plan)
         try:
-            axes = RegionWriter(fds["axes"], "axes")
+            axes, pack = RegionWriter(fds["axes"], "axes"), cell_state_packer(len(plan.cell.axis))
             chips = Chips(plan, fds)
             chip = Watched(chips.chips[0].path, chips.chips[0].contacts)
             chips.chips[0] = chip
             shown = chip.shown
             for cycle in (2, 3, 4, 5, 6):
-                axes.write(pack_cell_state(CellState(cycle=cycle, ready=True)), time.monotonic_ns())
+                axes.write(pack(CellState(cycle=cycle, ready=True)), time.monotonic_ns())
                 axes.beat(time.monotonic_ns())
                 chips.turn(time.monotonic_ns())
             assert [each[2] for each in shown] == [bool(cycle // 2 & 1) for cycle in (2, 3, 4, 5, 6)] and all(each[0] for each in shown)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from gateway.image import RingReader, RingWriter, create_ring
-from gateway.pure.plannerrecords import PIECE_LAYOUT, PIECE_SIZE, BlockRecord, Part, PieceRecord, Say, pack_piece, unpack_piece
+from gateway.pure.plannerrecords import PIECE_LAYOUT, BlockRecord, Part, PieceRecord, Say, pack_piece, piece_size, unpack_piece
 from gateway.pure.programs import Programs
 from hil_tests.lab.arms import Array, portal, shares
 from hil_tests.rig.image.dying import DyingRing, Executioner, dies
@@ -61,7 +61,7 @@ class Both:
 
     def turn(self, said: Sequence[BlockRecord]) -> None:
         for record in self.planned(said):
-            self.writer.put(pack_piece(record))
+            self.writer.put(pack_piece(record, self.writer.size))
         self.step()
 
     def planned(self, said: Sequence[BlockRecord]) -> list[PieceRecord]:
@@ -103,7 +103,7 @@ def opening() -> list[BlockRecord]:
 
 
 def ring() -> int:
-    return create_ring("pieces", PIECE_SIZE, 256, PIECE_LAYOUT)
+    return create_ring("pieces", piece_size(AXES), 256, PIECE_LAYOUT)
 
 
 def whole(fd: int) -> Both:
@@ -152,7 +152,7 @@ def test_killed_at_any_write_of_the_ring_the_axes_end_at_rest_on_the_path(half: 
                 DyingRing.executioner = executioner
                 writer = DyingRing(fd, "pieces")
                 for record in records:
-                    writer.put(pack_piece(record))
+                    writer.put(pack_piece(record, writer.size))
 
             died = dies(plan, fatal, half)
             stepper, rows = Stepper(AXES, P, (0.0, 0.0, 0.0)), [(0.0, 0.0, 0.0)]
@@ -192,7 +192,7 @@ def test_killed_while_a_tail_is_replaced_the_old_tail_or_the_new_one_is_run_whol
             records = both.planned(said(SECOND, Say.END))
             assert len(records) > 5, "no tail to replace"
             for record in records[:extra]:
-                both.writer.put(pack_piece(record))
+                both.writer.put(pack_piece(record, both.writer.size))
             for _ in range(1500):
                 both.step()
                 if both.stepper.state is State.IDLE:

@@ -10,11 +10,12 @@ from gateway.image import RegionWriter, RingWriter
 from gateway.processes.planner import PlannerProcess
 from gateway.programplan import ProgramPlan
 from gateway.pure.plannerrecords import ProgramOrder, pack_block, run_record
-from gateway.pure.records import CellState, pack_cell_state
+from gateway.pure.records import CellState, cell_state_packer
 from hil_tests.lab.belt_bench import ALL, CELL, HEAD
 from motion.sync.belts import STANDARD_TOLERANCE
 
 JOB, CYCLE = 5, 7
+PACK = cell_state_packer(len(CELL.axis))
 
 
 def until(planner: PlannerProcess, holds: Callable[[], bool]) -> bool:
@@ -34,7 +35,7 @@ def test_the_next_planner_knows_what_programs_have_set_until_the_cycle_starts_an
     axes, blocks = RegionWriter(fds["axes"]), RingWriter(fds["blocks"])
 
     def says(generation: int = CYCLE, parts: int = 0) -> None:
-        axes.write(pack_cell_state(CellState(generation=generation, taken=JOB, parts=parts)), time.monotonic_ns())
+        axes.write(PACK(CellState(generation=generation, taken=JOB, parts=parts)), time.monotonic_ns())
 
     says()
     first = PlannerProcess(plan, fds)

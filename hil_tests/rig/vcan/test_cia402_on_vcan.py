@@ -9,7 +9,6 @@ import struct
 import pytest
 
 from gateway.config import load_cell
-from gateway.pure.records import AXES
 from gateway.toolclient import ToolClient, ToolError, mask_of, simulated
 from hil_tests.rig.vcan.candump import Recorded, candump, read
 
@@ -45,7 +44,7 @@ def played(client: ToolClient, everything: int) -> None:
     client.take_over()
     client.command("enable", everything)
     client.command("reference", everything, timeout_s=60.0)
-    targets = [*TARGET.values(), *[0.0] * (AXES - len(TARGET))]
+    targets = list(TARGET.values())
     client.command("ptp_absolute", everything, velocity=0.1, targets=targets, timeout_s=60.0)
 
 

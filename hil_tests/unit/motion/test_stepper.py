@@ -227,7 +227,7 @@ def test_pieces_the_stepper_cannot_run_are_refused() -> None:
 
 
 def test_wrong_calls_raise() -> None:
-    for axes, period_s, position in ((0, P5, None), (13, P5, None), (1, 0.0, None), (2, P5, [0.0])):
+    for axes, period_s, position in ((0, P5, None), (33, P5, None), (1, 0.0, None), (2, P5, [0.0])):
         with pytest.raises(MotionError):
             Stepper(axes, period_s, position)
     stepper = loaded(piece(), 3)

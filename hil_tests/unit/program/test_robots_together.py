@@ -124,7 +124,6 @@ MANY = ROBOTS + '[[robot]]\nkinematics = "arm6"\nmodel = "tx60-like"\nname = "ot
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        (cell_text(robots=MANY), "axes of all robots of one cell"),
         (cell_text(robots=MANY), "robot tx60-like has 6 axes, 0 are left behind those of the robots before it"),
         (cell_text().replace('= "scara"\n\n[[program]]', '= "arm"\n\n[[program]]'), "another robot has this name"),
         (cell_text().replace('= "arm"', '= ""'), "programs name each of several robots"),

@@ -12,13 +12,14 @@ from hil_tests.lab.arms import at, off_line, run, tool_path
 from hil_tests.lab.teams import ARM_START, SCARA_START, Array, own_rows, pair, portals, shares, together
 from motion.errors import MotionError, PieceError
 from motion.frames import Pose
+from motion.pieces import record_size
 from motion.planner.arm import Arm
 from motion.planner.team import Team
 from motion.planner.teamroute import TeamRoute
 from motion.program.blocks import Blend, Block, Interpolation, JointTarget, Output, Pace, PoseTarget, Rounding
 from motion.program.errors import BlockError
 from motion.program.team import Shared
-from motion.timed import encode_timed
+from motion.timed import decode_any, encode_timed
 
 UM = 1e-6
 LINEAR, PTP, CIRCULAR = Interpolation.LINEAR, Interpolation.PTP, Interpolation.CIRCULAR
@@ -198,7 +199,7 @@ def test_a_time_one_of_them_is_given_holds_for_all() -> None:
     assert moving[-1] - moving[0] + 1 == pytest.approx(800, abs=2)
 
 
-def test_more_than_a_cell_may_hold_is_refused_and_a_record_says_when_it_is_too_short() -> None:
+def test_more_than_a_cell_may_hold_is_refused_and_a_record_holds_all_of_them() -> None:
     one = portals(1)
     for names, machines, words in (
         ([f"P{n}" for n in range(17)], one.machines * 17, "17 names, 17 kinematics"),
@@ -208,10 +209,14 @@ def test_more_than_a_cell_may_hold_is_refused_and_a_record_says_when_it_is_too_s
     ):
         with pytest.raises(MotionError, match=words):
             Team(tuple(names), machines)
-    arm = Arm(portals(5), (0.0,) * 15)
-    arm.add(together(*[line(5)] * 5))
-    arm.finish()
-    (piece, *_) = arm.planner.plan(0.0, hurry=True)
-    assert len(piece.axes) == 15
-    with pytest.raises(PieceError, match=r"axes 1 \.\. 12"):
-        encode_timed(piece)
+    for robots, axes in ((5, "xyz"), (16, "xy")):
+        team = portals(robots, axes)
+        arm = Arm(team, (0.0,) * team.axes)
+        arm.add(together(*[line(5)] * robots))
+        arm.finish()
+        (piece, *_) = arm.planner.plan(0.0, hurry=True)
+        assert len(piece.axes) == len(axes) * robots
+        record = encode_timed(piece)
+        assert len(record) == record_size(len(piece.axes)) and decode_any(record) == piece
+        with pytest.raises(PieceError, match="bytes expected"):
+            decode_any(record[:-8])

@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
-from gateway.pure.records import RC_BYTES, AxisFlag, AxisState, CellState, Motion, pack_cell_state, set_bit
+from gateway.pure.records import MOST_AXES, RC_BYTES, AxisFlag, AxisState, CellState, Motion, pack_cell_state, set_bit
 from gateway.pure.scope.channels import AxisFact, ChannelError, all_names, channel, stamp_ns
-from gateway.pure.scope.records import SCOPE_BYTES, pack_scope
+from gateway.pure.scope.records import pack_scope, scope_bytes
 from gateway.pure.scope.trigger import Capture, Rows, TriggerError, parse_trigger
 from gateway.pure.signals import from_tables
 
@@ -59,7 +59,7 @@ def record(x: float = 0.0, *, sync_ns: int = 0, bits: tuple[int, ...] = (), outp
 def test_a_channel_reads_its_value_in_the_outside_unit(name: str, value: float, unit: str) -> None:
     taken = record(12.5, bits=(25,), outputs=(384,))
     found = channel(name, AXES, SIGNALS)
-    assert len(taken) == SCOPE_BYTES
+    assert len(taken) == scope_bytes(MOST_AXES)
     assert found.read(taken) == pytest.approx(value)
     assert found.unit == unit
 

@@ -5,7 +5,7 @@ import { Trend } from "../trend.js";
 
 export function mount(root, { t, cell, live, may, me, post }) {
   const info = new Map(cell.axes.map((axis, n) => [axis.name, { ...axis, n }]));
-  const everything = (1 << cell.axes.length) - 1;
+  const everything = 2 ** cell.axes.length - 1;
   let chosen = cell.axes[0]?.name;
   const speed = h("input", { type: "number", id: "jog-speed", min: "0.1", max: "10", step: "0.1", value: "5" });
   const held = new Map();
@@ -54,7 +54,7 @@ export function mount(root, { t, cell, live, may, me, post }) {
     { title: t("limits"), cell: place },
     { title: t("reference, hold"), cell: (row, td) => {
       const n = info.get(row.name).n;
-      if (!td.firstChild) td.append(h("span", { class: "bar", style: "margin:0;flex-wrap:nowrap" }, h("span", { "data-referenced": row.name }), reference(1 << n, { "data-ref": row.name }, t("reference"))));
+      if (!td.firstChild) td.append(h("span", { class: "bar", style: "margin:0;flex-wrap:nowrap" }, h("span", { "data-referenced": row.name }), reference(2 ** n, { "data-ref": row.name }, t("reference"))));
       put(td.firstChild.firstChild, row.flags & FLAG.REFERENCED ? t("yes") : t("no"));
     } },
     { title: t("jog, hold"), cell: (row, td) => { if (!td.firstChild) { const n = info.get(row.name).n; td.append(h("span", { class: "bar", style: "margin:0;flex-wrap:nowrap" }, jog(n, -1), jog(n, 1))); } } },

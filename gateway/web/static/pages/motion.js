@@ -5,7 +5,7 @@ const TRAIL = 600;
 
 export function mount(root, { t, cell, me, may, post }) {
   const canvas = h("div", { class: "canvas", id: "robot", role: "img", "aria-label": t("robot and path") });
-  const order = (code, more = {}) => post("/api/command", { code, mask: (1 << cell.axes.length) - 1, ...more });
+  const order = (code, more = {}) => post("/api/command", { code, mask: 2 ** cell.axes.length - 1, ...more });
   const override = h("input", { type: "range", min: "0", max: "100", step: "1", value: "100", style: "width:14rem", "aria-label": t("override"), onchange: () => order("override", { velocity: Number(override.value) / 100 }) });
   const hold = h("button", { type: "button", id: "hold", onclick: () => post("/api/stop", undefined, "Stop is ordered") }, t("Feed hold"));
   const resume = h("button", { type: "button", onclick: () => order("resume") }, t("Resume"));
