@@ -8,6 +8,7 @@ while omega changes.  Retrace is omega < 0: the same path, the same limits.
 from collections import deque
 from collections.abc import Sequence
 from itertools import islice, pairwise
+from math import ceil
 from typing import NamedTuple
 
 from motion.errors import PieceError
@@ -18,6 +19,8 @@ from motion.timing.track import Rows, Track
 
 HISTORY = 1024  # pieces kept behind the present one, for retrace
 WAITING = 1024  # pieces that may wait
+LONGEST_S = 4e-3  # a period longer than this is driven in equal parts: of what lies between places further apart a change knows too little
+ROUNDING = 1e-9
 PAST = 3  # periods a third difference looks back
 FORGOTTEN = 8  # pieces of the history dropped at most with a piece that comes: the work of a period stays bounded
 BRAKING_S = 2.0  # before the end of the history going back is stopped: nowhere else does a path begin at speed
@@ -42,13 +45,14 @@ class Follower:
     """See the module.  Raises PieceError on pieces that cannot follow, never in step()."""
 
     def __init__(self, axes: int, period_s: float) -> None:
-        self._axes, self._h = axes, period_s
+        self._axes, self._parts = axes, max(ceil(period_s / LONGEST_S - ROUNDING), 1)
+        self._h = h = period_s / self._parts
         self._pieces: deque[TimedPiece] = deque()
         self._begins: deque[float] = deque()
         self._index = 0  # of the piece under way
         self._interval = 0
-        self._track = Track(axes + 1, period_s)
-        self._law = Change(self._track, period_s)
+        self._track = Track(axes + 1, h)
+        self._law = Change(self._track, h)
         self._pending: list[TimedPiece] = []
         self._rows: list[Rows] = []  # of the pending pieces: worked out as they come, so that taking a long tail costs little
         self._next = 0.0  # tau at which the next pending piece begins
@@ -172,6 +176,14 @@ class Follower:
         """One period further; wanted: share of full speed, -1 .. 1."""
         if wanted < 0.0 and self._forgotten:
             wanted = 0.0
+        samples = self._part(wanted)
+        for _ in range(self._parts - 1):
+            if self._tau < self._end and (self._tau > 0.0 or self._omega >= 0.0):
+                samples = self._part(wanted)
+        return self._progress(samples)
+
+    def _part(self, wanted: float) -> list[tuple[float, float]]:
+        """Of a period; all of it where it is short."""
         changing = self._omega != wanted or self._u != 0.0
         if changing:
             self._change(wanted)
@@ -183,7 +195,7 @@ class Follower:
         if changing and len(past) == PAST and self._correct(samples):
             samples = self._sampled()
         past.append([q for q, _ in samples])
-        return self._progress(samples)
+        return samples
 
     @property
     def _forgotten(self) -> bool:

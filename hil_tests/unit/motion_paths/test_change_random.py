@@ -7,8 +7,16 @@ import pytest
 
 from hil_tests.bench.online_figures import loaded, random_pieces, reached, run_out
 from hil_tests.lab import arms
+from hil_tests.lab import motionpaths as lab
 from hil_tests.lab.motionpaths import portal_limits, worst_shares
 from hil_tests.soak import motion as soak
+from motion.paths.corner import corner
+from motion.paths.line import line
+from motion.planner.commit import timed_pieces
+from motion.stepper import State
+from motion.timing.choice import Rounded, assembled
+from motion.timing.jerk import jerk_limited
+from motion.timing.limits import law_limits
 
 LIMITS = portal_limits()
 
@@ -39,3 +47,26 @@ def test_random_orders_keep_the_limits_of_axes_that_turn_back_as_the_path_comes_
     driven = np.array(soak.ordered(soak.loaded(soak.pieces_of(seed), soak.MS), random.Random(seed)))
     shares = arms.shares(arms.portal(), driven, soak.MS)
     assert all(share <= top for share, top in zip(shares, soak.TOPS_CHANGING, strict=True)), shares
+
+
+@pytest.mark.parametrize("at", [77, 95, 101])
+def test_periods_of_10_ms_keep_the_limits_through_a_stop_and_the_climb_behind_it(at: int) -> None:
+    """Set values 10 ms apart came to 1.047 of the acceleration, on twelve axes together to 1.26: of a corner a change saw three places."""
+    limits, period = portal_limits(0.3, 1.5, 30.0), 0.01
+    points = [lab.point(0.0, 0.0, 0.0), lab.point(0.11, -0.035, 0.0), lab.point(0.065, 0.092, 0.0)]
+    first, second = line(*points[:2]), line(*points[1:])
+    rounded = Rounded(0.01, 0.01, lab.portal_path(corner(first, second, 0.01, 0.01)))
+    path, bounds = assembled([lab.portal_path(first), lab.portal_path(second)], [rounded]), law_limits(limits)
+    pieces = timed_pieces(path, bounds, jerk_limited(path, bounds))
+    stepper = loaded(pieces, 3, period)
+    stepper.set_override(0.5)
+    samples = [stepper.step() for _ in range(at)]
+    stepper.stop()
+    while stepper.state is State.STOPPING:
+        samples.append(stepper.step())
+    stepper.set_override(1.0)
+    stepper.resume()
+    samples += run_out(stepper, {})
+    assert samples[-1].q == pytest.approx((0.065, 0.092, 0.0), abs=1e-9)
+    speed, accel, jerk = worst_shares(np.array([pieces[0].start(), *(s.q for s in samples)]), limits, period)
+    assert speed <= 1.001 and accel <= 1.02 and jerk <= 1.10
