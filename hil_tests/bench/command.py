@@ -1,4 +1,4 @@
-"""Measure: cycle, 3964r, emulator, drives, motion, modbus, route, web, or all (all rewrites docs/benchmarks.md)."""
+"""Measure: cycle, 3964r, emulator, drives, planner, motion, modbus, route, web, or all (all rewrites docs/benchmarks.md)."""
 
 import argparse
 import datetime
@@ -38,6 +38,12 @@ def drives(arguments: argparse.Namespace) -> list[Figure]:
     return figures(arguments.blocks, arguments.seconds or BLOCK_S)
 
 
+def planner(arguments: argparse.Namespace) -> list[Figure]:
+    from hil_tests.bench.planner_load import figures
+
+    return figures(arguments.blocks, arguments.seconds or 10.0)
+
+
 def emulator(arguments: argparse.Namespace) -> list[Figure]:
     from hil_tests.bench.emulator_bench import figures
 
@@ -73,6 +79,7 @@ BENCHES: dict[str, Callable[[argparse.Namespace], list[Figure]]] = {
     "3964r": p3964r,
     "emulator": emulator,
     "drives": drives,
+    "planner": planner,
     "motion": motion,
     "route": route,
     "modbus": modbus,
@@ -86,11 +93,11 @@ def main(argv: list[str]) -> int:
     )
     parser.add_argument("name", choices=[*BENCHES, "all"])
     parser.add_argument("--json", action="store_true", help="list of {figure, value, unit, reference, reference_value, ratio, goal, met}")
-    parser.add_argument("--blocks", type=int, default=6, help="of each side in bench cycle and drives (default 6)")
+    parser.add_argument("--blocks", type=int, default=6, help="of each side in bench cycle, planner and drives (default 6)")
     parser.add_argument(
         "--seconds",
         type=float,
-        help="of each block in bench cycle (default 10) and drives (5, at half the period); of the scope in bench web (600)",
+        help="of each block in bench cycle and planner (default 10) and drives (5, at half the period); of the scope in bench web (600)",
     )
     arguments = parser.parse_args(argv)
     missing = [name for name in ("cycle_ref", "modbus_load", "servo_ref") if not (ROOT / "build" / name).exists()]

@@ -262,7 +262,12 @@ class Bench:
 
 @contextlib.contextmanager
 def running(
-    folder: pathlib.Path, cell: str = "demo", p5_ms: int = P5_MS, name: str = NAME, buses: tuple[str, ...] = ("drives",)
+    folder: pathlib.Path,
+    cell: str = "demo",
+    p5_ms: int = P5_MS,
+    name: str = NAME,
+    buses: tuple[str, ...] = ("drives",),
+    kind: type[Bench] = Bench,
 ) -> Iterator[Bench]:
     """The run both sides share; everything ended and removed afterwards."""
     port = free_port(1502)
@@ -275,7 +280,7 @@ def running(
             raise RuntimeError("the run for the bench did not come up")
         plc.start()
         logs = {bus: folder / f"bus-{bus}.log" for bus in buses}
-        bench = Bench(name, logs, port, plc, p5_ms, mask=(1 << 6 * len(buses)) - 1)
+        bench = kind(name, logs, port, plc, p5_ms, mask=(1 << 6 * len(buses)) - 1)
         bench.request("hold")
         yield bench
     finally:

@@ -35,7 +35,7 @@ def one_bus(blocks: int, seconds: float) -> list[Figure]:
     met, beside = cpu <= CPU_GOAL, f"the goal; {moves} moves of all axes meanwhile"
     row = {"figure": "drives.cycle_cpu", "value": round(cpu, 2), "unit": "% of a core", "reference": beside,
            "reference_value": CPU_GOAL, "ratio": round(cpu / CPU_GOAL, 3), "goal": f"<= {CPU_GOAL:g}", "met": met}  # fmt: skip
-    return [*compared(ours, theirs, repeated, moves, ""), row]
+    return [*compared(ours, theirs, repeated, moves, "drives.{}_2ms"), row]
 
 
 def two_buses(blocks: int, seconds: float) -> list[Figure]:
@@ -47,17 +47,17 @@ def two_buses(blocks: int, seconds: float) -> list[Figure]:
         with running(pathlib.Path(folder), str(cell), P5_MS, "bench-twelve", ("drives", "drives2")) as bench:
             repeated = alternate(bench, ours, theirs, blocks, seconds)
             moves = bench.moves
-    return compared(ours, theirs, repeated, moves, "_12")
+    return compared(ours, theirs, repeated, moves, "drives.{}_2ms_12")
 
 
-def compared(ours: Side, theirs: Side, repeated: int, moves: int, suffix: str) -> list[Figure]:
-    """Skipped and incomplete cycles with the goals of bench cycle; without a single move of all axes they are not met."""
+def compared(ours: Side, theirs: Side, repeated: int, moves: int, name_of: str) -> list[Figure]:
+    """Skipped and incomplete cycles with the goals of bench cycle, named by `name_of`; without a single move they are not met."""
     rows: list[Figure] = []
     reference = f"the same cycle in C, {len(theirs.verdicts)} verdicts ({repeated} blocks repeated); ours made {moves} moves"
     for name in ("skipped", "incomplete"):
         mine, other = ours.per_15000(name), theirs.per_15000(name)
         rows.append(
-            {"figure": f"drives.{name}_2ms{suffix}", "value": round(mine, 3), "unit": "per 15,000 cycles", "reference": reference,
+            {"figure": name_of.format(name), "value": round(mine, 3), "unit": "per 15,000 cycles", "reference": reference,
              "reference_value": round(other, 3), "ratio": round(mine / other, 3) if other else None,
              "goal": "<= C + 1 per 15,000 cycles", "met": moves > 0 and mine <= other + 1.0}
         )  # fmt: skip
