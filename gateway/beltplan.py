@@ -27,12 +27,17 @@ def _facts(cell: Cell, belt: Belt) -> "BeltFacts":
         thresholds = (low, low if belt.v_run is None else belt.v_run, belt.patience_ms)
     names = [robot.name for robot in cell.robot] or [""]
     factors = {n: belt.factors_of.get(names[n - 1], belt.factors) for n in numbers_of(cell, belt.robot)}
+    carriers = {n: Carrier((x, y, z)) for n, (x, y, z) in factors.items()}
+    for n, axis in enumerate(cell.axis):
+        if axis.name == belt.axis:
+            factor = belt.factor * to_si(1.0, axis.unit) / to_si(1.0, belt.unit)
+            carriers = dict.fromkeys(factors, Carrier((factor, 0.0, 0.0), joint=n))
     return BeltFacts(
         belt.name,
         BeltData(to_si(belt.increment, belt.unit), belt.simulated, belt.unit),
         Type(belt.type),
         belt.tolerance,
-        {n: Carrier((x, y, z)) for n, (x, y, z) in factors.items()},
+        carriers,
         thresholds,
         to_si(belt.accel, belt.unit),
         to_si(belt.jerk, belt.unit),

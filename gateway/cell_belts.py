@@ -18,6 +18,8 @@ class Belt:
     type: int = 1  # 1 parallel, 2 without parallel axis, 3 cam (SF 21)
     tolerance: int = 5  # interpolation cycles of belt way, types 2 and 3
     factors: tuple[float, ...] = (1.0, 0.0, 0.0)  # P503: way of x, y, z for one of the belt
+    axis: str = ""  # instead of x, y, z: the endless axis parallel to the belt (type 1)
+    factor: float = 1.0  # P503 of that axis: its way in its unit for one of the belt
     simulated: float = 0.0  # P508, unit/s: while RC input 399 is 1
     v_stop: float | None = None  # SF 15, unit/s; None: 0.005 mm in each cycle
     v_run: float | None = None

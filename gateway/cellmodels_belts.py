@@ -23,6 +23,8 @@ class Belt(Table):
     type: Literal[1, 2, 3] = 1
     tolerance: int = Field(default=5, ge=1, le=12, json_schema_extra=_unit("interpolation cycles"))
     factors: Factors = [1.0, 0.0, 0.0]
+    axis: str = ""
+    factor: float = Field(default=1.0, ge=-1e6, le=1e6, json_schema_extra=_unit("unit of the axis for one of the belt"))
     simulated: float = Field(default=0.0, ge=-10000.0, le=10000.0, json_schema_extra=PER_S)
     v_stop: float | None = Field(default=None, ge=0.0, le=10000.0, json_schema_extra=PER_S)
     v_run: float | None = Field(default=None, ge=0.0, le=10000.0, json_schema_extra=PER_S)

@@ -5,14 +5,16 @@ the cycle (gateway.pure.corebelts), on the grid of the page.
 """
 
 import math
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from gateway.pure.beltacts import act_order
 from gateway.pure.beltwords import OURS, belt_words
 from gateway.pure.corebelts import BeltFault, CoreBelts
-from gateway.pure.programparts import Coming, acting, begun
+from gateway.pure.programparts import Coming, acting, begun, inside, outside
 from gateway.pure.programtrial import Files
 from gateway.pure.records import InputImage, Quality, set_bit
 from motion.files.playing import FilePath
@@ -22,7 +24,7 @@ from motion.planner.route import Route
 from motion.planner.team import worst
 from motion.planner.trace import PERIOD_S, BeltWay, Trace, joined, numbered, tool_at, trace
 from motion.planner.watched import Slowed
-from motion.program.blocks import Block, Program
+from motion.program.blocks import BeltAct, Block, Program
 from motion.program.errors import BlockError
 from motion.stepper import State, Stepper
 from motion.sync.alterable import check_alterable
@@ -70,7 +72,7 @@ def sections_of(
                 route.finish()  # the axes rest where an alterable part begins and ends (AX-449)
                 section = Section(number, route.standing)
                 found.append(section)
-            parts, belts = acting(block.acts, number, belts, "", machine)
+            parts, belts = acting(outside(block), number, belts, "", machine)
             apart = section.part is not None and not section.part.holds(block)
             filed = block.file is not None or section.path is not None
             if (section.part is None) != (block.synchron is None) or apart or block.acts or filed:
@@ -78,9 +80,11 @@ def sections_of(
                 placed = [part.point for part in parts if part.point]
                 if placed:
                     route.stands(placed[-1])
-                part = begun(block, number, belts, machine, route.standing, kinematic)[-1] if block.synchron is not None else None
-                section = Section(number, route.standing, part.blocks if part is not None else [], part, placed=bool(placed))
-                found.append(section)
+                coming = begun(block, number, belts, machine, route.standing, kinematic, section.part) if block.synchron is not None else []
+                part = next((each for each in coming if not each.engages), None)
+                if part is None or part.inside is None:  # SYNC inside its part: it goes on
+                    section = Section(number, route.standing, part.blocks if part is not None else [], part, placed=bool(placed))
+                    found.append(section)
             plan = section.part.tried if section.part is not None else None
             if block.file is not None:
                 section.path = files.path(block, 0, tuple(route.standing), machine, number)[1]
@@ -213,6 +217,9 @@ class _PartRun:
         self._inputs.quality[SIMULATION >> 3] = int(Quality.GOOD)
         self._begins: dict[int, float] = {}
         self._planner: Planner | None = None
+        self._machine = paper.machine
+        self._steps: deque[BeltAct | list[Block]] = deque()  # SYNC, and paths, to come
+        self._last = section.first - 1  # block behind those whose path is there
 
     def _even(self, facts: BeltFacts, speed: float) -> BeltFacts:
         """Simulated at this speed."""
@@ -239,6 +246,8 @@ class _PartRun:
                 raise self._told(belts.fault)
             if belts.engaged_now:
                 self._load(belts.value)
+            elif self._planner is not None and self._stepper.state is State.IDLE:
+                self._go_on(self._planner.standing)
             yield sample.q, self._number(sample.piece_id), belts.shown.counter
             if self._over():
                 return
@@ -246,8 +255,31 @@ class _PartRun:
 
     def _load(self, engaged: float) -> None:
         """The path of a type 1, seen from the belt it has got onto."""
-        machine, start, blocks = self._part.carried(self._paper.machine, self._stands, engaged)
-        planner = self._planner = Planner(machine, start, capacity=len(blocks) + 1)
+        self._machine, start, blocks = self._part.carried(self._paper.machine, self._stands, engaged)
+        path: list[Block] = []
+        self._steps.append(path)
+        for block in blocks:
+            for act in inside(block):
+                self._steps += (act, path := [])
+            path.append(block)
+        self._go_on(start)
+
+    def _go_on(self, standing: Sequence[float]) -> None:
+        """At rest: the SYNC that comes next, or the path behind the one that has been met."""
+        belts, part = self._belts, self._plan
+        if not self._steps or (belts.awaits and not belts.met(self._inputs)):
+            return
+        step = self._steps.popleft()
+        if isinstance(step, list):
+            self._run(standing, step)
+        elif (order := act_order(step, belts.facts, self._last + 1, part.synchron)) is not None:
+            belts.act(order)
+
+    def _run(self, start: Sequence[float], blocks: Sequence[Block]) -> None:
+        first = self._planner.next_id if self._planner is not None else 1
+        planner = self._planner = Planner(self._machine, start, capacity=len(blocks) + 1, next_id=first)
+        self._last += len(blocks)
+        self._begins.clear()
         for block in blocks:
             planner.add(block)
         planner.finish()
@@ -263,15 +295,16 @@ class _PartRun:
         """Block of the program that is under way."""
         if self._plan.facts.kind is not Type.PARALLEL:
             return min(max(self._belts.block, self._section.first), self._section.first + len(self._section.blocks) - 1)
-        if self._planner is None or not piece:
-            return self._section.first if self._planner is None else self._section.first + len(self._section.blocks) - 1
-        return self._section.first - 1 + max(self._planner.place(self._begins[piece])[0], 1)
+        if self._planner is None or piece not in self._begins:
+            return max(self._last, self._section.first)
+        return self._last - self._planner.added + max(self._planner.place(self._begins[piece])[0], 1)
 
     def _over(self) -> bool:
         """Types 2 and 3: at the last point; type 1: its path is run, and the robot stands beside the belt."""
         if self._plan.facts.kind is not Type.PARALLEL:
             return self._belts.done
-        return self._planner is not None and self._stepper.state is State.IDLE and self._belts.release()
+        waits = self._planner is None or bool(self._steps) or self._belts.awaits
+        return not waits and self._stepper.state is State.IDLE and self._belts.release()
 
     def _told(self, fault: BeltFault) -> BlockError:
         axis = self._paper.machine.limits[fault.axis - 1].name if fault.axis else ""

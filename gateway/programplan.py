@@ -163,6 +163,11 @@ def _machine(cell: Cell, table: Robot, first: int) -> "Machine":
     if robot.carried and any(number in numbers_of(cell, belt.robot) for belt in cell.belt):
         names = ", ".join(axis.name for axis in own[robot.arm :])
         raise MotionError(f"additional axes {names} carry the robot or the workpiece; no belt can be one of this robot (AX-565)")
+    for belt in cell.belt:
+        if belt.axis and belt.axis not in {axis.name for axis in own}:
+            raise MotionError(
+                f"belt {belt.name}: axis {belt.axis} is none of robot {name}, whose axes are {', '.join(a.name for a in own)}"
+            )
     _check_endless(name, robot, own)
     return replace(robot, limits=tuple(own), shape=Shape(table.shape), too_fast=too_fast(table.too_fast))
 

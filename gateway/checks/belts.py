@@ -32,19 +32,39 @@ def belts(check: Context) -> None:
                 check.fault(f"plant.belt.{name}", name, f"no such belt; there is {', '.join(sorted(known)) or 'none'}")
 
 
+def _moved(check: Context, belt: Belt, where: str) -> None:
+    """What it carries, and how far (P503)."""
+    cell = check.cell
+    if not any(belt.factors) or not belt.factor:
+        key = "factor" if not belt.factor else "factors"
+        check.fault(f"{where}.{key}", getattr(belt, key), "a belt that moves nothing (P503)")
+    for name, factors in belt.factors_of.items():
+        if name not in (belt.robot or tuple(robot.name for robot in cell.robot)):
+            check.fault(f"{where}.factors_of", name, "no robot of this belt", ", ".join(belt.robot))
+        elif not any(factors):
+            check.fault(f"{where}.factors_of.{name}", list(factors), "a belt that moves nothing (P503)")
+    if belt.axis:
+        _parallel(check, belt, where)
+
+
+def _parallel(check: Context, belt: Belt, where: str) -> None:
+    """An axis that a belt takes along by itself goes round (rho 3, TO08 section 4)."""
+    if check.unknown(f"{where}.axis", belt.axis, "axis"):
+        return
+    if len(check.cell.robot) > 1:
+        check.fault(f"{where}.axis", belt.axis, "an axis parallel to a belt is one of a cell with one robot")
+    elif not next(axis for axis in check.cell.axis if axis.name == belt.axis).modulo:
+        hint = "an axis parallel to a belt is endless: modulo in its [[axis]] (P303 = 3, P311); `factors` are for x, y, z"
+        check.fault(f"{where}.axis", belt.axis, hint)
+
+
 def _one(check: Context, belt: Belt, number: int) -> None:
     where, cell = f"belt.{belt.name}", check.cell
     if belt.increment == 0.0:
         check.fault(f"{where}.increment", 0, "an increment that is no way", "-100..100, not 0", belt.unit)
     if belt.byte + belt.bytes > 8:
         check.fault(f"{where}.byte", belt.byte, f"{belt.bytes} bytes from here are more than a telegram has", f"0..{8 - belt.bytes}")
-    if not any(belt.factors):
-        check.fault(f"{where}.factors", list(belt.factors), "a belt that moves nothing (P503)")
-    for name, factors in belt.factors_of.items():
-        if name not in (belt.robot or tuple(robot.name for robot in cell.robot)):
-            check.fault(f"{where}.factors_of", name, "no robot of this belt", ", ".join(belt.robot))
-        elif not any(factors):
-            check.fault(f"{where}.factors_of.{name}", list(factors), "a belt that moves nothing (P503)")
+    _moved(check, belt, where)
     if not belt.bus:
         if belt.id:
             check.fault(f"{where}.id", belt.id, "an encoder needs `bus`, the drive bus it is on")

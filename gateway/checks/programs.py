@@ -24,7 +24,7 @@ def programs(check: Context) -> None:
     cell = check.cell
     _measuring(check)
     _path_outputs(check)
-    if not cell.program:
+    if not cell.program and not (cell.belt and cell.robot):
         return
     for number, _, _ in twice((each.number, str(n)) for n, each in enumerate(cell.program)):
         check.fault(f"program.{number}.number", number, "this number has a program already")

@@ -12,9 +12,9 @@ from gateway.pure.plannerrecords import Part, PieceRecord
 from gateway.pure.records import RC_BYTES
 from motion.errors import MotionError
 from motion.pieces import RECORD_SIZE
-from motion.program.blocks import BeltAct, Sync
+from motion.program.blocks import BeltAct, Sync, Synchron
 from motion.program.errors import BlockError
-from motion.sync.belts import Belt, Condition
+from motion.sync.belts import Belt, Condition, Type
 from motion.sync.errors import NO_BELT, NOT_POSSIBLE, TEXTS, BeltError
 from motion.sync.facts import BeltFacts
 from motion.sync.watch import Watch
@@ -22,7 +22,7 @@ from motion.sync.watch import Watch
 PARAMETERS, TYPE, COUNTER = 15, 21, 28  # special functions
 CYCLE_S = 0.01  # of a belt that is only asked whether it would take a value
 SYNC = 0
-_ACT = struct.Struct("=BBBi?3d")
+_ACT = struct.Struct("=BBBi??3d")
 CONDITIONS = tuple(Condition)
 
 
@@ -36,25 +36,27 @@ class ActOrder:
     condition: Condition = Condition.AT_LEAST
     input: int = 0
     level: bool = True
+    inside: bool = False  # SYNC of an endless belt, in the part on it
 
 
 def act_record(job: int, generation: int, order: ActOrder) -> PieceRecord:
     """As a record of the pieces ring."""
-    body = _ACT.pack(order.function, order.belt, CONDITIONS.index(order.condition), order.input, order.level, *order.values)
+    head = (order.function, order.belt, CONDITIONS.index(order.condition), order.input, order.level, order.inside)
+    body = _ACT.pack(*head, *order.values)
     return PieceRecord(Part.BELT_ACT, job, generation, body.ljust(RECORD_SIZE, b"\0"))
 
 
 def act_of(record: PieceRecord) -> ActOrder:
     """The reverse of act_record."""
-    function, belt, condition, number, level, a, b, c = _ACT.unpack_from(record.piece)
-    return ActOrder(function, belt, (a, b, c), CONDITIONS[condition], number, level)
+    function, belt, condition, number, level, inside, a, b, c = _ACT.unpack_from(record.piece)
+    return ActOrder(function, belt, (a, b, c), CONDITIONS[condition], number, level, inside)
 
 
-def act_order(act: BeltAct, belts: Sequence[BeltFacts], number: int) -> ActOrder | None:
-    """What the cycle does of it, None: nothing (SF 21); BlockError with the manual's number, for the block `number` behind it."""
+def act_order(act: BeltAct, belts: Sequence[BeltFacts], number: int, part: Synchron | None = None, kinematic: int = 1) -> ActOrder | None:
+    """What the cycle does of it, None: nothing (SF 21); BlockError with the manual's number, for the block `number` behind it.  part: the
+    synchronous part it stands in."""
     if act.inside:
-        what = f"{TEXTS[NOT_POSSIBLE]}: SYNC and belt functions stand outside of synchronous and alterable parts"
-        raise BlockError(what, code=NOT_POSSIBLE, block=number, source="rho 3")
+        return _endless(act, belts, number, part, kinematic)
     if isinstance(act, Sync):
         return _sync(act, belts, number)
     if not 1 <= act.belt <= len(belts):
@@ -69,6 +71,23 @@ def act_order(act: BeltAct, belts: Sequence[BeltFacts], number: int) -> ActOrder
         return None
     a, b, c = (*act.values, 0.0, 0.0)[:3]
     return ActOrder(act.function, act.belt - 1, (a, b, c))
+
+
+def _endless(act: BeltAct, belts: Sequence[BeltFacts], number: int, part: Synchron | None, kinematic: int) -> ActOrder:
+    """SYNC inside a part: only of its own belt, without an input, and where an endless axis goes along with it (L11595-11617)."""
+    why = ""
+    facts = next((each for each in belts if part is not None and each.name == part.belt), None)
+    if facts is None or not isinstance(act, Sync):
+        why = "belt functions and SYNC stand outside of synchronous and alterable parts, but for SYNC of an endless belt"
+    elif act.belt != facts.name:
+        why = f"SYNC in a part on belt {facts.name} is one of this belt, not of {act.belt}"
+    elif act.input is not None:
+        why = f"SYNC of belt {facts.name} inside its part waits for a belt value, not for an input"
+    elif facts.kind is not Type.PARALLEL or facts.carriers[kinematic].joint is None:
+        why = f"SYNC inside a part needs a belt of type 1 with an endless axis parallel to it, and belt {facts.name} has none"
+    if why or not isinstance(act, Sync):
+        raise BlockError(f"{TEXTS[NOT_POSSIBLE]}: {why}", code=NOT_POSSIBLE, block=number, source="rho 3")
+    return replace(_sync(act, belts, number), inside=True)
 
 
 def _sync(act: Sync, belts: Sequence[BeltFacts], number: int) -> ActOrder:

@@ -76,8 +76,8 @@ class BeltMover(Mover):
             sample = self._kept(sample)
         if belts.awaits:
             if self._awaiting != self.program.job:
-                belts.drop()  # the program is over
-            elif belts.met(inputs):
+                belts.forget()
+            elif self.stepper.state is State.IDLE and belts.met(inputs):  # the blocks before it have been run
                 state.parts += 1
         state.belt, state.belt_speed = belts.shown.counter, belts.shown.watch.speed
         if belts.engaged_now:

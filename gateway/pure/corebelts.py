@@ -17,6 +17,7 @@ from motion.kinematics.base import KinematicsError, PathKinematics
 from motion.limits import TOUCH, AxisLimits
 from motion.pieces import Piece
 from motion.stepper import Sample, State, Stepper
+from motion.sync.along import bearing
 from motion.sync.belts import SET_COUNTER, SIMULATION, Belt, Condition, Sync, Type
 from motion.sync.carried import Carried
 from motion.sync.coordinates import coordinates, pose_of
@@ -73,6 +74,7 @@ class CoreBelts:
         self._robots, self._limits, self._period = robots, tuple(limits), period_s
         self._kinematics = next(iter(robots.values()))  # of the robot of the part
         self._arm = self._kinematics.axes
+        self._bearing: PathKinematics = self._kinematics  # of the part under way
         self._encoders = [False] * len(self.facts)
         self._zeros: list[Zero | None] = [None] * len(self.facts)  # of encoders that have spoken
         self._stood: dict[int, float] = {}  # offsets as they were kept, until their encoder speaks
@@ -145,8 +147,10 @@ class CoreBelts:
         return self.all.all[self.order.belt if self.order is not None else 0]
 
     def act(self, order: ActOrder) -> None:
-        """SF 15, SF 28 at once; SYNC: `awaits` until it is met.  MotionError."""
-        if not (self.free and 0 <= order.belt < len(self.facts)):
+        """SF 15, SF 28 at once; SYNC: `awaits` until it is met, on its belt where it stands inside a part.  MotionError."""
+        under = self.order if self.carries else None
+        possible = under is not None and under.belt == order.belt if order.inside else self.free
+        if not (possible and 0 <= order.belt < len(self.facts)):
             raise MotionError(f"belt {order.belt + 1}: not possible now")
         number, (a, b, c) = order.belt + 1, order.values
         if order.function == PARAMETERS:
@@ -154,7 +158,7 @@ class CoreBelts:
         elif order.function == COUNTER:
             self.all.set_belt_counter(number, a)
         else:
-            self._sync = (Sync(self.all.all[order.belt], order.condition, a), order)
+            self._sync = (Sync(self.all.all[order.belt], order.condition, a, order.inside), order)
 
     @property
     def awaits(self) -> bool:
@@ -194,7 +198,9 @@ class CoreBelts:
         if order.kind is Type.PARALLEL:
             facts = self.facts[order.belt]
             belt, coupling = self.all.all[order.belt], Coupling(facts.accel, facts.jerk)
-            self._carried = Carried(ParallelPart(belt, facts.carriers[order.kinematic]), self._trackers[order.belt], coupling)
+            carrier = facts.carriers[order.kinematic]
+            self._bearing = bearing(carrier, self._kinematics, self._limits)
+            self._carried = Carried(ParallelPart(belt, carrier), self._trackers[order.belt], coupling)
             return
         belt = self.all.all[order.belt]
         pose = compose(self._kinematics.forward(self._q[: self._arm]), order.tool)
@@ -213,8 +219,13 @@ class CoreBelts:
         """The part is over, or forgotten; the axes are somebody else's again."""
         self.order, self._rig, self._carried, self._part, self._sync = None, None, None, None, None
 
+    def forget(self) -> None:
+        """The program whose SYNC waits is over."""
+        self._sync = None
+
     def release(self) -> bool:
         """SYNCHRON_END of type 1: the robot comes to rest beside the belt; True when it has."""
+        self.forget()
         if self._carried is None or self._rig is None:
             return True
         self._carried.release()
@@ -293,9 +304,9 @@ class CoreBelts:
         return abs(carried.tracker.speed - watch.speed) <= SETTLED * abs(watch.speed) + watch.stop
 
     def _engage(self, stepper: Stepper, carried: Carried, order: SynchronOrder) -> None:
-        speeds = [axis.speed for axis in self._limits[: self._arm]]
-        rig = SyncStepper(stepper, self._kinematics, speeds, self._period, self._q)
-        carried.bear(self._kinematics, self._limits[: self._arm], self._q[: self._arm])
+        moved, own = self._bearing, self._limits[: self._bearing.axes]
+        rig = SyncStepper(stepper, moved, [axis.speed for axis in own], self._period, self._q)
+        carried.bear(moved, own, self._q[: moved.axes])
         carried.engage()
         self._reference = carried.coupling.value if isnan(order.reference) else order.reference
         try:
@@ -329,7 +340,8 @@ class CoreBelts:
         lasts = max(1.875 * abs(rate) / coupling.accel, sqrt(5.78 * abs(rate) / coupling.jerk))
         ahead = carried.part.carrier.frame(0.5 * rate * lasts)
         try:
-            rest = self._kinematics.follow(compose(ahead, self._kinematics.forward(q[: self._arm])), q[: self._arm])
+            own = q[: self._bearing.axes]
+            rest = self._bearing.follow(compose(ahead, self._bearing.forward(own)), own)
         except KinematicsError as error:
             self.fault = BeltFault(TRAVEL, self._numbered(error.axis))
             return

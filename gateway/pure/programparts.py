@@ -4,10 +4,9 @@ paths.  Pure.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from math import isnan
 
 from gateway.pure.alterrecords import FREEZE, alter_record
-from gateway.pure.beltacts import act_order, belts_after
+from gateway.pure.beltacts import act_order, act_record, belts_after
 from gateway.pure.beltrecords import belt_block_record, synchron_record
 from gateway.pure.inputrecords import FlyingAt, StartOrder, flying_record, start_record
 from gateway.pure.plannerrecords import (
@@ -23,7 +22,6 @@ from gateway.pure.plannerrecords import (
 )
 from gateway.pure.pointrecords import LatchAt, TapeAt, latch_record, machine_record, recall_record, tape_record
 from motion.errors import LimitError, MotionError
-from motion.frames import compose
 from motion.limits import check_targets
 from motion.measure.errors import BAD_MEASURING_SYSTEM, INADMISSABLE_INPUT, POINT_INVALID, POINT_NOT_DEFINED, ProgramFault
 from motion.measure.inputs import InputKind, input_of
@@ -70,6 +68,8 @@ class Coming:
     point: tuple[float, ...] = ()  # places the axes get (SF 3); nothing else happens in this part
     recall: int = 0  # entry of the reference path that is asked for (SF 31); nothing else happens in this part
     data: bytes = b""  # of the file its block runs (MOVE_FILE)
+    inside: Synchron | None = None  # where the act stands, on the belt
+    kinematic: int = 1  # whose part that is
 
     def holds(self, block: Block) -> bool:
         """Whether the block belongs to this part."""
@@ -136,21 +136,24 @@ class Coming:
     def carried(self, machine: Machine, start: Sequence[float], engaged: float) -> tuple[Machine, Sequence[float], list[Block]]:
         """Machine, start and blocks of a type 1 as the planner plans them: seen from the belt, which began at `engaged`."""
         plan = self.again(machine, start)
-        if isnan(plan.reference):
-            plan.reference = engaged
-        arm = machine.arm
-        frame = plan.carrier.frame(engaged - plan.reference)
-        seen = compose(frame.inverse(), machine.kinematics.forward(tuple(start[:arm])))
-        places = (*machine.kinematics.follow(seen, tuple(start[:arm])), *start[arm:])
+        places = plan.seen_at(engaged)
         planned = replace(machine, limits=tuple(reserved(machine.limits)), shares=(ACCEL, JERK))
         return planned, places, [plan.add(block) for block in self.blocks]
 
 
-def begun(block: Block, number: int, belts: Sequence[BeltFacts], machine: Machine, start: Sequence[float], kinematic: int) -> list[Coming]:
-    """The parts that begin with this block; BlockError for a belt the robot does not follow or that has no room for the block.  kinematic:
-    number of the robot in its cell."""
+def begun(
+    block: Block,
+    number: int,
+    belts: Sequence[BeltFacts],
+    machine: Machine,
+    start: Sequence[float],
+    kinematic: int,
+    before: Coming | None = None,
+) -> list[Coming]:
+    """The parts that begin with this block, behind the one before it; BlockError for a belt the robot does not follow or that has no room
+    for the block.  kinematic: number of the robot in its cell."""
     synchron: Synchron | None = block.synchron
-    label = "" if block.acts else block.label
+    label = "" if outside(block) else block.label
     if synchron is None:
         error = block.until.error if block.until is not None else ""
         return [Coming(number, alteration=block.alteration, error=error, label=label)]
@@ -165,9 +168,33 @@ def begun(block: Block, number: int, belts: Sequence[BeltFacts], machine: Machin
         known = ", ".join(own) or "none"
         raise BlockError(f"belt {synchron.belt}: Inadmiss. Belt-No; {whose} {known}", code=93, block=number, source="rho 3")
     plan = BeltPlan(belts[place], place, synchron, machine, start, number, kinematic)
+    for act in inside(block):
+        act_order(act, belts, number, synchron, kinematic)
     if belts[place].kind is not Type.PARALLEL:
         return [Coming(number, tried=plan, label=label)]
-    return [Coming(number, tried=plan, engages=True, label=label), Coming(number, tried=plan)]
+    on = before is not None and before.tried is not None and before.tried.synchron == synchron and not block.label
+    found = [] if on else [Coming(number, tried=plan, engages=True, label=label), Coming(number, tried=plan)]
+    for act in inside(block):
+        found += [Coming(number, act=act, inside=synchron, kinematic=kinematic), Coming(number, tried=plan)]
+    return found
+
+
+def outside(block: Block) -> tuple[Act, ...]:
+    """Statements of belts in front of the block's part; those in it come behind them."""
+    return tuple(act for act in block.acts if act not in inside(block))
+
+
+def inside(block: Block) -> tuple[BeltAct, ...]:
+    """Those in the synchronous part of the block."""
+    return tuple(act for act in block.acts if isinstance(act, BeltAct) and act.inside and block.synchron is not None)
+
+
+def ending(part: Coming, belts: Sequence[BeltFacts], job: int, generation: int) -> PieceRecord:
+    """What ends the path before this part: the axes rest, or SYNC waits on the belt."""
+    order = (
+        act_order(part.act, belts, part.number, part.inside, part.kinematic) if part.act is not None and part.inside is not None else None
+    )
+    return PieceRecord(Part.REST, job, generation) if order is None else act_record(job, generation, order)
 
 
 def acting(
@@ -208,6 +235,11 @@ def apart(block: Block) -> bool:
     """Whether a block begins a part of its own wherever it stands."""
     asks = block.until is not None or block.wait is not None or block.target == MEASURED or block.recorded != 0 or block.file is not None
     return asks or bool(block.synchron or block.alteration or block.acts)
+
+
+def measured_at(found: Sequence[float | None], mask: int) -> list[float | None]:
+    """@MPOS of a robot's axes; found: of all axes of the cell."""
+    return [found[n] if n < len(found) else None for n in range(mask.bit_length()) if mask >> n & 1]
 
 
 @dataclass
@@ -256,13 +288,14 @@ class Measuring:
             raise ProgramFault(INADMISSABLE_INPUT, f"set_latch {call.name}; this cell has {known} ([[measuring]] latch)")
         return channel
 
-    def inputs(self, block: Block, mask: int, job: int, generation: int) -> list[PieceRecord]:
+    def inputs(self, blocks: Sequence[Block], mask: int, job: int, generation: int) -> list[PieceRecord]:
         """What the block that begins a part ends with and waits for."""
         found = []
-        if block.until is not None:
-            found.append(until_record(job, generation, self.wanted(block.until, mask)))
-        if block.wait is not None:
-            found.append(start_record(job, generation, self.start(block.wait, mask)))
+        for block in blocks[:1]:  # between two SYNC on a belt there may be none
+            if block.until is not None:
+                found.append(until_record(job, generation, self.wanted(block.until, mask)))
+            if block.wait is not None:
+                found.append(start_record(job, generation, self.start(block.wait, mask)))
         return found
 
     def marked(self, mark: Mark, mask: int, job: int, generation: int) -> PieceRecord:

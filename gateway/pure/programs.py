@@ -24,7 +24,7 @@ from gateway.pure.plannerrecords import (
     switch_record,
 )
 from gateway.pure.programchecks import Away, OfCell
-from gateway.pure.programparts import Coming, Measuring, apart, told
+from gateway.pure.programparts import Coming, Measuring, apart, ending, measured_at, told
 from gateway.pure.programteam import no_programs, no_team, own_axes, own_blocks, reader_for
 from gateway.pure.programtrial import Files, Trial
 from gateway.pure.programwarnings import Slowing
@@ -294,14 +294,15 @@ class Programs:
             machine, start, blocks = part.carried(planner.robot, self._start, engaged)
             planner = replace(planner, machine=machine, start=start)
         self._planner, self._blocks = planner, len(blocks)
+        places = measured_at(self._measured, self.mask_of(planner.robot))
         try:
             for number, block in enumerate(blocks, 1):
-                planner.add(Measuring.resolved(part.marked(block), self._places(planner), planner.robot, number))
+                planner.add(Measuring.resolved(part.marked(block), places, planner.robot, number))
             planner.finish()
         except BlockError as error:
             raise told(error, self._before) from error
         self._out += part.begins(job, generation, self.kinematic_of(planner.robot))
-        self._out += self._measuring.inputs(blocks[0], self.mask_of(planner.robot), job, generation)
+        self._out += self._measuring.inputs(blocks, self.mask_of(planner.robot), job, generation)
 
     def _played(self, part: Coming, planner: Planner) -> FilePlan:
         """The points of a file from where the axes really stand; more slowly where the order asks for it."""
@@ -309,11 +310,6 @@ class Programs:
         path = file_path(block, part.data, planner.standing, machine, self.files.period_us, part.number)
         slower = replace(path, period=path.period / max(self._factors.velocity, LEAST))
         return FilePlan(machine, block, slower, planner.mask or 0, planner.next_id)
-
-    def _places(self, planner: Planner) -> list[float | None]:
-        """@MPOS of the robot's axes."""
-        mask, found = self.mask_of(planner.robot), self._measured
-        return [found[n] if n < len(found) else None for n in range(mask.bit_length()) if mask >> n & 1]
 
     def _end(self) -> None:
         self._ended = True
@@ -407,7 +403,10 @@ class Programs:
         last = over and not self._trial.later
         if over and self._trial.later:
             self._handed, self._blocks = True, planner.added
-            self._out.append(PieceRecord(Part.REST, state.job, self.generation))
+            self._out.append(ending(self._trial.later[0], self._belts, state.job, self.generation))
+            if self._trial.later[0].inside is not None:  # what follows begins there, on the belt
+                self._start = planner.standing
+                self._trial.later.popleft()
         if last:
             self._out.append(PieceRecord(Part.LAST, state.job, self.generation))
         new = len(self._out) - before

@@ -4,7 +4,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
-from gateway.pure.programparts import Coming, acting, begun, told
+from gateway.pure.programparts import Coming, acting, begun, outside, told
 from motion.errors import MotionError
 from motion.files.playing import FilePath
 from motion.kinematics.base import Joints
@@ -87,11 +87,12 @@ class Trial:
 
     def _begun(self, block: Block, number: int, machine: Machine, route: Route, kinematic: int) -> None:
         """The parts in front of it, and its own."""
-        self._acting(block.acts, number, machine, block.label)
+        before = self.later[-1] if self.later else None
+        self._acting(outside(block), number, machine, block.label)
         if block.recorded:
-            self.later.append(Coming(number, recall=block.recorded, label="" if block.acts else block.label))
+            self.later.append(Coming(number, recall=block.recorded, label="" if outside(block) else block.label))
             block = replace(block, label="")
-        self.later += begun(block, number, self.belts, machine, route.standing, kinematic)
+        self.later += begun(block, number, self.belts, machine, route.standing, kinematic, before)
 
     def _file(self, part: Coming, block: Block, planner: Planner, route: Route) -> None:
         """MOVE_FILE: no route leads along it."""

@@ -10,6 +10,7 @@ from drivers.emulator.cia402_slave import Cia402Slave
 from drivers.emulator.servodyn_slave import ServodynSlave
 from gateway.axes import core_axes, limits_of
 from gateway.beltplan import belt_facts
+from gateway.cell import Cell
 from gateway.config import load_cell
 from gateway.cyclebelts import encoders_of
 from gateway.programplan import machine_of_cell
@@ -41,11 +42,15 @@ HEAD = "robot portal\nangles rho3\naxes mm mm mm deg\nstart 100 100 50 0\n"
 
 
 class BeltBench(CellBench):
-    """Door 1 orders programs; `emulated` are the three belts, of types 1, 2 and 3."""
+    """Door 1 orders programs; `emulated` are the three belts, of types 1, 2 and 3.  head, home: of every program, and where they begin."""
 
-    def __init__(self) -> None:
-        super().__init__(p5_ms=4, cell=CELL)
-        self.office = Office(self.office.axes, self.office._plan, 1, {1: ProgramFacts("it", ALL)})
+    head, home = HEAD, "ptp joints 100 100 50 0"
+
+    def __init__(self, cell: Cell = CELL) -> None:
+        self.machine, self.facts = machine_of_cell(cell), belt_facts(cell)
+        self.axes, self.all = len(cell.axis), (1 << len(cell.axis)) - 1
+        super().__init__(p5_ms=4, cell=cell)
+        self.office = Office(self.office.axes, self.office._plan, 1, {1: ProgramFacts("it", self.all)})
         self.text = ""
         self.another_planner(PlannerState())
         self.seen: list[CellState] = []
@@ -53,19 +58,21 @@ class BeltBench(CellBench):
         self.office.planner = self.programs.state
         self.run(0.1)
         for code in (Code.REQUEST_CONTROL, Code.OVERRIDE, Code.ENABLE):
-            assert self.settle(self.give(code, ALL)).state is CommandState.DONE
-        assert self.finished(self.order("ptp joints 100 100 50 0")).state is CommandState.DONE
+            assert self.settle(self.give(code, self.all)).state is CommandState.DONE
+        assert self.finished(self.order(self.home)).state is CommandState.DONE
 
     def _drives(self) -> tuple[ServodynSlave | Cia402Slave, BusFamily]:
         slave, _ = super()._drives()
-        self.emulated = EmulatedBelts([EmulatedBelt(belt.id, accel=2.0 / INCREMENT) for belt in CELL.belt])
-        return slave, ServodynFamily(CODEC, [(n, n + 1) for n in range(AXES)])
+        self.emulated = EmulatedBelts(
+            [EmulatedBelt(belt.id, accel=2.0 / INCREMENT, byte=belt.byte, size=belt.bytes) for belt in self.cell.belt]
+        )
+        return slave, ServodynFamily(CODEC, [(n, n + 1) for n in range(self.axes)])
 
     def _new_core(self) -> Core:
         period = self.period_ns / 1e9
-        self.belts = CoreBelts(FACTS, {1: MACHINE.kinematics}, [limits_of(axis) for axis in CELL.axis], period)
-        self.encoders = encoders_of(CELL, "drives", self.belts)
-        return Core(core_axes(CELL, self.p5_ms), period, self.generation, belts=self.belts)
+        self.belts = CoreBelts(self.facts, {1: self.machine.kinematics}, [limits_of(axis) for axis in self.cell.axis], period)
+        self.encoders = encoders_of(self.cell, "drives", self.belts)
+        return Core(core_axes(self.cell, self.p5_ms), period, self.generation, belts=self.belts)
 
     # ---- what happens --------------------------------------------------------------------------------------------------
     def cycle(self, count: int = 1) -> None:
@@ -79,13 +86,13 @@ class BeltBench(CellBench):
 
     def another_planner(self, before: PlannerState) -> None:
         """`before`: what the one before it said last."""
-        free = free_outputs(AS_SHIPPED, AXES)
-        self.programs = Programs(lambda *_: MACHINE, lambda _: ALL, lambda _: self.text, free, belts=FACTS)
+        free = free_outputs(AS_SHIPPED, self.axes)
+        self.programs = Programs(lambda *_: self.machine, lambda _: self.all, lambda _: self.text, free, belts=self.facts)
         self.programs.follows(before)
         self.planner = self._beside()
 
     def _beside(self) -> PlannerBeside:
-        return PlannerBeside(self.programs, AXES)
+        return PlannerBeside(self.programs, self.axes)
 
     def _turn(self) -> None:
         """One of the planner, and what the ring carries; every state of the cycle is kept."""
@@ -111,7 +118,7 @@ class BeltBench(CellBench):
 
     def order(self, *lines: str) -> Job:
         """Door 1 orders a program of these lines."""
-        self.text = HEAD + "\n".join(lines)
+        self.text = self.head + "\n".join(lines)
         self.seen.clear()
         job = self.office.command(1, Command(Code.PROGRAM, 1, 1.0, 1.0), self.now)
         self._hand_over()
@@ -136,4 +143,4 @@ class BeltBench(CellBench):
 
     def sets(self) -> list[list[float]]:
         """Set values of every cycle since the order; m and rad."""
-        return [[axis.set for axis in state.axes[:AXES]] for state in self.seen]
+        return [[axis.set for axis in state.axes[: self.axes]] for state in self.seen]

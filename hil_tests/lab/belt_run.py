@@ -6,7 +6,7 @@ import re
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from gateway.processes.emulator_control import EmulatorControl
 from gateway.pure.records import CellState, Motion
@@ -29,10 +29,15 @@ def with_belts(text: str) -> str:
     text = re.sub(r'home            = \{ by = "gateway".*\}', 'home            = { by = "none" }', text)
     for axis, place in (("X", 100.0), ("Y", 100.0), ("Z", 50.0), ("C", 0.0)):
         text = re.sub(rf"(\[plant\.axis\.{axis}\][^\[]*?start +=) [\d.]+", rf"\g<1> {place}", text)
-    owners = ", ".join(f'"{byte}" = "plc"' for byte in (PROBE >> 3, SET_COUNTER >> 3, 399 >> 3))
-    text = re.sub(r"owner = \{.*\}", f"owner = {{ {owners} }}", text)
+    text = with_signals(text)
     kept = '[retain]\nvalues = ["belt.*"]\n\n'
     return text.replace("# ---- the emulated machine", kept + BELTS + "# ---- the emulated machine")
+
+
+def with_signals(text: str) -> str:
+    """RC inputs of belts come from the PLC."""
+    owners = ", ".join(f'"{byte}" = "plc"' for byte in (PROBE >> 3, SET_COUNTER >> 3, 399 >> 3))
+    return re.sub(r"owner = \{.*\}", f"owner = {{ {owners} }}", text)
 
 
 class BeltRun:
@@ -88,7 +93,10 @@ class BeltRun:
 
 
 @contextlib.contextmanager
-def belt_run(folder: pathlib.Path, programs: dict[int, str]) -> Iterator[BeltRun]:
-    with program_run(folder, "portal", programs, "belts", with_belts) as run, contextlib.closing(BeltRun(run)) as found:
+def belt_run(
+    folder: pathlib.Path, programs: dict[int, str], name: str = "belts", change: Callable[[str], str] = with_belts
+) -> Iterator[BeltRun]:
+    """change: of the portal's cell file."""
+    with program_run(folder, "portal", programs, name, change) as run, contextlib.closing(BeltRun(run)) as found:
         run.ready()
         yield found

@@ -118,6 +118,8 @@ class Reader:
                 raise TextError(line, "error", f"label {name} does not stand behind the block")
         if self.functions:
             raise TextError(0, called(self.functions[0]).split()[0], "begins with a block, and none follows")
+        if self.part is not None and self.acts and self.acts[-1].inside:
+            raise TextError(0, "synchron_end", f"is missing: sync is the last statement of the part on belt {self.part.belt}")
 
     # ---- statements --------------------------------------------------------------------------------------------------
     def line(self, words: list[str], number: int) -> None:
@@ -132,7 +134,7 @@ class Reader:
             case "set":
                 self.set(rest)
             case "synchron" | "synchron_end":
-                self.synchron(head, rest)
+                self.synchron(head, rest, number)
             case _ if head in FUNCTIONS:
                 self.functions = (*self.functions, FUNCTIONS[head](head, rest))
             case "alter":
@@ -185,10 +187,12 @@ class Reader:
             raise _Fault(head, f"{self.label} stands twice")
         self.labels[self.label] = self.count
 
-    def synchron(self, head: str, rest: list[str]) -> None:
+    def synchron(self, head: str, rest: list[str], number: int) -> None:
         if head == "synchron_end":
             if self.part is None or rest not in ([], [self.part.belt]):
                 raise _Fault(head, "ends no synchronous part; `synchron BELT` begins one")
+            if self.acts and self.acts[-1].inside:
+                self.move(Interpolation.LINEAR, NO_WAY, number)  # they belong to a block of their part
             self.part = None
             return
         if self.part is not None:
@@ -388,6 +392,7 @@ class Reader:
 
 BIG = textkeys.BIG
 RELATIVE = (Interpolation.PTP, Interpolation.LINEAR)  # MOVE_REL (rho 3)
+NO_WAY = ["rel", "pose", *["0"] * 6]
 HEADINGS = ("program", "robot", "angles", "axes", "start")
 FUNCTIONS: dict[str, Callable[[str, list[str]], Called]] = {
     "iol": function_of,

@@ -78,13 +78,13 @@ def _moves(program: Program, ways: Convention, units: tuple[str, ...]) -> list[s
             lines += ["alter_end"] if altered is not None else []
             altered = block.alteration
             begin += [textalter.written(altered)] if altered is not None else []
-        front = [f"label {block.label}"] if block.label else []
-        front += [_act(each, units) for each in block.acts]
-        lines += [*begin, *front] if block.acts and block.acts[0].inside else [*front, *begin]
+        lines += [f"label {block.label}"] if block.label else []
+        lines += [_act(each, units) for each in block.acts if not each.inside]
+        lines += [*begin, *(_act(each, units) for each in block.acts if each.inside)]
         lines += [called(each) for each in block.functions]
         lines += [written_move(block, ways, units)] if block.file is None else textfiles.written(block.file, files)
     named = {block.until.error for block in blocks if block.until is not None} - {block.label for block in blocks} - {""}
-    if program.acts and part is not None and not program.acts[0].inside:
+    if program.acts and part is not None:
         lines.append("synchron_end")
     return [*lines, *(f"label {name}" for name in sorted(named)), *(_act(each, units) for each in program.acts)]
 

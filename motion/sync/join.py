@@ -13,6 +13,7 @@ from motion.frames import IDENTITY, Pose, compose
 from motion.kinematics.base import Joints, KinematicsError, PathKinematics
 from motion.pieces import Piece
 from motion.stepper import Sample, Stepper
+from motion.sync.along import AlongAxis
 from motion.sync.chain import Chain
 from motion.sync.scout import TOP, Scout
 from motion.timed import TimedPiece
@@ -99,7 +100,8 @@ class SyncStepper:
         pose = compose(frame, self._kinematics.forward(sample.q[:n]))
         if alteration is not IDENTITY:
             pose = compose(pose, alteration)
-        goal: Joints = self._kinematics.follow(pose, self._q[:n])
+        near = sample.q[:n] if isinstance(self._kinematics, AlongAxis) else self._q[:n]
+        goal: Joints = self._kinematics.follow(pose, near)
         most = max(abs(b - a) / v for a, b, v in zip(self._q, goal, self._speeds, strict=False)) / self._period
         if most <= 1.0:
             return (*goal, *sample.q[n:]), False

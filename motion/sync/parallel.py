@@ -12,7 +12,6 @@ from math import inf, isfinite, sqrt
 
 from motion.errors import MotionError
 from motion.frames import Pose, Vector, compose, translation
-from motion.kinematics.endless import within
 from motion.orientation import rotation_by
 from motion.sync.belts import Belt
 
@@ -20,11 +19,13 @@ from motion.sync.belts import Belt
 @dataclass(frozen=True, slots=True)
 class Carrier:
     """How a belt carries: factors: P503 of x, y, z, m of the robot's base for one m of belt; or axis and centre of a round table
-    (axis: unit vector; the belt is then in rad)."""
+    (axis: unit vector; the belt is then in rad); or joint: an axis of the cell, from 0, that goes along by the first of the factors,
+    per m or rad of belt (motion.sync.along)."""
 
     factors: Vector = (1.0, 0.0, 0.0)
     axis: Vector | None = None
     centre: Vector = (0.0, 0.0, 0.0)
+    joint: int | None = None
 
     def frame(self, belt: float) -> Pose:
         """Where what lay in the base at belt value 0 is at this value."""
@@ -135,38 +136,3 @@ class ParallelPart:
         if not isfinite(belt_value):
             raise MotionError(f"belt {self.belt.number}: belt value {belt_value}")
         return self.carrier.on_belt(pose, belt_value)
-
-
-@dataclass(slots=True)
-class EndlessAxis:
-    """An axis parallel to an endless belt (P303 endless, P311 modulo): belt way times factor plus what MOVE_REL adds.
-
-    position: within 0 .. modulo, as the control shows it; turns: how many modulos it has gone: position + turns * modulo runs on
-    without a jump.
-    """
-
-    belt: Belt
-    modulo: float  # m or rad
-    factor: float = 1.0
-    start: float = 0.0
-    _way: float = field(init=False)
-    _own: float = field(init=False, default=0.0)
-
-    def __post_init__(self) -> None:
-        if not 0.0 < self.modulo < inf:
-            raise MotionError(f"P311 = {self.modulo:g}: the belt-parallel axis must be endless, with a modulo above 0")
-        self._way = self.belt.way
-
-    def move_rel(self, way: float) -> None:
-        """So much further than the belt carries it, from now on."""
-        self._own += way
-
-    @property
-    def unrolled(self) -> float:
-        """Without the modulo."""
-        return self.start + self._own + self.factor * (self.belt.way - self._way)
-
-    @property
-    def position(self) -> float:
-        """0 <= position < modulo."""
-        return within(self.unrolled, self.modulo)

@@ -15,9 +15,10 @@ from motion.planner.relative import check_shift, moved, moved_extra, shown, unwo
 from motion.planner.robot import Machine
 from motion.program.blocks import Blend, Block, Frame, Interpolation, JointTarget, OnBelt, PoseTarget, Shift, Synchron
 from motion.program.errors import BlockError
+from motion.sync.along import bearing
 from motion.sync.belts import Belt, Type
 from motion.sync.coordinates import coordinates
-from motion.sync.errors import BeltError
+from motion.sync.errors import NOT_POSSIBLE, TEXTS, BeltError
 from motion.sync.facts import BeltFacts, SynchronOrder
 from motion.sync.pace import Pace
 from motion.sync.parallel import Carrier
@@ -81,7 +82,20 @@ class BeltPlan:
         self._count += 1
         return made
 
+    def seen_at(self, engaged: float) -> tuple[float, ...]:
+        """(axes,) of `start` as seen from a belt of type 1, got onto at this value; an axis parallel to it has no value it is meant for,
+        and stands where it stands."""
+        if isnan(self.reference):
+            self.reference = engaged
+        moved = bearing(self.carrier, self.machine.kinematics, self.machine.limits)
+        own, others = tuple(self.start[: moved.axes]), self.start[moved.axes :]
+        frame = self.carrier.frame(engaged - self.reference)
+        return (*moved.follow(compose(frame.inverse(), moved.forward(own)), own), *others)
+
     def _seen(self, block: Block) -> Block:
+        if self.carrier.joint is not None:
+            self._check_beside(block, self.carrier.joint)
+            return block
         self._check_place(block)
         if block.shift is not None and block.on_belt is not None:
             raise BlockError(
@@ -93,6 +107,16 @@ class BeltPlan:
         if isnan(self.reference) and block.on_belt is not None:
             raise BlockError(f"belt= needs at= of its part, or belt= in the first block of it (belt {self.facts.name})")
         return seen_from(block, self.carrier, self.reference)
+
+    def _check_beside(self, block: Block, joint: int) -> None:
+        """An endless axis parallel to the belt has no places on it, only ways (L11609-11615)."""
+        given = isinstance(block.target, JointTarget) or (joint >= self.machine.arm and bool(block.target.extra))
+        if block.shift is not None:
+            check_shift(block.shift)
+        if block.on_belt is not None or (block.shift is None and given):
+            what = "belt=" if block.on_belt is not None else f"an absolute place of {self.machine.name(joint)}"
+            why = f"{what}: the axis parallel to belt {self.facts.name} is endless and goes by differences alone, rel joints or rel pose"
+            raise BlockError(f"{TEXTS[NOT_POSSIBLE]}: {why}", code=NOT_POSSIBLE, source="rho 3")
 
     def _check_place(self, block: Block) -> None:
         axes = isinstance(block.target, JointTarget) if block.shift is None else block.shift.angles is None

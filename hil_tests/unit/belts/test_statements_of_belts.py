@@ -148,7 +148,15 @@ SAYS = {
     "belt 4: Inadmiss. Belt-No, P501 = 3 (rho 3 93)": ["ptp joints 110 100 50 0", "belt_param 4 10 50 160", AWAY],
     "belt 9: Inadmiss. Belt-No, P501 = 3 (rho 3 93)": ["set_beltcnt 9 0"],
     "belt B9: Inadmiss. Belt-No; this cell has B1, B2, B3 (rho 3 93)": ["sync B9 >= 10mm", AWAY],
-    "Belt-sync. n.possible: SYNC and belt functions stand outside": ["synchron B1", "sync B1 input=464", AWAY],
+    "Belt-sync. n.possible: SYNC of belt B1 inside its part waits for a belt value": ["synchron B1", "sync B1 input=464", AWAY],
+    "line 7: block 1: Belt-sync. n.possible: belt functions and SYNC stand outside": ["synchron B1", "belt_type 1 2", AWAY],
+    "inside a part needs a belt of type 1 with an endless axis parallel to it": ["synchron B1", "sync B1 >= 5mm", "synchron_end"],
+    "line 8: block 2: Belt-sync. n.possible: SYNC inside a part needs a belt of type 1": [
+        AWAY,
+        "synchron B2 at=5mm",
+        "sync B2 >= 5mm",
+        AWAY + " belt=9mm",
+    ],
     "sync B1 input=4640: an RC input is needed": ["sync B1 input=4640", AWAY],
     "thresholds -1": ["belt_param 1 -1 50 160", AWAY],
 }
