@@ -76,7 +76,7 @@ def test_a_belt_in_the_cell_of_a_carried_robot_is_refused_in_words() -> None:
     belt = '[[belt]]\nname = "B1"\ntype = 1\nincrement = 0.1\nbus = "drives"\nid = 497\nsimulated = 50.0\n\n'
     text = cell_text()
     assert machine_of_cell(load_cell(str(ARM), text)).carried
-    with pytest.raises(CellFaults, match="T1, D1 carry the robot or the workpiece; no belt can be in the same cell"):
+    with pytest.raises(CellFaults, match="T1, D1 carry the robot or the workpiece; no belt can be one of this robot"):
         load_cell(str(ARM), text.replace("# ---- the emulated machine", belt + "# ---- the emulated machine"))
 
 
