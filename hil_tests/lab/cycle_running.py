@@ -41,9 +41,9 @@ class CycleRun:
         self._axes = RegionReader(self.fds["axes"], "axes")
 
     def actual(self) -> list[float]:
-        """Positions of the twelve axes (m, rad) as published last; zeros before the first cycle."""
+        """Position of each axis (m, rad) as published last; none before the first cycle."""
         payload = self._axes.read()
-        return [0.0] * 12 if payload is None else [axis.actual for axis in unpack_cell_state(payload).axes]
+        return [] if payload is None else [axis.actual for axis in unpack_cell_state(payload).axes]
 
     def stop(self) -> int:
         if self.process.poll() is None:

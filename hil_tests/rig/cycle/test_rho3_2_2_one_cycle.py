@@ -53,7 +53,7 @@ def test_610_to_660_are_taken_as_the_actual_values_of_axes_1_to_6(bus: Bus) -> N
         serve(run, [drives], CYCLES)
         actual = run.actual()
     assert actual[:6] == pytest.approx([turn * feed for turn, feed in zip(turns, FEEDS, strict=True)], abs=1e-12)
-    assert actual[6:] == [0.0] * 6
+    assert len(actual) == 6, "one place for each axis of the cell"
     assert positions(drives.cycles[CYCLES - 1]) == [TURN * turn for turn in turns]
 
 
