@@ -23,19 +23,10 @@ source = "assumed"
 
 [portal]
 letters = "xy"
-
+""" + "".join(
+    f"""
 [[axis]]
-name = "X"
-unit = "mm"
-lower = -500
-upper = 500
-speed = 300
-accel = 1500
-jerk = 30000
-source = "assumed"
-
-[[axis]]
-name = "Y"
+name = "{name}"
 unit = "mm"
 lower = -500
 upper = 500
@@ -44,6 +35,8 @@ accel = 1500
 jerk = 30000
 source = "assumed"
 """
+    for name in "XY"
+)
 LINEAR = {"unit": "mm", "feed": 20.0, "gear": "1:1", "low": -500.0, "high": 500.0, "speed": 300.0, "accel": 1500.0, "jerk": 30000.0}
 LINEAR |= {"warn": 8.0, "trip": 10.0, "start": 0.0}
 ROUND = 0.01  # m

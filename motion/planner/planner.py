@@ -290,9 +290,8 @@ class Planner:
         history, cut = cropped(last.quick.shifted(last.run.starts[index]), sample, last.width)
         try:
             made = swift(run.path, run.limits, last.width, history, cut)
-        except (
-            MotionError
-        ):  # too fast by now for what lies behind: what was committed ends at rest before it, and the path goes on from there
+        except MotionError:
+            # Too fast by now for what lies behind: what was committed ends at rest before it, and the path goes on from there.
             self._fresh.extendleft(reversed(row))
             self._planned[-1] = replace(last, quick=None)
             return []
