@@ -273,19 +273,20 @@ class Measuring:
         return FlyingAt(piece, after, call.channel, wire.input, wire.mask & mask, call.edge, wire.drives & mask)
 
     def latch(self, mark: Mark, call: Latching, mask: int, job: int, generation: int) -> PieceRecord:
-        """setLatch; raises ProgramFault for a fast input that is no wire of the cell."""
-        channel = self._latching(call)
+        """setLatch; raises ProgramFault for a fast input that is no wire of the robot."""
+        channel = self._latching(call, mask)
         wire = self.channels[channel]
         if wire.drives:
             at = FlyingAt(mark.piece, mark.after, channel, wire.input, wire.mask & mask, True, wire.drives & mask)
             return flying_record(job, generation, at)
         return latch_record(job, generation, LatchAt(mark.piece, mark.after, wire.input, wire.mask & mask, call.name))
 
-    def _latching(self, call: Latching) -> int:
-        channel = next((each for each, facts in self.channels.items() if facts.latch == call.name), None)
+    def _latching(self, call: Latching, mask: int) -> int:
+        own = self._own(mask)
+        channel = next((each for each, facts in own.items() if facts.latch == call.name), None)
         if channel is None:
-            known = ", ".join(facts.latch for facts in self.channels.values() if facts.latch) or "none"
-            raise ProgramFault(INADMISSABLE_INPUT, f"set_latch {call.name}; this cell has {known} ([[measuring]] latch)")
+            known = ", ".join(facts.latch for facts in own.values() if facts.latch) or "none"
+            raise ProgramFault(INADMISSABLE_INPUT, f"set_latch {call.name}; the robot has {known} ([[measuring]] latch)")
         return channel
 
     def inputs(self, blocks: Sequence[Block], mask: int, job: int, generation: int) -> list[PieceRecord]:
@@ -327,7 +328,8 @@ class Measuring:
     def check(self, block: Block, mask: int, machine: Machine) -> None:
         """Before anything moves: what the block measures is there, and what it reads will have been measured."""
         if block.target == MEASURED and mask & ~self.last:
-            missing = next(n for n in range(machine.axes) if (mask & ~self.last) >> n & 1)
+            own = (n for n in range(mask.bit_length()) if mask >> n & 1)
+            missing = next(k for k, n in enumerate(own) if not self.last >> n & 1)
             raise BlockError(f"{POINT_NOT_DEFINED}: @MPOS is measured by until= or measure_on before it", axis=machine.name(missing))
         if block.wait is not None:
             self.start(block.wait, mask)
@@ -336,7 +338,7 @@ class Measuring:
                 stored = self.flying(0, 0.0, call, mask).mask
                 self.last = self.last if call.edge is None else stored
             elif isinstance(call, Latching):
-                self.last = self.channels[self._latching(call)].mask & mask
+                self.last = self.channels[self._latching(call, mask)].mask & mask
             elif isinstance(call, Recording) and call.system > self.systems:
                 raise BlockError(f"{BAD_MEASURING_SYSTEM} {call.system}: 1 .. {self.systems} exist", code=91, source="rho 3")
         if block.recorded:

@@ -53,6 +53,7 @@ robot    = ["arm", "scara"]
 channel = 610
 input   = {PROBE[0]}
 robot   = "arm"
+latch   = "fIn0"
 
 [[measuring]]
 channel = 620

@@ -134,6 +134,8 @@ def test_errors_of_a_belt_bear_the_number_of_the_kinematic(home: OnBelts) -> Non
         ("arm", ("synchron B8", "linear pose 350 -50 300 180 0 0"), f"belt B8: {NO}; this robot follows B1, B2, B3, B4 (rho 3 93)"),
         ("arm", ("synchron none", "linear pose 350 -50 300 180 0 0"), f"belt none: {NO}; this cell has B1, B2, B3, B4 (rho 3 93)"),
         ("scara", ("linear pose 350 50 100 180 0 0 until=ch610",), "inadmissable input: channel 610; the robot has ch620 ([[measuring]])"),
+        ("scara", ("set_latch fIn0", OVER["scara"]), "inadmissable input: set_latch fIn0; the robot has none ([[measuring]] latch)"),
+        ("scara", ("ptp mpos",), "axis S1: point not defined: @MPOS is measured by until= or measure_on before it"),
         ("scara", ("iol 2 1 2 0 1 0", OVER["scara"]), "IOL 2: kinematic 1, coordinate 2; kinematic 2, 1..6: x y z a b c"),
         ("arm", ("iol 2 1 2 0 1 0", OVER["arm"]), "IOL 2: no such function; the robot has none ([[path_output]])"),
     ],

@@ -192,7 +192,7 @@ def test_a_level_that_stands_and_a_falling_edge_latch_nothing_and_a_second_set_l
 
 def test_what_is_no_fast_input_of_the_cell_is_told_before_anything_moves(arm: Probing) -> None:
     arm.programs.channels = {611: MeasuringFacts(FAST, ON_ALL)}
-    assert "inadmissable input: set_latch fIn0; this cell has none" in refused(arm, "set_latch fIn0", f"ptp joints {joints(9)}")
+    assert "inadmissable input: set_latch fIn0; the robot has none" in refused(arm, "set_latch fIn0", f"ptp joints {joints(9)}")
     arm.programs.channels = LATCHES
     assert "point not defined" in refused(arm, "set_latch fIn1", f"ptp joints {joints(9)}", "ptp mpos"), "its board has two axes"
     assert "point not defined" in refused(arm, "set_latch fIn0", f"ptp joints {joints(9)}", "ptp recorded 1", "ptp mpos")
