@@ -43,6 +43,7 @@ class CellHead:
     language: str = "en"  # de | en
     target: str = "simulation"  # machine | simulation
     on_services_loss: str = "stop_on_path"  # stop_on_path | finish_move
+    override_step: float = 1.0  # most the override changes in a cycle (Reis RDELTA_OV_MAX); 1: at once
 
 
 @dataclass(frozen=True, slots=True)

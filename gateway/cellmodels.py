@@ -28,6 +28,7 @@ class CellHead(Table):
     language: Literal["de", "en"] = "en"
     target: Literal["machine", "simulation"] = "simulation"
     on_services_loss: Literal["stop_on_path", "finish_move"] = "stop_on_path"
+    override_step: float = Field(default=1.0, gt=0, le=1)
 
 
 class Safety(Table):

@@ -78,6 +78,7 @@ class Cycle:
             numbers=rc_numbers(cell),
             assumed=assumed_permits(cell),
             finish_without_services=cell.cell.on_services_loss == "finish_move",
+            override_step=cell.cell.override_step,
             belts=belts_of(cell, plan.p5_ms) if cell.belt else None,
             functions=functions_of(cell, plan.p5_ms),
             alter=alter_of_cell(cell, plan.p5_ms),

@@ -23,6 +23,7 @@ from gateway.pure.plannerrecords import PieceRecord
 from gateway.pure.reasons import Reason
 from gateway.pure.records import MOST_AXES, RC_BYTES, AxisState, CellState, InputImage, Motion, Order, OrderRecord, Permit
 from motion.stepper import State
+from motion.timing.overrideramp import OverrideRamp
 from protocols.base.machine import Ns, ms
 
 if TYPE_CHECKING:
@@ -61,6 +62,7 @@ class Core:
         functions: "CoreOutputs | None" = None,
         alter: CoreAlter | None = None,
         shared: "CoreShared | None" = None,
+        override_step: float = 1.0,
         loops: AxisLoops = PYTHON,
     ) -> None:
         self.state = CellState(generation=generation, axes=[AxisState() for _ in axes])
@@ -80,7 +82,8 @@ class Core:
         self._finish = finish_without_services
         self._enabling_inputs = EnablingInputs(numbers, assumed)
         self._permits = 0
-        self._override = 0.0
+        self._override = 0.0  # as ordered
+        self._ramp = OverrideRamp(override_step)
         self._enabling: list[tuple[int, int]] = []  # job, mask, of each that waits for its axes
         self._reset = False
         self._services_alive = False
@@ -107,6 +110,7 @@ class Core:
         self._judge_services(services_ns, now)
         for order in orders:
             self._obey(order)
+        self._apply_override()
         values = self._drive(actuals, inputs)
         self._watch(actuals)
         if self._endless.axes and not (self._mover.busy or self._homings.under_way):
@@ -133,7 +137,6 @@ class Core:
         self._reset = view.reset
         if self._reset:
             self._acknowledge()
-        self._apply_override()
 
     def _judge_lost(self, just_lost: int, lost: int) -> None:
         """Inputs that are lost, not taken away: stop on the path, and without chain or control off at rest (AX-143)."""
@@ -164,7 +167,8 @@ class Core:
 
     def _apply_override(self) -> None:
         """Feed hold and a missing feed allow hold on the path; the move goes on when they are back (as the old feed hold)."""
-        value = self._override if self._permits & FLOW == FLOW else 0.0
+        ordered = self._ramp.step(self._override)
+        value = ordered if self._permits & FLOW == FLOW else 0.0
         if value != self._mover.override:
             self._mover.set_override(value)
 
@@ -213,7 +217,6 @@ class Core:
                 self._acknowledge()
             case Order.OVERRIDE:
                 self._override = min(max(record.value, 0.0), 1.0)
-                self._apply_override()
 
     def _enable(self, record: OrderRecord) -> None:
         state = self.state

@@ -82,6 +82,7 @@ class Bench:
             numbers=rc_numbers(cell),
             assumed=assumed_permits(cell),
             finish_without_services=cell.cell.on_services_loss == "finish_move",
+            override_step=cell.cell.override_step,
             belts=belts_of(cell, period) if cell.belt else None,
             functions=functions_of(cell, period),
             alter=alter_of_cell(cell, period),

@@ -64,7 +64,9 @@ class CellBench:
         return ServodynSlave(bus_settings(self.cell, self.cell.bus[0].name, self.p5_ms), CODEC), FAMILY
 
     def _new_core(self) -> Core:
-        return Core(core_axes(self.cell, self.period_ns / 1e6), self.period_ns / 1e9, self.generation, finish_without_services=self.finish)
+        period, step = self.period_ns / 1e9, self.cell.cell.override_step
+        axes = core_axes(self.cell, self.period_ns / 1e6)
+        return Core(axes, period, self.generation, finish_without_services=self.finish, override_step=step)
 
     def permit(self, *bits: int, value: bool = True) -> None:
         """RC inputs as a living door writes them."""
