@@ -12,6 +12,7 @@ import tempfile
 from drivers.ports.base import PortError, runtime_dir
 from drivers.ports.can import open_can
 from hil_tests import demo_page
+from hil_tests.lab.awake import awake
 from hil_tests.lab.scenario import Scenario, ScenarioFailed
 
 EXAMPLES = """examples:
@@ -20,8 +21,7 @@ EXAMPLES = """examples:
   axisgate demo --bus socketcan:vcan0 --p5 20        on a SocketCAN interface
 """
 SLOW_P5 = 10
-SLOWER = (10, 20, 32)
-AGAIN = -1
+SLOWER = (10, 20, 32, 32, 32)  # a machine that is taken away for long may leave the next run alone
 
 
 def main(argv: list[str]) -> int:
@@ -53,15 +53,24 @@ def main(argv: list[str]) -> int:
         signal.signal(number, _interrupt)
     if arguments.p5 is None and p5 == SLOW_P5:
         print(f"real-time priority is refused here: P5 = {SLOW_P5} ms instead of 4 ms", file=sys.stderr)
-    while True:
-        scenario = Scenario(
-            folder, name=arguments.name, seed=arguments.seed, p5_ms=p5, bus=arguments.bus, port=arguments.modbus_port, quiet=arguments.json
-        )
-        code = play(scenario, arguments)
-        if code != AGAIN:
-            break
-        p5 = next(slower for slower in SLOWER if slower > p5)
-        scenario.say(f"once more with P5 = {p5} ms\n")
+    slower = [each for each in SLOWER if each > p5] if arguments.p5 is None else []
+    with awake():
+        while True:
+            scenario = Scenario(
+                folder,
+                name=arguments.name,
+                seed=arguments.seed,
+                p5_ms=p5,
+                bus=arguments.bus,
+                port=arguments.modbus_port,
+                quiet=arguments.json,
+            )
+            code, late = play(scenario, arguments, last=not slower)
+            if not late or not slower:
+                break
+            scenario.say(f"this machine was too slow for P5 = {p5} ms: {late}; the drives stopped, as they must")
+            p5 = slower.pop(0)
+            scenario.say(f"once more with P5 = {p5} ms\n")
     if not (arguments.keep or arguments.records or code):
         shutil.rmtree(folder, ignore_errors=True)
     else:
@@ -69,35 +78,27 @@ def main(argv: list[str]) -> int:
     return code
 
 
-def play(scenario: Scenario, arguments: argparse.Namespace) -> int:
-    """One run of the scenario; AGAIN when the machine, not axisgate, left the drives without SYNC and a slower clock is left to try."""
+def play(scenario: Scenario, arguments: argparse.Namespace, *, last: bool) -> tuple[int, str]:
+    """One run of the scenario: exit code, and how the machine, not axisgate, left the drives without SYNC, "" when it did not."""
     try:
         verdicts = scenario.play()
     except KeyboardInterrupt:
         print("\naxisgate demo: stopped; nothing is left running", file=sys.stderr)
-        return 1
+        return 1, ""
     except ScenarioFailed as failure:
         print(f"axisgate demo: {failure}", file=sys.stderr)
-        return AGAIN if failure.late and slower_is_left(scenario, arguments, failure.late) else failure.code
+        return failure.code, failure.late
     finally:
         scenario.close()
     ok = all(verdict.ok for verdict in verdicts)
-    if not ok and (late := scenario.machine_late()) and slower_is_left(scenario, arguments, late):
-        return AGAIN
+    if not ok and not last and (late := scenario.machine_late()):
+        return 1, late
     page = (scenario.folder if arguments.keep or arguments.records else runtime_dir()) / "demo.html"
     demo_page.write(page, verdicts)
     scenario.say(f"page with the verdicts, and the paths of a SCARA and a six-axis arm: {page}")
     if arguments.json:
         print(json.dumps([{"name": v.name, "value": v.value, "limit": v.limit, "ok": v.ok} for v in verdicts], indent=1))
-    return 0 if ok else 1
-
-
-def slower_is_left(scenario: Scenario, arguments: argparse.Namespace, late: str) -> bool:
-    """Whether a slower clock may be tried; says why it will be."""
-    if arguments.p5 is not None or scenario.p5_ms >= SLOWER[-1]:
-        return False
-    scenario.say(f"this machine was too slow for P5 = {scenario.p5_ms} ms: {late}; the drives stopped, as they must")
-    return True
+    return (0 if ok else 1), ""
 
 
 def realtime_allowed() -> bool:

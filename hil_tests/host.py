@@ -7,7 +7,9 @@ played: it is played with the others, and what it says there is its verdict.
 A shared machine takes the processor away for tens of milliseconds, and a cell that runs on it then stops, as it must.  Two witnesses
 (hil_tests/lab/stolen.py) write it down: one of the highest priority for 10 ms and more in which nobody ran, an ordinary one for 40 ms
 and more in which such a process was not served.  A module of which a test failed while they saw that is played again at the end,
-whole, in a fresh process and at a slower clock (AGAIN_P5_MS): every rule under test counts in P5.  A failure without such a time, and
+whole, in a guest with a clock of its own, where nothing is late.  What cannot be played there (NO_OWN_TIME), or everything where there
+is no such guest, is played on the host in a fresh process and at a slower clock (AGAIN_P5_MS): every rule under test counts in P5.
+A failure without such a time, and
 one that stays, is a failure.  What was played again stands above the lanes' lines.
 """
 
@@ -22,12 +24,13 @@ from collections.abc import Sequence
 
 import pytest
 
-from hil_tests import reports
+from hil_tests import lanes, reports
+from hil_tests.lab.awake import awake
 from hil_tests.lab.stolen import left_alone, stolen, witness
 from hil_tests.pair import forget_the_dead, surroundings, whole_run
-from hil_tests.places import BESIDE, of_one, unhurried
+from hil_tests.places import BESIDE, NO_OWN_TIME, of_one, unhurried
 from hil_tests.rig.uml import guest
-from hil_tests.rig.uml.lane import of_the_guest
+from hil_tests.rig.uml.lane import Guests, folder_of, of_the_guest
 
 REPORTS = "AXISGATE_TEST_RIG"  # set in that process: file for its reports
 P5 = "AXISGATE_TEST_P5"  # ms; hil_tests/lab/cell_running.py
@@ -49,6 +52,8 @@ class Child:
         listed = folder / f"{name}.txt"
         listed.write_text("\n".join(ids))
         self._watch = contextlib.ExitStack()
+        if name != "beside":  # there nobody sleeps anyhow
+            self._watch.enter_context(awake())
         for file, options in self._stolen.items():
             self._watch.enter_context(witness(file, *options))
         slower = {} if p5_ms is None else {P5: str(p5_ms)}
@@ -98,16 +103,36 @@ class Child:
             self._results.setdefault(report.nodeid, []).append(report)
 
 
+class InGuests:
+    """Modules played by guests with a clock of their own: no machine spoils that, so it is their last play."""
+
+    def __init__(self, config: pytest.Config, modules: Sequence[Sequence[str]]) -> None:
+        self.log = folder_of(config) / "again"
+        self._guests = Guests(config, self.log, modules)
+
+    def wait(self, ids: Sequence[str]) -> reports.Reports:
+        return self._guests.results()
+
+    def spoilt(self, ids: Sequence[str]) -> list[tuple[float, float]]:
+        return []
+
+    def leave(self) -> None:
+        self._guests.results()
+
+    def end(self) -> None:
+        self._guests.end()
+
+
 class Host:
     """Only in a whole run; a selection is run here, as it stands."""
 
     def __init__(self, config: pytest.Config) -> None:
         self._config = config
         self._folder = config.rootpath / "build" / "rig" / str(os.getpid())
-        self._children: dict[str, Child] = {}  # in the order of their starts; at most the last one runs
+        self._children: dict[str, Child | InGuests] = {}  # in the order of their starts; at most the last one runs
         self._modules: dict[str, list[pytest.Item]] = {}
         self._waiting: dict[str, list[pytest.Item]] = {}  # modules whose verdict is not told yet
-        self._by: dict[str, Child] = {}  # who played the module last
+        self._by: dict[str, Child | InGuests] = {}  # who played the module last
         self._told: list[str] = []
 
     @pytest.hookimpl(tryfirst=True)
@@ -170,8 +195,9 @@ class Host:
         if self._waiting and list(self._children) == ["beside"]:
             self._start("first", list(self._waiting))
         self._tell_settled()
+        self._again_in_guests()
         for number, p5_ms in enumerate(AGAIN_P5_MS, start=1):
-            spoilt = {module: times for module, items in self._waiting.items() if (times := self._by[module].spoilt(ids_of(items)))}
+            spoilt = self._spoilt()
             if not spoilt or len(self._waiting) > MOST_AGAIN:
                 break
             self._told += [f"{module}: {away(times)}; again at P5 {p5_ms} ms" for module, times in spoilt.items()]
@@ -179,6 +205,22 @@ class Host:
             self._tell_settled()
         for module in list(self._waiting):
             self._tell(module)
+
+    def _again_in_guests(self) -> None:
+        if not guest.own_time() or lanes.missing("vcan") is not None:
+            return
+        spoilt = {module: times for module, times in self._spoilt().items() if not of_one(self._modules[module][0], NO_OWN_TIME)}
+        if spoilt:
+            self._told += [f"{module}: {away(times)}; again in a guest with a clock of its own" for module, times in spoilt.items()]
+            for child in self._children.values():
+                child.leave()
+            self._children["guests"] = played = InGuests(self._config, [ids_of(self._modules[module]) for module in spoilt])
+            self._by.update(dict.fromkeys(spoilt, played))
+            self._tell_settled()
+
+    def _spoilt(self) -> dict[str, list[tuple[float, float]]]:
+        """Modules that wait for their verdict because nobody was served while they were played: when."""
+        return {module: times for module, items in self._waiting.items() if (times := self._by[module].spoilt(ids_of(items)))}
 
     def _tell_settled(self) -> None:
         """What is well, or failed while nothing spoilt it."""

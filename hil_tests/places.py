@@ -20,7 +20,13 @@ OWN_TIME = (  # in guests with a clock of their own: whole cells that a late cyc
 COMMANDS = (  # they start commands or call them and read files; no clock runs in what they prove
     *("completion", "datfiles", "motion"),
     *("bridge/test_mapping_command.py", "broker/test_socketcan_refusals.py", "cell/test_commands.py", "doors/test_modbus_door.py"),
-    *("house/test_commands.py", "house/test_cycle_modules.py", "house/test_every_command.py", "house/test_matrix.py"),
+    *(
+        "house/test_awake.py",
+        "house/test_commands.py",
+        "house/test_cycle_modules.py",
+        "house/test_every_command.py",
+        "house/test_matrix.py",
+    ),
     *("house/test_mutant.py", "house/test_pair.py", "house/test_places.py"),
     *("line_tools/test_any_system.py", "line_tools/test_commands.py", "line_tools/test_export_is_there.py"),
     *("rho3can/test_bus_infer_command.py", "rho3can/test_import_command.py", "starting/test_new_and_assess.py"),
@@ -42,6 +48,10 @@ BESIDE = (  # real processes that wait more than they compute, and whose times a
     *("modbus/test_modbus_other_clients.py", "modbus/test_modbus_rtu.py", "modbus/test_modbus_server.py", "modbus/test_modbus_tls.py"),
     *("rho3/test_rho3_guide.py", "serial/test_line_runner.py", "serial/test_rfc2217.py"),
     *("val3_sio/test_serial.py", "val3_sio/test_tcp_server.py", "val3_sio/test_udp.py"),
+)
+
+NO_OWN_TIME = (  # alone, and never in a guest: what dies there is back at once, nobody is late
+    *("death/test_cycle_dies.py", "death/test_cycle_dies_402.py", "house/test_played_again.py", "uml/test_guest.py"),
 )
 
 

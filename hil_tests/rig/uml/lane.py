@@ -75,6 +75,30 @@ class Boot:
         return {**kept, **shared, **ours}
 
 
+class Guests:
+    """Two guests for two processors, which share these modules (their test ids) until they meet; one where the host's clock counts."""
+
+    def __init__(self, config: pytest.Config, folder: pathlib.Path, modules: Sequence[Sequence[str]]) -> None:
+        claims = folder / "claims" if guest.own_time() and len(modules) > 1 else None
+        turns = {"first": modules}
+        if claims is not None:
+            claims.mkdir(parents=True)
+            turns["second"] = modules[::-1]
+        self._boots = [Boot(config, folder / name, [each for ids in turn for each in ids], claims) for name, turn in turns.items()]
+
+    def results(self) -> reports.Reports:
+        """Waits for their end."""
+        return {name: told for boot in self._boots for name, told in boot.results().items()}
+
+    @property
+    def died(self) -> str:
+        return "\n".join(boot.died for boot in self._boots)
+
+    def end(self) -> None:
+        for boot in self._boots:
+            boot.end()
+
+
 class GuestLane:
     """On the host: boots guests and tells their results.
 
@@ -84,8 +108,8 @@ class GuestLane:
 
     def __init__(self, config: pytest.Config) -> None:
         self._config = config
-        self._folder = config.rootpath / "build" / "uml" / f"lane-{os.getpid()}"  # several sessions may run at once
-        self._boots: list[Boot] = []
+        self._folder = folder_of(config)
+        self._guests: Guests | None = None
         self._results: reports.Reports = {}
 
     @pytest.hookimpl(trylast=True)
@@ -94,42 +118,37 @@ class GuestLane:
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtestloop(self, session: pytest.Session) -> None:
-        if guest.own_time() and not self._config.option.collectonly and not session.testsfailed:
-            self._start(session)
+        if guest.own_time() and not self._config.option.collectonly and not session.testsfailed and any(map(of_the_guest, session.items)):
+            self._guests = self._start(session)
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtest_protocol(self, item: pytest.Item, nextitem: pytest.Item | None) -> bool | None:
         if not of_the_guest(item):
             return None
-        if not self._boots:
-            self._start(item.session)
+        if self._guests is None:
+            self._guests = self._start(item.session)
         if not self._results:
-            self._results = {name: told for boot in self._boots for name, told in boot.results().items()}
-        died = "\n".join(boot.died for boot in self._boots)
-        reports.replay(item, nextitem, self._results, f"the guest did not report the end of this test; {died}")
+            self._results = self._guests.results()
+        reports.replay(item, nextitem, self._results, f"the guest did not report the end of this test; {self._guests.died}")
         return True
 
     def pytest_sessionfinish(self) -> None:
         """An interrupted session takes its guests along."""
-        for boot in self._boots:
-            boot.end()
+        if self._guests is not None:
+            self._guests.end()
 
-    def _start(self, session: pytest.Session) -> None:
-        """Two guests for two processors, which share the modules until they meet; one where the host's clock counts."""
+    def _start(self, session: pytest.Session) -> Guests:
         forget_the_dead(self._folder.parent)
         modules: dict[str, list[str]] = {}
         for item in session.items:
             if of_the_guest(item):
                 modules.setdefault(str(item.path), []).append(item.nodeid)
-        if not modules:
-            return
-        claims = self._folder / "claims" if guest.own_time() and len(modules) > 1 else None
-        turns = {"first": list(modules.values())}
-        if claims is not None:
-            claims.mkdir(parents=True)
-            turns["second"] = turns["first"][::-1]
-        for name, chosen in turns.items():
-            self._boots.append(Boot(self._config, self._folder / name, [each for ids in chosen for each in ids], claims))
+        return Guests(self._config, self._folder, list(modules.values()))
+
+
+def folder_of(config: pytest.Config) -> pathlib.Path:
+    """Of this session: several may run at once."""
+    return config.rootpath / "build" / "uml" / f"lane-{os.getpid()}"
 
 
 def of_the_guest(item: pytest.Item) -> bool:
