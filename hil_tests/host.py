@@ -9,8 +9,7 @@ A shared machine takes the processor away for tens of milliseconds, and a cell t
 and more in which such a process was not served.  A module of which a test failed while they saw that is played again at the end,
 whole, in a guest with a clock of its own, where nothing is late.  What cannot be played there (NO_OWN_TIME), or everything where there
 is no such guest, is played on the host in a fresh process and at a slower clock (AGAIN_P5_MS): every rule under test counts in P5.
-A failure without such a time, and
-one that stays, is a failure.  What was played again stands above the lanes' lines.
+A failure without such a time, and one that stays, is a failure.  What was played again stands above the lanes' lines.
 """
 
 import contextlib
@@ -108,7 +107,7 @@ class InGuests:
 
     def __init__(self, config: pytest.Config, modules: Sequence[Sequence[str]]) -> None:
         self.log = folder_of(config) / "again"
-        self._guests = Guests(config, self.log, modules)
+        self._guests = Guests(config, self.log, modules, starts=True)
 
     def wait(self, ids: Sequence[str]) -> reports.Reports:
         return self._guests.results()

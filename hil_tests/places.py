@@ -50,9 +50,7 @@ BESIDE = (  # real processes that wait more than they compute, and whose times a
     *("val3_sio/test_serial.py", "val3_sio/test_tcp_server.py", "val3_sio/test_udp.py"),
 )
 
-NO_OWN_TIME = (  # alone, and never in a guest: what dies there is back at once, nobody is late
-    *("death/test_cycle_dies.py", "death/test_cycle_dies_402.py", "house/test_played_again.py", "uml/test_guest.py"),
-)
+NO_OWN_TIME = ("house/test_played_again.py", "uml/test_guest.py")  # alone, and never in a guest: hogs, guests
 
 
 def unhurried(item: pytest.Item) -> bool:

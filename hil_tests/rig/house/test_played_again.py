@@ -24,6 +24,9 @@ while time.monotonic() < begin + 0.06: pass
 '''
 def test_that_minds_the_hog():
     if os.environ.get("AXISGATE_GUEST_TIME") == "own":
+        begin = time.monotonic()
+        subprocess.run([sys.executable, "-c", ""], check=True)
+        assert time.monotonic() - begin >= 0.5, "computing takes no time there, starting a program does"
         return  # nobody is late there
     begin = str(time.monotonic() + 1.5)  # all of them at once, however long each takes to start
     hogs = [subprocess.Popen([sys.executable, "-c", HOG, str(cpu), begin]) for cpu in os.sched_getaffinity(0)]

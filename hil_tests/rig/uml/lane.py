@@ -24,6 +24,7 @@ REPORTS = "AXISGATE_GUEST_REPORTS"  # set inside the guest: file for the reports
 LIMIT = "AXISGATE_GUEST_LIMIT"  # seconds for the whole lane
 ON_HOST = "AXISGATE_TEST_ON_HOST"  # set by hand: only tests marked vcan go to the guest
 CLAIMS = "AXISGATE_GUEST_CLAIMS"  # set inside the guest: folder where two guests share the modules (hil_tests/pair.py)
+STARTING = pathlib.Path(__file__).parent / "starting"
 
 
 def inside() -> bool:
@@ -33,8 +34,10 @@ def inside() -> bool:
 class Boot:
     """One guest with its tests; runs beside us until its results are asked for."""
 
-    def __init__(self, config: pytest.Config, folder: pathlib.Path, ids: Sequence[str], claims: pathlib.Path | None = None) -> None:
-        self._config, self._folder, self._claims = config, folder, claims
+    def __init__(
+        self, config: pytest.Config, folder: pathlib.Path, ids: Sequence[str], claims: pathlib.Path | None, *, starts: bool
+    ) -> None:
+        self._config, self._folder, self._claims, self._starts = config, folder, claims, starts
         self._results: reports.Reports | None = None
         self.died = ""
         folder.mkdir(parents=True, exist_ok=True)
@@ -72,19 +75,25 @@ class Boot:
         kept = {name: value for name, value in os.environ.items() if name == "CI" or name.startswith("AXISGATE_")}
         shared = {} if self._claims is None else {CLAIMS: str(self._claims)}
         ours = {"AXISGATE_RUNTIME": "/run/axisgate", REPORTS: str(self._folder / "reports.jsonl"), "PYTHONUNBUFFERED": "1"}
-        return {**kept, **shared, **ours}
+        starting = {"PYTHONPATH": str(STARTING)} if self._starts else {}
+        return {**kept, **shared, **starting, **ours}
 
 
 class Guests:
-    """Two guests for two processors, which share these modules (their test ids) until they meet; one where the host's clock counts."""
+    """Two guests for two processors, which share these modules (their test ids) until they meet; one where the host's clock counts.
 
-    def __init__(self, config: pytest.Config, folder: pathlib.Path, modules: Sequence[Sequence[str]]) -> None:
+    `starts`: programs take a moment to start, as they do on the host.
+    """
+
+    def __init__(self, config: pytest.Config, folder: pathlib.Path, modules: Sequence[Sequence[str]], *, starts: bool = False) -> None:
         claims = folder / "claims" if guest.own_time() and len(modules) > 1 else None
         turns = {"first": modules}
         if claims is not None:
             claims.mkdir(parents=True)
             turns["second"] = modules[::-1]
-        self._boots = [Boot(config, folder / name, [each for ids in turn for each in ids], claims) for name, turn in turns.items()]
+        self._boots = [
+            Boot(config, folder / name, [each for ids in turn for each in ids], claims, starts=starts) for name, turn in turns.items()
+        ]
 
     def results(self) -> reports.Reports:
         """Waits for their end."""
