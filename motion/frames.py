@@ -30,7 +30,8 @@ class Pose(NamedTuple):
 
     def inverse(self) -> "Pose":
         """The outside seen from this frame: pose @ pose.inverse() is IDENTITY."""
-        (x, y, z), (a, b, c, d, e, f, g, h, i) = self
+        x, y, z = self.position
+        a, b, c, d, e, f, g, h, i = self.rotation
         return Pose((-a * x - d * y - g * z, -b * x - e * y - h * z, -c * x - f * y - i * z), (a, d, g, b, e, h, c, f, i))
 
     def apply(self, point: Vector) -> Vector:
@@ -49,8 +50,12 @@ IDENTITY = Pose((0.0, 0.0, 0.0), NO_ROTATION)
 
 def compose(first: Pose, second: Pose) -> Pose:
     """first @ second."""
-    (x, y, z), (a, b, c, d, e, f, g, h, i) = first
-    (u, v, w), (j, k, m, n, o, p, q, r, s) = second
+    x, y, z = first.position  # by name: a named tuple is unpacked slowly
+    u, v, w = second.position
+    if first.rotation is NO_ROTATION:  # a shift, as most frames are
+        return Pose((x + u, y + v, z + w), second.rotation)
+    a, b, c, d, e, f, g, h, i = first.rotation
+    j, k, m, n, o, p, q, r, s = second.rotation
     return Pose(
         (x + a * u + b * v + c * w, y + d * u + e * v + f * w, z + g * u + h * v + i * w),
         (

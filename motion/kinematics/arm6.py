@@ -29,6 +29,7 @@ from motion.limits import AxisLimits
 POLE = 5e-10  # sine of j5 below which axes 4 and 6 turn about one line
 NEAR_POLE = 1e-4  # sine of j5 below which j6 is taken from j4, so that their sum keeps its digits
 LOST = 1e-10  # m: a wrist centre this near to axis 2 leaves j2 open, this near to axis 1 leaves j1 open
+LOST_SQUARE = LOST * LOST
 BORDER = 1e-12  # m and rad: rounding at the border between two configurations; on it: lefty, epositive
 SLACK = 1e-13  # m2: how far inside the side offset a wrist centre may stand by rounding
 SHORT = 8e-10  # m: how far beyond a stretched or folded arm it may stand by rounding
@@ -72,6 +73,9 @@ class Arm6:
         self.geometry, self.limits = geometry, tuple(limits)
         g = geometry
         self._chooser = Chooser(limits)
+        paces = [1.0 / axis.speed for axis in limits]
+        beside = min(2.0 * paces[3] / math.hypot(*paces), 1.0)  # rad: joint 4 of the other wrist is half a turn off, more than all steps
+        self._beside = tuple((k, axis.lower, axis.upper, beside) for k, axis in enumerate(limits))
         self._plain = g.signs == (1, 1, 1, 1, 1, 1) and not any(g.offsets)
         reach = math.hypot(g.forearm, g.elbow)
         psi = math.atan2(g.elbow, g.forearm)
@@ -105,14 +109,19 @@ class Arm6:
 
     def configuration(self, q: Sequence[float]) -> Configuration:
         """The flags of these joints by the formulas of the manual."""
-        g = self.geometry
         _, t2, t3, _, t5, _ = q if self._plain else self._angles(q)
+        lefty, up = self._bent(t2, t3)
+        return FLAGS[lefty][up][wrapped(t5) >= 0.0]
+
+    def _bent(self, t2: float, t3: float) -> tuple[bool, bool]:
+        """Whether the arm is lefty, and epositive; rad."""
+        g = self.geometry
         try:
             forwards = g.arm * math.sin(t2) + g.forearm * math.sin(t2 + t3) + g.elbow * math.cos(t2 + t3) + g.delta
         except ValueError:
-            raise MotionError(f"joints {tuple(q)} hold a value that is no finite number") from None
+            raise MotionError(f"joints with {t2} and {t3} hold a value that is no finite number") from None
         bend = wrapped(t3 + self._fixed[6])
-        return FLAGS[forwards >= -BORDER][not BORDER - math.pi < bend < -BORDER][wrapped(t5) >= 0.0]
+        return forwards >= -BORDER, not BORDER - math.pi < bend < -BORDER
 
     def jacobian(self, q: Sequence[float]) -> NDArray[np.float64]:
         """(6, 6): m and rad of the flange for each rad of a joint, in the base frame."""
@@ -152,26 +161,32 @@ class Arm6:
 
     def follow(self, pose: Pose, near: Sequence[float]) -> Joints:
         """The next joints of a path: shoulder and elbow as in `near`, the nearer of the two wrists."""
-        t1, _, _, t4, _, t6 = near if self._plain else self._angles(near)
-        now = self.configuration(near)
-        found = self._solve(pose, t1, t4, t6, now)
+        t1, t2, t3, t4, t5, t6 = near if self._plain else self._angles(near)
+        found = self._solve(pose, t1, t4, t6, self._bent(t2, t3))
         if not found:
             raise Unreachable(self._too_far(pose))
-        return self._chooser.choose(self._named(found), near, None, now)
+        joints = found[-1 if t5 < 0.0 else 0][0]  # the wrist as it was
+        if not self._plain:
+            joints = self._joints(joints)
+        for k, lower, upper, beside in self._beside:
+            if not (lower <= joints[k] <= upper and -beside < joints[k] - near[k] < beside):
+                return self._chooser.choose(self._named(found), near, None, self.configuration(near))
+        return joints  # a step of a path: the other wrist is further away for certain
 
     def _named(self, found: list[Branch]) -> list[Branch]:
         """Geometric angles -> joints of the robot."""
         return found if self._plain else [(self._joints(angles), flags) for angles, flags in found]
 
     def _solve(  # noqa: PLR0915 - one function by hand: every planner and stepper calls it for every point
-        self, pose: Pose, hold1: float, hold4: float, hold6: float | None, only: Configuration | None = None
+        self, pose: Pose, hold1: float, hold4: float, hold6: float | None, only: tuple[bool, bool] | None = None
     ) -> list[Branch]:
         """Branches as geometric angles (rad); `hold`: what j1, j4, j6 keep where the pose leaves them open.
 
-        `only`: with this shoulder and elbow.
+        `only`: lefty and epositive, or not.
         """
         height, delta, side, arm, flange, reach, psi, sin_psi, cos_psi, farthest, nearest, out, inn, total, excess = self._fixed
-        (x, y, z), (r11, r12, r13, r21, r22, r23, r31, r32, r33) = pose
+        x, y, z = pose.position
+        r11, r12, r13, r21, r22, r23, r31, r32, r33 = pose.rotation
         x -= flange * r13
         y -= flange * r23
         z -= flange * r33 + height
@@ -182,13 +197,15 @@ class Arm6:
         radius = math.sqrt(radius) if radius > 0.0 else 0.0
         found: list[Branch] = []
         atan2, sqrt, pi = math.atan2, math.sqrt, math.pi
-        shoulders: tuple[float, ...] = (radius, -radius) if radius > 0.0 and away > LOST * LOST else (radius,)
-        elbows: tuple[float, ...] = (1.0, -1.0)
-        if only is not None:
-            shoulders = shoulders[:1] if only.shoulder is Shoulder.LEFTY else shoulders[-1:]
-            elbows = elbows[:1] if only.elbow is Elbow.POSITIVE else elbows[1:]
+        two = radius > 0.0 and away > LOST_SQUARE
+        if only is None:
+            shoulders: tuple[float, ...] = (radius, -radius) if two else (radius,)
+            elbows: tuple[float, ...] = (1.0, -1.0)
+        else:
+            left, up = only
+            shoulders, elbows = (radius if left or not two else -radius,), (1.0 if up else -1.0,)
         for forwards in shoulders:
-            if away > LOST * LOST:
+            if away > LOST_SQUARE:
                 c1, s1 = (forwards * x + side * y) / away, (forwards * y - side * x) / away
                 t1 = atan2(s1, c1)
             else:
@@ -211,7 +228,7 @@ class Arm6:
             along, aside = 0.5 * (square + excess) / arm, 0.5 * bend / arm
             for sign in elbows if bend > 0.0 else (1.0,):
                 across = sign * aside
-                if square > LOST * LOST:
+                if square > LOST_SQUARE:
                     s2, c2 = (along * over - across * lift) / square, (along * lift + across * over) / square
                 else:
                     s2, c2 = 0.0, 1.0  # the wrist centre lies on axis 2: any j2 will do

@@ -13,6 +13,8 @@ from motion.limits import TOUCH, AxisLimits
 from motion.units import Kind, kind_of
 
 TURN = 2.0 * math.pi
+BESIDE = 3.0  # rad: nearer than that no other turn is nearer
+ROUNDING = 1e-9  # of a way: less than that is not told apart before it is looked at
 
 
 def wrapped(angle: float) -> float:
@@ -40,41 +42,63 @@ class Chooser:
 
     def __init__(self, limits: Sequence[AxisLimits]) -> None:
         self._limits = tuple(limits)
-        self._rows = tuple((axis.lower, axis.upper, 1.0 / axis.speed, kind_of(axis.unit) is Kind.ROTARY) for axis in limits)
+        kinds = (kind_of(axis.unit) for axis in limits)
+        self._rows = tuple(
+            (k, axis.lower, axis.upper, 1.0 / axis.speed, BESIDE if kind is Kind.ROTARY else math.inf)
+            for k, (axis, kind) in enumerate(zip(limits, kinds, strict=True))
+        )
 
-    def fit(self, joints: Joints, near: Sequence[float], least: float = math.inf) -> tuple[Joints, float] | int:
-        """The turns of `joints` nearest to `near` and how far that is (seconds at full speed, squared), or the axis that cannot.
+    def fit(self, joints: Joints, near: Sequence[float], least: float = math.inf) -> tuple[Joints, float]:
+        """The turns of `joints` nearest to `near` and how far that is (seconds at full speed, squared); inf where an axis cannot.
 
         Where it is farther than `least` the rest is not looked at.
         """
-        fitted: list[float] = []
+        fitted: list[float] = []  # empty: they are what they were
         far = 0.0
-        for value, here, (lower, upper, pace, rotary) in zip(joints, near, self._rows, strict=True):
+        for axis, lower, upper, pace, beside in self._rows:  # no zip: to make one takes as long as three of the axes
+            value, here = joints[axis], near[axis]
             step = value - here
-            if not lower <= value <= upper or (rotary and not -3.0 < step < 3.0):
-                turned = nearest_turn(value, here, lower, upper) if rotary else inside(value, lower, upper)
+            if not (lower <= value <= upper and -beside < step < beside):
+                if beside == math.inf:
+                    turned = inside(value, lower, upper)
+                elif least < math.inf and (math.remainder(step, TURN) * pace) ** 2 > least * (1.0 + ROUNDING):
+                    return joints, math.inf
+                else:
+                    turned = nearest_turn(value, here, lower, upper)
                 if turned is None:
-                    return len(fitted)
-                value = turned
-                step = value - here
-            fitted.append(value)
+                    return joints, math.inf
+                fitted = fitted or list(joints)
+                fitted[axis] = turned
+                step = turned - here
             step *= pace
             far += step * step
             if far > least:
                 break
-        return tuple(fitted), far
+        return tuple(fitted) if fitted else joints, far
 
     def choose(self, branches: Sequence[Branch], near: Sequence[float], wanted: Configuration | None, now: Configuration) -> Joints:
-        """The nearest branch that meets `wanted` (SAME: as `now`); raises Unreachable, OutOfLimits or WrongConfiguration."""
+        """The nearest branch that meets `wanted` (SAME: as `now`), of equals the first; raises Unreachable, OutOfLimits or
+        WrongConfiguration.
+
+        One in the configuration of `near` is looked at before the others: nearly always it is the nearest, and little of the others
+        is looked at then.
+        """
         if len(near) != len(self._rows):
             raise MotionError(f"{len(near)} joints given as near, {len(self._rows)} axes")
         best: Joints | None = None
         least = math.inf
+        like: Joints | None = None
+        for joints, found in branches:
+            if found is now:
+                like, fit = joints, self.fit(joints, near)
+                if wanted is None or wanted.admits(found, now):
+                    least = math.nextafter(fit[1], math.inf)  # an equal one that stands before it is taken still
+                break
         for joints, found in branches:
             if wanted is None or wanted.admits(found, now):
-                fit = self.fit(joints, near, least)
-                if not isinstance(fit, int) and fit[1] < least:
-                    best, least = fit
+                fitted, far = fit if joints is like else self.fit(joints, near, least)
+                if far < least:
+                    best, least = fitted, far
         if best is None:
             raise self._complaint(branches, near, wanted)
         return best
@@ -85,13 +109,20 @@ class Chooser:
             return Unreachable("out of reach")
         if not all(map(math.isfinite, (*near, *branches[0][0]))):
             return Unreachable("the pose, or the joints to start from, hold a value that is no finite number")
-        fits = [self.fit(joints, near) for joints, _ in branches]
-        blamed = [fit for fit in fits if isinstance(fit, int)]
-        if len(blamed) < len(fits) and wanted is not None:
+        blamed = [self._blamed(joints, near) for joints, _ in branches]
+        if None in blamed and wanted is not None:
             words = f"{wanted.shoulder.value} {wanted.elbow.value} {wanted.wrist.value}"
             return WrongConfiguration(f"not in the configuration {words}, though in another one")
-        axis = self._limits[blamed[0]]
+        axis = self._limits[next((axis for axis in blamed if axis is not None), 0)]
         return OutOfLimits(f"axis {axis.name} would leave its travel", axis=axis.name)
+
+    def _blamed(self, joints: Joints, near: Sequence[float]) -> int | None:
+        """The first axis that cannot; None: all can."""
+        for axis, lower, upper, _, beside in self._rows:
+            turned = inside(joints[axis], lower, upper) if beside == math.inf else nearest_turn(joints[axis], near[axis], lower, upper)
+            if turned is None:
+                return axis
+        return None
 
 
 def inside(value: float, lower: float, upper: float) -> float | None:

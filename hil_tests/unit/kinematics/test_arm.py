@@ -105,6 +105,30 @@ def test_a_line_through_the_wrist_pole_changes_the_sign_of_axis_5_and_keeps_4_an
         assert unlike(q, target) < 1e-6
 
 
+@pytest.mark.parametrize("geometry", [TX60, GENERAL])
+@pytest.mark.parametrize("width", [0.01, 0.3, 1.2, 2.9])
+def test_a_path_takes_the_nearer_of_the_two_wrists_however_far_a_step_is(geometry: ArmGeometry, width: float) -> None:
+    speeds = (1.0, 2.0, 1.5, 4.0, 3.0, 6.0)
+    robot = Arm6(geometry, [turning(f"j{n}", -4.0, 3.5, speed) for n, speed in enumerate(speeds, 1)])
+    chooser, turned_over = Chooser(robot.limits), 0
+    for near, step in zip(spread(300, (2.5,) * 6), spread(300, (0.01, 0.01, 0.01, width, width, width)), strict=True):
+        pose, now = robot.forward([a + b for a, b in zip(near, step, strict=True)]), robot.configuration(near)
+        pair = [branch for branch in robot.branches(pose) if (branch[1].shoulder, branch[1].elbow) == (now.shoulder, now.elbow)]
+        wanted = outcome(chooser.choose, pair, near, None, now)
+        assert outcome(robot.follow, pose, near) == wanted
+        turned_over += not isinstance(wanted, str) and robot.configuration(wanted).wrist is not now.wrist
+    assert turned_over or width < 2.0, "wrists that turn over are among the wide ones"
+
+
+def test_of_branches_equally_near_the_first_is_taken_whichever_is_like_the_joints() -> None:
+    robot = arm()
+    over, under, other = (flags for _, flags in robot.branches(robot.forward((0.3, 0.5, 1.0, 0.7, 0.9, -0.4)))[:3])
+    rows = [((0.1, 0.0, 0.0, 0.0, 0.0, 0.0), over), ((-0.1, 0.0, 0.0, 0.0, 0.0, 0.0), under)]
+    for now in (over, under, other):
+        assert Chooser(robot.limits).choose(rows, (0.0,) * 6, None, now)[0] == 0.1
+        assert Chooser(robot.limits).choose(rows[::-1], (0.0,) * 6, None, now)[0] == -0.1
+
+
 def test_with_the_wrist_centre_on_axis_1_axis_1_stays() -> None:
     robot = arm(ArmGeometry(0.4, 0.3, 0.3, 0.1))
     bent = math.radians(50)
@@ -180,6 +204,18 @@ def test_the_nearest_turn_inside_the_travel_is_taken() -> None:
     assert unlike(robot.follow(pose, (*q[:5], 3.4)), q) < 1e-9
     near_zero = robot.inverse(pose, (*q[:5], 0.0), SAME)
     assert math.isclose(near_zero[5], 3.5 - 2 * math.pi)
+
+
+def test_of_all_branches_and_turns_the_nearest_is_taken() -> None:
+    travel, speeds = 5.0, (1.0, 2.0, 1.5, 4.0, 3.0, 6.0)
+    robot = Arm6(TX60, [turning(f"j{n}", -travel, travel, speed) for n, speed in enumerate(speeds, 1)])
+    for q, near in zip(spread(100, (3.0,) * 6), spread(100, (4.9, 2.0, 4.5, 4.8, 2.5, 4.7)), strict=True):
+        pose, ways = robot.forward(q), []
+        for joints, _ in robot.branches(pose):
+            turns = [[way for way in (j - 2 * math.pi, j, j + 2 * math.pi) if -travel <= way <= travel] for j in joints]
+            best = [here + min((way - here for way in row), key=abs) for row, here in zip(turns, near, strict=True)]
+            ways.append((sum(((a - b) / v) ** 2 for a, b, v in zip(best, near, speeds, strict=True)), best))
+        assert unlike(robot.inverse(pose, near), min(ways)[1]) < 1e-9
 
 
 def test_faster_axes_make_the_longer_way() -> None:
