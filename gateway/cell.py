@@ -80,6 +80,7 @@ class Robot:
     zero: str = ""
     shape: str = "jerk"
     too_fast: str | int = "slow"  # or P306 sub-query 6, 0..3
+    corrects: str = "xyzabc"  # components of world points a workpiece system corrects (P313)
 
 
 @dataclass(frozen=True, slots=True)

@@ -70,6 +70,7 @@ class Rho3:
     P303: tuple[int, ...] = ()
     P306: tuple[OfKinematic, ...] = ()
     P311: tuple[float, ...] = ()
+    P313: tuple[tuple[int, ...], ...] = ()
     P401: tuple[MeasuringSystem, ...] = ()
     P601: bool = False
     others: Mapping[str, ParamValue] = field(default_factory=dict)

@@ -68,6 +68,7 @@ class Robot(Table):
     zero: str = ""
     shape: Literal["jerk", "sin2"] = "jerk"
     too_fast: Annotated[Literal["slow", "abort", "error", 0, 1, 2, 3], BeforeValidator(_mode)] = "slow"
+    corrects: str = Field(default="xyzabc", pattern=r"^x?y?z?a?b?c?$", json_schema_extra={"allowed": "letters of xyzabc in this order"})
 
 
 class Program(Table):

@@ -64,6 +64,7 @@ class Rho3(Table):
     P303: list[Annotated[int, Field(ge=0, le=4)]] = []
     P306: list[OfKinematic] = []
     P311: Ways = []
+    P313: list[Annotated[list[Annotated[int, Field(ge=0, le=24)]], Field(min_length=6, max_length=6)]] = []
     P401: list[MeasuringSystem] = []
     P601: bool = False
     others: dict[str, Any] = {}

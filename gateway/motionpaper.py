@@ -26,6 +26,7 @@ from motion.planner.trace import PERIOD_S, BeltWay, Trace, joined, numbered, too
 from motion.planner.watched import Slowed
 from motion.program.blocks import BeltAct, Block, Program
 from motion.program.errors import BlockError
+from motion.program.systems import located
 from motion.stepper import State, Stepper
 from motion.sync.alterable import check_alterable
 from motion.sync.belts import SIMULATION, Type
@@ -64,9 +65,10 @@ def sections_of(
     alterable part without its correction.  option: the robot has one; kinematic: its number in the cell; `said` hears the number of each
     block that was looked at, `slowed` gets those whose programmed speed an axis cannot keep."""
     route, found, faults = _Looked(machine, program.start), [Section(1, program.start)], []
-    for number, block in enumerate(program.blocks, 1):
+    blocks = [located(block, machine.corrects) for block in program.blocks]
+    for number, block in enumerate(blocks, 1):
         try:
-            section, before = found[-1], program.blocks[number - 2] if number > 1 else None
+            section, before = found[-1], blocks[number - 2] if number > 1 else None
             check_alterable(block, before, number, option=option)
             if before is not None and before.alteration != block.alteration and block.synchron is None:
                 route.finish()  # the axes rest where an alterable part begins and ends (AX-449)
@@ -96,7 +98,7 @@ def sections_of(
             faults.append(numbered(error, number))
         said(number)
     try:
-        acting(program.acts, len(program.blocks), belts, "", machine)
+        acting(program.acts, len(blocks), belts, "", machine)
         route.finish()
     except BlockError as error:
         faults.append(error)

@@ -17,7 +17,7 @@ LEGAL = frozenset(
     "P111 P112 P113 P114 P117 P122 P128 P129 P130 P201 P202 P203 P204 P205 P207 P208 P212 P213 P214 P301 P303 P304 P305 P306 P310 "
     "P311 P313 P401 P402 P405 P501 P503 P506 P508 P601 P602 P603 P604 P605 P606 P607 P608 P609 P610 P611 P612 P613 P614 P615".split()
 )
-USED = frozenset("P2 P5 P9 P15 P20 P21 P24 P30 P31 P32 P103 P104 P108 P109 P204 P205 P207 P208 P303 P306 P311 P401 P601".split())
+USED = frozenset("P2 P5 P9 P15 P20 P21 P24 P30 P31 P32 P103 P104 P108 P109 P204 P205 P207 P208 P303 P306 P311 P313 P401 P601".split())
 PER_AXIS = {  # P number -> (table, key) of [[axis]], sign
     "P103": ("limits", "speed", 1.0),
     "P104": ("limits", "accel", 1.0),
@@ -29,6 +29,7 @@ PER_AXIS = {  # P number -> (table, key) of [[axis]], sign
     "P208": ("home", "offset", 1.0),
 }
 ENDLESS = (3, 4)  # P303
+COMPONENTS = "xyzabc"  # P313
 PULSES = {1: 16384, 2: 8192, 3: 4096}  # increments per turn (rho3 2.6, L7586-7588)
 BITRATE = {0: "1 Mbit/s", 1: "500 kbit/s", 2: "250 kbit/s", 3: "125 kbit/s"}  # P30 (rho3 2.1, L7411-7415)
 
@@ -117,7 +118,7 @@ class _Work:
             self.put(inner, key, sign * value, f"{param}[{number + 1}]", where, ("rho3", param, number))
 
     def kinematics(self) -> None:
-        """P306 of each kinematic: sub-query 6, what becomes of a path that is too fast for an axis."""
+        """P306 sub-query 6, what becomes of a path that is too fast for an axis; P313, what a workpiece system corrects."""
         robots = self.merged.raw.get("robot")
         robots = [robots] if isinstance(robots, dict) else _tables(robots)
         rows = _tables(self.params.get("P306"))
@@ -125,8 +126,25 @@ class _Work:
             if "monitoring" in row:
                 where = f"robot.{robot.get('name', number)}.too_fast"
                 self.put(robot, "too_fast", row["monitoring"], f"P306[{number + 1}].monitoring", where, ("rho3", "P306", number))
+        given = self.params.get("P313")
+        assigned = given if isinstance(given, list) else []  # what is none is told by its model
+        for number, (robot, row) in enumerate(zip(robots, assigned, strict=False)):
+            if isinstance(row, list) and len(row) == len(COMPONENTS) and all(isinstance(value, int) for value in row):
+                self.assigned(number, robot, row)
+        if robots and len(assigned) > len(robots):
+            self.fault("P313", f"{len(assigned)} lists", f"{len(robots)} [[robot]] tables: one each at most", ("rho3", "P313"))
         if robots and len(rows) > len(robots):
             self.fault("P306", f"{len(rows)} tables", f"{len(robots)} [[robot]] tables: one each at most", ("rho3", "P306"))
+
+    def assigned(self, number: int, robot: dict[str, Any], row: list[int]) -> None:
+        """P313 of one kinematic.  Points of programs name x y z a b c themselves, so of its numbers counts which are 0."""
+        place: Path = ("rho3", "P313", number)
+        if any(value > len(COMPONENTS) for value in row) or len({value for value in row if value}) < sum(map(bool, row)):
+            hint = "six numbers of components 1..6, each at most once, 0: not corrected; belt values of blocks are not corrected"
+            self.fault(f"P313[{number + 1}]", row, hint, place)
+            return
+        corrects = "".join(letter for letter, value in zip(COMPONENTS, row, strict=True) if value)
+        self.put(robot, "corrects", corrects, f"P313[{number + 1}]", f"robot.{robot.get('name', number)}.corrects", place)
 
     def endless(self, number: int, axis: dict[str, Any]) -> bool:
         """P303 = 3, 4: the axis goes round at P311."""

@@ -106,7 +106,7 @@ def _raw(value: float, place: OutputPlace) -> int:
 def as_call(asked: Function) -> tuple[Kind, Call]:
     """As the functions themselves take it."""
     kind = Kind.PPO if asked.ppo else Kind.IOL
-    return kind, Call(asked.number, asked.kinematic, asked.coordinate, asked.position, asked.value, asked.time_ms)
+    return kind, Call(asked.number, asked.kinematic, asked.coordinate, asked.position, asked.value, asked.time_ms, asked.system)
 
 
 def check_function(asked: Function, places: Places, kinematic: int) -> None:

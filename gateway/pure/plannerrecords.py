@@ -6,7 +6,7 @@ or the mark that nothing follows.  planner region: what it does, for displays an
 
 import json
 import struct
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 from motion.outputs.function import Function
@@ -15,7 +15,7 @@ from motion.pieces import RECORD_SIZE, record_size
 BLOCKS = 2048  # records in the blocks ring
 PIECES = 1024  # records in the pieces ring: half a minute of motion
 AHEAD = 128  # pieces handed on and not run: two seconds, the longest the axes go on after the planner's death
-PLANNER_BYTES = 2048
+PLANNER_BYTES = 8192
 WORDS = 400  # characters of a sentence
 TEXT_BYTES = 1000
 
@@ -174,7 +174,7 @@ class UntilInput:
 
 VOID = -1
 PPO_NUMBERS = 1000  # added to the number of a PPO where a function is told as one number
-_FUNCTION = struct.Struct("=Qd?iiiddi")
+_FUNCTION = struct.Struct("=Qd?iiiddi6d")
 _SWITCH, _UNTIL = struct.Struct("=Qdi?"), struct.Struct("=i?I?I")
 
 
@@ -194,7 +194,7 @@ def function_record(job: int, generation: int, at: FunctionAt) -> PieceRecord:
     """As a record of the pieces ring."""
     call = at.function
     body = _FUNCTION.pack(
-        at.piece, at.after, call.ppo, call.number, call.kinematic, call.coordinate, call.position, call.value, call.time_ms
+        at.piece, at.after, call.ppo, call.number, call.kinematic, call.coordinate, call.position, call.value, call.time_ms, *call.system
     )
     return PieceRecord(Part.FUNCTION, job, generation, body.ljust(RECORD_SIZE, b"\0"))
 
@@ -202,7 +202,8 @@ def function_record(job: int, generation: int, at: FunctionAt) -> PieceRecord:
 def function_of(record: PieceRecord) -> FunctionAt:
     """The reverse of function_record."""
     piece, after, *rest = _FUNCTION.unpack_from(record.piece)
-    return FunctionAt(piece, after, Function(*rest))
+    own, (dx, dy, dz, da, db, dc) = rest[:7], rest[7:]
+    return FunctionAt(piece, after, replace(Function(*own), system=(dx, dy, dz, da, db, dc)))
 
 
 def function_number(ppo: bool, number: int) -> int:
@@ -257,6 +258,7 @@ class PlannerState:
     cycle: int = 0  # generation of the cycle that the types of belts hold for
     types: tuple[tuple[int, int], ...] = ()  # of the belts as programs have set them (SF 21): type and tolerance
     placed: int = 0  # axes (bit n-1 = axis n) whose positions programs have set in that cycle (SF 3)
+    systems: tuple[tuple[int, tuple[float, float, float, float, float, float]], ...] = ()  # WC_SYSTEM of kinematics where it is not WC_UR
 
 
 def pack_planner(state: PlannerState) -> bytes:
@@ -270,4 +272,5 @@ def unpack_planner(data: bytes) -> PlannerState:
     """The reverse of pack_planner."""
     fields = json.loads(data)
     fields["types"] = tuple((kind, tolerance) for kind, tolerance in fields["types"])
+    fields["systems"] = tuple((kinematic, tuple(values)) for kinematic, values in fields["systems"])
     return PlannerState(**fields)

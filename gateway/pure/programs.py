@@ -25,11 +25,12 @@ from gateway.pure.plannerrecords import (
 )
 from gateway.pure.programchecks import Away, OfCell
 from gateway.pure.programparts import Coming, Measuring, apart, ending, measured_at, told
-from gateway.pure.programteam import no_programs, no_team, own_axes, own_blocks, reader_for
+from gateway.pure.programsystems import CellSystems
+from gateway.pure.programteam import no_programs, no_team, own_axes, own_blocks, reader_for, systems_of
 from gateway.pure.programtrial import Files, Trial
 from gateway.pure.programwarnings import Slowing
 from motion.errors import MotionError
-from motion.planner.fileplan import FilePlan, file_path
+from motion.planner.fileplan import FilePlan
 from motion.planner.planner import Planner
 from motion.planner.robot import Machine
 from motion.planner.team import Team
@@ -46,7 +47,6 @@ from motion.timed import encode_timed
 
 QUIET_TURNS = 6  # turns without a new block after which what is known is run
 ALWAYS = 1 << 62
-LEAST = 1e-3  # velocity factor of an order
 
 
 @dataclass
@@ -69,6 +69,7 @@ class Programs:
     windows: Sequence[float] = ()  # of the axes of the cell, in position; m and rad
     team_of: Callable[[Sequence[Kinematic], int], Team] = no_team
     slowing: Slowing = field(default_factory=Slowing)  # sentences about blocks that have begun
+    workpiece: CellSystems = field(default_factory=CellSystems)
     state: PlannerState = PlannerState()
     generation: int = 0
     _planner: Planner | FilePlan | None = None
@@ -125,6 +126,7 @@ class Programs:
         if generation != self.generation:
             self.generation, self._belts, self._placed = generation, self.belts, 0  # a start-up of the control
             self._drop()
+            self.workpiece.started_up()
             self._out.clear()
         if failed and failed == self.state.job:
             self._drop()
@@ -138,8 +140,10 @@ class Programs:
         self._parts = parts
         self._plan(piece, moving, taken)
         types = tuple((each.kind.value, each.tolerance) for each in self._belts)
-        if (self.state.cycle, self.state.types, self.state.placed) != (generation, types, self._placed):
-            self.state = replace(self.state, cycle=generation, types=types, placed=self._placed)
+        self.workpiece.reached(self.state.block)
+        said = generation, types, self._placed, self.workpiece.shown
+        if (self.state.cycle, self.state.types, self.state.placed, self.state.systems) != said:
+            self.state = replace(self.state, cycle=generation, types=types, placed=self._placed, systems=self.workpiece.shown)
         out = [record for record in self._out if record.job <= taken]  # a cycle that has not heard of the job would drop its fault
         self._out = [record for record in self._out if record.job > taken]
         return out
@@ -148,6 +152,7 @@ class Programs:
         """The planner before this one said this last: belts stay as programs have set them, as long as its cycle runs (AX-394)."""
         if before.cycle and len(before.types) == len(self.belts):
             self.generation, self._placed = before.cycle, before.placed
+            self.workpiece.follows(before.systems)
             rows = zip(self.belts, before.types, strict=True)
             self._belts = tuple(replace(each, kind=Type(kind), tolerance=tolerance) for each, (kind, tolerance) in rows)
 
@@ -177,6 +182,7 @@ class Programs:
         self._last, self._handed, self._before, self._blocks, self._error = None, False, 0, 0, ""
         self._measuring, self._measured, self._trial = Measuring(self.channels, self.systems), (), Trial(self._belts, self.files)
         self.slowing.begin()
+        self.workpiece.begin()
 
     def _obey(self, record: BlockRecord, standing: Sequence[float]) -> None:
         if record.say is Say.RUN:
@@ -196,9 +202,10 @@ class Programs:
     def _statement(self, text: str, line: int, standing: Sequence[float]) -> None:
         self._reader = reader_for(text, self._reader)
         self._reader.statement(text, line)
-        for block in self._reader.take():
+        for read in self._reader.take():
             planner = self._adding(standing)
             self._line_of.append(line)
+            block = self.workpiece.placed(read, len(self._line_of), planner.machine, self.kinematic_of)
             for machine, own in own_blocks(planner.machine, block):
                 mask, kinematic = self.mask_of(machine), self.kinematic_of(machine)
                 cell = OfCell(self.functions, self.outputs, self._measuring, mask, whole=self._lines is not None, kinematic=kinematic)
@@ -237,6 +244,8 @@ class Programs:
         """Statements of belts behind the last block."""
         if self._reader.acts:
             self._trial.behind(self._adding(standing), self._reader.acts, len(self._line_of))
+        if any(systems := systems_of(self._reader)):
+            self.workpiece.behind(systems, len(self._line_of) + 1, self._adding(standing).machine, self.kinematic_of)
 
     def _go_on(self, standing: Sequence[float], engaged: float, *, met: bool) -> None:
         """A part is over, and the axes rest where it ended, or have got onto a belt: the next one begins."""
@@ -278,7 +287,7 @@ class Programs:
             self.state = replace(self.state, block=self._before, share=1.0)
             return
         if part.blocks and part.blocks[0].file is not None:
-            self._planner, self._blocks = self._played(part, planner), 1
+            self._planner, self._blocks = self.files.played(part, planner, self._factors.velocity), 1
             return
         if part.engages or part.follows:
             self._start, self._handed = planner.standing, True
@@ -303,13 +312,6 @@ class Programs:
             raise told(error, self._before) from error
         self._out += part.begins(job, generation, self.kinematic_of(planner.robot))
         self._out += self._measuring.inputs(blocks, self.mask_of(planner.robot), job, generation)
-
-    def _played(self, part: Coming, planner: Planner) -> FilePlan:
-        """The points of a file from where the axes really stand; more slowly where the order asks for it."""
-        (block,), machine = part.blocks, planner.robot
-        path = file_path(block, part.data, planner.standing, machine, self.files.period_us, part.number)
-        slower = replace(path, period=path.period / max(self._factors.velocity, LEAST))
-        return FilePlan(machine, block, slower, planner.mask or 0, planner.next_id)
 
     def _end(self) -> None:
         self._ended = True
@@ -382,6 +384,7 @@ class Programs:
         if planner is None:
             if self._ended and not state.ended:  # a program without blocks
                 self.state = replace(state, ended=True, job=0)
+                self.workpiece.reached(ALWAYS)
                 self._out.append(PieceRecord(Part.LAST, state.job, self.generation))
             return
         if piece in self._begins:
@@ -421,6 +424,7 @@ class Programs:
         )
         if self.state.ended and not moving and piece in (0, self._last_id) and not new:
             self.state = replace(self.state, job=0, warning="")
+            self.workpiece.reached(ALWAYS)
 
     def _hand_on(self, planner: Planner | FilePlan, tau: float) -> None:
         """Pieces that are due; raises MotionError where a path has no law."""

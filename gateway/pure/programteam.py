@@ -9,6 +9,7 @@ from motion.program.blocks import Block
 from motion.program.team import Kinematic, Shared
 from motion.program.text import Reader
 from motion.program.textteam import TeamReader, several
+from motion.rho3.wc import WcFrame
 
 
 def no_programs(number: int) -> str:
@@ -36,9 +37,20 @@ def own_axes(robots: Machine | Team) -> Iterator[tuple[Machine, int]]:
         yield robots, 0
 
 
+def machines_in(robots: Machine | Team) -> tuple[Machine, ...]:
+    """One, or all of a team in their order."""
+    return robots.machines if isinstance(robots, Team) else (robots,)
+
+
+def systems_of(reader: Reader | TeamReader) -> list[WcFrame | None]:
+    """WC_SYSTEM of each kinematic, as the text has it where it is read to; None: nothing was said."""
+    readers = reader.readers.values() if isinstance(reader, TeamReader) else (reader,)
+    return [each.systems.active for each in readers]
+
+
 def own_blocks(robots: Machine | Team, block: Block | Shared) -> Iterator[tuple[Machine, Block]]:
     """Each robot that a block moves, and its own part of it."""
-    machines = robots.machines if isinstance(robots, Team) else (robots,)
+    machines = machines_in(robots)
     moves = block.moves if isinstance(block, Shared) else (block,)
     for machine, own in zip(machines, moves, strict=True):
         if own is not None:

@@ -8,7 +8,7 @@ from gateway.pure.programparts import Coming, acting, begun, outside, told
 from motion.errors import MotionError
 from motion.files.playing import FilePath
 from motion.kinematics.base import Joints
-from motion.planner.fileplan import file_path
+from motion.planner.fileplan import FilePlan, file_path
 from motion.planner.marks import check_outputs
 from motion.planner.planner import Planner
 from motion.planner.robot import Machine
@@ -16,6 +16,8 @@ from motion.planner.route import Route
 from motion.program.blocks import MEASURED, Act, Block, Flying
 from motion.program.errors import BlockError
 from motion.sync.facts import BeltFacts
+
+LEAST = 1e-3  # velocity factor of an order
 
 
 def no_files(name: str, number: int) -> bytes:
@@ -38,6 +40,13 @@ class Files:
         except MotionError as error:
             raise BlockError(f"move_file {error}", block=number) from error
         return data, file_path(block, data, standing, machine, self.period_us, number)
+
+    def played(self, part: Coming, planner: Planner, velocity: float) -> FilePlan:
+        """The points of its file from where the axes really stand; more slowly where the order asks for it."""
+        (block,), machine = part.blocks, planner.robot
+        path = file_path(block, part.data, planner.standing, machine, self.period_us, part.number)
+        slower = replace(path, period=path.period / max(velocity, LEAST))
+        return FilePlan(machine, block, slower, planner.mask or 0, planner.next_id)
 
 
 @dataclass

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 @dataclass(frozen=True, slots=True)
 class Function:
     """Called where its block begins: function number (negative: reset), kinematic, coordinate 1.. of the workpiece point, position (mm or
-    deg), parameter value, time offset in ms."""
+    deg), parameter value, time offset in ms; system: the workpiece system (mm, deg) the coordinate is of."""
 
     ppo: bool
     number: int
@@ -15,3 +15,4 @@ class Function:
     position: float
     value: float
     time_ms: int = 0
+    system: tuple[float, float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 
+from motion.conventions import RHO3
 from motion.errors import MotionError
 from motion.measure.errors import ProgramFault
 
@@ -62,6 +63,7 @@ class Call:
     position: float
     value: float
     time_ms: int = 0
+    system: tuple[float, float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # workpiece system its coordinate is of
 
 
 @dataclass(slots=True)
@@ -103,7 +105,7 @@ class PathOutputs:
         return (kind, kinematic, number) in self._running
 
     def step(self, kinematic: int, point: Sequence[float], period_s: float, stops: Sequence[Stop] = ()) -> str:
-        """Once a cycle.  point: workpiece coordinates of the set point, mm and deg; stops: what holds now.
+        """Once a cycle.  point: original coordinates of the set point, mm and deg; stops: what holds now.
 
         Returns the message PPO/IOL : IPO - STOP with function and reason when a function was stopped, else an empty text.
         """
@@ -111,12 +113,13 @@ class PathOutputs:
         for key, running in list(self._running.items()):
             if key[1] != kinematic or running.frozen:
                 continue
-            reason = self._reason(running, point, stops)
+            own = _seen(running.call.system, point)
+            reason = self._reason(running, own, stops)
             if reason is not None:
                 self._stop(key, running)
                 self.stopped = self.stopped or (key[0], key[2])
                 said = said or f"{STOPPED} ({key[0].name} {key[2]}, kinematic {kinematic}: {reason.value})"
-            elif self._advance(key, running, point, period_s):
+            elif self._advance(key, running, own, period_s):
                 del self._running[key]
         return said
 
@@ -177,6 +180,11 @@ class PathOutputs:
             raise MotionError(f"{name} {asked.number}: parameter value {asked.value} is not a number")
         if asked.number > 0 and not (asked.coordinate >= 1 and math.isfinite(asked.position)):
             raise MotionError(f"{name} {asked.number}: coordinate {asked.coordinate}, position {asked.position} do not fit")
+
+
+def _seen(system: Sequence[float], point: Sequence[float]) -> Sequence[float]:
+    """Coordinates in a workpiece system (L8999-9001)."""
+    return RHO3.values(RHO3.pose(system).inverse() @ RHO3.pose(point)) if any(system) else point
 
 
 def _reached(running: _Running, here: float) -> bool:

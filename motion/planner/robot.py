@@ -28,6 +28,7 @@ class Machine:
     turn_accel: float = inf
     too_fast: TooFast = TooFast.SLOW
     shape: Shape = Shape.JERK  # of blocks that do not say
+    corrects: str = "xyzabc"  # components of a world point that a workpiece system corrects (P313)
     shares: tuple[float, float] = (1.0, 1.0)  # of the axes' acceleration and jerk `limits` are: pieces carry the whole
 
     def __post_init__(self) -> None:

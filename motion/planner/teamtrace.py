@@ -5,6 +5,7 @@ from motion.planner.teamroute import TeamRoute
 from motion.planner.trace import PERIOD_S, Findings, Trace, numbered, sampled, seen
 from motion.planner.watched import Slowed
 from motion.program.errors import BlockError
+from motion.program.systems import located
 from motion.program.team import TeamProgram
 
 
@@ -13,7 +14,7 @@ def team_findings(program: TeamProgram, team: Team) -> Findings:
     route, faults = TeamRoute(team, program.start), []
     for number, shared in enumerate(program.blocks, 1):
         try:
-            route.add(shared)
+            route.add(shared.changed(lambda n, block: located(block, team.machines[n].corrects)))
         except BlockError as error:
             faults.append(numbered(error, number))
     try:

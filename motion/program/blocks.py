@@ -15,6 +15,7 @@ from motion.conventions import Convention
 from motion.frames import IDENTITY, Pose, Vector
 from motion.kinematics.base import FREE, Configuration
 from motion.outputs.function import Function
+from motion.rho3.wc import WcFrame
 
 MAX_JOINTS = 24  # 6 of the arm, additional axes 7 .. 24
 
@@ -324,6 +325,7 @@ class Block:
     file: FileCall | None = None  # the way is that of a file, and `target` UNKNOWN
     freeze: bool = False  # in an alterable part: from the end of this block on the correction stays as it is (alterEnd before the end)
     recorded: int = 0  # the target is this entry of the reference path, and `target` UNKNOWN
+    system: WcFrame | None = None  # WC_SYSTEM its poses are in, None: the one in force (motion.program.systems)
     label: str = ""  # in front of it
     acts: tuple[Act, ...] = ()  # of belts, done at rest before it
     line: int = field(default=0, compare=False)  # of the program text; 0: none
@@ -345,6 +347,7 @@ class Program:
     blocks: tuple[Block, ...]
     units: tuple[str, ...] = ()  # outside units of the axes, "mm" or "deg"; empty: all deg
     acts: tuple[Act, ...] = ()  # behind the last block
+    system: WcFrame | None = None  # WC_SYSTEM behind it
 
 
 Part = TypeVar("Part")

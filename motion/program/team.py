@@ -1,5 +1,6 @@
 """Blocks of a program that moves several kinematics: who moves, and who moves together."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from motion.program.blocks import Block
@@ -14,6 +15,10 @@ class Shared:
 
     moves: tuple[Block | None, ...]
     line: int = field(default=0, compare=False)  # of the program text; 0: none
+
+    def changed(self, how: Callable[[int, Block], Block]) -> "Shared":
+        """Every kinematic's own block by what `how` makes of its number, from 0, and it."""
+        return Shared(tuple(None if block is None else how(n, block) for n, block in enumerate(self.moves)), self.line)
 
     @property
     def moving(self) -> tuple[int, ...]:

@@ -39,6 +39,8 @@ from motion.program.textfiles import HEADS as FILE_HEADS
 from motion.program.textfiles import OpenFiles
 from motion.program.textinputs import FUNCTIONS as MEASURING
 from motion.program.textinputs import called, entry_of, wait_of
+from motion.program.textsystems import HEADS as SYSTEM_HEADS
+from motion.program.textsystems import Systems
 from motion.program.textvalues import (
     CALLS,
     call_of,
@@ -85,6 +87,7 @@ class Reader:
     parts: int = 0
     altered: AlterParts = field(default_factory=AlterParts)
     files: OpenFiles = field(default_factory=OpenFiles)
+    systems: Systems = field(default_factory=Systems)
     labels: dict[str, int] = field(default_factory=dict)  # blocks before it
     label: str = ""  # in front of the next block
     errors: list[tuple[int, str, int]] = field(default_factory=list)  # line, label, number of the block that names it
@@ -143,6 +146,8 @@ class Reader:
                 self.altered.end(rest)
             case _ if head in FILE_HEADS:
                 self.file(head, rest, number)
+            case _ if head in SYSTEM_HEADS:
+                self.systems.line(head, rest)
             case _ if head in ACTS:
                 self.acts = (*self.acts, self.act(head, rest))
             case "label":
@@ -369,6 +374,7 @@ class Reader:
             highest=corner_of("limitmax", keys.get("limitmax", "-")),
             shift=shift,
             freeze=self.altered.freeze(keys.get("freeze")),
+            system=self.systems.active,
             label=self.label,
             acts=self.acts,
             line=number,
@@ -401,7 +407,7 @@ FUNCTIONS: dict[str, Callable[[str, list[str]], Called]] = {
 }  # begin with a block
 ACTS = ("sync", *CALLS, "mach_pos")  # done at rest before one
 PARTS = ("synchron", "synchron_end", "alter", "alter_end", *ACTS)
-OTHERS = ("tool", "frame", "point", "set", *PARTS, "label", *FUNCTIONS, *FILE_HEADS)
+OTHERS = ("tool", "frame", "point", "set", *PARTS, "label", *FUNCTIONS, *FILE_HEADS, *SYSTEM_HEADS)
 STATEMENTS = (*HEADINGS, *OTHERS, *MOVES)
 ACTING = ("out", "until", "error", "wait", "delay", "belt", "camin", "camout", "freeze")
 ONCE = ("config", "extra", *ACTING, "time", "weight", "angle", "rise")  # of one block alone
@@ -423,4 +429,4 @@ def read(text: str) -> Program:
         faults.append(TextError(0, "start", "is missing: where the axes stand before the first block"))
     if faults:
         raise TextFaults(faults)
-    return Program(reader.name, reader.robot, reader.start, tuple(reader.blocks), reader.units, reader.acts)
+    return Program(reader.name, reader.robot, reader.start, tuple(reader.blocks), reader.units, reader.acts, reader.systems.active)

@@ -28,7 +28,9 @@ from motion.program.blocks import (
     Tool,
 )
 from motion.program.textinputs import called
+from motion.program.textsystems import chosen, declared
 from motion.program.textvalues import CALLED
+from motion.rho3.wc import WcFrame
 from motion.units import from_si
 
 
@@ -40,6 +42,7 @@ def write(program: Program, angles: str = "val3") -> str:
     lines += heading(program.start, units, angles)
     references = [block.alteration.reference for block in program.blocks if block.alteration is not None]
     lines += places_of(program.blocks, ways, references)
+    lines += declared([*(block.system for block in program.blocks), program.system])
     lines += _moves(program, ways, units)
     return "\n".join(line for line in lines if line) + "\n"
 
@@ -65,7 +68,11 @@ def _moves(program: Program, ways: Convention, units: tuple[str, ...]) -> list[s
     part: Synchron | None = None
     altered: Alteration | None = None
     files: dict[str, int] = {}
+    system: WcFrame | None = None
     for block in blocks:
+        if block.system != system:
+            lines.append(chosen(block.system))
+            system = block.system
         if block.synchron != part:
             lines += ["synchron_end"] if part is not None else []
             part = block.synchron
@@ -86,6 +93,7 @@ def _moves(program: Program, ways: Convention, units: tuple[str, ...]) -> list[s
     named = {block.until.error for block in blocks if block.until is not None} - {block.label for block in blocks} - {""}
     if program.acts and part is not None:
         lines.append("synchron_end")
+    lines += [chosen(program.system)] if program.system != system else []
     return [*lines, *(f"label {name}" for name in sorted(named)), *(_act(each, units) for each in program.acts)]
 
 

@@ -13,10 +13,13 @@ from motion.program.errors import TextError, TextFaults
 from motion.program.team import Kinematic, Shared, TeamProgram
 from motion.program.text import MOVES, Reader
 from motion.program.textout import heading, places_of, written_move
+from motion.program.textsystems import HEADS as SYSTEM_HEADS
+from motion.program.textsystems import chosen, declared
 from motion.program.textwords import Fault, name, one, statement
+from motion.rho3.wc import WcFrame
 from motion.robot import MOST_KINEMATICS
 
-OWN = ("angles", "axes", "start", "tool", "frame", "point", "set")  # said of one kinematic
+OWN = ("angles", "axes", "start", "tool", "frame", "point", "set", *SYSTEM_HEADS)  # said of one kinematic
 STATEMENTS = ("program", "kinematic", *OWN, *MOVES, "move")
 
 
@@ -151,10 +154,15 @@ def write_team(program: TeamProgram) -> str:
         lines.append(f"kinematic {each.name} {each.robot}")
         lines += heading(each.start, each.units, each.angles)
         lines += places_of(own, convention(each.angles))
+        lines += declared(block.system for block in own)
+    systems: dict[str, WcFrame | None] = {}
     for shared in program.blocks:
         parts = []
         for each, block in zip(program.kinematics, shared.moves, strict=True):
             if block is not None:
+                if block.system != systems.get(each.name):
+                    lines += [f"kinematic {each.name}", chosen(block.system)]
+                    systems[each.name] = block.system
                 units = each.units or ("deg",) * len(each.start)
                 parts.append(f"{each.name} {written_move(block, convention(each.angles), units)}")
         lines.append(f"move {' and '.join(parts)}")
