@@ -228,25 +228,38 @@ class Planner:
 
     def _next(self, tau: float, hurry: bool) -> Work[list[TimedPiece]] | None:
         """One more law, or None when it can wait."""
-        ahead = self.end - tau
-        known = self._fresh[-1].stop or len(self._fresh) >= self.window
+        ahead, ready = self.end - tau, self._ready(tau)
+        if not ready or (ahead > self.lead_s and self._few(ready)):
+            return None
+        known = self._fresh[ready - 1].stop or ready >= self.window
         if ahead > self.horizon_s and not hurry:
             return None
         if not self._planned or self._planned[-1].stops:
-            if not (known or hurry or any(stretch.stop for stretch in self._fresh)):
+            if not (known or hurry or ready < len(self._fresh) or any(stretch.stop for stretch in self._fresh)):
                 return None
-            return self._from_rest(self._window())
+            return self._from_rest(self._window(ready))
         cut = self._cut(tau)
         if cut is not None:
-            return self._extended(*cut)
+            return self._extended(*cut, ready)
         if ahead > self.lead_s and not known:
             return None
-        return self._from_rest(self._window())
+        return self._from_rest(self._window(ready))
 
-    def _window(self) -> list[Stretch]:
-        """Fresh stretches up to the next stop, or as many as one law spans."""
+    def _ready(self, tau: float) -> int:
+        """Fresh stretches that may be planned: of those with BLOCK_SEARCH, so many blocks behind the one under way."""
+        under_way = self.place(tau)[0]
+        behind = (n for n, each in enumerate(self._fresh) if each.source.ahead and each.last - under_way > each.source.ahead)
+        return next(behind, len(self._fresh))
+
+    def _few(self, ready: int) -> bool:
+        """Of those held back by BLOCK_SEARCH fewer than half are new: a tail for each block is more than the cycle's ring carries."""
+        first, last = self._fresh[0], self._fresh[ready - 1]
+        return ready < len(self._fresh) and 2 * (last.last - first.last + 1) < last.source.ahead
+
+    def _window(self, most: int) -> list[Stretch]:
+        """So many fresh stretches, up to the next stop or as many as one law spans."""
         row: list[Stretch] = []
-        while self._fresh and len(row) < self.window:
+        while self._fresh and len(row) < min(most, self.window):
             row.append(self._fresh.popleft())
             if row[-1].stop:
                 break
@@ -277,7 +290,7 @@ class Planner:
         made = swift(run.path, run.limits, width)
         return self._commit(run, made.law, self.end, None, _Origin(made, 0, width))
 
-    def _extended(self, at: float, first_id: int) -> Work[list[TimedPiece]]:
+    def _extended(self, at: float, first_id: int, ready: int) -> Work[list[TimedPiece]]:
         """The last law is replaced from this piece on by one that goes on along what has become known since.  In one slice: the axes
         come nearer to the cut meanwhile."""
         last = self._planned[-1]
@@ -285,7 +298,7 @@ class Planner:
         sample = last.first + round((at - last.begin) / STEP_S)
         s = float(last.quick.law.s[sample])
         index = max(k for k, start in enumerate(last.run.starts) if start <= s + SMALLEST)
-        row = self._window()
+        row = self._window(ready)
         run = make_run([*last.run.stretches[index:], *row], self.machine, self.factors)
         history, cut = cropped(last.quick.shifted(last.run.starts[index]), sample, last.width)
         try:

@@ -69,6 +69,11 @@ class Stretch:
     clock: Clock | None = field(default=None, compare=False)  # block slope with sine squares: when it is where
     slowed: Slowed | None = None  # an axis cannot keep the programmed speed all along
 
+    @property
+    def last(self) -> int:
+        """Number of the last block it needs."""
+        return self.block + (self.kind is Kind.CORNER)
+
 
 @dataclass
 class _State:

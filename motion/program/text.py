@@ -51,6 +51,7 @@ from motion.program.textvalues import (
     mirrored_target,
     outputs_of,
     placed,
+    search_of,
     shift_of,
     sync_of,
     until_of,
@@ -89,6 +90,7 @@ class Reader:
     files: OpenFiles = field(default_factory=OpenFiles)
     systems: Systems = field(default_factory=Systems)
     labels: dict[str, int] = field(default_factory=dict)  # blocks before it
+    ahead: int = 0
     label: str = ""  # in front of the next block
     errors: list[tuple[int, str, int]] = field(default_factory=list)  # line, label, number of the block that names it
     count: int = 0  # blocks so far
@@ -150,8 +152,8 @@ class Reader:
                 self.systems.line(head, rest)
             case _ if head in ACTS:
                 self.acts = (*self.acts, self.act(head, rest))
-            case "label":
-                self.named_place(head, rest)
+            case "label" | "block_search":
+                self.before_blocks(head, rest)
             case _ if head in MOVES:
                 self.move(MOVES[head], rest, number)
             case _:
@@ -184,7 +186,10 @@ class Reader:
             case _:
                 self.start = self.joints(head, rest)
 
-    def named_place(self, head: str, rest: list[str]) -> None:
+    def before_blocks(self, head: str, rest: list[str]) -> None:
+        if head == "block_search":
+            self.ahead = search_of(head, rest)
+            return
         self.label = _name(head, _one(head, rest))
         if self.acts:
             raise _Fault(head, f"{self.label} has to stand before sync and belt functions: they belong to the block behind it")
@@ -374,6 +379,7 @@ class Reader:
             highest=corner_of("limitmax", keys.get("limitmax", "-")),
             shift=shift,
             freeze=self.altered.freeze(keys.get("freeze")),
+            ahead=self.ahead,
             system=self.systems.active,
             label=self.label,
             acts=self.acts,
@@ -407,7 +413,7 @@ FUNCTIONS: dict[str, Callable[[str, list[str]], Called]] = {
 }  # begin with a block
 ACTS = ("sync", *CALLS, "mach_pos")  # done at rest before one
 PARTS = ("synchron", "synchron_end", "alter", "alter_end", *ACTS)
-OTHERS = ("tool", "frame", "point", "set", *PARTS, "label", *FUNCTIONS, *FILE_HEADS, *SYSTEM_HEADS)
+OTHERS = ("tool", "frame", "point", "set", *PARTS, "label", "block_search", *FUNCTIONS, *FILE_HEADS, *SYSTEM_HEADS)
 STATEMENTS = (*HEADINGS, *OTHERS, *MOVES)
 ACTING = ("out", "until", "error", "wait", "delay", "belt", "camin", "camout", "freeze")
 ONCE = ("config", "extra", *ACTING, "time", "weight", "angle", "rise")  # of one block alone

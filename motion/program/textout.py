@@ -69,7 +69,11 @@ def _moves(program: Program, ways: Convention, units: tuple[str, ...]) -> list[s
     altered: Alteration | None = None
     files: dict[str, int] = {}
     system: WcFrame | None = None
+    ahead = 0
     for block in blocks:
+        if block.ahead != ahead:
+            ahead = block.ahead
+            lines.append(f"block_search {ahead or '-'}")
         if block.system != system:
             lines.append(chosen(block.system))
             system = block.system

@@ -10,6 +10,7 @@ from motion.kinematics.base import Elbow, Shoulder, Wrist
 from motion.outputs.function import Function
 from motion.program import textkeys
 from motion.program.blocks import BeltCall, Blend, Block, Curving, Output, Pace, PoseTarget, Shift, Sync, Target, Until, changed
+from motion.program.preparation import MOST
 from motion.program.textwords import Fault, name, number
 from motion.rho3.kinematic import PLANES, mirrored
 from motion.units import to_si
@@ -129,6 +130,16 @@ def function_of(head: str, rest: list[str]) -> Function:
     if any(numbers[n] != value for n, value in zip((0, 1, 2, 5), whole, strict=True)):
         raise Fault(head, "function, kinematic, coordinate and time offset are whole numbers")
     return Function(head == "ppo", whole[0], whole[1], whole[2], numbers[3], numbers[4], whole[3])
+
+
+def search_of(head: str, rest: list[str]) -> int:
+    """BLOCK_SEARCH: so many blocks; - for all that are known."""
+    word = rest[0] if len(rest) == 1 else ""
+    if word == "-":
+        return 0
+    if not word.isdigit() or not 1 <= int(word) <= MOST:
+        raise Fault(head, f"{' '.join(rest)!r}: 1 .. {MOST} blocks that are prepared while one is run, or - for all that are known")
+    return int(word)
 
 
 def until_of(keys: dict[str, str]) -> Until | None:
