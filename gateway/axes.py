@@ -56,7 +56,7 @@ def limits_of(axis: Axis) -> AxisLimits:
     """Travel, speed, acceleration, jerk in SI."""
     limits = axis.limits
     rates = {"speed": limits.speed, "accel": limits.accel, "jerk": limits.jerk}
-    return limits_from(axis.name, axis.unit, lower=limits.min, upper=limits.max, **rates, modulo=axis.modulo)
+    return limits_from(axis.name, axis.unit, lower=limits.min, upper=limits.max, **rates, modulo=axis.modulo, manual=axis.manual)
 
 
 def reference_of(axis: Axis, scaling: Scaling) -> ReferenceSettings | DriveHoming | None:

@@ -88,6 +88,7 @@ class Axis:
     drive: Drive
     limits: AxisLimits
     mechanics: Mechanics = Mechanics()
+    manual: bool = False  # P303 = 1, 4: it does not make the speed of a path without transformation
     modulo: float = 0.0  # P311 of an endless axis (P303 = 3), unit; 0: an axis with ends
     following_error: FollowingError | None = None  # None: only the drive supervises the lag
     home: Home = Home()

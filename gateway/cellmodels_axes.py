@@ -79,6 +79,7 @@ class Axis(AxisDefaults):
     drive: Drive
     limits: AxisLimits
     mechanics: Mechanics = Mechanics()
+    manual: bool = False
     modulo: float = Field(default=0.0, ge=0, json_schema_extra=_IN_UNITS)
 
 

@@ -28,7 +28,7 @@ PER_AXIS = {  # P number -> (table, key) of [[axis]], sign
     "P207": ("home", "position", 1.0),
     "P208": ("home", "offset", 1.0),
 }
-ENDLESS = (3, 4)  # P303
+ENDLESS, MANUAL = (3, 4), (1, 4)  # P303
 COMPONENTS = "xyzabc"  # P313
 PULSES = {1: 16384, 2: 8192, 3: 4096}  # increments per turn (rho3 2.6, L7586-7588)
 BITRATE = {0: "1 Mbit/s", 1: "500 kbit/s", 2: "250 kbit/s", 3: "125 kbit/s"}  # P30 (rho3 2.1, L7411-7415)
@@ -147,11 +147,13 @@ class _Work:
         self.put(robot, "corrects", corrects, f"P313[{number + 1}]", f"robot.{robot.get('name', number)}.corrects", place)
 
     def endless(self, number: int, axis: dict[str, Any]) -> bool:
-        """P303 = 3, 4: the axis goes round at P311."""
+        """P303 = 3, 4: the axis goes round at P311; 1, 4: it is a manual axis."""
         kind, modulo = _nth(self.params.get("P303"), number), _nth(self.params.get("P311"), number)
+        name = axis.get("name", number)
+        if kind in MANUAL:
+            self.put(axis, "manual", True, f"P303[{number + 1}]", f"axis.{name}.manual", ("rho3", "P303", number))
         if kind is None or kind in (0, 1):
             return False
-        name = axis.get("name", number)
         if kind not in ENDLESS:
             self.fault(f"P303[{number + 1}]", kind, "0 main, 1 manual, 3 endless main, 4 endless manual axis", ("rho3", "P303", number))
         elif not isinstance(modulo, int | float) or not modulo > 0:

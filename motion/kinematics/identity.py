@@ -27,20 +27,20 @@ class Identity:
         if not 1 <= len(limits) <= MOST:
             raise MotionError(f"{len(limits)} axes, 1 .. {MOST} are possible")
         self.limits, self.axes = tuple(limits), len(limits)
-        self._linear = tuple(n for n, axis in enumerate(limits) if kind_of(axis.unit) is Kind.LINEAR)[:3]
+        self.cartesian = tuple(n for n, axis in enumerate(limits) if kind_of(axis.unit) is Kind.LINEAR)[:3]
         self._chooser = Chooser(limits)
 
     def forward(self, q: Sequence[float]) -> Pose:
         """(axes,) -> x, y, z of the first three linear axes."""
-        x, y, z, *_ = *(q[n] for n in self._linear), 0.0, 0.0, 0.0
+        x, y, z, *_ = *(q[n] for n in self.cartesian), 0.0, 0.0, 0.0
         return Pose((x, y, z), NO_ROTATION)
 
     def inverse(self, pose: Pose, near: Sequence[float], configuration: Configuration | None = None) -> Joints:
         """The linear axes take x, y, z; all others stay as in `near`."""
         values = list(near)
-        for n, value in zip(self._linear, pose.position, strict=False):
+        for n, value in zip(self.cartesian, pose.position, strict=False):
             values[n] = value
-        if any(not abs(value) <= STRAY for value in pose.position[len(self._linear) :]):
+        if any(not abs(value) <= STRAY for value in pose.position[len(self.cartesian) :]):
             raise Unreachable("no axis for that direction", number=532)
         return self._chooser.choose([(tuple(values), FREE)], near, configuration, FREE)
 
@@ -53,14 +53,14 @@ class Identity:
         if not all(map(math.isfinite, pose.position)):
             return []
         values = [0.0] * self.axes
-        for n, value in zip(self._linear, pose.position, strict=False):
+        for n, value in zip(self.cartesian, pose.position, strict=False):
             values[n] = value
         return [(tuple(values), FREE)]
 
     def jacobian(self, q: Sequence[float]) -> NDArray[np.float64]:
         """(6, axes): ones where an axis is x, y or z."""
         columns = np.zeros((6, self.axes))
-        for row, n in enumerate(self._linear):
+        for row, n in enumerate(self.cartesian):
             columns[row, n] = 1.0
         return columns
 

@@ -18,6 +18,7 @@ from motion.paths.line import line, standing_still
 from motion.planner.extra import Course, places, straight
 from motion.planner.relative import check_absolute, resolved, unwound
 from motion.planner.robot import Machine
+from motion.planner.untransformed import along_axes, axes_line
 from motion.program.blocks import Block, Interpolation, JointTarget, PoseTarget, Turning
 from motion.program.errors import BlockError
 from motion.units import Kind, from_si, kind_of
@@ -69,6 +70,8 @@ def make_leg(number: int, block: Block, standing: Joints, machine: Machine) -> L
     if block.kind is Interpolation.PTP:
         return _ptp(number, block, standing, machine)
     check_joints(block, machine)
+    if along_axes(block, standing, machine):
+        return _untransformed(number, block, standing, machine)
     target = base_pose(block, standing, machine)
     start = tcp(standing, block, machine)
     if block.kind is Interpolation.CIRCULAR:
@@ -90,8 +93,7 @@ def make_leg(number: int, block: Block, standing: Joints, machine: Machine) -> L
 
 def _ptp(number: int, block: Block, standing: Joints, machine: Machine) -> Leg | None:
     if isinstance(block.target, JointTarget):
-        if len(block.target.q) != machine.axes:
-            raise BlockError(f"{len(block.target.q)} joint values, the robot has {machine.axes} axes", code=154, source="VAL 3")
+        check_values(block.target, machine)
         end = block.target.q
     else:
         flange = base_pose(block, standing, machine) @ block.tool.pose.inverse()
@@ -103,6 +105,13 @@ def _ptp(number: int, block: Block, standing: Joints, machine: Machine) -> Leg |
         return None
     path = joint_line(standing, end)
     return Leg(number, block, None, path, path.length, standing, end)
+
+
+def _untransformed(number: int, block: Block, standing: Joints, machine: Machine) -> Leg:
+    assert isinstance(block.target, JointTarget)
+    check_values(block.target, machine)
+    path = axes_line(standing, block.target.q, machine)
+    return Leg(number, block, None, path, path.length, standing, block.target.q)
 
 
 def _only_extra(number: int, block: Block, standing: Joints, extra: Joints) -> Leg:
@@ -145,8 +154,7 @@ def base_pose(block: Block, standing: Joints, machine: Machine) -> Pose:
     """The target as a pose of the tool in the frame that counts; joints of a straight block are turned into one."""
     if isinstance(block.target, PoseTarget):
         return block.frame.pose @ block.target.pose
-    if len(block.target.q) != machine.axes:
-        raise BlockError(f"{len(block.target.q)} joint values, the robot has {machine.axes} axes", code=154, source="VAL 3")
+    check_values(block.target, machine)
     return tcp(block.target.q, block, machine)
 
 
@@ -202,6 +210,12 @@ def _where(curve: Curve, at: float) -> str:
     if any(by_s.p1):
         return f"{at * 1e3:.1f} mm"
     return f"{math.degrees(at):.1f} deg" if any(by_s.w) else f"{100 * at / curve.length:.0f} %"  # the tool stands, what carries moves
+
+
+def check_values(target: JointTarget, machine: Machine) -> None:
+    """As many as there are axes."""
+    if len(target.q) != machine.axes:
+        raise BlockError(f"{len(target.q)} joint values, the robot has {machine.axes} axes", code=154, source="VAL 3")
 
 
 def check_joints(block: Block, machine: Machine) -> None:

@@ -1,0 +1,41 @@
+"""LINEAR without transformation (rho 3 RTYP 0): straight in the axes, the programmed speed that of the main axes (AX-588).
+
+Source: rho 3 Releases part 1, TO04 section 11, L5598-5644: main axes (P303 0, 3) make the path and its speed, manual axes (1, 4) go along
+in the same time.  Lengths of linear main axes are the way of the path, angles of turning ones its turning.
+"""
+
+import math
+
+import numpy as np
+
+from motion.kinematics.base import Joints
+from motion.kinematics.identity import Identity
+from motion.paths.joints import JointPath, joint_line
+from motion.planner.robot import Machine
+from motion.program.blocks import Block, Interpolation, JointTarget
+from motion.units import Kind, kind_of
+
+NO_WAY = 1e-12
+
+
+def along_axes(block: Block, standing: Joints, machine: Machine) -> bool:
+    """Whether a block is LINEAR to places of axes that have no transformation, and more of them move than the path of a tool shows."""
+    if block.kind is not Interpolation.LINEAR or not isinstance(block.target, JointTarget) or not isinstance(machine.kinematics, Identity):
+        return False
+    shown = machine.kinematics.cartesian
+    return any(n not in shown or machine.limits[n].manual for n in _moving(standing, block.target.q))
+
+
+def _moving(start: Joints, end: Joints) -> list[int]:
+    return [n for n, (a, b) in enumerate(zip(start, end, strict=False)) if abs(b - a) >= NO_WAY]
+
+
+def axes_line(start: Joints, end: Joints, machine: Machine) -> JointPath:
+    """The straight line of the axes with its way and turning.  Manual axes that move alone make the path themselves."""
+    travel, moving = [b - a for a, b in zip(start, end, strict=True)], _moving(start, end)
+    mains = [n for n in moving if not machine.limits[n].manual] or moving
+    line = joint_line(start, end)
+    table = line.coefficients.copy()
+    for column, kind in ((-2, Kind.LINEAR), (-1, Kind.ROTARY)):
+        table[:, 1, column] = math.hypot(*(travel[n] for n in mains if kind_of(machine.limits[n].unit) is kind)) / line.length
+    return JointPath(np.asarray(line.knots), table)
