@@ -64,7 +64,9 @@ build/%: hil_tests/bench/%.c
 # make itself ends with 2 whenever a recipe fails, whatever the recipe's own code was (it stands in make's message "Error N").
 
 demo: $(STAMP) native
-	@$(VENV)/bin/axisgate demo $(DEMO)
+	@$(VENV)/bin/axisgate demo $(DEMO); code=$$?; [ $$code -eq 4 ] || exit $$code; \
+	echo "make demo: this machine is taken away too often to play it by the clock: once more in a guest with a clock of its own (AX-591)"; \
+	$(MAKE) --no-print-directory kernel && $(VENV)/bin/axisgate demo --own-time $(DEMO)
 
 lint: $(STAMP)
 	@mkdir -p build

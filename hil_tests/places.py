@@ -50,7 +50,9 @@ BESIDE = (  # real processes that wait more than they compute, and whose times a
     *("val3_sio/test_serial.py", "val3_sio/test_tcp_server.py", "val3_sio/test_udp.py"),
 )
 
-NO_OWN_TIME = ("house/test_played_again.py", "uml/test_guest.py")  # alone, and never in a guest: hogs, guests
+NO_OWN_TIME = (  # alone, and never in a guest: hogs, guests, a browser that draws in three dimensions
+    *("house/test_played_again.py", "uml/test_guest.py", "web/test_page.py"),
+)
 
 
 def unhurried(item: pytest.Item) -> bool:
