@@ -45,7 +45,7 @@ class Command(Body):
         "enable", "disable", "reference", "ptp_absolute", "ptp_relative", "resume", "abandon", "fault_reset", "override",
         "request_control", "release_control",
     ]  # fmt: skip
-    mask: int = Field(default=0, ge=0, lt=1 << MOST_AXES)
+    mask: int = Field(default=0, ge=0, le=(1 << MOST_AXES) - 1)
     velocity: Share = 1.0
     acceleration: Share = 1.0
     targets: Annotated[list[Annotated[float, Field(ge=-1e9, le=1e9)]], Field(max_length=MOST_AXES)] = []

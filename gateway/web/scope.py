@@ -130,7 +130,7 @@ class Scope:
         if kept is not None and wanted is not None:
             row |= {"state": "waiting" if kept.triggered_at is None else "running", "records": len(kept.rows), "lost": kept.lost,
                     "trigger": wanted.trigger, "who": wanted.who, "names": list(wanted.names), "tail": self._tail(kept)}  # fmt: skip
-            row["wanted"] = max(1, round((wanted.seconds + wanted.pre_s) / self._period_s))
+            row["wanted"] = max(1, round(wanted.seconds / self._period_s)) + round(wanted.pre_s / self._period_s)
         return row
 
     def _tail(self, kept: Capture) -> Row:

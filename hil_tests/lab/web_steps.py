@@ -22,12 +22,12 @@ class Orders:
         self._csrf = page.evaluate("fetch('/api/me').then(r => r.json())")["csrf"]
         self._cookie = "; ".join(f"{each.get('name')}={each.get('value')}" for each in page.context.cookies())
 
-    def taken(self, code: str, mask: int, **more: object) -> bool:
-        """Whether it was neither refused nor ended at once."""
+    def refused(self, code: str, mask: int, **more: object) -> str:
+        """Why it was refused or ended at once, in the word of its reason; "" when it was neither."""
         body = {"code": code, "mask": mask, **more}
         status, told = self._web.ask("POST", "/api/command", body, cookie=self._cookie, x_axisgate_csrf=self._csrf)
         assert status == 200, told
-        return told["state"] not in ("REFUSED", "ABORTED")
+        return str(told["words"]) if told["state"] in ("REFUSED", "ABORTED") else ""
 
 
 def schemathesis(web: WebRun, page: Page) -> "subprocess.CompletedProcess[str]":
