@@ -40,7 +40,7 @@ def timed_pieces(
     s = law.s[index]
     numbers = _numbers(s, blocks)
     accel, jerk = (_finite([*limit[: path.axes], limit[-2]]) for limit in (limits.accel, limits.jerk))
-    rows = [tuple(float(v) for v in row) for row in states]
+    rows = [tuple(row) for row in states.tolist()]
     pieces: list[TimedPiece] = []
     begin, most = 0, most_nodes(path.axes)
     while begin < len(index) - 1:

@@ -5,6 +5,7 @@ Predictor and corrector after Mehrotra; a step costs one five-banded factorisati
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,35 +22,47 @@ BACK = 0.995  # share of the way to the border
 
 @dataclass(frozen=True)
 class Rows:
-    """All (n, m): coefficients of x_(i-1), x_i, x_(i+1); ends: those of neighbours that do not exist are 0."""
+    """All (rows,), in the order of their i: coefficients of x_(i-1), x_i, x_(i+1); ends: those of neighbours that do not exist are 0.
+    counts: (n,) rows of each i, none has none."""
 
     minus: Array
     centre: Array
     plus: Array
     right: Array
+    counts: NDArray[np.intp]
+
+    @cached_property
+    def _begins(self) -> NDArray[np.intp]:
+        return np.concatenate([[0], np.cumsum(self.counts[:-1])])
 
     def times(self, x: Array) -> Array:
-        """A x, (n, m)."""
-        result: Array = self.centre * x[:, None]
-        result[1:] += self.minus[1:] * x[:-1, None]
-        result[:-1] += self.plus[:-1] * x[1:, None]
-        return result
+        """A x, (rows,)."""
+        before, after = np.concatenate([x[:1], x[:-1]]), np.concatenate([x[1:], x[-1:]])
+        return np.asarray(
+            self.centre * np.repeat(x, self.counts)
+            + self.minus * np.repeat(before, self.counts)
+            + self.plus * np.repeat(after, self.counts)
+        )
 
     def transposed(self, z: Array) -> Array:
         """A' z, (n,)."""
-        result: Array = np.einsum("ij,ij->i", self.centre, z)
-        result[:-1] += np.einsum("ij,ij->i", self.minus, z)[1:]
-        result[1:] += np.einsum("ij,ij->i", self.plus, z)[:-1]
+        result = self._summed(self.centre * z)
+        result[:-1] += self._summed(self.minus * z)[1:]
+        result[1:] += self._summed(self.plus * z)[:-1]
         return result
 
     def normal(self, d: Array) -> tuple[Array, Array, Array]:
         """Diagonal and the two bands beside it of A' diag(d) A."""
         plus, minus = d * self.plus, d * self.minus
-        diagonal = np.einsum("ij,ij,ij->i", d, self.centre, self.centre)
-        diagonal[1:] += np.einsum("ij,ij->i", plus, self.plus)[:-1]
-        diagonal[:-1] += np.einsum("ij,ij->i", minus, self.minus)[1:]
-        near = np.einsum("ij,ij->i", plus, self.centre)[:-1] + np.einsum("ij,ij->i", minus, self.centre)[1:]
-        return diagonal, near, np.einsum("ij,ij->i", plus, self.minus)[1:-1]
+        diagonal = self._summed(d * self.centre * self.centre)
+        diagonal[1:] += self._summed(plus * self.plus)[:-1]
+        diagonal[:-1] += self._summed(minus * self.minus)[1:]
+        near = self._summed(plus * self.centre)[:-1] + self._summed(minus * self.centre)[1:]
+        return diagonal, near, self._summed(plus * self.minus)[1:-1]
+
+    def _summed(self, values: Array) -> Array:
+        """(n,) of the rows of each i."""
+        return np.asarray(np.add.reduceat(values, self._begins))
 
 
 def fastest(rows: Rows, share: Array, begin: Array, held: int = 0) -> Work[Array]:
@@ -108,7 +121,7 @@ class _Base:
 
 def _sum(one: Array, two: Array) -> float:
     """Of all products; np.vdot would wake a thread on every core for so little, and wait for the last of them."""
-    return float(np.einsum("ij,ij->", one, two))
+    return float(np.einsum("i,i->", one, two))
 
 
 def _room(value: Array, step: Array, share: float) -> float:

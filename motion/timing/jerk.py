@@ -18,6 +18,7 @@ from motion.timing import topp
 from motion.timing.interior import Rows, fastest
 from motion.timing.law import Law
 from motion.timing.limits import LawLimits, speed_squares
+from motion.timing.needed import needed
 from motion.timing.slices import Work, whole
 
 Array = NDArray[np.float64]
@@ -148,24 +149,26 @@ def _rows(path: JointPath, limits: LawLimits, law: Law, beta: Array, tight: Arra
     speed, accel, jerk = limits.at(law.s)
     speed, jerk = TOUCH * slow[:, None] * speed, JERK_USED * jerk * tight[:, None]
     some = np.any(np.isfinite(limits.speed)[None, :] | np.isfinite(speed), axis=0)
-    none = np.zeros_like(first)
-    unity = np.ones_like(first)
-    blocks = [(none, (first / speed) ** 2, none, unity)]
+    first, second, thirds, speed, accel, jerk = (part[:, some] for part in (first, second, thirds, speed, accel, jerk))
+    none, unity = np.zeros_like(first), np.ones_like(first)
+    fastest_of_all = np.argmax(np.abs(first / speed), axis=1)[:, None] == np.arange(first.shape[1])
+    blocks = [(none, (first / speed) ** 2, none, unity, fastest_of_all)]
     a1, a2 = 0.25 * first / accel / h, second / accel
-    blocks += [(-sign * a1, sign * a2, sign * a1, unity) for sign in (1.0, -1.0)]
+    counts = needed(np.stack([a1, a2], axis=2))
+    blocks += [(-sign * a1, sign * a2, sign * a1, unity, counts) for sign in (1.0, -1.0)]
     side, middle = 0.75 * second / jerk / h, 0.5 * first / jerk / h**2
     flat, steep = 1.5 / np.sqrt(known) * unity, 0.5 / known**1.5  # tangent of 1 / sqrt(beta) at the beta of the round before
     for third in (thirds[:-1] / jerk, thirds[1:] / jerk):
-        blocks += [(sign * (middle - side), sign * (third - 2 * middle) + steep, sign * (middle + side), flat) for sign in (1.0, -1.0)]
-    minus, centre, plus, right = (np.concatenate([block[k][:, some] for block in blocks], axis=1) for k in range(4))
-    one = np.ones((len(first), 1))
-    minus, plus = (np.concatenate([part, 0 * one], axis=1) for part in (minus, plus))
-    centre = np.concatenate([centre, one], axis=1)
-    right = np.concatenate([right, WARP * known], axis=1)
+        counts = needed(np.stack([middle, side, third], axis=2))
+        for sign in (1.0, -1.0):
+            blocks.append((sign * (middle - side), sign * (third - 2 * middle) + steep, sign * (middle + side), flat, counts))
+    one = np.ones_like(known)
+    blocks.append((0.0 * one, one, 0.0 * one, WARP * known, one > 0.0))
+    minus, centre, plus, right, count = (np.concatenate([block[k] for block in blocks], axis=1) for k in range(5))
     centre[0] += minus[0]
     centre[-1] += plus[-1]
     minus[0] = plus[-1] = 0.0
-    return Rows(minus, centre, plus, right)
+    return Rows(minus[count], centre[count], plus[count], right[count], np.sum(count, axis=1))
 
 
 def _extended(path: JointPath, s: Array) -> Array:

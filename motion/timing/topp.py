@@ -12,10 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.errors import MotionError
+from motion.timing.needed import needed
 
 Array = NDArray[np.float64]
 BIG = 1e12  # stands for no limit on b
 FLAT = 1e-12  # coefficients of u below it say nothing about u
+FEW = 20  # rows: of fewer the search for those that count costs more than it saves
+NOISE = 1e-6  # of the largest coefficient of the path
 
 
 @dataclass(frozen=True)
@@ -95,6 +98,8 @@ def _rows(first: Array, second: Array, h: float, accel: Array) -> _Rows:
     c = np.concatenate([second[:-1], second[1:]], axis=1)
     a = np.concatenate([accel[:-1], accel[1:]], axis=1)
     a = np.where(np.isfinite(a), a, 1e9)
+    if d.shape[1] > FEW:
+        d, c, a = _that_count(d, c, a)
     flat = np.abs(d) < FLAT
     size = np.where(flat, 1.0, np.abs(d))
     slope = np.where(flat, 0.0, -c / np.where(flat, 1.0, d))
@@ -113,6 +118,14 @@ def _rows(first: Array, second: Array, h: float, accel: Array) -> _Rows:
         floor = slope + 1 / (2 * h)
         stays = np.where(floor < -FLAT, high0 / np.maximum(-floor, FLAT), BIG).min(axis=1)
     return _Rows(low0, slope, high0, slope, np.minimum(np.minimum(pairs, alone), stays))
+
+
+def _that_count(d: Array, c: Array, a: Array) -> tuple[Array, Array, Array]:
+    """(n, fewer): the rows that say all that there is to say about u and b; as many at every place as the worst one has."""
+    both = np.stack([d / a, c / a], axis=2)
+    count = needed(both / np.maximum(np.max(np.abs(both), axis=(0, 1)), FLAT), NOISE)
+    first = np.argsort(~count, axis=1, kind="stable")[:, : max(int(np.max(np.sum(count, axis=1))), 1)]
+    return np.take_along_axis(d, first, 1), np.take_along_axis(c, first, 1), np.take_along_axis(a, first, 1)
 
 
 def _backward(rows: _Rows, most: Array, h: float, b_end: float) -> Array:
