@@ -20,6 +20,8 @@ from motion.paths.turning import vector_change, vector_rate
 MISS = 0.1875  # share of |m u2 - l u1|
 SHARPEST = 0.02  # |u1 + u2| below which a corner is a way back: nothing rounds it
 JOIN_M = 1e-9
+MOST_TURN = math.pi - 1e-9  # rad
+TURN_LOOKS = 8
 BINOMIAL = tuple(tuple(math.comb(k, i) for i in range(k + 1)) for k in range(6))
 FIVE = BINOMIAL[5]
 
@@ -91,7 +93,8 @@ def directions(before: Curve, after: Curve) -> tuple[Vector, Vector]:
 def corner(before: Curve, after: Curve, leave: float, reach: float) -> Corner | Polynomial:
     """Rounds the end of `before` and the start of `after`; it begins at before.length - leave and ends at `reach` on after.
 
-    PathError: the curves do not meet, ranges longer than the curves, or a way back on the same line.
+    PathError: the curves do not meet, ranges longer than the curves, a way back on the same line, or 554: the tool turns by 180 deg or more
+    in it, and which way round is no longer told by where it begins and ends (VAL 3 L5475-5481, L6688).
     """
     if not (0.0 < leave <= before.length and 0.0 < reach <= after.length):
         raise PathError(f"leave {leave} and reach {reach} do not fit curves of length {before.length} and {after.length}")
@@ -101,9 +104,22 @@ def corner(before: Curve, after: Curve, leave: float, reach: float) -> Corner | 
     u1, u2 = directions(before, after)
     if norm(add(u1, u2)) < SHARPEST:
         raise PathError("the path goes back on itself: nothing rounds this corner")
+    turned = norm(add(_turned(before, before.length - leave, before.length), _turned(after, 0.0, reach)))
+    if turned >= MOST_TURN:
+        what = f"Cartesian blend: the tool turns by {math.degrees(turned):.6g} deg between leave and reach, less than 180 deg is possible"
+        raise PathError(f"{what}: shorter ranges, or a point between", 554)
     if _straight(before) and _straight(after):
         return _between_lines(before, after, point, leave, reach)
     return _between_curves(before, after, point, leave, reach)
+
+
+def _turned(curve: Curve, start: float, end: float) -> Vector:
+    """rad by which the tool turns between two places."""
+    count = 1 if _straight(curve) else TURN_LOOKS
+    turned = (0.0, 0.0, 0.0)
+    for k in range(count):
+        turned = add(turned, scale(curve.derivatives(start + (k + 0.5) / count * (end - start)).w, (end - start) / count))
+    return turned
 
 
 def _straight(curve: Curve) -> bool:

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 from motion.errors import LimitError, MotionError
 from motion.frames import Pose
-from motion.kinematics.base import FREE, Joints, KinematicsError
-from motion.limits import check_targets
+from motion.kinematics.base import FREE, Joints, KinematicsError, OutOfLimits
+from motion.limits import AxisLimits, check_targets
 from motion.paths.arc import arc, around
 from motion.paths.base import Curve, PathError
 from motion.paths.joints import JointPath, joint_line
@@ -24,9 +24,12 @@ from motion.program.errors import BlockError
 from motion.units import Kind, from_si, kind_of
 
 JOINT_LIMIT = 520  # VAL 3: joint position outside the software limits
+MULTI_TURN = 544  # VAL 3: a Cartesian path drives a multi-turn joint out of its range
 CONFIGURATION = 533  # VAL 3: unreachable in the given configuration
 STEP_M, STEP_RAD = 0.02, 0.1  # how densely a block is looked at when it is added
+LARGEST_TURN = 0.4  # rad of the tool between two looks where it goes along, too
 SAME_JOINT = 1e-5  # rad or m: what is nearer is the same place
+DUST = 1e-9  # of a slope
 JUMP = 1.0  # rad or m between neighbouring looks: the arm would have to change its configuration
 
 
@@ -176,7 +179,7 @@ def follow(curve: Curve, course: Course, block: Block, standing: Joints, machine
     as well."""
     back = block.tool.pose.inverse()
     step = STEP_M if any(curve.derivatives(0.0).p1) else STEP_RAD
-    count, arm = max(2, math.ceil(curve.length / step)), machine.arm
+    count, arm = max(2, math.ceil(curve.length / step), math.ceil(_turning(curve, block) / LARGEST_TURN)), machine.arm
     if machine.carried:
         for row, axis in zip(course, machine.limits[arm:], strict=True):
             away = abs(places((row,), curve.length)[0] - row[0])
@@ -187,11 +190,17 @@ def follow(curve: Curve, course: Course, block: Block, standing: Joints, machine
         try:
             found = machine.inverse(curve.at(at) @ back, (*q, *places(course, at)))[:arm]
         except KinematicsError as error:
+            blamed = _run_out_of(machine, (curve.at(at) @ back), q) if isinstance(error, OutOfLimits) else None
+            if blamed is not None and turns_more(blamed):
+                raise run_out(blamed, _where(curve, at)) from error
             raise BlockError(
                 f"{_words(error)}, {_where(curve, at)} along the path", code=error.number, axis=error.axis, source="VAL 3"
             ) from error
         far = max(range(len(q)), key=lambda n: abs(found[n] - q[n]))
         if abs(found[far] - q[far]) > JUMP:
+            blamed = _run_out_of(machine, curve.at(at) @ back, q)
+            if blamed is not None:
+                raise run_out(blamed, _where(curve, at))
             raise KinematicsError(
                 f"the joints would have to jump {_where(curve, at)} along the path: it meets a singularity or another configuration",
                 machine.name(far),
@@ -201,13 +210,47 @@ def follow(curve: Curve, course: Course, block: Block, standing: Joints, machine
     return q
 
 
+def _turning(curve: Curve, block: Block) -> float:
+    """rad by which the tool turns along it, at most."""
+    places = (0.0, 0.25, 0.5, 0.75, 1.0) if block.kind is Interpolation.CIRCULAR else (0.0,)
+    return curve.length * max(math.hypot(*curve.derivatives(share * curve.length).w) for share in places)
+
+
+def turns_more(axis: AxisLimits) -> bool:
+    """More than once around."""
+    return kind_of(axis.unit) is Kind.ROTARY and axis.upper - axis.lower > math.tau
+
+
+def run_out(axis: AxisLimits, where: str) -> BlockError:
+    """A path that drives it beyond its travel."""
+    low, high = (from_si(each, axis.unit) for each in (axis.lower, axis.upper))
+    what = f"the path drives the axis out of its range {low:.6g} .. {high:.6g} {axis.unit}, {where} along the path"
+    if turns_more(axis):
+        return BlockError(f"{what}: let it begin a turn further back", code=MULTI_TURN, axis=axis.name, source="VAL 3")
+    return BlockError(what, code=OutOfLimits.number, axis=axis.name, source="VAL 3")
+
+
+def _run_out_of(machine: Machine, flange: Pose, q: Joints) -> AxisLimits | None:
+    """The axis whose travel ends where the arm would go on from q as it stands; None: it could not go on at all."""
+    if machine.carried:
+        return None  # where the arm itself stands depends on what carries it
+    for joints, _ in machine.kinematics.branches(flange):
+        near = [
+            value + math.tau * round((here - value) / math.tau) if kind_of(axis.unit) is Kind.ROTARY else value
+            for value, here, axis in zip(joints, q, machine.limits, strict=False)
+        ]
+        if max(abs(there - here) for there, here in zip(near, q, strict=True)) <= JUMP:
+            return next((axis for axis, there in zip(machine.limits, near, strict=False) if not axis.lower <= there <= axis.upper), None)
+    return None
+
+
 def _words(error: KinematicsError) -> str:
     return str(error).partition(" (VAL 3")[0]
 
 
 def _where(curve: Curve, at: float) -> str:
     by_s = curve.derivatives(0.0)
-    if any(by_s.p1):
+    if max(map(abs, by_s.p1)) > DUST:
         return f"{at * 1e3:.1f} mm"
     return f"{math.degrees(at):.1f} deg" if any(by_s.w) else f"{100 * at / curve.length:.0f} %"  # the tool stands, what carries moves
 

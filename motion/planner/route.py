@@ -25,7 +25,7 @@ from motion.paths.polynomial import part
 from motion.planner.exact import exact_path
 from motion.planner.extra import Course, joining, shifted, states, with_course
 from motion.planner.jointpath import joint_path_of
-from motion.planner.legs import JOINT_LIMIT, Leg, check_end, check_numbers, make_leg, told
+from motion.planner.legs import JOINT_LIMIT, Leg, check_end, check_numbers, make_leg, run_out, told, turns_more
 from motion.planner.relative import shown, unwound
 from motion.planner.robot import Machine
 from motion.planner.rows import curve_of, goes_on, legs_of, place_of
@@ -243,7 +243,7 @@ class Route:
     def _put(self, stretch: Stretch) -> None:
         if stretch.source.pace.time is not None and stretch.share == (0.0, 1.0):
             check_time(stretch.path, stretch.source, stretch.block, self._machine)
-        self._check_travel(stretch.path)
+        self._check_travel(stretch)
         if stretch.kind is Kind.MAIN:
             stretch = replace(stretch, slowed=check_speed(stretch.path, stretch.source, self._machine))
         self._now.out = (*self._now.out, stretch)
@@ -269,8 +269,9 @@ class Route:
         self._main(leg, leg.length, stop=True)
         self._now.last = None
 
-    def _check_travel(self, path: JointPath) -> None:
+    def _check_travel(self, stretch: Stretch) -> None:
         """Every axis within its travel all along; looked at densely enough for quintics of a few degrees."""
+        path = stretch.path
         count = LOOKS * len(path.coefficients)
         q = path.at(np.linspace(0.0, path.length, count + 1))[:, : self._machine.axes]
         low = np.array([axis.lower - TOUCH for axis in self._machine.limits])
@@ -279,6 +280,8 @@ class Route:
         if len(outside):
             where, axis = int(outside[0][0]), int(outside[0][1])
             limits, value = self._machine.limits[axis], float(q[where][axis])
+            if where and stretch.source.kind is not Interpolation.PTP and turns_more(limits):
+                raise run_out(limits, f"{100 * where / count:.0f} %")
             word = "the path begins at" if where == 0 else "the path goes through"
             low_end, high_end, here = (from_si(each, limits.unit) for each in (limits.lower, limits.upper, value))
             what = f"{word} {here:.6g} {limits.unit}, outside {low_end:.6g} .. {high_end:.6g} {limits.unit}"

@@ -1,0 +1,52 @@
+"""Run-time errors of VAL 3 that say what a Cartesian path does to a joint and to the tool: 544, 531, 554 (L6673-6688)."""
+
+from gateway.config import load_cell
+from gateway.motionpaper import sections_of
+from gateway.pure.reasons import CommandState
+from hil_tests.lab import arms
+from hil_tests.lab.answers import answers
+from hil_tests.lab.belt_bench import PORTAL, TEXT
+from hil_tests.lab.planned_bench import Planned, ServodynRobot
+from hil_tests.unit.program.test_faults_of_blocks import ARM, faults
+from motion.program.text import read
+
+TURNS = "min = -170.0, max = 170.0"  # of axis C
+WIDE = load_cell(str(PORTAL), TEXT.replace(TURNS, "min = -270.0, max = 270.0"))
+HEAD = "robot portal\nangles rho3\naxes mm mm mm deg\nstart 100 300 50 0\n"
+
+
+def turned(*angles: float) -> str:
+    return "".join(f"linear pose 350 -150 200 180 0 {angle:g}\n" for angle in angles)
+
+
+@answers
+def test_a_path_that_turns_a_multi_turn_joint_beyond_its_travel_is_544_and_names_it() -> None:
+    assert faults(turned(90, 0, -90, -180, -270)) == [], "J6 begins at 203 deg of 270"
+    assert faults(turned(90, 180, 60)) == [(3, "J6", 544)], "the block is left out, and the next one is looked at"
+    words = str(sections_of(read(ARM + turned(90, 180)), arms.robot("tx60-like"), ())[1][0])
+    assert "axis J6: the path drives the axis out of its range -270 .. 270 deg, 27.3 deg along the path: let it begin a turn" in words
+
+
+@answers
+def test_a_joint_that_does_not_turn_is_531() -> None:
+    lines = (
+        "linear pose 100 300 50 0 0 90\nlinear pose -900 300 50 0 0 90\nlinear pose 100 300 50 0 0 200\nlinear pose 100 300 50 0 0 300\n"
+    )
+    found = sections_of(read(HEAD + lines), arms.robot("portal"), ())[1]
+    assert [(fault.block, fault.axis, fault.code) for fault in found] == [(2, "X", 531), (4, "C", 544)], found
+
+
+@answers
+def test_a_corner_in_which_the_tool_turns_half_round_or_more_is_554_before_anything_moves() -> None:
+    cell = Planned(ServodynRobot(cell=WIDE))
+    assert cell.bench.settle(cell.order(HEAD + "ptp joints 100 300 50 -265")).state is CommandState.DONE
+    arc = "circular via pose 150 350 50 0 0 {} to pose 200 300 50 0 0 {} arcs=yes radius=70\n"
+    onward = "linear pose 200 150 50 0 0 {}\n"
+    back, large = (HEAD + arc.format(-105, 55) + onward.format(angle) for angle in (-115, 225))
+    before = cell.bench.set()
+    job = cell.bench.settle(cell.order(large))
+    assert job.state is CommandState.REFUSED and "block 2: Cartesian blend: the tool turns by" in job.detail, job.detail
+    assert "VAL 3 554" in job.detail and cell.bench.set() == before
+    for text in (back, large.replace(" radius=70", "")):
+        assert cell.bench.settle(cell.order(HEAD + "ptp joints 100 300 50 -265")).state is CommandState.DONE
+        assert cell.bench.settle(cell.order(text)).state is CommandState.DONE, "turning back, or without a corner, it is run"
