@@ -12,7 +12,7 @@ from math import ceil
 from typing import NamedTuple
 
 from motion.errors import PieceError
-from motion.timed import TimedPiece
+from motion.timed import Quintic, TimedPiece
 from motion.timing.change import MOST, Change
 from motion.timing.guard import correction
 from motion.timing.track import Rows, Track
@@ -31,14 +31,38 @@ FIT, FIT_SPEED, FIT_ACCEL = 1e-9, 1e-6, 1e-4  # steps allowed where pieces meet:
 class Progress(NamedTuple):
     """Set values of one period."""
 
-    q: dict[int, tuple[float, float]]  # axis -> position, speed
+    axes: tuple[int, ...]  # of the piece
+    places: list[float]  # of these axes, then of the way along the path, as the pieces count it
+    speeds: list[float]  # of the same columns
     piece_id: int
     block: int
-    way: float  # m along the path, as the pieces count it
     done_id: int
     at_end: bool
     at_start: bool
     still: bool  # omega and u are 0
+
+    @property
+    def q(self) -> dict[int, tuple[float, float]]:
+        """axis -> position, speed."""
+        return {axis: (place, speed) for axis, place, speed in zip(self.axes, self.places, self.speeds, strict=False)}
+
+    @property
+    def way(self) -> float:
+        """m along the path."""
+        return self.places[-1]
+
+
+class _Held(NamedTuple):
+    """The interval that was sampled last: `row` holds from `first` to `last` of the piece that runs from `begin` to `till`."""
+
+    begin: float
+    till: float
+    first: float
+    last: float
+    row: tuple[Quintic, ...]
+
+
+NOWHERE = _Held(0.0, 0.0, 0.0, 0.0, ())
 
 
 class Follower:
@@ -60,7 +84,9 @@ class Follower:
         self._omega = self._u = 0.0
         self._end = 0.0
         self._done = 0
-        self._way = 0.0
+        self._held = NOWHERE
+        self._places: list[float] = []  # of every column of the piece, where tau is now
+        self._slopes: list[float] = []  # by tau
         self._past: deque[list[float]] = deque(maxlen=PAST)  # positions of the periods before, of the columns of the present piece
 
     # ---- loading -------------------------------------------------------------------------------------------------------
@@ -134,6 +160,7 @@ class Follower:
         if tail[0].new_tail:
             self._cut(tail[0])
         self._law.disturbed()
+        self._held = NOWHERE
         for piece, table in zip(tail, rows, strict=True):
             self._begins.append(self._end)
             self._pieces.append(piece)
@@ -176,26 +203,25 @@ class Follower:
         """One period further; wanted: share of full speed, -1 .. 1."""
         if wanted < 0.0 and self._forgotten:
             wanted = 0.0
-        samples = self._part(wanted)
+        self._part(wanted)
         for _ in range(self._parts - 1):
             if self._tau < self._end and (self._tau > 0.0 or self._omega >= 0.0):
-                samples = self._part(wanted)
-        return self._progress(samples)
+                self._part(wanted)
+        return self._progress()
 
-    def _part(self, wanted: float) -> list[tuple[float, float]]:
+    def _part(self, wanted: float) -> None:
         """Of a period; all of it where it is short."""
-        changing = self._omega != wanted or self._u != 0.0
-        if changing:
-            self._change(wanted)
-        else:
+        past = self._past
+        if self._omega == wanted and self._u == 0.0:
             self._tau += self._omega * self._h
             self._track.foresee(self._tau, self._omega)
-        samples = self._sampled()
-        past = self._past
-        if changing and len(past) == PAST and self._correct(samples):
-            samples = self._sampled()
-        past.append([q for q, _ in samples])
-        return samples
+            self._sample()
+        else:
+            self._change(wanted)
+            self._sample()
+            if len(past) == PAST and self._correct():
+                self._sample()
+        past.append(self._places)
 
     @property
     def _forgotten(self) -> bool:
@@ -238,7 +264,7 @@ class Follower:
         self._omega, self._u = w, u
 
     # ---- sampling ------------------------------------------------------------------------------------------------------
-    def _locate(self) -> None:
+    def _locate(self) -> _Held:
         """Piece and interval of the present tau."""
         pieces, begins = self._pieces, self._begins
         tau = self._tau = min(max(self._tau, begins[0]), self._end)
@@ -254,6 +280,10 @@ class Follower:
         while k > 0 and u < times[k]:
             k -= 1
         self._interval = k
+        piece, begin = pieces[self._index], begins[self._index]
+        till = begins[self._index + 1] if self._index < len(pieces) - 1 else self._end
+        self._held = _Held(begin, till, times[k], times[k + 1], piece.quintics[k])
+        return self._held
 
     def _enter(self, index: int) -> None:
         """Another piece is under way."""
@@ -262,22 +292,23 @@ class Follower:
             self._past.clear()  # other axes, or another path: the way begins anew, at rest
         self._index, self._interval = index, 0
 
-    def _sampled(self) -> list[tuple[float, float]]:
+    def _sample(self) -> None:
         """Position and slope by tau of every column of the piece, where tau is now."""
-        self._locate()
-        piece, k = self._pieces[self._index], self._interval
-        u = self._tau - self._begins[self._index] - piece.times[k]
-        return [
-            (((((f * u + e) * u + d) * u + c) * u + b) * u + a, (((5 * f * u + 4 * e) * u + 3 * d) * u + 2 * c) * u + b)
-            for f, e, d, c, b, a in piece.quintics[k]
-        ]
+        begin, till, first, last, row = self._held
+        if not (begin <= self._tau < till and first <= self._tau - begin < last):
+            begin, _, first, _, row = self._locate()
+        u = self._tau - begin - first
+        self._places, self._slopes = places, slopes = [], []
+        for f, e, d, c, b, a in row:  # appended: a comprehension costs a call
+            places.append(((((f * u + e) * u + d) * u + c) * u + b) * u + a)
+            slopes.append((((5.0 * f * u + 4.0 * e) * u + 3.0 * d) * u + 2.0 * c) * u + b)
 
-    def _correct(self, samples: list[tuple[float, float]]) -> bool:
+    def _correct(self) -> bool:
         """Move tau a little where the set values would leave the limits; whether it was moved."""
         h, piece = self._h, self._pieces[self._index]
         three, two, one = self._past
-        parts = zip(samples, one, two, three, piece.accel, piece.jerk, strict=True)
-        more = correction([(q, slope, p, pp, ppp, accel, jerk) for (q, slope), p, pp, ppp, accel, jerk in parts], self._omega, self._u, h)
+        rows = zip(self._places, self._slopes, one, two, three, piece.accel, piece.jerk, strict=True)
+        more = correction(list(rows), self._omega, self._u, h)
         if more == 0.0:
             return False
         more = self._law.bounded(self._u, more)
@@ -287,26 +318,20 @@ class Follower:
         self._tau += h * h * h * more
         return True
 
-    def _progress(self, samples: list[tuple[float, float]]) -> Progress:
-        piece = self._pieces[self._index]
-        at_end = self._tau >= self._end and self._index == len(self._pieces) - 1
+    def _progress(self) -> Progress:
+        piece, tau = self._pieces[self._index], self._tau
+        at_end = tau >= self._end and self._index == len(self._pieces) - 1
         if at_end:
             self._done, self._u, self._omega = piece.id, 0.0, 0.0
-        if self._tau <= 0.0 and self._omega < 0.0:
+        if tau <= 0.0 and self._omega < 0.0:
             self._u = self._omega = 0.0
-        self._way = samples[-1][0]
         w = self._omega + self._h * self._u  # where the set value is: a period ahead of what was decided
         still = self._omega == 0.0 and self._u == 0.0
-        return Progress(
-            {axis: (q, v * w) for axis, (q, v) in zip(piece.axes, samples, strict=False)},
-            piece.id,
-            piece.block,
-            self._way,
-            self._done,
-            at_end,
-            self._tau <= 0.0 or (still and self._forgotten),
-            still,
-        )
+        speeds: list[float] = []
+        for slope in self._slopes:
+            speeds.append(slope * w)
+        at_start = tau <= 0.0 or (still and self._forgotten)
+        return Progress(piece.axes, self._places, speeds, piece.id, piece.block, self._done, at_end, at_start, still)
 
 
 def joined(pieces: Sequence[TimedPiece]) -> bool:

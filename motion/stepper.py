@@ -34,6 +34,9 @@ class State(Enum):
     STOPPED = auto()  # at rest on the path; resume() goes on, abandon() drops the rest
 
 
+IDLE, RUNNING = State.IDLE, State.RUNNING  # a name in an Enum is looked up slowly, and these are in every period
+
+
 class Goal(Enum):
     """Where the plan under way leads; all but SLOW end at rest."""
 
@@ -212,7 +215,7 @@ class Stepper:
 
     def step(self) -> Sample:
         """The next sample, one period further."""
-        if self._follower and self._state is not State.IDLE:
+        if self._follower is not None and self._state is not IDLE:
             return self._follow(self._follower)
         if self._piece is None and self._state is not State.IDLE:
             self._next_piece()
@@ -225,21 +228,25 @@ class Stepper:
 
     def _follow(self, follower: Follower) -> Sample:
         """One period of the chain."""
-        wanted = self._direction * self._override if self._state is State.RUNNING else 0.0
-        progress = follower.step(wanted)
-        q, qd = self._q, list(self._still)
-        for axis, (position, speed) in progress.q.items():
-            q[axis], qd[axis] = position, speed
-        self._done = progress.done_id or self._done
-        if progress.at_end and self._direction > 0:
-            self._state = State.IDLE
-        elif self._state is State.STOPPING and progress.still:
+        wanted = self._direction * self._override if self._state is RUNNING else 0.0
+        axes, places, speeds, piece_id, _, done, at_end, at_start, still = follower.step(wanted)
+        if len(axes) == len(self._q):
+            self._q, qd = places[:-1], speeds[:-1]
+            q = self._q
+        else:
+            q, qd = self._q, list(self._still)
+            for k, axis in enumerate(axes):
+                q[axis], qd[axis] = places[k], speeds[k]
+        self._done = done or self._done
+        if at_end and self._direction > 0:
+            self._state = IDLE
+        elif still and self._state is State.STOPPING:
             self._state = State.STOPPED
-        elif progress.at_start and self._direction < 0 and self._state is State.RUNNING:
+        elif at_start and self._direction < 0 and self._state is RUNNING:
             self._state, self._direction = State.STOPPED, 1
-        if self._abandon and self._state in (State.STOPPED, State.IDLE):
+        if self._abandon and self._state in (State.STOPPED, IDLE):
             self._drop()
-        return Sample(tuple(q), tuple(qd), progress.piece_id, progress.way, self._state, self._done)
+        return Sample(tuple(q), tuple(qd), piece_id, places[-1], self._state, self._done)
 
     def _check_fit(self, piece: Piece | TimedPiece) -> None:
         """Each axis of the piece must start where it will stand by then."""

@@ -191,8 +191,7 @@ def driven(machine: Machine, start: tuple[float, ...], pieces: Sequence[TimedPie
             wanted = dice.choice((0.3, 0.6, 1.0))
         begin = time.thread_time_ns()
         progress = follower.step(wanted)
-        q = [progress.q[n][0] for n in range(6)]
-        pose = machine.kinematics.forward(q)
+        pose = machine.kinematics.forward(progress.places[:6])
         a, b, c = pose.position
         near = machine.kinematics.inverse(Pose((a + 1e-3, b, c), pose.rotation), near)
         inside = all(axis.lower <= value <= axis.upper for axis, value in zip(machine.limits, near, strict=True))
