@@ -63,6 +63,8 @@ def is_half_turn(start: Rotation, end: Rotation) -> bool:
 
 def slerp(start: Rotation, end: Rotation, part: float) -> Rotation:
     """The orientation `part` of the least rotation from start (0) to end (1); outside 0 .. 1 it goes on turning."""
+    if start == end:
+        return start
     x, y, z = between(start, end)
     return product(start, rotation_by((part * x, part * y, part * z)))
 

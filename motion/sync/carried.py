@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 from motion.frames import Pose, compose
 from motion.kinematics.base import Joints, KinematicsError, PathKinematics
 from motion.limits import AxisLimits
-from motion.sync.parallel import Coupling, Hold, ParallelPart
+from motion.sync.parallel import OFF, ON, Coupling, Hold, ParallelPart
 from motion.sync.reserve import borne, left_over
 from motion.sync.tracker import Tracker
-from motion.sync.watch import Motion
+from motion.sync.watch import STOPPED
 
 PROBE = 1e-4  # m or rad of belt: so far the axes are looked at
 ONWARD = 0.99  # of full speed, where a path began with less: room to come to it without a step
@@ -65,15 +65,15 @@ class Carried:
     @property
     def caught(self) -> bool:
         """The robot is where the belt is."""
-        return self.coupling.state is Hold.ON
+        return self.coupling.state is ON
 
     def step(self, period: float) -> Pose:
         """One period further."""
         belt = self.part.belt
         middle = 0.5 * abs(belt.data.increment)  # an increment counts when it is whole: the belt is half of one further on average
-        self.tracker.update(belt.way + middle, standing=belt.watch.motion is Motion.STOPPED)
-        if self.coupling.state is not Hold.OFF:
-            self.coupling.step(self.part.value(self.tracker.ahead()), period)
-            self.frame = self.part.carrier.frame(self.coupling.value)
-            self._on = self._on + 1 if self.caught else 0
+        self.tracker.update(belt.way + middle, standing=belt.watch.motion is STOPPED)
+        coupling = self.coupling
+        if coupling.state is not OFF:
+            self.frame = self.part.carrier.frame(coupling.step(self.part.value(self.tracker.ahead()), period))
+            self._on = self._on + 1 if coupling.state is ON else 0
         return self.frame

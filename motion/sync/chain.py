@@ -1,13 +1,15 @@
 """The pieces a stepper has been given, to look at what comes: axes at a time at full speed, and that time for a sample."""
 
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from dataclasses import dataclass, field
+from operator import attrgetter, itemgetter
 
 from motion.stepper import Sample
 from motion.timed import TimedPiece
 
 HALVINGS = 14
 KEPT = 64  # pieces behind the one under way
+NUMBER, WAY = attrgetter("id"), itemgetter(-3)  # of a piece; of a node
 
 
 @dataclass(slots=True)
@@ -37,20 +39,20 @@ class Chain:
 
     def tau(self, sample: Sample) -> float | None:
         """Time at full speed of a sample; None when its piece is not known.  Searched along the way, which never runs back."""
-        index = next((n for n, piece in enumerate(self._pieces) if piece.id == sample.piece_id), None)
-        if index is None:
+        index = bisect_left(self._pieces, sample.piece_id, key=NUMBER)
+        if index == len(self._pieces) or self._pieces[index].id != sample.piece_id:
             return None
         if index > KEPT:
             del self._pieces[: index - KEPT], self._begins[: index - KEPT]
             index = KEPT
         piece = self._pieces[index]
-        ways = [node[-3] for node in piece.nodes]
-        k = min(max(bisect_right(ways, sample.s) - 1, 0), len(ways) - 2)
+        s = sample.s
+        k = min(max(bisect_right(piece.nodes, s, key=WAY) - 1, 0), len(piece.nodes) - 2)
         f, e, d, c, b, a = piece.quintics[k][-1]
         low, high = 0.0, piece.times[k + 1] - piece.times[k]
         for _ in range(HALVINGS):
             u = 0.5 * (low + high)
-            if ((((f * u + e) * u + d) * u + c) * u + b) * u + a < sample.s:
+            if ((((f * u + e) * u + d) * u + c) * u + b) * u + a < s:
                 low = u
             else:
                 high = u
@@ -63,7 +65,8 @@ class Chain:
         u = min(max(tau - self._begins[index], 0.0), piece.duration)
         k = min(max(bisect_right(piece.times, u) - 1, 0), len(piece.times) - 2)
         u -= piece.times[k]
-        q = list(resting)
-        for axis, (f, e, d, c, b, a) in zip(piece.axes, piece.quintics[k], strict=False):
+        q, row = list(resting), piece.quintics[k]
+        for n, axis in enumerate(piece.axes):
+            f, e, d, c, b, a = row[n]
             q[axis] = ((((f * u + e) * u + d) * u + c) * u + b) * u + a
         return tuple(q)

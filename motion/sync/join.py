@@ -39,6 +39,7 @@ class SyncStepper:
         if len(speeds) != kinematics.axes:
             raise MotionError(f"{len(speeds)} speed limits for {kinematics.axes} joints")
         self._stepper, self._kinematics, self._speeds, self._period = stepper, kinematics, tuple(speeds), period_s
+        self._axes, self._beside = kinematics.axes, isinstance(kinematics, AlongAxis)
         self._chain = Chain()
         self._scout = Scout(kinematics, self._chain, self._speeds, period_s)
         self._q = tuple(q)
@@ -80,12 +81,11 @@ class SyncStepper:
 
         Where the pose cannot be reached the joints stay, the path is stopped and `fault` says why; place() goes on.
         """
-        self._stepper.set_override(min(self._wanted, self._share))
+        self._stepper.set_override(self._wanted if self._wanted < self._share else self._share)
         sample = self._stepper.step()
-        n = self._kinematics.axes
         if self.fault is None:
             try:
-                self._q, short = self._found(sample, frame, alteration, n)
+                self._q, short = self._found(sample, frame, alteration)
             except KinematicsError as error:
                 self.fault, short = error, True
                 self._stepper.stop()
@@ -95,20 +95,26 @@ class SyncStepper:
             self._limit(sample, frame, alteration, short)
         return Joined(self._q, sample, self._share, short)
 
-    def _found(self, sample: Sample, frame: Pose, alteration: Pose, n: int) -> tuple[tuple[float, ...], bool]:
+    def _found(self, sample: Sample, frame: Pose, alteration: Pose) -> tuple[tuple[float, ...], bool]:
         """Joints of the period, at most as far from those before as the speeds allow; whether they fell short."""
-        pose = compose(frame, self._kinematics.forward(sample.q[:n]))
+        kinematics, n, before = self._kinematics, self._axes, self._q
+        path, rest = sample.q[:n], sample.q[n:]
+        pose = compose(frame, kinematics.forward(path))
         if alteration is not IDENTITY:
             pose = compose(pose, alteration)
-        near = sample.q[:n] if isinstance(self._kinematics, AlongAxis) else self._q[:n]
-        goal: Joints = self._kinematics.follow(pose, near)
-        most = max(abs(b - a) / v for a, b, v in zip(self._q, goal, self._speeds, strict=False)) / self._period
+        goal: Joints = kinematics.follow(pose, path if self._beside else before[:n])
+        most = 0.0
+        for k, speed in enumerate(self._speeds):  # no zip and no generator: they cost as much as all the axes
+            needed = abs(goal[k] - before[k]) / speed
+            if needed > most:
+                most = needed
+        most /= self._period
         if most <= 1.0:
-            return (*goal, *sample.q[n:]), False
-        return (*(a + (b - a) / most for a, b in zip(self._q, goal, strict=False)), *sample.q[n:]), True
+            return (*goal, *rest) if rest else goal, False
+        return (*(a + (b - a) / most for a, b in zip(before, goal, strict=False)), *rest), True
 
     def _limit(self, sample: Sample, frame: Pose, alteration: Pose, short: bool) -> None:
-        share = self._scout.look(sample, frame, alteration, self._q[: self._kinematics.axes])
+        share = self._scout.look(sample, frame, alteration, self._q[: self._axes])
         if short and self._share > 0.0:
             share = min(share, self._share if self._since < REACTS_S else 0.8 * TOP * self._share)  # unforeseen: less, until it fits
         share = int(share / STEP) * STEP if share < 1.0 else 1.0

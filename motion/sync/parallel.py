@@ -48,6 +48,9 @@ class Hold(Enum):
     OFF, CATCHING, ON, LEAVING = "off", "catching up", "on the belt", "leaving"
 
 
+ON, OFF = Hold.ON, Hold.OFF  # a name in an Enum is looked up slowly, and these are in every period
+
+
 @dataclass(slots=True)
 class Coupling:
     """Which belt value the robot's frame has: up to the belt's speed and down again within an acceleration and a jerk.
@@ -96,20 +99,24 @@ class Coupling:
         """The frame's belt value, one period further; belt: where the belt will be."""
         self._time += period
         before = self.value
-        u = self._time / self._lasts if self._lasts > 0.0 else 1.0
+        if self.state is ON:
+            self.value = belt
+        elif self.state is not OFF:
+            self._change(belt, self._time / self._lasts if self._lasts > 0.0 else 1.0)
+        self._rate = (self.value - before) / period
+        return self.value
+
+    def _change(self, belt: float, u: float) -> None:
+        """u: of the change's time, 0 .. 1 and beyond."""
         if self.state is Hold.CATCHING:
             behind = 0.0 if u >= 1.0 else u * (1.0 + u * u * (-6.0 + u * (8.0 - 3.0 * u)))  # slope 1 -> 0, jerk and accel bounded
             self.value = belt - self._speed * self._lasts * behind
-            self.state = Hold.ON if u >= 1.0 else Hold.CATCHING
-        elif self.state is Hold.ON:
-            self.value = belt
-        elif self.state is Hold.LEAVING:
+            self.state = ON if u >= 1.0 else Hold.CATCHING
+        else:
             w = min(u, 1.0)
             made = w + w**4 * (-2.5 + w * (3.0 - w))  # speed 1 -> 0 as 1 - 10 w^3 + 15 w^4 - 6 w^5
             self.value = self._from + self._speed * self._lasts * made
-            self.state = Hold.OFF if u >= 1.0 else Hold.LEAVING
-        self._rate = (self.value - before) / period
-        return self.value
+            self.state = OFF if u >= 1.0 else Hold.LEAVING
 
 
 @dataclass(slots=True)

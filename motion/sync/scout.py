@@ -28,7 +28,7 @@ class Scout:
     speeds: Sequence[float]
     period_s: float
     horizon_s: float = 0.15
-    _caps: deque[tuple[float, float]] = field(init=False, default_factory=deque)  # (tau, share), tau rising
+    _caps: deque[tuple[float, float]] = field(init=False, default_factory=deque)  # (tau, share), both rising: the first is the least
     _phase: int = field(init=False, default=0)
     _tau: float = field(init=False, default=0.0)  # of the robot
     _place: float = field(init=False, default=0.0)  # that is looked at
@@ -36,7 +36,7 @@ class Scout:
     _recent: deque[Pose] = field(init=False, default_factory=lambda: deque(maxlen=DRIFT + 1))  # frames of the last looks
     _frames: tuple[Pose, Pose] = field(init=False, default=(IDENTITY, IDENTITY))  # expected there, and one look earlier
     _here: Joints = field(init=False, default=())
-    _belt: Joints = field(init=False, default=())
+    _belt: list[float] = field(init=False, default_factory=list)
     _reached: bool = field(init=False, default=True)
 
     def restart(self) -> None:
@@ -55,7 +55,7 @@ class Scout:
                 self._go_on(phase, sample, alteration)
             except KinematicsError:
                 self._note(0.0)
-        return min((share for _, share in self._caps), default=1.0)
+        return self._caps[0][1] if self._caps else 1.0
 
     def _begin(self, sample: Sample, frame: Pose, alteration: Pose, near: Joints) -> None:
         tau = self.chain.tau(sample)
@@ -87,31 +87,46 @@ class Scout:
     def _go_on(self, phase: int, sample: Sample, alteration: Pose) -> None:
         assert self._pose is not None
         frame, before = self._frames
-        window = LOOKS * self.period_s
+        window, here = LOOKS * self.period_s, self._here
         if phase == 1:
-            was = self.kinematics.follow(compose(before, self._pose), self._here)
-            self._belt = tuple((a - b) / window for a, b in zip(self._here, was, strict=True))
+            was = self.kinematics.follow(compose(before, self._pose), here)
+            self._belt = _slopes(here, was, window)
         elif phase == 2 and self._belt:
             back = max(self._place - window, 0.0)
             if self._place > back:
                 pose = compose(frame, self._path(back, sample, alteration))
-                was = self.kinematics.follow(pose, self._here)
-                along = tuple((a - b) / (self._place - back) for a, b in zip(self._here, was, strict=True))
+                along = _slopes(here, self.kinematics.follow(pose, here), self._place - back)
                 self._note(allowed(along, self._belt, self.speeds))
 
     def _path(self, tau: float, sample: Sample, alteration: Pose) -> Pose:
-        return compose(self.kinematics.forward(self.chain.at(tau, sample.q)[: self.kinematics.axes]), alteration)
+        pose = self.kinematics.forward(self.chain.at(tau, sample.q)[: self.kinematics.axes])
+        return pose if alteration is IDENTITY else compose(pose, alteration)
 
     def _note(self, share: float) -> None:
-        self._caps.append((self._place, share))
+        """From now on until the robot is past the place; higher shares of nearer places say nothing any more."""
+        caps = self._caps
+        place = max(self._place, caps[-1][0]) if caps else self._place  # the chain may have been cut: in the order they were seen
+        while caps and caps[-1][1] >= share:
+            caps.pop()
+        caps.append((place, share))
+
+
+def _slopes(here: Joints, was: Joints, apart: float) -> list[float]:
+    slopes: list[float] = []
+    for k, value in enumerate(here):  # no zip, no comprehension: they cost as much as three of the axes
+        slopes.append((value - was[k]) / apart)
+    return slopes
 
 
 def allowed(along: Sequence[float], belt: Sequence[float], speeds: Sequence[float], top: float = TOP) -> float:
     """Largest share 0 .. 1 with |share * along + belt| <= top * speeds for every joint; 0 where the belt alone asks for more."""
     share = 1.0
-    for p, b, limit in zip(along, belt, speeds, strict=True):
-        if abs(b) >= top * limit:
+    for k, speed in enumerate(speeds):
+        p, b, limit = along[k], belt[k], top * speed
+        if p < 0.0:
+            p, b = -p, -b
+        if abs(b) >= limit:
             return 0.0
-        if p != 0.0:
-            share = min(share, (top * limit - (b if p > 0 else -b)) / abs(p))
+        if p != 0.0 and (limit - b) / p < share:
+            share = (limit - b) / p
     return max(share, 0.0)

@@ -22,6 +22,9 @@ class Motion(Enum):
     STOPPED, SLOW, RUNNING = "stopped", "slow", "running"
 
 
+STOPPED = Motion.STOPPED  # a name in an Enum is looked up slowly, and this one is in every period
+
+
 @dataclass(slots=True)
 class Watch:
     """One belt.  cycle_s: interpolation cycle.  Call update() once a cycle with the unaveraged speed (m/s or rad/s)."""
