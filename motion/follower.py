@@ -52,17 +52,8 @@ class Progress(NamedTuple):
         return self.places[-1]
 
 
-class _Held(NamedTuple):
-    """The interval that was sampled last: `row` holds from `first` to `last` of the piece that runs from `begin` to `till`."""
-
-    begin: float
-    till: float
-    first: float
-    last: float
-    row: tuple[Quintic, ...]
-
-
-NOWHERE = _Held(0.0, 0.0, 0.0, 0.0, ())
+_Held = tuple[float, float, float, float, tuple[Quintic, ...]]  # begin and end of a piece, of an interval in it, and its row
+NOWHERE: _Held = (0.0, 0.0, 0.0, 0.0, ())
 
 
 class Follower:
@@ -84,7 +75,7 @@ class Follower:
         self._omega = self._u = 0.0
         self._end = 0.0
         self._done = 0
-        self._held = NOWHERE
+        self._held = NOWHERE  # what was sampled last
         self._places: list[float] = []  # of every column of the piece, where tau is now
         self._slopes: list[float] = []  # by tau
         self._past: deque[list[float]] = deque(maxlen=PAST)  # positions of the periods before, of the columns of the present piece
@@ -266,23 +257,24 @@ class Follower:
     # ---- sampling ------------------------------------------------------------------------------------------------------
     def _locate(self) -> _Held:
         """Piece and interval of the present tau."""
-        pieces, begins = self._pieces, self._begins
-        tau = self._tau = min(max(self._tau, begins[0]), self._end)
-        while self._index < len(pieces) - 1 and tau >= begins[self._index + 1]:
+        pieces, begins, tau = self._pieces, self._begins, self._tau
+        if not begins[0] <= tau <= self._end:
+            tau = self._tau = min(max(tau, begins[0]), self._end)
+        last = len(pieces) - 1
+        while self._index < last and tau >= begins[self._index + 1]:
             self._done = pieces[self._index].id
             self._enter(self._index + 1)
         while self._index > 0 and tau < begins[self._index]:
             self._enter(self._index - 1)
             self._done = pieces[self._index - 1].id if self._index else 0
-        times, k, u = pieces[self._index].times, self._interval, tau - begins[self._index]
+        piece, begin, k = pieces[self._index], begins[self._index], self._interval
+        till, times, u = begins[self._index + 1] if self._index < last else self._end, piece.times, tau - begin
         while k < len(times) - 2 and u >= times[k + 1]:
             k += 1
         while k > 0 and u < times[k]:
             k -= 1
         self._interval = k
-        piece, begin = pieces[self._index], begins[self._index]
-        till = begins[self._index + 1] if self._index < len(pieces) - 1 else self._end
-        self._held = _Held(begin, till, times[k], times[k + 1], piece.quintics[k])
+        self._held = begin, till, times[k], times[k + 1], piece.quintics[k]
         return self._held
 
     def _enter(self, index: int) -> None:

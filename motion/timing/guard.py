@@ -23,10 +23,10 @@ def correction(rows: Sequence[Row], omega: float, u: float, period_s: float) -> 
     """
     h, h3 = period_s, period_s**3
     thirds, seconds = JERK_MOST * h3, ACCEL_MOST * h * h
-    if not any(
-        abs(q - 3.0 * (one - two) - three) > thirds * jerk or abs(q - 2.0 * one + two) > seconds * accel
-        for q, _, one, two, three, accel, jerk in rows
-    ):
+    for q, _, one, two, three, accel, jerk in rows:
+        if abs(q - 3.0 * (one - two) - three) > thirds * jerk or abs(q - 2.0 * one + two) > seconds * accel:
+            break
+    else:
         return 0.0
     shares: list[tuple[float, float]] = []
     for q, slope, one, two, three, accel, jerk in rows:

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-ROOM = 2048  # rows held before old ones go
+ROOM = 2056  # rows held before old ones go; 257 lines of 64 bytes: columns a power of two apart would share few places of a cache
 
 
 class Window:
@@ -30,7 +30,7 @@ class Window:
             return
         low = max(self.low, min(low, self.end))
         while high - low > size:
-            size *= 2
+            size += ROOM
         rows = self.rows if size == self.rows.shape[2] else np.zeros((*self.rows.shape[:2], size))
         rows[:, :, : self.end - low] = self.rows[:, :, low - self.low : self.end - self.low]
         self._resting = bytearray(self._resting[low - self.low : self.end - self.low]).ljust(size, b"\0")
