@@ -315,8 +315,9 @@ class Programs:
 
     def _end(self) -> None:
         self._ended = True
-        if self._planner is not None:
+        if isinstance(self._planner, Planner):
             self._planner.finish()
+            self._trial.check_done(len(self._line_of), self._planner.left())
         self._quiet = QUIET_TURNS
 
     def _made(self, standing: Sequence[float]) -> Planner:

@@ -10,10 +10,10 @@ from motion.files.playing import FilePath
 from motion.kinematics.base import Joints
 from motion.planner.fileplan import FilePlan, file_path
 from motion.planner.marks import check_outputs
-from motion.planner.planner import Planner
+from motion.planner.planner import NO_WAY, Planner
 from motion.planner.robot import Machine
 from motion.planner.route import Route
-from motion.program.blocks import MEASURED, Act, Block, Flying
+from motion.program.blocks import MEASURED, Act, Block, Called, Flying, Output
 from motion.program.errors import BlockError
 from motion.sync.facts import BeltFacts
 
@@ -59,6 +59,8 @@ class Trial:
     later: deque[Coming] = field(default_factory=deque)
     _route: Route | None = None  # of the blocks behind the first one that ends with an input
     _armed: set[int] = field(default_factory=set)  # channels that wait for their edge
+    _moves: bool = False  # the part looked at has a way
+    _left: tuple[Called | Output, ...] = ()  # of blocks without way before it, in parts that have none
     _tried: int = 0  # blocks before those, and those that no route knows
 
     @property
@@ -74,6 +76,9 @@ class Trial:
             self._finished(route)
             self._begun(block, number, planner.robot, route, kinematic)
         part = self.later[-1]
+        if self._left and (block.file is not None or block.synchron is not None):
+            raise BlockError(NO_WAY, block=number - 1)
+        block, self._left = replace(block, carried=self._left), ()
         if block.file is not None:
             self._file(part, block, planner, route)
             return
@@ -84,6 +89,7 @@ class Trial:
                 route.finish()
             for stretch in route.take():
                 check_outputs(stretch)
+                self._moves = True
         except BlockError as error:
             raise told(error, self._tried) from error
         part.blocks.append(replace(block, target=MEASURED) if block.recorded else block)
@@ -93,6 +99,8 @@ class Trial:
             route.finish()
         except BlockError as error:
             raise told(error, self._tried) from error
+        left, moves = route.left(), self._moves or bool(route.take())
+        self._left, self._moves = () if moves else (*self._left, *left), False
 
     def _begun(self, block: Block, number: int, machine: Machine, route: Route, kinematic: int) -> None:
         """The parts in front of it, and its own."""
@@ -112,13 +120,22 @@ class Trial:
 
     def behind(self, planner: Planner, acts: Sequence[Act], blocks: int) -> None:
         """Statements behind the last block."""
-        self._divided(planner, blocks).finish()
+        self._finished(self._divided(planner, blocks))
+        self.check_done(blocks)
         self._acting(acts, blocks + 1, planner.robot)
+
+    def check_done(self, blocks: int, left: Sequence[Called | Output] = ()) -> None:
+        """Behind the last block: BlockError where no way is left for what blocks without way have begun or ended with; left: of those
+        before the first part."""
+        still = self._route is not None and self._route.left() and not (self._moves or self._route.take())
+        if left or self._left or still:
+            raise BlockError(NO_WAY, block=blocks)
 
     def _divided(self, planner: Planner, blocks: int) -> Route:
         """What is tried from the first part on that does not simply go on; so many blocks stand before it."""
         if self._route is None:
             planner.finish()
+            self._left = planner.left()
             self._route, self._tried = Route(planner.robot, planner.standing), blocks
             self._route.assume_measured()  # whether anything is measured by then is looked at by itself (OfCell)
         return self._route

@@ -8,7 +8,7 @@ import numpy as np
 from motion.planner.route import Kind, Stretch
 from motion.planner.runs import Run
 from motion.planner.team import WAY
-from motion.program.blocks import Called, Interpolation
+from motion.program.blocks import Called, Interpolation, Output
 from motion.program.errors import BlockError
 from motion.timed import TimedPiece
 from motion.timing.law import Law
@@ -61,14 +61,20 @@ def _places(run: Run) -> Iterator[tuple[float, int, float, Called | None]]:
         corner = stretch.kind is Kind.CORNER
         begins = stretch.following if corner else stretch.source if stretch.share[0] <= 1.0 - WHOLE else None
         if begins is not None:
-            for function in begins.functions:
-                yield start + (stretch.path.length * 0.5 if corner else 0.0), 0, 0.0, function
+            for each in (*begins.carried, *begins.functions):
+                yield _done_at(start + (stretch.path.length * 0.5 if corner else 0.0), each)
+        for each in stretch.ending:
+            yield _done_at(start + stretch.path.length, each)
         outputs = stretch.source.outputs
         if not outputs or not _ends(stretch):
             continue
         end = start + stretch.path.length * (0.5 if stretch.kind is Kind.CORNER else 1.0)
         for output in outputs:
             yield _before(run, end, output.before) if output.before else end, output.number, output.value, None
+
+
+def _done_at(s: float, each: Called | Output) -> tuple[float, int, float, Called | None]:
+    return (s, each.number, each.value, None) if isinstance(each, Output) else (s, 0, 0.0, each)
 
 
 def _before(run: Run, end: float, distance: float) -> float:

@@ -27,7 +27,7 @@ from motion.planner.team import Team, worst
 from motion.planner.teamroute import TeamRoute
 from motion.planner.timegiven import time_given
 from motion.planner.watched import Slowed
-from motion.program.blocks import Block
+from motion.program.blocks import Block, Called, Output
 from motion.program.factors import FULL, Factors
 from motion.program.team import Shared
 from motion.timed import TimedPiece
@@ -41,6 +41,7 @@ HORIZON_S = 0.6  # with more than this ahead (at full speed) the tail is left al
 PAUSE_S = 1e-3  # between two runs: the jerk one ends with and the jerk the next begins with do not add up (AX-317)
 NAMED = 32  # stretches in a run up to which its pieces end where blocks end
 SMALLEST = 1e-9
+NO_WAY = "what the block begins or ends with needs a way: none is left behind it, and none before it"
 
 
 class _Origin(NamedTuple):
@@ -162,6 +163,12 @@ class Planner:
         """The last block is run to its target and the axes stop there."""
         self._route.finish()
         self._take()
+        if self._fresh and (left := self._route.left()):
+            self._fresh[-1] = replace(self._fresh[-1], ending=(*self._fresh[-1].ending, *left))
+
+    def left(self) -> tuple[Called | Output, ...]:
+        """What blocks without way have begun or ended with, and no way was left to do it on; behind finish()."""
+        return self._route.left()
 
     def _take(self) -> None:
         for stretch in self._route.take():

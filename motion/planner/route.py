@@ -26,12 +26,13 @@ from motion.planner.exact import exact_path
 from motion.planner.extra import Course, joining, shifted, states, with_course
 from motion.planner.jointpath import joint_path_of
 from motion.planner.legs import JOINT_LIMIT, Leg, check_end, check_numbers, make_leg, run_out, told, turns_more
+from motion.planner.ranges import axis_range, first_at
 from motion.planner.relative import shown, unwound
 from motion.planner.robot import Machine
 from motion.planner.rows import curve_of, goes_on, legs_of, place_of
 from motion.planner.timegiven import check_time
 from motion.planner.watched import Slowed, check_range, check_speed
-from motion.program.blocks import MEASURED, Block, Interpolation, JointTarget, Rounding, Shape, Slope
+from motion.program.blocks import MEASURED, Block, Called, Interpolation, JointTarget, Output, Rounding, Shape, Slope
 from motion.program.errors import BlockError
 from motion.program.passing import passed
 from motion.program.slopes import Clock, Ramped, earliest, frozen, overlap, ramped
@@ -68,6 +69,7 @@ class Stretch:
     )  # of a corner: to the point, and on from it
     clock: Clock | None = field(default=None, compare=False)  # block slope with sine squares: when it is where
     slowed: Slowed | None = None  # an axis cannot keep the programmed speed all along
+    ending: tuple[Called | Output, ...] = ()  # of blocks without way behind it: done at its end
 
     @property
     def last(self) -> int:
@@ -85,6 +87,7 @@ class _State:
     splines: tuple[tuple[int, Block], ...] = ()
     spline_start: Joints = ()
     measured: Joints | None = None  # @MPOS as looked at beforehand: the end of the last block an input may end
+    carried: tuple[Called | Output, ...] = ()  # of blocks without way since the last leg
     out: tuple[Stretch, ...] = ()
 
 
@@ -144,6 +147,11 @@ class Route:
         out, self._now.out = self._now.out, ()
         return list(out)
 
+    def left(self) -> tuple[Called | Output, ...]:
+        """What blocks without way behind the last one begin or end with; whoever takes it does it."""
+        carried, self._now.carried = self._now.carried, ()
+        return carried
+
     def reset(self, standing: Sequence[float]) -> None:
         """Forget everything; the axes stand here."""
         self._now = _State(tuple(standing), self._now.number)
@@ -173,11 +181,13 @@ class Route:
             self._add_spline(number, block)
             return
         self._end_splines()
-        leg = make_leg(number, block, now.standing, self._machine)
+        leg = make_leg(number, self._carrying(block), now.standing, self._machine)
         if leg is None:
+            now.carried = (*now.carried, *block.functions, *block.outputs)
             if block.blend.rounding is Rounding.OFF and now.last is not None:
                 self._run_out(now.last)
             return
+        now.carried = ()
         check_range(leg, self._machine)
         reach = self._join(now.last, leg) if now.last is not None else 0.0
         now.standing, now.last, now.known = leg.end, leg, reach
@@ -193,11 +203,14 @@ class Route:
         if now.last is not None:
             self._run_out(now.last)
         check_numbers(block)
-        block = unwound(block, now.standing, self._machine)
+        block, now.carried = self._carrying(unwound(block, now.standing, self._machine)), ()
         if not now.splines:
             now.spline_start = now.standing
         now.standing = place_of(block, now.standing, self._machine)
         now.splines = (*now.splines, (number, block))
+
+    def _carrying(self, block: Block) -> Block:
+        return replace(block, carried=self._now.carried) if self._now.carried else block
 
     def _end_splines(self) -> None:
         """One curve through the row of SPLINE blocks, one stretch for each of them."""
@@ -362,7 +375,7 @@ class Route:
         if leg.stands or blend.rounding is Rounding.OFF or (leg.block.kind is Interpolation.CIRCULAR and not blend.past_circles):
             return 0.0
         if blend.axes and leg.path is not None:
-            wanted = _axis_range(leg, blend.axes)
+            wanted = axis_range(leg, blend.axes)
         elif blend.distance > 0.0:
             wanted = leg.length  # the angle is not known yet
         else:
@@ -373,7 +386,7 @@ class Route:
         """leave on the last leg and reach on this one, in s of each."""
         blend = last.block.blend
         if blend.axes and last.path is not None and leg.path is not None:
-            both = min(self._leave(last), clipped(_axis_range(leg, blend.axes), leg.length, blend.share))
+            both = min(self._leave(last), clipped(axis_range(leg, blend.axes), leg.length, blend.share))
             return both, both
         if blend.distance > 0.0 and last.curve is not None and leg.curve is not None:
             radius = radius_for(blend.distance, *directions(last.curve, leg.curve))
@@ -397,7 +410,7 @@ class Route:
             return (self._machine.forward(q) @ tool).position
 
         here = place(0.0)
-        return _first(lambda s: math.dist(place(s), here), distance, path.length)
+        return first_at(lambda s: math.dist(place(s), here), distance, path.length)
 
     def _corner(self, last: Leg, leg: Leg, leave: float, reach: float) -> JointPath | None:
         """The rounded corner, or None where nothing can round it."""
@@ -422,25 +435,3 @@ class Route:
             if error.number:
                 raise
             return None  # the path goes back on itself: it stops there
-
-
-def _axis_range(leg: Leg, ranges: Sequence[float]) -> float:
-    """s at which the first moving axis comes within its range of the point (P213 x R_PTP)."""
-    shares = [abs(b - a) / leg.length for a, b in zip(leg.start, leg.end, strict=True)]
-    return min((r / u for r, u in zip(ranges, shares, strict=False) if u > 0.0), default=0.0)
-
-
-def _first(away: Callable[[float], float], distance: float, length: float) -> float:
-    """The smallest s with away(s) >= distance; length where there is none."""
-    count = 32
-    before = 0.0
-    for k in range(1, count + 1):
-        s = length * k / count
-        if away(s) >= distance:
-            low, high = before, s
-            for _ in range(50):
-                middle = 0.5 * (low + high)
-                low, high = (low, middle) if away(middle) >= distance else (middle, high)
-            return high
-        before = s
-    return length

@@ -15,7 +15,7 @@ from motion.paths.together import rescaled, side_by_side
 from motion.planner.route import EMPTY, Kind, Stretch
 from motion.planner.team import Team, TeamStretch
 from motion.planner.teamcorner import Member, cut, paced
-from motion.program.blocks import MEASURED, Block, Interpolation, Rounding
+from motion.program.blocks import MEASURED, Block, Called, Interpolation, Output, Rounding
 from motion.program.errors import BlockError
 from motion.program.team import Shared
 
@@ -102,6 +102,10 @@ class TeamRoute:
         """What became known since the last call, in order."""
         out, self._now.out = self._now.out, ()
         return list(out)
+
+    def left(self) -> tuple[Called | Output, ...]:
+        """What blocks without way behind the last one begin or end with, once."""
+        return tuple(each for route in self._now.routes for each in route.left())
 
     def reset(self, standing: Sequence[float]) -> None:
         """Forget everything; the axes stand here."""

@@ -312,6 +312,7 @@ class Block:
     curving: Curving = Curving()
     outputs: tuple[Output, ...] = ()
     functions: tuple[Called, ...] = ()
+    carried: tuple[Called | Output, ...] = ()  # of blocks before it that have no way: done where this one begins
     until: Until | None = None
     wait: StartWait | None = None
     synchron: Synchron | None = None

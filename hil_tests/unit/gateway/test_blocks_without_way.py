@@ -1,0 +1,58 @@
+"""What begins or ends with a block that has no way is done all the same: where the next one begins, else where the last one ended."""
+
+import pytest
+
+from gateway.pure.reasons import CommandState, Reason
+from gateway.pure.records import get_bit
+from hil_tests.lab.program_bench import WithPlanner, joints
+from hil_tests.unit.gateway.test_functions_in_programs import IOL, bench, both, seen
+from hil_tests.unit.program.test_points_in_programs import Portal, cell
+
+__all__ = ["bench", "both", "cell"]
+
+OUT = 700
+HERE = "ptp rel joints 0 0 0 0 0 0"  # the manual's dummy block
+
+
+@pytest.mark.parametrize("corner", ["", " blend=joint leave=2 reach=2"])
+def test_a_function_of_a_dummy_block_is_called_where_the_next_one_begins(both: WithPlanner, corner: str) -> None:
+    lines = (f"ptp joints {joints(10)}{corner}", "iol -2 1 1 0 1 0", HERE + corner, f"ptp joints {joints(20)}")
+    first = next(x for x, on in seen(both, *lines) if on)
+    assert 9.0 < first < 11.5
+
+
+def test_behind_everything_it_is_called_where_the_last_one_ends(both: WithPlanner) -> None:
+    rows = seen(both, f"ptp joints {joints(10)}", "iol -2 1 1 0 1 0", HERE)
+    assert [on for x, on in rows if x < 9.9].count(True) == 0 and get_bit(both.cell.core.outputs, IOL)
+
+
+def test_an_output_at_its_end_is_switched_there(both: WithPlanner) -> None:
+    assert both.finished(both.order(f"ptp joints {joints(3)} out={OUT}:0", f"ptp joints {joints(2)}")).state is CommandState.DONE
+    job, rows = both.order(f"ptp joints {joints(10)}", f"{HERE} out={OUT}:1", f"ptp joints {joints(20)}"), []
+    while job.open:
+        both.cell.cycle()
+        rows.append((both.places()[0], get_bit(both.cell.core.outputs, OUT)))
+    assert job.state is CommandState.DONE and 9.9 < next(x for x, on in rows if on) < 10.5
+
+
+@pytest.mark.parametrize(
+    ("lines", "block"), [(("iol -2 1 1 0 1 0", HERE), 1), ((f"ptp joints {joints(10)} until=900", "iol -2 1 1 0 1 0", HERE), 2)]
+)
+def test_where_no_way_is_left_it_is_told_before_anything_moves(both: WithPlanner, lines: tuple[str, ...], block: int) -> None:
+    job = both.order(*lines)
+    assert both.still(0.2) and (job.state, job.reason) == (CommandState.REFUSED, Reason.PROGRAM_FAULT)
+    assert f"block {block}: what the block begins or ends with needs a way" in job.detail, job.detail
+
+
+def test_it_is_called_in_the_next_part_where_its_own_has_no_way(both: WithPlanner) -> None:
+    lines = (f"ptp joints {joints(10)} until=900", "iol -2 1 1 0 1 0", HERE, f"ptp joints {joints(20)} until=900")
+    assert 9.9 < next(x for x, on in seen(both, *lines) if on) < 10.5
+
+
+def test_a_reference_path_ends_there(cell: Portal) -> None:
+    assert (
+        cell.run("record_on 1 10mm", "linear pose 150 100 50 0 0 0 path=40", "record_off", "linear rel pose 0 0 0 0 0 0")
+        is CommandState.DONE
+    )
+    assert cell.run("linear pose 300 100 50 0 0 0", "ptp recorded 1") is CommandState.DONE
+    assert cell.bench.set()[0] < 150.5, "the latest entry is that of the path before"
