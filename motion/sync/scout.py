@@ -19,6 +19,37 @@ DRIFT = 8  # looks over which the belt's drift is taken: what its filter leaves 
 TOP = 0.97  # of a joint's speed that is planned for; the rest is for what changes meanwhile
 
 
+class Caps:
+    """Shares that hold until the robot is past a place, and the least of them, which a period has for one look: a share that stands
+    behind a lower one is never asked for."""
+
+    def __init__(self) -> None:
+        self._kept: deque[tuple[float, float]] = deque()  # (tau, share), both rising
+
+    @property
+    def least(self) -> float:
+        """1 where there is none."""
+        return self._kept[0][1] if self._kept else 1.0
+
+    def note(self, place: float, share: float) -> None:
+        """One seen later is forgotten later, also where it stands nearer because the chain was cut."""
+        kept = self._kept
+        if kept:
+            place = max(place, kept[-1][0])
+        while kept and kept[-1][1] >= share:
+            kept.pop()
+        kept.append((place, share))
+
+    def past(self, tau: float) -> None:
+        """The robot is there: what was noted for before says nothing any more."""
+        while self._kept and self._kept[0][0] < tau:
+            self._kept.popleft()
+
+    def clear(self) -> None:
+        """None is left."""
+        self._kept.clear()
+
+
 @dataclass(slots=True)
 class Scout:
     """speeds: limits of the arm's joints per s; horizon_s: how far ahead at full speed: at least the time to brake."""
@@ -28,7 +59,7 @@ class Scout:
     speeds: Sequence[float]
     period_s: float
     horizon_s: float = 0.15
-    _caps: deque[tuple[float, float]] = field(init=False, default_factory=deque)  # (tau, share), both rising: the first is the least
+    _caps: Caps = field(init=False, default_factory=Caps)
     _phase: int = field(init=False, default=0)
     _tau: float = field(init=False, default=0.0)  # of the robot
     _place: float = field(init=False, default=0.0)  # that is looked at
@@ -54,8 +85,8 @@ class Scout:
             try:
                 self._go_on(phase, sample, alteration)
             except KinematicsError:
-                self._note(0.0)
-        return self._caps[0][1] if self._caps else 1.0
+                self._caps.note(self._place, 0.0)
+        return self._caps.least
 
     def _begin(self, sample: Sample, frame: Pose, alteration: Pose, near: Joints) -> None:
         tau = self.chain.tau(sample)
@@ -65,8 +96,7 @@ class Scout:
         if tau < self._tau:
             self._caps.clear()  # it goes back
         self._tau, self._place = tau, min(tau + self.horizon_s, self.chain.end)
-        while self._caps and self._caps[0][0] < tau:
-            self._caps.popleft()
+        self._caps.past(tau)
         self._recent.append(frame)
         self._frames = self._expected(self._place - tau)
         self._pose = self._path(self._place, sample, alteration)
@@ -74,7 +104,7 @@ class Scout:
             self._here, self._reached = self.kinematics.follow(compose(self._frames[0], self._pose), self._here or near), True
         except KinematicsError:
             self._reached = False
-            self._note(0.0)
+            self._caps.note(self._place, 0.0)
 
     def _expected(self, ahead_s: float) -> tuple[Pose, Pose]:
         """The frame when the robot gets there at full speed, and one look before that: the belt goes on as it did."""
@@ -96,19 +126,11 @@ class Scout:
             if self._place > back:
                 pose = compose(frame, self._path(back, sample, alteration))
                 along = _slopes(here, self.kinematics.follow(pose, here), self._place - back)
-                self._note(allowed(along, self._belt, self.speeds))
+                self._caps.note(self._place, allowed(along, self._belt, self.speeds))
 
     def _path(self, tau: float, sample: Sample, alteration: Pose) -> Pose:
         pose = self.kinematics.forward(self.chain.at(tau, sample.q)[: self.kinematics.axes])
         return pose if alteration is IDENTITY else compose(pose, alteration)
-
-    def _note(self, share: float) -> None:
-        """From now on until the robot is past the place; higher shares of nearer places say nothing any more."""
-        caps = self._caps
-        place = max(self._place, caps[-1][0]) if caps else self._place  # the chain may have been cut: in the order they were seen
-        while caps and caps[-1][1] >= share:
-            caps.pop()
-        caps.append((place, share))
 
 
 def _slopes(here: Joints, was: Joints, apart: float) -> list[float]:
