@@ -78,8 +78,8 @@ class Robot:
     model: str = ""
     name: str = ""
     zero: str = ""
-    shape: str = "jerk"
-    too_fast: str | int = "slow"  # or P306 sub-query 6, 0..3
+    shape: str = "robot"  # as the robot file says, or jerk, sin2
+    too_fast: str | int = "robot"  # as the robot file says, or a word, or P306 sub-query 6, 0..3
     corrects: str = "xyzabc"  # components of world points a workpiece system corrects (P313)
 
 

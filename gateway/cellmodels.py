@@ -10,7 +10,7 @@ from pydantic import BeforeValidator, Field
 
 from gateway.cellmodels_alter import Alter
 from gateway.cellmodels_axes import Axis, Defaults, Plant
-from gateway.cellmodels_base import Name, Table, unit
+from gateway.cellmodels_base import Name, Table, plain_number, unit
 from gateway.cellmodels_belts import Belt, Measuring, PathOutput
 from gateway.cellmodels_buses import Bus, Io
 from gateway.cellmodels_controller import Controller
@@ -56,18 +56,13 @@ class Position(Table):
 RouteForm = Literal["", "bit", "u8", "s8", "u16", "s16", "u32", "s32", "KF", "KH", "KM", "DH", "KZ", "KG", "REAL", "BCD"]
 
 
-def _mode(value: object) -> object:
-    """`true` and 3.0 are equal to legal numbers and none."""
-    return repr(value) if isinstance(value, bool | float) else value
-
-
 class Robot(Table):
     kinematics: str
     model: str = ""
     name: str = ""
     zero: str = ""
-    shape: Literal["jerk", "sin2"] = "jerk"
-    too_fast: Annotated[Literal["slow", "abort", "error", 0, 1, 2, 3], BeforeValidator(_mode)] = "slow"
+    shape: Literal["jerk", "sin2", "robot"] = "robot"
+    too_fast: Annotated[Literal["slow", "abort", "error", 0, 1, 2, 3, "robot"], BeforeValidator(plain_number)] = "robot"
     corrects: str = Field(default="xyzabc", pattern=r"^x?y?z?a?b?c?$", json_schema_extra={"allowed": "letters of xyzabc in this order"})
 
 

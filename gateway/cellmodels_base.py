@@ -15,6 +15,11 @@ OneRobot = Annotated[Robots, Field(max_length=1)]
 Percent = Annotated[str, Field(pattern=r"^(100|\d{1,2})(\.\d+)? %$", json_schema_extra={"allowed": '"0 %".."100 %"'})]
 
 
+def plain_number(value: object) -> object:
+    """`true` and 3.0 are equal to legal numbers and none."""
+    return repr(value) if isinstance(value, bool | float) else value
+
+
 def unit(text: str) -> dict[str, Any]:
     """Marks a field with its unit; {u} stands for the unit of the axis."""
     return {"unit": text}

@@ -169,7 +169,9 @@ def _machine(cell: Cell, table: Robot, first: int) -> "Machine":
                 f"belt {belt.name}: axis {belt.axis} is none of robot {name}, whose axes are {', '.join(a.name for a in own)}"
             )
     _check_endless(name, robot, own)
-    return replace(robot, limits=tuple(own), shape=Shape(table.shape), too_fast=too_fast(table.too_fast), corrects=table.corrects)
+    shape = robot.shape if table.shape == "robot" else Shape(table.shape)
+    fast = robot.too_fast if table.too_fast == "robot" else too_fast(table.too_fast)
+    return replace(robot, limits=tuple(own), shape=shape, too_fast=fast, corrects=table.corrects)
 
 
 def _check_endless(name: str, robot: "Machine", own: "Sequence[AxisLimits]") -> None:

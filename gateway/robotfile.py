@@ -9,9 +9,9 @@ import tomllib
 from collections.abc import Sequence
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, Field, ValidationError
+from pydantic import BaseModel, BeforeValidator, Field, ValidationError
 
-from gateway.cellmodels_base import Table
+from gateway.cellmodels_base import Table, plain_number
 from gateway.files import beside, find_config, read_text
 from motion import robot as plain
 from motion.conventions import convention
@@ -44,6 +44,8 @@ class Head(Table):
     source: str = Field(min_length=1)
     base: Six = NOWHERE  # mm, deg in the convention `angles`
     coupling: list[list[float]] = Field(default_factory=list)
+    shape: Literal["jerk", "sin2"] = "jerk"
+    too_fast: Annotated[Literal["slow", "abort", "error", 0, 1, 2, 3], BeforeValidator(plain_number)] = "slow"
 
 
 class ArmTable(Table):
@@ -143,6 +145,8 @@ def _robot(path: str, file: RobotFile) -> plain.Robot:
         base=_pose(head.base, head.angles),
         coupling=tuple(tuple(row) for row in head.coupling),
         source=head.source,
+        shape=head.shape,
+        too_fast=head.too_fast,
     )
 
 

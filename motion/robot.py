@@ -82,6 +82,8 @@ class Robot:
     base: Pose = IDENTITY  # where the robot stands (rho 3: P310)
     coupling: tuple[tuple[float, ...], ...] = ()
     source: str = "assumed"
+    shape: str = "jerk"  # of blocks that do not say: jerk or sin2
+    too_fast: str | int = "slow"  # what becomes of a path too fast for an axis (motion.timing.limiter.too_fast)
 
     @property
     def own(self) -> tuple[AxisLimits, ...]:

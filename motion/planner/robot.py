@@ -11,7 +11,7 @@ from motion.kinematics.group import Group, OnTable, Role
 from motion.limits import AxisLimits
 from motion.program.blocks import MAX_JOINTS, Shape
 from motion.robot import Kind, Robot, kinematics_of
-from motion.timing.limiter import TooFast
+from motion.timing.limiter import TooFast, too_fast
 
 
 @dataclass(frozen=True)
@@ -69,9 +69,10 @@ def machine_of(robot: Robot) -> Machine:
     moving = [axis.limits.name for axis in robot.axes if axis.role not in (None, Role.FREE)]
     if not moving:
         alone = replace(robot, axes=tuple(axis for axis in robot.axes if axis.role is None))
-        return Machine(kinematics_of(alone), robot.limits)
+        return Machine(kinematics_of(alone), robot.limits, too_fast=too_fast(robot.too_fast), shape=Shape(robot.shape))
     group = kinematics_of(robot)
     if robot.kind is Kind.IDENTITY or not isinstance(group, Group):
         raise MotionError(f"robot {robot.name}: axes {', '.join(moving)} carry a robot that has no geometry (kind identity)")
     turned = any(axis.role is Role.TABLE for axis in robot.axes)
-    return Machine(OnTable(group.main, group.extra) if turned else group, robot.limits)
+    kinematics = OnTable(group.main, group.extra) if turned else group
+    return Machine(kinematics, robot.limits, too_fast=too_fast(robot.too_fast), shape=Shape(robot.shape))

@@ -91,6 +91,11 @@ class _State:
     out: tuple[Stretch, ...] = ()
 
 
+def shaped(block: Block, machine: Machine) -> Block:
+    """With the ramps of the robot, where it does not say."""
+    return replace(block, shape=machine.shape) if block.shape is Shape.ROBOT and machine.shape is Shape.SIN2 else block
+
+
 class Route:
     """add() blocks, take() stretches."""
 
@@ -128,8 +133,7 @@ class Route:
         self._now.measured = self._now.standing
 
     def _resolved(self, block: Block) -> Block:
-        if block.shape is Shape.ROBOT and self._machine.shape is Shape.SIN2:
-            block = replace(block, shape=self._machine.shape)
+        block = shaped(block, self._machine)
         if block.recorded:  # nobody knows before: as if it were here
             return replace(block, target=JointTarget(shown(self._now.standing, self._machine.limits)))
         if block.target != MEASURED:

@@ -12,10 +12,10 @@ from motion.errors import MotionError
 from motion.kinematics.base import Joints
 from motion.paths.joints import JointPath, joined
 from motion.paths.together import rescaled, side_by_side
-from motion.planner.route import EMPTY, Kind, Stretch
+from motion.planner.route import EMPTY, Kind, Stretch, shaped
 from motion.planner.team import Team, TeamStretch
 from motion.planner.teamcorner import Member, cut, paced
-from motion.program.blocks import MEASURED, Block, Called, Interpolation, Output, Rounding
+from motion.program.blocks import MEASURED, Block, Called, Interpolation, Output, Rounding, Shape
 from motion.program.errors import BlockError
 from motion.program.team import Shared
 
@@ -134,6 +134,7 @@ class TeamRoute:
         for n in shared.moving:
             self._check(n, shared.moves[n], number)
         now.number = number
+        shared = shared.changed(lambda n, block: shaped(block, self._team.machines[n]))
         if len(shared.moving) == 1:
             self._add_alone(number, shared.moving[0], shared)
         else:
@@ -365,6 +366,8 @@ def _lead(shared: Shared, ways: Sequence[int]) -> int:
 
 
 def _source(shared: Shared, lead: int) -> Block:
-    """The leading kinematic's block, with the outputs of all."""
-    outputs = tuple(output for block in shared.moves if block is not None for output in block.outputs)
-    return replace(_block(shared, lead), outputs=outputs)
+    """The leading kinematic's block, with the outputs of all; sine-square ramps where all that move have them."""
+    blocks = [block for block in shared.moves if block is not None]
+    outputs = tuple(output for block in blocks for output in block.outputs)
+    sine = all(block.shape is Shape.SIN2 for block in blocks)
+    return replace(_block(shared, lead), outputs=outputs, shape=Shape.SIN2 if sine else Shape.JERK)
