@@ -63,6 +63,7 @@ class Coming:
     engages: bool = False
     alteration: Alteration | None = None  # of an alterable part
     error: str = ""  # label to go on at when the input of its block did not come
+    otherwise: str = ""  # label to go on at when @MPOS, or the entry, it goes to is none
     label: str = ""  # in front of it
     act: BeltAct | None = None  # of a belt: nothing else happens in this part
     point: tuple[float, ...] = ()  # places the axes get (SF 3); nothing else happens in this part
@@ -156,7 +157,7 @@ def begun(
     label = "" if outside(block) else block.label
     if synchron is None:
         error = block.until.error if block.until is not None else ""
-        return [Coming(number, alteration=block.alteration, error=error, label=label)]
+        return [Coming(number, alteration=block.alteration, error=error, otherwise=block.otherwise, label=label)]
     if block.until is not None:
         raise BlockError("until= has no place in a synchronous part", block=number)
     if block.wait is not None or block.target == MEASURED:

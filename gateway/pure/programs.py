@@ -252,25 +252,23 @@ class Programs:
         self._begins.clear()
         self._at, self._rest, self._handed, self._before, self._blocks = 0, None, False, self._before + self._blocks, 0
         if self._error and not met:
-            self._skip(self._error)
+            self._trial.skip(self._error)
         self._error = ""
-        while self._trial.later and (act := self._trial.later[0].act) is not None and sets_type(act):
-            self._trial.later.popleft()
-            self._belts = belts_after(act, self._belts)  # nothing for the cycle to do
-        if not self._trial.later:
+        part = self._trial.coming(lambda: self._unmeasured(standing))
+        while part is not None and part.act is not None and sets_type(part.act):
+            self._belts = belts_after(part.act, self._belts)  # nothing for the cycle to do
+            part = self._trial.coming(lambda: self._unmeasured(standing))
+        if part is None:
             self._planner = None  # the last one was a part of the cycle's own: nothing is left to plan
             return
-        part = self._trial.later.popleft()
         self._before, self._error = part.number - 1, part.error
         try:
             self._next_part(part, standing, engaged)
         except MotionError as error:
             self._fail(error)
 
-    def _skip(self, label: str) -> None:
-        """The ERROR part of MOVE UNTIL: everything before the label is left out (rho3 L1134)."""
-        while self._trial.later and self._trial.later[0].label != label:
-            self._trial.later.popleft()
+    def _unmeasured(self, standing: Sequence[float]) -> bool:
+        return None in measured_at(self._measured, self._made(standing).mask or 0)
 
     def _next_part(self, part: Coming, standing: Sequence[float], engaged: float) -> None:
         job, generation = self.state.job, self.generation

@@ -118,6 +118,20 @@ class Trial:
         part.blocks.append(block)
         self._tried += 1
 
+    def coming(self, unmeasured: Callable[[], bool]) -> Coming | None:
+        """The next part; one to @MPOS where nothing was measured leads on at its label."""
+        while self.later:
+            part = self.later.popleft()
+            if not part.otherwise or not unmeasured():
+                return part
+            self.skip(part.otherwise)
+        return None
+
+    def skip(self, label: str) -> None:
+        """The ERROR part of MOVE UNTIL: everything before the label is left out (rho3 L1134)."""
+        while self.later and self.later[0].label != label:
+            self.later.popleft()
+
     def behind(self, planner: Planner, acts: Sequence[Act], blocks: int) -> None:
         """Statements behind the last block."""
         self._finished(self._divided(planner, blocks))

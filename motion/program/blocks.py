@@ -326,6 +326,7 @@ class Block:
     file: FileCall | None = None  # the way is that of a file, and `target` UNKNOWN
     freeze: bool = False  # in an alterable part: from the end of this block on the correction stays as it is (alterEnd before the end)
     recorded: int = 0  # the target is this entry of the reference path, and `target` UNKNOWN
+    otherwise: str = ""  # of a block to @MPOS or an entry: label the program goes on at where nothing was measured or stored
     ahead: int = 0  # at most so many blocks behind the one under way are prepared: BLOCK_SEARCH (rho 3 SF 46), 0: all that are known
     system: WcFrame | None = None  # WC_SYSTEM its poses are in, None: the one in force (motion.program.systems)
     label: str = ""  # in front of it

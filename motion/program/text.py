@@ -261,6 +261,7 @@ class Reader:
         target, left = self.target(words)
         if left:
             raise _Fault("", f"{' '.join(left)} is too much after the target")
+        otherwise = keys.pop("error", "") if target == MEASURED and "until" not in keys else ""
         plane = keys.get("mirror", self.modal.get("mirror", "-"))
         target = mirrored_target(placed(target, keys), plane, asked=keys.get("mirror", "-") != "-")
         if via is not None and isinstance(other := mirrored_target(via, plane, asked=False), PoseTarget):
@@ -270,9 +271,11 @@ class Reader:
             raise _Fault("rel", f"a relative target is one of {' and '.join(word.value for word in RELATIVE)}, not of {kind.value}")
         if index and (kind not in RELATIVE or self.inside):
             raise _Fault("recorded", "is a target of ptp and linear, outside of synchronous and alterable parts")
+        if otherwise:
+            block = replace(block, otherwise=_name("error", otherwise))
         self.added(replace(block, recorded=index, target=UNKNOWN) if index else block)
-        if block.until is not None and block.until.error:
-            self.errors.append((number, block.until.error, self.count))
+        if label := block.until.error if block.until is not None else otherwise:
+            self.errors.append((number, label, self.count))
 
     def file(self, head: str, rest: list[str], number: int) -> None:
         """MOVE_FILE, and what opens and closes its file."""

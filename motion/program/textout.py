@@ -94,7 +94,8 @@ def _moves(program: Program, ways: Convention, units: tuple[str, ...]) -> list[s
         lines += [*begin, *(_act(each, units) for each in block.acts if each.inside)]
         lines += [called(each) for each in block.functions]
         lines += [written_move(block, ways, units)] if block.file is None else textfiles.written(block.file, files)
-    named = {block.until.error for block in blocks if block.until is not None} - {block.label for block in blocks} - {""}
+    asked = {block.until.error if block.until is not None else block.otherwise for block in blocks}
+    named = asked - {block.label for block in blocks} - {""}
     if program.acts and part is not None:
         lines.append("synchron_end")
     lines += [chosen(program.system)] if program.system != system else []
@@ -193,6 +194,7 @@ def _keys(block: Block, units: tuple[str, ...]) -> list[str]:
         until = block.until
         found.append(f"until={'' if until.value else '!'}{f'ch{until.channel}' if until.channel else until.number}")
         found += [f"error={until.error}"] if until.error else []
+    found += [f"error={block.otherwise}"] if block.otherwise else []
     if block.wait is not None:
         wait = block.wait
         found.append(f"wait={'' if wait.value else '!'}{f'ch{wait.channel}' if wait.channel else wait.number}")
