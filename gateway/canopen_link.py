@@ -54,7 +54,7 @@ class RingLink:
         self.sent = 0
 
     def send(self, identifier: int, data: bytes) -> bool:
-        """Into the ring; the cycle sends one frame a cycle.  False: SYNC is the cycle's own."""
+        """Into the ring; the cycle sends it with one of its next bursts.  False: SYNC is the cycle's own."""
         if identifier == cobid.SYNC:
             return False
         self._rings.put(AsideRecord(Aside.FRAME, self._number, identifier, data))

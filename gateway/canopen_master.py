@@ -34,7 +34,8 @@ from protocols.canopen.dictionary import ObjectDictionary
 from protocols.canopen.nmt import State
 
 TICK_S = 0.02
-SDO_S = 0.3  # patience with one answer; the cycle hands one frame on in each cycle
+SDO_S = 0.3  # patience with one answer, from when the request has left at the latest
+IN_LINE = 2  # frames of each node that may stand before a request: its own request, and the end of one that was not answered
 SDO_TRIES = 3
 BOOT_UP_S = 2.0  # patience with a boot-up message or a state of the heartbeat
 WAITS_S = (1.0, 2.0, 5.0)  # before the next attempt with a node that does not answer
@@ -138,12 +139,14 @@ class CanopenMaster:
         say: Say,
         sheets: Mapping[int, ObjectDictionary] | None = None,
         language: str = "en",
+        cycle_s: float = 0.0,
     ) -> None:
-        """`nodes`: (axis, plan); `sheets`: what their EDS says, by node."""
+        """`nodes`: (axis, plan); `sheets`: what their EDS says, by node; `cycle_s`: the link sends one frame in so long."""
         self._language = language
         self.nodes = {plan.node: Node(plan, name) for name, plan in nodes}
         self._channel, self._link, self._say = channel, link, say
         self._sheets = sheets or {}
+        self._in_line_s = IN_LINE * len(nodes) * cycle_s
         self._stop = threading.Event()
         self._quiet_until = 0.0
         self._network: canopen.Network | None = None
@@ -172,7 +175,7 @@ class CanopenMaster:
                 known[id(sheet)] = canopen_dictionary(sheet, number)
             remote = canopen.RemoteNode(number, known[id(sheet)])
             self._network.add_node(remote)
-            remote.sdo.RESPONSE_TIMEOUT, remote.sdo.MAX_RETRIES = SDO_S, 1
+            remote.sdo.RESPONSE_TIMEOUT, remote.sdo.MAX_RETRIES = SDO_S + self._in_line_s, 1
             remote.emcy.add_callback(functools.partial(self._on_emergency, node))
             self._network.subscribe(cobid.heartbeat(number), self._on_heartbeat)
             self._remote[number] = remote
@@ -328,7 +331,7 @@ class CanopenMaster:
                 return b""
 
     def _await(self, node: Node, state: State | None, boots: int) -> Answer:
-        end = time.monotonic() + BOOT_UP_S
+        end = time.monotonic() + BOOT_UP_S + self._in_line_s
         while state is not None and not self._stop.is_set():
             if (state is State.INITIALISING and node.boots > boots) or node.state == state:
                 return b""

@@ -39,7 +39,13 @@ class CanopenOffice:
             sheets = {node: sheet.dictionary for node, (_, axis) in here.items() if (sheet := read[axis.drive.eds]) is not None}
             nodes = [*node_plans(plan.cell, bus, plan.p5_ms, simulated=plan.simulated), *coupler_plans(plan.cell, bus)]
             self.masters[bus.name] = canopen_master.CanopenMaster(
-                bus.name, self.rings.links[number], nodes, lambda kind, words, facts: write(kind, words, **facts), sheets, self._language
+                bus.name,
+                self.rings.links[number],
+                nodes,
+                lambda kind, words, facts: write(kind, words, **facts),
+                sheets,
+                self._language,
+                plan.p5_ms / 1000.0,
             )
             self._places |= {n: (bus.name, node) for node, (n, _) in here.items()}
             self._names |= {axis.name: (bus.name, node) for node, (_, axis) in here.items()}

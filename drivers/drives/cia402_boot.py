@@ -232,6 +232,8 @@ def _identify(plan: NodePlan) -> Generator[Step, Answer, Identity]:
     wanted = (plan.identity.vendor, plan.identity.product, plan.identity.revision, plan.identity.serial)
     for sub, (what, pinned) in enumerate(zip(("vendor", "product", "revision", "serial number"), wanted, strict=True), 1):
         answer = yield Read(0x1018, sub)
+        if answer is Silent.YES:
+            raise BootRefused("no answer", (0x1018, sub), dead=True)
         value = int.from_bytes(answer, "little") if isinstance(answer, bytes) else None
         if pinned is not None and value != pinned:
             there = "nothing" if value is None else f"{value:#010x}"

@@ -91,6 +91,11 @@ class Cia402Family:
         """Released nodes answer every SYNC."""
         return sum(node.released for node in self._nodes.values())
 
+    @property
+    def unconfigured(self) -> int:
+        """Nodes the master has not started up, or not again."""
+        return len(self._nodes) - self.expected
+
     def release(self, node: int, mode: int) -> None:
         """Configured and operational, in this mode."""
         found = self._nodes.get(node)

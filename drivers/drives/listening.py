@@ -18,6 +18,11 @@ class ListeningFamily:
         """Nobody is asked."""
         return 0
 
+    @property
+    def unconfigured(self) -> int:
+        """Nobody is started up."""
+        return 0
+
     def burst(self, values: Sequence[SetRecord]) -> list[Frame]:
         """Nothing."""
         return []

@@ -23,6 +23,11 @@ class ServodynFamily:
         """Every drive answers every SYNC."""
         return len(self.axes)
 
+    @property
+    def unconfigured(self) -> int:
+        """Boosters need no start-up."""
+        return 0
+
     def burst(self, values: Sequence[SetRecord]) -> list[Frame]:
         """SYNC and the set values of this bus; TypeError when a drive of another family was put on it."""
         frames = [SYNC]

@@ -1,7 +1,7 @@
 """The python-can plug-in `cycle:`: a drive bus as the services see it while the cycle owns it.
 
-On a drive bus only the cycle transmits.  What is sent here goes into the cycle's ring and leaves with one of its next bursts, one frame a
-cycle; what is received here is what the cycle put aside (SDO, EMCY, heartbeat).  SYNC, PDOs and the gateway's heartbeat are refused: they
+On a drive bus only the cycle transmits.  What is sent here goes into the cycle's ring and leaves with one of its next bursts (AX-301);
+what is received here is what the cycle put aside (SDO, EMCY, heartbeat).  SYNC, PDOs and the gateway's heartbeat are refused: they
 come from a completed cycle or not at all.  The links are made by the process that has the ring (`attach`).
 """
 

@@ -36,7 +36,7 @@ class BusLink:
         self.refused = 0  # frames the port did not take: never silent
         self.foreign = 0
         self.last_error = ""
-        self.acyclic: deque[Frame] = deque()  # from the master, one leaves with each burst
+        self.acyclic: deque[Frame] = deque()  # from the master: one leaves with each burst, and one for each axis that has none in it
         self.encoders: dict[int, Encoder] = {}  # of belts, by identifier
         self.late = 0  # actual values that came in the cycle after theirs
         self._retry_ns = self.sent_ns = 0
@@ -81,7 +81,8 @@ class BusLink:
         if self.tap is not None:
             self.tap.sent(self.number, self._burst)
         if self.acyclic:
-            self._burst.append(self.acyclic.popleft())
+            free = min(1 + self.family.unconfigured, len(self.acyclic))
+            self._burst += [self.acyclic.popleft() for _ in range(free)]
         self.refused += len(self._burst) - port.send(self._burst)
 
     def receive(self, actuals: list[Actual | None], *, next_only: bool = False) -> int:

@@ -55,7 +55,7 @@ from protocols.base.machine import Frame
 PRIORITY = 40  # broker 30, emulator 20, line process 15: all below the cycle
 PIECES_SHARE = 8  # of the period may be spent on the planner's pieces; the rest waits in the ring
 THINKING_NS, THINKING_SHARE = 3_000_000, 0.4  # kept free for the core at the end of a cycle: the smaller of both (AX-149)
-ACYCLIC_AT_ONCE = 8  # records taken from the ring in one cycle; each bus still sends one frame of them a cycle
+ACYCLIC_AT_ONCE = 32  # records taken from the ring in one cycle: one for each axis of a cell
 
 
 def patience_ns(period_ns: int) -> int:

@@ -58,6 +58,11 @@ class CouplerFamily:
         return self.drives.expected
 
     @property
+    def unconfigured(self) -> int:
+        """Couplers have no place in a burst of their own."""
+        return self.drives.unconfigured
+
+    @property
     def shown(self) -> Mapping[int, bool]:
         """What the outputs show, by contact."""
         return self._shown

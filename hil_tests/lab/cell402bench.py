@@ -34,6 +34,7 @@ class Dialogue:
         self.steps: list[steps.Step] = []
         self.refuse: dict[tuple[int, int], int] = {}  # (index, sub) of a download -> abort code: a hostile node
         self.lies: dict[tuple[int, int], bytes] = {}  # what an upload answers instead
+        self.silent: set[tuple[int, int]] = set()  # uploads that are not answered
 
     def carry(self, plan: Generator[steps.Step, Answer, T]) -> T:
         """To its end; raises what the plan raises."""
@@ -49,6 +50,8 @@ class Dialogue:
     def answer(self, step: steps.Step) -> Answer:
         match step:
             case steps.Read(index, sub):
+                if (index, sub) in self.silent:
+                    return Silent.YES
                 return self.lies.get((index, sub)) or self.upload(index, sub)
             case steps.Write(index, sub, data):
                 if (index, sub) in self.refuse:

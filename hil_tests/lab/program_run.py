@@ -18,7 +18,7 @@ from gateway.pure.command_block import mask_word
 from gateway.pure.plannerrecords import PlannerState, unpack_planner
 from gateway.pure.records import AxisFlag, CellState, Motion, get_bit, unpack_cell_state
 from hil_tests.lab.arms import Array
-from hil_tests.lab.cell_running import P5_MS, CellRun, running_cell
+from hil_tests.lab.cell_running import CellRun, running_cell
 from hil_tests.lab.planned_bench import Driven
 from hil_tests.lab.plc2 import DONE, ENABLE, OVERRIDE, REQUEST, RESET, RESUME, STOP, Status
 from motion.planner.route import Route
@@ -145,7 +145,7 @@ class ProgramRun:
         self.watch("at rest", lambda s: s.motion is Motion.IDLE, 60.0)
         assert self.still() and not self.state().failed_job
         record = self.run.record()
-        return Driven(self.cell, replace(record, rows=tuple(row for row in record.rows if row.stamp_ns >= since)), P5_MS / 1e3)
+        return Driven(self.cell, replace(record, rows=tuple(row for row in record.rows if row.stamp_ns >= since)), self.run.p5_ms / 1e3)
 
 
 @contextlib.contextmanager

@@ -55,6 +55,11 @@ class RhoFamily:
         """Modules of inputs are not waited for: they are judged by cycles."""
         return self.drives.expected if self.drives else 0
 
+    @property
+    def unconfigured(self) -> int:
+        """Boosters and modules need no start-up."""
+        return 0
+
     def burst(self, values: Sequence[SetRecord]) -> list[Frame]:
         """Set values and SYNC of the drives (a coupling bus has none), output blocks, one parameter request."""
         alone = [] if self.io is not None and self.io.coupled else [SYNC]

@@ -1,4 +1,4 @@
-"""The ring between a bus' master and the cycle: one frame a burst, nothing that proves life, clean sheets for the SDO client."""
+"""The ring between a bus' master and the cycle: what leaves with a burst, nothing that proves life, clean sheets for the SDO client."""
 
 import os
 import time
@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import can
 import pytest
 
+from drivers.drives.cia402 import Cia402Set
 from drivers.drives.cia402_family import Cia402Family
 from drivers.ports import cycle_bus
 from drivers.ports.canmemory import memory_pair
@@ -106,6 +107,22 @@ def test_one_acyclic_frame_leaves_with_each_burst_after_the_set_values() -> None
     link.receive([])
     assert [frame.identifier for frame in link.family.aside] == [0x581, 0x081, 0x701, 0x0F0]
     assert link.foreign == 1, "a PDO nobody knows"
+    link.close()
+    theirs.close()
+
+
+def test_axes_that_are_not_configured_yet_leave_their_places_in_the_burst_to_the_master() -> None:
+    ours, theirs = memory_pair(time.monotonic_ns)
+    link = BusLink("memory:", Cia402Family([(0, 1), (1, 2), (2, 3)], 1_000_000, 1_000_000))
+    link.port = ours
+    link.family.release(2, 8)
+    link.acyclic.extend(Frame(0x600 + n, bytes(8)) for n in range(8))
+    sets = [Cia402Set() for _ in range(3)]
+    for released, leave in ((2, [0x600, 0x601, 0x602]), (3, [0x603, 0x604]), (1, [0x605]), (1, [0x606])):
+        link.family.release(released, 8)
+        link.prepare(sets)
+        assert link.send(time.monotonic_ns())
+        assert [frame.identifier for frame in theirs.receive() if frame.identifier >= 0x600] == leave
     link.close()
     theirs.close()
 

@@ -96,6 +96,13 @@ def test_a_node_that_is_not_there_is_told_as_dead() -> None:
     assert why.dead
 
 
+def test_a_node_that_falls_silent_while_it_is_looked_at_is_no_other_drive() -> None:
+    dialogue = OneNode().dialogue()
+    dialogue.silent.add((0x1018, 2))
+    why = refused(dialogue, NodePlan(NODE, default_pdos(NODE, torque=True), Identity(product=0x402)))
+    assert why.dead and why.key == (0x1018, 2) and "no answer" in str(why)
+
+
 def test_a_needed_parameter_that_is_refused_stops_the_start_up_another_is_noted() -> None:
     there_not = Parameter(0x2999, 0, b"\0", "DCF")
     why = refused(OneNode().dialogue(), one_plan(there_not))
