@@ -230,6 +230,22 @@ def test_whatever_part_of_a_new_tail_was_written_the_axes_end_at_rest_on_a_commi
     assert worst_shares(np.array([(0.0, 0.0, 0.0), *(s.q for s in samples)]), LIMITS)[1] <= 1.02
 
 
+def test_a_new_tail_replaces_a_path_at_whose_beginning_the_axes_are_held() -> None:
+    limits, ways = law_limits(LIMITS), []
+    for end in (point(0.1, 0.0, 0.0), point(0.0, 0.1, 0.0)):
+        path = portal_path(line(point(0.0, 0.0, 0.0), end))
+        ways.append(timed_pieces(path, limits, jerk_limited(path, limits)))
+    stepper = loaded(tuple(ways[0]), period_s=1e-4)
+    stepper.set_override(0.0)
+    assert steps(stepper, 3)[-1].q == (0.0, 0.0, 0.0)
+    for n, piece in enumerate(ways[1]):
+        stepper.load(replace(piece, new_tail=n == 0))
+    stepper.set_override(1.0)
+    samples = run_out(stepper, 20_000)
+    assert max(abs(s.q[0]) for s in samples) < 1e-12, "not one period goes along the path that was replaced"
+    assert samples[-1].q[1] == pytest.approx(0.1)
+
+
 def test_a_new_tail_replaces_what_has_not_begun_and_comes_too_late_for_what_has() -> None:
     pieces = blocks(3)
     second = next(k for k, piece in enumerate(pieces) if piece.block == 2)
