@@ -45,6 +45,7 @@ from motion.program.blocks import (
     Until,
 )
 from motion.program.errors import BlockError
+from motion.program.team import Shared
 from motion.sync.alterable import order_of
 from motion.sync.belts import Type
 from motion.sync.facts import BeltFacts
@@ -59,6 +60,7 @@ class Coming:
 
     number: int
     blocks: list[Block] = field(default_factory=list)
+    shared: list[Shared] = field(default_factory=list)  # of a program of several kinematics, which has no other blocks
     tried: BeltPlan | None = None
     engages: bool = False
     alteration: Alteration | None = None  # of an alterable part

@@ -26,7 +26,7 @@ from gateway.pure.plannerrecords import (
 from gateway.pure.programchecks import Away, OfCell
 from gateway.pure.programparts import Coming, Measuring, apart, ending, measured_at, told
 from gateway.pure.programsystems import CellSystems
-from gateway.pure.programteam import no_programs, no_team, own_axes, own_blocks, reader_for, systems_of
+from gateway.pure.programteam import begun_together, no_programs, no_team, own_axes, own_blocks, reader_for, systems_of
 from gateway.pure.programtrial import Files, Trial
 from gateway.pure.programwarnings import Slowing
 from motion.errors import MotionError
@@ -211,7 +211,10 @@ class Programs:
                 cell = OfCell(self.functions, self.outputs, self._measuring, mask, whole=self._lines is not None, kinematic=kinematic)
                 cell.check(own, len(self._line_of), machine)
             if isinstance(block, Shared):
-                self._add_whole(planner, block)
+                if self._trial.begun or block.asks:
+                    self._trial.together(planner, block, len(self._line_of))
+                else:
+                    self._add_whole(planner, block)
             else:
                 check_alterable(block, self._last, len(self._line_of), option=kinematic in self.altered)
                 self._last = block
@@ -283,6 +286,10 @@ class Programs:
             self._placed |= planner.mask or 0 if part.point else 0
             self._out.append(own)
             self.state = replace(self.state, block=self._before, share=1.0)
+            return
+        if part.shared:
+            self._planner, self._blocks = planner, len(part.shared)
+            self._out += begun_together(part, planner, self._measuring, self._measured, self.mask_of, job, generation)
             return
         if part.blocks and part.blocks[0].file is not None:
             self._planner, self._blocks = self.files.played(part, planner, self._factors.velocity), 1

@@ -1,11 +1,15 @@
 """What programs of one robot and of several kinematics have in common for the planner process.  Pure."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
+from gateway.pure.plannerrecords import PieceRecord
+from gateway.pure.programparts import Coming, Measuring, measured_at, told
 from motion.errors import MotionError
+from motion.planner.planner import Planner
 from motion.planner.robot import Machine
 from motion.planner.team import Team
 from motion.program.blocks import Block
+from motion.program.errors import BlockError
 from motion.program.team import Kinematic, Shared
 from motion.program.text import Reader
 from motion.program.textteam import TeamReader, several
@@ -55,3 +59,30 @@ def own_blocks(robots: Machine | Team, block: Block | Shared) -> Iterator[tuple[
     for machine, own in zip(machines, moves, strict=True):
         if own is not None:
             yield machine, own
+
+
+def begun_together(
+    part: Coming,
+    planner: Planner,
+    measuring: Measuring,
+    measured: Sequence[float | None],
+    mask_of: Callable[[Machine | Team], int],
+    job: int,
+    generation: int,
+) -> list[PieceRecord]:
+    """The blocks of a part go to the planner, what it waits for and ends with to the cycle; BlockError."""
+    machines = machines_in(planner.machine)
+    places = [measured_at(measured, mask_of(machine)) for machine in machines]
+
+    def known(number: int) -> Callable[[int, Block], Block]:
+        """With @MPOS as it was measured."""
+        return lambda n, own: Measuring.resolved(own, places[n], machines[n], number)
+
+    try:
+        for number, shared in enumerate(part.shared, 1):
+            planner.add(shared.changed(known(number)))
+        planner.finish()
+    except BlockError as error:
+        raise told(error, part.number - 1) from error
+    own = own_blocks(planner.machine, part.shared[0])
+    return [record for machine, block in own for record in measuring.inputs([block], mask_of(machine), job, generation)]

@@ -13,8 +13,11 @@ from motion.planner.marks import check_outputs
 from motion.planner.planner import NO_WAY, Planner
 from motion.planner.robot import Machine
 from motion.planner.route import Route
+from motion.planner.team import Team
+from motion.planner.teamroute import TeamRoute
 from motion.program.blocks import MEASURED, Act, Block, Called, Flying, Output
 from motion.program.errors import BlockError
+from motion.program.team import Shared
 from motion.sync.facts import BeltFacts
 
 LEAST = 1e-3  # velocity factor of an order
@@ -58,6 +61,7 @@ class Trial:
     program: int = 0
     later: deque[Coming] = field(default_factory=deque)
     _route: Route | None = None  # of the blocks behind the first one that ends with an input
+    _team: TeamRoute | None = None  # the same of several kinematics
     _armed: set[int] = field(default_factory=set)  # channels that wait for their edge
     _moves: bool = False  # the part looked at has a way
     _left: tuple[Called | Output, ...] = ()  # of blocks without way before it, in parts that have none
@@ -66,7 +70,7 @@ class Trial:
     @property
     def begun(self) -> bool:
         """Parts are looked at by themselves from here on."""
-        return self._route is not None
+        return self._route is not None or self._team is not None
 
     def add(self, planner: Planner, block: Block, number: int, kinematic: int) -> None:
         """The block is tried as if the part before had reached its target, the belt where it was programmed; BlockError.  kinematic:
@@ -93,6 +97,21 @@ class Trial:
         except BlockError as error:
             raise told(error, self._tried) from error
         part.blocks.append(replace(block, target=MEASURED) if block.recorded else block)
+
+    def together(self, planner: Planner, shared: Shared, number: int) -> None:
+        """A block of several kinematics, tried as if the part before had reached its target; BlockError."""
+        if self._team is None:
+            assert isinstance(planner.machine, Team)
+            planner.finish()
+            self._team, self._tried = TeamRoute(planner.machine, planner.standing), number - 1
+            self._team.assume_measured()
+        try:
+            self._team.add(shared)
+        except BlockError as error:
+            raise told(error, self._tried) from error
+        if not self.later or shared.asks or self.later[-1].shared[-1].ends:
+            self.later.append(Coming(number))
+        self.later[-1].shared.append(shared)
 
     def _finished(self, route: Route) -> None:
         try:

@@ -15,7 +15,7 @@ from motion.paths.together import rescaled, side_by_side
 from motion.planner.route import EMPTY, Kind, Stretch, shaped
 from motion.planner.team import Team, TeamStretch
 from motion.planner.teamcorner import Member, cut, paced
-from motion.program.blocks import MEASURED, Block, Called, Interpolation, Output, Rounding, Shape
+from motion.program.blocks import Block, Called, Interpolation, Output, Rounding, Shape
 from motion.program.errors import BlockError
 from motion.program.team import Shared
 
@@ -94,6 +94,11 @@ class TeamRoute:
         self._guarded(number, lambda: self._add(number, block))
         return number
 
+    def assume_measured(self) -> None:
+        """As motion.planner.route.Route: of every kinematic."""
+        for route in self._now.routes:
+            route.assume_measured()
+
     def finish(self) -> None:
         """The last block is run to its target and all stop there."""
         self._guarded(self._now.number, self._finish)
@@ -133,12 +138,19 @@ class TeamRoute:
             )
         for n in shared.moving:
             self._check(n, shared.moves[n], number)
+        moves = [block for block in shared.moves if block is not None]
+        if sum(block.until is not None for block in moves) > 1 or sum(block.wait is not None for block in moves) > 1:
+            raise BlockError("one kinematic alone says what a shared block waits for, or ends with", block=number)
+        if shared.asks:
+            self._finish()
         now.number = number
         shared = shared.changed(lambda n, block: shaped(block, self._team.machines[n]))
         if len(shared.moving) == 1:
             self._add_alone(number, shared.moving[0], shared)
         else:
             self._add_shared(number, shared)
+        if shared.ends:
+            self._finish()
 
     def _check(self, kinematic: int, block: Block | None, number: int) -> None:
         """What belongs to a robot that has its cell for itself (AX-341)."""
@@ -146,10 +158,9 @@ class TeamRoute:
         found = {
             "belts": block.synchron or block.on_belt or block.acts,
             "alter": block.alteration,
-            "until": block.until,
-            "wait": block.wait,
             "iol, ppo, measure": block.functions,
-            "mpos": block.target == MEASURED,
+            "recorded": block.recorded,
+            "error=": block.otherwise or (block.until is not None and block.until.error),
         }
         for what, there in found.items():
             if there:

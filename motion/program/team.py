@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from motion.program.blocks import Block
+from motion.program.blocks import MEASURED, Block
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,6 +15,17 @@ class Shared:
 
     moves: tuple[Block | None, ...]
     line: int = field(default=0, compare=False)  # of the program text; 0: none
+
+    @property
+    def asks(self) -> bool:
+        """It waits for an input, ends with one, or goes to where axes were measured: a part of its own."""
+        moves = [block for block in self.moves if block is not None]
+        return any(block.until is not None or block.wait is not None or block.target == MEASURED for block in moves)
+
+    @property
+    def ends(self) -> bool:
+        """With an input."""
+        return any(block is not None and block.until is not None for block in self.moves)
 
     def changed(self, how: Callable[[int, Block], Block]) -> "Shared":
         """Every kinematic's own block by what `how` makes of its number, from 0, and it."""

@@ -95,11 +95,13 @@ def test_check_names_line_block_kinematic_and_axis_of_every_block_that_cannot_be
     tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "pair.txt"
-    path.write_text(TEXT + "move left ptp joints 100 100 9000 0 and right linear pose 100 250 60 0 0 0\nmove left linear A until=3\n")
+    path.write_text(
+        TEXT + "move left ptp joints 100 100 9000 0 and right linear pose 100 250 60 0 0 0\nmove left linear A until=3 error=X\n"
+    )
     assert main(["check", str(path)]) == 1
     said = capsys.readouterr().out.splitlines()
     assert said[0].startswith("line 18: block 5, axis left.Z: kinematic left: target 9000 mm is outside ")
-    assert said[1].startswith("line 19: block 6: kinematic left: a program of several kinematics knows no until")
+    assert said[1].startswith("line 19: block 6: kinematic left: a program of several kinematics knows no error=")
     assert said[2] == "6 blocks: 2 cannot be run"
     assert main(["check", str(path), "--robot", "portal"]) == 2
     assert team_findings(read_team(TEXT), team_of_program(read_team(TEXT), None)).faults == ()

@@ -1,0 +1,105 @@
+"""wait=, until= and @MPOS in programs of several kinematics: an arm and a SCARA of one cell with emulated CiA 402 drives.  AX-341."""
+
+import numpy as np
+import pytest
+
+from gateway.pure.reasons import CommandState
+from gateway.pure.records import Motion
+from hil_tests.lab.arm_and_scara import CELL, OWN
+from hil_tests.lab.arms import Array
+from hil_tests.lab.cell402bench import Cell402Bench
+from hil_tests.lab.planned_bench import Planned
+from hil_tests.lab.teams import pair
+from motion.planner.teamtrace import team_findings
+from motion.program.textteam import read_team, write_team
+
+GO, SEEN = 464, 465  # RC inputs
+HEAD = """kinematic arm tx60-like
+axes deg deg deg deg deg deg
+start 0 30 90 0 60 0
+kinematic scara sr60-like
+axes deg deg mm deg
+start 0 90 -200 0
+"""
+HOME = "move arm ptp joints 0 30 90 0 60 0 and scara ptp joints 0 90 -200 0"
+AWAY = "arm ptp joints 40 30 90 0 60 20 speed=20", "scara ptp joints 40 60 -150 0 speed=20"
+
+
+@pytest.fixture(scope="module")
+def cell() -> Planned:
+    planned = Planned(Cell402Bench(8, cell=CELL))
+    planned.bench.permit(GO, SEEN, value=False)
+    return planned
+
+
+@pytest.fixture
+def home(cell: Planned) -> Planned:
+    cell.bench.permit(GO, SEEN, value=False)
+    assert run(cell, HOME) is CommandState.DONE
+    return cell
+
+
+def run(cell: Planned, *lines: str) -> CommandState:
+    return cell.bench.settle(cell.order(HEAD + "\n".join(lines))).state
+
+
+def gone(cell: Planned) -> Array:
+    """Share of the way of J1 of both."""
+    at = np.array(cell.bench.set())
+    return np.array([at[OWN[0]][0], at[OWN[1]][0]]) / 40.0
+
+
+@pytest.mark.requirement("RHO-MOT-17", by="gateway.pure.programteam:begun_together")
+def test_a_shared_block_waits_for_its_input_and_all_begin_together(home: Planned) -> None:
+    job = home.order(HEAD + f"move {AWAY[0]} wait={GO} and {AWAY[1]}")
+    home.bench.run(0.6)
+    assert job.open and np.abs(gone(home)).max() < 1e-6
+    home.bench.permit(GO)
+    while job.open:
+        home.bench.cycle()
+        shares = gone(home)
+        assert abs(shares[0] - shares[1]) < 1e-4
+    assert job.state is CommandState.DONE and gone(home) == pytest.approx([1.0, 1.0], abs=1e-4)
+
+
+@pytest.mark.requirement("RHO-MOT-10", by="gateway.pure.programteam:begun_together")
+def test_an_input_ends_the_block_of_all_on_their_path_and_mpos_is_that_of_the_one_that_asked(home: Planned) -> None:
+    lines = [f"move {AWAY[0]} and {AWAY[1]} until={SEEN}", f"move arm ptp rel joints 5 0 0 0 0 0 wait={GO}", "move scara ptp mpos"]
+    job = home.order(HEAD + "\n".join(lines))
+    home.until(lambda state: gone(home)[0] > 0.5)
+    home.bench.permit(SEEN)
+    seen = gone(home)[1]
+    home.until(lambda state: state.motion is not Motion.RUNNING)
+    home.bench.run(0.3)
+    stood = gone(home)
+    assert 0.5 < stood[0] < 0.95 and abs(stood[0] - stood[1]) < 1e-4, "on the path, both"
+    home.bench.permit(GO)
+    assert home.bench.settle(job).state is CommandState.DONE
+    arm, scara = gone(home)
+    assert arm == pytest.approx(stood[0] + 5 / 40, abs=1e-4), "the next block begins where the axes stand"
+    assert seen - 0.02 < scara < stood[1] - 0.01, "back to where the SCARA was at the edge"
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        (f"move {AWAY[0]} until={GO} and {AWAY[1]} until={SEEN}", "one kinematic alone says what a shared block waits for, or ends with"),
+        (f"move {AWAY[0]} until={GO}\nmove scara ptp mpos", "@MPOS is measured by until= or measure_on before it"),
+        (f"move {AWAY[0]} until={GO} error=X", "knows no error= (AX-341)"),
+        ("move arm ptp joints 400 0 0 0 0 0 until=464", "J1"),
+        (f"move {AWAY[0]} until={GO}\nmove arm ptp joints 400 0 0 0 0 0", "block 2"),
+    ],
+)
+def test_what_cannot_be_is_told_before_anything_moves(home: Planned, line: str, words: str) -> None:
+    before = home.bench.set()
+    job = home.bench.settle(home.order(HEAD + line))
+    assert job.state is CommandState.REFUSED and words in job.detail, job.detail
+    assert home.bench.set() == before
+
+
+def test_on_paper_and_written_again() -> None:
+    text = HEAD + f"move {AWAY[0]} and {AWAY[1]} until={SEEN}\nmove scara linear mpos wait={GO} delay=0.1\n"
+    program = read_team(text)
+    assert not team_findings(program, pair()).faults
+    again = read_team(write_team(program))
+    assert [shared.asks for shared in again.blocks] == [True, True] and again.blocks[0].ends
