@@ -14,7 +14,7 @@ import pytest
 from gateway.axes import INPUT_SIGNALS
 from gateway.commands import monitor
 from gateway.pure.reasons import Reason
-from gateway.pure.records import Motion
+from gateway.pure.records import AxisFlag, Motion
 from hil_tests.lab.cell_running import running_cell
 from hil_tests.lab.many_robots import FOLLOWED, ROBOTS, cell_file, judge_lines, judge_one_clock, points, program
 from hil_tests.lab.planned_bench import Driven
@@ -76,6 +76,7 @@ def test_services_that_are_killed_find_all_drives_as_they_were(robots: ProgramRu
     robots.run.back("services", dead)
     taken = "(taken over as it was)"
     robots.watch("all are looked at", lambda s: sum(taken in entry["text"] for entry in robots.run.journal("drive")[-40:]) == 32)
-    assert not any(axis.flags & NOT_THERE for axis in robots.state().axes), "none was started up again"
+    flags = [axis.flags for axis in robots.state().axes]
+    assert all(each & AxisFlag.ENABLED and not each & NOT_THERE for each in flags), "none was started up again"
     assert robots.sets() == before
     assert not [entry for entry in robots.run.journal()[told:] if entry["kind"] == "alarm" and "node" in entry]
