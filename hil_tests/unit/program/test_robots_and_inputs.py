@@ -52,7 +52,7 @@ def gone(cell: Planned) -> Array:
 @pytest.mark.requirement("RHO-MOT-17", by="gateway.pure.programteam:begun_together")
 def test_a_shared_block_waits_for_its_input_and_all_begin_together(home: Planned) -> None:
     job = home.order(HEAD + f"move {AWAY[0]} wait={GO} and {AWAY[1]}")
-    home.bench.run(0.6)
+    home.bench.run(2.0)  # without it they are half way by then
     assert job.open and np.abs(gone(home)).max() < 1e-6
     home.bench.permit(GO)
     while job.open:
