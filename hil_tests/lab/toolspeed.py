@@ -2,7 +2,7 @@
 
 import math
 import random
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -16,16 +16,17 @@ from motion.planner.trace import route_of, trace
 from motion.program.blocks import Blend, Block, Interpolation, Pace, PoseTarget, Program, Rounding
 
 PERIOD_S = 1e-3
+Forward = Callable[[Sequence[float]], Pose]  # another's kinematics
 Found = tuple[float, float, float]  # largest share of the programmed path speed, turning speed, acceleration along the path
 
 
-def sampled(program: Program) -> Found:
+def sampled(program: Program, forward: Forward | None = None) -> Found:
     """On paper, the whole program known."""
     machine = robot(program.robot)
     found = route_of(program, machine)
     assert not found.faults, found.faults
     way = trace(found.stretches, machine)
-    return excess(program.blocks, machine, way.q, [int(b) for b in way.block])
+    return excess(program.blocks, forward or machine.forward, way.q, [int(b) for b in way.block])
 
 
 def driven(program: Program, ahead: int) -> Found:
@@ -45,15 +46,19 @@ def streamed(blocks: Sequence[Block], machine: Machine, start: Sequence[float], 
         rows.append(arm.step())
         numbers.append(arm.place().block)
         assert len(rows) < 30_000
-    return excess(blocks, machine, np.array(rows), numbers)
+    return excess(blocks, machine.forward, np.array(rows), numbers)
 
 
-def excess(blocks: Sequence[Block], machine: Machine, q: Array, numbers: Sequence[int]) -> Found:
+def excess(blocks: Sequence[Block], forward: Forward, q: Array, numbers: Sequence[int]) -> Found:
     """q: (n, axes); numbers: the block at each.  An interval between two blocks is held against the faster of both."""
     own = [blocks[min(max(number, 1), len(blocks)) - 1] for number in numbers]
-    poses = [machine.forward([float(v) for v in row]) @ block.tool.pose for row, block in zip(q, own, strict=True)]
-    speed = np.linalg.norm(np.diff(np.array([pose.position for pose in poses]), axis=0), axis=1) / PERIOD_S
-    turn = np.array([_between(a, b) for a, b in pairwise(poses)]) / PERIOD_S
+    flanges = [forward([float(v) for v in row]) for row in q]
+    # where a block with another tool begins: of both tools the slower one
+    pairs = [
+        [(a @ block.tool.pose, b @ block.tool.pose) for block in two] for (a, b), two in zip(pairwise(flanges), pairwise(own), strict=True)
+    ]
+    speed = np.array([min(math.dist(a.position, b.position) for a, b in each) for each in pairs]) / PERIOD_S
+    turn = np.array([min(_between(a, b) for a, b in each) for each in pairs]) / PERIOD_S
     accel = np.abs(np.diff(speed)) / PERIOD_S
     tops = [[_asked(block, name) for block in own] for name in ("path_speed", "turn_speed", "path_accel")]
     found = []
@@ -66,7 +71,8 @@ def excess(blocks: Sequence[Block], machine: Machine, q: Array, numbers: Sequenc
 
 def _asked(block: Block, name: str) -> float:
     value = getattr(block.pace, name)
-    return math.inf if value is None or block.kind is Interpolation.PTP else float(value)
+    path = block.kind is not Interpolation.PTP or name != "path_accel"  # which PTP knows not
+    return float(value) if value is not None and path else math.inf
 
 
 def _between(a: Pose, b: Pose) -> float:

@@ -3,12 +3,12 @@
 Their values are the integrals of the slopes (Gauss, 5 points), so marks and times find the true way in them.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 from motion.paths.base import Derivatives, dot, norm
 from motion.paths.corner import hermite
-from motion.paths.polynomial import Row
+from motion.paths.polynomial import Row, values
 
 TRUE = 2e-4  # of a slope (AX-380)
 LOW = 0.05  # of the largest slope nearby: a smaller one is met to TRUE of this
@@ -50,6 +50,24 @@ def tool_rows(
             return None
         rows.append(row)
     return rows[0], rows[1]
+
+
+def divided(
+    rate: Callable[[float], Rate], start: float, end: float, made: tuple[float, float], finest: float
+) -> Iterator[tuple[float, Row, Row]]:
+    """Way and turning over start .. end, halved until they follow: (where each part ends, its rows).  made: their values at the start;
+    finest: a part that short stays as it is."""
+    todo, here, before = [end], start, rate(start)
+    while todo:
+        there = todo[-1]
+        behind = rate(there)
+        tool = tool_rows(rate, here, there, (before, behind), made, there - here <= finest)
+        if tool is None:
+            todo.append(0.5 * (here + there))
+            continue
+        yield todo.pop(), *tool
+        made = values(tool[0], there - here)[0], values(tool[1], there - here)[0]
+        here, before = there, behind
 
 
 def _slope(row: Row, u: float) -> float:

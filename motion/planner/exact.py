@@ -9,7 +9,7 @@ from motion.paths.base import Curve
 from motion.paths.corner import Corner
 from motion.paths.joints import JointPath, joint_path
 from motion.paths.polynomial import Polynomial, Row, values, whole
-from motion.paths.toolway import FINEST, Rate, tool_rows
+from motion.paths.toolway import FINEST, Rate, divided
 from motion.planner.extra import about
 
 
@@ -46,14 +46,8 @@ def _divided(columns: list[Row], length: float) -> JointPath:
         slope = math.sqrt(sum(first * first for _, first, _, _ in table))
         return Rate(slope, 0.0, sum(first * second for _, first, second, _ in table) / slope if slope > 0.0 else 0.0)
 
-    todo, knots, rows, made = [length], [0.0], [], 0.0
-    while todo:
-        here, there = knots[-1], todo[-1]
-        tool = tool_rows(rate, here, there, (rate(here), rate(there)), (made, 0.0), there - here <= FINEST * length)
-        if tool is None:
-            todo.append(0.5 * (here + there))
-            continue
-        knots.append(todo.pop())
-        rows.append([*(tuple(about(row, here)) for row in columns), *tool])
-        made = values(tool[0], there - here)[0]
+    knots, rows = [0.0], []
+    for there, way, turn in divided(rate, 0.0, length, (0.0, 0.0), FINEST * length):
+        rows.append([*(tuple(about(row, knots[-1])) for row in columns), way, turn])
+        knots.append(there)
     return joint_path(knots, rows)

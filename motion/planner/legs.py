@@ -18,6 +18,7 @@ from motion.paths.line import line, standing_still
 from motion.planner.extra import Course, places, straight
 from motion.planner.relative import check_absolute, resolved, unwound
 from motion.planner.robot import Machine
+from motion.planner.toolspeed import limited
 from motion.planner.untransformed import along_axes, axes_line
 from motion.program.blocks import Block, Interpolation, JointTarget, PoseTarget, Turning
 from motion.program.errors import BlockError
@@ -106,7 +107,7 @@ def _ptp(number: int, block: Block, standing: Joints, machine: Machine) -> Leg |
     check_targets(machine.limits, end)
     if max(abs(b - a) for a, b in zip(standing, end, strict=True)) < 1e-12:
         return None
-    path = joint_line(standing, end)
+    path = limited(joint_line(standing, end), machine, block)
     return Leg(number, block, None, path, path.length, standing, end)
 
 

@@ -31,6 +31,7 @@ from motion.planner.relative import shown, unwound
 from motion.planner.robot import Machine
 from motion.planner.rows import curve_of, goes_on, legs_of, place_of
 from motion.planner.timegiven import check_time
+from motion.planner.toolspeed import limited
 from motion.planner.watched import Slowed, check_range, check_speed
 from motion.program.blocks import MEASURED, Block, Called, Interpolation, JointTarget, Output, Rounding, Shape, Slope
 from motion.program.errors import BlockError
@@ -423,7 +424,7 @@ class Route:
         here = tail.q(tail.length)
         try:
             if last.path is not None and leg.path is not None:
-                return joint_blend(tail, tail.length, leg.path, reach, leave + reach)
+                return limited(joint_blend(tail, tail.length, leg.path, reach, leave + reach), self._machine, last.block, leg.block)
             if (
                 last.curve is not None
                 and leg.curve is not None
@@ -434,7 +435,8 @@ class Route:
                 course = joining(curve.length, states(last.course, last.length - leave), states(leg.course, reach))
                 return self._followed(curve, here, last.block.tool.pose, course)
             onward = self._axes_of(leg, 0.0, reach, leg.start)
-            return joint_blend(tail, tail.length, onward, onward.length, leave + reach)
+            made = joint_blend(tail, tail.length, onward, onward.length, leave + reach)
+            return limited(made, self._machine, last.block, leg.block)
         except PathError as error:
             if error.number:
                 raise

@@ -156,7 +156,8 @@ def _block_caps(stretch: Stretch, block: Block, start: float, end: float, machin
         speed = pace.speed * factors.velocity if lead is None or lead == n else factors.velocity
         if speed < 1.0 or accel < 1.0:
             caps.append(Cap(start, end, n, axis.speed * min(speed, 1.0), axis.accel * min(accel, 1.0)))
-    path_accel = min(pace.path_accel or FREE, pace.path_decel or FREE) * min(factors.acceleration, factors.deceleration)
+    ptp = block.kind is Interpolation.PTP  # accelerates as its axes can: of the tool its speeds alone are asked for
+    path_accel = FREE if ptp else min(pace.path_accel or FREE, pace.path_decel or FREE) * min(factors.acceleration, factors.deceleration)
     if pace.time is not None and stretch.way > 0.0:  # rounded at an end: as fast as the time of the whole block asks
         speed, ramp = figures(stretch.way, pace.time, pace.ramp)
         still = not np.any(stretch.path.at(np.zeros(1), 1)[0, WAY])

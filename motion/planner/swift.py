@@ -26,6 +26,7 @@ SHARE = 0.9  # of the accelerations
 WIDTH = 1.8  # times acceleration / jerk of the slowest axis
 POINTS = (200, 1600)  # of the grid over s
 A_STRETCH = 8  # places for each polynomial of the path, if there is room
+FINER = 4  # looks at the tool in an interval of the grid
 STENCIL = 4  # samples behind a cut that must not change: speed and acceleration are differences over them
 ACCEL_GOOD, JERK_GOOD = 1.015, 1.045
 ROUNDS = 10
@@ -112,13 +113,32 @@ def _kept(path: JointPath, limits: LawLimits, grid: Array, behind: float, width:
     step = float(grid[1] - grid[0])
     more = max(math.ceil((float(grid[0]) - behind) / step), 0)
     s = np.concatenate([grid[0] - step * np.arange(more, 0, -1), grid])
-    each = speed_squares(path, s, limits)
+    each = _squares(path, limits, s)
     reach = np.minimum(np.ceil(0.5 * width * np.sqrt(each) / step) + 1, len(s)).astype(np.int64)
     kept = each.copy()
     for k in np.flatnonzero(each < float(each.max())):
         around = kept[max(k - reach[k], 0) : k + reach[k] + 1]
         np.minimum(around, each[k], out=around)
     return np.asarray(kept[more:])
+
+
+def _squares(path: JointPath, limits: LawLimits, s: Array) -> Array:
+    """(n,) largest sdot^2 the speed limits allow at even places.  Those of a tool also hold between a place and its neighbours: along paths
+    of the axes its rate has peaks a grid does not see."""
+    each = speed_squares(path, s, limits)
+    led = sorted({cap.column for cap in limits.caps if np.isinf(limits.speed[cap.column]) and np.isfinite(cap.speed)})
+    if not led:
+        return each
+    fine = np.interp(np.arange(FINER * (len(s) - 1) + 1), FINER * np.arange(len(s)), s)
+    rates = np.maximum(np.abs(path.at(fine, 1)[:, led]), 1e-12)
+    most = np.min(limits.at(fine)[0][:, led] / rates, axis=1) ** 2
+    most[1:-1] = np.minimum(
+        np.minimum(most[:-2], most[2:]), most[1:-1]
+    )  # where it steps, as at a change of the tool, from the side that is slower
+    least = np.minimum(most[:-1].reshape(-1, FINER).min(axis=1), most[FINER::FINER])  # of each interval, both ends included
+    each[:-1] = np.minimum(each[:-1], least)
+    each[1:] = np.minimum(each[1:], least)
+    return each
 
 
 def _entered(first: Array, second: Array, step: float, accel: Array, most: Array, b: float) -> topp.Topp:

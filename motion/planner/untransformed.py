@@ -4,7 +4,8 @@ Source: rho 3 Releases part 1, TO04 section 11, L5598-5644: main axes (P303 0, 3
 in the same time.  Lengths of linear main axes are the way of the path, angles of turning ones its turning.
 """
 
-import math
+from collections.abc import Sequence
+from math import hypot
 
 import numpy as np
 
@@ -32,10 +33,15 @@ def _moving(start: Joints, end: Joints) -> list[int]:
 
 def axes_line(start: Joints, end: Joints, machine: Machine) -> JointPath:
     """The straight line of the axes with its way and turning.  Manual axes that move alone make the path themselves."""
-    travel, moving = [b - a for a, b in zip(start, end, strict=True)], _moving(start, end)
-    mains = [n for n in moving if not machine.limits[n].manual] or moving
     line = joint_line(start, end)
     table = line.coefficients.copy()
-    for column, kind in ((-2, Kind.LINEAR), (-1, Kind.ROTARY)):
-        table[:, 1, column] = math.hypot(*(travel[n] for n in mains if kind_of(machine.limits[n].unit) is kind)) / line.length
+    table[:, 1, -2:] = main_rates(table[0, 1, : line.axes].tolist(), machine)
     return JointPath(np.asarray(line.knots), table)
+
+
+def main_rates(changes: Sequence[float], machine: Machine) -> tuple[float, float]:
+    """Way of the linear and turning of the rotary main axes where all axes change so; of manual ones where no other moves."""
+    moving = [n for n, change in enumerate(changes) if abs(change) >= NO_WAY]
+    mains = [n for n in moving if not machine.limits[n].manual] or moving
+    way, turn = (hypot(*(changes[n] for n in mains if kind_of(machine.limits[n].unit) is kind)) for kind in (Kind.LINEAR, Kind.ROTARY))
+    return way, turn

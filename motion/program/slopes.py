@@ -194,11 +194,13 @@ def frozen(before: Ramped, after: Ramped, found: Overlap) -> tuple[JointPath, Cl
     one, two = before.motion(t), after.motion(t - found.start)
     place = summed(before, after, found.start, t)
     v, a = one[1] + two[1], one[2] + two[2]
-    rate = np.sqrt(np.sum(v * v, axis=1))
-    if float(np.min(rate)) < SLOWEST * float(np.max(rate)):
+    size = np.sqrt(np.sum(v * v, axis=1))
+    if float(np.min(size)) < SLOWEST * float(np.max(size)):
         return None
+    # the parameter of both blocks added: at either end it is that of the one which runs there, so slope and bend join
+    own = np.array([[before.s(float(x)), after.s(float(x) - found.start)] for x in t]).sum(axis=1)
+    rate, pull = own[:, 1], own[:, 2]
     first = v / rate[:, None]
-    pull = np.sum(v * a, axis=1) / rate
     second = (a - first * pull[:, None]) / (rate * rate)[:, None]
     ways, slopes = _ways(before, after, found, t)
     knots, rows = [0.0], []

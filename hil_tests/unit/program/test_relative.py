@@ -75,8 +75,10 @@ def test_a_difference_of_an_axis_is_its_own() -> None:
 
 
 def test_a_chain_is_rounded_and_timed_as_the_same_chain_of_absolute_blocks_and_one_by_one_as_whole() -> None:
-    ways = ["linear rel pose 100 0 0 0 0 0 radius=20 path=200", "linear rel pose 0 60 0 0 0 0 radius=20 path=200", "ptp rel joints -10 5 7"]
-    there = ["linear pose 100 0 0 0 0 0 radius=20 path=200", "linear pose 100 60 0 0 0 0 radius=20 path=200", "ptp joints 90 65 7"]
+    """Numbers that are added without rounding: a law takes the last bit of a place to the tenth of its times."""
+    on, up, back = "radius=20 path=200", "62.5 0 0 0 0", "-62.5 31.25 7.8125"
+    ways = [f"linear rel pose 125 0 0 0 0 0 {on}", f"linear rel pose 0 {up} {on}", f"ptp rel joints {back}"]
+    there = [f"linear pose 125 0 0 0 0 0 {on}", f"linear pose 125 {up} {on}", "ptp joints 62.5 93.75 7.8125"]
     rows = []
     for lines, whole in ((ways, True), (ways, False), (there, True)):
         arm = Arm(arms.portal(), (0.0, 0.0, 0.0))
@@ -88,8 +90,8 @@ def test_a_chain_is_rounded_and_timed_as_the_same_chain_of_absolute_blocks_and_o
         arm.finish()
         rows.append(arms.run(arm))
     path = arms.tool_path(arms.portal(), rows[0])
-    assert np.abs(rows[0][-1] - (0.09, 0.065, 0.007)).max() < 1e-12
-    assert np.linalg.norm(path - (0.1, 0.0, 0.0), axis=1).min() == pytest.approx(0.1875 * math.sqrt(2) * 0.02, abs=1e-4), "rounded"
+    assert np.abs(rows[0][-1] - (0.0625, 0.09375, 0.0078125)).max() < 1e-12
+    assert np.linalg.norm(path - (0.125, 0.0, 0.0), axis=1).min() == pytest.approx(0.1875 * math.sqrt(2) * 0.02, abs=1e-4), "rounded"
     assert rows[0].shape == rows[2].shape and np.abs(rows[0] - rows[2]).max() < 1e-12
     assert np.abs(rows[1][-1] - rows[0][-1]).max() < 1e-12
 

@@ -4,12 +4,14 @@ import numpy as np
 import pytest
 
 from hil_tests.lab.answers import answers
-from hil_tests.lab.arms import Array, at, portal
-from motion.paths.joints import joint_line
+from hil_tests.lab.arms import Array, at, portal, robot
+from motion.paths.joints import joined, joint_line, joint_part
 from motion.planner.route import Kind, Route, Stretch
 from motion.program.blocks import Blend, Block, Interpolation, JointTarget, PoseTarget, Rounding, Slope
 from motion.program.passing import Passing, Presets
 from motion.program.slopes import earliest, frozen, overlap, ramped, summed, within
+from motion.timing.jerk import jerk_limited
+from motion.timing.limits import law_limits
 
 LIMITS = portal().limits
 R20 = Blend(Rounding.CARTESIAN, 0.02, 0.02)
@@ -142,7 +144,7 @@ def test_r_0_goes_exactly_through_the_point_and_r_20_does_not() -> None:
     assert missed(row(0.02), (0.1, 0.0, 0.0)) == pytest.approx(0.1875 * 0.02 * 2**0.5, abs=1e-6) and not row(0.02)[0].stop
 
 
-@pytest.mark.requirement("RHO-MOT-07", by="motion.planner.route:_axis_range")
+@pytest.mark.requirement("RHO-MOT-07", by="motion.planner.ranges:axis_range")
 @answers
 def test_r_ptp_0_stops_exactly_at_the_point_on_either_slope_and_r_ptp_1_passes_it() -> None:
     passing = Passing(Presets(0.0, 1.0, axes=(0.02, 0.02, 0.02)))
@@ -201,7 +203,7 @@ def test_points_10_apart_with_r_20_are_passed_by_the_largest_overlap_there_is() 
     assert missed(free, (0.05, 0.0, 0.0)) == pytest.approx(4 * largest, abs=2e-6), "not reduced where there is room"
 
 
-@pytest.mark.requirement("RHO-MOT-01", by=("motion.planner.route:_axis_range", "motion.planner.route:Route._corner"))
+@pytest.mark.requirement("RHO-MOT-01", by=("motion.planner.ranges:axis_range", "motion.planner.route:Route._corner"))
 @pytest.mark.requirement("RHO-MOT-01", by="motion.program.passing:Passing.block")
 @answers
 def test_r_ptp_2_passes_the_point_within_twice_p213_and_no_axis_changes_its_speed_in_a_step() -> None:
@@ -238,3 +240,24 @@ def test_two_ptp_blocks_with_block_slope_and_axis_ranges() -> None:
     )
     assert [s.kind for s in row] == [Kind.MAIN, Kind.CORNER, Kind.MAIN]
     assert row[0].path.length >= 0.18 - 1e-9
+
+
+@pytest.mark.requirement("RHO-MOT-04", by="motion.program.slopes:frozen")
+@answers
+def test_the_frozen_curve_joins_slope_and_bend_of_blocks_that_move_several_axes() -> None:
+    """Also where the parameter of a block is the travel of one axis and not the way of all of them."""
+    machine = robot("tx60-like")
+    first, second, third = (0.0, 0.5, 1.5, 0.0, 1.0, 0.0), (1.4, -0.3, 2.0, 1.0, -0.7, 1.7), (0.3, 0.5, 1.0, 0.0, 0.7, 0.2)
+    legs = [joint_line(first, second), joint_line(second, third)]
+    before, after = (ramped(leg, machine.limits) for leg in legs)
+    found = overlap(before, after, earliest(before, 0.3), machine.limits)
+    assert found is not None
+    made = frozen(before, after, found)
+    assert made is not None
+    curve = made[0]
+    for order in (1, 2):
+        ends = curve.at(np.array([0.0, curve.length]), order)[:, :6]
+        theirs = [leg.at(np.array([s]), order)[0, :6] for leg, s in zip(legs, (legs[0].length - found.leave, found.reach), strict=True)]
+        assert ends == pytest.approx(np.array(theirs), abs=1e-6), f"derivative {order}"
+    whole = joined([joint_part(legs[0], 0.0, legs[0].length - found.leave), curve, joint_part(legs[1], found.reach, legs[1].length)])
+    assert jerk_limited(whole, law_limits(machine.limits)).duration < before.duration + after.duration

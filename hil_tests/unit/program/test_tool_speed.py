@@ -96,7 +96,7 @@ def test_blocks_that_come_late_are_no_faster_and_never_lost(seed: int) -> None:
         numbers.append(arm.place().block)
         assert len(rows) < 30_000
     q = np.array(rows)
-    assert excess(blocks, machine, q, numbers)[0] <= 1.001
+    assert excess(blocks, machine.forward, q, numbers)[0] <= 1.001
     target = blocks[-1].target
     assert isinstance(target, PoseTarget) and math.dist(q[-1], target.pose.position) < 1e-9
     speed, accel, jerk = shares(machine, q, 1e-3)
