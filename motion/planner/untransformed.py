@@ -7,11 +7,9 @@ in the same time.  Lengths of linear main axes are the way of the path, angles o
 from collections.abc import Sequence
 from math import hypot
 
-import numpy as np
-
 from motion.kinematics.base import Joints
 from motion.kinematics.identity import Identity
-from motion.paths.joints import JointPath, joint_line
+from motion.paths.joints import JointPath, joint_path
 from motion.planner.robot import Machine
 from motion.program.blocks import Block, Interpolation, JointTarget
 from motion.units import Kind, kind_of
@@ -32,11 +30,13 @@ def _moving(start: Joints, end: Joints) -> list[int]:
 
 
 def axes_line(start: Joints, end: Joints, machine: Machine) -> JointPath:
-    """The straight line of the axes with its way and turning.  Manual axes that move alone make the path themselves."""
-    line = joint_line(start, end)
-    table = line.coefficients.copy()
-    table[:, 1, -2:] = main_rates(table[0, 1, : line.axes].tolist(), machine)
-    return JointPath(np.asarray(line.knots), table)
+    """The straight line of the axes with its way and turning.  Its parameter is the way of its main axes: what goes straight on through a
+    passed point keeps its speed there, however the others change theirs."""
+    travel = [b - a for a, b in zip(start, end, strict=True)]
+    way, turn = main_rates(travel, machine)
+    length = way or turn
+    axes = [(a, change / length) for a, change in zip(start, travel, strict=True)]
+    return joint_path([0.0, length], [[*axes, (0.0, way / length), (0.0, turn / length)]])
 
 
 def main_rates(changes: Sequence[float], machine: Machine) -> tuple[float, float]:
