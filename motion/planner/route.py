@@ -359,7 +359,8 @@ class Route:
             return 0.0
         self._main(last, last.length - found.leave)
         shares = (1.0 - found.leave / last.length, found.reach / leg.length)
-        self._put(Stretch(made[0], last.number, Kind.CORNER, last.block, shares, leg.block, way=last.length, clock=made[1]))
+        curve = limited(made[0], self._machine, last.block, leg.block)
+        self._put(Stretch(curve, last.number, Kind.CORNER, last.block, shares, leg.block, way=last.length, clock=made[1]))
         return found.reach
 
     def _ramped(self, leg: Leg) -> Ramped:

@@ -42,6 +42,10 @@ PROGRAMS = {
         f"tool h 0 -80 220 0 0 0\nset path=600 turn=300 radius=40 blend=joint\nptp {FAR}\nptp {BACK} tool=h\nptp {ASIDE} blend=off\n"
     ),
     "block slope": f"set path=600 turn=300 radius=40 slope=block blend=joint\nptp {FAR}\nptp {BACK}\nptp {ASIDE} blend=off\n",
+    "block slope, another tool": (
+        f"tool h 0 -80 220 0 0 0\nset turn=300 radius=40 slope=block blend=joint\nptp {FAR}\nptp {BACK} tool=h path=600\n"
+        f"ptp {ASIDE} blend=off\n"
+    ),
     "sine": f"set shape=sin2\nptp {FAR} path=700\nptp {BACK} turn=200\n",
 }
 
