@@ -31,7 +31,7 @@ from motion.planner.relative import shown, unwound
 from motion.planner.robot import Machine
 from motion.planner.rows import curve_of, goes_on, legs_of, place_of
 from motion.planner.timegiven import check_time
-from motion.planner.toolspeed import limited
+from motion.planner.toolspeed import limited, tool_tops
 from motion.planner.watched import Slowed, check_range, check_speed
 from motion.program.blocks import MEASURED, Block, Called, Interpolation, JointTarget, Output, Rounding, Shape, Slope
 from motion.program.errors import BlockError
@@ -371,7 +371,7 @@ class Route:
             self._machine.limits,
             speed=min(pace.speed, 1.0),
             accel=min(pace.accel, pace.decel, 1.0),
-            path_speed=pace.path_speed or math.inf,
+            tool=tool_tops([leg.block], self._machine),
             sine=leg.block.shape is Shape.SIN2,
         )
 

@@ -53,7 +53,12 @@ def _alone(run: Run) -> Law | None:
 
 
 def _added(run: Run) -> Law | None:
-    """Blocks one after the other, and between them the time in which both run, as slopes.frozen has it."""
+    """Blocks one after the other, and between them the time in which both run, as slopes.frozen has it.
+
+    None: the row begins or ends within a block, because its beginning was run before the rest was known: no block's own ramp begins there.
+    """
+    if run.stretches[0].share[0] > 0.0 or run.stretches[-1].share[1] < 1.0:
+        return None
     clocks: list[Clock] = []
     for stretch in run.stretches:
         if stretch.clock is None:

@@ -33,7 +33,7 @@ def limited(path: JointPath, machine: Machine, source: Block, following: Block |
     """The path with the columns that limits of the tool act on.  following: of a corner, the block behind it, whose tool counts from the
     middle on."""
     blocks = [source] if following is None else [source, following]
-    tops = _tops(blocks, machine)
+    tops = tool_tops(blocks, machine)
     if not any(top < inf for top in tops) or any(block.pace.time is not None for block in blocks):
         return path
     if _reached(path, machine, blocks, tops):
@@ -49,7 +49,7 @@ def _bare(path: JointPath) -> JointPath:
     return JointPath(path.knots, table)
 
 
-def _tops(blocks: Sequence[Block], machine: Machine) -> tuple[float, float]:
+def tool_tops(blocks: Sequence[Block], machine: Machine) -> tuple[float, float]:
     """Speed of the tool (m/s) and of its turning (rad/s): the smallest that is asked for."""
     ways = [block.pace.path_speed for block in blocks if block.pace.path_speed is not None]
     turns = [block.pace.turn_speed for block in blocks if block.pace.turn_speed is not None]

@@ -94,29 +94,29 @@ def ramped(
     *,
     speed: float = 1.0,
     accel: float = 1.0,
-    path_speed: float = math.inf,
+    tool: tuple[float, float] = (math.inf, math.inf),
     sine: bool = False,
 ) -> Ramped:
-    """A block with constant limits along s: the smallest its axes allow anywhere on it; shares of speed and acceleration; sine: with the
-    sine-square slope (AX-575)."""
+    """A block with constant limits along s: the smallest its axes allow anywhere on it; shares of speed and acceleration; tool: most speed
+    (m/s) and turning (rad/s) of the tool, by the path's last two columns; sine: with the sine-square slope (AX-575)."""
     s = np.linspace(0.0, path.length, 33)
     n = path.axes
     first, second = np.abs(path.at(s, 1)), np.abs(path.at(s, 2))[:, :n]
     top, strength, jolt = (np.array([getattr(axis, name) for axis in limits]) for name in ("speed", "accel", "jerk"))
     largest = np.maximum(np.max(first[:, :n], axis=0), 1e-12)
     v = float(np.min(top * speed / largest))
-    if math.isfinite(path_speed) and float(np.max(first[:, -2])) > 0.0:
-        v = min(v, path_speed / float(np.max(first[:, -2])))
+    for most, rate in zip(tool, np.max(first[:, n:], axis=0), strict=True):
+        v = min(v, most / max(float(rate), 1e-12))
     bend = float(np.max(second / (strength * accel)))
     if bend > 0.0:  # half of the acceleration is left for the ramps
         v = min(v, math.sqrt(0.5 / bend))
     left = strength * accel - np.max(second, axis=0) * v * v
-    most, quickest = float(np.min(left / largest)), float(np.min(jolt / largest))
+    pull, quickest = float(np.min(left / largest)), float(np.min(jolt / largest))
     if sine:
-        shape = sine_square(path.length, v, most, quickest)
+        shape = sine_square(path.length, v, pull, quickest)
         return Ramped(path, shape.duration, shape)
     profile = Profile()
-    profile.configure(path.length, most, quickest)
+    profile.configure(path.length, pull, quickest)
     if not profile.to_end((0.0, 0.0, 0.0), v):
         raise MotionError(f"no ramps fit a block of length {path.length:g}")
     return Ramped(path, profile.duration, profile)

@@ -17,14 +17,15 @@ from gateway.programplan import machine_of_cell
 from gateway.pure.command_block import Code
 from gateway.pure.reasons import CommandState
 from gateway.pure.records import Motion
-from hil_tests.lab.arms import Array, at, portal, robot
+from hil_tests.lab.arms import Array, at, portal, robot, run, shares
 from hil_tests.lab.planned_bench import Planned, ServodynRobot
 from motion.paths.joints import joint_line
+from motion.planner.arm import Arm
 from motion.planner.planner import Planner
 from motion.planner.robot import Machine
 from motion.planner.route import Kind, Route
 from motion.planner.trace import Trace, trace
-from motion.program.blocks import Blend, Block, Interpolation, Rounding, Shape, Slope
+from motion.program.blocks import Blend, Block, Interpolation, JointTarget, Rounding, Shape, Slope
 from motion.program.errors import TextFaults
 from motion.program.factors import Factors
 from motion.program.slopes import earliest, overlap, ramped
@@ -151,6 +152,22 @@ def test_blocks_with_block_slope_are_added_in_time_as_their_curve_was() -> None:
     assert float(np.abs(found.q - q).max()) < 2e-5
     assert t[-1] == pytest.approx(starts[-1] + legs[-1].duration, abs=2e-3)
     assert [float(np.max(found.loads(machine, order))) <= 1.02 for order in (1, 2, 3)] == [True] * 3
+
+
+def test_a_block_that_comes_late_leaves_no_ramp_begun_in_the_middle() -> None:
+    """What is known of the first block is run to its rest; the sum with the second one begins there, where no block's own ramp does."""
+    machine = robot("tx60-like")
+    arm = Arm(machine, (0.0, 0.5, 1.5, 0.0, 1.0, 0.0))
+    blend = Blend(Rounding.JOINT, axes=(0.2,) * 6)
+    first, second = (0.1, 0.9, 1.2, 0.1, 0.6, -0.3), (-0.8, 0.4, 1.1, 0.1, 0.1, -0.8)
+    blocks = [Block(Interpolation.PTP, JointTarget(end), blend=blend, slope=Slope.BLOCK, shape=Shape.SIN2) for end in (first, second)]
+    arm.add(blocks[0])
+    rows = [arm.joints, *(arm.step() for _ in range(14))]
+    arm.add(blocks[1])
+    arm.finish()
+    found = np.concatenate([rows[:-1], run(arm)])
+    assert found[-1] == pytest.approx(second, abs=1e-9)
+    assert [top <= most for top, most in zip(shares(machine, found, 1e-3), (1.0, 1.02, 1.05), strict=True)] == [True] * 3
 
 
 def test_points_passed_with_program_slope_have_the_jerk_limited_law() -> None:
