@@ -33,7 +33,7 @@ from hil_tests.rig.uml.lane import Guests, folder_of, of_the_guest
 
 REPORTS = "AXISGATE_TEST_RIG"  # set in that process: file for its reports
 P5 = "AXISGATE_TEST_P5"  # ms; hil_tests/lab/cell_running.py
-AGAIN_P5_MS = (16, 32, 32)  # of the repetitions
+AGAIN_P5_MS = (16, 32, 32, 32)  # of the repetitions
 MOST_AGAIN = 35  # modules, of some forty; more than these is no matter of the machine
 POLL_S = 0.2
 ENDS_S = 60.0
