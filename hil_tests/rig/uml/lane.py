@@ -43,7 +43,7 @@ class Boot:
         folder.mkdir(parents=True, exist_ok=True)
         root = config.rootpath
         options = ["-p", "no:cacheprovider", "-q", "--color=no", f"--rootdir={root}", f"--junitxml={folder / 'junit.xml'}"]
-        limit = os.environ.get(LIMIT, "1800")
+        limit = os.environ.get(LIMIT, "3600")
         boot = [sys.executable, "-m", "hil_tests.rig.uml.guest", "--folder", str(folder), "--limit", limit, "--serial-pair"]
         told = [f"{name}={value}" for name, value in self._environment().items()]
         listed = folder / "tests.txt"
