@@ -5,19 +5,10 @@ import math
 import pytest
 
 from hil_tests.lab.answers import answers
+from hil_tests.lab.printed_tables import PROGRAM
 from motion.errors import MotionError
 from motion.kinematics.endless import AxisType, EndlessAxes, axis_type, within
 
-PROGRAM = (  # the example's points, L5626-5633
-    (20, 0, 0, 360, 0),
-    (90, 120, 0, 0, 0),
-    (105, 150, 0, 0, 0),
-    (190, 300, 160, 0, 180),
-    (200, 320, 180, 160, 240),
-    (220, 360, 260, 200, 360),
-    (280, 0, 360, 260, 0),
-    (360, 0, 0, 320, 0),
-)
 V = 500.0  # deg/s
 
 

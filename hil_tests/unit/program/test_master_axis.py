@@ -9,6 +9,7 @@ import pytest
 
 from hil_tests.lab.answers import answers
 from hil_tests.lab.arms import Array, run
+from hil_tests.lab.printed_tables import PROGRAM
 from motion.kinematics.identity import Identity
 from motion.limits import limits_from
 from motion.planner.arm import Arm
@@ -17,16 +18,6 @@ from motion.program.errors import BlockError
 from motion.program.text import read
 
 HEAD = "robot turntables\nangles rho3\naxes deg deg deg deg deg\nstart 0 0 0 0 0\n"
-EXAMPLE = (  # as printed
-    (20, 0, 0, 360, 0),
-    (90, 120, 0, 0, 0),
-    (105, 150, 0, 0, 0),
-    (190, 300, 160, 0, 180),
-    (200, 320, 180, 160, 240),
-    (220, 360, 260, 200, 360),
-    (280, 0, 360, 260, 0),
-    (360, 0, 0, 320, 0),
-)
 
 
 @functools.cache
@@ -50,7 +41,7 @@ def rates(lines: str, machine: Machine) -> Array:
 @answers
 def test_the_master_goes_through_the_printed_example_at_500_and_the_slaves_with_it() -> None:
     """Where a slave changes its speed 4 deg of the master before and behind the point are its ramp (zone); the master has none."""
-    blocks = "".join(f"linear joints {' '.join(map(str, point))}\n" for point in EXAMPLE)
+    blocks = "".join(f"linear joints {' '.join(map(str, point))}\n" for point in PROGRAM)
     found = rates("set turn=500 zone=4,360,360,360,360 blend=joint\n" + blocks, tables())
     assert found[20:-20, 0] == pytest.approx(500.0, rel=2e-3), "constant but for the first and the last 20 ms of 0.73 s"
     assert np.sum(found, axis=0) * 1e-3 == pytest.approx([360, 360, 360, 680, 360], abs=1e-6)
