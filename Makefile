@@ -73,6 +73,7 @@ lint: $(STAMP)
 	$(VENV)/bin/ruff format --check --quiet .
 	$(VENV)/bin/ruff check --quiet .
 	$(VENV)/bin/mypy
+	$(PY) -m hil_tests.matrix.spelled
 	@$(VENV)/bin/lint-imports --no-cache > build/import-contracts.txt 2>&1 && tail -n 2 build/import-contracts.txt || { cat build/import-contracts.txt; exit 1; }
 
 # Lint and branches first, all tests whatever they said; pytest's closing line is the last one.

@@ -76,7 +76,7 @@ def test_a_probe_that_stands_has_to_change_during_the_block(both: Probing) -> No
     assert done(both, job) and 20.0 < both.places()[0] < 88.0
 
 
-@pytest.mark.requirement("RHO-MOT-12", by="gateway.pure.programs:Programs._skip")
+@pytest.mark.requirement("RHO-MOT-12", by="gateway.pure.programtrial:Trial.skip")
 @answers
 def test_without_an_edge_the_program_goes_on_at_the_label_and_mpos_is_not_read(both: Probing) -> None:
     way = [

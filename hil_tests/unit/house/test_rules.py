@@ -11,6 +11,7 @@ import tomllib
 import pytest
 
 from hil_tests.matrix.catalogue import rows
+from hil_tests.matrix.spelled import faults_of
 from hil_tests.purity import GUARDED_FOLDERS, ROOT
 
 PACKAGES = ("gateway", "drivers", "protocols", "motion", "hil_tests", "configs")
@@ -61,6 +62,15 @@ def test_all_three_lists_of_requirements_are_there_with_unlike_ids() -> None:
         line for path in (ROOT / "docs" / "requirements").glob("*.csv") for line in path.read_text().splitlines()[1:] if line[3:4] == "-"
     ]
     assert len(rows()) == len(lines)
+
+
+def test_a_mark_of_a_function_that_went_is_told_without_running_its_test(tmp_path: pathlib.Path) -> None:
+    mark = '@pytest.mark.requirement("RHO-MOT-12", by=(HERE + "Trial.skip", HERE + "{}"))\ndef test_it(): ...\n'
+    here = 'HERE = "gateway.pure.programtrial:"\n'
+    for name, faults in (("Trial.coming", 0), ("Trial.gone", 1)):
+        (tmp_path / "made_up.py").write_text(here + mark.format(name))
+        found = list(faults_of(tmp_path / "made_up.py"))
+        assert len(found) == faults and all("made_up.py:2: by='gateway.pure.programtrial:Trial.gone'" in line for line in found)
 
 
 def test_the_lock_pins_every_requirement_within_its_range() -> None:
