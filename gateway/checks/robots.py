@@ -2,9 +2,14 @@
 
 from collections.abc import Sequence
 from itertools import accumulate
+from typing import TYPE_CHECKING
 
+from gateway.cell import Axis
 from gateway.checks.context import Context, twice
 from gateway.pure.records import MOST_AXES
+
+if TYPE_CHECKING:
+    from motion.robot import Robot
 
 
 def robots(check: Context) -> None:
@@ -26,7 +31,7 @@ def robots(check: Context) -> None:
             name("robot", robot.name)
         except Fault as fault:
             check.fault("robot.name", robot.name, f"programs name each of several robots: {fault.what}")
-    counts = _counts(check)
+    counts = [0 if robot is None else len(robot.axes) for robot in _files(check)]
     if sum(counts) > MOST_AXES:
         check.fault("robot", sum(counts), "axes of all robots of one cell", f"1..{MOST_AXES}")
     if all(counts):
@@ -67,19 +72,48 @@ def _named(check: Context) -> None:
             check.fault(f"{key}.robot", name, "stands twice")
 
 
-def _counts(check: Context) -> list[int]:
-    """Axes of each robot; 0 for a file that is not there, which is told where programs are looked at."""
+def masters(check: Context) -> None:
+    """The master of axes without transformation is the first axis of its robot (rho 3, L5614)."""
+    from motion.robot import Kind
+
+    axes, first = check.cell.axis, 0
+    if not any(axis.manual for axis in axes) or {axis.name for axis in axes} != check.known["axis"]:
+        return  # an axis left out with a fault of its own: nobody knows whose the others are
+    for robot in _files(check):
+        if robot is None:
+            return
+        own = axes[first : first + len(robot.axes)]
+        first += len(robot.axes)
+        if robot.kind is Kind.IDENTITY and own and own[0].manual:
+            _no_master(check, robot.name, own)
+
+
+def _no_master(check: Context, robot: str, own: Sequence[Axis]) -> None:
+    """Told where it was written: in the axis or in P303."""
+    mains = ", ".join(axis.name for axis in own if not axis.manual) or "none of the others"
+    hint = f"axis {own[0].name} is the first of robot {robot}, which has no transformation: the first is its master and no manual axis; "
+    hint += f"main axes are {mains}: put one of them first, or make this one a main axis"
+    key = f"axis.{own[0].name}.manual"
+    source = check.cell.sources.get(key)
+    if source is None:
+        check.fault(key, "true", hint, "false")
+    else:
+        check.fault(source.text, 4 if own[0].modulo else 1, hint, "0 or 3")
+
+
+def _files(check: Context) -> "list[Robot | None]":
+    """The file of each robot; None for one that is not there or is wrong, which is told where programs are looked at."""
     from gateway.files import ConfigNotFound, beside
     from gateway.robotfile import RobotFaults, load_robot
     from motion.errors import MotionError
 
-    found = []
+    found: list[Robot | None] = []
     for robot in check.cell.robot:
         try:
-            found.append(len(load_robot(str(beside(check.cell.file, robot.model, "robots"))).axes))
+            found.append(load_robot(str(beside(check.cell.file, robot.model, "robots"))))
         except (ConfigNotFound, RobotFaults, OSError, MotionError):
-            found.append(0)
+            found.append(None)
     return found
 
 
-CHECKS = (robots,)
+CHECKS = (robots, masters)

@@ -146,6 +146,7 @@ def test_a_new_cycle_reads_the_same_places_from_drives_that_have_counted_on(turn
         (turning_text().replace('unit   = "deg"', 'unit   = "mm"', 1), "an endless axis turns"),
         (turning_text().replace("modulo = 360.0", "modulo = -1.0", 1), "modulo"),
         (ARM6.replace('name   = "J6"\n', 'name   = "J6"\nmodulo = 360.0\n'), "the arm of robot tx60-like has a geometry"),
+        (turning_text().replace('name   = "M"\n', 'name   = "M"\nmanual = true\n'), "axis.M.manual = true: .*main axes are S1, S2"),
         (cell_text().replace('name   = "D1"\n', 'name   = "D1"\nmodulo = 360.0\n'), "carry robot or workpiece"),
     ],
 )
@@ -217,8 +218,9 @@ def test_p303_and_p311_make_the_same_cell() -> None:
         ("[2, 0, 0, 0, 0]", "[0, 0, 0, 0, 0]", "endless manual axis"),
         ("[0, 0, 0, 0, 3]", "[0, 0, 0, 0, 0]", "axis S4 is endless"),
         ("[0, 0, 0, 0, 4]", "[0]", "its modulo value is needed"),
+        ("[4, 4, 3, 4, 0]", "[360, 360, 360, 360, 0]", r"rho3.P303\[1\] = 4: allowed 0 or 3: axis M is the first .*main axes are S2, S4"),
     ],
 )
-def test_p303_without_a_meaning_or_a_modulo_is_refused(p303: str, p311: str, says: str) -> None:
+def test_p303_without_a_meaning_a_modulo_or_a_master_is_refused(p303: str, p311: str, says: str) -> None:
     with pytest.raises(CellFaults, match=says):
         load_cell(str(PORTAL), rho3(p303, p311))
