@@ -145,20 +145,23 @@ def _machine(cell: Cell, table: Robot, first: int) -> "Machine":
     from motion.errors import MotionError
     from motion.planner.robot import machine_of
     from motion.program.blocks import Shape
+    from motion.robot import with_limits
     from motion.timing.limiter import too_fast
 
     name = table.model
     try:
-        robot = machine_of(load_robot(str(beside(cell.file, name, "robots"))))
+        written = load_robot(str(beside(cell.file, name, "robots")))
     except (ConfigNotFound, RobotFaults, OSError) as error:
         raise MotionError(f"robot {name!r}: {error}") from error
-    own = [limits_of(axis) for axis in cell.axis[first : first + robot.axes]]
-    if len(own) < robot.axes:
+    count = len(written.axes)
+    own = [limits_of(axis) for axis in cell.axis[first : first + count]]
+    if len(own) < count:
         left = f"{len(own)} are left behind those of the robots before it" if first else f"the cell {len(own)}"
-        raise MotionError(f"robot {name} has {robot.axes} axes, {left}")
-    for ours, its in zip(own, robot.limits, strict=True):
+        raise MotionError(f"robot {name} has {count} axes, {left}")
+    for ours, its in zip(own, written.limits, strict=True):
         if ours.unit != its.unit:
             raise MotionError(f"axis {ours.name} of the cell is in {ours.unit}, axis {its.name} of robot {name} in {its.unit}")
+    robot = machine_of(with_limits(written, own))
     number = cell.robot.index(table) + 1
     if robot.carried and any(number in numbers_of(cell, belt.robot) for belt in cell.belt):
         names = ", ".join(axis.name for axis in own[robot.arm :])
@@ -171,7 +174,7 @@ def _machine(cell: Cell, table: Robot, first: int) -> "Machine":
     _check_endless(name, robot, own)
     shape = robot.shape if table.shape == "robot" else Shape(table.shape)
     fast = robot.too_fast if table.too_fast == "robot" else too_fast(table.too_fast)
-    return replace(robot, limits=tuple(own), shape=shape, too_fast=fast, corrects=table.corrects)
+    return replace(robot, shape=shape, too_fast=fast, corrects=table.corrects)
 
 
 def _check_endless(name: str, robot: "Machine", own: "Sequence[AxisLimits]") -> None:

@@ -4,7 +4,7 @@ The files below configs/robots are read at the edge (gateway.robotfile) and arri
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 
 from motion.conventions import Convention, convention
@@ -99,6 +99,12 @@ class Robot:
     def convention(self) -> Convention:
         """How its control writes orientations."""
         return convention(self.angles)
+
+
+def with_limits(robot: Robot, limits: Sequence[AxisLimits]) -> Robot:
+    """The robot on the axes of a cell, as many as it has: their names, travel and speeds choose its configurations and turns, too."""
+    axes = zip(robot.axes, limits, strict=True)
+    return replace(robot, axes=tuple(replace(axis, limits=own) for axis, own in axes))
 
 
 def kinematics_of(robot: Robot) -> Kinematics:

@@ -1,13 +1,21 @@
 """Run-time errors of VAL 3 that say what a Cartesian path does to a joint and to the tool: 544, 531, 554 (L6673-6688)."""
 
+import math
+from dataclasses import replace
+
+import pytest
+
+from gateway.cell import Cell
 from gateway.config import load_cell
 from gateway.motionpaper import sections_of
+from gateway.programplan import machine_of_cell
 from gateway.pure.reasons import CommandState
 from hil_tests.lab import arms
 from hil_tests.lab.answers import answers
 from hil_tests.lab.belt_bench import PORTAL, TEXT
 from hil_tests.lab.planned_bench import Planned, ServodynRobot
 from hil_tests.unit.program.test_faults_of_blocks import ARM, faults
+from hil_tests.unit.program.test_robots_in_a_cell import ARM as ARM_CELL
 from motion.program.text import read
 
 TURNS = "min = -170.0, max = 170.0"  # of axis C
@@ -50,3 +58,35 @@ def test_a_corner_in_which_the_tool_turns_half_round_or_more_is_554_before_anyth
     for text in (back, large.replace(" radius=70", "")):
         assert cell.bench.settle(cell.order(HEAD + "ptp joints 100 300 50 -265")).state is CommandState.DONE
         assert cell.bench.settle(cell.order(text)).state is CommandState.DONE, "turning back, or without a corner, it is run"
+
+
+def narrowed(axis: str, low: float, high: float, cell: Cell = ARM_CELL) -> Cell:
+    """A cell whose axis travels less far than its robot file says."""
+    axes = (replace(each, limits=replace(each.limits, min=low, max=high)) if each.name == axis else each for each in cell.axis)
+    return replace(cell, axis=tuple(axes))
+
+
+@answers
+def test_the_travel_of_the_cell_counts_where_it_is_narrower_than_that_of_the_robot_file() -> None:
+    assert faults_of("robot tx60-like" + ARM + turned(90, 0), narrowed("J6", -270.0, 200.0)) == [(2, "J6", 544)]
+    straight = (
+        HEAD + "linear pose 100 300 50 0 0 90\nlinear pose 100 300 50 0 0 150\nptp pose 100 300 50 0 0 150\nptp joints 100 300 50 150\n"
+    )
+    assert faults_of(straight, narrowed("C", -100.0, 100.0, WIDE)) == [(2, "C", 531), (3, "C", 531), (4, "C", 520)]
+
+
+def faults_of(text: str, cell: Cell) -> list[tuple[int, str, int]]:
+    found = sections_of(read(text), machine_of_cell(cell), ())[1]
+    return [(fault.block, fault.axis, fault.code) for fault in found]
+
+
+@answers
+def test_a_pose_is_reached_by_the_turn_that_lies_within_the_travel_of_the_cell() -> None:
+    near, there = (tuple(map(math.radians, (0, 30, 90, 0, 60, last))) for last in (170, -165))
+    for cell, last in ((ARM_CELL, 195.0), (narrowed("J6", -270.0, 180.0), -165.0), (narrowed("J6", -300.0, 300.0), 195.0)):
+        machine = machine_of_cell(cell)
+        assert math.degrees(machine.inverse(machine.forward(there), near)[5]) == pytest.approx(last)
+    wide = machine_of_cell(narrowed("J6", -600.0, 600.0))
+    assert math.degrees(wide.inverse(wide.forward(there), (*near[:5], math.radians(400)))[5]) == pytest.approx(555.0), (
+        "further than the file's"
+    )
