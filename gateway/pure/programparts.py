@@ -95,6 +95,10 @@ class Coming:
             return False
         return block.synchron == (None if self.tried is None else self.tried.synchron)
 
+    def takes(self, shared: Shared) -> bool:
+        """The same for a block of several kinematics."""
+        return not (shared.asks or shared.label or self.shared[-1].ends)
+
     @property
     def follows(self) -> bool:
         """Run by the cycle itself, from block to block with the belt."""

@@ -11,7 +11,6 @@ from dataclasses import dataclass, field, replace
 from gateway.pure.beltacts import act_order, act_record, belts_after, sets_type
 from gateway.pure.coreoutputs import Places
 from gateway.pure.plannerrecords import (
-    AHEAD,
     VOID,
     BlockRecord,
     MeasuringFacts,
@@ -23,10 +22,11 @@ from gateway.pure.plannerrecords import (
     run_of,
     switch_record,
 )
+from gateway.pure.programchain import Chain
 from gateway.pure.programchecks import Away, OfCell
 from gateway.pure.programparts import Coming, Measuring, apart, ending, measured_at, told
 from gateway.pure.programsystems import CellSystems
-from gateway.pure.programteam import begun_together, no_programs, no_team, own_axes, own_blocks, reader_for, systems_of
+from gateway.pure.programteam import begun_together, no_programs, no_team, not_measured, own_axes, own_blocks, reader_for, systems_of
 from gateway.pure.programtrial import Files, Trial
 from gateway.pure.programwarnings import Slowing
 from motion.errors import MotionError
@@ -81,9 +81,7 @@ class Programs:
     _out: list[PieceRecord] = field(default_factory=list)
     _quiet: int = 0
     _ended: bool = False
-    _last_id: int = 0  # of the pieces handed on
-    _at: int = 0  # last piece of the part the cycle was seen on; 0: it has not begun
-    _rest: float | None = None  # tau at which it ran out, until it goes on
+    _chain: Chain = field(default_factory=Chain)
     _trial: Trial = field(default_factory=lambda: Trial((), Files()))  # of parts to come
     _start: Sequence[float] = ()  # of the axes where a part on a belt began
     _blocks: int = 0  # of the part under way
@@ -94,12 +92,10 @@ class Programs:
     _last: Block | None = None  # looked at
     _parts: int = 0  # over, as the cycle counts them
     _before: int = 0  # blocks before the part under way
-    _begins: dict[int, float] = field(default_factory=dict)  # piece -> tau
     _off: int = 0  # axes (bit n-1 = axis n) nobody wants on, as the program was ordered
     _belts: Sequence[BeltFacts] = ()  # as programs have set them since the cycle began (SF 21)
     _override: float = 1.0
     _placed: int = 0  # axes whose positions were set in this cycle (SF 3)
-    _spare: int = 1  # ids go on over jobs: a chain never meets an older number
 
     def turn(
         self,
@@ -175,10 +171,10 @@ class Programs:
 
     def _begin(self, job: int) -> None:
         """A program of the cell is ordered at rest alone, so whatever job was there is over."""
-        self._begins.clear()
+        self._chain.begin()
         self.state = PlannerState(job=job, failed_job=self.state.failed_job)
         self._reader, self._number, self._planner, self._factors, self._ended = Reader(), 0, None, FULL, False
-        self._lines, self._line_of, self._at, self._rest = None, [], 0, None
+        self._lines, self._line_of = None, []
         self._last, self._handed, self._before, self._blocks, self._error = None, False, 0, 0, ""
         self._measuring, self._measured, self._trial = Measuring(self.channels, self.systems), (), Trial(self._belts, self.files)
         self.slowing.begin()
@@ -252,15 +248,19 @@ class Programs:
 
     def _go_on(self, standing: Sequence[float], engaged: float, *, met: bool) -> None:
         """A part is over, and the axes rest where it ended, or have got onto a belt: the next one begins."""
-        self._begins.clear()
-        self._at, self._rest, self._handed, self._before, self._blocks = 0, None, False, self._before + self._blocks, 0
+        self._chain.begin()
+        self._handed, self._before, self._blocks = False, self._before + self._blocks, 0
         if self._error and not met:
             self._trial.skip(self._error)
         self._error = ""
-        part = self._trial.coming(lambda: self._unmeasured(standing))
+
+        def unmeasured(part: Coming) -> bool:
+            return not_measured(part, self._made(standing).machine, self._measured, self.mask_of)
+
+        part = self._trial.coming(unmeasured)
         while part is not None and part.act is not None and sets_type(part.act):
             self._belts = belts_after(part.act, self._belts)  # nothing for the cycle to do
-            part = self._trial.coming(lambda: self._unmeasured(standing))
+            part = self._trial.coming(unmeasured)
         if part is None:
             self._planner = None  # the last one was a part of the cycle's own: nothing is left to plan
             return
@@ -269,9 +269,6 @@ class Programs:
             self._next_part(part, standing, engaged)
         except MotionError as error:
             self._fail(error)
-
-    def _unmeasured(self, standing: Sequence[float]) -> bool:
-        return None in measured_at(self._measured, self._made(standing).mask or 0)
 
     def _next_part(self, part: Coming, standing: Sequence[float], engaged: float) -> None:
         job, generation = self.state.job, self.generation
@@ -330,7 +327,7 @@ class Programs:
         machine = self.team_of(read.kinematics(), number) if isinstance(read, TeamReader) else self.machine_of(read.robot, number)
         mask = self.mask_of(machine)
         places = [standing[n] for n in range(len(standing)) if mask >> n & 1]
-        return Planner(machine, places, mask=mask, capacity=1 << 20, next_id=self._spare, factors=self._factors)
+        return Planner(machine, places, mask=mask, capacity=1 << 20, next_id=self._chain.spare, factors=self._factors)
 
     @property
     def preparing(self) -> bool:
@@ -379,7 +376,7 @@ class Programs:
 
     def _drop(self) -> None:
         self._planner, self._ended, self._lines = None, True, None
-        self._begins.clear()
+        self._chain.begin()
         self.state = replace(self.state, job=0, waiting=0, ended=True, warning="")
 
     # ---- what is handed on ---------------------------------------------------------------------------------------------------
@@ -393,19 +390,14 @@ class Programs:
                 self.workpiece.reached(ALWAYS)
                 self._out.append(PieceRecord(Part.LAST, state.job, self.generation))
             return
-        if piece in self._begins:
-            self._at, self._rest = piece, None
-        elif self._at and not piece and self._rest is None:  # it has run out: all that was handed on is run
-            self._at, self._rest = self._last_id, planner.end
-        tau = self._tau(piece, planner)
+        tau = self._chain.tau(piece, planner.end)
         before = len(self._out)
         try:
             self._hand_on(planner, tau)
         except MotionError as error:
             self._fail(error)
             return
-        for number in [number for number in self._begins if number < self._at - 1]:
-            del self._begins[number]
+        self._chain.forget()
         block, share = planner.place(tau)
         block = max(block, min(self._blocks, 1))  # a part that has begun is at its first block, whether its path is there or not
         over = self._ended and not planner.open and not state.ended
@@ -428,14 +420,13 @@ class Programs:
             ended=state.ended or last,
             warning=self.slowing.look(planner.slowed, self._before, block, self._factors.velocity * self._override, self._line_of),
         )
-        if self.state.ended and not moving and piece in (0, self._last_id) and not new:
+        if self.state.ended and not moving and piece in (0, self._chain.last_id) and not new:
             self.state = replace(self.state, job=0, warning="")
             self.workpiece.reached(ALWAYS)
 
     def _hand_on(self, planner: Planner | FilePlan, tau: float) -> None:
         """Pieces that are due; raises MotionError where a path has no law."""
-        waiting = [number for number in self._begins if number > self._at]
-        if len(waiting) >= AHEAD:
+        if self._chain.full:
             return
         job = self.state.job
         planner.begin(tau, hurry=self._quiet > QUIET_TURNS)
@@ -445,16 +436,7 @@ class Programs:
         for made in pieces:
             if made.new_tail:
                 self._out.append(switch_record(job, self.generation, SwitchAt(made.id, 0.0, VOID)))
-                for number in [number for number in self._begins if number >= made.id]:
-                    del self._begins[number]
-            self._begins[made.id] = begins[made.id]
-            self._last_id, self._spare = made.id, made.id + 1
+            self._chain.add(made, begins[made.id])
             own = (mark for mark in marks if mark.piece == made.id)
             self._out += [self._measuring.marked(mark, planner.mask or 0, job, self.generation) for mark in own]
             self._out.append(PieceRecord(Part.PIECE, job, self.generation, encode_timed(made)))
-
-    def _tau(self, piece: int, planner: Planner | FilePlan) -> float:
-        """Where the follower may be at the latest: the end of the piece under way, or of all there is when it has run out."""
-        if piece in self._begins:
-            return self._begins.get(piece + 1, planner.end)
-        return 0.0 if self._rest is None else self._rest

@@ -61,6 +61,12 @@ def own_blocks(robots: Machine | Team, block: Block | Shared) -> Iterator[tuple[
             yield machine, own
 
 
+def not_measured(part: Coming, robots: Machine | Team, measured: Sequence[float | None], mask_of: Callable[[Machine | Team], int]) -> bool:
+    """Where a kinematic of the part would go, and has a label to go on at: no place is known."""
+    own = own_blocks(robots, (part.shared or part.blocks)[0])
+    return any(block.otherwise != "" and None in measured_at(measured, mask_of(machine)) for machine, block in own)
+
+
 def begun_together(
     part: Coming,
     planner: Planner,

@@ -60,8 +60,7 @@ class Trial:
     files: Files
     program: int = 0
     later: deque[Coming] = field(default_factory=deque)
-    _route: Route | None = None  # of the blocks behind the first one that ends with an input
-    _team: TeamRoute | None = None  # the same of several kinematics
+    _route: Route | TeamRoute | None = None  # of the blocks behind the first one that ends with an input
     _armed: set[int] = field(default_factory=set)  # channels that wait for their edge
     _moves: bool = False  # the part looked at has a way
     _left: tuple[Called | Output, ...] = ()  # of blocks without way before it, in parts that have none
@@ -70,12 +69,13 @@ class Trial:
     @property
     def begun(self) -> bool:
         """Parts are looked at by themselves from here on."""
-        return self._route is not None or self._team is not None
+        return self._route is not None
 
     def add(self, planner: Planner, block: Block, number: int, kinematic: int) -> None:
         """The block is tried as if the part before had reached its target, the belt where it was programmed; BlockError.  kinematic:
         number of the robot in its cell."""
         route = self._divided(planner, number - 1)
+        assert isinstance(route, Route)
         if not self.later or not self.later[-1].holds(block):
             self._finished(route)
             self._begun(block, number, planner.robot, route, kinematic)
@@ -91,29 +91,33 @@ class Trial:
             route.add(looked_at)
             if block.until is not None:
                 route.finish()
-            for stretch in route.take():
-                check_outputs(stretch)
-                self._moves = True
+            self._look(route)
         except BlockError as error:
             raise told(error, self._tried) from error
         part.blocks.append(replace(block, target=MEASURED) if block.recorded else block)
 
     def together(self, planner: Planner, shared: Shared, number: int) -> None:
         """A block of several kinematics, tried as if the part before had reached its target; BlockError."""
-        if self._team is None:
-            assert isinstance(planner.machine, Team)
-            planner.finish()
-            self._team, self._tried = TeamRoute(planner.machine, planner.standing), number - 1
-            self._team.assume_measured()
+        route = self._divided(planner, number - 1)
+        assert isinstance(route, TeamRoute)
+        if not self.later or not self.later[-1].takes(shared):
+            self._finished(route)
+            self.later.append(Coming(number, error=shared.error, otherwise=shared.otherwise, label=shared.label))
+        shared, self._left = shared.carrying(self._left), ()
         try:
-            self._team.add(shared)
+            route.add(shared)
+            self._look(route)
         except BlockError as error:
             raise told(error, self._tried) from error
-        if not self.later or shared.asks or self.later[-1].shared[-1].ends:
-            self.later.append(Coming(number))
         self.later[-1].shared.append(shared)
 
-    def _finished(self, route: Route) -> None:
+    def _look(self, route: Route | TeamRoute) -> None:
+        """What has become known; BlockError."""
+        for stretch in route.take():
+            check_outputs(stretch)
+            self._moves = True
+
+    def _finished(self, route: Route | TeamRoute) -> None:
         try:
             route.finish()
         except BlockError as error:
@@ -137,11 +141,11 @@ class Trial:
         part.blocks.append(block)
         self._tried += 1
 
-    def coming(self, unmeasured: Callable[[], bool]) -> Coming | None:
+    def coming(self, unmeasured: Callable[[Coming], bool]) -> Coming | None:
         """The next part; one to @MPOS where nothing was measured leads on at its label."""
         while self.later:
             part = self.later.popleft()
-            if not part.otherwise or not unmeasured():
+            if not part.otherwise or not unmeasured(part):
                 return part
             self.skip(part.otherwise)
         return None
@@ -164,12 +168,14 @@ class Trial:
         if left or self._left or still:
             raise BlockError(NO_WAY, block=blocks)
 
-    def _divided(self, planner: Planner, blocks: int) -> Route:
+    def _divided(self, planner: Planner, blocks: int) -> Route | TeamRoute:
         """What is tried from the first part on that does not simply go on; so many blocks stand before it."""
         if self._route is None:
             planner.finish()
             self._left = planner.left()
-            self._route, self._tried = Route(planner.robot, planner.standing), blocks
+            machine = planner.machine
+            self._route = TeamRoute(machine, planner.standing) if isinstance(machine, Team) else Route(machine, planner.standing)
+            self._tried = blocks
             self._route.assume_measured()  # whether anything is measured by then is looked at by itself (OfCell)
         return self._route
 

@@ -63,6 +63,7 @@ class _State:
     number: int = 0
     alone: int | None = None  # kinematic whose own route is open
     held: _Held | None = None
+    carried: tuple[Called | Output, ...] = ()  # of blocks without way since the last way
     out: tuple[Stretch, ...] = field(default=())
 
 
@@ -110,7 +111,8 @@ class TeamRoute:
 
     def left(self) -> tuple[Called | Output, ...]:
         """What blocks without way behind the last one begin or end with, once."""
-        return tuple(each for route in self._now.routes for each in route.left())
+        carried, self._now.carried = self._now.carried, ()
+        return carried
 
     def reset(self, standing: Sequence[float]) -> None:
         """Forget everything; the axes stand here."""
@@ -138,17 +140,16 @@ class TeamRoute:
             )
         for n in shared.moving:
             self._check(n, shared.moves[n], number)
-        moves = [block for block in shared.moves if block is not None]
-        if sum(block.until is not None for block in moves) > 1 or sum(block.wait is not None for block in moves) > 1:
-            raise BlockError("one kinematic alone says what a shared block waits for, or ends with", block=number)
+        _check_asked(shared, number)
         if shared.asks:
             self._finish()
         now.number = number
-        shared = shared.changed(lambda n, block: shaped(block, self._team.machines[n]))
-        if len(shared.moving) == 1:
-            self._add_alone(number, shared.moving[0], shared)
-        else:
-            self._add_shared(number, shared)
+        shared = shared.changed(lambda n, block: shaped(block, self._team.machines[n])).carrying(now.carried)
+        alone = len(shared.moving) == 1
+        way = self._add_alone(number, shared.moving[0], shared) if alone else self._add_shared(number, shared)
+        for route in now.routes:
+            route.left()  # what has no way is known here, of all
+        now.carried = () if way else tuple(each for own in shared.own for each in (*own.carried, *own.functions, *own.outputs))
         if shared.ends:
             self._finish()
 
@@ -160,7 +161,6 @@ class TeamRoute:
             "alter": block.alteration,
             "iol, ppo, measure": block.functions,
             "recorded": block.recorded,
-            "error=": block.otherwise or (block.until is not None and block.until.error),
         }
         for what, there in found.items():
             if there:
@@ -168,14 +168,19 @@ class TeamRoute:
                     f"kinematic {self._team.names[kinematic]}: a program of several kinematics knows no {what} (AX-341)", block=number
                 )
 
-    def _add_alone(self, number: int, n: int, shared: Shared) -> None:
+    def _add_alone(self, number: int, n: int, shared: Shared) -> bool:
+        """Whether it has a way."""
         now = self._now
         if now.alone != n or now.held is not None:
             self._finish()
         now.alone = n
-        self._lift(n, self._told(n, number, _adding(shared, n)))
+        known = self._told(n, number, _adding(shared, n))
+        self._lift(n, known)
+        spline = shared.own[0].kind is Interpolation.SPLINE  # its curve is known when the row is over
+        return spline or any(each.block == number or each.following is not None for each in known)
 
-    def _add_shared(self, number: int, shared: Shared) -> None:
+    def _add_shared(self, number: int, shared: Shared) -> bool:
+        """Whether one of them has a way."""
         now = self._now
         if any(block is not None and block.kind is Interpolation.SPLINE for block in shared.moves):
             raise BlockError("splines are run by one kinematic alone, not in a shared block", block=number)
@@ -191,8 +196,10 @@ class TeamRoute:
                 if got:
                     ways[n] = (tuple(each.path for each in got), got[0].way)
             now.held = _Held(number, shared, 0.0, ways, rests) if ways else None
-        if any(block is not None and block.blend.rounding is Rounding.OFF for block in shared.moves):
+        way = now.held is not None
+        if any(block.blend.rounding is Rounding.OFF for block in shared.own):
             self._finish()
+        return way
 
     def _told(self, n: int, number: int, action: Callable[[Member], object]) -> list[Stretch]:
         """Something done by one kinematic's route: what became known; errors name the kinematic."""
@@ -336,6 +343,14 @@ class TeamRoute:
         return True
 
 
+def _check_asked(shared: Shared, number: int) -> None:
+    """What the kinematics of a block wait for, end with and go to: BlockError where it is not the same for all."""
+    if sum(block.until is not None for block in shared.own) > 1 or sum(block.wait is not None for block in shared.own) > 1:
+        raise BlockError("one kinematic alone says what a shared block waits for, or ends with", block=number)
+    if len(labels := sorted({block.otherwise for block in shared.own} - {""})) > 1:
+        raise BlockError(f"a shared block goes on at one label, not at {' and '.join(labels)}: error= of one of them", block=number)
+
+
 def _adding(shared: Shared, n: int) -> Callable[[Member], object]:
     return lambda route: route.add(_block(shared, n))
 
@@ -377,8 +392,10 @@ def _lead(shared: Shared, ways: Sequence[int]) -> int:
 
 
 def _source(shared: Shared, lead: int) -> Block:
-    """The leading kinematic's block, with the outputs of all; sine-square ramps where all that move have them."""
-    blocks = [block for block in shared.moves if block is not None]
-    outputs = tuple(output for block in blocks for output in block.outputs)
-    sine = all(block.shape is Shape.SIN2 for block in blocks)
-    return replace(_block(shared, lead), outputs=outputs, shape=Shape.SIN2 if sine else Shape.JERK)
+    """The leading kinematic's block, with what all begin and end with; sine-square ramps where all that move have them."""
+    blocks = shared.own
+    outputs = tuple(each for block in blocks for each in block.outputs)
+    functions = tuple(each for block in blocks for each in block.functions)
+    carried = tuple(each for block in blocks for each in block.carried)
+    shape = Shape.SIN2 if all(block.shape is Shape.SIN2 for block in blocks) else Shape.JERK
+    return replace(_block(shared, lead), outputs=outputs, functions=functions, carried=carried, shape=shape)

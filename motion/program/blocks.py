@@ -334,6 +334,11 @@ class Block:
     line: int = field(default=0, compare=False)  # of the program text; 0: none
 
     @property
+    def goes_on_at(self) -> str:
+        """Label where its input never came, or what it goes to was not measured or stored; none: empty."""
+        return self.otherwise or (self.until.error if self.until is not None else "")
+
+    @property
     def measures(self) -> bool:
         """@MPOS may be another one behind it."""
         calls = self.functions

@@ -1,9 +1,9 @@
 """Blocks of a program that moves several kinematics: who moves, and who moves together."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
-from motion.program.blocks import MEASURED, Block
+from motion.program.blocks import MEASURED, Block, Called, Output
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,21 +15,41 @@ class Shared:
 
     moves: tuple[Block | None, ...]
     line: int = field(default=0, compare=False)  # of the program text; 0: none
+    label: str = ""  # in front of it
+
+    @property
+    def own(self) -> tuple[Block, ...]:
+        """Blocks of those that move."""
+        return tuple(block for block in self.moves if block is not None)
 
     @property
     def asks(self) -> bool:
         """It waits for an input, ends with one, or goes to where axes were measured: a part of its own."""
-        moves = [block for block in self.moves if block is not None]
-        return any(block.until is not None or block.wait is not None or block.target == MEASURED for block in moves)
+        return any(block.until is not None or block.wait is not None or block.target == MEASURED for block in self.own)
 
     @property
     def ends(self) -> bool:
         """With an input."""
-        return any(block is not None and block.until is not None for block in self.moves)
+        return any(block.until is not None for block in self.own)
+
+    @property
+    def error(self) -> str:
+        """Label to go on at when its input never came."""
+        return next((block.until.error for block in self.own if block.until is not None), "")
+
+    @property
+    def otherwise(self) -> str:
+        """Label to go on at where what one of them goes to was not measured."""
+        return next((block.otherwise for block in self.own if block.otherwise), "")
+
+    def carrying(self, what: tuple[Called | Output, ...]) -> "Shared":
+        """With what blocks without way before it begin or end with."""
+        first = self.moving[:1] if what else ()
+        return self.changed(lambda n, block: replace(block, carried=(*what, *block.carried)) if n in first else block)
 
     def changed(self, how: Callable[[int, Block], Block]) -> "Shared":
         """Every kinematic's own block by what `how` makes of its number, from 0, and it."""
-        return Shared(tuple(None if block is None else how(n, block) for n, block in enumerate(self.moves)), self.line)
+        return replace(self, moves=tuple(None if block is None else how(n, block) for n, block in enumerate(self.moves)))
 
     @property
     def moving(self) -> tuple[int, ...]:

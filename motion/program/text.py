@@ -39,6 +39,7 @@ from motion.program.textfiles import HEADS as FILE_HEADS
 from motion.program.textfiles import OpenFiles
 from motion.program.textinputs import FUNCTIONS as MEASURING
 from motion.program.textinputs import called, entry_of, wait_of
+from motion.program.textlabels import Labels
 from motion.program.textsystems import HEADS as SYSTEM_HEADS
 from motion.program.textsystems import Systems
 from motion.program.textvalues import (
@@ -89,11 +90,8 @@ class Reader:
     altered: AlterParts = field(default_factory=AlterParts)
     files: OpenFiles = field(default_factory=OpenFiles)
     systems: Systems = field(default_factory=Systems)
-    labels: dict[str, int] = field(default_factory=dict)  # blocks before it
+    labels: Labels = field(default_factory=Labels)
     ahead: int = 0
-    label: str = ""  # in front of the next block
-    errors: list[tuple[int, str, int]] = field(default_factory=list)  # line, label, number of the block that names it
-    count: int = 0  # blocks so far
     functions: tuple[Called, ...] = ()  # in front of the next block
     acts: tuple[Act, ...] = ()  # in front of the next block, or behind the last one
 
@@ -118,9 +116,7 @@ class Reader:
 
     def ended(self) -> None:
         """The text is over: labels that blocks name stand behind them; raises TextError."""
-        for line, name, block in self.errors:
-            if self.labels.get(name, -1) < block:
-                raise TextError(line, "error", f"label {name} does not stand behind the block")
+        self.labels.ended()
         if self.functions:
             raise TextError(0, called(self.functions[0]).split()[0], "begins with a block, and none follows")
         if self.part is not None and self.acts and self.acts[-1].inside:
@@ -189,13 +185,8 @@ class Reader:
     def before_blocks(self, head: str, rest: list[str]) -> None:
         if head == "block_search":
             self.ahead = search_of(head, rest)
-            return
-        self.label = _name(head, _one(head, rest))
-        if self.acts:
-            raise _Fault(head, f"{self.label} has to stand before sync and belt functions: they belong to the block behind it")
-        if self.label in self.labels:
-            raise _Fault(head, f"{self.label} stands twice")
-        self.labels[self.label] = self.count
+        else:
+            self.labels.line(head, rest, acting=bool(self.acts))
 
     def synchron(self, head: str, rest: list[str], number: int) -> None:
         if head == "synchron_end":
@@ -274,8 +265,6 @@ class Reader:
         if otherwise:
             block = replace(block, otherwise=_name("error", otherwise))
         self.added(replace(block, recorded=index, target=UNKNOWN) if index else block)
-        if label := block.until.error if block.until is not None else otherwise:
-            self.errors.append((number, label, self.count))
 
     def file(self, head: str, rest: list[str], number: int) -> None:
         """MOVE_FILE, and what opens and closes its file."""
@@ -293,7 +282,9 @@ class Reader:
     def added(self, block: Block) -> None:
         """One more; what stood in front of it is its own."""
         self.blocks.append(block)
-        self.label, self.functions, self.acts, self.count = "", (), (), self.count + 1
+        self.labels.asked(block.line, block.goes_on_at)
+        self.labels.added()
+        self.functions, self.acts = (), ()
 
     # ---- parts -------------------------------------------------------------------------------------------------------
     def target(self, words: list[str]) -> tuple[Target | Shift, list[str]]:
@@ -384,7 +375,7 @@ class Reader:
             freeze=self.altered.freeze(keys.get("freeze")),
             ahead=self.ahead,
             system=self.systems.active,
-            label=self.label,
+            label=self.labels.label,
             acts=self.acts,
             line=number,
         )

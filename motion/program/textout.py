@@ -94,7 +94,7 @@ def _moves(program: Program, ways: Convention, units: tuple[str, ...]) -> list[s
         lines += [*begin, *(_act(each, units) for each in block.acts if each.inside)]
         lines += [called(each) for each in block.functions]
         lines += [written_move(block, ways, units)] if block.file is None else textfiles.written(block.file, files)
-    asked = {block.until.error if block.until is not None else block.otherwise for block in blocks}
+    asked = {block.goes_on_at for block in blocks}
     named = asked - {block.label for block in blocks} - {""}
     if program.acts and part is not None:
         lines.append("synchron_end")

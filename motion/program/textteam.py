@@ -12,6 +12,7 @@ from motion.program.blocks import Act, Block
 from motion.program.errors import TextError, TextFaults
 from motion.program.team import Kinematic, Shared, TeamProgram
 from motion.program.text import MOVES, Reader
+from motion.program.textlabels import Labels
 from motion.program.textout import heading, places_of, written_move
 from motion.program.textsystems import HEADS as SYSTEM_HEADS
 from motion.program.textsystems import chosen, declared
@@ -20,7 +21,7 @@ from motion.rho3.wc import WcFrame
 from motion.robot import MOST_KINEMATICS
 
 OWN = ("angles", "axes", "start", "tool", "frame", "point", "set", *SYSTEM_HEADS)  # said of one kinematic
-STATEMENTS = ("program", "kinematic", *OWN, *MOVES, "move")
+STATEMENTS = ("program", "kinematic", *OWN, *MOVES, "move", "label")
 
 
 def several(text: str) -> bool:
@@ -36,7 +37,7 @@ class TeamReader:
     readers: dict[str, Reader] = field(default_factory=dict)
     now: str = ""  # kinematic named last
     blocks: list[Shared] = field(default_factory=list)
-    moved: bool = False  # a move has been read
+    labels: Labels = field(default_factory=Labels)
     acts: tuple[Act, ...] = ()  # of belts: none (AX-341)
 
     def statement(self, raw: str, number: int = 0) -> None:
@@ -49,7 +50,8 @@ class TeamReader:
         return blocks
 
     def ended(self) -> None:
-        """The text is over; nothing can be missing behind the blocks."""
+        """The text is over: labels that blocks name stand behind them; raises TextError."""
+        self.labels.ended()
 
     def line(self, words: list[str], number: int) -> None:
         head, rest = words[0], words[1:]
@@ -64,6 +66,8 @@ class TeamReader:
                 self.move(rest, number)
             case _ if head in MOVES:
                 self.add({self.now: self.own(self.now, words, number)}, number)
+            case "label":
+                self.labels.line(head, rest)
             case "robot":
                 raise Fault(head, "`kinematic NAME ROBOT` names the robot of each kinematic")
             case _:
@@ -78,7 +82,7 @@ class TeamReader:
         if len(rest) == 2:
             if self.now in self.readers:
                 raise Fault("kinematic", f"{self.now} has a robot already")
-            if self.moved:
+            if self.labels.blocks:
                 raise Fault("kinematic", f"{self.now} has to stand before the first move")
             if len(self.readers) == MOST_KINEMATICS:
                 raise Fault("kinematic", f"at most {MOST_KINEMATICS} kinematics in one cell")
@@ -118,8 +122,11 @@ class TeamReader:
         return block
 
     def add(self, moves: dict[str, Block], number: int) -> None:
-        self.moved = True
-        self.blocks.append(Shared(tuple(moves.get(each) for each in self.readers), number))
+        shared = Shared(tuple(moves.get(each) for each in self.readers), number, self.labels.label)
+        self.blocks.append(shared)
+        for asked in {block.goes_on_at for block in shared.own}:
+            self.labels.asked(number, asked)
+        self.labels.added()
 
     def kinematics(self) -> tuple[Kinematic, ...]:
         named = {id(each): word for word, each in reversed(CONVENTIONS.items())}
@@ -136,6 +143,10 @@ def read_team(text: str) -> TeamProgram:
             reader.statement(raw, number)
         except TextError as error:
             faults.append(error)
+    try:
+        reader.ended()
+    except TextError as error:
+        faults.append(error)
     faults += [
         TextError(0, "start", f"is missing: where the axes of kinematic {each} stand before the first block")
         for each, own in reader.readers.items()
@@ -157,6 +168,7 @@ def write_team(program: TeamProgram) -> str:
         lines += declared(block.system for block in own)
     systems: dict[str, WcFrame | None] = {}
     for shared in program.blocks:
+        lines += [f"label {shared.label}"] if shared.label else []
         parts = []
         for each, block in zip(program.kinematics, shared.moves, strict=True):
             if block is not None:
@@ -166,4 +178,6 @@ def write_team(program: TeamProgram) -> str:
                 units = each.units or ("deg",) * len(each.start)
                 parts.append(f"{each.name} {written_move(block, convention(each.angles), units)}")
         lines.append(f"move {' and '.join(parts)}")
+    asked = {block.goes_on_at for shared in program.blocks for block in shared.own} - {""}
+    lines += [f"label {name}" for name in sorted(asked - {shared.label for shared in program.blocks})]
     return "\n".join(lines) + "\n"

@@ -207,7 +207,7 @@ def test_what_lies_ahead_stays_small_also_after_the_axes_ran_out(both: WithPlann
     both.cell.run(0.1)
     said, standing = both.programs, [axis.set for axis in both.cell.core.state.axes[: len(LIMITS)]]
     ahead: list[PieceRecord] = []
-    for piece in (said._last_id, *[0] * 150):  # on its last piece, and then at rest without taking anything
+    for piece in (said._chain.last_id, *[0] * 150):  # on its last piece, and then at rest without taking anything
         ahead += said.turn([], 1, piece, standing, moving=True)
     assert AHEAD < len(ahead) < 3 * AHEAD, "once for either, and a law more"
 

@@ -8,7 +8,7 @@ import pytest
 
 from drivers.emulator.servodyn_slave import ServodynSlave
 from gateway.axes import window_of
-from gateway.pure import programs
+from gateway.pure import programchain
 from gateway.pure.command_block import Code
 from gateway.pure.jobs import Job
 from gateway.pure.reasons import CommandState, Reason
@@ -162,7 +162,7 @@ def interrupted(portal: Portal, *lines: str) -> Job:
 @pytest.fixture
 def hand_to_mouth(monkeypatch: pytest.MonkeyPatch) -> None:
     """So little is handed on at once that the next block is not prepared while the first one runs."""
-    monkeypatch.setattr(programs, "AHEAD", 4)
+    monkeypatch.setattr(programchain, "AHEAD", 4)
 
 
 @pytest.mark.usefixtures("hand_to_mouth")

@@ -80,12 +80,61 @@ def test_an_input_ends_the_block_of_all_on_their_path_and_mpos_is_that_of_the_on
     assert seen - 0.02 < scara < stood[1] - 0.01, "back to where the SCARA was at the edge"
 
 
+LABELS = [
+    f"move {AWAY[0]} and {AWAY[1]} until={SEEN} error=NONE",
+    "move scara ptp mpos",
+    "move arm ptp rel joints 5 0 0 0 0 0",
+    "label NONE",
+    "move arm ptp rel joints -10 0 0 0 0 0 and scara ptp rel joints -20 0 0 0",
+]
+
+
+@pytest.mark.requirement("RHO-MOT-12", by="gateway.pure.programtrial:Trial.together")
+@pytest.mark.parametrize("seen", [True, False])
+def test_without_its_input_a_shared_block_leads_on_at_its_label_for_all(home: Planned, seen: bool) -> None:
+    job = home.order(HEAD + "\n".join(LABELS))
+    home.until(lambda state: gone(home)[0] > 0.5)
+    home.bench.permit(SEEN, value=seen)
+    at = gone(home)
+    assert home.bench.settle(job).state is CommandState.DONE
+    ends = np.array([1.0 - 10 / 40, 1.0 - 20 / 40])
+    if seen:  # the arm stopped with the SCARA, and goes on by 5 - 10
+        arm, scara = gone(home)
+        assert at[0] - 0.02 < arm + 5 / 40 < at[0] + 0.2 and at[1] - 0.05 < scara + 20 / 40 < at[1] + 0.02
+    else:
+        assert gone(home) == pytest.approx(ends, abs=1e-4), "blocks 2 and 3 are left out"
+
+
+@pytest.mark.requirement("RHO-MOT-13", by="gateway.pure.programteam:not_measured")
+def test_mpos_of_one_where_nothing_was_measured_leads_all_on_at_its_label(home: Planned) -> None:
+    lines = [f"move {AWAY[0]} and {AWAY[1]} until={SEEN}", "move arm ptp rel joints 5 0 0 0 0 0 and scara ptp mpos error=END"]
+    job = home.order(HEAD + "\n".join([*lines, "move arm ptp rel joints 5 0 0 0 0 0", "label END"]))
+    assert home.bench.settle(job).state is CommandState.DONE
+    assert gone(home) == pytest.approx([1.0, 1.0], abs=1e-4), "neither of them went on"
+    job = home.bench.settle(home.order(HEAD + "\n".join([HOME, *lines]).replace(" error=END", "")))
+    assert job.state is CommandState.ABORTED and "block 3" in job.detail and "point not defined" in job.detail
+
+
+@pytest.mark.requirement("RHO-MOT-12", by="gateway.pure.programparts:Coming.takes")
+def test_a_labelled_block_begins_from_rest_and_is_a_part_of_its_own(home: Planned) -> None:
+    rounded = "move arm ptp joints 10 30 90 0 60 0 blend=joint leave=20 reach=20"
+    lines = [f"move {AWAY[0]} until={SEEN} error=ON", rounded, "label ON", "move arm ptp joints 40 60 90 0 60 0"]
+    job = home.order(HEAD + "\n".join(lines))
+    home.until(lambda state: gone(home)[0] > 0.5)
+    home.bench.permit(SEEN)
+    nearest = 1.0
+    while job.open:
+        home.bench.cycle()
+        nearest = min(nearest, abs(gone(home)[0] - 0.25))
+    assert job.state is CommandState.DONE and nearest < 1e-5, "it stops in the point before the label"
+
+
 @pytest.mark.parametrize(
     ("line", "words"),
     [
         (f"move {AWAY[0]} until={GO} and {AWAY[1]} until={SEEN}", "one kinematic alone says what a shared block waits for, or ends with"),
         (f"move {AWAY[0]} until={GO}\nmove scara ptp mpos", "@MPOS is measured by until= or measure_on before it"),
-        (f"move {AWAY[0]} until={GO} error=X", "knows no error= (AX-341)"),
+        (f"move {AWAY[0]} until={GO} error=X\nmove {AWAY[1]}", "error: label X does not stand behind the block"),
         ("move arm ptp joints 400 0 0 0 0 0 until=464", "J1"),
         (f"move {AWAY[0]} until={GO}\nmove arm ptp joints 400 0 0 0 0 0", "block 2"),
     ],
@@ -103,3 +152,6 @@ def test_on_paper_and_written_again() -> None:
     assert not team_findings(program, pair()).faults
     again = read_team(write_team(program))
     assert [shared.asks for shared in again.blocks] == [True, True] and again.blocks[0].ends
+    text = f"{HEAD}move {AWAY[0]} until={SEEN}\nmove arm ptp mpos error=X and scara ptp mpos error=Y\nlabel X\nlabel Y\n"
+    (fault,) = team_findings(read_team(text), pair()).faults
+    assert "block 2: a shared block goes on at one label, not at X and Y: error= of one of them" in str(fault)

@@ -14,6 +14,7 @@ from motion.errors import MotionError, PieceError
 from motion.frames import Pose
 from motion.pieces import record_size
 from motion.planner.arm import Arm
+from motion.planner.planner import Planner
 from motion.planner.team import Team
 from motion.planner.teamroute import TeamRoute
 from motion.program.blocks import Blend, Block, Interpolation, JointTarget, Output, Pace, PoseTarget, Rounding
@@ -191,6 +192,22 @@ def test_faults_name_block_kinematic_and_axis_and_nothing_of_the_block_is_taken(
     ):
         with pytest.raises(BlockError, match=f"block 3: .*{words}"):
             route.add(block)
+
+
+def test_an_output_of_a_block_without_way_is_switched_once_by_whoever_moves_next_or_moved_last() -> None:
+    here, out = line(0, 0), replace(line(0, 0), outputs=(Output(3, 1),))
+    for blocks, switched in (
+        ((together(out, line(0.1)), together(line(0.2), None)), [3]),  # it ends with the way of the other one
+        ((together(out, here), together(None, line(0.1))), [3]),
+        ((together(out, None), together(None, out), together(line(0.1), line(0.1))), [3, 3]),
+        ((together(None, line(0.1)), together(out, None)), [3]),
+    ):
+        planner = Planner(portals(2), (0.0,) * 6)
+        for block in blocks:
+            planner.add(block)
+        planner.finish()
+        planner.plan(0.0, hurry=True)
+        assert [mark.number for mark in planner.take_marks()] == switched and not planner.left()
 
 
 def test_a_time_one_of_them_is_given_holds_for_all() -> None:

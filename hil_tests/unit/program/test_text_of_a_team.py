@@ -58,7 +58,8 @@ def test_moves_of_one_and_of_several_and_what_is_said_of_each() -> None:
 
 
 def test_a_program_written_is_read_back_the_same() -> None:
-    for text in (TEXT, read_text(find_config("arm-and-scara", "programs"))):
+    labelled = f"{TEXT}move left linear A until=3 error=X and right ptp mpos error=END\nlabel X\nmove right linear mpos\nlabel END\n"
+    for text in (TEXT, labelled, read_text(find_config("arm-and-scara", "programs"))):
         program = read_team(text)
         assert same(read_team(write_team(program)), program)
 
@@ -74,6 +75,8 @@ def test_a_program_written_is_read_back_the_same() -> None:
         ("kinematic third portal", "line 18: kinematic: third has to stand before the first move"),
         ("kinematic other", "line 18: kinematic: 'other' is unknown: kinematic NAME ROBOT, with its robot file, comes first"),
         ("robot portal", "line 18: robot: `kinematic NAME ROBOT` names the robot of each kinematic"),
+        ("label X\nmove left linear A until=3 error=X", "line 19: error: label X does not stand behind the block"),
+        ("label X\nlabel X", "line 19: label: X stands twice"),
         ("synchron B1", "line 18: synchron: no statement of a program of several kinematics; program, kinematic, angles,"),
     ],
 )
@@ -96,12 +99,14 @@ def test_check_names_line_block_kinematic_and_axis_of_every_block_that_cannot_be
 ) -> None:
     path = tmp_path / "pair.txt"
     path.write_text(
-        TEXT + "move left ptp joints 100 100 9000 0 and right linear pose 100 250 60 0 0 0\nmove left linear A until=3 error=X\n"
+        TEXT
+        + "move left ptp joints 100 100 9000 0 and right linear pose 100 250 60 0 0 0\n"
+        + "move left linear A until=3 and right linear pose 100 250 70 0 0 0 until=4\n"
     )
     assert main(["check", str(path)]) == 1
     said = capsys.readouterr().out.splitlines()
     assert said[0].startswith("line 18: block 5, axis left.Z: kinematic left: target 9000 mm is outside ")
-    assert said[1].startswith("line 19: block 6: kinematic left: a program of several kinematics knows no error=")
+    assert said[1] == "line 19: block 6: one kinematic alone says what a shared block waits for, or ends with"
     assert said[2] == "6 blocks: 2 cannot be run"
     assert main(["check", str(path), "--robot", "portal"]) == 2
     assert team_findings(read_team(TEXT), team_of_program(read_team(TEXT), None)).faults == ()
