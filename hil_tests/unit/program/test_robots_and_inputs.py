@@ -5,6 +5,7 @@ import pytest
 
 from gateway.pure.reasons import CommandState
 from gateway.pure.records import Motion
+from hil_tests.lab.answers import answers
 from hil_tests.lab.arm_and_scara import CELL, OWN
 from hil_tests.lab.arms import Array
 from hil_tests.lab.cell402bench import Cell402Bench
@@ -50,6 +51,7 @@ def gone(cell: Planned) -> Array:
 
 
 @pytest.mark.requirement("RHO-MOT-17", by="gateway.pure.programteam:begun_together")
+@answers
 def test_a_shared_block_waits_for_its_input_and_all_begin_together(home: Planned) -> None:
     job = home.order(HEAD + f"move {AWAY[0]} wait={GO} and {AWAY[1]}")
     home.bench.run(2.0)  # without it they are half way by then
@@ -63,6 +65,7 @@ def test_a_shared_block_waits_for_its_input_and_all_begin_together(home: Planned
 
 
 @pytest.mark.requirement("RHO-MOT-10", by="gateway.pure.programteam:begun_together")
+@answers
 def test_an_input_ends_the_block_of_all_on_their_path_and_mpos_is_that_of_the_one_that_asked(home: Planned) -> None:
     lines = [f"move {AWAY[0]} and {AWAY[1]} until={SEEN}", f"move arm ptp rel joints 5 0 0 0 0 0 wait={GO}", "move scara ptp mpos"]
     job = home.order(HEAD + "\n".join(lines))
