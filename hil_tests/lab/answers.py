@@ -2,18 +2,19 @@
 
 import functools
 from collections.abc import Callable
-from typing import ParamSpec
+from typing import ParamSpec, TypeVar
 
 P = ParamSpec("P")
+R = TypeVar("R")
 
 
-def answers(test: Callable[P, None]) -> Callable[P, None]:
-    """Turns any exception that runs through the test into a failed assertion."""
+def answers(test: Callable[P, R]) -> Callable[P, R]:
+    """Turns any exception that runs through the test, or the fixture that drives what it judges, into a failed assertion."""
 
     @functools.wraps(test)
-    def judged(*args: P.args, **kwargs: P.kwargs) -> None:
+    def judged(*args: P.args, **kwargs: P.kwargs) -> R:
         try:
-            test(*args, **kwargs)
+            return test(*args, **kwargs)
         except AssertionError:
             raise
         except Exception as failure:

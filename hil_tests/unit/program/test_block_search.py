@@ -52,12 +52,12 @@ def run(search: str) -> Row:
 
 
 @pytest.fixture(scope="module")
+@answers
 def rows() -> dict[str, Row]:
     return {search: run(search) for search in ("", "1", "3", "11")}
 
 
 @pytest.mark.requirement("RHO-MOT-44", by="motion.planner.planner:Planner._ready")
-@answers
 @answers
 def test_so_many_blocks_behind_the_one_under_way_are_planned_and_no_more(rows: dict[str, Row]) -> None:
     for search in ("1", "3", "11"):
@@ -67,7 +67,6 @@ def test_so_many_blocks_behind_the_one_under_way_are_planned_and_no_more(rows: d
 
 
 @pytest.mark.requirement("RHO-MOT-44", by="motion.planner.planner:Planner._window")
-@answers
 @answers
 def test_few_blocks_take_their_speed_and_many_do_not_and_path_and_limits_are_kept(rows: dict[str, Row]) -> None:
     assert rows["1"].seconds > 1.5 * rows["11"].seconds > 1.4 * rows[""].seconds

@@ -34,6 +34,7 @@ def cell() -> Planned:
 
 
 @pytest.fixture
+@answers
 def home(cell: Planned) -> Planned:
     cell.bench.permit(GO, SEEN, value=False)
     assert run(cell, HOME) is CommandState.DONE
@@ -94,6 +95,7 @@ LABELS = [
 
 @pytest.mark.requirement("RHO-MOT-12", by="gateway.pure.programtrial:Trial.together")
 @pytest.mark.parametrize("seen", [True, False])
+@answers
 def test_without_its_input_a_shared_block_leads_on_at_its_label_for_all(home: Planned, seen: bool) -> None:
     job = home.order(HEAD + "\n".join(LABELS))
     home.until(lambda state: gone(home)[0] > 0.5)
@@ -109,6 +111,7 @@ def test_without_its_input_a_shared_block_leads_on_at_its_label_for_all(home: Pl
 
 
 @pytest.mark.requirement("RHO-MOT-13", by="gateway.pure.programteam:not_measured")
+@answers
 def test_mpos_of_one_where_nothing_was_measured_leads_all_on_at_its_label(home: Planned) -> None:
     lines = [f"move {AWAY[0]} and {AWAY[1]} until={SEEN}", "move arm ptp rel joints 5 0 0 0 0 0 and scara ptp mpos error=END"]
     job = home.order(HEAD + "\n".join([*lines, "move arm ptp rel joints 5 0 0 0 0 0", "label END"]))
@@ -119,17 +122,25 @@ def test_mpos_of_one_where_nothing_was_measured_leads_all_on_at_its_label(home: 
 
 
 @pytest.mark.requirement("RHO-MOT-12", by="gateway.pure.programparts:Coming.takes")
+@answers
 def test_a_labelled_block_begins_from_rest_and_is_a_part_of_its_own(home: Planned) -> None:
     rounded = "move arm ptp joints 10 30 90 0 60 0 blend=joint leave=20 reach=20"
-    lines = [f"move {AWAY[0]} until={SEEN} error=ON", rounded, "label ON", "move arm ptp joints 40 60 90 0 60 0"]
-    job = home.order(HEAD + "\n".join(lines))
-    home.until(lambda state: gone(home)[0] > 0.5)
-    home.bench.permit(SEEN)
-    nearest = 1.0
-    while job.open:
-        home.bench.cycle()
-        nearest = min(nearest, abs(gone(home)[0] - 0.25))
-    assert job.state is CommandState.DONE and nearest < 1e-5, "it stops in the point before the label"
+    end = "move arm ptp joints 40 60 90 0 60 0"
+
+    def nearest(*lines: str) -> float:
+        """How near the point of the rounded block comes, in shares of the arm's way."""
+        job, near = home.order(HEAD + "\n".join(lines)), []
+        home.until(lambda state: gone(home)[0] > 0.5)
+        home.bench.permit(SEEN)
+        while job.open:
+            home.bench.cycle()
+            near.append(abs(gone(home)[0] - 0.25))
+        home.bench.permit(SEEN, value=False)
+        assert job.state is CommandState.DONE
+        return float(min(near))
+
+    assert nearest(f"move {AWAY[0]} until={SEEN} error=ON", rounded, "label ON", end) < 1e-5, "it stops in the point before the label"
+    assert nearest(HOME, f"move {AWAY[0]} until={SEEN}", rounded, end) > 1e-3, "and rounds it where there is none"
 
 
 @pytest.mark.parametrize(

@@ -54,13 +54,13 @@ class Portal(Planned):
 
 
 @pytest.fixture
+@answers
 def cell() -> Portal:
     return Portal()
 
 
 @pytest.mark.requirement("RHO-MOT-31", by="motion.program.systems:located")
 @pytest.mark.requirement("RHO-MOT-34", by="motion.program.systems:located")
-@answers
 @answers
 def test_poses_are_those_of_the_system_and_places_of_axes_stay(cell: Portal) -> None:
     assert cell.at("wc_frame UP 0 0 30 0 0 0", "wc_system UP", "linear pose 100 100 40 0 0 0") == pytest.approx([100, 100, 70, 0], abs=1e-6)
@@ -88,7 +88,6 @@ def test_the_working_range_lies_in_the_system_and_the_travel_of_axes_does_not(ce
 
 @pytest.mark.requirement("RHO-MOT-32", by="gateway.pure.programsystems:CellSystems.reached")
 @pytest.mark.requirement("RHO-MOT-32", by="gateway.pure.programsystems:CellSystems.follows")
-@answers
 @answers
 def test_it_stays_over_programs_aborts_and_planners_until_another_one_or_a_start_up(cell: Portal) -> None:
     there = "linear pose 100 100 50 0 0 0"
