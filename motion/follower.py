@@ -18,7 +18,7 @@ from motion.timing.guard import correction
 from motion.timing.track import Rows, Track
 
 HISTORY = 1024  # pieces kept behind the present one, for retrace
-WAITING = 1024  # pieces that may wait
+WAITING = 1536  # pieces that may wait: those of one law behind two seconds of others
 LONGEST_S = 4e-3  # a period longer than this is driven in equal parts: of what lies between places further apart a change knows too little
 ROUNDING = 1e-9
 PAST = 3  # periods a third difference looks back

@@ -13,8 +13,8 @@ from motion.outputs.function import Function
 from motion.pieces import RECORD_SIZE, record_size
 
 BLOCKS = 2048  # records in the blocks ring
-PIECES = 1024  # records in the pieces ring: half a minute of motion
-AHEAD = 128  # pieces handed on and not run: two seconds, the longest the axes go on after the planner's death
+PIECES = 1024  # records in the pieces ring: one law and what goes with it (AX-606)
+AHEAD = 128  # pieces handed on and not run; in time motion.planner.planner.AHEAD_S
 PLANNER_BYTES = 8192
 WORDS = 400  # characters of a sentence
 TEXT_BYTES = 1000

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from motion.errors import MotionError
 from motion.paths.joints import JointPath
+from motion.planner.thinned import needed
 from motion.timed import TimedPiece, most_nodes
 from motion.timing.law import Law
 from motion.timing.limits import LawLimits
@@ -16,6 +17,8 @@ Array = NDArray[np.float64]
 SPACING_S = 0.8e-3  # between nodes at most: wider ones round the corners of the jerk off and over
 CLOSE = 2e-7  # m or rad between pieces and path, looked at between the nodes
 NO_LIMIT = 1e9  # a record holds numbers: stands for none
+PLENTY, MOST = 128, 800  # pieces of a law: more, and only the nodes that are needed stay; the ring to the cycle holds so many
+LONGEST_S, COLUMNS = 0.5, 7  # a piece of so many columns at most: the cycle looks at every ms of it at once; of more columns, shorter
 
 
 def timed_pieces(
@@ -31,22 +34,32 @@ def timed_pieces(
     """Pieces of the whole law, the last one ends at rest.
 
     mask: which axis of the cell each axis of the path is (bits rising, default the first ones); blocks: (s at its end, block number),
-    rising.  A piece belongs to one block.  Raises MotionError where the path cannot be met to 2e-7 m or rad.
+    rising.  A piece belongs to one block.  Raises MotionError where the path cannot be met to 2e-7 m or rad, or takes too long for one.
     """
     bits = (1 << path.axes) - 1 if mask is None else mask
     if bits.bit_count() != path.axes:
         raise MotionError(f"mask {bits:#x} does not name {path.axes} axes")
     index, states = _nodes(path, law)
-    s = law.s[index]
-    numbers = _numbers(s, blocks)
+    numbers = _numbers(law.s[index], blocks)
     accel, jerk = (_finite([*limit[: path.axes], limit[-2]]) for limit in (limits.accel, limits.jerk))
+    most, longest = most_nodes(path.axes), LONGEST_S * min(COLUMNS / (path.axes + 1), 1.0) / law.step
+    if len(index) > PLENTY * (most - 1):
+        stay = needed(law.step * np.array(index), states, np.array(numbers), np.array(accel)).tolist()
+        index, states, numbers = [index[k] for k in stay], states[stay], [numbers[k] for k in stay]
     rows = [tuple(row) for row in states.tolist()]
     pieces: list[TimedPiece] = []
-    begin, most = 0, most_nodes(path.axes)
+    begin = 0
     while begin < len(index) - 1:
         end = begin + 1
-        while end < len(index) - 1 and end - begin < most - 1 and numbers[end] == numbers[begin]:
+        while (
+            end < len(index) - 1 and end - begin < most - 1 and numbers[end] == numbers[begin] and index[end + 1] - index[begin] <= longest
+        ):
             end += 1
+        if len(pieces) == MOST:
+            raise MotionError(
+                f"a motion of {law.duration:.0f} s without a stop is too long, {index[begin] * law.step:.0f} s are possible here: "
+                "run it faster, or stop in between"
+            )
         times = tuple(float(k - index[begin]) * law.step for k in index[begin : end + 1])
         pieces.append(
             TimedPiece(first_id + len(pieces), bits, numbers[begin], times, tuple(rows[begin : end + 1]), accel, jerk, ends_at_rest=False)

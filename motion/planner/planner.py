@@ -37,6 +37,7 @@ from motion.timing.slices import Slices, Work
 LOOK_AHEAD = 512  # blocks that may wait (owed: 256)
 WINDOW = 256  # stretches one law spans at most
 LEAD_S = 0.15  # a tail that begins sooner is not replaced any more: its replacement might come too late
+AHEAD_S = 2.0  # with more than this ahead nothing is handed on, hurry or not: the axes would go on for it without their planner
 HORIZON_S = 0.6  # with more than this ahead (at full speed) the tail is left alone; laws: AX-421
 PAUSE_S = 1e-3  # between two runs: the jerk one ends with and the jerk the next begins with do not add up (AX-317)
 NAMED = 32  # stretches in a run up to which its pieces end where blocks end
@@ -239,7 +240,7 @@ class Planner:
         if not ready or (ahead > self.lead_s and self._few(ready)):
             return None
         known = self._fresh[ready - 1].stop or ready >= self.window
-        if ahead > self.horizon_s and not hurry:
+        if ahead > (AHEAD_S if hurry else self.horizon_s):
             return None
         if not self._planned or self._planned[-1].stops:
             if not (known or hurry or ready < len(self._fresh) or any(stretch.stop for stretch in self._fresh)):

@@ -26,6 +26,7 @@ def speeds(step: float) -> Array:
     cell = Planned(ServodynRobot(cell=replace(CELL, cell=replace(CELL.cell, override_step=step))))
     assert cell.bench.settle(cell.order(HEAD + "ptp joints 100 100 50 0")).state is CommandState.DONE
     cell.done(Code.OVERRIDE, 0.2)
+    cell.bench.run(2.0)  # it is there
     cell.order(HEAD + f"linear pose 500 100 50 0 0 0 path={PATH:g}")
     cell.until(lambda state: state.axes[0].set > to_si(120.0, "mm"))
     cell.driven()
