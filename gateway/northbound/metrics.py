@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable
 from typing import Any
 
-from gateway.northbound.snapshot import doors
+from gateway.northbound.snapshot import FLAGS, doors
 from gateway.pure.exposition import CONTENT_TYPE, Histogram, Page
 from gateway.web.regions import Regions
 
@@ -66,6 +66,7 @@ class Metrics:
         ):
             page.metric(f"axisgate_cycle_{name}_total", "counter", words, [({}, float(counters[name]))])
         page.histogram("axisgate_cycle_compute_seconds", "time of a cycle to its set values, sampled ten times a second", self.compute)
+        self._axes(page)
         self._links(page)
         page.metric("axisgate_errors", "gauge", "errors that stand", [({}, float(len(head["errors"])))])
         page.metric("axisgate_error", "gauge", "1: this error stands", _errors(head["errors"]))
@@ -79,6 +80,20 @@ class Metrics:
         page.metric("axisgate_process_up", "gauge", "1: the process runs", up)
         page.metric("axisgate_process_restarts_total", "counter", "times it was started again", again)
         return page.text()
+
+    def _axes(self, page: Page) -> None:
+        """Of every axis of the cell, however many; positions in its own unit."""
+        units = {name: {"axis": name, "unit": unit} for name, unit, _ in self._regions.facts}
+        rows = self._regions.drives()
+        for name, words in (("actual", "position"), ("set", "set position"), ("lag", "position lag"), ("speed", "of the axis, per second")):
+            page.metric(f"axisgate_axis_{name}", "gauge", words, [(units[row["name"]], float(row[name])) for row in rows])
+        own = [({"axis": str(row["name"])}, row) for row in rows]
+        page.metric(
+            "axisgate_axis_torque_percent", "gauge", "share of the rated torque", [(axis, float(row["torque"])) for axis, row in own]
+        )
+        page.metric("axisgate_axis_fault_code", "gauge", "of the drive, 0: none", [(axis, float(row["fault"])) for axis, row in own])
+        for name, flag in FLAGS.items():
+            page.metric(f"axisgate_axis_{name}", "gauge", f"1: {name}", [(axis, float(bool(row["flags"] & flag))) for axis, row in own])
 
     def _links(self, page: Page) -> None:
         listed = doors(self._regions)
