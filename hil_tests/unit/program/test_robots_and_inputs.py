@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from gateway.pure.reasons import CommandState
+from gateway.pure.command_block import Code
+from gateway.pure.reasons import CommandState, Reason
 from gateway.pure.records import Motion
 from hil_tests.lab.answers import answers
 from hil_tests.lab.arm_and_scara import CELL, OWN
@@ -63,6 +64,27 @@ def test_a_shared_block_waits_for_its_input_and_all_begin_together(home: Planned
         shares = gone(home)
         assert abs(shares[0] - shares[1]) < 1e-4
     assert job.state is CommandState.DONE and gone(home) == pytest.approx([1.0, 1.0], abs=1e-4)
+
+
+def test_a_stop_of_a_shared_block_that_waits_keeps_its_path_and_ends_one_that_is_still_prepared(home: Planned) -> None:
+    """As of a robot alone (AX-322): abandon takes what was kept, and finds nothing where the stop was the end."""
+    job = home.order(HEAD + f"move {AWAY[0]} wait={GO} and {AWAY[1]}")
+    home.until(lambda _: home.bench.core.starved)
+    home.done(Code.STOP)
+    assert (job.state, job.reason) == (CommandState.ABORTED, Reason.STOPPED_BY_DOOR)
+    late = home.bench.settle(home.bench.give(Code.ABANDON))
+    assert (late.state, late.reason) == (CommandState.REFUSED, Reason.NOTHING_TO_RESUME)
+    job = home.order(HEAD + f"move {AWAY[0]} wait={GO} and {AWAY[1]}")
+    home.until(lambda _: home.bench.core.starved)
+    home.until(lambda _: not home.bench.core.starved)  # its path is there, and it waits
+    home.done(Code.STOP)
+    assert (job.open, home.state.motion) == (True, Motion.STOPPED)
+    home.bench.permit(GO)
+    home.bench.run(1.0)
+    assert np.abs(gone(home)).max() < 1e-6, "the input starts nothing behind a stop"
+    home.done(Code.ABANDON)
+    assert (home.bench.settle(job).state, job.reason) == (CommandState.ABORTED, Reason.ABANDONED)
+    assert home.bench.core.state.motion == Motion.IDLE and np.abs(gone(home)).max() < 1e-6
 
 
 @pytest.mark.requirement("RHO-MOT-10", by="gateway.pure.programteam:begun_together")
