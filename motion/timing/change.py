@@ -41,6 +41,7 @@ SHARES = np.linspace(0.25, 1.0, 4)  # of the range of c, tried for the landing
 CALM_ENOUGH = 1.15  # times what the limits here would take: so long may a change in phases take
 BEYOND = 1.5  # of the largest u foreseen
 CLOSE = 8  # periods of a landing that phases take over
+SLOWEST = 0.01  # of full speed: slower, and an axis that turns back needs no jerk for it
 TURN = 1e-9  # of omega: rounding, no turning round
 MOST = 1.02  # of full speed, for a moment: a change that comes back to it too fast lands from beyond, the jerk of the axes kept
 LITTLE = 1e-6  # of c: less is rounding
@@ -327,6 +328,8 @@ class Change:
         if rises.item(0) + falls.item(0) < 0.0:  # an axis that turns back can hardly be helped by c: the others decide
             self._use(pull[:, 0] <= HEAVY * tight, rises, falls)
         np.maximum(lowest, self._edge(room, free, v, lean), out=lowest)
+        if self._track.turns:
+            self._turned(taus[: len(v)], omega, flip, lowest, self._used[1 if braking else 0])
         lowest[-1] = 0.0
         np.negative(falls, out=falls)
         self.room = min(rises.item(1), -falls.item(1))
@@ -346,6 +349,17 @@ class Change:
         bound += here[Part.REACH]
         lowest: Array = np.minimum.reduce(bound, axis=0, initial=self._most_u * (1.0 if braking else CALM))
         return np.negative(lowest, out=lowest)
+
+    def _turned(self, taus: Array, omega: Array, flip: float, lowest: Array, used: Array) -> None:
+        """Raises the lowest v at both places between which an axis turns back to what its jerk bears there: no c helps it."""
+        for tau, edge, low, high in self._track.between(float(np.minimum.reduce(taus)), float(np.maximum.reduce(taus))):
+            off = taus - tau
+            for k in np.flatnonzero(off[:-1] * off[1:] <= 0.0).tolist():
+                before, after = off[k : k + 2].tolist()
+                share = before / (before - after) if before != after else 0.0
+                w = abs(omega.item(k) + share * (omega.item(k + 1) - omega.item(k)))
+                bound = used.item(k + 1) * edge / max(w, SLOWEST) + w * w * (low if flip > 0.0 else -high)
+                np.maximum(lowest[k : k + 2], min(-bound, 0.0), out=lowest[k : k + 2])
 
     def _reach(self, rows: Array, middle: Array, v: Array, flip: float) -> Array:
         """How far c may rise and fall with v = 0, then with the v foreseen: (4, places).  rows: PULL, LEAN, TWIST become what they are

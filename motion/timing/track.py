@@ -5,9 +5,13 @@ With omega = dtau/dt, u = d omega/dt, c = du/dt an axis has the acceleration ome
 
     |u + omega^2 bend| <= reach            bend = q''/q', reach = accel/|q'|
     |c + omega (omega^2 twist + u lean)| <= pull      lean = 3 q''/q', twist = q'''/q', pull = jerk/|q'|
+
+Where places foreseen lie several periods apart, an axis may turn back (q' = 0) between two of them; what its jerk says there is kept:
+
+    |u + omega^2 lift| <= edge / |omega|              lift = q'''/(3 q''), edge = jerk/(3 |q''|)
 """
 
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections import deque
 from collections.abc import Sequence
 from enum import IntEnum
@@ -24,6 +28,7 @@ Array = NDArray[np.float64]
 ACCEL_TOP, JERK_TOP = 1.0165, 1.07  # shares of the limits allowed while omega changes
 LEAST = 1e-9  # s or s^2: q' over its limit; below it the column says nothing about u or c
 FREE = 1e8  # a limit above it is none
+BENT = 0.01  # of its acceleration: an axis that turns back with less leaves u as it is
 COARSE_S = 1e-3  # between rows, at most
 VIEW = 240  # rows kept in view behind those asked for
 FAR = 320  # rows more, where the path is driven back
@@ -43,12 +48,22 @@ class Part(IntEnum):
     TWIST = 5
 
 
+class Turn(NamedTuple):
+    """Where an axis turns back: no c helps its jerk there, nor as far before and behind as a place lies from the next."""
+
+    tau: float
+    edge: float  # the least near there
+    low: float  # lift, the least and the most
+    high: float
+
+
 class Rows(NamedTuple):
     """Of one piece: table[:, :, 0] is row `first` of the track; (parts, columns, rows)."""
 
     first: int
     table: NDArray[np.float32]
     resting: bytes  # a byte of each of its rows: the path itself stands
+    turns: Sequence[Turn] = ()
 
     @property
     def size(self) -> int:
@@ -87,6 +102,7 @@ class Track:
         self._period, self._half = period_s, half  # s; rows in half of it
         self._tables: deque[Rows] = deque()
         self._firsts: deque[int] = deque()  # of the tables: each holds from there to where the next one begins
+        self.turns: list[Turn] = []  # of axes, where places foreseen lie several periods apart; their times rise
         self._seen = Window(len(Part), columns)
         self._to = 0  # what lies before this row is in view, or never was: the last row holds beyond the end
         self._inverse = 1.0 / step
@@ -103,6 +119,7 @@ class Track:
         self._firsts.append(rows.first)
         self._settle()
         self._cut(rows.first)
+        self.turns += rows.turns
 
     def pop(self) -> None:
         """Forget the last piece."""
@@ -116,10 +133,15 @@ class Track:
         """Forget the first piece."""
         self._firsts.popleft()
         self._tables.popleft()
+        del self.turns[: self._turn_at(self._firsts[0] * self.step) if self._firsts else None]
 
     def _cut(self, row: int) -> None:
         self._to = min(self._to, row)
         self._seen.cut(row)
+        del self.turns[self._turn_at(row * self.step) :]
+
+    def _turn_at(self, tau: float) -> int:
+        return bisect_left(self.turns, (tau,))
 
     def _settle(self) -> None:
         """A piece shorter than the window begins no later than the rows of those behind it, which take the place of its own."""
@@ -142,6 +164,7 @@ class Track:
         """
         h, half = self._period, self._half
         around = round(0.5 * apart / self.step)  # rows from the middle of what MEAN sees to its end
+        wide = 2 * around if around > half else 0  # rows that a turn looks to both sides
         reach = max(3 * half, around + half)  # rows beside those wanted: a third difference is three periods wide
         going = [one for one in before if one.mask == piece.mask] if before and before[0].mask == piece.mask else []
         first = max(int((begin - (reach + half) * self.step if going else begin) / self.step + 1), 0) if begin > 0.0 else 0
@@ -151,17 +174,20 @@ class Track:
         if len(grid) == 0:
             return Rows(first, table, b"")
         accel, jerk = np.array(piece.accel), np.array(piece.jerk)
-        values, slopes = _Chain(piece, going).at(grid[0] + self.step * np.arange(-reach, len(grid) + reach))
-        at = {rows: slice(reach + rows, reach + rows + len(grid)) for rows in (0, *(k * half for k in (-3, -1, 1, 3)))}
-        bends = (slopes[2 * half :] - slopes[: -2 * half]) / h  # from reach - half rows before the grid on
-        middle = reach - half
-        slope, second = slopes[at[0]], bends[middle : middle + len(grid)]
+        values, slopes = _Chain(piece, going).at(grid[0] + self.step * np.arange(-reach - wide, len(grid) + reach + wide))
+        count = len(grid) + 2 * wide
+        at = {rows: slice(reach + rows, reach + rows + count) for rows in (0, *(k * half for k in (-3, -1, 1, 3)))}
+        bends = (slopes[2 * half :] - slopes[: -2 * half]) / h  # from half a period behind the first row on
+        slope, second = slopes[at[0]], bends[reach - half : reach - half + count]
         third = (values[at[3 * half]] - 3.0 * (values[at[half]] - values[at[-half]]) - values[at[-3 * half]]) / h**3
-        mean = third
-        if around > half:
+        second, third = np.clip(second, -accel, accel), np.clip(third, -jerk, jerk)  # lawful it is
+        mean, turns = third, []
+        if wide:
+            turns = self._turning(first, (slope, second, third), piece, wide)
+            slope, second, third = (one[wide:-wide] for one in (slope, second, third))
+            middle = reach - half + wide
             early, late = (bends[middle + rows : middle + rows + len(grid)] for rows in (-around, around))
-            mean = (late - early) / (2 * around * self.step)
-        second, third, mean = np.clip(second, -accel, accel), np.clip(third, -jerk, jerk), np.clip(mean, -jerk, jerk)  # lawful it is
+            mean = np.clip((late - early) / (2 * around * self.step), -jerk, jerk)
         size, sign = np.abs(slope), np.where(slope < 0.0, -1.0, 1.0)
         by_accel, by_jerk = np.maximum(size / accel, LEAST), np.maximum(size / jerk, LEAST)
         found = {
@@ -175,7 +201,23 @@ class Track:
         for part, numbers in found.items():
             table[part, list(where)] = numbers.T
         free = np.min(table[Part.REACH], axis=0) >= ACCEL_TOP / LEAST * (1 - 1e-6)
-        return Rows(first, table, (free & (np.max(np.abs(table[Part.BEND]), axis=0) * LEAST < STILL)).tobytes())
+        resting = free & (np.max(np.abs(table[Part.BEND]), axis=0) * LEAST < STILL)
+        return Rows(first, table, resting.tobytes(), turns)
+
+    def _turning(self, first: int, own: tuple[Array, Array, Array], piece: TimedPiece, wide: int) -> list[Turn]:
+        """Where axes turn back; own: q', q'', q''' of the table's rows and `wide` more at both ends."""
+        slope, second, third = own
+        back = (slope[wide:-wide] < 0.0) != (slope[wide - 1 : -wide - 1] < 0.0)
+        back &= np.abs(second[wide:-wide]) > BENT * np.array(piece.accel)
+        found: list[Turn] = []
+        known = max(len(slope) - wide - 3 * self._half, 1)  # third differences beyond see what comes behind the piece
+        for row, column in np.argwhere(back).tolist():
+            near = slice(min(row, known - 1), min(row + 2 * wide + 1, known))
+            most = 3.0 * float(np.max(np.abs(second[near, column])))
+            bend = most if second[row + wide, column] > 0.0 else -most
+            low, high = sorted((float(third[near, column].min()) / bend, float(third[near, column].max()) / bend))
+            found.append(Turn((first + row) * self.step, JERK_TOP * piece.jerk[column] / most, low, high))
+        return found
 
     def around(self, tau: Array, places: int, turning: bool) -> tuple[Array, Array]:
         """REACH and BEND at the first `places` of these times, PULL, LEAN and MEAN at the others, of those TWIST at the first one:
@@ -191,6 +233,10 @@ class Track:
         rows = seen.rows[Part.PULL : Part.TWIST].take(index[places:], axis=2, mode="clip")
         rows[-1, :, 0] = seen.rows[Part.TWIST, :, max(index.item(places), 0)]
         return here, rows
+
+    def between(self, low: float, high: float) -> list[Turn]:
+        """The turns from time to time."""
+        return self.turns[self._turn_at(low) : self._turn_at(high)]
 
     def span(self, low: float, high: float) -> Span:
         """All rows from time to time, not copied; beyond the ends the first or last row."""
