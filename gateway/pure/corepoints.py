@@ -16,8 +16,6 @@ from motion.measure.latch import Change, Latch
 from motion.measure.record import BY_CYCLES, BY_DISTANCE, ReferencePaths
 from protocols.base.machine import Ns
 
-KINEMATIC = 1
-
 
 def set_machine_position(axes: Sequence[HeldAxis], state: CellState, places: Mapping[int, float]) -> None:
     """SF 3: what the increments mean moves, the increments go on; the axes rest.  Referencing and a new cycle undo it."""
@@ -30,30 +28,39 @@ def set_machine_position(axes: Sequence[HeldAxis], state: CellState, places: Map
 
 
 class CoreTape:
-    """The reference path; it is kept until the next SF 29, also behind the program."""
+    """Reference paths; each is kept until the next SF 29 of its kinematic, also behind the program."""
 
     def __init__(self, state: CellState, axes: int) -> None:
         self._state, self._axes = state, axes
-        self._paths = ReferencePaths(0)
-        self.on = False
+        self._paths: dict[int, ReferencePaths] = {}
+        self._running: set[int] = set()  # kinematics
+
+    @property
+    def on(self) -> bool:
+        """One is recorded."""
+        return bool(self._running)
 
     def call(self, order: TapeAt, systems: int) -> None:
         """SF 29, SF 30."""
-        self.on = order.system > 0
-        if not self.on:
-            self._paths.off(KINEMATIC)
+        kinematic = order.kinematic
+        if order.system == 0:
+            if kinematic in self._running:
+                self._paths[kinematic].off(kinematic)
+            self._running.discard(kinematic)
             return
-        self._paths = ReferencePaths(systems, BY_CYCLES if order.cycles else BY_DISTANCE)
-        self._paths.on(KINEMATIC, order.system, order.distance)
+        self._running.add(kinematic)
+        self._paths[kinematic] = ReferencePaths(systems, BY_CYCLES if order.cycles else BY_DISTANCE)
+        self._paths[kinematic].on(kinematic, order.system, order.distance)
 
     def store(self, systems: Sequence[float], sets: Sequence[float]) -> None:
         """Once a cycle.  systems: what the measuring systems say, sets: (axes,) set values."""
-        self._paths.step(KINEMATIC, systems, sets, ())
+        for kinematic in self._running:
+            self._paths[kinematic].step(kinematic, systems, sets, ())
 
-    def recall(self, index: int) -> None:
+    def recall(self, index: int, kinematic: int) -> None:
         """SF 31; nothing is measured where no such entry is stored."""
         try:
-            entry = self._paths.read(KINEMATIC, index)
+            entry = self._paths.get(kinematic, ReferencePaths(0)).read(kinematic, index)
         except ProgramFault:
             self._state.measured_mask = 0
             return

@@ -271,7 +271,7 @@ class Mover:
     def _point(self, record: PieceRecord) -> None:
         """A part by itself, over at once; the axes rest."""
         if record.part is Part.RECALL:
-            self.tape.recall(recall_of(record))
+            self.tape.recall(*recall_of(record))
         else:
             set_machine_position(self._axes, self._state, machine_of(record))
             self._as_they_stand()

@@ -7,20 +7,21 @@ from gateway.pure.plannerrecords import Part, PieceRecord
 from gateway.pure.records import MOST_AXES
 from motion.pieces import RECORD_SIZE
 
-_MACHINE, _TAPE = struct.Struct(f"=I{MOST_AXES}d"), struct.Struct("=QdId?")
-_RECALL, _LATCH = struct.Struct("=I"), struct.Struct("=QdiI4s")
+_MACHINE, _TAPE = struct.Struct(f"=I{MOST_AXES}d"), struct.Struct("=QdId?I")
+_RECALL, _LATCH = struct.Struct("=II"), struct.Struct("=QdiI4s")
 
 
 @dataclass(frozen=True, slots=True)
 class TapeAt:
     """SF 29 or SF 30 so long (s at full speed) after the beginning of a piece.  system: measuring system from 1, 0: off; distance: m, rad
-    or with `cycles` a number of them."""
+    or with `cycles` a number of them; kinematic: whose path."""
 
     piece: int
     after: float
     system: int = 0
     distance: float = 0.0
     cycles: bool = False
+    kinematic: int = 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +51,7 @@ def machine_of(record: PieceRecord) -> dict[int, float]:
 
 def tape_record(job: int, generation: int, at: TapeAt) -> PieceRecord:
     """As a record of the pieces ring."""
-    return _record(Part.TAPE, job, generation, _TAPE.pack(at.piece, at.after, at.system, at.distance, at.cycles))
+    return _record(Part.TAPE, job, generation, _TAPE.pack(at.piece, at.after, at.system, at.distance, at.cycles, at.kinematic))
 
 
 def tape_of(record: PieceRecord) -> TapeAt:
@@ -58,15 +59,15 @@ def tape_of(record: PieceRecord) -> TapeAt:
     return TapeAt(*_TAPE.unpack_from(record.piece))
 
 
-def recall_record(job: int, generation: int, index: int) -> PieceRecord:
-    """SF 31, a part of its own: the entry becomes what was measured."""
-    return _record(Part.RECALL, job, generation, _RECALL.pack(index))
+def recall_record(job: int, generation: int, index: int, kinematic: int) -> PieceRecord:
+    """SF 31, a part of its own: the entry of the kinematic's path becomes what was measured."""
+    return _record(Part.RECALL, job, generation, _RECALL.pack(index, kinematic))
 
 
-def recall_of(record: PieceRecord) -> int:
-    """The reverse of recall_record."""
-    (index,) = _RECALL.unpack_from(record.piece)
-    return int(index)
+def recall_of(record: PieceRecord) -> tuple[int, int]:
+    """Entry and kinematic."""
+    index, kinematic = _RECALL.unpack_from(record.piece)
+    return index, kinematic
 
 
 def latch_record(job: int, generation: int, at: LatchAt) -> PieceRecord:

@@ -119,7 +119,7 @@ class Coming:
         """What the cycle does at rest, and nothing else in this part."""
         if self.point:
             return machine_record(job, generation, mask, self.point)
-        return recall_record(job, generation, self.recall) if self.recall else None
+        return recall_record(job, generation, self.recall, self.kinematic) if self.recall else None
 
     def again(self, machine: Machine, start: Sequence[float]) -> BeltPlan:
         """The same part from where the robot really stands."""
@@ -296,25 +296,25 @@ class Measuring:
             raise ProgramFault(INADMISSABLE_INPUT, f"set_latch {call.name}; the robot has {known} ([[measuring]] latch)")
         return channel
 
-    def inputs(self, blocks: Sequence[Block], mask: int, job: int, generation: int) -> list[PieceRecord]:
+    def inputs(self, block: Block, mask: int, job: int, generation: int) -> list[PieceRecord]:
         """What the block that begins a part ends with and waits for."""
         found = []
-        for block in blocks[:1]:  # between two SYNC on a belt there may be none
-            if block.until is not None:
-                found.append(until_record(job, generation, self.wanted(block.until, mask)))
-            if block.wait is not None:
-                found.append(start_record(job, generation, self.start(block.wait, mask)))
+        if block.until is not None:
+            found.append(until_record(job, generation, self.wanted(block.until, mask)))
+        if block.wait is not None:
+            found.append(start_record(job, generation, self.start(block.wait, mask)))
         return found
 
-    def marked(self, mark: Mark, mask: int, job: int, generation: int) -> PieceRecord:
-        """An output, a function or a measurement on a piece."""
+    def marked(self, mark: Mark, mask: int, kinematic: int, job: int, generation: int) -> PieceRecord:
+        """An output, a function or a measurement on a piece; mask, kinematic: of the robot it is about."""
         if isinstance(mark.function, Flying):
             return flying_record(job, generation, self.flying(mark.piece, mark.after, mark.function, mask))
         if isinstance(mark.function, Latching):
             return self.latch(mark, mark.function, mask, job, generation)
         if isinstance(mark.function, Recording):
             call = mark.function
-            return tape_record(job, generation, TapeAt(mark.piece, mark.after, call.system, call.distance, call.unit == "cycles"))
+            at = TapeAt(mark.piece, mark.after, call.system, call.distance, call.unit == "cycles", kinematic)
+            return tape_record(job, generation, at)
         if mark.function is not None:
             return function_record(job, generation, FunctionAt(mark.piece, mark.after, mark.function))
         return switch_record(job, generation, SwitchAt(mark.piece, mark.after, mark.number, mark.value != 0.0))

@@ -24,9 +24,19 @@ from gateway.pure.plannerrecords import (
 )
 from gateway.pure.programchain import Chain
 from gateway.pure.programchecks import Away, OfCell
-from gateway.pure.programparts import Coming, Measuring, apart, ending, measured_at, told
+from gateway.pure.programparts import Coming, Measuring, apart, ending
 from gateway.pure.programsystems import CellSystems
-from gateway.pure.programteam import begun_together, no_programs, no_team, not_measured, own_axes, own_blocks, reader_for, systems_of
+from gateway.pure.programteam import (
+    begun_part,
+    machines_in,
+    no_programs,
+    no_team,
+    not_measured,
+    own_axes,
+    own_blocks,
+    reader_for,
+    systems_of,
+)
 from gateway.pure.programtrial import Files, Trial
 from gateway.pure.programwarnings import Slowing
 from motion.errors import MotionError
@@ -208,7 +218,7 @@ class Programs:
                 cell.check(own, len(self._line_of), machine)
             if isinstance(block, Shared):
                 if self._trial.begun or block.asks:
-                    self._trial.together(planner, block, len(self._line_of))
+                    self._trial.together(planner, block, len(self._line_of), self.kinematic_of)
                 else:
                     self._add_whole(planner, block)
             else:
@@ -284,10 +294,6 @@ class Programs:
             self._out.append(own)
             self.state = replace(self.state, block=self._before, share=1.0)
             return
-        if part.shared:
-            self._planner, self._blocks = planner, len(part.shared)
-            self._out += begun_together(part, planner, self._measuring, self._measured, self.mask_of, job, generation)
-            return
         if part.blocks and part.blocks[0].file is not None:
             self._planner, self._blocks = self.files.played(part, planner, self._factors.velocity), 1
             return
@@ -304,16 +310,10 @@ class Programs:
         if part.tried is not None:
             machine, start, blocks = part.carried(planner.robot, self._start, engaged)
             planner = replace(planner, machine=machine, start=start)
-        self._planner, self._blocks = planner, len(blocks)
-        places = measured_at(self._measured, self.mask_of(planner.robot))
-        try:
-            for number, block in enumerate(blocks, 1):
-                planner.add(Measuring.resolved(part.marked(block), places, planner.robot, number))
-            planner.finish()
-        except BlockError as error:
-            raise told(error, self._before) from error
-        self._out += part.begins(job, generation, self.kinematic_of(planner.robot))
-        self._out += self._measuring.inputs(blocks, self.mask_of(planner.robot), job, generation)
+        rows = part.shared or blocks
+        self._planner, self._blocks = planner, len(rows)
+        records = begun_part(part, rows, planner, self._measuring, self._measured, self.mask_of, job, generation)
+        self._out += [*part.begins(job, generation, self.kinematic_of(machines_in(planner.machine)[0])), *records]
 
     def _end(self) -> None:
         self._ended = True
@@ -437,6 +437,8 @@ class Programs:
             if made.new_tail:
                 self._out.append(switch_record(job, self.generation, SwitchAt(made.id, 0.0, VOID)))
             self._chain.add(made, begins[made.id])
-            own = (mark for mark in marks if mark.piece == made.id)
-            self._out += [self._measuring.marked(mark, planner.mask or 0, job, self.generation) for mark in own]
+            for mark in (mark for mark in marks if mark.piece == made.id):
+                machine = machines_in(planner.machine)[mark.member]
+                own = self.mask_of(machine), self.kinematic_of(machine)
+                self._out.append(self._measuring.marked(mark, *own, job, self.generation))
             self._out.append(PieceRecord(Part.PIECE, job, self.generation, encode_timed(made)))

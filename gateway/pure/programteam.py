@@ -67,8 +67,9 @@ def not_measured(part: Coming, robots: Machine | Team, measured: Sequence[float 
     return any(block.otherwise != "" and None in measured_at(measured, mask_of(machine)) for machine, block in own)
 
 
-def begun_together(
+def begun_part(
     part: Coming,
+    rows: Sequence[Block | Shared],
     planner: Planner,
     measuring: Measuring,
     measured: Sequence[float | None],
@@ -82,13 +83,13 @@ def begun_together(
 
     def known(number: int) -> Callable[[int, Block], Block]:
         """With @MPOS as it was measured."""
-        return lambda n, own: Measuring.resolved(own, places[n], machines[n], number)
+        return lambda n, own: Measuring.resolved(part.marked(own), places[n], machines[n], number)
 
     try:
-        for number, shared in enumerate(part.shared, 1):
-            planner.add(shared.changed(known(number)))
+        for number, row in enumerate(rows, 1):
+            planner.add(row.changed(known(number)) if isinstance(row, Shared) else known(number)(0, row))
         planner.finish()
     except BlockError as error:
         raise told(error, part.number - 1) from error
-    own = own_blocks(planner.machine, part.shared[0])
-    return [record for machine, block in own for record in measuring.inputs([block], mask_of(machine), job, generation)]
+    first = [each for row in rows[:1] for each in own_blocks(planner.machine, row)]  # between two SYNC on a belt there may be none
+    return [record for machine, block in first for record in measuring.inputs(block, mask_of(machine), job, generation)]

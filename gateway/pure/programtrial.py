@@ -96,20 +96,27 @@ class Trial:
             raise told(error, self._tried) from error
         part.blocks.append(replace(block, target=MEASURED) if block.recorded else block)
 
-    def together(self, planner: Planner, shared: Shared, number: int) -> None:
-        """A block of several kinematics, tried as if the part before had reached its target; BlockError."""
+    def together(self, planner: Planner, shared: Shared, number: int, kinematic_of: Callable[[Machine], int]) -> None:
+        """A block of several kinematics, tried as if the part before had reached its target; BlockError.  kinematic_of: number of
+        each in the cell."""
         route = self._divided(planner, number - 1)
-        assert isinstance(route, TeamRoute)
+        assert isinstance(route, TeamRoute) and isinstance(planner.machine, Team)
         if not self.later or not self.later[-1].takes(shared):
             self._finished(route)
-            self.later.append(Coming(number, error=shared.error, otherwise=shared.otherwise, label=shared.label))
+            label = shared.label
+            entry, whose = shared.recorded
+            if entry:
+                self.later.append(Coming(number, recall=entry, label=label, kinematic=kinematic_of(planner.machine.machines[whose])))
+                label = ""
+            self.later.append(Coming(number, error=shared.error, otherwise=shared.otherwise, label=label))
         shared, self._left = shared.carrying(self._left), ()
         try:
             route.add(shared)
             self._look(route)
         except BlockError as error:
             raise told(error, self._tried) from error
-        self.later[-1].shared.append(shared)
+        met = shared.changed(lambda _, block: replace(block, target=MEASURED) if block.recorded else block)
+        self.later[-1].shared.append(met)
 
     def _look(self, route: Route | TeamRoute) -> None:
         """What has become known; BlockError."""
@@ -130,7 +137,8 @@ class Trial:
         before = self.later[-1] if self.later else None
         self._acting(outside(block), number, machine, block.label)
         if block.recorded:
-            self.later.append(Coming(number, recall=block.recorded, label="" if outside(block) else block.label))
+            label = "" if outside(block) else block.label
+            self.later.append(Coming(number, recall=block.recorded, label=label, kinematic=kinematic))
             block = replace(block, label="")
         self.later += begun(block, number, self.belts, machine, route.standing, kinematic, before)
 

@@ -125,6 +125,8 @@ class Route:
         """The next block; its number, counted from 1.  Raises BlockError."""
         number = self._now.number + 1
         self._guarded(number, lambda: self._add(number, self._resolved(block)))
+        if block.unmet:
+            self._now.carried = ()  # looked at as if it had no way, and has one
         if block.measures:
             self.assume_measured()
         return number
@@ -188,7 +190,7 @@ class Route:
         self._end_splines()
         leg = make_leg(number, self._carrying(block), now.standing, self._machine)
         if leg is None:
-            now.carried = (*now.carried, *block.functions, *block.outputs)
+            now.carried = (*now.carried, *block.carried, *block.functions, *block.outputs)
             if block.blend.rounding is Rounding.OFF and now.last is not None:
                 self._run_out(now.last)
             return

@@ -15,7 +15,7 @@ from motion.paths.together import rescaled, side_by_side
 from motion.planner.route import EMPTY, Kind, Stretch, shaped
 from motion.planner.team import Team, TeamStretch
 from motion.planner.teamcorner import Member, cut, paced
-from motion.program.blocks import Block, Called, Interpolation, Output, Rounding, Shape
+from motion.program.blocks import Block, Called, Interpolation, Output, Recording, Rounding, Shape
 from motion.program.errors import BlockError
 from motion.program.team import Shared
 
@@ -144,12 +144,13 @@ class TeamRoute:
         if shared.asks:
             self._finish()
         now.number = number
-        shared = shared.changed(lambda n, block: shaped(block, self._team.machines[n])).carrying(now.carried)
+        shared = shared.changed(lambda n, block: _owned(shaped(block, self._team.machines[n]), n)).carrying(now.carried)
         alone = len(shared.moving) == 1
         way = self._add_alone(number, shared.moving[0], shared) if alone else self._add_shared(number, shared)
         for route in now.routes:
             route.left()  # what has no way is known here, of all
-        now.carried = () if way else tuple(each for own in shared.own for each in (*own.carried, *own.functions, *own.outputs))
+        unmet = any(block.unmet for block in shared.own)  # looked at as if it had no way, and has one
+        now.carried = () if way or unmet else tuple(each for own in shared.own for each in (*own.carried, *own.functions, *own.outputs))
         if shared.ends:
             self._finish()
 
@@ -159,8 +160,7 @@ class TeamRoute:
         found = {
             "belts": block.synchron or block.on_belt or block.acts,
             "alter": block.alteration,
-            "iol, ppo, measure": block.functions,
-            "recorded": block.recorded,
+            "iol, ppo, measure": any(not isinstance(each, Recording) for each in block.functions),
         }
         for what, there in found.items():
             if there:
@@ -347,12 +347,21 @@ def _check_asked(shared: Shared, number: int) -> None:
     """What the kinematics of a block wait for, end with and go to: BlockError where it is not the same for all."""
     if sum(block.until is not None for block in shared.own) > 1 or sum(block.wait is not None for block in shared.own) > 1:
         raise BlockError("one kinematic alone says what a shared block waits for, or ends with", block=number)
+    if any(block.recorded for block in shared.own) and sum(block.unmet for block in shared.own) > 1:
+        raise BlockError(
+            "recorded of one kinematic takes the place of @MPOS: another one's recorded or mpos needs a block of its own", block=number
+        )
     if len(labels := sorted({block.otherwise for block in shared.own} - {""})) > 1:
         raise BlockError(f"a shared block goes on at one label, not at {' and '.join(labels)}: error= of one of them", block=number)
 
 
 def _adding(shared: Shared, n: int) -> Callable[[Member], object]:
     return lambda route: route.add(_block(shared, n))
+
+
+def _owned(block: Block, n: int) -> Block:
+    """What it begins with is that of kinematic n."""
+    return replace(block, functions=tuple(replace(each, member=n) if isinstance(each, Recording) else each for each in block.functions))
 
 
 def _block(shared: Shared, n: int) -> Block:

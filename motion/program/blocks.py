@@ -189,11 +189,12 @@ class Latching:
 @dataclass(frozen=True, slots=True)
 class Recording:
     """Reference path where the block begins: rho 3 SF 29 (a mark each `distance` of measuring system `system`, in m, rad or cycles of P5 as
-    `unit` says), SF 30 (system 0)."""
+    `unit` says), SF 30 (system 0).  member: whose path, of several kinematics: its place among them, from 0."""
 
     system: int = 0
     distance: float = 0.0
     unit: str = "mm"
+    member: int = 0
 
 
 Called = Function | Flying | Latching | Recording
@@ -337,6 +338,11 @@ class Block:
     def goes_on_at(self) -> str:
         """Label where its input never came, or what it goes to was not measured or stored; none: empty."""
         return self.otherwise or (self.until.error if self.until is not None else "")
+
+    @property
+    def unmet(self) -> bool:
+        """It goes to @MPOS or an entry of the reference path: where that is, shows when it begins."""
+        return self.recorded != 0 or self.target == MEASURED
 
     @property
     def measures(self) -> bool:

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
-from motion.program.blocks import MEASURED, Block, Called, Output
+from motion.program.blocks import Block, Called, Output
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,8 +24,8 @@ class Shared:
 
     @property
     def asks(self) -> bool:
-        """It waits for an input, ends with one, or goes to where axes were measured: a part of its own."""
-        return any(block.until is not None or block.wait is not None or block.target == MEASURED for block in self.own)
+        """It waits for an input, ends with one, or goes to where axes were measured or recorded: a part of its own."""
+        return any(block.until is not None or block.wait is not None or block.unmet for block in self.own)
 
     @property
     def ends(self) -> bool:
@@ -38,8 +38,13 @@ class Shared:
         return next((block.until.error for block in self.own if block.until is not None), "")
 
     @property
+    def recorded(self) -> tuple[int, int]:
+        """Entry of the reference path that one of them goes to, and which one, from 0; (0, 0): none does."""
+        return next(((block.recorded, n) for n, block in enumerate(self.moves) if block is not None and block.recorded), (0, 0))
+
+    @property
     def otherwise(self) -> str:
-        """Label to go on at where what one of them goes to was not measured."""
+        """Label to go on at where what one of them goes to was not measured or stored."""
         return next((block.otherwise for block in self.own if block.otherwise), "")
 
     def carrying(self, what: tuple[Called | Output, ...]) -> "Shared":

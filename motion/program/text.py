@@ -115,8 +115,12 @@ class Reader:
         return blocks
 
     def ended(self) -> None:
-        """The text is over: labels that blocks name stand behind them; raises TextError."""
+        """The text is over: labels that blocks name stand behind them, and what begins with a block has one; raises TextError."""
         self.labels.ended()
+        self.check_begun()
+
+    def check_begun(self) -> None:
+        """What begins with a block has one, what stands in a part is followed by its end; raises TextError."""
         if self.functions:
             raise TextError(0, called(self.functions[0]).split()[0], "begins with a block, and none follows")
         if self.part is not None and self.acts and self.acts[-1].inside:

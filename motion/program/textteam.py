@@ -12,6 +12,7 @@ from motion.program.blocks import Act, Block
 from motion.program.errors import TextError, TextFaults
 from motion.program.team import Kinematic, Shared, TeamProgram
 from motion.program.text import MOVES, Reader
+from motion.program.textinputs import called
 from motion.program.textlabels import Labels
 from motion.program.textout import heading, places_of, written_move
 from motion.program.textsystems import HEADS as SYSTEM_HEADS
@@ -20,7 +21,8 @@ from motion.program.textwords import Fault, name, one, statement
 from motion.rho3.wc import WcFrame
 from motion.robot import MOST_KINEMATICS
 
-OWN = ("angles", "axes", "start", "tool", "frame", "point", "set", *SYSTEM_HEADS)  # said of one kinematic
+CALLS = ("record_on", "record_off")  # begin with the next block of the kinematic
+OWN = ("angles", "axes", "start", "tool", "frame", "point", "set", *SYSTEM_HEADS, *CALLS)  # said of one kinematic
 STATEMENTS = ("program", "kinematic", *OWN, *MOVES, "move", "label")
 
 
@@ -50,8 +52,13 @@ class TeamReader:
         return blocks
 
     def ended(self) -> None:
-        """The text is over: labels that blocks name stand behind them; raises TextError."""
+        """The text is over: labels that blocks name stand behind them, what begins with a block has one; raises TextError."""
         self.labels.ended()
+        for named, reader in self.readers.items():
+            try:
+                reader.check_begun()
+            except TextError as error:
+                raise TextError(error.line, error.key, f"kinematic {named}: {error.what}") from None
 
     def line(self, words: list[str], number: int) -> None:
         head, rest = words[0], words[1:]
@@ -170,6 +177,8 @@ def write_team(program: TeamProgram) -> str:
     for shared in program.blocks:
         lines += [f"label {shared.label}"] if shared.label else []
         parts = []
+        for each, block in zip(program.kinematics, shared.moves, strict=True):
+            lines += [f"kinematic {each.name}", *map(called, block.functions)] if block is not None and block.functions else []
         for each, block in zip(program.kinematics, shared.moves, strict=True):
             if block is not None:
                 if block.system != systems.get(each.name):

@@ -49,6 +49,12 @@ def test_it_is_called_in_the_next_part_where_its_own_has_no_way(both: WithPlanne
     assert 9.9 < next(x for x, on in seen(both, *lines) if on) < 10.5
 
 
+def test_what_begins_with_a_block_to_an_entry_is_done_once(cell: Portal) -> None:
+    assert cell.run("record_on 1 10mm", "linear pose 150 100 50 0 0 0 path=40") is CommandState.DONE
+    there = ("record_on 1 1mm", "linear recorded 3 path=40", "linear rel pose 2 0 0 0 0 0 path=40 until=900", "linear recorded 15")
+    assert cell.run(*there) is CommandState.DONE, "its own way is recorded, and not that of the block behind alone"
+
+
 def test_a_reference_path_ends_there(cell: Portal) -> None:
     assert (
         cell.run("record_on 1 10mm", "linear pose 150 100 50 0 0 0 path=40", "record_off", "linear rel pose 0 0 0 0 0 0")

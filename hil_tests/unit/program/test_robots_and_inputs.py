@@ -52,7 +52,7 @@ def gone(cell: Planned) -> Array:
     return np.array([at[OWN[0]][0], at[OWN[1]][0]]) / 40.0
 
 
-@pytest.mark.requirement("RHO-MOT-17", by="gateway.pure.programteam:begun_together")
+@pytest.mark.requirement("RHO-MOT-17", by="gateway.pure.programteam:begun_part")
 @answers
 def test_a_shared_block_waits_for_its_input_and_all_begin_together(home: Planned) -> None:
     job = home.order(HEAD + f"move {AWAY[0]} wait={GO} and {AWAY[1]}")
@@ -87,7 +87,7 @@ def test_a_stop_of_a_shared_block_that_waits_keeps_its_path_and_ends_one_that_is
     assert home.bench.core.state.motion == Motion.IDLE and np.abs(gone(home)).max() < 1e-6
 
 
-@pytest.mark.requirement("RHO-MOT-10", by="gateway.pure.programteam:begun_together")
+@pytest.mark.requirement("RHO-MOT-10", by="gateway.pure.programteam:begun_part")
 @answers
 def test_an_input_ends_the_block_of_all_on_their_path_and_mpos_is_that_of_the_one_that_asked(home: Planned) -> None:
     lines = [f"move {AWAY[0]} and {AWAY[1]} until={SEEN}", f"move arm ptp rel joints 5 0 0 0 0 0 wait={GO}", "move scara ptp mpos"]
