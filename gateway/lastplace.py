@@ -12,7 +12,7 @@ from motion.units import to_si
 
 def remember(cell: Cell, state: CellState, placed: int = 0) -> None:
     """Raw increments of the absolute axes, beside their zeros; a folder nobody may write to is no reason to fail.  placed: axes (bit n-1 =
-    axis n) whose position a program has set: what they show says nothing of their encoder."""
+    axis n) whose position a program has set: what they show says nothing of their encoder.  Nor does what endless axes show (AX-607)."""
     places = _raw(cell, state, placed)
     if places:
         path = zeros.path_of(cell).with_suffix(".last.json")
@@ -41,7 +41,7 @@ def judge(cell: Cell, state: CellState) -> list[str]:
 
 
 def _raw(cell: Cell, state: CellState, placed: int = 0) -> dict[str, int]:
-    absolute = [(n, axis) for n, axis in enumerate(cell.axis) if axis.home.by == "none" and not placed >> n & 1]
+    absolute = [(n, axis) for n, axis in enumerate(cell.axis) if axis.home.by == "none" and not axis.modulo and not placed >> n & 1]
     return {
         axis.name: zeros.raw_inc(cell, axis, state.axes[n].actual / to_si(1.0, axis.unit))
         for n, axis in absolute

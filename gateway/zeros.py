@@ -52,7 +52,7 @@ def zero_inc(cell: Cell, axis: str) -> float | None:
 
 
 def raw_inc(cell: Cell, axis: Axis, reading: float) -> int:
-    """Increments the drive shows where the axis reads so, by the zero that counts now."""
+    """Increments the drive shows where the axis reads so, by the zero that counts now; of an endless axis but for whole rounds."""
     scaling = scaling_of(axis).with_zero(zero_inc(cell, axis.name) or 0.0)
     return scaling.to_inc(to_si(reading, axis.unit))
 

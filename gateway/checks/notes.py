@@ -206,6 +206,11 @@ def counting(cell: Cell) -> Iterator[Notice]:
             rounds = COUNTER / abs(scaling_of(axis).inc_per_unit * to_si(axis.modulo, axis.unit))
             text = f"endless; its set values have 32 bits: about {rounds:.0f} rounds to either side of where the drive counts from 0"
             yield Notice("note", f"axis.{axis.name}", f"{text}, then drives off with reason SET_VALUE")
+            if axis.home.by == "none":
+                text = (
+                    "endless and absolute: an encoder that counts round while the gateway is off is not told (AX-607): look at its position"
+                )
+                yield Notice("note", f"axis.{axis.name}.home", text)
 
 
 def many_axes(cell: Cell) -> Iterator[Notice]:

@@ -2,13 +2,17 @@
 
 import functools
 import math
+import pathlib
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from gateway import zeros
+from gateway.axes import scaling_of
 from gateway.config import load_cell
 from gateway.faults import CellFaults
+from gateway.lastplace import judge, remember
 from gateway.programplan import machine_of_cell
 from gateway.pure.command_block import Code
 from gateway.pure.jobs import Job
@@ -20,6 +24,7 @@ from hil_tests.lab.carried_cell import ARM, cell_text
 from hil_tests.lab.planned_bench import Planned, ServodynRobot
 from hil_tests.lab.turning_cell import PORTAL, turning_cell
 from hil_tests.lab.turning_cell import cell_text as turning_text
+from motion.kinematics.endless import within
 from motion.limits import limits_from
 from motion.planner.robot import Machine
 from motion.planner.route import Route
@@ -137,6 +142,25 @@ def test_a_new_cycle_reads_the_same_places_from_drives_that_have_counted_on(turn
     begun = turning.turned()
     assert turning.run("ptp rel joints 10 0 0 0 0").state is CommandState.DONE
     assert (turning.turned() - begun)[0] == pytest.approx(10, abs=1.0)
+
+
+def test_a_zero_written_after_several_turns_is_right_and_no_last_place_is_judged(
+    turning: Turning, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("AXISGATE_RUNTIME", str(tmp_path))
+    assert turning.run("ptp rel joints 3333 -700 30 4000 1").state is CommandState.DONE
+    turning.bench.run(0.5)
+    for n, axis in enumerate(CELL.axis):
+        counter, shown = turning.bench.core._axes[n].drive.position_inc, turning.bench.actual()[n]
+        zero = zeros.entry(CELL, axis, shown, 77.0, "A. Fitter")["zero_inc"]
+        scaling = scaling_of(axis).with_zero(float(str(zero)))
+        assert math.degrees(within(scaling.to_si(counter), math.tau)) == pytest.approx(77.0, abs=FINE), "as the next start reads it"
+    state = turning.bench.core.state
+    remember(CELL, state)
+    far = replace(state, axes=[replace(axis, actual=axis.actual + 4096 * math.tau / 10.0) for axis in state.axes])
+    assert judge(CELL, far) == []
+    told = [notice.text for notice in CELL.notices if notice.where == "axis.M.home"]
+    assert len(told) == 1 and "is not told" in told[0]
 
 
 @pytest.mark.parametrize(
