@@ -15,7 +15,7 @@ from motion.paths.together import rescaled, side_by_side
 from motion.planner.route import EMPTY, Kind, Stretch, shaped
 from motion.planner.team import Team, TeamStretch
 from motion.planner.teamcorner import Member, cut, paced
-from motion.program.blocks import Block, Called, Interpolation, Output, Recording, Rounding, Shape
+from motion.program.blocks import Block, Called, Flying, Interpolation, Latching, Output, Recording, Rounding, Shape
 from motion.program.errors import BlockError
 from motion.program.team import Shared
 
@@ -160,12 +160,13 @@ class TeamRoute:
         found = {
             "belts": block.synchron or block.on_belt or block.acts,
             "alter": block.alteration,
-            "iol, ppo, measure": any(not isinstance(each, Recording) for each in block.functions),
+            "measure_on, measure_off, set_latch": any(isinstance(each, Flying | Latching) for each in block.functions),
         }
         for what, there in found.items():
             if there:
                 raise BlockError(
-                    f"kinematic {self._team.names[kinematic]}: a program of several kinematics knows no {what} (AX-341)", block=number
+                    f"kinematic {self._team.names[kinematic]}: {what} belong to programs of one robot: write it in one (AX-341)",
+                    block=number,
                 )
 
     def _add_alone(self, number: int, n: int, shared: Shared) -> bool:

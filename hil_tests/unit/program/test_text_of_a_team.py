@@ -76,8 +76,9 @@ def test_a_program_written_is_read_back_the_same() -> None:
         ("kinematic other", "line 18: kinematic: 'other' is unknown: kinematic NAME ROBOT, with its robot file, comes first"),
         ("robot portal", "line 18: robot: `kinematic NAME ROBOT` names the robot of each kinematic"),
         ("label X\nmove left linear A until=3 error=X", "line 19: error: label X does not stand behind the block"),
+        ("circle A", "line 18: circle: no statement of a program of several kinematics; program, kinematic, angles,"),
         ("label X\nlabel X", "line 19: label: X stands twice"),
-        ("synchron B1", "line 18: synchron: no statement of a program of several kinematics; program, kinematic, angles,"),
+        ("synchron B1", "line 18: synchron: belongs to programs of one robot: write it in a program with `robot NAME` (AX-341)"),
     ],
 )
 def test_a_fault_is_told_with_its_line_key_and_kinematic(line: str, words: str) -> None:
