@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from gateway.cell import Axis
 from gateway.checks.context import Context, twice
 from gateway.pure.records import MOST_AXES
+from gateway.rho3params import COMPONENTS
 
 if TYPE_CHECKING:
     from motion.robot import Robot
@@ -101,6 +102,17 @@ def _no_master(check: Context, robot: str, own: Sequence[Axis]) -> None:
         check.fault(source.text, 4 if own[0].modulo else 1, hint, "0 or 3")
 
 
+def components(check: Context) -> None:
+    """P313 numbers components of world points: those of the robot's axes, then those of its belts (L8917-8937).  AX-586."""
+    assigned = check.cell.rho3.P313 if check.cell.rho3 is not None else ()
+    for place, (robot, row) in enumerate(zip(_files(check) if assigned else (), assigned, strict=False), 1):
+        belts = [number for number in row if robot is not None and len(robot.axes) < number <= len(COMPONENTS)]
+        if robot is not None and belts:
+            hint = f"component {belts[0]} is a belt's, robot {robot.name} has {len(robot.axes)} axes: values of belts (belt=, at=) are not"
+            hint += " corrected; 0 leaves the component as it is, and programs correct their belt values themselves"
+            check.fault(f"rho3.P313[{place}]", list(row), hint, f"0..{len(robot.axes)}")
+
+
 def _files(check: Context) -> "list[Robot | None]":
     """The file of each robot; None for one that is not there or is wrong, which is told where programs are looked at."""
     from gateway.files import ConfigNotFound, beside
@@ -116,4 +128,4 @@ def _files(check: Context) -> "list[Robot | None]":
     return found
 
 
-CHECKS = (robots, masters)
+CHECKS = (robots, masters, components)

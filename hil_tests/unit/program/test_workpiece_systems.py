@@ -157,6 +157,11 @@ def test_components_the_machine_has_none_for_are_not_corrected(cell: Portal) -> 
     for rho3, robot, words in (
         ("P313 = [[1, 1, 2, 0, 0, 0]]", "", "each at most once"),
         ("P313 = [[1, 2, 7, 0, 0, 0]]", "", "belt values of blocks are not corrected"),
+        (
+            "P313 = [[5, 1, 2, 0, 0, 0]]",
+            "",
+            "rho3.P313[1] = [5, 1, 2, 0, 0, 0]: allowed 0..4: component 5 is a belt's, robot portal has 4 axes",
+        ),
         ("P313 = [[1, 2, 3]]", "", "P313"),
         ("P313 = 3", "", "P313"),
         ("P313 = [[1, 2, 3, 0, 0, 0], [1, 2, 3, 0, 0, 0]]", "", "1 [[robot]] tables"),
