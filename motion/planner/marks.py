@@ -8,7 +8,7 @@ import numpy as np
 from motion.planner.route import Kind, Stretch
 from motion.planner.runs import Run
 from motion.planner.team import WAY
-from motion.program.blocks import Called, Interpolation, Output, Recording
+from motion.program.blocks import Called, Flying, Interpolation, Latching, Output, Recording
 from motion.program.errors import BlockError
 from motion.timed import TimedPiece
 from motion.timing.law import Law
@@ -30,7 +30,7 @@ class Mark(NamedTuple):
     @property
     def member(self) -> int:
         """Of several kinematics the one it is about, from 0."""
-        return self.function.member if isinstance(self.function, Recording) else 0
+        return self.function.member if isinstance(self.function, Flying | Latching | Recording) else 0
 
 
 def check_outputs(stretch: Stretch) -> None:

@@ -10,12 +10,13 @@ from dataclasses import dataclass, field, replace
 
 from motion.errors import MotionError
 from motion.kinematics.base import Joints
+from motion.outputs.function import Function
 from motion.paths.joints import JointPath, joined
 from motion.paths.together import rescaled, side_by_side
 from motion.planner.route import EMPTY, Kind, Stretch, shaped
 from motion.planner.team import Team, TeamStretch
 from motion.planner.teamcorner import Member, cut, paced
-from motion.program.blocks import Block, Called, Flying, Interpolation, Latching, Output, Recording, Rounding, Shape
+from motion.program.blocks import Block, Called, Interpolation, Output, Rounding, Shape
 from motion.program.errors import BlockError
 from motion.program.team import Shared
 
@@ -160,7 +161,6 @@ class TeamRoute:
         found = {
             "belts": block.synchron or block.on_belt or block.acts,
             "alter": block.alteration,
-            "measure_on, measure_off, set_latch": any(isinstance(each, Flying | Latching) for each in block.functions),
         }
         for what, there in found.items():
             if there:
@@ -362,7 +362,7 @@ def _adding(shared: Shared, n: int) -> Callable[[Member], object]:
 
 def _owned(block: Block, n: int) -> Block:
     """What it begins with is that of kinematic n."""
-    return replace(block, functions=tuple(replace(each, member=n) if isinstance(each, Recording) else each for each in block.functions))
+    return replace(block, functions=tuple(each if isinstance(each, Function) else replace(each, member=n) for each in block.functions))
 
 
 def _block(shared: Shared, n: int) -> Block:

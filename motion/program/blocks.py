@@ -177,6 +177,7 @@ class Flying:
 
     channel: int  # probe 6x0
     edge: bool | None = True
+    member: int = 0  # whose, of several kinematics: its place among them, from 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -184,6 +185,7 @@ class Latching:
     """setLatch of VAL 3 where the block begins: the next rising edge of fIn0 or fIn1 stores where the axes are."""
 
     name: str
+    member: int = 0  # as of Flying
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ from motion.conventions import CONVENTIONS, convention
 from motion.program.blocks import Act, Block
 from motion.program.errors import TextError, TextFaults
 from motion.program.team import Kinematic, Shared, TeamProgram
-from motion.program.text import MOVES, OF_ONE, Reader
+from motion.program.text import FUNCTIONS, MOVES, OF_ONE, Reader
 from motion.program.textinputs import called
 from motion.program.textlabels import Labels
 from motion.program.textout import heading, places_of, written_move
@@ -21,7 +21,7 @@ from motion.program.textwords import Fault, name, one, statement
 from motion.rho3.wc import WcFrame
 from motion.robot import MOST_KINEMATICS
 
-CALLS = ("iol", "ppo", "record_on", "record_off")  # begin with the next block of the kinematic
+CALLS = tuple(FUNCTIONS)  # begin with the next block of the kinematic
 OWN = ("angles", "axes", "start", "tool", "frame", "point", "set", *SYSTEM_HEADS, *CALLS)  # said of one kinematic
 STATEMENTS = ("program", "kinematic", *OWN, *MOVES, "move", "label")
 

@@ -77,7 +77,6 @@ def test_it_begins_with_the_next_block_of_its_kinematic(home: Planned) -> None:
     [
         ("kinematic arm\niol 2 2 3 0 1 0", "IOL 2: no such function; the robot has IOL 3 ([[path_output]])"),
         ("kinematic scara\niol 2 1 3 0 1 0", "IOL 2: kinematic 1, coordinate 3; kinematic 2, 1..6: x y z a b c"),
-        ("kinematic scara\nmeasure_on ch610", "measure_on: belongs to programs of one robot: write it in a program with `robot NAME`"),
     ],
 )
 def test_what_a_robot_does_not_have_is_told_before_anything_moves(home: Planned, line: str, words: str) -> None:

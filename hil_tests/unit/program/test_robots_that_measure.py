@@ -1,0 +1,81 @@
+"""Flying measurement and latch in programs of several kinematics: an arm and a SCARA of one cell, each with inputs of its own.  AX-603."""
+
+import pytest
+
+from gateway.pure.plannerrecords import MeasuringFacts
+from gateway.pure.reasons import CommandState
+from hil_tests.lab.arm_and_scara import CELL
+from hil_tests.lab.cell402bench import Cell402Bench
+from hil_tests.lab.planned_bench import Planned
+from hil_tests.lab.teams import pair
+from hil_tests.unit.program.close import same
+from hil_tests.unit.program.test_robots_and_inputs import AWAY, HEAD, HOME, gone, run
+from motion.planner.teamtrace import team_findings
+from motion.program.textteam import read_team, write_team
+
+OF_ARM, OF_SCARA = 464, 465  # RC inputs
+ARM, SCARA = 0b111111, 0b1111000000
+CHANNELS = {
+    610: MeasuringFacts(OF_ARM, ARM),
+    620: MeasuringFacts(OF_SCARA, SCARA),
+    630: MeasuringFacts(OF_SCARA, ARM | SCARA),  # axes of both are on its board
+    621: MeasuringFacts(OF_SCARA, SCARA, latch="fIn0"),
+}
+BOTH = f"move {AWAY[0]} and {AWAY[1]}"
+
+
+@pytest.fixture(scope="module")
+def cell() -> Planned:
+    planned = Planned(Cell402Bench(8, cell=CELL))
+    planned.programs.channels = CHANNELS
+    return planned
+
+
+@pytest.fixture
+def home(cell: Planned) -> Planned:
+    cell.bench.permit(OF_ARM, OF_SCARA, value=False)
+    assert run(cell, HOME) is CommandState.DONE
+    return cell
+
+
+@pytest.mark.requirement("RHO-MOT-16", by="motion.planner.teamroute:_owned")
+@pytest.mark.parametrize("call", ["measure_on ch620", "measure_on ch630", "set_latch fIn0"])
+def test_where_one_was_at_the_edge_is_stored_while_all_go_on_and_it_goes_back_there(home: Planned, call: str) -> None:
+    job = home.order(HEAD + "\n".join(["kinematic scara", call, BOTH, "move scara ptp mpos"]))
+    home.until(lambda state: gone(home)[1] > 0.5)
+    home.bench.permit(OF_SCARA)
+    at = gone(home)[1]
+    home.bench.run(0.05)
+    assert home.state.measured_mask == SCARA, "of its axes alone"
+    assert home.bench.settle(job).state is CommandState.DONE
+    arm, scara = gone(home)
+    assert arm == pytest.approx(1.0, abs=1e-4) and at - 0.05 < scara <= at + 0.01, "the drive lags behind its set value"
+
+
+def test_a_probe_that_is_off_again_stores_nothing_and_leads_on_at_the_label(home: Planned) -> None:
+    lines = ["kinematic arm", "measure_on ch610", f"move {AWAY[0]}", "measure_off ch610", HOME, "move arm ptp mpos error=ON", "label ON"]
+    job = home.order(HEAD + "\n".join([*lines, "move scara ptp rel joints 4 0 0 0"]))
+    home.until(lambda state: gone(home)[0] > 0.99)
+    home.until(lambda state: gone(home)[0] < 0.5)
+    home.bench.permit(OF_ARM)
+    assert home.bench.settle(job).state is CommandState.DONE, job
+    assert gone(home) == pytest.approx([0.0, 0.1], abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        (f"kinematic scara\nmeasure_on ch620\n{BOTH}\nmove arm ptp mpos", "block 2, axis J1: point not defined"),
+        (f"kinematic scara\nmeasure_on ch610\n{BOTH}", "inadmissable input: channel 610; probes of the robot: ch620, ch630"),
+        (f"kinematic arm\nset_latch fIn0\n{BOTH}", "inadmissable input: set_latch fIn0; the robot has none"),
+        (f"kinematic arm\nmeasure_on ch610\nmove {AWAY[1]}", "measure_on: kinematic arm: begins with a block, and none follows"),
+    ],
+)
+def test_what_is_another_ones_is_told_before_anything_moves(home: Planned, line: str, words: str) -> None:
+    job = home.bench.settle(home.order(HEAD + line))
+    assert job.state is CommandState.REFUSED and words in job.detail, job.detail
+
+
+def test_on_paper_and_written_again() -> None:
+    program = read_team(HEAD + "\n".join(["set_latch fIn0", "kinematic arm", "measure_on ch610 edge=0", BOTH, "move arm ptp mpos"]))
+    assert same(read_team(write_team(program)), program) and not team_findings(program, pair()).faults
