@@ -158,9 +158,9 @@ def test_too_fast_a_correction_halts_at_the_last_valid_position_and_is_minus_3_u
 
 def test_a_correction_out_of_the_travel_names_the_axis(bench: AlterBench) -> None:
     ramp(bench, 320.0, 180.0, axis=1)
-    words = ended(bench, "alter frame - path=500", "linear pose 300 500 50 0 0 0 path=200", "alter_end")
+    words = ended(bench, "alter frame - path=500", "linear pose 300 700 50 0 0 0 path=200", "alter_end")
     assert words == "block 1, axis Y: the altered position cannot be reached (VAL 3 alter -3)"
-    assert 596.0 < bench.bench.set()[1] <= 600.0
+    assert 996.0 < bench.bench.set()[1] <= 1000.0
     goes_on(bench)
 
 
