@@ -7,11 +7,11 @@ import numpy as np
 
 from motion.planner.route import Kind, Stretch
 from motion.planner.runs import Run
-from motion.planner.team import WAY
 from motion.program.blocks import Called, Flying, Interpolation, Latching, Output, Recording
 from motion.program.errors import BlockError
 from motion.timed import TimedPiece
 from motion.timing.law import Law
+from motion.timing.limits import WAY
 
 SMALLEST = 1e-12  # m or rad of the path
 LOOKS = 4000  # at the way along a run

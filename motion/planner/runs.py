@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from motion.paths.joints import JointPath
+from motion.planner.caps import block_caps, robot_limits
 from motion.planner.robot import Machine
 from motion.planner.route import Kind, Stretch
-from motion.planner.team import TURNING, WAY, Team, own_parts
-from motion.planner.timegiven import figures
-from motion.program.blocks import Block, Interpolation
+from motion.planner.team import Team, own_parts
+from motion.program.blocks import Interpolation
 from motion.program.factors import FULL, Factors
-from motion.timing.limits import FREE, Cap, LawLimits, law_limits
+from motion.timing.limits import WAY, Cap, LawLimits
 
 FLYBY_STEPS = 8  # of the speed along a corner with v_flyby
 RATE_STEP = 1e-3  # of a corner, to either side of the place its rate is taken at
@@ -83,14 +83,7 @@ def make_run(row: Sequence[Stretch], machine: Machine | Team, factors: Factors =
 
 
 def _limits(machine: Machine | Team, caps: Sequence[Cap]) -> LawLimits:
-    if isinstance(machine, Team):
-        return machine.law_limits(caps)
-    return law_limits(
-        machine.limits,
-        way=(machine.path_speed, machine.path_accel, FREE),
-        turning=(machine.turn_speed, machine.turn_accel, FREE),
-        caps=caps,
-    )
+    return machine.law_limits(caps) if isinstance(machine, Team) else robot_limits(machine, caps)
 
 
 def _all_caps(stretch: Stretch, start: float, machine: Machine | Team, factors: Factors) -> list[Cap]:
@@ -136,45 +129,15 @@ def merged(caps: Sequence[Cap]) -> list[Cap]:
 def caps_of(stretch: Stretch, start: float, machine: Machine, factors: Factors) -> list[Cap]:
     """What the pace of its block demands of a stretch; in a corner the slower of both blocks, unless v_flyby says otherwise."""
     end = start + stretch.path.length
-    found = _block_caps(stretch, stretch.source, start, end, machine, factors)
+    found = block_caps(stretch.source, stretch.path, stretch.way, start, end, machine, factors)
     if stretch.following is not None:
-        middle = 0.5 * (start + end)
+        behind = block_caps(stretch.following, stretch.path, stretch.way, 0.5 * (start + end), end, machine, factors)
         if stretch.source.blend.flyby is not None and _both_speeds(stretch) is not None:
             found = [cap for cap in found if cap.column != WAY or not math.isfinite(cap.speed)]
             found += _flyby(stretch, start, end, machine, factors)
-            found += [cap for cap in _block_caps(stretch, stretch.following, middle, end, machine, factors) if cap.column != WAY]
-        else:
-            found += _block_caps(stretch, stretch.following, middle, end, machine, factors)
+            behind = [cap for cap in behind if cap.column != WAY]
+        found += behind
     return found
-
-
-def _block_caps(stretch: Stretch, block: Block, start: float, end: float, machine: Machine, factors: Factors) -> list[Cap]:
-    pace, caps = block.pace, []
-    accel = min(pace.accel * factors.acceleration, pace.decel * factors.deceleration)
-    lead = _lead(stretch, block)
-    for n, axis in enumerate(machine.limits):
-        speed = pace.speed * factors.velocity if lead is None or lead == n else factors.velocity
-        if speed < 1.0 or accel < 1.0:
-            caps.append(Cap(start, end, n, axis.speed * min(speed, 1.0), axis.accel * min(accel, 1.0)))
-    ptp = block.kind is Interpolation.PTP  # accelerates as its axes can: of the tool its speeds alone are asked for
-    path_accel = FREE if ptp else min(pace.path_accel or FREE, pace.path_decel or FREE) * min(factors.acceleration, factors.deceleration)
-    if pace.time is not None and stretch.way > 0.0:  # rounded at an end: as fast as the time of the whole block asks
-        speed, ramp = figures(stretch.way, pace.time, pace.ramp)
-        still = not np.any(stretch.path.at(np.zeros(1), 1)[0, WAY])
-        caps.append(Cap(start, end, TURNING if still else WAY, speed, ramp))
-    if pace.path_speed is not None or math.isfinite(path_accel):
-        caps.append(Cap(start, end, WAY, (pace.path_speed or FREE) * factors.velocity, path_accel))
-    if pace.turn_speed is not None:
-        caps.append(Cap(start, end, TURNING, pace.turn_speed * factors.velocity))
-    return caps
-
-
-def _lead(stretch: Stretch, block: Block) -> int | None:
-    """Reis PTP: the axis with the largest travel goes at the programmed share, the others only have to keep up (L350-352)."""
-    if not block.pace.lead or block.kind is not Interpolation.PTP:
-        return None
-    travel = np.abs(stretch.path.at(np.zeros(1), 1)[0, : stretch.path.axes])
-    return int(np.argmax(travel))
 
 
 def _both_speeds(stretch: Stretch) -> tuple[float, float] | None:

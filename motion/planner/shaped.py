@@ -14,13 +14,12 @@ from motion.planner.route import Kind
 from motion.planner.runs import Run
 from motion.program.blocks import Shape
 from motion.program.slopes import Clock
-from motion.timing.jerk import shares
+from motion.timing.jerk import slowing
 from motion.timing.law import Law
 from motion.timing.sinesquare import STEP_S, sine_square
 
 LOOKS = 8  # at each quintic of the path
 LEAST_LOOKS = 200
-HAIR = 1e-6  # two differences of rounded positions
 
 
 def shaped_law(run: Run) -> Law | None:
@@ -36,9 +35,8 @@ def shaped_law(run: Run) -> Law | None:
         law = None
     if law is None:
         return None
-    speed, accel, jerk = shares(run.path, run.limits, law)
-    excess = max(speed, math.sqrt(accel), jerk ** (1 / 3))
-    return law if excess <= 1.0 + HAIR else law.slower(excess)
+    slower = slowing(run.path, run.limits, law)
+    return law if slower == 1.0 else law.slower(slower)
 
 
 def _alone(run: Run) -> Law | None:

@@ -30,6 +30,9 @@ FINER = 4  # looks at the tool in an interval of the grid
 STENCIL = 4  # samples behind a cut that must not change: speed and acceleration are differences over them
 ACCEL_GOOD, JERK_GOOD = 1.015, 1.045
 ROUNDS = 10
+STUBBORN = 16  # rounds more, from rest: a corner smaller than the grid may have to be passed a hundred times more slowly (AX-601)
+FAIR = 1.003  # times too much that is left as it is then
+SLOWEST = (1e-4, 1e-8)  # of the largest sdot^2: what is slower is not lowered any more; and in those rounds
 HAIR = 1.01  # in sdot^2
 WORST = 1.03  # of what is good: a tail that comes out worse is not taken
 
@@ -87,7 +90,7 @@ def swift(path: JointPath, limits: LawLimits, width: float, before: Swift | None
     accel, most = SHARE * limits.at(grid)[1], _kept(path, limits, grid, behind, width)
     floor = _braking(first, accel, grid, v0)
     made: Swift | None = None
-    for _ in range(ROUNDS):
+    for k in range(ROUNDS + STUBBORN):
         try:
             raw = _entered(first, second, float(grid[1] - grid[0]), accel, most, v0 * v0)
         except MotionError:
@@ -97,9 +100,11 @@ def swift(path: JointPath, limits: LawLimits, width: float, before: Swift | None
         tail, rates = _sampled(grid, raw)
         made = _smoothed(np.concatenate([held, tail]), np.concatenate([speeds, rates]), count, path.length)
         at, excess = _excess(path, limits, made.law, keep)
-        if len(excess) == 0 or float(excess.max()) <= 1.0:
-            return made
-        lower, accel = _lowered(most, accel, grid, made, at, excess, count, raw)
+        late = k >= ROUNDS - 1
+        worst = float(excess.max(initial=0.0))
+        if worst <= 1.0 or (late and (before is not None or worst <= FAIR)):
+            break
+        lower, accel = _lowered(most, accel, grid, made, at, excess, count, raw, SLOWEST[late])
         most = np.minimum(most, np.maximum(lower, floor))
     assert made is not None
     if before is not None and float(_excess(path, limits, made.law, keep)[1].max(initial=0.0)) > WORST:
@@ -198,9 +203,10 @@ def _excess(path: JointPath, limits: LawLimits, law: Law, keep: int) -> tuple[Ar
 
 
 def _lowered(
-    most: Array, accel: Array, grid: Array, made: Swift, at: Array, excess: Array, count: int, raw: topp.Topp
+    most: Array, accel: Array, grid: Array, made: Swift, at: Array, excess: Array, count: int, raw: topp.Topp, slowest: float
 ) -> tuple[Array, Array]:
-    """Speeds and accelerations lowered where it was too much, as far before and behind as the mean reaches."""
+    """Speeds and accelerations lowered where it was too much, as far before and behind as the mean reaches; in the last rounds speeds
+    alone, where it runs: with less to brake by it would creep far and wide."""
     s, step = made.law.s, float(grid[1] - grid[0])
     first = len(s) - len(at) - 2
     factor = np.ones(len(grid))
@@ -209,5 +215,6 @@ def _lowered(
         inside = (grid >= low - step) & (grid <= high + step)
         factor[inside] = np.minimum(factor[inside], max(0.93 / float(excess[k]), 0.6))
     touched = factor < 1.0
-    running = touched & (raw.b > 1e-4 * float(raw.b.max()))
-    return np.where(running, np.minimum(most, raw.b * factor), most), np.where(touched[:, None], accel * factor[:, None], accel)
+    running = touched & (raw.b > slowest * float(raw.b.max()))
+    weaker = touched & ~running if slowest == SLOWEST[1] else touched
+    return np.where(running, np.minimum(most, raw.b * factor), most), np.where(weaker[:, None], accel * factor[:, None], accel)

@@ -12,9 +12,7 @@ from motion.planner.robot import Machine, machine_of
 from motion.planner.route import Stretch
 from motion.planner.watched import Slowed
 from motion.robot import MOST_AXES, MOST_KINEMATICS, Installation, Robot
-from motion.timing.limits import FREE, Cap, LawLimits
-
-WAY, TURNING = -2, -1
+from motion.timing.limits import FREE, WAY, Cap, LawLimits
 
 
 @dataclass(frozen=True)

@@ -29,18 +29,17 @@ Array = NDArray[np.float64]
 Twist = tuple[tuple[float, float, float], tuple[float, float, float]]
 
 
-def limited(path: JointPath, machine: Machine, source: Block, following: Block | None = None) -> JointPath:
+def limited(path: JointPath, machine: Machine, source: Block, following: Block | None = None, *, anyhow: bool = False) -> JointPath:
     """The path with the columns that limits of the tool act on.  following: of a corner, the block behind it, whose tool counts from the
-    middle on."""
+    middle on; anyhow: its columns are too much, so true ones also where no limit is reached."""
     blocks = [source] if following is None else [source, following]
     tops = tool_tops(blocks, machine)
     if not any(top < inf for top in tops) or any(block.pace.time is not None for block in blocks):
         return path
-    if _reached(path, machine, blocks, tops):
+    ptp = all(block.kind is Interpolation.PTP for block in blocks)
+    if (anyhow and not ptp) or _reached(path, machine, blocks, tops):
         return _measured(path, machine, [block.tool.pose for block in blocks])
-    if all(block.kind is Interpolation.PTP for block in blocks):
-        return _bare(path)
-    return path
+    return _bare(path) if ptp else path
 
 
 def _bare(path: JointPath) -> JointPath:
@@ -54,6 +53,12 @@ def tool_tops(blocks: Sequence[Block], machine: Machine) -> tuple[float, float]:
     ways = [block.pace.path_speed for block in blocks if block.pace.path_speed is not None]
     turns = [block.pace.turn_speed for block in blocks if block.pace.turn_speed is not None]
     return min(machine.path_speed, *ways, inf), min(machine.turn_speed, *turns, inf)
+
+
+def tool_pulls(block: Block, machine: Machine) -> tuple[float, float]:
+    """Acceleration of the tool (m/s2) and of its turning (rad/s2) along its way: of PTP that of the robot alone."""
+    own = (block.pace.path_accel, block.pace.path_decel) if block.kind is not Interpolation.PTP else ()
+    return min(machine.path_accel, *(each or inf for each in own), inf), machine.turn_accel
 
 
 def _reached(path: JointPath, machine: Machine, blocks: Sequence[Block], tops: tuple[float, float]) -> bool:
@@ -81,6 +86,11 @@ def _twist(machine: Machine, tool: Pose, q: Array, q1: Array) -> Twist:
     if not any(tool.position):
         return (x, y, z), (u, v, w)
     return add((x, y, z), cross((u, v, w), rotate(machine.forward(at).rotation, tool.position))), (u, v, w)
+
+
+def tool_rates(machine: Machine, tool: Pose, places: Array, speeds: Array) -> Array:
+    """(n, 2) m/s and rad/s of the tool where the axes are at these places (n, axes) and as fast as that."""
+    return np.array([[norm(part) for part in _twist(machine, tool, q, v)] for q, v in zip(places, speeds, strict=True)]).reshape(-1, 2)
 
 
 def _measured(path: JointPath, machine: Machine, tools: Sequence[Pose]) -> JointPath:

@@ -28,6 +28,7 @@ SAMPLES = 60  # of the overlap, against the limits
 NODES = 16  # of the frozen curve
 ROOM = 1 + 1e-6
 SLOWEST = 0.02  # of the faster block's speed: below it the sum stands nearly still and makes no path
+CREEP, LITTLE = 0.15, 1e-3  # of a block's mean speed, and of its length: see _little
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,22 @@ class Ramped:
         whole = self.path.length
         return Clock(self._profile.way, self.time_at(begin) if begin > 0.0 else 0.0, self.time_at(end) if end < whole else self.duration)
 
+    @property
+    def sine(self) -> bool:
+        """Its ramps are sine squares."""
+        return isinstance(self._profile, SineSquare)
+
+    def law(self) -> Law:
+        """Of sine squares, on an even grid."""
+        assert isinstance(self._profile, SineSquare)
+        return self._profile.law()
+
+    def slower(self, factor: float) -> "Ramped":
+        """With sine squares in `factor` times the time."""
+        assert isinstance(self._profile, SineSquare)
+        shape = self._profile.slower(factor)
+        return Ramped(self.path, shape.duration, shape)
+
     def motion(self, t: Array) -> tuple[Array, Array, Array]:
         """(n, axes) position against its start, speed and acceleration."""
         state = np.array([self.s(float(x)) for x in t])
@@ -95,10 +112,12 @@ def ramped(
     speed: float = 1.0,
     accel: float = 1.0,
     tool: tuple[float, float] = (math.inf, math.inf),
+    pulls: tuple[float, float] = (math.inf, math.inf),
     sine: bool = False,
 ) -> Ramped:
     """A block with constant limits along s: the smallest its axes allow anywhere on it; shares of speed and acceleration; tool: most speed
-    (m/s) and turning (rad/s) of the tool, by the path's last two columns; sine: with the sine-square slope (AX-575)."""
+    (m/s) and turning (rad/s) of the tool, by the path's last two columns, pulls: its accelerations; sine: with the sine-square slope
+    (AX-575)."""
     s = np.linspace(0.0, path.length, 33)
     n = path.axes
     first, second = np.abs(path.at(s, 1)), np.abs(path.at(s, 2))[:, :n]
@@ -112,6 +131,7 @@ def ramped(
         v = min(v, math.sqrt(0.5 / bend))
     left = strength * accel - np.max(second, axis=0) * v * v
     pull, quickest = float(np.min(left / largest)), float(np.min(jolt / largest))
+    pull = min(pull, *(most / max(float(rate), 1e-12) for most, rate in zip(pulls, np.max(first[:, n:], axis=0), strict=True)))
     if sine:
         shape = sine_square(path.length, v, pull, quickest)
         return Ramped(path, shape.duration, shape)
@@ -139,9 +159,15 @@ class Overlap:
     reach: float
 
 
-def overlap(before: Ramped, after: Ramped, start: float, limits: Sequence[AxisLimits]) -> Overlap | None:
-    """The earliest legal overlap not before `start`: the first block ends before the middle of the next one, and no axis
-    exceeds its limits of speed, acceleration and jerk in the sum.  None: there is none."""
+def overlap(
+    before: Ramped, after: Ramped, start: float, limits: Sequence[AxisLimits], kept: Callable[[float], bool] | None = None
+) -> Overlap | None:
+    """The earliest legal overlap not before `start`: the first block ends before the middle of the next one, no axis exceeds its
+    limits of speed, acceleration and jerk in the sum, and `kept` says the same of what else it must keep.  None: there is none."""
+
+    def good(moment: float) -> bool:
+        return within(before, after, moment, limits) and (kept is None or kept(moment))
+
     soonest = max(start, before.duration - after.time_at(0.5 * after.path.length))
     if soonest >= before.duration * (1 - 1e-9):
         return None
@@ -149,20 +175,20 @@ def overlap(before: Ramped, after: Ramped, start: float, limits: Sequence[AxisLi
     refused = -1.0
     for k in range(TRIES):
         moment = soonest + span * k / TRIES
-        if within(before, after, moment, limits):
-            return _overlap(before, after, _refined(before, after, refused, moment, limits) if k else moment)
+        if good(moment):
+            return _overlap(before, after, _refined(good, refused, moment) if k else moment)
         refused = moment
     return None
 
 
-def _refined(before: Ramped, after: Ramped, refused: float, good: float, limits: Sequence[AxisLimits]) -> float:
+def _refined(good: Callable[[float], bool], refused: float, found: float) -> float:
     for _ in range(6):
-        middle = 0.5 * (refused + good)
-        if within(before, after, middle, limits):
-            good = middle
+        middle = 0.5 * (refused + found)
+        if good(middle):
+            found = middle
         else:
             refused = middle
-    return good
+    return found
 
 
 def _overlap(before: Ramped, after: Ramped, start: float) -> Overlap:
@@ -200,6 +226,8 @@ def frozen(before: Ramped, after: Ramped, found: Overlap) -> tuple[JointPath, Cl
     # the parameter of both blocks added: at either end it is that of the one which runs there, so slope and bend join
     own = np.array([[before.s(float(x)), after.s(float(x) - found.start)] for x in t]).sum(axis=1)
     rate, pull = own[:, 1], own[:, 2]
+    if before.sine and after.sine and _little(before, after, found, float(rate[0]), float(rate[-1])):
+        return None
     first = v / rate[:, None]
     second = (a - first * pull[:, None]) / (rate * rate)[:, None]
     ways, slopes = _ways(before, after, found, t)
@@ -216,6 +244,14 @@ def frozen(before: Ramped, after: Ramped, found: Overlap) -> tuple[JointPath, Cl
         knots.append(knots[-1] + length)
     law = Law(np.array(knots), rate, pull, float(t[1] - t[0]), (0.0, float(rate[0]), float(pull[0])))
     return joint_path(knots, rows), Clock(law.at, 0.0, law.duration)
+
+
+def _little(before: Ramped, after: Ramped, found: Overlap, leaving: float, joining: float) -> bool:
+    """Whether sine squares meet where both nearly stand, or with next to nothing of their ways: the point is as good as stopped in, and
+    a law of its own would creep through that bend of a tenth of a millimetre, or not see it (AX-601)."""
+    one, two = before.path.length, after.path.length
+    creeping = leaving < CREEP * one / before.duration and joining < CREEP * two / after.duration
+    return creeping or (found.leave < LITTLE * one and found.reach < LITTLE * two)
 
 
 def _ways(before: Ramped, after: Ramped, found: Overlap, t: Array) -> tuple[Array, Array]:

@@ -10,6 +10,8 @@ beyond the limit, so that a law that breaks limits may be the start) needs a fiv
 is put on a new even grid, the barrier is lowered, and beta tends to 1: then differences and limits meet as the judge measures them.
 """
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -34,7 +36,9 @@ SETTLED = 1e-4  # change of the duration below which no further round is tried
 JUDGE_S = 1e-3  # period at which the set values are judged
 ACCEL_GOOD, JERK_GOOD = 1.012, 1.044  # shares of the limits at that period; beyond them the place is planned again with less
 PHASES = (0.0, 0.25, 0.5, 0.75)  # of the period: where its samples fall; between two of them jerk was 0.01 more
-REPAIRS = 3
+HAIR = 1e-6  # two differences of rounded positions
+REPAIRS, SLOWER = 3, 12
+LONGER = 4.0  # times as long as the first law: it stands at a bend the grid does not see, and slowing the first as a whole is quicker
 AROUND = 4  # periods on both sides of such a place
 
 
@@ -52,11 +56,14 @@ def jerk_limited_work(path: JointPath, limits: LawLimits, start: tuple[float, fl
     """
     guess = _guess(path, limits, start)
     tight, slow = np.ones(len(guess.s)), np.ones(len(guess.s))  # shares of the limits of jerk and of speed, point by point
-    law = guess
+    law, first = guess, 0.0
     for _ in range(REPAIRS):
         beta = yield from _warp(path, limits, guess, tight, slow)
         yield
-        law = guess.warped(beta, path.length).calmed()
+        made = guess.warped(beta, path.length).calmed()
+        if made.duration > LONGER * (first or made.duration):
+            break
+        law, first = made, first or made.duration
         at, excess, fast = _excess(path, limits, law)
         if max(float(np.max(excess)), float(np.max(fast))) <= 1.0:
             return law
@@ -74,7 +81,7 @@ def estimate(path: JointPath, limits: LawLimits) -> float:
 
 def _slowed(path: JointPath, limits: LawLimits, law: Law) -> Law:
     """As a whole, until the set values are good; a moving start cannot be slowed and stays."""
-    for _ in range(REPAIRS):
+    for _ in range(SLOWER):
         _, excess, fast = _excess(path, limits, law)
         worst = max(float(np.max(excess)) ** (1 / 3), float(np.max(fast)))
         if worst <= 1.0 or not law.at_rest:
@@ -88,6 +95,13 @@ def shares(path: JointPath, limits: LawLimits, law: Law, period_s: float = JUDGE
     _, parts = _differences(path, limits, law, period_s)
     speed, accel, jerk = (float(np.max(part)) for part in parts)
     return speed, accel, jerk
+
+
+def slowing(path: JointPath, limits: LawLimits, law: Law) -> float:
+    """How many times as long the law must take to keep the limits; 1.0: it keeps them."""
+    speed, accel, jerk = shares(path, limits, law)
+    excess = max(speed, math.sqrt(accel), jerk ** (1 / 3))
+    return excess if excess > 1.0 + HAIR else 1.0
 
 
 def _differences(path: JointPath, limits: LawLimits, law: Law, period_s: float, phase: float = 0.0) -> tuple[Array, list[Array]]:

@@ -11,6 +11,7 @@ from motion.paths.joints import JointPath
 
 Array = NDArray[np.float64]
 FREE = float("inf")
+WAY, TURNING = -2, -1  # columns of the tool
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,7 +20,7 @@ class Cap:
 
     start: float
     end: float
-    column: int  # -2: way, -1: turning
+    column: int  # of an axis, WAY or TURNING
     speed: float = FREE
     accel: float = FREE
 

@@ -29,7 +29,7 @@ def moved(path: Path, machine: Machine, start: tuple[float, ...], period_s: floa
     return run(arm)
 
 
-@pytest.mark.requirement("RSV-MOT-02", by="motion.planner.runs:_lead")
+@pytest.mark.requirement("RSV-MOT-02", by="motion.planner.caps:_lead")
 @answers
 def test_ptp_geschw_50_is_half_the_speed_of_the_axis_with_the_largest_travel() -> None:
     limits = tuple(
