@@ -279,7 +279,7 @@ class _PartRun:
 
     def _run(self, start: Sequence[float], blocks: Sequence[Block]) -> None:
         first = self._planner.next_id if self._planner is not None else 1
-        planner = self._planner = Planner(self._machine, start, capacity=len(blocks) + 1, next_id=first)
+        planner = self._planner = Planner(self._machine, start, capacity=len(blocks) + 1, next_id=first, ahead_s=math.inf)
         self._last += len(blocks)
         self._begins.clear()
         for block in blocks:

@@ -23,7 +23,7 @@ from hil_tests.bench.motion_bench import random_program
 from hil_tests.bench.path_figures import corner_dev
 from hil_tests.lab import arms
 from hil_tests.lab.contour import SPEED, Streamed, stream
-from motion.planner.planner import AHEAD_S, Planner
+from motion.planner.planner import Planner
 from motion.stepper import State, Stepper
 from motion.timed import TimedPiece
 
@@ -50,14 +50,14 @@ class Judged(NamedTuple):
 
 
 def pieces_of(seed: int) -> list[TimedPiece]:
-    """A random program, planned whole: as the axes come near, for nothing is handed on further ahead than AHEAD_S."""
+    """A random program, planned whole."""
     machine = arms.portal()
-    planner = Planner(machine, (0.0, 0.0, 0.0))
+    planner = Planner(machine, (0.0, 0.0, 0.0), ahead_s=math.inf)
     for block in random_program(random.Random(seed), machine):
         planner.add(block)
     planner.finish()
     pieces: list[TimedPiece] = []
-    while fresh := planner.plan(max(planner.end - 0.5 * AHEAD_S, 0.0), hurry=True):
+    while fresh := planner.plan(0.0, hurry=True):
         pieces += fresh
     return pieces
 

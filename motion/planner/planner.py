@@ -91,6 +91,7 @@ class Planner:
     slowed: dict[int, Slowed] = field(init=False, default_factory=dict)  # block -> what its worst axis cannot keep
     lead_s: float = LEAD_S
     horizon_s: float = HORIZON_S
+    ahead_s: float = AHEAD_S
     window: int = WINDOW
     _route: Route | TeamRoute = field(init=False)
     _fresh: deque[Stretch] = field(init=False, default_factory=deque)  # known, not planned
@@ -240,7 +241,7 @@ class Planner:
         if not ready or (ahead > self.lead_s and self._few(ready)):
             return None
         known = self._fresh[ready - 1].stop or ready >= self.window
-        if ahead > (AHEAD_S if hurry else self.horizon_s):
+        if ahead > (self.ahead_s if hurry else self.horizon_s):
             return None
         if not self._planned or self._planned[-1].stops:
             if not (known or hurry or ready < len(self._fresh) or any(stretch.stop for stretch in self._fresh)):

@@ -70,6 +70,15 @@ def test_catching_up_and_path_together_stay_within_the_limits_of_every_axis(text
     assert begins < 0.01, "the path does not wait until the robot is on its belt"
 
 
+def test_a_long_way_on_a_belt_is_run_whole() -> None:
+    """Some seconds of way between two SYNC, more than a running cell is ever given ahead (AX-606)."""
+    heights = (90, 50, 90, 50, 90)
+    way = "\n".join(f"linear pose 150 150 {z} 0 0 0 belt=60mm path=20 blend=off" for z in (50, *heights))
+    made = run(f"synchron B1 at=60mm\n{way}\nsynchron_end\nlinear pose 100 100 50 0 0 0\n", 0.02)
+    assert made.belts[0].t[-1] - made.belts[0].t[0] > 2.0 * len(heights)
+    assert np.count_nonzero(np.abs(np.diff(np.sign(made.tool[:, 2] - 0.07))) > 0) == len(heights) + 1
+
+
 def test_type_2_arrives_with_its_belt_and_the_cam_is_a_parabola_a_line_and_a_parabola() -> None:
     made = run(FOLLOWED)
     paced, cam = made.belts
