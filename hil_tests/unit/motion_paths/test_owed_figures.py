@@ -1,0 +1,30 @@
+"""Figures of the bench that no clock has a part in: owed on any machine, so a change that loses one is told here, before the next bench."""
+
+from collections.abc import Callable
+from functools import partial
+
+import pytest
+
+from hil_tests.bench import online_figures, path_figures
+from hil_tests.bench.figure_row import Figure
+
+KEPT: dict[str, Callable[[], Figure | list[Figure]]] = {
+    "U of the portal": path_figures.u_portal_wide,
+    "corners cut": path_figures.u_portal,
+    "U of the arm": path_figures.u_6r,
+    "passing PTP": path_figures.ptp_passing,
+    "contour": path_figures.contour,
+    "singularity": path_figures.singularity,
+    "toppra": partial(path_figures.topp_vs_toppra, 10),
+    "ruckig": partial(path_figures.ptp_vs_ruckig, 100),
+    "corners": partial(path_figures.corner_dev, 200),
+    "curve": online_figures.curve_identity,
+    "stops": partial(online_figures.stop_time, 9),
+}
+
+
+@pytest.mark.parametrize("name", KEPT)
+def test_it_is_kept(name: str) -> None:
+    found = KEPT[name]()
+    missed = [row for row in (found if isinstance(found, list) else [found]) if not row["met"]]
+    assert not missed
