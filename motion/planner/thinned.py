@@ -11,7 +11,7 @@ Array = NDArray[np.float64]
 WIDEST = 32  # intervals one may stand for
 LEFT_S = 1.0  # before the end: a path that goes on is cut there, and an interval cannot be cut
 PLACES = 8  # at which a quintic is looked at, at most
-SAME, SAME_SPEED, SAME_ACCEL = 2e-8, 1e-6, 2e-4  # m or rad; per s; share of the limit of acceleration
+SAME, SAME_SPEED, SAME_ACCEL = 1e-9, 1e-6, 2e-4  # m or rad; per s; share of the limit of acceleration
 
 
 def needed(times: Array, states: Array, numbers: NDArray[np.int64], accel: Array) -> NDArray[np.intp]:

@@ -38,6 +38,7 @@ ACCEL_GOOD, JERK_GOOD = 1.012, 1.044  # shares of the limits at that period; bey
 PHASES = (0.0, 0.25, 0.5, 0.75)  # of the period: where its samples fall; between two of them jerk was 0.01 more
 HAIR = 1e-6  # two differences of rounded positions
 REPAIRS, SLOWER = 3, 12
+THERE, NEAR_S, FEW = 6, 0.25, 64  # so many times only around the places, that far before and behind, where they are so few
 LONGER = 4.0  # times as long as the first law: it stands at a bend the grid does not see, and slowing the first as a whole is quicker
 AROUND = 4  # periods on both sides of such a place
 
@@ -80,14 +81,29 @@ def estimate(path: JointPath, limits: LawLimits) -> float:
 
 
 def _slowed(path: JointPath, limits: LawLimits, law: Law) -> Law:
-    """As a whole, until the set values are good; a moving start cannot be slowed and stays."""
-    for _ in range(SLOWER):
-        _, excess, fast = _excess(path, limits, law)
-        worst = max(float(np.max(excess)) ** (1 / 3), float(np.max(fast)))
-        if worst <= 1.0 or not law.at_rest:
+    """Until the set values are good: a long law around the places where they are not, one whose places are many or come again as a whole;
+    a moving start cannot be slowed and stays."""
+    for k in range(SLOWER):
+        at, excess, fast = _excess(path, limits, law)
+        much = np.maximum(np.cbrt(excess), fast)
+        if float(np.max(much)) <= 1.0 or not law.at_rest:
             break
-        law = law.slower(1.001 * worst)
+        bad = much > 1.0
+        if k < THERE and law.duration > 4 * NEAR_S and np.count_nonzero(bad) <= FEW:
+            law = _slower_there(law, at[bad, 1], 1.001 * much[bad], path.length)
+        else:
+            law = law.slower(1.001 * float(np.max(much)))
     return law
+
+
+def _slower_there(law: Law, places: Array, factors: Array, length: float) -> Law:
+    """In so many times the time within NEAR_S of each place (s), and smoothly less up to twice as far."""
+    t = law.step * np.arange(len(law.s))
+    more = np.zeros(len(t))
+    for moment, factor in zip(np.interp(places, law.s, t), factors, strict=True):
+        share = 0.5 + 0.5 * np.cos(np.pi * np.clip(np.abs(t - moment) / NEAR_S - 1.0, 0.0, 1.0))
+        np.maximum(more, share * (float(factor) - 1.0), out=more)
+    return law.warped((1.0 + more) ** -2, length)
 
 
 def shares(path: JointPath, limits: LawLimits, law: Law, period_s: float = JUDGE_S) -> tuple[float, float, float]:

@@ -89,6 +89,7 @@ def test_a_slow_arc_is_slowed_down_stopped_and_gone_on_with_inside_the_limits_an
     places = tool_path(machine, inner)
     speed = tool_speed(places, 1e-3)
     assert np.ptp(speed[:3_000]) < 1e-6 * speed[0] and speed[8_500:8_900].max() < 1e-9, "steady, and at rest"
+    assert speed[0] == pytest.approx(12e-3, rel=2e-4), "as programmed: what the grid of 2 ms shows at its end slows that alone"
     centre, radius = _circle()
     assert np.abs(np.hypot(*(places[:, :2] - centre).T) - radius).max() < 1e-6
 
