@@ -4,12 +4,12 @@ Modules that stand a busy machine (BESIDE in hil_tests/places.py) are played bes
 clock of their own, by a process like that; the others when all these have ended, alone.  What failed beside them counts as not
 played: it is played with the others, and what it says there is its verdict.
 
-A shared machine takes the processor away for tens of milliseconds, and a cell that runs on it then stops, as it must.  Two witnesses
-(hil_tests/lab/stolen.py) write it down: one of the highest priority for 10 ms and more in which nobody ran, an ordinary one for 40 ms
-and more in which such a process was not served.  A module of which a test failed while they saw that is played again at the end,
-whole, in a guest with a clock of its own, where nothing is late.  What cannot be played there (NO_OWN_TIME), or everything where there
-is no such guest, is played on the host in a fresh process and at a slower clock (AGAIN_P5_MS): every rule under test counts in P5.
-A failure without such a time, and one that stays, is a failure.  What was played again stands above the lanes' lines.
+A shared machine takes the processor away for tens of milliseconds, and a cell that runs on it then stops, as it must. Witnesses
+(hil_tests/lab/stolen.py) write it down: one of the highest priority a processor for 10 ms and more in which nobody ran there, an
+ordinary one for 40 ms and more in which such a process was not served. A module of which a test failed while they saw that is played
+again at the end, whole, in a guest with a clock of its own, where nothing is late. What cannot be played there (NO_OWN_TIME), or
+everything where there is no such guest, is played on the host in a fresh process and at a slower clock (AGAIN_P5_MS): every rule under
+test counts in P5. A failure without such a time, and one that stays, is a failure. What was played again stands above the lanes' lines.
 """
 
 import contextlib
@@ -25,7 +25,7 @@ import pytest
 
 from hil_tests import lanes, reports
 from hil_tests.lab.awake import awake
-from hil_tests.lab.stolen import left_alone, stolen, witness
+from hil_tests.lab.stolen import everywhere, left_alone, stolen, witness
 from hil_tests.pair import forget_the_dead, surroundings, whole_run
 from hil_tests.places import BESIDE, NO_OWN_TIME, of_one, unhurried
 from hil_tests.rig.uml import guest
@@ -47,14 +47,14 @@ class Child:
         self._results: dict[str, list[pytest.TestReport]] = {}
         self._read = 0
         self._file, self.log = folder / f"{name}.jsonl", folder / f"{name}.log"
-        self._stolen = {folder / f"{name}.stolen": (), folder / f"{name}.not-served": ("--ordinary",)}
+        self._stolen = {**everywhere(folder / f"{name}.stolen"), folder / f"{name}.not-served": "--ordinary"}
         listed = folder / f"{name}.txt"
         listed.write_text("\n".join(ids))
         self._watch = contextlib.ExitStack()
         if name != "beside":  # there nobody sleeps anyhow
             self._watch.enter_context(awake())
-        for file, options in self._stolen.items():
-            self._watch.enter_context(witness(file, *options))
+        for file, option in self._stolen.items():
+            self._watch.enter_context(witness(file, option))
         slower = {} if p5_ms is None else {P5: str(p5_ms)}
         command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-q", "--color=no", f"@{listed}"]
         with self.log.open("wb") as log:

@@ -1,8 +1,9 @@
-"""Did the machine run at all?  A witness of the highest priority that only sleeps: where it overslept, nobody had the processor.
+"""Did the machine run at all?  A witness of the highest priority that only sleeps: where it overslept, nobody had its processor.  A host
+takes them away one by one, so each has a witness of its own.
 
 An ordinary witness has no priority: where it overslept by much, whoever has none either was not served.
 
-python -m hil_tests.lab.stolen FILE [--ordinary]     until SIGTERM; one line `FROM TO` (s, wall clock) for each time stolen
+python -m hil_tests.lab.stolen FILE [--ordinary | CPU]     until SIGTERM; one line `FROM TO` (s, wall clock) for each time stolen
 """
 
 import contextlib
@@ -23,6 +24,7 @@ NOT_SERVED_S = 0.040  # for an ordinary witness: ten turns of a scheduler with 4
 def main() -> int:
     ordinary = "--ordinary" in sys.argv
     if not ordinary:
+        os.sched_setaffinity(0, {int(cpu) for cpu in sys.argv[2:]} or os.sched_getaffinity(0))
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))
     limit = NAP_S + (NOT_SERVED_S if ordinary else STOLEN_S)
     signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(0))
@@ -34,6 +36,11 @@ def main() -> int:
             if now - before > limit:
                 print(f"{before:.6f} {now:.6f}", file=file)
             before = now
+
+
+def everywhere(file: pathlib.Path) -> dict[pathlib.Path, str]:
+    """A file for the witness of each processor, and its option."""
+    return {file.with_name(f"{file.name}-{cpu}"): str(cpu) for cpu in sorted(os.sched_getaffinity(0))}
 
 
 @contextlib.contextmanager

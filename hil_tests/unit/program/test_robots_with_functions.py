@@ -40,7 +40,8 @@ def home(cell: Planned) -> Planned:
 def tips(cell: Planned) -> tuple[float, float]:
     """Arm: x of its flange, SCARA: z; mm of the set values."""
     q = [axis.set for axis in cell.state.axes]
-    return tuple(MACHINES[n].forward(tuple(q[OWN[n]])).position[at] * 1e3 for n, at in ((0, 0), (1, 2)))  # type: ignore[return-value]
+    arm, scara = (MACHINES[n].forward(tuple(q[OWN[n]])).position for n in range(2))
+    return arm[0] * 1e3, scara[2] * 1e3
 
 
 @pytest.mark.requirement("RHO-MOT-35", by="motion.planner.teamroute:_source")
