@@ -4,6 +4,7 @@ import pytest
 
 from gateway.pure.plannerrecords import MeasuringFacts
 from gateway.pure.reasons import CommandState
+from hil_tests.lab.answers import answers
 from hil_tests.lab.arm_and_scara import CELL
 from hil_tests.lab.cell402bench import Cell402Bench
 from hil_tests.lab.planned_bench import Planned
@@ -32,6 +33,7 @@ def cell() -> Planned:
 
 
 @pytest.fixture
+@answers
 def home(cell: Planned) -> Planned:
     cell.bench.permit(OF_ARM, OF_SCARA, value=False)
     assert run(cell, HOME) is CommandState.DONE
@@ -40,6 +42,7 @@ def home(cell: Planned) -> Planned:
 
 @pytest.mark.requirement("RHO-MOT-16", by="motion.planner.teamroute:_owned")
 @pytest.mark.parametrize("call", ["measure_on ch620", "measure_on ch630", "set_latch fIn0"])
+@answers
 def test_where_one_was_at_the_edge_is_stored_while_all_go_on_and_it_goes_back_there(home: Planned, call: str) -> None:
     job = home.order(HEAD + "\n".join(["kinematic scara", call, BOTH, "move scara ptp mpos"]))
     home.until(lambda state: gone(home)[1] > 0.5)
