@@ -1,17 +1,21 @@
-"""Two blocks with sine-square slope that are added (block slope): whether their sum keeps what the blocks ask, not only what the axes can.
+"""Block slope of one robot: a block's own ramp, and whether the sum of two with sine-square slope keeps what the blocks ask, not only what
+the axes can.
 
-Such a row keeps the times at which its blocks were added (motion.planner.shaped), so a sum that is too fast would slow all of it; jerk-
-limited blocks get a law of their own along the curve, which is slower only where it must be.  AX-600.
+Such a row of sine squares keeps the times at which its blocks were added (motion.planner.shaped), so a sum that is too fast would slow
+all of it; jerk-limited blocks get a law of their own along the curve, which is slower only where it must be.  AX-600.
 """
+
+import math
 
 import numpy as np
 from numpy.typing import NDArray
 
+from motion.paths.joints import JointPath
 from motion.planner.caps import block_caps, robot_limits
 from motion.planner.robot import Machine
-from motion.planner.toolspeed import tool_rates
-from motion.program.blocks import Block
-from motion.program.slopes import SAMPLES, Ramped
+from motion.planner.toolspeed import tool_pulls, tool_rates, tool_tops
+from motion.program.blocks import Block, Shape
+from motion.program.slopes import SAMPLES, Ramped, ramped
 from motion.timing.jerk import JUDGE_S, slowing
 from motion.timing.limits import LawLimits
 
@@ -19,13 +23,26 @@ Array = NDArray[np.float64]
 TRUE = 1 + 2e-4  # of a limit: no nearer to the tool's true rates are the columns a law is held against (AX-583)
 
 
-def alone(block: Ramped, source: Block, machine: Machine) -> Ramped:
-    """In so much more time as it must have where its path is bent, or where its tool may not speed up as the axes can."""
-    limits = robot_limits(machine, block_caps(source, block.path, 0.0, 0.0, block.path.length, machine))
-    return block.slower(slowing(block.path, limits, block.law()))
+def own_ramp(block: Block, path: JointPath, machine: Machine) -> Ramped:
+    """The block by itself, as fast as it may.  With sine squares in so much more time as it must have where its path is bent, or where its
+    tool may not speed up as the axes can."""
+    pace, sine = block.pace, block.shape is Shape.SIN2
+    made = ramped(
+        path,
+        machine.limits,
+        speed=min(pace.speed, 1.0),
+        accel=min(pace.accel, pace.decel, 1.0),
+        tool=tool_tops([block], machine),
+        pulls=tool_pulls(block, machine) if sine else (math.inf, math.inf),
+        sine=sine,
+    )
+    if not sine:
+        return made
+    limits = robot_limits(machine, block_caps(block, path, 0.0, 0.0, path.length, machine))
+    return made.slower(slowing(path, limits, made.law()))
 
 
-def kept(before: Ramped, after: Ramped, start: float, blocks: tuple[Block, Block], machine: Machine) -> bool:
+def sum_keeps(before: Ramped, after: Ramped, start: float, blocks: tuple[Block, Block], machine: Machine) -> bool:
     """Whether axes and tool keep the pace of both blocks while both run; start: of the second, s after that of the first."""
     t = np.linspace(start, before.duration, SAMPLES)
     one, two = before.motion(t), after.motion(t - start)

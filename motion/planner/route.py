@@ -23,7 +23,7 @@ from motion.paths.base import Curve, PathError
 from motion.paths.corner import clipped, corner, directions, radius_for
 from motion.paths.joints import JointPath, joint_blend, joint_part
 from motion.paths.polynomial import part
-from motion.planner.added import alone, kept
+from motion.planner.added import own_ramp, sum_keeps
 from motion.planner.exact import exact_path
 from motion.planner.extra import Course, joining, shifted, states, with_course
 from motion.planner.jointpath import joint_path_of
@@ -33,12 +33,12 @@ from motion.planner.relative import shown, unwound
 from motion.planner.robot import Machine
 from motion.planner.rows import curve_of, goes_on, legs_of, place_of
 from motion.planner.timegiven import check_time
-from motion.planner.toolspeed import limited, tool_pulls, tool_tops
+from motion.planner.toolspeed import limited
 from motion.planner.watched import Slowed, check_range, check_speed
 from motion.program.blocks import MEASURED, Block, Called, Interpolation, JointTarget, Output, Rounding, Shape, Slope
 from motion.program.errors import BlockError
 from motion.program.passing import passed
-from motion.program.slopes import Clock, Ramped, earliest, frozen, overlap, ramped
+from motion.program.slopes import Clock, Ramped, earliest, frozen, overlap
 from motion.units import from_si
 
 EMPTY = 1e-9  # of a block: less is nothing left to run
@@ -357,7 +357,7 @@ class Route:
         limits = self._machine.limits
         before, after = (self._ramped(one) for one in (last, leg))
         sine = last.block.shape is leg.block.shape is Shape.SIN2
-        keeps = partial(kept, before, after, blocks=(last.block, leg.block), machine=self._machine) if sine else None
+        keeps = partial(sum_keeps, before, after, blocks=(last.block, leg.block), machine=self._machine) if sine else None
         found = overlap(before, after, earliest(before, leave), limits, keeps) if leave > SMALLEST else None
         made = frozen(before, after, found) if found is not None else None
         if found is None or made is None or last.length - found.leave < self._now.known - EMPTY * last.length:
@@ -370,19 +370,7 @@ class Route:
         return found.reach
 
     def _ramped(self, leg: Leg) -> Ramped:
-        pace = leg.block.pace
-        path = leg.path or self._axes_of(leg, 0.0, leg.length, leg.start)
-        sine = leg.block.shape is Shape.SIN2
-        made = ramped(
-            path,
-            self._machine.limits,
-            speed=min(pace.speed, 1.0),
-            accel=min(pace.accel, pace.decel, 1.0),
-            tool=tool_tops([leg.block], self._machine),
-            pulls=tool_pulls(leg.block, self._machine) if sine else (math.inf, math.inf),
-            sine=sine,
-        )
-        return alone(made, leg.block, self._machine) if sine else made
+        return own_ramp(leg.block, leg.path or self._axes_of(leg, 0.0, leg.length, leg.start), self._machine)
 
     def _leave(self, leg: Leg) -> float:
         """The most its corner can take of a leg, known without the next block; 0: it runs to its end and stops."""
