@@ -104,7 +104,7 @@ def swift(path: JointPath, limits: LawLimits, width: float, before: Swift | None
         worst = float(excess.max(initial=0.0))
         if worst <= 1.0 or (late and (before is not None or worst <= FAIR)):
             break
-        lower, accel = _lowered(most, accel, grid, made, at, excess, count, raw, SLOWEST[late])
+        lower, accel = _lowered(most, accel, grid, made, at, excess, count, raw, late)
         most = np.minimum(most, np.maximum(lower, floor))
     assert made is not None
     if before is not None and float(_excess(path, limits, made.law, keep)[1].max(initial=0.0)) > WORST:
@@ -203,10 +203,10 @@ def _excess(path: JointPath, limits: LawLimits, law: Law, keep: int) -> tuple[Ar
 
 
 def _lowered(
-    most: Array, accel: Array, grid: Array, made: Swift, at: Array, excess: Array, count: int, raw: topp.Topp, slowest: float
+    most: Array, accel: Array, grid: Array, made: Swift, at: Array, excess: Array, count: int, raw: topp.Topp, late: bool
 ) -> tuple[Array, Array]:
-    """Speeds and accelerations lowered where it was too much, as far before and behind as the mean reaches; in the last rounds speeds
-    alone, where it runs: with less to brake by it would creep far and wide."""
+    """Speeds and accelerations lowered where it was too much, as far before and behind as the mean reaches; late: in the last rounds,
+    speeds alone where it runs: with less to brake by it would creep far and wide."""
     s, step = made.law.s, float(grid[1] - grid[0])
     first = len(s) - len(at) - 2
     factor = np.ones(len(grid))
@@ -215,6 +215,6 @@ def _lowered(
         inside = (grid >= low - step) & (grid <= high + step)
         factor[inside] = np.minimum(factor[inside], max(0.93 / float(excess[k]), 0.6))
     touched = factor < 1.0
-    running = touched & (raw.b > slowest * float(raw.b.max()))
-    weaker = touched & ~running if slowest == SLOWEST[1] else touched
+    running = touched & (raw.b > SLOWEST[late] * float(raw.b.max()))
+    weaker = touched & ~running if late else touched
     return np.where(running, np.minimum(most, raw.b * factor), most), np.where(weaker[:, None], accel * factor[:, None], accel)
