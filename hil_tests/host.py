@@ -4,12 +4,12 @@ Modules that stand a busy machine (BESIDE in hil_tests/places.py) are played bes
 clock of their own, by a process like that; the others when all these have ended, alone.  What failed beside them counts as not
 played: it is played with the others, and what it says there is its verdict.
 
-A shared machine takes the processor away for tens of milliseconds, and a cell that runs on it then stops, as it must. Witnesses
+A shared machine takes the processor away for tens of milliseconds, and a cell that runs on it then stops, as it must.  Witnesses
 (hil_tests/lab/stolen.py) write it down: one of the highest priority a processor for 10 ms and more in which nobody ran there, an
-ordinary one for 40 ms and more in which such a process was not served. A module of which a test failed while they saw that is played
-again at the end, whole, in a guest with a clock of its own, where nothing is late. What cannot be played there (NO_OWN_TIME), or
+ordinary one for 40 ms and more in which such a process was not served.  A module of which a test failed while they saw that is played
+again at the end, whole, in a guest with a clock of its own, where nothing is late.  What cannot be played there (NO_OWN_TIME), or
 everything where there is no such guest, is played on the host in a fresh process and at a slower clock (AGAIN_P5_MS): every rule under
-test counts in P5. A failure without such a time, and one that stays, is a failure. What was played again stands above the lanes' lines.
+test counts in P5.  A failure without such a time, and one that stays, is a failure.  What was played again stands above the lanes' lines.
 """
 
 import contextlib
