@@ -22,10 +22,10 @@ from gateway.programplan import bnr_files, machine_of_cell, numbers_by_axis, rob
 from gateway.progress import Progress
 from gateway.pure.programtrial import Files
 from gateway.robotfile import RobotFaults, load_robot
+from gateway.teampaper import team_findings, team_slowed, team_traces
 from motion.errors import MotionError
 from motion.planner.robot import Machine, machine_of
 from motion.planner.team import Team, called, team_of
-from motion.planner.teamtrace import team_findings, team_slowed, team_traces
 from motion.planner.trace import Trace
 from motion.planner.watched import Slowed
 from motion.program.blocks import Program

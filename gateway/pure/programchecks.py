@@ -12,7 +12,7 @@ from motion.errors import MotionError
 from motion.outputs.function import Function
 from motion.planner.legs import told
 from motion.planner.robot import Machine
-from motion.program.blocks import Block
+from motion.program.blocks import Act, Block
 from motion.program.errors import BlockError
 
 OUTPUTS_ARE = "programs switch RC outputs to 0 or 1, and none that axisgate itself writes (ready, drives on, in position ..)"
@@ -60,8 +60,12 @@ class OfCell:
             raise BlockError("recorded is a target in programs of the cell alone", block=number)
         if block.file is not None:
             raise BlockError("move_file stands in a program of the cell alone", block=number)
-        if block.acts:
-            raise BlockError("sync, mach_pos and belt functions stand in a program of the cell alone", block=number)
+
+
+def check_acts(acts: Sequence[Act], number: int, *, whole: bool) -> None:
+    """What is done at rest before a block; whole: as of OfCell.  Raises BlockError."""
+    if acts and not whole:
+        raise BlockError("sync, mach_pos and belt functions stand in a program of the cell alone", block=number)
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,6 +28,7 @@ from motion.measure.inputs import InputKind, input_of
 from motion.planner.marks import Mark
 from motion.planner.relative import shown
 from motion.planner.robot import Machine
+from motion.planner.team import Team
 from motion.program.blocks import (
     MEASURED,
     Act,
@@ -72,7 +73,8 @@ class Coming:
     recall: int = 0  # entry of the reference path that is asked for (SF 31); nothing else happens in this part
     data: bytes = b""  # of the file its block runs (MOVE_FILE)
     inside: Synchron | None = None  # where the act stands, on the belt
-    kinematic: int = 1  # whose part that is
+    kinematic: int = 1  # whose part that is, in the cell
+    member: int = 0  # whose part that is, of several kinematics of the program, from 0
 
     def holds(self, block: Block) -> bool:
         """Whether the block belongs to this part."""
@@ -97,7 +99,7 @@ class Coming:
 
     def takes(self, shared: Shared) -> bool:
         """The same for a block of several kinematics."""
-        return not (shared.asks or shared.label or self.shared[-1].ends)
+        return self.shared != [] and not (shared.asks or shared.label or self.shared[-1].ends)
 
     @property
     def follows(self) -> bool:
@@ -205,13 +207,14 @@ def ending(part: Coming, belts: Sequence[BeltFacts], job: int, generation: int) 
 
 
 def acting(
-    acts: Sequence[Act], number: int, belts: Sequence[BeltFacts], label: str, machine: Machine
+    acts: Sequence[Act], number: int, belts: Sequence[BeltFacts], label: str, robots: Machine | Team
 ) -> tuple[list[Coming], Sequence[BeltFacts]]:
     """Their parts, in front of the block `number`, and the belts behind them; BlockError."""
     found: list[Coming] = []
     for act in acts:
         if isinstance(act, MachinePoint):
-            found.append(Coming(number, point=_placed(act, number, machine), label="" if found else label))
+            point = _placed(act, number, robots)
+            found.append(Coming(number, point=point, label="" if found else label, member=act.member))
             continue
         act_order(act, belts, number)
         belts = belts_after(act, belts)
@@ -219,12 +222,17 @@ def acting(
     return found, belts
 
 
-def _placed(act: MachinePoint, number: int, machine: Machine) -> tuple[float, ...]:
+def _placed(act: MachinePoint, number: int, robots: Machine | Team) -> tuple[float, ...]:
     """SF 3: inside the travel, which belongs to the new places."""
+    if isinstance(robots, Team):
+        try:
+            return _placed(act, number, robots.machines[act.member])
+        except BlockError as error:
+            raise robots.told(error, act.member) from error
     try:
         if act.inside:
             raise MotionError("mach_pos stands outside of synchronous and alterable parts")
-        check_targets(machine.limits, act.q)
+        check_targets(robots.limits, act.q)
     except LimitError as error:
         what = f"mach_pos: {str(error).partition(': ')[2]}"
         raise BlockError(what, block=number, axis=error.axis) from error

@@ -23,7 +23,7 @@ from gateway.pure.plannerrecords import (
     switch_record,
 )
 from gateway.pure.programchain import Chain
-from gateway.pure.programchecks import Away, OfCell
+from gateway.pure.programchecks import Away, OfCell, check_acts
 from gateway.pure.programparts import Coming, Measuring, apart, ending
 from gateway.pure.programsystems import CellSystems
 from gateway.pure.programteam import (
@@ -212,6 +212,7 @@ class Programs:
             planner = self._adding(standing)
             self._line_of.append(line)
             block = self.workpiece.placed(read, len(self._line_of), planner.machine, self.kinematic_of)
+            check_acts(block.acts, len(self._line_of), whole=self._lines is not None)
             for machine, own in own_blocks(planner.machine, block):
                 mask, kinematic = self.mask_of(machine), self.kinematic_of(machine)
                 cell = OfCell(self.functions, self.outputs, self._measuring, mask, whole=self._lines is not None, kinematic=kinematic)
@@ -225,6 +226,7 @@ class Programs:
                 check_alterable(block, self._last, len(self._line_of), option=kinematic in self.altered)
                 self._last = block
                 self._add(planner, block)
+            self._trial.armed_by(block)
 
     def _adding(self, standing: Sequence[float]) -> Planner:
         """What blocks are added to."""
@@ -240,7 +242,6 @@ class Programs:
             self._trial.add(planner, block, len(self._line_of), self.kinematic_of(planner.robot))
         else:
             self._add_whole(planner, block)
-        self._trial.armed_by(block)
 
     def _add_whole(self, planner: Planner, block: Block | Shared) -> None:
         before, away = planner.standing, Away(self._off, self.windows)
@@ -250,9 +251,9 @@ class Programs:
             away.check(before[own], planner.standing[own], len(self._line_of), machine, self.mask_of(machine))
 
     def _behind(self, standing: Sequence[float]) -> None:
-        """Statements of belts behind the last block."""
+        """What is done at rest behind the last block."""
         if self._reader.acts:
-            self._trial.behind(self._adding(standing), self._reader.acts, len(self._line_of))
+            self._trial.behind(self._adding(standing), self._reader.acts, len(self._line_of), self._reader.labels.label)
         if any(systems := systems_of(self._reader)):
             self.workpiece.behind(systems, len(self._line_of) + 1, self._adding(standing).machine, self.kinematic_of)
 
@@ -283,14 +284,15 @@ class Programs:
     def _next_part(self, part: Coming, standing: Sequence[float], engaged: float) -> None:
         job, generation = self.state.job, self.generation
         planner = self._made(standing)
-        own = part.own(planner.mask or 0, job, generation)
+        mask = self.mask_of(machines_in(planner.machine)[part.member])
+        own = part.own(mask, job, generation)
         if part.act is not None:
             order = act_order(part.act, self._belts, part.number)
             assert order is not None
             own = act_record(job, generation, order)
         if own is not None:
             self._planner, self._handed = None, True
-            self._placed |= planner.mask or 0 if part.point else 0
+            self._placed |= mask if part.point else 0
             self._out.append(own)
             self.state = replace(self.state, block=self._before, share=1.0)
             return

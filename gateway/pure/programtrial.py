@@ -61,7 +61,9 @@ class Trial:
     program: int = 0
     later: deque[Coming] = field(default_factory=deque)
     _route: Route | TeamRoute | None = None  # of the blocks behind the first one that ends with an input
-    _armed: set[int] = field(default_factory=set)  # channels that wait for their edge
+    _armed: dict[int, int] = field(
+        default_factory=dict
+    )  # channels that wait for their edge -> whose axes they store, of several kinematics
     _moves: bool = False  # the part looked at has a way
     _left: tuple[Called | Output, ...] = ()  # of blocks without way before it, in parts that have none
     _tried: int = 0  # blocks before those, and those that no route knows
@@ -103,7 +105,8 @@ class Trial:
         assert isinstance(route, TeamRoute) and isinstance(planner.machine, Team)
         if not self.later or not self.later[-1].takes(shared):
             self._finished(route)
-            label = shared.label
+            self._acting(shared.acts, number, planner.machine, shared.label)
+            label = "" if shared.acts else shared.label
             entry, whose = shared.recorded
             if entry:
                 self.later.append(Coming(number, recall=entry, label=label, kinematic=kinematic_of(planner.machine.machines[whose])))
@@ -163,11 +166,11 @@ class Trial:
         while self.later and self.later[0].label != label:
             self.later.popleft()
 
-    def behind(self, planner: Planner, acts: Sequence[Act], blocks: int) -> None:
-        """Statements behind the last block."""
+    def behind(self, planner: Planner, acts: Sequence[Act], blocks: int, label: str) -> None:
+        """Statements behind the last block; label: in front of them."""
         self._finished(self._divided(planner, blocks))
         self.check_done(blocks)
-        self._acting(acts, blocks + 1, planner.robot)
+        self._acting(acts, blocks + 1, planner.machine, label)
 
     def check_done(self, blocks: int, left: Sequence[Called | Output] = ()) -> None:
         """Behind the last block: BlockError where no way is left for what blocks without way have begun or ended with; left: of those
@@ -187,18 +190,27 @@ class Trial:
             self._route.assume_measured()  # whether anything is measured by then is looked at by itself (OfCell)
         return self._route
 
-    def _acting(self, acts: Sequence[Act], number: int, machine: Machine, label: str = "") -> None:
-        parts, self.belts = acting(acts, number, self.belts, label, machine)
+    def _acting(self, acts: Sequence[Act], number: int, robots: Machine | Team, label: str) -> None:
+        parts, self.belts = acting(acts, number, self.belts, label, robots)
         for part in parts:
-            if part.point and self._armed:
-                what = f"mach_pos: ch{min(self._armed)} waits for its edge, and where the axes were would not be known: measure_off before"
+            waiting = [channel for channel, member in self._armed.items() if member == part.member]
+            if part.point and waiting:
+                what = f"mach_pos: ch{min(waiting)} waits for its edge, and where the axes were would not be known: measure_off before"
                 raise BlockError(what, block=number)
-            if part.point and self._route is not None:
-                self._route.reset(part.point)
+            if part.point:
+                self._stands(robots, part.member, part.point)
         self.later += parts
 
-    def armed_by(self, block: Block) -> None:
+    def _stands(self, robots: Machine | Team, member: int, places: Sequence[float]) -> None:
+        """What comes is tried from there on."""
+        assert self._route is not None
+        self._route.reset(robots.placed(self._route.standing, member, places) if isinstance(robots, Team) else places)
+
+    def armed_by(self, block: Block | Shared) -> None:
         """Behind it: probes that store where the axes were."""
-        for call in block.functions:
+        moves = block.moves if isinstance(block, Shared) else (block,)
+        calls = [(member, call) for member, own in enumerate(moves) if own is not None for call in own.functions]
+        for member, call in calls:
             if isinstance(call, Flying):
-                (self._armed.discard if call.edge is None else self._armed.add)(call.channel)
+                self._armed.pop(call.channel, None)
+                self._armed |= {call.channel: member} if call.edge is not None else {}

@@ -162,8 +162,9 @@ class Route:
         return carried
 
     def reset(self, standing: Sequence[float]) -> None:
-        """Forget everything; the axes stand here."""
-        self._now = _State(tuple(standing), self._now.number)
+        """Forget everything but that @MPOS was measured; the axes stand here."""
+        measured = self._now.measured is not None
+        self._now = _State(tuple(standing), self._now.number, measured=tuple(standing) if measured else None)
 
     def _guarded(self, number: int, action: Callable[[], None]) -> None:
         kept = replace(self._now)

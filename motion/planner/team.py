@@ -11,6 +11,7 @@ from motion.limits import AxisLimits
 from motion.planner.robot import Machine, machine_of
 from motion.planner.route import Stretch
 from motion.planner.watched import Slowed
+from motion.program.errors import BlockError
 from motion.robot import MOST_AXES, MOST_KINEMATICS, Installation, Robot
 from motion.timing.limits import FREE, WAY, Cap, LawLimits
 
@@ -57,6 +58,17 @@ class Team:
     def column(self, kinematic: int, column: int) -> int:
         """Of a team's path (motion.paths.together) for one of a kinematic's own path."""
         return self.axes + 2 * kinematic + column - WAY if column < 0 else self.firsts[kinematic] + column
+
+    def placed(self, standing: Sequence[float], kinematic: int, places: Sequence[float]) -> tuple[float, ...]:
+        """(all axes,) where they stand, those of one kinematic at other places."""
+        rows = self.split(standing)
+        rows[kinematic] = tuple(places)
+        return tuple(value for row in rows for value in row)
+
+    def told(self, error: BlockError, kinematic: int) -> BlockError:
+        """A fault of one kinematic, with its name."""
+        what = f"kinematic {self.names[kinematic]}: {error.what}"
+        return BlockError(what, code=error.code, block=error.block, axis=error.axis, source=error.source)
 
     def law_limits(self, caps: Sequence[Cap]) -> LawLimits:
         """Of all axes, of way and turning of every tool, none of the last two columns."""

@@ -209,8 +209,7 @@ class TeamRoute:
         try:
             action(route)
         except BlockError as error:
-            what = f"kinematic {self._team.names[n]}: {error.what}"
-            raise BlockError(what, code=error.code, block=error.block, axis=error.axis, source=error.source) from error
+            raise self._team.told(error, n) from error
         return route.take()
 
     def _finish(self) -> None:

@@ -270,6 +270,7 @@ class MachinePoint:
 
     q: tuple[float, ...]
     inside: bool = False
+    member: int = 0  # whose, of several kinematics: its place among them, from 0
 
 
 Act = BeltAct | MachinePoint

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
-from motion.program.blocks import Block, Called, Output
+from motion.program.blocks import Act, Block, Called, Output
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,6 +16,7 @@ class Shared:
     moves: tuple[Block | None, ...]
     line: int = field(default=0, compare=False)  # of the program text; 0: none
     label: str = ""  # in front of it
+    acts: tuple[Act, ...] = ()  # done at rest before it
 
     @property
     def own(self) -> tuple[Block, ...]:
@@ -24,8 +25,9 @@ class Shared:
 
     @property
     def asks(self) -> bool:
-        """It waits for an input, ends with one, or goes to where axes were measured or recorded: a part of its own."""
-        return any(block.until is not None or block.wait is not None or block.unmet for block in self.own)
+        """It waits for an input, ends with one, goes to where axes were measured or recorded, or something is done at rest before it: a
+        part of its own."""
+        return self.acts != () or any(block.until is not None or block.wait is not None or block.unmet for block in self.own)
 
     @property
     def ends(self) -> bool:
@@ -80,6 +82,7 @@ class TeamProgram:
     name: str
     kinematics: tuple[Kinematic, ...]
     blocks: tuple[Shared, ...]
+    acts: tuple[Act, ...] = ()  # behind the last block
 
     @property
     def start(self) -> tuple[float, ...]:

@@ -90,8 +90,8 @@ def _moves(program: Program, ways: Convention, units: tuple[str, ...]) -> list[s
             altered = block.alteration
             begin += [textalter.written(altered)] if altered is not None else []
         lines += [f"label {block.label}"] if block.label else []
-        lines += [_act(each, units) for each in block.acts if not each.inside]
-        lines += [*begin, *(_act(each, units) for each in block.acts if each.inside)]
+        lines += [acted(each, units) for each in block.acts if not each.inside]
+        lines += [*begin, *(acted(each, units) for each in block.acts if each.inside)]
         lines += [called(each) for each in block.functions]
         lines += [written_move(block, ways, units)] if block.file is None else textfiles.written(block.file, files)
     asked = {block.goes_on_at for block in blocks}
@@ -99,7 +99,7 @@ def _moves(program: Program, ways: Convention, units: tuple[str, ...]) -> list[s
     if program.acts and part is not None:
         lines.append("synchron_end")
     lines += [chosen(program.system)] if program.system != system else []
-    return [*lines, *(f"label {name}" for name in sorted(named)), *(_act(each, units) for each in program.acts)]
+    return [*lines, *(f"label {name}" for name in sorted(named)), *(acted(each, units) for each in program.acts)]
 
 
 def _places(places: Iterable[Tool | Frame]) -> dict[str, Pose]:
@@ -151,7 +151,7 @@ def _shift(shift: Shift, ways: Convention, units: tuple[str, ...]) -> str:
     return f"rel pose {_joints(shift.values, ('mm',) * 3 + ('deg',) * 3)}"
 
 
-def _act(act: Act, units: tuple[str, ...]) -> str:
+def acted(act: Act, units: tuple[str, ...]) -> str:
     """Belt values as mm, whatever the belt's unit."""
     if isinstance(act, MachinePoint):
         return f"mach_pos joints {_joints(act.q, units)}"

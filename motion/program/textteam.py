@@ -5,16 +5,16 @@ NAME` goes back to it.  A move without a name is that of the kinematic named las
 together.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from motion.conventions import CONVENTIONS, convention
-from motion.program.blocks import Act, Block
+from motion.program.blocks import Act, Block, MachinePoint
 from motion.program.errors import TextError, TextFaults
 from motion.program.team import Kinematic, Shared, TeamProgram
 from motion.program.text import FUNCTIONS, MOVES, OF_ONE, Reader
 from motion.program.textinputs import called
 from motion.program.textlabels import Labels
-from motion.program.textout import heading, places_of, written_move
+from motion.program.textout import acted, heading, places_of, written_move
 from motion.program.textsystems import HEADS as SYSTEM_HEADS
 from motion.program.textsystems import chosen, declared
 from motion.program.textwords import Fault, name, one, statement
@@ -23,7 +23,7 @@ from motion.robot import MOST_KINEMATICS
 
 CALLS = tuple(FUNCTIONS)  # begin with the next block of the kinematic
 OWN = ("angles", "axes", "start", "tool", "frame", "point", "set", *SYSTEM_HEADS, *CALLS)  # said of one kinematic
-STATEMENTS = ("program", "kinematic", *OWN, *MOVES, "move", "label")
+STATEMENTS = ("program", "kinematic", *OWN, "mach_pos", *MOVES, "move", "label")
 
 
 def several(text: str) -> bool:
@@ -40,7 +40,7 @@ class TeamReader:
     now: str = ""  # kinematic named last
     blocks: list[Shared] = field(default_factory=list)
     labels: Labels = field(default_factory=Labels)
-    acts: tuple[Act, ...] = ()  # of belts: none (AX-341)
+    acts: tuple[Act, ...] = ()  # in front of the next block, or behind the last one
 
     def statement(self, raw: str, number: int = 0) -> None:
         """One line; raises TextError.  Its block, if it is one, waits for take()."""
@@ -74,7 +74,9 @@ class TeamReader:
             case _ if head in MOVES:
                 self.add({self.now: self.own(self.now, words, number)}, number)
             case "label":
-                self.labels.line(head, rest)
+                self.labels.line(head, rest, acting=bool(self.acts))
+            case "mach_pos":
+                self.act(words, number)
             case "robot":
                 raise Fault(head, "`kinematic NAME ROBOT` names the robot of each kinematic")
             case _ if head in OF_ONE:
@@ -122,20 +124,31 @@ class TeamReader:
 
     def own(self, named: str, words: list[str], number: int) -> Block:
         """One kinematic's part of a block."""
+        (block,) = self.said(named, words, number).take()
+        return block
+
+    def said(self, named: str, words: list[str], number: int) -> Reader:
+        """The reader of a kinematic, which was told this line."""
         reader = self.reader(named)
         try:
             reader.line(words, number)
         except Fault as fault:
             raise Fault(fault.key, f"kinematic {named}: {fault.what}") from None
-        (block,) = reader.take()
-        return block
+        return reader
+
+    def act(self, words: list[str], number: int) -> None:
+        """Done at rest by the kinematic named last, before the next block of any of them."""
+        reader, place = self.said(self.now, words, number), list(self.readers).index(self.now)
+        self.acts += tuple(replace(each, member=place) for each in reader.acts if isinstance(each, MachinePoint))
+        reader.acts = ()
 
     def add(self, moves: dict[str, Block], number: int) -> None:
-        shared = Shared(tuple(moves.get(each) for each in self.readers), number, self.labels.label)
+        shared = Shared(tuple(moves.get(each) for each in self.readers), number, self.labels.label, self.acts)
         self.blocks.append(shared)
         for asked in {block.goes_on_at for block in shared.own}:
             self.labels.asked(number, asked)
         self.labels.added()
+        self.acts = ()
 
     def kinematics(self) -> tuple[Kinematic, ...]:
         named = {id(each): word for word, each in reversed(CONVENTIONS.items())}
@@ -163,7 +176,7 @@ def read_team(text: str) -> TeamProgram:
     ]
     if faults:
         raise TextFaults(faults)
-    return TeamProgram(reader.name, reader.kinematics(), tuple(reader.blocks))
+    return TeamProgram(reader.name, reader.kinematics(), tuple(reader.blocks), reader.acts)
 
 
 def write_team(program: TeamProgram) -> str:
@@ -178,6 +191,7 @@ def write_team(program: TeamProgram) -> str:
     systems: dict[str, WcFrame | None] = {}
     for shared in program.blocks:
         lines += [f"label {shared.label}"] if shared.label else []
+        lines += _acts(program, shared.acts)
         parts = []
         for each, block in zip(program.kinematics, shared.moves, strict=True):
             lines += [f"kinematic {each.name}", *map(called, block.functions)] if block is not None and block.functions else []
@@ -191,4 +205,14 @@ def write_team(program: TeamProgram) -> str:
         lines.append(f"move {' and '.join(parts)}")
     asked = {block.goes_on_at for shared in program.blocks for block in shared.own} - {""}
     lines += [f"label {name}" for name in sorted(asked - {shared.label for shared in program.blocks})]
-    return "\n".join(lines) + "\n"
+    return "\n".join([*lines, *_acts(program, program.acts)]) + "\n"
+
+
+def _acts(program: TeamProgram, acts: tuple[Act, ...]) -> list[str]:
+    """Lines of what is done at rest, each with its kinematic."""
+    lines = []
+    for act in acts:
+        assert isinstance(act, MachinePoint)
+        each = program.kinematics[act.member]
+        lines += [f"kinematic {each.name}", acted(act, each.units or ("deg",) * len(each.start))]
+    return lines

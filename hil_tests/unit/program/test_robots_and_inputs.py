@@ -6,13 +6,13 @@ import pytest
 from gateway.pure.command_block import Code
 from gateway.pure.reasons import CommandState, Reason
 from gateway.pure.records import Motion
+from gateway.teampaper import team_findings
 from hil_tests.lab.answers import answers
 from hil_tests.lab.arm_and_scara import CELL, OWN
 from hil_tests.lab.arms import Array
 from hil_tests.lab.cell402bench import Cell402Bench
 from hil_tests.lab.planned_bench import Planned
 from hil_tests.lab.teams import pair
-from motion.planner.teamtrace import team_findings
 from motion.program.textteam import read_team, write_team
 
 GO, SEEN = 464, 465  # RC inputs

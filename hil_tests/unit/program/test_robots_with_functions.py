@@ -6,6 +6,7 @@ from gateway.config import load_cell
 from gateway.pathoutputs import functions_of
 from gateway.pure.reasons import CommandState
 from gateway.pure.records import get_bit
+from gateway.teampaper import team_findings
 from hil_tests.lab.answers import answers
 from hil_tests.lab.arm_and_scara import MACHINES, OWN, cell_text
 from hil_tests.lab.carried_cell import ARM
@@ -14,7 +15,6 @@ from hil_tests.lab.planned_bench import Planned
 from hil_tests.lab.teams import pair
 from hil_tests.unit.program.close import same
 from hil_tests.unit.program.test_robots_and_inputs import AWAY, HEAD, HOME, run
-from motion.planner.teamtrace import team_findings
 from motion.program.textteam import read_team, write_team
 
 TABLES = "".join(

@@ -7,8 +7,8 @@ import pytest
 
 from gateway.commands.motion import main, team_of_program
 from gateway.files import find_config, read_text
+from gateway.teampaper import team_findings
 from hil_tests.unit.program.close import same
-from motion.planner.teamtrace import team_findings
 from motion.program.blocks import Interpolation, JointTarget, PoseTarget, Rounding
 from motion.program.errors import TextFaults
 from motion.program.textteam import read_team, several, write_team

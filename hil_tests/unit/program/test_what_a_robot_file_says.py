@@ -9,9 +9,9 @@ from gateway.config import load_cell
 from gateway.files import find_config, read_text
 from gateway.programplan import machine_of_cell
 from gateway.robotfile import RobotFaults, load_robot
+from gateway.teampaper import team_findings, team_traces
 from motion.planner.robot import Machine, machine_of
 from motion.planner.team import Team
-from motion.planner.teamtrace import team_findings, team_traces
 from motion.program.blocks import Shape
 from motion.program.textteam import read_team
 from motion.timing.limiter import TooFast

@@ -15,6 +15,7 @@ from gateway.pure.plannerrecords import pack_planner, unpack_planner
 from gateway.pure.programs import Programs
 from gateway.pure.reasons import CommandState
 from gateway.pure.records import CellState, Motion, get_bit
+from gateway.teampaper import team_findings, team_traces
 from hil_tests.lab.answers import answers
 from hil_tests.lab.belt_bench import CELL, PORTAL
 from hil_tests.lab.planned_bench import Planned, ServodynRobot
@@ -22,7 +23,6 @@ from hil_tests.lab.planner_beside import PlannerBeside
 from hil_tests.unit.gateway.test_functions_in_programs import IOL, PLACES
 from hil_tests.unit.program.close import same_program
 from motion.planner.team import Team
-from motion.planner.teamtrace import team_findings, team_traces
 from motion.program.errors import TextFaults
 from motion.program.text import read
 from motion.program.textout import write
