@@ -14,13 +14,14 @@ import numpy as np
 from gateway.pure.beltacts import act_order
 from gateway.pure.beltwords import OURS, belt_words
 from gateway.pure.corebelts import BeltFault, CoreBelts
-from gateway.pure.programparts import Coming, acting, begun, inside, outside
+from gateway.pure.programparts import Coming, acting, begun, inside, outside, told
 from gateway.pure.programtrial import Files
 from gateway.pure.records import InputImage, Quality, set_bit
 from motion.files.playing import FilePath
+from motion.planner.lasting import too_long
 from motion.planner.planner import Planner
 from motion.planner.robot import Machine
-from motion.planner.route import Route
+from motion.planner.route import Route, Stretch
 from motion.planner.team import worst
 from motion.planner.trace import PERIOD_S, BeltWay, Trace, joined, numbered, tool_at, trace
 from motion.planner.watched import Slowed
@@ -103,19 +104,21 @@ def sections_of(
     except BlockError as error:
         faults.append(error)
     if slowed is not None:
-        slowed |= route.slowed()
-    faults = sorted((*route.rows, *faults), key=lambda fault: fault.block)
+        slowed |= worst(route.found)
+    free = [stretch for number, stretch in route.found if blocks[number - 1].synchron is None]
+    faults = sorted((*route.rows, *faults, *(route.renumbered(fault) for fault in too_long(free, machine))), key=lambda fault: fault.block)
     return [section for section in found if section.blocks], faults
 
 
 class _Looked:
     """A route that is fed what can be run.  rows: faults of rows of SPLINE blocks, which show only behind them, with the program's number
-    of the block."""
+    of the block; found: (block of the program, stretch) up to the last rest."""
 
     def __init__(self, machine: Machine, start: Sequence[float]) -> None:
         self._route = Route(machine, start)
         self._numbers: list[int] = []  # of the program, for each block of the route
         self.rows: list[BlockError] = []
+        self.found: list[tuple[int, Stretch]] = []
 
     @property
     def standing(self) -> Sequence[float]:
@@ -131,11 +134,14 @@ class _Looked:
         self._route.reset(places)
 
     def finish(self) -> None:
-        self._after_rows(self._route.finish)
+        try:
+            self._after_rows(self._route.finish)
+        finally:
+            self.found += ((self._numbers[stretch.block - 1], stretch) for stretch in self._route.take())
 
-    def slowed(self) -> dict[int, Slowed]:
-        """Block of the program -> what its worst axis cannot keep."""
-        return worst((self._numbers[stretch.block - 1], stretch) for stretch in self._route.take())
+    def renumbered(self, error: BlockError) -> BlockError:
+        """A fault of a block of the route."""
+        return numbered(error, self._numbers[error.block - 1])
 
     def _after_rows(self, action: Callable[[], object]) -> None:
         try:
@@ -143,7 +149,7 @@ class _Looked:
         except BlockError as error:
             if not 0 < error.block <= len(self._numbers):
                 raise
-            self.rows.append(numbered(error, self._numbers[error.block - 1]))
+            self.rows.append(self.renumbered(error))
             action()  # the row is forgotten
 
 
@@ -280,18 +286,21 @@ class _PartRun:
     def _run(self, start: Sequence[float], blocks: Sequence[Block]) -> None:
         first = self._planner.next_id if self._planner is not None else 1
         planner = self._planner = Planner(self._machine, start, capacity=len(blocks) + 1, next_id=first, ahead_s=math.inf)
-        self._last += len(blocks)
+        before, self._last = self._last, self._last + len(blocks)
         self._begins.clear()
-        for block in blocks:
-            planner.add(block)
-        planner.finish()
         at = 0.0
-        while pieces := planner.plan(0.0, hurry=True):
-            for piece in pieces:
-                at = self._begins[piece.id] if piece.new_tail else at
-                self._begins[piece.id] = at
-                at += piece.duration
-                self._belts.load(piece)
+        try:
+            for block in blocks:
+                planner.add(block)
+            planner.finish()
+            while pieces := planner.plan(0.0, hurry=True):
+                for piece in pieces:
+                    at = self._begins[piece.id] if piece.new_tail else at
+                    self._begins[piece.id] = at
+                    at += piece.duration
+                    self._belts.load(piece)
+        except BlockError as error:
+            raise told(error, before) from error
 
     def _number(self, piece: int) -> int:
         """Block of the program that is under way."""

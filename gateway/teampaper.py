@@ -7,6 +7,7 @@ import numpy as np
 
 from gateway.pure.programparts import acting
 from motion.kinematics.base import Joints
+from motion.planner.lasting import too_long
 from motion.planner.route import Stretch
 from motion.planner.team import Team, own_parts, worst
 from motion.planner.teamroute import TeamRoute
@@ -81,6 +82,9 @@ def team_findings(program: TeamProgram, team: Team) -> TeamFindings:
         acting(program.acts, len(program.blocks), (), "", team)
     except BlockError as error:
         looked.faults.append(error)
+    if not looked.faults:
+        long = ((section, fault) for section in looked.sections for fault in too_long(section.stretches, team))
+        looked.faults += [numbered(fault, fault.block + section.before) for section, fault in long]
     return TeamFindings(() if looked.faults else tuple(looked.sections), tuple(looked.faults))
 
 

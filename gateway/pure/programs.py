@@ -24,7 +24,7 @@ from gateway.pure.plannerrecords import (
 )
 from gateway.pure.programchain import Chain
 from gateway.pure.programchecks import Away, OfCell, check_acts
-from gateway.pure.programparts import Coming, Measuring, apart, ending
+from gateway.pure.programparts import Coming, Measuring, apart, ending, told
 from gateway.pure.programsystems import CellSystems
 from gateway.pure.programteam import (
     begun_part,
@@ -362,8 +362,12 @@ class Programs:
         try:
             return self._planner is None or self._planner.work()
         except MotionError as error:
-            self._fail(error)
+            self._fail_in_part(error)
             return True
+
+    def _fail_in_part(self, error: MotionError) -> None:
+        """As _fail; whoever made the law counts the blocks of the part under way."""
+        self._fail(told(error, self._before) if isinstance(error, BlockError) else error)
 
     def _fail(self, error: MotionError) -> None:
         block, code = (error.block, error.code) if isinstance(error, BlockError) else (0, 0)
@@ -397,7 +401,7 @@ class Programs:
         try:
             self._hand_on(planner, tau)
         except MotionError as error:
-            self._fail(error)
+            self._fail_in_part(error)
             return
         self._chain.forget()
         block, share = planner.place(tau)

@@ -21,6 +21,16 @@ PLENTY, MOST = 128, 800  # pieces of a law: more, and only the nodes that are ne
 LONGEST_S, COLUMNS = 0.5, 7  # a piece of so many columns at most: the cycle looks at every ms of it at once; of more columns, shorter
 
 
+class TooLongError(MotionError):
+    """A law of more pieces than the ring holds.  s: on its path, where they end."""
+
+    def __init__(self, seconds: float, possible: float, s: float) -> None:
+        self.s = s
+        super().__init__(
+            f"a motion of {seconds:.0f} s without a stop is too long, {possible:.0f} s are possible here: run it faster, or stop in between"
+        )
+
+
 def timed_pieces(
     path: JointPath,
     limits: LawLimits,
@@ -34,7 +44,7 @@ def timed_pieces(
     """Pieces of the whole law, the last one ends at rest.
 
     mask: which axis of the cell each axis of the path is (bits rising, default the first ones); blocks: (s at its end, block number),
-    rising.  A piece belongs to one block.  Raises MotionError where the path cannot be met to 2e-7 m or rad, or takes too long for one.
+    rising.  A piece belongs to one block.  Raises TooLongError.
     """
     bits = (1 << path.axes) - 1 if mask is None else mask
     if bits.bit_count() != path.axes:
@@ -44,7 +54,7 @@ def timed_pieces(
     accel, jerk = (_finite([*limit[: path.axes], limit[-2]]) for limit in (limits.accel, limits.jerk))
     most, longest = most_nodes(path.axes), LONGEST_S * min(COLUMNS / (path.axes + 1), 1.0) / law.step
     if len(index) > PLENTY * (most - 1):
-        stay = needed(law.step * np.array(index), states, np.array(numbers), np.array(accel)).tolist()
+        stay = needed(law.step * np.array(index), states, np.array(numbers), np.array(accel), longest * law.step).tolist()
         index, states, numbers = [index[k] for k in stay], states[stay], [numbers[k] for k in stay]
     rows = [tuple(row) for row in states.tolist()]
     pieces: list[TimedPiece] = []
@@ -56,10 +66,7 @@ def timed_pieces(
         ):
             end += 1
         if len(pieces) == MOST:
-            raise MotionError(
-                f"a motion of {law.duration:.0f} s without a stop is too long, {index[begin] * law.step:.0f} s are possible here: "
-                "run it faster, or stop in between"
-            )
+            raise TooLongError(law.duration, index[begin] * law.step, float(law.s[index[begin]]))
         times = tuple(float(k - index[begin]) * law.step for k in index[begin : end + 1])
         pieces.append(
             TimedPiece(first_id + len(pieces), bits, numbers[begin], times, tuple(rows[begin : end + 1]), accel, jerk, ends_at_rest=False)

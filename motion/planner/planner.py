@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from motion.errors import MotionError
 from motion.kinematics.base import Joints
-from motion.planner.commit import timed_pieces
+from motion.planner.commit import TooLongError, timed_pieces
 from motion.planner.known import KnownLaws
 from motion.planner.marks import Mark, check_outputs, marks_of
 from motion.planner.robot import Machine
@@ -28,6 +28,7 @@ from motion.planner.teamroute import TeamRoute
 from motion.planner.timegiven import time_given
 from motion.planner.watched import Slowed
 from motion.program.blocks import Block, Called, Output
+from motion.program.errors import BlockError
 from motion.program.factors import FULL, Factors
 from motion.program.team import Shared
 from motion.timed import TimedPiece
@@ -167,6 +168,10 @@ class Planner:
         self._take()
         if self._fresh and (left := self._route.left()):
             self._fresh[-1] = replace(self._fresh[-1], ending=(*self._fresh[-1].ending, *left))
+
+    def given(self, stretches: Sequence[Stretch]) -> None:
+        """Up to a rest, made by another route, instead of blocks."""
+        self._fresh.extend(stretches)
 
     def left(self) -> tuple[Called | Output, ...]:
         """What blocks without way have begun or ended with, and no way was left to do it on; behind finish()."""
@@ -330,7 +335,10 @@ class Planner:
         path, limits = run.driven
         if isinstance(self.machine, Machine):
             limits = limits.whole(*self.machine.shares)
-        pieces = timed_pieces(path, limits, law, first_id=number, mask=self.mask, blocks=blocks, new_tail=first_id is not None)
+        try:
+            pieces = timed_pieces(path, limits, law, first_id=number, mask=self.mask, blocks=blocks, new_tail=first_id is not None)
+        except TooLongError as error:
+            raise BlockError(str(error), block=run.place(error.s)[0]) from error
         self.next_id = number + len(pieces)
         self._marks = [mark for mark in self._marks if mark.piece < number] + marks_of(run, law, pieces, goes_on=first_id is not None)
         cuts, at = [], begin

@@ -14,15 +14,15 @@ PLACES = 8  # at which a quintic is looked at, at most
 SAME, SAME_SPEED, SAME_ACCEL = 1e-9, 1e-6, 2e-4  # m or rad; per s; share of the limit of acceleration
 
 
-def needed(times: Array, states: Array, numbers: NDArray[np.int64], accel: Array) -> NDArray[np.intp]:
+def needed(times: Array, states: Array, numbers: NDArray[np.int64], accel: Array, longest: float) -> NDArray[np.intp]:
     """Places of the nodes that stay, the first and the last among them.
 
     states: (n, 3 x columns) position, speed, acceleration; numbers: (n,) block of the interval that begins at each node, none reaches
-    over two; accel: (columns,) limits.  Intervals are put together in pairs, pairs of pairs ..."""
+    over two; accel: (columns,) limits; longest: s an interval may last.  Intervals are put together in pairs, pairs of pairs ..."""
     kept = np.ones(len(times), dtype=bool)
     free = int(np.searchsorted(times, times[-1] - LEFT_S))
     starts, width = np.arange(free), 1
-    while len(starts) and width < WIDEST:
+    while len(starts) and width < WIDEST and 2 * width * float(times[1] - times[0]) <= longest:
         firsts, single = starts[starts % (2 * width) == 0], set(starts.tolist())
         both = firsts[[first + width in single for first in firsts.tolist()]]
         width *= 2

@@ -1,9 +1,15 @@
 """Blocks that take minutes: as many pieces as a ring and a follower hold, and the same way, speed and limits as ever.  AX-606."""
 
+import pathlib
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from gateway.commands.motion import main, team_of_program
+from gateway.motionpaper import sections_of
 from gateway.pure.reasons import CommandState
+from gateway.teampaper import team_findings
 from hil_tests.lab.answers import answers
 from hil_tests.lab.arms import Array, portal, robot, run, tool_path, tool_speed
 from hil_tests.lab.belt_bench import CELL
@@ -13,10 +19,28 @@ from motion.errors import MotionError
 from motion.follower import WAITING
 from motion.planner import commit
 from motion.planner.arm import Arm
-from motion.planner.commit import LONGEST_S, MOST
+from motion.planner.commit import LONGEST_S, MOST, PLENTY, timed_pieces
 from motion.planner.planner import Planner
+from motion.planner.route import Route
+from motion.planner.runs import runs
+from motion.planner.swift import swift, width_s
+from motion.planner.watched import Slowed
+from motion.program.errors import BlockError
 from motion.program.text import read
+from motion.program.textteam import read_team
+from motion.timing.limiter import TooFast
 
+TEAM = """kinematic left portal
+axes mm mm mm deg
+start 0 0 0 0
+kinematic right portal
+axes mm mm mm deg
+start 0 0 0 0
+kinematic left
+mach_pos joints 0 0 0 0
+move left linear pose 100 0 0 0 0 0 and right ptp joints 100 0 0 0
+move left linear pose 400 0 0 0 0 0 path=10 blend=off and right linear pose 400 0 0 0 0 0 path=20
+"""
 HEAD = "robot portal\naxes mm mm mm\nstart 0 0 0\n"
 ARC = """robot tx60-like
 angles val3
@@ -107,3 +131,75 @@ def test_what_takes_longer_than_the_ring_holds_is_refused_in_words() -> None:
     with pytest.raises(MotionError, match=r"a motion of 600 s without a stop is too long, [34]\d\d s are possible here: run it faster"):
         planner.plan(0.0, hurry=True)
     assert MOST < WAITING
+
+
+def test_no_piece_lasts_longer_than_the_cycle_looks_at_at_once() -> None:
+    """A law of very slow blocks has a wide grid; its nodes put together stay within the time of a piece."""
+    machine = robot("tx60-like")
+    route = Route(machine, read(ARC).start)
+    for block in read(ARC.replace("path=12", "path=60")).blocks:
+        route.add(block)
+    route.finish()
+    run = runs(route.take(), machine)[1]
+    law = swift(run.path, run.limits, width_s(run.limits)).law
+    for slower in (8.0, 30.0):
+        slow = replace(law, step=slower * law.step, speed=law.speed / slower, accel=law.accel / slower**2)
+        durations = [piece.duration for piece in timed_pieces(run.path, run.limits, slow)]
+        assert sum(durations) == pytest.approx(slow.duration) and 0.2 < max(durations) <= LONGEST_S
+
+
+SLOW = """robot portal
+axes mm mm mm deg
+start 0 0 0 0
+set blend=off
+linear pose 300 0 0 0 0 0
+linear pose 0 0 0 0 0 0
+linear pose 300 0 0 0 0 0 path=10
+ptp joints 0 0 0 0 %s
+linear pose 200 0 0 0 0 0 path=10
+"""
+LESS = 36  # pieces
+
+
+def test_check_and_plot_tell_it_of_every_block_before_anything_moves_and_in_the_words_of_the_planner(
+    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    program, page = tmp_path / "it.txt", tmp_path / "it.html"
+    program.write_text(SLOW % "")
+    assert main(["check", str(program)]) == 0
+    monkeypatch.setattr(commit, "MOST", LESS)
+    planner = Planner(robot("portal"), (0.0,) * 4)
+    added(planner, SLOW % "")
+    with pytest.raises(BlockError, match=r"block 3: a motion of 30 s without a stop is too long, 1\d s are possible here") as told:
+        list(iter(lambda: planner.plan(planner.end, hurry=True), []))
+    capsys.readouterr()
+    for what in ("check", "plot"):
+        assert main([what, str(program), "--out", str(page)]) == 1 and not page.exists()
+        lines = capsys.readouterr().out.splitlines()
+        assert lines[0] == f"line 7: {told.value}" and lines[1].startswith("line 9: block 5: a motion of 20 s without a stop is too long")
+
+
+def test_check_tells_it_of_several_kinematics(monkeypatch: pytest.MonkeyPatch) -> None:
+    program = read_team(TEAM)
+    machines = team_of_program(program, None)
+    assert team_findings(program, machines).faults == ()
+    monkeypatch.setattr(commit, "MOST", LESS)
+    (fault,) = team_findings(program, machines).faults
+    assert str(fault).startswith("block 2: a motion of 30 s without a stop is too long")
+
+
+@answers
+def test_a_cell_names_line_and_block_of_the_program_behind_a_part_that_ended_with_its_input(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(commit, "MOST", PLENTY)
+    cell = Planned(ServodynRobot(cell=CELL))
+    text = (SLOW % "until=464").replace("start 0 0 0 0\n", "").replace("path=10\nptp", "path=600\nptp").replace("path=10", "path=2")
+    job = cell.bench.settle(cell.order(text), 40.0)
+    assert job.state is CommandState.ABORTED and "line 8: block 5: a motion of 100 s without a stop is too long" in job.detail
+    assert cell.bench.set() == pytest.approx([0, 0, 0, 0], abs=1e-6)
+
+
+def test_what_an_axis_slows_down_is_also_told_in_front_of_mach_pos() -> None:
+    slowed: dict[int, Slowed] = {}
+    text = "axes mm mm mm deg\nstart 50 50 50 0\nlinear pose 450 50 50 0 0 0 path=9000\nmach_pos joints 0 0 0 0\nptp joints 1 0 0 0\n"
+    sections_of(read(text), replace(robot("portal"), too_fast=TooFast.WARN), (), slowed=slowed)
+    assert list(slowed) == [1]
