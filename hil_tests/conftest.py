@@ -6,6 +6,7 @@ import shutil
 import sys
 import tempfile
 
+import hypothesis
 import pytest
 
 from hil_tests.host import REPORTS as RIGS_REPORTS
@@ -22,6 +23,8 @@ from hil_tests.rig.uml.lane import CLAIMS, REPORTS, GuestLane
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # hundreds of processes start in a run: each would compile axisgate anew
 sys.dont_write_bytecode = False
 one_thread()  # before any test module loads numpy
+hypothesis.settings.register_profile("untimed", deadline=None, suppress_health_check=(hypothesis.HealthCheck.too_slow,))
+hypothesis.settings.load_profile("untimed")  # a host may take a processor away for longer than any deadline
 
 MINE = pytest.StashKey[pathlib.Path]()
 

@@ -14,6 +14,7 @@ from typing import NamedTuple
 from motion.errors import PieceError
 from motion.timed import Quintic, TimedPiece
 from motion.timing.change import MOST, Change
+from motion.timing.foresight import Foresight
 from motion.timing.guard import correction
 from motion.timing.track import Rows, Track
 
@@ -59,7 +60,7 @@ NOWHERE: _Held = (0.0, 0.0, 0.0, 0.0, ())
 class Follower:
     """See the module.  Raises PieceError on pieces that cannot follow, never in step()."""
 
-    def __init__(self, axes: int, period_s: float) -> None:
+    def __init__(self, axes: int, period_s: float, foresight: type[Foresight] = Foresight) -> None:
         self._axes, self._parts = axes, max(ceil(period_s / LONGEST_S - ROUNDING), 1)
         self._h = h = period_s / self._parts
         self._pieces: deque[TimedPiece] = deque()
@@ -67,7 +68,7 @@ class Follower:
         self._index = 0  # of the piece under way
         self._interval = 0
         self._track = Track(axes + 1, h)
-        self._law = Change(self._track, h)
+        self._law = Change(self._track, h, foresight)
         self._pending: list[TimedPiece] = []
         self._rows: list[Rows] = []  # of the pending pieces: worked out as they come, so that taking a long tail costs little
         self._next = 0.0  # tau at which the next pending piece begins

@@ -20,6 +20,7 @@ from motion.follower import FIT, Follower
 from motion.pieces import MAX_AXES, Piece
 from motion.profile import Profile
 from motion.timed import TimedPiece
+from motion.timing.foresight import Foresight
 
 QUEUE = 8  # pieces that may wait behind the running one
 ARRIVED = 1e-12  # of the length: nothing left to go
@@ -66,10 +67,10 @@ def stopping_distance(speed: float, accel: float, jerk: float) -> float:
 class Stepper:
     """See the module.  Raises only on what its caller does wrong (MotionError, PieceError), never in step()."""
 
-    def __init__(self, axes: int, period_s: float, position: Sequence[float] | None = None) -> None:
+    def __init__(self, axes: int, period_s: float, position: Sequence[float] | None = None, foresight: type[Foresight] = Foresight) -> None:
         if not (1 <= axes <= MAX_AXES and 0 < period_s < 1):
             raise MotionError(f"{axes} axes (1 .. {MAX_AXES}), period {period_s} s (0 .. 1) do not fit")
-        self._period = period_s
+        self._period, self._foresight = period_s, foresight
         self._q = [0.0] * axes if position is None else list(position)
         self._still = (0.0,) * axes
         self._queue: deque[Piece] = deque()
@@ -169,7 +170,7 @@ class Stepper:
             raise PieceError(f"piece {piece.id}: axis {piece.axes[-1]} of its mask does not exist, there are {len(self._q)}")
         if self._follower is None or (self._state is State.IDLE and self._follower.last is not None and piece.id <= self._follower.last.id):
             self._check_fit(piece)
-            self._follower = Follower(len(self._q), self._period)
+            self._follower = Follower(len(self._q), self._period, self._foresight)
         self._follower.load(piece)
         if self._state is State.IDLE and piece.ends_at_rest:
             self._state, self._direction = State.RUNNING, 1

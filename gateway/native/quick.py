@@ -12,6 +12,7 @@ from drivers.drives.servodyn_family import ServodynFamily
 from drivers.drives.tracking import Tracking
 from gateway.image import RegionReader, RegionWriter, RingReader, RingWriter
 from gateway.native.built import load, wanted
+from gateway.native.foresight import QuickForesight
 from gateway.pure.axisloops import PYTHON, AxisLoops
 from gateway.pure.coreaxis import CoreAxis, HeldAxis
 from gateway.pure.records import (
@@ -26,6 +27,7 @@ from gateway.pure.records import (
     cell_state_size,
 )
 from gateway.realtime import Alarm
+from motion.timing.foresight import Foresight
 from protocols.base.layout import Packer
 from protocols.servodyn.codec import SYNC, ActualValue, SetValue
 
@@ -86,12 +88,13 @@ class Quick:
         self.missing: list[str] = []
         self._off = not wanted() if python is None else python
         self.loops: AxisLoops = PYTHON
+        self.foresight: type[Foresight] = Foresight
         self.region: type[RegionWriter] = RegionWriter
         self.ring: type[RingWriter] = RingWriter
         self.alarm: type[Alarm] = Alarm
         self.collect: Collect | None = None
         self._memory, self._telegrams = self._part("memory"), self._part("telegrams")
-        axes, alarm = self._part("axes"), self._part("alarm")
+        axes, alarm, foresight = self._part("axes"), self._part("alarm"), self._part("foresight")
         if axes is not None:
             self.loops = self._bound(axes)
         if self._memory is not None:
@@ -103,6 +106,9 @@ class Quick:
         if alarm is not None:
             QuickAlarm.part = alarm
             self.alarm = QuickAlarm
+        if foresight is not None:
+            QuickForesight.part = foresight
+            self.foresight = QuickForesight
 
     def _part(self, name: str) -> ModuleType | None:
         if self._off:

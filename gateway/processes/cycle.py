@@ -84,6 +84,7 @@ class Cycle:
             alter=alter_of_cell(cell, plan.p5_ms),
             shared=shared_of_cell(cell, plan.p5_ms),
             loops=quick.loops,
+            foresight=quick.foresight,
         )
         self.buses = [
             BusLink(plan.buses[bus.name], make_family(cell, bus, plan.p5_ms, simulated=plan.simulated), n, quick)

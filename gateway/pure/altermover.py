@@ -14,6 +14,7 @@ from gateway.pure.reasons import Reason
 from gateway.pure.records import CellState, InputImage, OrderRecord
 from motion.errors import MotionError
 from motion.stepper import Sample, State
+from motion.timing.foresight import Foresight
 
 
 class AlterMover(Mover):
@@ -119,6 +120,7 @@ def make_mover(
     outputs: bytearray,
     homings: Homings,
     period_s: float,
+    foresight: type[Foresight],
     *,
     belts: CoreBelts | None,
     alter: CoreAlter | None,
@@ -127,12 +129,12 @@ def make_mover(
     """The least that the cell needs."""
     if alter is None:
         if belts is None:
-            return Mover(axes, state, outputs, homings, period_s)
-        return BeltMover(axes, state, outputs, homings, period_s, belts=belts, off=off)
+            return Mover(axes, state, outputs, homings, period_s, foresight)
+        return BeltMover(axes, state, outputs, homings, period_s, foresight, belts=belts, off=off)
     mover = (
-        AlterMover(axes, state, outputs, homings, period_s)
+        AlterMover(axes, state, outputs, homings, period_s, foresight)
         if belts is None
-        else AlterBeltMover(axes, state, outputs, homings, period_s, belts=belts, off=off)
+        else AlterBeltMover(axes, state, outputs, homings, period_s, foresight, belts=belts, off=off)
     )
     mover.alter = alter
     return mover

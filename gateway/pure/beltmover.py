@@ -15,6 +15,7 @@ from motion.errors import MotionError
 from motion.pieces import Piece
 from motion.stepper import Sample, State
 from motion.timed import TimedPiece
+from motion.timing.foresight import Foresight
 
 
 class BeltMover(Mover):
@@ -27,11 +28,12 @@ class BeltMover(Mover):
         outputs: bytearray,
         homings: Homings,
         period_s: float,
+        foresight: type[Foresight] = Foresight,
         *,
         belts: CoreBelts,
         off: Callable[[Reason], None],
     ) -> None:
-        super().__init__(axes, state, outputs, homings, period_s)
+        super().__init__(axes, state, outputs, homings, period_s, foresight)
         self._belts, self._off = belts, off
         self._awaiting = 0  # job whose SYNC waits
 

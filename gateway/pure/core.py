@@ -23,6 +23,7 @@ from gateway.pure.plannerrecords import PieceRecord
 from gateway.pure.reasons import Reason
 from gateway.pure.records import MOST_AXES, RC_BYTES, AxisState, CellState, InputImage, Motion, Order, OrderRecord, Permit
 from motion.stepper import State
+from motion.timing.foresight import Foresight
 from motion.timing.overrideramp import OverrideRamp
 from protocols.base.machine import Ns, ms
 
@@ -64,6 +65,7 @@ class Core:
         shared: "CoreShared | None" = None,
         override_step: float = 1.0,
         loops: AxisLoops = PYTHON,
+        foresight: type[Foresight] = Foresight,
     ) -> None:
         self.state = CellState(generation=generation, axes=[AxisState() for _ in axes])
         self.outputs = bytearray(RC_BYTES)
@@ -75,7 +77,9 @@ class Core:
         self._endless = CoreEndless(self._axes, self.state)
         self._homings = Homings(self._axes, self.state, period_s)
         self.belts, self._shared = belts, shared
-        self._mover = make_mover(self._axes, self.state, self.outputs, self._homings, period_s, belts=belts, alter=alter, off=self._off)
+        self._mover = make_mover(
+            self._axes, self.state, self.outputs, self._homings, period_s, foresight, belts=belts, alter=alter, off=self._off
+        )
         self._mover.functions = functions
         self._drive_axes, self._watch_axes = loops.drive_axes, loops.watch_axes
         self._publisher = Publisher(self.state, self.outputs, numbers, period_s, loops)

@@ -26,6 +26,7 @@ from motion.outputs.function import Function
 from motion.pieces import Piece, decode
 from motion.stepper import Sample, State, Stepper
 from motion.timed import TimedPiece, decode_any
+from motion.timing.foresight import Foresight
 
 ENTRIES: dict[Part, Callable[[PieceRecord], Entry]] = {  # done at a place of a piece
     Part.OUTPUT: switch_of,
@@ -44,8 +45,16 @@ if TYPE_CHECKING:
 class Mover:
     """Of one core; `state` and `outputs` are written in place."""
 
-    def __init__(self, axes: Sequence[HeldAxis], state: CellState, outputs: bytearray, homings: Homings, period_s: float) -> None:
-        self.stepper = Stepper(len(axes), period_s)
+    def __init__(
+        self,
+        axes: Sequence[HeldAxis],
+        state: CellState,
+        outputs: bytearray,
+        homings: Homings,
+        period_s: float,
+        foresight: type[Foresight] = Foresight,
+    ) -> None:
+        self.stepper = Stepper(len(axes), period_s, foresight=foresight)
         self.stepper.set_override(0.0)
         self.program = ProgramRun()  # done when nothing more comes and all is run
         self.measure = CoreMeasure(state, len(axes), round(period_s * 1e9))
@@ -59,7 +68,8 @@ class Mover:
         self.running = 0  # job of the piece under way
         self._inputs = InputImage()  # of the last cycle
         self._arriving = 0  # cycles since the set values of the running job arrived
-        self._axes, self._state, self._outputs, self._homings, self._period = axes, state, outputs, homings, period_s
+        self._axes, self._state, self._outputs, self._homings = axes, state, outputs, homings
+        self._period, self._foresight = period_s, foresight
 
     # ---- what stands -------------------------------------------------------------------------------------------------
     @property
@@ -145,7 +155,7 @@ class Mover:
         self._state.fail(self.running or self.program.job, reason)
         self.running = 0
         self._clear()
-        self.stepper = Stepper(len(self._axes), self._period, [axis.set for axis in self._axes])
+        self.stepper = Stepper(len(self._axes), self._period, [axis.set for axis in self._axes], self._foresight)
         self.stepper.set_override(self.override)
 
     # ---- drive-on of single axes -------------------------------------------------------------------------------------

@@ -4,7 +4,6 @@ The chain is the one of the product: increments, counter, filter with prediction
 Belt: 300 mm/s +-10 % at 1 Hz, a stop in 0.3 s, encoder of 0.1 mm, one sample a ms.
 """
 
-import gc
 import math
 import time
 from collections.abc import Sequence
@@ -13,6 +12,7 @@ from fractions import Fraction
 import numpy as np
 
 from hil_tests.bench.figure_row import RECORDED, Figure, row
+from hil_tests.bench.step_costs import cost_rows
 from hil_tests.lab import motionpaths as lab
 from hil_tests.lab.arms import portal
 from motion.frames import NO_ROTATION, Pose
@@ -31,6 +31,7 @@ from motion.sync.parallel import Carrier, Coupling, ParallelPart
 from motion.sync.reserve import reserved
 from motion.sync.tracker import ALPHA, BETA, GAMMA, Tracker
 from motion.timed import TimedPiece
+from motion.timing.foresight import Foresight
 from motion.timing.jerk import jerk_limited
 from motion.timing.limits import law_limits
 
@@ -129,27 +130,17 @@ def step_costs(rounds: int = 8, repeats: int = 3) -> list[Figure]:
     near = robot.inverse(start, (0.0, 0.5, 1.2, 0.0, 1.0, 0.0))
     path = joint_path_of(line(start, end), robot, near)
     pieces = timed_pieces(path, law_limits(limits), jerk_limited(path, law_limits(reserved(limits), way=(0.25, 4.0, 100.0))))
-    costs: list[int] = []
-    gc.collect()
-    gc.disable()
-    try:
-        for n in range(rounds):
-            costs += [min(same) for same in zip(*(_periods(robot, limits, near, pieces, n) for _ in range(repeats)), strict=True)]
-    finally:
-        gc.enable()
-    ordered = sorted(costs)
-    anchor, unit = f"stepper, frame, analytic IK ({RECORDED})", f"us of processor time, least of {repeats} same runs"
-    return [
-        row("motion.belt_step_p50", ordered[len(ordered) // 2] / 1000, unit, 60.0, anchor, 9.0),
-        row("motion.belt_step_p99", ordered[int(len(ordered) * 0.99)] / 1000, unit, 150.0, anchor, 15.0),
-    ]
+    anchor = f"stepper, frame, analytic IK ({RECORDED})", 9.0, 15.0
+    return cost_rows("motion.belt_step", anchor, rounds, repeats, lambda n, foresight: _periods(robot, limits, near, pieces, n, foresight))
 
 
-def _periods(robot: Arm6, limits: Sequence[AxisLimits], near: Joints, pieces: Sequence[TimedPiece], n: int) -> list[int]:
+def _periods(
+    robot: Arm6, limits: Sequence[AxisLimits], near: Joints, pieces: Sequence[TimedPiece], n: int, foresight: type[Foresight]
+) -> list[int]:
     """ns of each period; n: where the override changes."""
     costs: list[int] = []
     belts, frame = carried(1, (ALPHA, BETA, GAMMA))
-    rig = SyncStepper(Stepper(6, MS, near), robot, [axis.speed for axis in limits], MS, near)
+    rig = SyncStepper(Stepper(6, MS, near, foresight), robot, [axis.speed for axis in limits], MS, near)
     for piece in pieces:
         rig.load(piece)
     frame.step(MS)

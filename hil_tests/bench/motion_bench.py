@@ -5,7 +5,7 @@ Reference of the step costs: one bare ruckig sample (`Trajectory.at_time`, one d
 cost.  Shares of limits are taken from set values at 1 ms by finite differences.
 """
 
-import gc
+import math
 import random
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -14,6 +14,7 @@ import ruckig
 
 from gateway.progress import steps as shown
 from hil_tests.bench import belt_figures, kinematics_bench, motion_figures
+from hil_tests.bench.step_costs import cost_rows, least_of, percentile, uncollected
 from hil_tests.lab import arms
 from hil_tests.lab.contour import SPEED, stream
 from hil_tests.lab.toolspeed import random_blocks, streamed
@@ -27,14 +28,10 @@ from motion.program.blocks import Blend, Block, Interpolation, JointTarget, Pace
 from motion.ptp import plan_ptp
 from motion.stepper import State, Stepper
 from motion.timed import TimedPiece
+from motion.timing.foresight import Foresight
 
 P5 = 0.004
 Figure = dict[str, str | float | bool]
-
-
-def percentile(values: list[int], share: float) -> float:
-    """Microseconds."""
-    return sorted(values)[min(int(len(values) * share), len(values) - 1)] / 1000
 
 
 def step_costs(steps: int, change: float, seed: int = 1) -> tuple[list[int], list[int]]:
@@ -149,11 +146,8 @@ def streams(count: int) -> list[Figure]:
     ]
 
 
-def cycle_costs(steps: int = 20_000, rounds: int = 3) -> list[Figure]:
-    """A whole period: follower on a line of the six-axis arm with override changes, frame shifted as a belt would, inverse, travel.
-
-    The same steps are run `rounds` times and the least of each counts: what else the machine does is no part of a step.
-    """
+def cycle_costs(steps: int = 20_000, repeats: int = 3) -> list[Figure]:
+    """A whole period: follower on a line of the six-axis arm with override changes, frame shifted as a belt would, inverse, travel."""
     machine = arms.robot("tx60-like")
     start: tuple[float, ...] = (0.0, 0.5, 1.5, 0.0, 1.0, 0.0)
     here = machine.kinematics.forward(start)
@@ -162,27 +156,18 @@ def cycle_costs(steps: int = 20_000, rounds: int = 3) -> list[Figure]:
     for dy in (0.1, -0.1, 0.0):
         planner.add(Block(Interpolation.LINEAR, PoseTarget(Pose((x, y + dy, z), here.rotation)), pace=Pace(path_speed=0.25)))
     pieces = planner.plan(0.0, hurry=True)
-    costs: list[int] = []
-    seed = 0
-    gc.collect()
-    gc.disable()
-    try:
-        while len(costs) < steps:
-            seed += 1
-            costs += [min(same) for same in zip(*(driven(machine, start, pieces, seed) for _ in range(rounds)), strict=True)]
-        bare = [min(same) for same in zip(*(bare_cycle(machine, start) for _ in range(rounds)), strict=True)]
-    finally:
-        gc.enable()
-    reference, unit = "ruckig along a line, frame, inverse, same run", f"us of processor time, least of {rounds} same runs"
-    return [
-        row("motion.step_p50", percentile(costs, 0.5), unit, 60.0, reference, percentile(bare, 0.5)),
-        row("motion.step_p99", percentile(costs, 0.99), unit, 150.0, reference, percentile(bare, 0.99)),
-    ]
+    rounds = math.ceil(steps / len(driven(machine, start, pieces, 0, Foresight)))
+    with uncollected():
+        bare = least_of(repeats, lambda: bare_cycle(machine, start))
+    reference = "ruckig along a line, frame, inverse, same run", percentile(bare, 0.5), percentile(bare, 0.99)
+    return cost_rows("motion.step", reference, rounds, repeats, lambda seed, foresight: driven(machine, start, pieces, seed, foresight))
 
 
-def driven(machine: Machine, start: tuple[float, ...], pieces: Sequence[TimedPiece], seed: int) -> list[int]:
+def driven(
+    machine: Machine, start: tuple[float, ...], pieces: Sequence[TimedPiece], seed: int, foresight: type[Foresight] = Foresight
+) -> list[int]:
     """ns of each period of the three lines; the same seed changes the override in the same periods."""
-    dice, follower, near, wanted, ended = random.Random(seed), Follower(6, 1e-3), start, 1.0, False
+    dice, follower, near, wanted, ended = random.Random(seed), Follower(6, 1e-3, foresight), start, 1.0, False
     for piece in pieces:
         follower.load(piece)
     costs: list[int] = []
@@ -235,13 +220,9 @@ def run(steps: int = 100_000, programs: int = 60, segments: int = 15_000) -> lis
 
 def step_figures(steps: int) -> list[Figure]:
     """The stepper alone, on PTP pieces."""
-    gc.collect()
-    gc.disable()
-    try:
+    with uncollected():
         plain, planned = step_costs(steps, 0.05)
         bare = bare_sample_us()
-    finally:
-        gc.enable()
     both = plain + planned
     rows = (
         ("motion.ptp_step_median", percentile(both, 0.5), 15.0),

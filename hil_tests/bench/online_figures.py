@@ -1,6 +1,5 @@
 """Figures of the stepper on whole paths (motion.md E): changes of speed, stops, ways back, limits kept, what a step costs."""
 
-import gc
 import itertools
 import math
 import random
@@ -13,6 +12,7 @@ import ruckig
 from numpy.typing import NDArray
 
 from hil_tests.bench.figure_row import RECORDED, Figure, row
+from hil_tests.bench.step_costs import cost_rows
 from hil_tests.lab import motionpaths as lab
 from motion.limits import AxisLimits
 from motion.paths.corner import corner
@@ -21,6 +21,7 @@ from motion.planner.commit import timed_pieces
 from motion.stepper import Sample, State, Stepper
 from motion.timed import TimedPiece
 from motion.timing.choice import Rounded, assembled
+from motion.timing.foresight import Foresight
 from motion.timing.jerk import jerk_limited
 from motion.timing.limits import law_limits
 
@@ -35,8 +36,8 @@ def pieces_of_u() -> tuple[list[TimedPiece], list[AxisLimits]]:
     return timed_pieces(path, bounds, jerk_limited(path, bounds)), limits
 
 
-def loaded(pieces: list[TimedPiece], axes: int, period_s: float = lab.MS) -> Stepper:
-    stepper = Stepper(axes, period_s, pieces[0].start())
+def loaded(pieces: list[TimedPiece], axes: int, period_s: float = lab.MS, foresight: type[Foresight] = Foresight) -> Stepper:
+    stepper = Stepper(axes, period_s, pieces[0].start(), foresight)
     for piece in pieces:
         stepper.load(piece)
     return stepper
@@ -202,25 +203,13 @@ def step_costs(rounds: int = 12, repeats: int = 3) -> list[Figure]:
     legs, corners, limits = lab.u_arm(0.0125)
     path = assembled(legs, corners)
     pieces = timed_pieces(path, limits, jerk_limited(path, limits))
-    costs: list[int] = []
-    gc.collect()
-    gc.disable()
-    try:
-        for n in range(rounds):
-            costs += [min(same) for same in zip(*(_periods(pieces, n) for _ in range(repeats)), strict=True)]
-    finally:
-        gc.enable()
-    ordered = sorted(costs)
-    anchor, unit = f"ruckig, frame, analytic IK ({RECORDED})", f"us of processor time, least of {repeats} same runs"
-    return [
-        row("motion.path_step_p50", ordered[len(ordered) // 2] / 1000, unit, 60.0, anchor, 9.0),
-        row("motion.path_step_p99", ordered[int(len(ordered) * 0.99)] / 1000, unit, 150.0, anchor, 15.0),
-    ]
+    anchor = f"ruckig, frame, analytic IK ({RECORDED})", 9.0, 15.0
+    return cost_rows("motion.path_step", anchor, rounds, repeats, lambda n, foresight: _periods(pieces, n, foresight))
 
 
-def _periods(pieces: list[TimedPiece], seed: int, every: int = 400) -> list[int]:
+def _periods(pieces: list[TimedPiece], seed: int, foresight: type[Foresight], every: int = 400) -> list[int]:
     """ns of each period; the same seed changes the override in the same ones."""
-    dice, stepper = random.Random(seed), loaded(pieces, 6)
+    dice, stepper = random.Random(seed), loaded(pieces, 6, foresight=foresight)
     clock, costs = dice.randint(0, every), []
     while stepper.state is not State.IDLE:
         clock += 1

@@ -2,8 +2,9 @@
 code 1 when a limit, the path or the stream was lost.  PROCESSES 0: one on each core.
 
 Each program of a portal (lines, PTP, corners of all sizes, all speeds) is driven twice by the stepper at 1 ms: as it is, and with
-random overrides, stops and ways back.  Its set values are judged by differences: speed 1.00, acceleration 1.02, jerk 1.05 of the
-limits (1.10 while speed changes), and never 1 um off the path as it is driven without orders.
+random overrides, stops and ways back (looking ahead in C where that was built, as a cell does).  Its set values are judged by
+differences: speed 1.00, acceleration 1.02, jerk 1.05 of the limits (1.10 while speed changes), and never 1 um off the path as it is
+driven without orders.
 """
 
 import math
@@ -18,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from gateway.native.quick import Quick
 from gateway.progress import Progress
 from hil_tests.bench.motion_bench import random_program
 from hil_tests.bench.path_figures import corner_dev
@@ -26,6 +28,7 @@ from hil_tests.lab.contour import SPEED, Streamed, stream
 from motion.planner.planner import Planner
 from motion.stepper import State, Stepper
 from motion.timed import TimedPiece
+from motion.timing.foresight import Foresight
 
 Array = NDArray[np.float64]
 MS, FINE = 1e-3, 2e-4  # s: of the set values; of the curve they are compared with (its chords are 0.1 um off at 20 m/s2)
@@ -62,8 +65,8 @@ def pieces_of(seed: int) -> list[TimedPiece]:
     return pieces
 
 
-def loaded(pieces: Iterable[TimedPiece], period_s: float) -> Stepper:
-    stepper = Stepper(3, period_s, (0.0, 0.0, 0.0))
+def loaded(pieces: Iterable[TimedPiece], period_s: float, foresight: type[Foresight] = Foresight) -> Stepper:
+    stepper = Stepper(3, period_s, (0.0, 0.0, 0.0), foresight)
     for piece in pieces:
         stepper.load(piece)
     return stepper
@@ -129,7 +132,7 @@ def judged(seed: int) -> Judged:
     """One program."""
     machine, pieces = arms.portal(), pieces_of(seed)
     plain = np.array(driven(loaded(pieces, MS)))
-    other = np.array(ordered(loaded(pieces, MS), random.Random(seed)))
+    other = np.array(ordered(loaded(pieces, MS, Quick().foresight), random.Random(seed)))
     moved = other[np.concatenate([[True], np.any(np.diff(other, axis=0) != 0.0, axis=1)])]
     return Judged(seed, arms.shares(machine, plain, MS), arms.shares(machine, other, MS), away(moved[::23], curve_of(pieces)))
 

@@ -1,99 +1,31 @@
-"""How the share of full speed changes: in each period the strongest lawful step, found from what lies ahead.
+"""How the share of full speed changes: in each period the strongest lawful step.
 
 omega = dtau/dt is the share of full speed, u = d omega/dt, c = du/dt.  |omega| <= 1 with u = 0 is lawful anywhere, because full speed
-is; so u is lawful as long as it can be brought back to 0 in time.  Along the way that was foreseen a period ago (omega, u, tau at
-places in time) the rows of the track give, in closed form, the lowest u that the accelerations allow and the range of c that the
-jerks allow.  One pass from the far end back gives the lowest u from which everything behind can still be met; one pass forward the
-way that falls to it, rides on it, and lands on the wanted omega with u = 0.  The first period of that way is driven, the rest is
-what is foreseen next time.  No search, and as many operations in every period.
+is; so u is lawful as long as it can be brought back to 0 in time: what lies ahead says how far (motion.timing.foresight).
 
 Where the way is so calm that one bound of u and one of c hold all along it, the change is known at once (motion.timing.phases) and is
-nearly the fastest: it is taken when it is at least as fast as what the first method could ever find.
-
-Everything is written for omega that falls; for omega that rises v = -u takes the place of u.
+nearly the fastest: it is taken when it is at least as fast as what foresight could ever find.
 """
 
-from math import ceil, inf, nan
-from typing import NamedTuple
+from math import inf, nan
 
-import numpy as np
-from numpy.typing import NDArray
-
+from motion.timing.foresight import BEYOND, Foresight
 from motion.timing.phases import Phase, calmed, least_time, phases, travel
-from motion.timing.track import Part, Span, Track
+from motion.timing.track import Track
 
-Array = NDArray[np.float64]
-PLACES = 48  # foreseen at most
-AHEAD = 2.4  # times acceleration / jerk of the slowest axis: how long u may take to come back
-MOST_U, MOST_C = 0.08, 0.02  # change of omega and of u * period in a period: where the path hardly moves nothing else bounds them
-QUICK, HASTE = 0.5, 2.0  # u by the ramp, c by u and ramp
-HEAVY = 4.0  # times the least room for c that an axis has: more, and it counts as one that c hardly moves
-CALM = 0.4  # of the largest u where the path is to go faster: nobody waits for it
-PROBE = 0.1  # of the largest u, for a look at places where v is smaller
-RESERVE = 0.02  # of the jerk limit, for what was not foreseen: with it the set value comes to what the last look leaves it
-LESS = ((0.02, 0.935), (0.005, 0.95))  # of the jerk limit, with each period ahead less, and at least; on the way up, on the way down
-TRUST = 0.5  # of both the new way and the one before in what is foreseen: two new ones would answer one another
-SPARE, AMPLE = 1.05, 1.3  # ways to land are taken so much longer: they are foreseen, not known, and beyond full speed there is nothing
-BOLD = 0.4  # of what a new way differs from the foreseen one: what an axis that is about to turn back will bear is known late
-USEFUL = 0.75  # of what c brings an axis at once, with half of what v then takes away: less, and c is no help
-STIFF = 0.8  # of v a period: more does its own jerk not take away
-SHARES = np.linspace(0.25, 1.0, 4)  # of the range of c, tried for the landing
 CALM_ENOUGH = 1.15  # times what the limits here would take: so long may a change in phases take
-BEYOND = 1.5  # of the largest u foreseen
 CLOSE = 8  # periods of a landing that phases take over
-SLOWEST = 0.01  # of full speed: slower, and an axis that turns back needs no jerk for it
 TURN = 1e-9  # of omega: rounding, no turning round
 MOST = 1.02  # of full speed, for a moment: a change that comes back to it too fast lands from beyond, the jerk of the axes kept
-LITTLE = 1e-6  # of c: less is rounding
 LOOKS = 3  # at the way a change in phases makes, each a little further
-
-
-class _Rise(NamedTuple):
-    """v at place 1 and behind it: scale * (sum + v at place 1 / first) where it rises as fast as the jerks allow."""
-
-    scale: Array
-    sum: Array
-    first: float
-
-    def back(self, v: float) -> Array:
-        """From v at place 1 on; 0 once it is reached."""
-        way = self.sum + v / self.first
-        way *= self.scale
-        return np.minimum(way, 0.0, out=way)
-
-    def way(self, v: float) -> float:
-        """The sum of v over all these places, place 1 by half."""
-        back = self.back(v)
-        return float(np.add.reduce(back)) - 0.5 * back.item(0)
-
-    def ways(self, tried: Array) -> Array:
-        """The same from each of some v."""
-        ways = self.sum + tried[:, None] / self.first
-        ways *= self.scale
-        np.minimum(ways, 0.0, out=ways)
-        return np.asarray(np.add.reduce(ways, axis=1) - 0.5 * ways[:, 0])
-
-
-class _Bounds(NamedTuple):
-    """Lowest v by the accelerations, lowest c (as change of v) by the jerks; v had it started at 0 and risen: scale * sum."""
-
-    lowest: Array
-    falls: Array
-    scale: Array
-    sum: Array
 
 
 class Change:
     """Decides c; the caller moves."""
 
-    def __init__(self, track: Track, period_s: float) -> None:
+    def __init__(self, track: Track, period_s: float, foresight: type[Foresight] = Foresight) -> None:
         self._track, self._h = track, period_s
-        self._count = 0
-        self._ramp = 0.0
-        self._set_up(period_s)
-        self._reserve = 0.0  # of c, beyond its bound
-        self._steady = False  # a way has been driven a period long already
-        self._foreseen = np.zeros(0)  # u at places dt apart, from the present one
+        self._ahead = foresight(track, period_s)
         self._phases: list[Phase] = []  # the change under way, the last one first, where it is made of phases
         self._left = 0  # periods of the present phase
         self._ordered = nan  # omega the change under way leads to; nan: to be looked at anew
@@ -102,11 +34,15 @@ class Change:
     @property
     def apart(self) -> float:
         """s from place to place that is foreseen."""
-        return self._dt
+        return self._ahead.apart
+
+    def prepare(self) -> None:
+        """To be called when the track has grown."""
+        self._ahead.prepare()
 
     def forget(self) -> None:
         """Nothing is foreseen: speed is steady, or the path is another one."""
-        self._count = 0
+        self._ahead.begun = False
         self._phases, self._left, self._ordered = [], 0, nan
 
     def disturbed(self) -> None:
@@ -116,33 +52,38 @@ class Change:
 
     def bounded(self, u: float, c: float) -> float:
         """c, as much of it as a period may bring at this u; the last look at the set values may go a little beyond what was foreseen."""
-        most = max(BEYOND * self._most_u, abs(u))
-        c = min(max(c, -self._most_c), self._most_c)
+        ahead = self._ahead
+        most = max(BEYOND * ahead.most_u, abs(u))
+        c = min(max(c, -ahead.most_c), ahead.most_c)
         return min(max(c, (-most - u) / self._h), (most - u) / self._h)
 
     def step(self, tau: float, w: float, u: float, wanted: float) -> float:
         """c for this period, from tau, omega and u, towards the wanted omega."""
         if wanted != self._ordered or self._close(wanted - w, u):
             self._order(tau, w, u, wanted)
-        return self._next_phase(wanted) if self._phases else self._foreseeing(tau, w, u, wanted)
+        if self._phases:
+            return self._next_phase(wanted)
+        c = self._ahead.step(tau, w, u, wanted)
+        self.room = self._ahead.room
+        return c
 
     # ---- in phases -----------------------------------------------------------------------------------------------------
     def _order(self, tau: float, w: float, u: float, wanted: float) -> None:
         """A new change: in phases where that serves; else foreseen, from u = 0 where phases had gone further than that would; else the
         phases under way go on: they end sooner than anything that would turn round."""
         found, ordered = self._planned(tau, w, u, wanted), wanted
-        if not found and self._count == 0 and u != 0.0:
+        if not found and not self._ahead.begun and u != 0.0:
             found, ordered = self._calming(tau, w, u), nan
             if not found and self._phases and self._ordered == self._ordered:
                 return
         self._phases, self._ordered = found, ordered if found else wanted
         if found:
-            self._count, self._left = 0, found[-1].periods
+            self._ahead.begun, self._left = False, found[-1].periods
 
     def _close(self, left: float, u: float) -> bool:
         """A foreseen change is about to land: whole periods land without a rest, whatever lies between its places."""
         most = CLOSE * self._h * self.room
-        return self._count > 0 and abs(u) <= most and 4 * abs(left) <= CLOSE * self._h * most
+        return self._ahead.begun and abs(u) <= most and 4 * abs(left) <= CLOSE * self._h * most
 
     def _next_phase(self, wanted: float) -> float:
         c = self._phases[-1].c
@@ -163,11 +104,11 @@ class Change:
             return []
         most_u, most_c = self._track.here(tau)
         calm = least_time(left, most_u, most_c)
-        longest = max(CALM_ENOUGH * calm, least_time(left, self._most_u, self._most_c)) + 2 * abs(u) / most_c + 2 * h
+        longest = max(CALM_ENOUGH * calm, least_time(left, self._ahead.most_u, self._ahead.most_c)) + 2 * abs(u) / most_c + 2 * h
         way = (0.5 * (abs(w) + abs(wanted)) * calm + top * abs(u) / most_c) * CALM_ENOUGH
         sense = 1.0 if w + wanted > 0.0 else -1.0
         for _ in range(LOOKS):
-            most_u, most_c = self._span(tau, sense * way).most(top, left, u)
+            most_u, most_c = self._most(tau, sense * way, top, left, u)
             if most_u <= 0.0 or most_c <= 0.0 or least_time(left, most_u, most_c) > longest:
                 return []
             found = phases(left, u, most_u, most_c, h)
@@ -184,247 +125,14 @@ class Change:
 
     def _calming(self, tau: float, w: float, u: float) -> list[Phase]:
         """To u = 0, whatever omega then is; none where even that would leave the limits."""
-        _, most_c = self._span(tau, w * self._track.ramp).most(abs(w), 0.0, u)
+        _, most_c = self._most(tau, w * self._track.ramp, abs(w), 0.0, u)
         if most_c <= 0.0:
             return []
         found = calmed(u, most_c, self._h)
         went = travel(found, w, u, self._h)
         return found if went.lowest >= -MOST and went.highest <= MOST and w * went.end >= 0.0 else []
 
-    def _span(self, tau: float, way: float) -> Span:
+    def _most(self, tau: float, way: float, omega: float, left: float, u: float) -> tuple[float, float]:
+        """Highest |u| and |c| along this way, two periods more at both ends."""
         h = self._h
-        return self._track.span(tau + min(way, 0.0) - 2 * h, tau + max(way, 0.0) + 2 * h)
-
-    # ---- foreseen ------------------------------------------------------------------------------------------------------
-    def _foreseeing(self, tau: float, w: float, u: float, wanted: float) -> float:
-        """c by what lies ahead, place by place."""
-        if self._count == 0:
-            self._begin(u)
-        dt, seen, braking = self._dt, self._foreseen, abs(w) > abs(wanted)
-        seen[0] = u
-        flip = 1.0 if w > wanted or (w == wanted and u > 0.0) else -1.0
-        spare = SPARE if braking else AMPLE
-        omega = self._summing @ seen
-        if not braking:
-            omega *= spare
-        omega += w
-        np.minimum(omega, max(w, wanted), out=omega)
-        np.maximum(omega, min(w, wanted), out=omega)
-        taus = self._placing @ omega
-        taus += tau
-        v0 = flip * u
-        lowest, falls, scale, total = self._bounds(taus, omega, flip * seen, flip, braking, w * wanted < 0.0)
-        base = lowest / scale
-        base -= total
-        least = v0 + falls.item(0) * dt
-        if v0 <= 0.0:  # from the lowest v of place 1 every place behind can still be met
-            first = scale.item(1) * (float(np.maximum.reduce(base[1:])) + total.item(1))
-            least = min(max(first, least), 0.0)
-        highest = max(scale.item(1) * (total.item(1) + v0), v0 - self._most_c * dt)
-        if self._steady and v0 <= 0.0:
-            foreseen = flip * seen.item(1)
-            least = min(foreseen + BOLD * (least - foreseen), max(least, highest))  # never above what c can reach now
-        self._steady = True
-        rise = _Rise(scale[1:], total[1:] - total.item(1), scale.item(1))
-        first, back = self._landing(flip * (w - wanted) / spare, v0, least, highest, rise)
-        first = min(first, highest + self._reserve * dt)
-        if back is not None:
-            way = np.empty(len(seen))
-            way[1:] = back
-        else:
-            way = self._down(base, total, scale, falls, v0)
-        way[0], way[1] = v0, first
-        if flip < 0.0:
-            np.negative(way, out=way)
-        self._keep(way, dt)
-        return flip * (first - v0) / dt
-
-    def _down(self, base: Array, total: Array, scale: Array, falls: Array, v0: float) -> Array:
-        """From v0 down to the lowest v from which all behind can be met, and along it; `base` is used up."""
-        backwards = base[::-1]
-        np.maximum.accumulate(backwards, out=backwards)
-        base += total
-        base *= scale
-        down = self._before @ falls
-        way = np.minimum(base, 0.0, out=base)
-        way -= down
-        way[0] = v0
-        np.maximum.accumulate(way, out=way)
-        way += down
-        return way
-
-    def _begin(self, u: float) -> None:
-        self.prepare()
-        self._steady = False
-        self._count = self._places
-        self._foreseen = np.zeros(self._count)
-        self._foreseen[0] = u
-
-    def prepare(self) -> None:
-        """What depends on the robot's limits alone; to be called when the track has grown, so that no period has to."""
-        ramp = max(self._track.ramp, 1e-6)
-        if ramp != self._ramp:
-            self._set_up(ramp)
-
-    def _set_up(self, ramp: float) -> None:
-        h = self._h
-        self._ramp = ramp
-        self._most_u = min(MOST_U / h, QUICK / ramp)
-        self._probe = PROBE * self._most_u
-        self._most_c = min(MOST_C / h**2, HASTE * self._most_u / ramp)
-        ahead = max(AHEAD * ramp, 4 * h)
-        self._dt = dt = max(h, ahead / PLACES)
-        count = ceil(ahead / dt) + 2
-        self._places = count
-        self._sides, self._chords, self._gain = (np.empty((*parts, self._track.columns, count)) for parts in ((4,), (2,), ()))
-        self._scale, self._sum = np.ones(count), np.zeros(count)
-        self._used = [np.maximum(1.0 - less * dt / h * np.arange(count), least) for less, least in LESS]
-        self._before = dt * np.tri(count, k=-1)
-        self._summing = 0.5 * dt * (np.tri(count, k=-1) + np.tri(count))
-        self._summing[:, 0] -= 0.5 * dt
-        self._summing[0] = 0.0
-        self._half = np.full(count, 0.5 * dt)  # from each place to the middle of the time its c holds: of the first one a period
-        self._half[0] = 0.5 * h
-        self._placing = np.concatenate([self._summing, self._summing + np.diag(self._half)])
-
-    def _keep(self, way: Array, dt: float) -> None:
-        """The way as it is seen a period later, never beyond what u can be at all: seen again it would only grow."""
-        mean, most = self._foreseen, max(BEYOND * self._most_u, abs(way.item(0)))
-        mean += way
-        mean *= TRUST
-        np.minimum(mean, most, out=mean)
-        np.maximum(mean, -most, out=mean)
-        mean[0], mean[1] = way.item(0), way.item(1)
-        if dt == self._h:
-            mean[:-1] = mean[1:]
-            mean[-1] = 0.0
-        else:
-            mean[:-1] += (self._h / dt) * (mean[1:] - mean[:-1])
-
-    def _bounds(self, taus: Array, omega: Array, v: Array, flip: float, braking: bool, turning: bool) -> _Bounds:
-        """taus: of the places, then of the middles between them, where c is told: the first one a period, the others a place wide."""
-        v0 = v.item(0)
-        lower = np.minimum(v, -self._probe)
-        v = lower if v0 <= 0.0 else np.where(v > 0.0, v, lower)
-        here, rows = self._track.around(taus, len(v), turning)  # (parts, columns, places), our own
-        lowest = self._braked(here, omega, flip, braking)
-        middle = self._half * v
-        if flip < 0.0:
-            np.negative(middle, out=middle)
-        middle += omega
-        rows[0] *= self._used[1 if braking else 0]  # what is foreseen comes a little otherwise: the places behind must still be met then
-        idle, foot, rises, falls = self._reach(rows, middle, v, flip)
-        pull, lean = rows[0], rows[1]
-        slope = idle - rises
-        slope /= v  # the more v is below that place the slower it rises
-        if 0.0 >= v0 > v.item(0):
-            share = v0 / v.item(0)
-            falls[0] = share * falls.item(0) + (1.0 - share) * foot.item(0)
-        tight = min(pull[:, 0].tolist())
-        self._reserve = RESERVE * tight
-        room, free = rises + falls, idle + foot
-        if rises.item(0) < 0.0 or falls.item(0) < 0.0:  # an axis that bears more of c later than it gains now asks for nothing
-            self._use(self._gain[:, 0] > USEFUL, rises, falls)
-        if rises.item(0) + falls.item(0) < 0.0:  # an axis that turns back can hardly be helped by c: the others decide
-            self._use(pull[:, 0] <= HEAVY * tight, rises, falls)
-        np.maximum(lowest, self._edge(room, free, v, lean), out=lowest)
-        if self._track.turns:
-            self._turned(taus[: len(v)], omega, flip, lowest, self._used[1 if braking else 0])
-        lowest[-1] = 0.0
-        np.negative(falls, out=falls)
-        self.room = min(rises.item(1), -falls.item(1))
-        if self._dt > self._h:  # the next period lies between the first two places
-            self.room = min(self.room, rises.item(0), -falls.item(0))
-        return _Bounds(lowest, falls, *self._risen(rises, slope, v))
-
-    def _use(self, axes: NDArray[np.bool_], rises: Array, falls: Array) -> None:
-        """What c may be at the present place, by these axes alone; by all of them where there are none."""
-        if axes.any():
-            rises[0], falls[0] = (min(float(side[axes, 0].min()), self._most_c) for side in self._sides[2:])
-
-    def _braked(self, here: Array, omega: Array, flip: float, braking: bool) -> Array:
-        """Lowest v by the accelerations; `here` is used up."""
-        bound = here[Part.BEND]
-        bound *= omega * omega if flip > 0.0 else -omega * omega
-        bound += here[Part.REACH]
-        lowest: Array = np.minimum.reduce(bound, axis=0, initial=self._most_u * (1.0 if braking else CALM))
-        return np.negative(lowest, out=lowest)
-
-    def _turned(self, taus: Array, omega: Array, flip: float, lowest: Array, used: Array) -> None:
-        """Raises the lowest v at both places between which an axis turns back to what its jerk bears there: no c helps it."""
-        for tau, edge, low, high in self._track.between(float(np.minimum.reduce(taus)), float(np.maximum.reduce(taus))):
-            off = taus - tau
-            for k in np.flatnonzero(off[:-1] * off[1:] <= 0.0).tolist():
-                before, after = off[k : k + 2].tolist()
-                share = before / (before - after) if before != after else 0.0
-                w = abs(omega.item(k) + share * (omega.item(k + 1) - omega.item(k)))
-                bound = used.item(k + 1) * edge / max(w, SLOWEST) + w * w * (low if flip > 0.0 else -high)
-                np.maximum(lowest[k : k + 2], min(-bound, 0.0), out=lowest[k : k + 2])
-
-    def _reach(self, rows: Array, middle: Array, v: Array, flip: float) -> Array:
-        """How far c may rise and fall with v = 0, then with the v foreseen: (4, places).  rows: PULL, LEAN, TWIST become what they are
-        for c all the way to the next place, with the v foreseen; the columns stay in `_sides`."""
-        pull, lean, steady = rows
-        lean *= middle
-        gain = self._gain
-        np.multiply(lean, self._half, out=gain)
-        gain += 1.0  # c changes v, and v the jerk, while it lasts
-        lean *= v
-        steady *= flip * middle * middle * middle
-        rows[1:] /= gain
-        pull /= np.absolute(gain, out=self._chords[0])
-        sides = self._sides
-        np.subtract(pull, steady, out=sides[0])
-        np.add(pull, steady, out=sides[1])
-        np.subtract(sides[0], lean, out=sides[2])
-        np.add(sides[1], lean, out=sides[3])
-        return np.asarray(np.minimum.reduce(sides, axis=1, initial=self._most_c))  # over columns: in one run of memory, so they are quick
-
-    def _edge(self, room: Array, free: Array, v: Array, lean: Array) -> Array:
-        """Lowest v by the jerks.  Both ends of what c may be are bent towards one another with growing |v|: chords from v = 0 to the v
-        foreseen are on the safe side."""
-        edge = v * free
-        edge /= np.maximum(free - room, LITTLE)
-        further = np.minimum(edge, 0.0)
-        np.maximum(further, -self._most_u, out=further)
-        further /= v
-        further -= 1.0  # beyond the v foreseen the chord is not safe: looked at again there
-        gain, (above, below) = self._gain, self._chords
-        np.multiply(lean, further, out=gain)
-        np.subtract(self._sides[2], gain, out=above)
-        np.add(self._sides[3], gain, out=below)
-        spare = np.add(*np.minimum.reduce(self._chords, axis=1, initial=self._most_c))
-        if np.minimum.reduce(spare) < 0.0:
-            deep = (further > 0.0) & (spare < 0.0)
-            np.copyto(edge, v * (1.0 + further * room / np.maximum(room - spare, LITTLE)), where=deep)
-        return np.minimum(edge, 0.0, out=edge)
-
-    def _risen(self, rises: Array, slope: Array, v: Array) -> tuple[Array, Array]:
-        """v rises by (rises + slope * (seen v - v)) * dt from place to place."""
-        dt, scale, total = self._dt, self._scale, self._sum  # their first ones stay 1 and 0
-        kept = dt * slope
-        np.minimum(kept, STIFF, out=kept)
-        np.maximum(kept, -STIFF, out=kept)
-        rises = dt * rises
-        rises += kept * v
-        np.multiply.accumulate((1.0 - kept)[:-1], out=scale[1:])
-        np.add.accumulate(rises[:-1] / scale[1:], out=total[1:])
-        return scale, total
-
-    def _landing(self, left: float, v0: float, least: float, highest: float, rise: _Rise) -> tuple[float, Array | None]:
-        """The lowest v after this period, at least `least`, from which the wanted omega is not overshot; the way on where that decides."""
-        half = 0.5 * self._dt
-        way = -self._dt * rise.way(least) - half * (v0 + least)
-        if way <= left:
-            return least, None
-        tried = least + SHARES * max(highest - least, 0.0)
-        if least < 0.0 < highest:  # behind v = 0 nothing more is gained: a chord over that place would rest short of what is wanted
-            tried = np.append(least * (1.0 - SHARES), highest)
-        low = least
-        for v, behind in zip(tried.tolist(), rise.ways(tried).tolist(), strict=True):
-            before, way = way, -self._dt * behind - half * (v0 + v)
-            if way <= left:
-                low += (v - low) * (before - left) / (before - way)
-                break
-            low = v
-        return low, rise.back(low)
+        return self._ahead.most(self._track.span(tau + min(way, 0.0) - 2 * h, tau + max(way, 0.0) + 2 * h), omega, left, u)

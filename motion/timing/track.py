@@ -105,7 +105,7 @@ class Track:
         self.turns: list[Turn] = []  # of axes, where places foreseen lie several periods apart; their times rise
         self._seen = Window(len(Part), columns)
         self._to = 0  # what lies before this row is in view, or never was: the last row holds beyond the end
-        self._inverse = 1.0 / step
+        self.inverse = 1.0 / step
 
     @property
     def count(self) -> int:
@@ -223,9 +223,9 @@ class Track:
         """REACH and BEND at the first `places` of these times, PULL, LEAN and MEAN at the others, of those TWIST at the first one:
         (parts, columns, n), copies; beyond the ends the first or last row.  turning: times may rise first and fall then, or the other
         way round."""
-        index = (tau * self._inverse).astype(np.intp)
+        index = (tau * self.inverse).astype(np.intp)
         ends = index.tolist() if turning else (index.item(0), index.item(places - 1), index.item(-1))
-        self._show(min(ends), max(ends))
+        self.show(min(ends), max(ends))
         seen = self._seen
         np.minimum(index, seen.end - 1, out=index)
         index -= seen.low  # take() holds the other end
@@ -240,8 +240,8 @@ class Track:
 
     def span(self, low: float, high: float) -> Span:
         """All rows from time to time, not copied; beyond the ends the first or last row."""
-        first, last = (int(max(tau, 0.0) * self._inverse) for tau in (low, high))
-        self._show(first, last)
+        first, last = (int(max(tau, 0.0) * self.inverse) for tau in (low, high))
+        self.show(first, last)
         seen = self._seen
         end = seen.end - seen.low
         begin = min(max(first - seen.low, 0), end - 1)
@@ -254,19 +254,25 @@ class Track:
 
     def stands(self, tau: float) -> bool:
         """The path itself rests there."""
-        row = int(tau * self._inverse)
-        self._show(row, row)
+        row = int(tau * self.inverse)
+        self.show(row, row)
         return self._seen.rests(row)
 
     def foresee(self, tau: float, omega: float) -> None:
         """To be called while speed is steady: what a change of speed would look at is brought into view before it is needed."""
-        row = int(tau * self._inverse)
+        row = int(tau * self.inverse)
         if row + VIEW + NEXT > self._to:
             self._more(row - VIEW, row + VIEW + NEXT + SOME)
         if omega < 0.0 and self._seen.low > row - NEXT >= self._firsts[0]:
             self._anew(row - VIEW - FAR, row + VIEW)
 
-    def _show(self, low: int, high: int) -> None:
+    @property
+    def view(self) -> tuple[Window, int]:
+        """Rows that are in view, and the first row that may not be."""
+        return self._seen, self._to
+
+    def show(self, low: int, high: int) -> None:
+        """Bring these rows into view."""
         if self._seen.low > low >= self._firsts[0]:
             self._anew(low - VIEW, high)
         if high >= self._to:
