@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gateway.pure.beltacts import act_order
 from gateway.pure.beltwords import OURS, belt_words
@@ -189,8 +190,7 @@ class Paper:
 
     def _filed(self, section: Section, path: FilePath, stands: Sequence[float]) -> Trace:
         """MOVE_FILE."""
-        t = np.arange(math.ceil(path.duration / self.period) + 1, dtype=np.float64) * self.period
-        q = path.begun_at(stands).at(np.minimum(t, path.duration))
+        t, q = played(path, stands, self.period)
         places = np.array([tool_at(self.machine, row, section.blocks[0].tool.pose) for row in q])
         numbers = np.full(len(t), section.first)
         return Trace(t, q, places, numbers, self.period, (), ((section.first, path.duration),))
@@ -206,6 +206,12 @@ class Paper:
         assert part.tried is not None
         way = BeltWay(part.tried.facts.name, part.tried.facts.data.unit, t, np.array([value for _, _, value in rows]))
         return Trace(t, q, places, numbers, self.period, (), ((int(numbers[-1]), float(t[-1])),), (way,))
+
+
+def played(path: FilePath, stands: Sequence[float], period: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """MOVE_FILE on the grid of the page, from where the axes stand: (n,) s and (n, axes)."""
+    t = np.arange(math.ceil(path.duration / period) + 1, dtype=np.float64) * period
+    return t, path.begun_at(stands).at(np.minimum(t, path.duration))
 
 
 class _PartRun:

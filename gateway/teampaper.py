@@ -4,8 +4,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
+from gateway.motionpaper import NO_FILES, played
 from gateway.pure.programparts import acting
+from gateway.pure.programtrial import Files
+from motion.files.playing import FilePath
 from motion.kinematics.base import Joints
 from motion.planner.lasting import too_long
 from motion.planner.route import Stretch
@@ -13,6 +17,7 @@ from motion.planner.team import Team, own_parts, worst
 from motion.planner.teamroute import TeamRoute
 from motion.planner.trace import PERIOD_S, Trace, joined, numbered, sampled, seen
 from motion.planner.watched import Slowed
+from motion.program.blocks import Block
 from motion.program.errors import BlockError
 from motion.program.systems import located
 from motion.program.team import TeamProgram
@@ -20,14 +25,16 @@ from motion.program.team import TeamProgram
 
 @dataclass
 class TeamSection:
-    """Blocks in a row without a change of numbers.  first: number of the first; before: blocks of the program, less those of the route,
-    in front of it; stands: (all axes,) where they begin; placed: kinematics whose axes got other places before it (SF 3)."""
+    """Blocks in a row without a change of numbers, or one MOVE_FILE.  first: number of the first; before: blocks of the program, less
+    those of the route, in front of it; stands: (all axes,) where they begin; placed: kinematics whose axes got other places before it
+    (SF 3)."""
 
     first: int
     before: int
     stands: Joints
     placed: frozenset[int] = frozenset()
     stretches: list[Stretch] = field(default_factory=list)
+    filed: tuple[int, FilePath] | None = None  # whose way is a file's
 
 
 @dataclass(frozen=True)
@@ -61,19 +68,29 @@ class _Looked:
         self.sections.append(self.section)
         self.route.reset(stands)
 
+    def file(self, number: int, member: int, block: Block, files: Files) -> None:
+        """The section is a MOVE_FILE of one kinematic; BlockError."""
+        stands = self.route.standing
+        path = files.path(block, 0, stands, self.team, number, member)[1]
+        self.section.filed = member, path
+        self.route.reset(self.team.placed(stands, member, path.end))
 
-def team_findings(program: TeamProgram, team: Team) -> TeamFindings:
+
+def team_findings(program: TeamProgram, team: Team, files: Files = NO_FILES) -> TeamFindings:
     """All blocks; nothing moved."""
     looked = _Looked(team, program.start)
     for number, shared in enumerate(program.blocks, 1):
         try:
             parts, _ = acting(shared.acts, number, (), "", team)
-            if parts:
+            if parts or shared.filed is not None or looked.section.filed is not None:
                 looked.finish()
                 stands = looked.route.standing
                 for part in parts:
                     stands = team.placed(stands, part.member, part.point)
                 looked.begin(number, stands, frozenset(part.member for part in parts))
+            if shared.filed is not None:
+                looked.file(number, *shared.filed, files)
+                continue
             looked.route.add(shared.changed(lambda n, block: located(block, team.machines[n].corrects)))
         except BlockError as error:
             looked.faults.append(numbered(error, number))
@@ -102,10 +119,20 @@ def team_traces(findings: TeamFindings, team: Team, period: float = PERIOD_S) ->
 def _traced(section: TeamSection, team: Team, period: float) -> Iterator[Trace]:
     """Of each kinematic in a section."""
     rows, q, blocks, ends = sampled(section.stretches, team, period=period)
-    if not section.stretches:  # blocks without way
+    if section.filed is not None:
+        member, path = section.filed
+        q = _filed(team.split(section.stands), member, path, period)
+        blocks, ends = [section.first - section.before] * len(q), [(section.first - section.before, path.duration)]
+    elif not section.stretches:  # blocks without way
         q, blocks = np.array([section.stands]), [section.first - section.before]
     for n, (first, behind) in enumerate(zip(team.firsts, team.firsts[1:], strict=False)):
         own = [[part for stretch in row for at, part in own_parts(stretch) if at == n] for row in rows]
         every = [part for row in own for part in row]
         made = seen(own, every, team.machines[n], q[:, first:behind], blocks, ends, period).later(section.before)
         yield replace(made, cuts=(0,)) if n in section.placed else made
+
+
+def _filed(stands: Sequence[Joints], member: int, path: FilePath, period: float) -> NDArray[np.float64]:
+    """(n, all axes) while one runs its file, and the others stand."""
+    way = played(path, stands[member], period)[1]
+    return np.concatenate([way if n == member else np.tile(own, (len(way), 1)) for n, own in enumerate(stands)], axis=1)

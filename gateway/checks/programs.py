@@ -1,6 +1,7 @@
 """[[program]]: numbers are there once, the robot fits the axes, every file is found and reads without a fault."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 from gateway.axes import rc_numbers
 from gateway.canopen_sheets import read_eds
@@ -15,6 +16,9 @@ from gateway.files import ConfigNotFound, beside, read_text
 from gateway.programplan import bnr_files, machines_of_cell, numbers_by_axis, numbers_of, robots_of, written_for
 from gateway.pure.interface.fastio import BOARDS, FastInputs
 from gateway.pure.permits import free_outputs
+
+if TYPE_CHECKING:
+    from motion.program.blocks import Block
 
 ANALOG = 200
 
@@ -46,44 +50,56 @@ def programs(check: Context) -> None:
 
 
 def _read(check: Context, key: str, table: Program) -> None:
+    from gateway.pure.programteam import machines_in
     from motion.errors import MotionError
-    from motion.program.blocks import Flying, Latching
     from motion.program.text import read
-    from motion.program.textteam import several
+    from motion.program.textteam import read_team, several
 
-    file = table.file
+    file, cell = table.file, check.cell
     try:
-        path = beside(check.cell.file, file, "programs")
+        path = beside(cell.file, file, "programs")
         text = read_text(path)
-        program = None if several(text) else read(text)
-        number = 1
-        if len(check.cell.robot) > 1 or program is None:
-            robots = robots_of(check.cell, text, table.kinematics)
-            number = numbers_by_axis(check.cell).get(robots.limits[0].name, 1)
+        numbers = [1]
+        if len(cell.robot) > 1 or several(text):
+            by_axis = numbers_by_axis(cell)
+            numbers = [by_axis.get(machine.limits[0].name, 1) for machine in machines_in(robots_of(cell, text, table.kinematics))]
+        if several(text):
+            rows = [
+                [block for block in moves if block is not None] for moves in zip(*(s.moves for s in read_team(text).blocks), strict=True)
+            ]
+        else:
+            program = read(text)
+            rows = [list(program.blocks)]
+            if len(cell.robot) == 1 and not written_for(program.robot, cell.robot[0].model):
+                check.fault(key, file, f"is written for robot {program.robot}, this cell's is {cell.robot[0].model}")
     except (ConfigNotFound, OSError, UnicodeDecodeError) as error:
         check.fault(key, file, str(error))
         return
     except MotionError as error:
         check.fault(key, file, str(error).splitlines()[0])
         return
-    if program is not None:
-        robot = check.cell.robot[0]
-        if len(check.cell.robot) == 1 and not written_for(program.robot, robot.model):
-            check.fault(key, file, f"is written for robot {program.robot}, this cell's is {robot.model}")
-        latches = {each.latch for each in check.cell.measuring if each.latch and number in numbers_of(check.cell, each.robot)}
-        there = {each.channel for each in check.cell.measuring if number in numbers_of(check.cell, each.robot)}
-        for name, data in bnr_files(str(path), program.blocks).items():
+    for number, blocks in zip(numbers, rows, strict=False):  # a program of several kinematics may have no blocks
+        _named(check, key, file, blocks, number)
+        for name, data in bnr_files(str(path), blocks).items():
             if isinstance(data, MotionError):
-                line = next(block.line for block in program.blocks if block.file is not None and block.file.name == name)
+                line = next(block.line for block in blocks if block.file is not None and block.file.name == name)
                 check.fault(key, file, f"line {line}: move_file {data}")
-        for block in program.blocks:
-            named = [asked.channel for asked in (block.until, block.wait) if asked is not None and asked.channel]
-            named += [call.channel for call in block.functions if isinstance(call, Flying)]
-            for call in block.functions:
-                if isinstance(call, Latching) and call.name not in latches:
-                    check.fault(key, file, f"line {block.line}: {call.name} is in no [[measuring]] table (latch)")
-            for channel in [each for each in named if each not in there]:
-                check.fault(key, file, f"line {block.line}: channel {channel} is in no [[measuring]] table of the robot")
+
+
+def _named(check: Context, key: str, file: str, blocks: "Sequence[Block]", number: int) -> None:
+    """Measuring inputs that blocks of one robot, by its number, name."""
+    from motion.program.blocks import Flying, Latching
+
+    latches = {each.latch for each in check.cell.measuring if each.latch and number in numbers_of(check.cell, each.robot)}
+    there = {each.channel for each in check.cell.measuring if number in numbers_of(check.cell, each.robot)}
+    for block in blocks:
+        named = [asked.channel for asked in (block.until, block.wait) if asked is not None and asked.channel]
+        named += [call.channel for call in block.functions if isinstance(call, Flying)]
+        for call in block.functions:
+            if isinstance(call, Latching) and call.name not in latches:
+                check.fault(key, file, f"line {block.line}: {call.name} is in no [[measuring]] table (latch)")
+        for channel in [each for each in named if each not in there]:
+            check.fault(key, file, f"line {block.line}: channel {channel} is in no [[measuring]] table of the robot")
 
 
 def _path_outputs(check: Context) -> None:

@@ -28,7 +28,7 @@ from motion.planner.robot import Machine, machine_of
 from motion.planner.team import Team, called, team_of
 from motion.planner.trace import Trace
 from motion.planner.watched import Slowed
-from motion.program.blocks import Program
+from motion.program.blocks import Block, Program
 from motion.program.errors import BlockError, TextFaults
 from motion.program.team import TeamProgram
 from motion.program.text import read
@@ -79,7 +79,7 @@ def main(argv: list[str]) -> int:
         return Exit.INVALID
     except MotionError as error:
         return refuse(error)
-    files = files_of(options.program, program, 0 if cell is None else 1000 * cell.cycle_ms)
+    files = files_of(options.program, program.blocks, cell)
     slowed: dict[int, Slowed] = {}
     with Progress("blocks", len(program.blocks)) as said:
         number = 1 if cell is None else numbers_by_axis(cell).get(machine.limits[0].name, 1)
@@ -98,9 +98,9 @@ def main(argv: list[str]) -> int:
     return plot(program, machine, made, options)
 
 
-def files_of(path: str, program: Program, period_us: int) -> Files:
-    """The BNR files it names, beside it."""
-    found = bnr_files(str(find_config(path, "programs")), program.blocks)
+def files_of(path: str, blocks: Sequence[Block], cell: Cell | None) -> Files:
+    """The BNR files a program names, beside it."""
+    found = bnr_files(str(find_config(path, "programs")), blocks)
 
     def read(name: str, number: int) -> bytes:
         data = found[name]
@@ -108,7 +108,7 @@ def files_of(path: str, program: Program, period_us: int) -> Files:
             raise data
         return data
 
-    return Files(read, period_us)
+    return Files(read, 0 if cell is None else 1000 * cell.cycle_ms)
 
 
 def refuse(error: Exception) -> int:
@@ -138,7 +138,8 @@ def team(text: str, options: argparse.Namespace, cell: Cell | None) -> int:
         raise MotionError("the program names the robot of each kinematic: --robot is for programs of one robot")
     program = read_team(text)
     machines = team_of_program(program, cell)
-    findings = team_findings(program, machines)
+    blocks = [block for shared in program.blocks for block in shared.own]
+    findings = team_findings(program, machines, files_of(options.program, blocks, cell))
     if options.what == "check" or findings.faults:
         return check(program, findings.faults, team_slowed(findings), as_json=options.json)
     traces = team_traces(findings, machines)

@@ -297,7 +297,7 @@ class Programs:
             self.state = replace(self.state, block=self._before, share=1.0)
             return
         if part.blocks and part.blocks[0].file is not None:
-            self._planner, self._blocks = self.files.played(part, planner, self._factors.velocity), 1
+            self._planner, self._blocks = self.files.played(part, planner, self._factors.velocity, mask), 1
             return
         if part.engages or part.follows:
             self._start, self._handed = planner.standing, True

@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 from gateway.pure.programparts import Coming, acting, begun, outside, told
+from gateway.pure.programteam import machines_in
 from motion.errors import MotionError
 from motion.files.playing import FilePath
 from motion.kinematics.base import Joints
@@ -35,21 +36,31 @@ class Files:
     read: Callable[[str, int], bytes] = no_files
     period_us: int = 0  # 0: no cell
 
-    def path(self, block: Block, program: int, standing: Joints, machine: Machine, number: int) -> tuple[bytes, FilePath]:
-        """The file of a MOVE_FILE block, and its way from where the axes stand; BlockError."""
+    def path(
+        self, block: Block, program: int, standing: Joints, robots: Machine | Team, number: int, member: int = 0
+    ) -> tuple[bytes, FilePath]:
+        """The file of a MOVE_FILE block, and its way from where the axes stand; BlockError.  member: whose, of several kinematics."""
         assert block.file is not None
         try:
             data = self.read(block.file.name, program)
         except MotionError as error:
             raise BlockError(f"move_file {error}", block=number) from error
-        return data, file_path(block, data, standing, machine, self.period_us, number)
+        return data, self._way(block, data, standing, robots, number, member)
 
-    def played(self, part: Coming, planner: Planner, velocity: float) -> FilePlan:
-        """The points of its file from where the axes really stand; more slowly where the order asks for it."""
-        (block,), machine = part.blocks, planner.robot
-        path = file_path(block, part.data, planner.standing, machine, self.period_us, part.number)
+    def played(self, part: Coming, planner: Planner, velocity: float, mask: int) -> FilePlan:
+        """The points of its file from where the axes really stand; more slowly where the order asks for it.  mask: of its robot."""
+        (block,), robots = part.blocks, planner.machine
+        path = self._way(block, part.data, planner.standing, robots, part.number, part.member)
         slower = replace(path, period=path.period / max(velocity, LEAST))
-        return FilePlan(machine, block, slower, planner.mask or 0, planner.next_id)
+        return FilePlan(machines_in(robots)[part.member], block, slower, mask, planner.next_id)
+
+    def _way(self, block: Block, data: bytes, standing: Joints, robots: Machine | Team, number: int, member: int) -> FilePath:
+        if not isinstance(robots, Team):
+            return file_path(block, data, standing, robots, self.period_us, number)
+        try:
+            return file_path(block, data, robots.split(standing)[member], robots.machines[member], self.period_us, number)
+        except BlockError as error:
+            raise robots.told(error, member) from error
 
 
 @dataclass
@@ -61,9 +72,7 @@ class Trial:
     program: int = 0
     later: deque[Coming] = field(default_factory=deque)
     _route: Route | TeamRoute | None = None  # of the blocks behind the first one that ends with an input
-    _armed: dict[int, int] = field(
-        default_factory=dict
-    )  # channels that wait for their edge -> whose axes they store, of several kinematics
+    _armed: dict[int, int] = field(default_factory=dict)  # channels that wait for their edge -> whose axes, of several, they store
     _moves: bool = False  # the part looked at has a way
     _left: tuple[Called | Output, ...] = ()  # of blocks without way before it, in parts that have none
     _tried: int = 0  # blocks before those, and those that no route knows
@@ -82,11 +91,11 @@ class Trial:
             self._finished(route)
             self._begun(block, number, planner.robot, route, kinematic)
         part = self.later[-1]
-        if self._left and (block.file is not None or block.synchron is not None):
-            raise BlockError(NO_WAY, block=number - 1)
+        if block.file is not None or block.synchron is not None:
+            self._check_left(number)
         block, self._left = replace(block, carried=self._left), ()
         if block.file is not None:
-            self._file(part, block, planner, route)
+            self._file(part, block, planner.machine)
             return
         looked_at = part.tried.add(block) if part.tried is not None else block
         try:
@@ -112,6 +121,11 @@ class Trial:
                 self.later.append(Coming(number, recall=entry, label=label, kinematic=kinematic_of(planner.machine.machines[whose])))
                 label = ""
             self.later.append(Coming(number, error=shared.error, otherwise=shared.otherwise, label=label))
+        if shared.filed is not None:
+            self._check_left(number)
+            self.later[-1].member, block = shared.filed
+            self._file(self.later[-1], block, planner.machine)
+            return
         shared, self._left = shared.carrying(self._left), ()
         try:
             route.add(shared)
@@ -145,12 +159,18 @@ class Trial:
             block = replace(block, label="")
         self.later += begun(block, number, self.belts, machine, route.standing, kinematic, before)
 
-    def _file(self, part: Coming, block: Block, planner: Planner, route: Route) -> None:
+    def _file(self, part: Coming, block: Block, robots: Machine | Team) -> None:
         """MOVE_FILE: no route leads along it."""
-        part.data, path = self.files.path(block, self.program, route.standing, planner.robot, part.number)
-        route.reset(path.end)
+        assert self._route is not None
+        part.data, path = self.files.path(block, self.program, self._route.standing, robots, part.number, part.member)
+        self._stands(robots, part.member, path.end)
         part.blocks.append(block)
         self._tried += 1
+
+    def _check_left(self, number: int) -> None:
+        """BlockError where what blocks without way before it begin or end with has no place in block `number`."""
+        if self._left:
+            raise BlockError(NO_WAY, block=number - 1)
 
     def coming(self, unmeasured: Callable[[Coming], bool]) -> Coming | None:
         """The next part; one to @MPOS where nothing was measured leads on at its label."""

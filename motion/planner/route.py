@@ -186,7 +186,7 @@ class Route:
         now = self._now
         now.number = number
         if block.file is not None:
-            raise BlockError(f"move_file {block.file.name} stands in a program of one robot, in its cell or on paper")
+            raise BlockError(f"move_file {block.file.name} is run in a cell or on paper: no path leads along it")
         if block.kind is Interpolation.SPLINE:
             self._add_spline(number, block)
             return

@@ -25,9 +25,18 @@ class Shared:
 
     @property
     def asks(self) -> bool:
-        """It waits for an input, ends with one, goes to where axes were measured or recorded, or something is done at rest before it: a
-        part of its own."""
-        return self.acts != () or any(block.until is not None or block.wait is not None or block.unmet for block in self.own)
+        """It waits for an input, ends with one, goes to where axes were measured or recorded, something is done at rest before it, or its
+        way is a file's: a part of its own."""
+        return (
+            self.acts != ()
+            or self.filed is not None
+            or any(block.until is not None or block.wait is not None or block.unmet for block in self.own)
+        )
+
+    @property
+    def filed(self) -> tuple[int, Block] | None:
+        """The kinematic, from 0, whose way is that of a file, and its block."""
+        return next(((n, block) for n, block in enumerate(self.moves) if block is not None and block.file is not None), None)
 
     @property
     def ends(self) -> bool:

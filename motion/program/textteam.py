@@ -8,10 +8,12 @@ together.
 from dataclasses import dataclass, field, replace
 
 from motion.conventions import CONVENTIONS, convention
+from motion.program import textfiles
 from motion.program.blocks import Act, Block, MachinePoint
 from motion.program.errors import TextError, TextFaults
 from motion.program.team import Kinematic, Shared, TeamProgram
 from motion.program.text import FUNCTIONS, MOVES, OF_ONE, Reader
+from motion.program.textfiles import HEADS as FILE_HEADS
 from motion.program.textinputs import called
 from motion.program.textlabels import Labels
 from motion.program.textout import acted, heading, places_of, written_move
@@ -22,7 +24,7 @@ from motion.rho3.wc import WcFrame
 from motion.robot import MOST_KINEMATICS
 
 CALLS = tuple(FUNCTIONS)  # begin with the next block of the kinematic
-OWN = ("angles", "axes", "start", "tool", "frame", "point", "set", *SYSTEM_HEADS, *CALLS)  # said of one kinematic
+OWN = ("angles", "axes", "start", "tool", "frame", "point", "set", *FILE_HEADS, *SYSTEM_HEADS, *CALLS)  # said of one kinematic
 STATEMENTS = ("program", "kinematic", *OWN, "mach_pos", *MOVES, "move", "label")
 
 
@@ -67,12 +69,12 @@ class TeamReader:
                 self.name = one(head, rest)
             case "kinematic":
                 self.kinematic(rest)
-            case _ if head in OWN:
-                self.reader(self.now).line(words, number)
             case "move":
                 self.move(rest, number)
-            case _ if head in MOVES:
+            case _ if head in MOVES or head == "move_file":
                 self.add({self.now: self.own(self.now, words, number)}, number)
+            case _ if head in OWN:
+                self.reader(self.now).line(words, number)
             case "label":
                 self.labels.line(head, rest, acting=bool(self.acts))
             case "mach_pos":
@@ -115,6 +117,8 @@ class TeamReader:
                 parts[-1].append(word)
         moves: dict[str, Block] = {}
         for part in parts:
+            if part[1:2] == ["move_file"]:
+                raise Fault("move_file", f"one kinematic alone runs a file, in a line of its own: kinematic {part[0]}, then move_file ..")
             if len(part) < 2 or part[1] not in MOVES:
                 raise Fault("move", f"NAME and one of {', '.join(MOVES)}, then its target; `and` between two kinematics")
             if part[0] in moves:
@@ -189,6 +193,7 @@ def write_team(program: TeamProgram) -> str:
         lines += places_of(own, convention(each.angles))
         lines += declared(block.system for block in own)
     systems: dict[str, WcFrame | None] = {}
+    files: dict[str, dict[str, int]] = {each.name: {} for each in program.kinematics}
     for shared in program.blocks:
         lines += [f"label {shared.label}"] if shared.label else []
         lines += _acts(program, shared.acts)
@@ -200,9 +205,12 @@ def write_team(program: TeamProgram) -> str:
                 if block.system != systems.get(each.name):
                     lines += [f"kinematic {each.name}", chosen(block.system)]
                     systems[each.name] = block.system
+                if block.file is not None:
+                    lines += [f"kinematic {each.name}", *textfiles.written(block.file, files[each.name])]
+                    continue
                 units = each.units or ("deg",) * len(each.start)
                 parts.append(f"{each.name} {written_move(block, convention(each.angles), units)}")
-        lines.append(f"move {' and '.join(parts)}")
+        lines += [f"move {' and '.join(parts)}"] if parts else []
     asked = {block.goes_on_at for shared in program.blocks for block in shared.own} - {""}
     lines += [f"label {name}" for name in sorted(asked - {shared.label for shared in program.blocks})]
     return "\n".join([*lines, *_acts(program, program.acts)]) + "\n"

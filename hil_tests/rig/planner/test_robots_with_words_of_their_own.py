@@ -6,11 +6,14 @@ import numpy as np
 import pytest
 
 from gateway.pure.reasons import Reason
+from gateway.pure.records import Motion
 from hil_tests.lab.arm_and_scara import both
 from hil_tests.lab.arms import Array
+from hil_tests.lab.cell_running import P5_MS
 from hil_tests.lab.planned_bench import Driven
-from hil_tests.lab.plc2 import DONE, REFUSED
+from hil_tests.lab.plc2 import ABORTED, DONE, REFUSED
 from hil_tests.lab.program_run import PROGRAM, ProgramRun, program_run
+from motion.files import bnr
 
 HEAD = """kinematic arm tx60-like
 axes deg deg deg deg deg deg
@@ -22,15 +25,23 @@ start 0 90 -200 0
 PROGRAMS = {
     1: HEAD + "move arm ptp joints 10 30 90 0 60 0 and scara ptp joints 20 90 -200 0\n",
     2: HEAD + "kinematic scara\nmach_pos joints 0 80 -200 0\nmove arm ptp joints 15 30 90 0 60 0 and scara ptp joints 10 80 -200 0\n",
+    4: HEAD + "move arm ptp joints 10 30 90 0 60 0 and scara ptp joints 10 80 -200 0\n",
+    5: HEAD
+    + "kinematic scara\nread_begin curve.bnr\nmove_file curve.bnr modulo=0,0,0,0\n"
+    + "move arm ptp rel joints 5 0 0 0 0 0 and scara ptp rel joints 0 5 0 0\n",
     3: HEAD + "kinematic scara\nmach_pos joints 0 80 90 0\nmove arm ptp joints 15 30 90 0 60 0\n",
 }
+K = np.arange(1, 301) / 300
+POINTS = np.outer(10 * K**3 - 15 * K**4 + 6 * K**5, (40.0, -20.0, 30.0, 60.0)) + (10.0, 80.0, -200.0, 0.0)  # deg and mm
 SCARA = 0b1111000000
 SI = np.array([np.pi / 180] * 8 + [1e-3, np.pi / 180])
 
 
 @pytest.fixture(scope="module")
 def robots(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ProgramRun]:
-    with program_run(tmp_path_factory.mktemp("cell"), "arm6", PROGRAMS, "words", change=both) as run:
+    folder = tmp_path_factory.mktemp("cell")
+    (folder / "curve.bnr").write_bytes(bnr.encode(bnr.Header(time_base_us=1000 * P5_MS, axes=4), POINTS.tolist()))
+    with program_run(folder, "arm6", PROGRAMS, "words", change=both) as run:
         run.ready()
         yield run
 
@@ -53,3 +64,17 @@ def test_machine_positions_of_one_are_set_and_both_go_on_together_by_their_own_n
     assert (far.state, far.reason) == (REFUSED, Reason.PROGRAM_FAULT)
     said = [entry["text"] for entry in robots.run.journal("command") if "cannot be run" in entry["text"]]
     assert "line 9: block 1, axis S3: kinematic scara: mach_pos: target 90 mm is outside -400 .. 0 mm" in said[-1]
+
+
+def test_points_of_a_file_are_set_values_of_one_while_the_other_rests_and_both_go_on(robots: ProgramRun) -> None:
+    assert robots.command(PROGRAM, 4).state == DONE, robots.run.words()
+    points = np.array([(10.0, 80.0, -200.0, 0.0), *POINTS], dtype=np.float32).astype(float)
+    robots.plc.send(PROGRAM, 5)
+    robots.watch("it moves", lambda s: s.motion is Motion.RUNNING and s.piece > 0)
+    rows = robots.watch("at rest", lambda s: s.motion is Motion.IDLE, 60.0) / SI
+    assert robots.plc.wait(lambda s: s.state in (DONE, ABORTED), 5).state == DONE, robots.run.words()
+    filed = rows[(rows[:, 8] < -170.001) & (rows[:, 8] > -199.999)]
+    nearest = [np.abs(points - row[6:]).max(axis=1).min() for row in filed]
+    assert len(filed) > 20 and max(nearest) < 1e-6, "what is seen of it are its points"
+    assert np.ptp(filed[:, :6], axis=0).max() == 0.0, "the arm rests"
+    assert np.array(robots.sets()) / SI == pytest.approx([15, 30, 90, 0, 60, 0, 50, 65, -170, 60], abs=1e-5)
