@@ -226,7 +226,10 @@ class Mover:
             program.switch(ENTRIES[record.part](record))
         elif record.part is Part.LAST:
             program.complete = True
-            if not program.begun:
+            if not program.begun and program.switches:  # nothing has moved, and something is done here
+                self._begin(program.job)
+                program.begun = True
+            elif not program.begun:
                 self._state.done_job = program.job
                 self._clear()
         else:

@@ -5,7 +5,7 @@ as enough is known; or it is a program of the cell (RUN), which is read whole an
 to the cycle (AX-322).  A fault in a block ends the job, and what was handed on before ends at rest.
 """
 
-from collections.abc import Callable, Container, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from gateway.pure.beltacts import act_order, act_record, belts_after, sets_type
@@ -41,6 +41,7 @@ from gateway.pure.programtrial import Files, Trial
 from gateway.pure.programwarnings import Slowing
 from motion.errors import MotionError
 from motion.planner.fileplan import FilePlan
+from motion.planner.marks import Mark, at_rest
 from motion.planner.planner import Planner
 from motion.planner.robot import Machine
 from motion.planner.team import Team
@@ -316,6 +317,7 @@ class Programs:
         self._planner, self._blocks = planner, len(rows)
         records = begun_part(part, rows, planner, self._measuring, self._measured, self.mask_of, job, generation)
         self._out += [*part.begins(job, generation, self.kinematic_of(machines_in(planner.machine)[0])), *records]
+        self._mark(at_rest(each) for each in planner.left())
 
     def _end(self) -> None:
         self._ended = True
@@ -430,6 +432,13 @@ class Programs:
             self.state = replace(self.state, job=0, warning="")
             self.workpiece.reached(ALWAYS)
 
+    def _mark(self, marks: Iterable[Mark]) -> None:
+        assert self._planner is not None
+        for mark in marks:
+            machine = machines_in(self._planner.machine)[mark.member]
+            own = self.mask_of(machine), self.kinematic_of(machine)
+            self._out.append(self._measuring.marked(mark, *own, self.state.job, self.generation))
+
     def _hand_on(self, planner: Planner | FilePlan, tau: float) -> None:
         """Pieces that are due; raises MotionError where a path has no law."""
         if self._chain.full:
@@ -443,8 +452,5 @@ class Programs:
             if made.new_tail:
                 self._out.append(switch_record(job, self.generation, SwitchAt(made.id, 0.0, VOID)))
             self._chain.add(made, begins[made.id])
-            for mark in (mark for mark in marks if mark.piece == made.id):
-                machine = machines_in(planner.machine)[mark.member]
-                own = self.mask_of(machine), self.kinematic_of(machine)
-                self._out.append(self._measuring.marked(mark, *own, job, self.generation))
+            self._mark(mark for mark in marks if mark.piece == made.id)
             self._out.append(PieceRecord(Part.PIECE, job, self.generation, encode_timed(made)))

@@ -33,6 +33,12 @@ class Mark(NamedTuple):
         return self.function.member if isinstance(self.function, Flying | Latching | Recording) else 0
 
 
+def at_rest(each: Called | Output) -> Mark:
+    """Done where the axes stand: no piece has this number."""
+    _, number, value, function = _done_at(0.0, each)
+    return Mark(0, 0.0, number, value, function)
+
+
 def check_outputs(stretch: Stretch) -> None:
     """An output so far before the end of its block that the block has not begun there: BlockError."""
     block = stretch.source

@@ -2,11 +2,14 @@
 
 import pytest
 
+from gateway.pure.coreoutputs import CoreOutputs
 from gateway.pure.reasons import CommandState, Reason
 from gateway.pure.records import get_bit
-from hil_tests.lab.program_bench import WithPlanner, joints
-from hil_tests.unit.gateway.test_functions_in_programs import IOL, bench, both, seen
+from hil_tests.lab.probing import FAST, Probing
+from hil_tests.lab.program_bench import LIMITS, WithPlanner, joints
+from hil_tests.unit.gateway.test_functions_in_programs import IOL, PLACES, bench, both, seen
 from hil_tests.unit.program.test_points_in_programs import Portal, cell
+from motion.kinematics.portal import Portal as Portals
 
 __all__ = ["bench", "both", "cell"]
 
@@ -62,3 +65,39 @@ def test_a_reference_path_ends_there(cell: Portal) -> None:
     )
     assert cell.run("linear pose 300 100 50 0 0 0", "ptp recorded 1") is CommandState.DONE
     assert cell.bench.set()[0] < 150.5, "the latest entry is that of the path before"
+
+
+@pytest.fixture(scope="module")
+def probing() -> Probing:
+    made = Probing()
+    made.programs.functions = PLACES
+    made.cell.core._mover.functions = CoreOutputs(PLACES, {1: Portals("xyz", LIMITS[:3])}, made.cell.period_ns / 1e9)
+    return made
+
+
+BEHIND = [(), (f"ptp joints {joints(30)} until=900",), ("mach_pos joints " + joints(3),)]
+
+
+@pytest.mark.parametrize("behind", BEHIND, ids=["the end", "an input", "mach_pos"])
+def test_it_is_done_at_rest_where_a_part_to_mpos_has_no_way_because_the_axes_stand_there(probing: Probing, behind: tuple[str, ...]) -> None:
+    probing.cell.permit(FAST, value=False)
+    before = ["iol -2 1 1 0 0 0", f"ptp joints {joints(1)} out={OUT}:0", f"ptp joints {joints(2)}"]
+    assert probing.finished(probing.order(*before)).state is CommandState.DONE
+    job = probing.order(f"ptp joints {joints(90)} until=ch611", "ptp mpos", "iol -2 1 1 0 1 0", f"ptp mpos out={OUT}:1", *behind)
+    probing.edge_at(20.0, FAST)
+    while job.open and not get_bit(probing.cell.core.outputs, OUT):
+        probing.cell.cycle()
+    assert get_bit(probing.cell.core.outputs, IOL) and get_bit(probing.cell.core.outputs, OUT)
+    assert probing.places()[0] == pytest.approx(probing.measured / probing.cell.office.axes[0].si, abs=1e-9), "there, not behind it"
+    assert probing.finished(job).state is CommandState.DONE
+
+
+def test_it_is_done_at_rest_where_an_input_let_nothing_move_at_all(probing: Probing) -> None:
+    probing.cell.permit(FAST, value=False)
+    before = ["iol -2 1 1 0 0 0", f"ptp joints {joints(1)}", f"ptp joints {joints(2)}"]
+    assert probing.finished(probing.order(*before)).state is CommandState.DONE and not get_bit(probing.cell.core.outputs, IOL)
+    probing.change(FAST)
+    here = " ".join(map(repr, probing.places()))
+    job = probing.order(f"ptp joints {joints(10)} until=ch611 error=ON", "iol -2 1 1 0 1 0", "label ON", f"ptp joints {here}")
+    assert probing.finished(job).state is CommandState.DONE and probing.at(2.0)
+    assert get_bit(probing.cell.core.outputs, IOL)
