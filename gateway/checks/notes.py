@@ -208,7 +208,8 @@ def counting(cell: Cell) -> Iterator[Notice]:
             yield Notice("note", f"axis.{axis.name}", f"{text}, then drives off with reason SET_VALUE")
             if axis.home.by == "none":
                 text = (
-                    "endless and absolute: an encoder that counts round while the gateway is off is not told (AX-607): look at its position"
+                    "endless and absolute: an encoder that counts round while the gateway is off looks at the start as if somebody had "
+                    "turned the axis, which is told where it may be (AX-607)"
                 )
                 yield Notice("note", f"axis.{axis.name}.home", text)
 

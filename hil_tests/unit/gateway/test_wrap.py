@@ -2,7 +2,7 @@
 
 import pytest
 
-from gateway.pure.wrap import wrapped
+from gateway.pure.wrap import wrapped, wrapped_endless
 
 TURN = 16384
 
@@ -21,3 +21,21 @@ TURN = 16384
 )
 def test_only_a_whole_range_is_a_wrap(last: int, now: int, jump: int) -> None:
     assert wrapped(last, now, TURN) == jump
+
+
+@pytest.mark.parametrize(
+    ("rounds", "moved", "jump"),
+    [
+        (100.0, 0.4, 0),  # where it was
+        (100.0, 30.0, 0),  # turned by hand
+        (100.0, 4096.0, 4096),
+        (100.0, 4096.0 - 500.0 + 0.3, 4096),  # but for whole rounds
+        (100.0, -4096.0, -4096),
+        (128.0, 4096.0, 0),  # a range is whole rounds of the axis: it shows the same place
+        (1.5, 4096.0, 4096),
+        (1.5, 0.25, 0),  # half a turn would be any place here
+    ],
+)
+def test_of_an_endless_axis_a_range_is_told_but_for_whole_rounds(rounds: float, moved: float, jump: int) -> None:
+    """rounds, moved: motor turns of a round of the axis, and since the last stop."""
+    assert wrapped_endless(500, 500 + round(moved * TURN), TURN, rounds * TURN) == jump * TURN

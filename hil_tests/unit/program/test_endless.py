@@ -144,9 +144,7 @@ def test_a_new_cycle_reads_the_same_places_from_drives_that_have_counted_on(turn
     assert (turning.turned() - begun)[0] == pytest.approx(10, abs=1.0)
 
 
-def test_a_zero_written_after_several_turns_is_right_and_no_last_place_is_judged(
-    turning: Turning, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_zero_written_after_several_turns_is_right(turning: Turning, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("AXISGATE_RUNTIME", str(tmp_path))
     assert turning.run("ptp rel joints 3333 -700 30 4000 1").state is CommandState.DONE
     turning.bench.run(0.5)
@@ -155,12 +153,29 @@ def test_a_zero_written_after_several_turns_is_right_and_no_last_place_is_judged
         zero = zeros.entry(CELL, axis, shown, 77.0, "A. Fitter")["zero_inc"]
         scaling = scaling_of(axis).with_zero(float(str(zero)))
         assert math.degrees(within(scaling.to_si(counter), math.tau)) == pytest.approx(77.0, abs=FINE), "as the next start reads it"
+
+
+def test_a_place_as_an_encoder_shows_it_that_counted_round_meanwhile_is_told(
+    turning: Turning, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Ten turns of the motor are a round: 4096 turns are 216 degrees more."""
+    monkeypatch.setenv("AXISGATE_RUNTIME", str(tmp_path))
     state = turning.bench.core.state
     remember(CELL, state)
-    far = replace(state, axes=[replace(axis, actual=axis.actual + 4096 * math.tau / 10.0) for axis in state.axes])
-    assert judge(CELL, far) == []
+
+    def judged(turns: float) -> list[str]:
+        ways = [turns * axis.drive.inc_per_turn / scaling_of(axis).inc_per_unit for axis in CELL.axis]
+        axes = [replace(axis, actual=axis.actual + way) for axis, way in zip(state.axes, ways, strict=False)]
+        return judge(CELL, replace(state, axes=axes))
+
+    assert judged(0.0) == judged(73.0 * 10) == judged(0.02) == [], "where it was, but for whole rounds"
+    assert judged(3.0) == judged(-2.5) == [], "turned by hand"
+    (first, *others) = judged(4096.0)
+    assert first.startswith("axis M: shown -144 deg beside its place at the last stop, as when its encoder counts round by +4096 turns")
+    assert "unless somebody turned it" in first and len(others) == len(CELL.axis) - 1
+    assert "by -4096 turns" in judged(-4096.1)[0] and "by +1024 turns" not in judged(1024.0)[0], "by the range that is usual"
     told = [notice.text for notice in CELL.notices if notice.where == "axis.M.home"]
-    assert len(told) == 1 and "is not told" in told[0]
+    assert len(told) == 1 and "is told where it may be" in told[0]
 
 
 @pytest.mark.parametrize(
