@@ -4,7 +4,7 @@ import os
 import pathlib
 import pickle
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from drivers.ports.adapterurl import is_adapter
@@ -127,34 +127,10 @@ def plan_run(
     slug = slug or slug_of(cell)
     folder = runtime_dir() / slug
     folder.mkdir(mode=0o700, exist_ok=True)
-    sims: list[Child] = []
-    buses: dict[str, str] = {}
-    for drive_bus in cell.bus:
-        if drive_bus.protocol not in DRIVE_PROTOCOLS:
-            continue
-        url = bus or drive_bus.port
-        if bus is None and (simulated or drive_bus.port == "sim"):
-            url = f"broker:{slug}-{drive_bus.name}"
-            sims.append(local_bus(drive_bus, url, record))
-        elif is_adapter(url):
-            if simulated:
-                raise PortError(f"{url}: the emulated drives of --sim need a bus others can be on too: broker:NAME or socketcan:INTERFACE")
-            local = f"broker:{slug}-{drive_bus.name}"
-            sims += adapter_children(
-                drive_bus, local, url, p5_ms or cell.cycle_ms, record, listens=drive_bus.name in listening(cell, simulated=False)
-            )
-            url = local
-        buses[drive_bus.name] = url
-    lines: dict[str, str] = {}
-    for line in cell.line:
-        lines[line.name] = line.port
-        if simulated or line.port == "sim":
-            name = f"{slug}-{line.name}"
-            kept = ("--record", str(record / f"line-{line.name}.rec")) if record else ()
-            pace = str(line.baud if baud is None else baud)
-            sims.append(Child(f"line-{line.name}", "gateway.processes.line", ("--name", name, "--baud", pace, *kept), announces=True))
-            lines[line.name] = f"pty:{runtime_dir() / name}-b"
     period_ms = p5_ms or cell.cycle_ms
+    buses, sims = bus_ports(cell, slug, bus, period_ms, record, simulated=simulated)
+    lines, simulators = line_ports(cell, slug, baud, record, simulated=simulated)
+    sims += simulators
     sims += emulators(cell, slug, folder, buses, period_ms, record) if simulated else []
     doors = tuple(
         Door(n + 1, name, kind)
@@ -162,6 +138,57 @@ def plan_run(
             [(x.name, "line") for x in cell.line] + [(x.name, "modbus") for x in cell.modbus if x.role == "server"]
         )
     )
+    binds, cables = modbus_ports(cell, slug, simulated, modbus_port, baud)
+    web = page_of(cell, web_port, simulated=simulated)
+    core = core_processes(cell, period_ms, doors, simulated=simulated, page=web is not None)
+    children, zeros, programs = (*sims, *cables, *core), known_zeros(cell), plan_programs(cell)
+    return RunPlan(slug, cell, simulated, folder, period_ms, buses, lines, binds, doors, record, children, zeros, web, programs)
+
+
+def bus_ports(
+    cell: Cell, slug: str, bus: str | None, period_ms: int, record: pathlib.Path | None, *, simulated: bool
+) -> tuple[dict[str, str], list[Child]]:
+    """Where each bus of drives is, and what runs there before anything else; `bus` overrides the cell."""
+    buses: dict[str, str] = {}
+    children: list[Child] = []
+    for drive_bus in cell.bus:
+        if drive_bus.protocol not in DRIVE_PROTOCOLS:
+            continue
+        url = bus or drive_bus.port
+        if bus is None and (simulated or drive_bus.port == "sim"):
+            url = f"broker:{slug}-{drive_bus.name}"
+            children.append(local_bus(drive_bus, url, record))
+        elif is_adapter(url):
+            if simulated:
+                raise PortError(f"{url}: the emulated drives of --sim need a bus others can be on too: broker:NAME or socketcan:INTERFACE")
+            local = f"broker:{slug}-{drive_bus.name}"
+            children += adapter_children(
+                drive_bus, local, url, period_ms, record, listens=drive_bus.name in listening(cell, simulated=False)
+            )
+            url = local
+        buses[drive_bus.name] = url
+    return buses, children
+
+
+def line_ports(
+    cell: Cell, slug: str, baud: int | None, record: pathlib.Path | None, *, simulated: bool
+) -> tuple[dict[str, str], list[Child]]:
+    """Where each serial line is, and the simulated ones; `baud` overrides the cell."""
+    lines: dict[str, str] = {}
+    children: list[Child] = []
+    for line in cell.line:
+        lines[line.name] = line.port
+        if simulated or line.port == "sim":
+            name = f"{slug}-{line.name}"
+            kept = ("--record", str(record / f"line-{line.name}.rec")) if record else ()
+            pace = str(line.baud if baud is None else baud)
+            children.append(Child(f"line-{line.name}", "gateway.processes.line", ("--name", name, "--baud", pace, *kept), announces=True))
+            lines[line.name] = f"pty:{runtime_dir() / name}-b"
+    return lines, children
+
+
+def core_processes(cell: Cell, period_ms: int, doors: Sequence[Door], *, simulated: bool, page: bool) -> list[Child]:
+    """Cycle and services, and what this cell has beside them; page: it has one."""
     regions = ("rc_in", "rc_out", "axes", "links", "orders", "acyclic", "heard", *joined_regions(cell))
     blocks = [f"door-{door.number}" for door in doors]
     core = [
@@ -182,22 +209,16 @@ def plan_run(
         core.append(
             Child("planner", "gateway.processes.planner", (), ("axes", "blocks", "pieces", "planner"), "planner", PLANNER_LIFE_MS * MS)
         )
-    binds, cables = modbus_ports(cell, slug, simulated, modbus_port, baud)
-    sims += cables
-    web = page_of(cell, web_port, simulated=simulated)
-    if web is not None:
-        core.append(
-            Child("web", "gateway.processes.web", (), ("axes", "rc_in", "rc_out", "links", "scope", *(("planner",) if cell.robot else ())))
-        )
+    planner = ("planner",) if cell.robot else ()
+    if page:
+        core.append(Child("web", "gateway.processes.web", (), ("axes", "rc_in", "rc_out", "links", "scope", *planner)))
     if cell.northbound is not None:
-        north = ("axes", "rc_in", "rc_out", "links", *(("planner",) if cell.robot else ()))
-        core.append(Child("northbound", "gateway.processes.northbound", (), north))
+        core.append(Child("northbound", "gateway.processes.northbound", (), ("axes", "rc_in", "rc_out", "links", *planner)))
     if chips(cell) and not simulated:
         core.append(
             Child("chips", "gateway.processes.chips", (), ("axes", "rc_out", "links", "io_out", "io_chip"), "io_chip", CHIPS_LIFE_MS * MS)
         )
-    children, zeros, programs = (*sims, *core), known_zeros(cell), plan_programs(cell)
-    return RunPlan(slug, cell, simulated, folder, period_ms, buses, lines, binds, doors, record, children, zeros, web, programs)
+    return core
 
 
 def local_bus(bus: Bus, url: str, record: pathlib.Path | None) -> Child:
