@@ -53,6 +53,9 @@ def test_one_stands_at_other_numbers_and_all_go_on_from_there_each_by_its_own(ce
     assert run(cell, "kinematic arm", "mach_pos joints 1 2 3 4 5 6", "kinematic scara", "mach_pos joints 0 0 0 0") is CommandState.DONE
     assert cell.bench.set() == pytest.approx((1, 2, 3, 4, 5, 6, 0, 0, 0, 0), abs=1e-6), "behind the last block, or without one"
     assert cell.programs.state.placed == ARM | SCARA and np.abs(gone(cell)).max() < 0.01
+    assert run(cell, "kinematic scara", "mach_pos joints 0 0 -100 0", "move scara ptp rel joints 0 0 50 0") is CommandState.DONE, (
+        "tried too"
+    )
 
 
 def test_it_is_done_at_rest_before_the_next_block_of_any_and_a_label_may_stand_before_it(cell: Planned) -> None:
