@@ -5,12 +5,14 @@ import pathlib
 import shutil
 import sys
 import tempfile
+from collections.abc import Generator
 
 import hypothesis
 import pytest
 
 from hil_tests.host import REPORTS as RIGS_REPORTS
 from hil_tests.host import Host
+from hil_tests.lab.bench import played
 from hil_tests.lanes import Lanes
 from hil_tests.matrix.marks import Marks
 from hil_tests.numbers import one_thread
@@ -56,6 +58,18 @@ def pytest_configure(config: pytest.Config) -> None:
         plugins.register(GuestLane(config), "axisgate-guest")
         plugins.register(Pair(config), "axisgate-pair")
         plugins.register(Host(config), "axisgate-host")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call() -> Generator[None, object, object]:
+    """A dialogue is looked at to its end: what a machine said or reported behind the last question fails its test."""
+    try:
+        result = yield
+        for bench in played:
+            bench.heard_out()
+    finally:
+        played.clear()
+    return result
 
 
 def pytest_unconfigure(config: pytest.Config) -> None:

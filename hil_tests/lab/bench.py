@@ -1,17 +1,19 @@
 """`Bench`: plays a dialogue with any byte machine, in virtual time, twice at once: whole pieces and byte by byte.
 
-Both twins must say and report the same.  An exception inside a machine is a failed assertion.  Knows no protocol.
+Both twins must say and report the same.  An exception inside a machine is a failed assertion.  What nobody asked for by the end of the
+test is one, too (hil_tests/conftest.py).  Knows no protocol.
 """
 
 import copy
 from collections.abc import Callable, Iterator, Sequence
-from typing import Generic, TypeVar
+from typing import Generic, TypeVar, cast
 
 from protocols.base.machine import Damage, Machine, Ns
 
 M = TypeVar("M", bound=Machine[object])
 R = TypeVar("R")
 MOST_WAKES = 10_000  # at one moment: more is a deadline that does not move
+played: list["Bench[Machine[object]]"] = []  # of the test under way
 
 
 class _Twin(Generic[M]):
@@ -58,6 +60,7 @@ class Bench(Generic[M]):
         self._leaves_at_once = leaves_at_once
         self._now: Ns = 0
         self._speak()
+        played.append(cast("Bench[Machine[object]]", self))
 
     @property
     def machine(self) -> M:
@@ -129,6 +132,10 @@ class Bench(Generic[M]):
             twin.told = []
         assert lists[0] == lists[1], f"at {self._now / 1e6:.3f} ms: fed whole {lists[0]}, byte by byte {lists[1]}"
         return lists[0]
+
+    def heard_out(self) -> None:
+        """Nothing was said or reported that nobody asked for."""
+        self.says(b"").reports()
 
     # ---- one twin
     def _give(self, twin: _Twin[M], piece: bytes) -> None:

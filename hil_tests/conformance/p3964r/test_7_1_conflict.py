@@ -54,7 +54,7 @@ def test_a_job_that_gave_way_again_and_again_has_all_its_attempts_once_blocks_ca
     line = wishing(Priority.LOW)
     for turn in range(20):
         line.at(ms(turn)).hears(STX + BLOCK_B).says(DLE + DLE + STX).reports(BlockReceived(b"B"))
-    line.at(ms(50)).hears(NAK).says(STX).at(ms(51)).hears(DLE).says(BLOCK_A)
+    line.at(ms(50)).hears(NAK).says(STX).at(ms(51)).hears(DLE).says(BLOCK_A).reports(SendRepeated(1, Failure.NAK, Stage.CONNECT))
 
 
 def test_a_job_that_gave_way_to_bad_blocks_loses_no_attempt() -> None:
@@ -63,7 +63,7 @@ def test_a_job_that_gave_way_to_bad_blocks_loses_no_attempt() -> None:
         line.at(ms(turn)).hears(STX).says(DLE).hears(b"B\x10\x03\x00").says(NAK + STX).reports(BlockRefused(Refusal.CHECK, 1))
     line.at(ms(10)).hears(STX).says(DLE).hears(b"B\x10\x03\x00").says(NAK + STX)
     line.reports(BlockRefused(Refusal.CHECK, 1), ReceptionFailed(Refusal.CHECK, 6))
-    line.at(ms(50)).hears(NAK).says(STX).at(ms(51)).hears(DLE).says(BLOCK_A)
+    line.at(ms(50)).hears(NAK).says(STX).at(ms(51)).hears(DLE).says(BLOCK_A).reports(SendRepeated(1, Failure.NAK, Stage.CONNECT))
 
 
 def test_giving_way_in_a_repeat_keeps_the_job() -> None:

@@ -158,7 +158,7 @@ def test_nak_during_the_block_breaks_off_and_counts_as_a_failed_block() -> None:
 
 def test_nak_after_the_block_was_given_out_repeats_after_its_rest() -> None:
     line = sending().says(BLOCK_A).at(ms(2)).hears(NAK).says(STX).reports(SendRepeated(1, Failure.NAK, Stage.BLOCK))
-    line.at(ms(5)).left().at(ms(555) - 1).says(b"").at(ms(555)).says(STX)
+    line.at(ms(5)).left().at(ms(555) - 1).says(b"").at(ms(555)).says(STX).reports(SendRepeated(1, Failure.SILENT, Stage.CONNECT))
 
 
 def test_other_characters_during_the_block_change_nothing() -> None:

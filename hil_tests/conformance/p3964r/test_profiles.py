@@ -90,10 +90,12 @@ def test_a_pause_before_a_repeat_in_which_the_partner_may_send() -> None:
     line = wishing(replace(RHO3, retry_pause=ms(50))).at(ms(1)).hears(NAK).says(b"").reports(SendRepeated(1, Failure.NAK, Stage.CONNECT))
     line.at(ms(51)).says(STX).hears(NAK).says(b"").hears(b"x").says(b"")
     line.at(ms(60)).hears(STX).says(DLE).hears(b"B\x10\x03\x51").says(DLE + STX)
+    line.reports(SendRepeated(1, Failure.NAK, Stage.CONNECT), BlockReceived(b"B"))
 
 
 def test_no_nak_when_giving_up() -> None:
-    wishing(replace(RHO3, nak_when_giving_up=False)).hears_apart(NAK * 5).says(STX * 5).hears(NAK).says(b"")
+    line = wishing(replace(RHO3, nak_when_giving_up=False)).hears_apart(NAK * 5).says(STX * 5).hears(NAK).says(b"")
+    line.reports(*[SendRepeated(1, Failure.NAK, Stage.CONNECT)] * 5, SendFailed(1, Failure.NAK, Stage.CONNECT))
 
 
 @pytest.mark.parametrize("name", list(PROFILES))

@@ -53,6 +53,7 @@ def test_an_output_too_many_is_refused_and_room_says_so_before() -> None:
     assert desk.asked(lambda manager: manager.room(TWO, "V24_1"))
     with pytest.raises(DeviceError, match="room"):
         desk.machine.manager.write(ONE, "V24_1", ((TEXT, b"x"),), 0)
+    desk.says(b"x").finds()
 
 
 # ---- protocols 2, 5, 6

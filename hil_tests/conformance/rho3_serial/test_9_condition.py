@@ -74,7 +74,7 @@ def test_a_read_by_3964r_learns_why_the_partner_gave_up(why: str, code: int) -> 
             desk.at(moment)
         else:
             desk.hears(b"A\x10\x03\x00")
-    desk.finds(failed(1, Condition(code)))
+    desk.finds(failed(1, Condition(code))).says((DLE + NAK) * 6)
 
 
 def test_a_port_that_goes_away_is_minus_7() -> None:

@@ -116,7 +116,7 @@ def test_05_to_a_write_means_taken_and_is_never_sent_again() -> None:
 
 def test_05_to_a_read_is_asked_again() -> None:
     line = one(busy_pause=ms(10)).at(0).does(lambda m, now: m.order("a", READ, now)).says(tcp(1, READ))
-    line.hears(tcp(1, b"\x83\x05")).at(ms(10)).says(tcp(2, READ))
+    line.hears(tcp(1, b"\x83\x05")).at(ms(10)).says(tcp(2, READ)).reports(DeviceBack("a"))
 
 
 def test_busy_for_ever_ends_with_the_exception() -> None:
@@ -304,6 +304,7 @@ def test_rtu_over_tcp_needs_no_silence() -> None:
     master.opened(0)
     line = Bench(master).at(0).does(lambda m, now: m.order("a", READ, now)).does(lambda m, now: m.order("a", READ, now))
     line.says(sealed(b"\x01" + READ)).hears(sealed(b"\x01" + ANSWER)).says(sealed(b"\x01" + READ))
+    line.reports(DeviceBack("a"), Done(1, "a", ANSWER))
 
 
 @pytest.mark.parametrize("seed", range(5))
