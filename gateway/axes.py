@@ -9,6 +9,7 @@ from drivers.drives.referencing import ReferenceSettings, settings_from
 from drivers.drives.scaling import Scaling
 from drivers.drives.servodyn import DriveSettings
 from gateway.cell import Axis, Cell
+from gateway.programplan import kinematic_by_axis
 from gateway.pure.coreaxis import CoreAxis
 from gateway.pure.jobs import AxisFacts
 from gateway.pure.office import Planner
@@ -111,7 +112,7 @@ def core_axes(cell: Cell, p5_ms: float, zeros: Mapping[str, float] = NO_ZEROS, *
     `zeros`: increments at which absolute axes read 0 (`axisgate axis zero`); on metal one without is not referenced.
     """
     found = []
-    for axis in cell.axis:
+    for axis, kinematic in zip(cell.axis, kinematic_by_axis(cell), strict=True):
         scaling = scaling_of(axis)
         absolute = axis.home.by == "none"
         if absolute and axis.name in zeros:
@@ -125,7 +126,9 @@ def core_axes(cell: Cell, p5_ms: float, zeros: Mapping[str, float] = NO_ZEROS, *
         standing = to_si(lag.standstill, axis.unit) if lag and lag.standstill is not None else float("inf")
         modulo = to_si(axis.modulo, axis.unit)
         found.append(
-            CoreAxis(axis.name, scaling, reference_of(axis, scaling), window_of(axis), drive, warn, trip, standing, zeroed, modulo)
+            CoreAxis(
+                axis.name, scaling, reference_of(axis, scaling), window_of(axis), drive, warn, trip, standing, zeroed, modulo, kinematic
+            )
         )
     return found
 

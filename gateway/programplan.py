@@ -208,6 +208,14 @@ def numbers_by_axis(cell: Cell) -> dict[str, int]:
     return {machine.limits[0].name: n for n, machine in enumerate(machines_of_cell(cell), 1)}
 
 
+def kinematic_by_axis(cell: Cell) -> list[int]:
+    """Number of the robot of each axis, from 1; 0: an axis of none of several."""
+    if len(cell.robot) < 2 or not all(robot.model for robot in cell.robot):
+        return [1] * len(cell.axis)
+    found = [n for n, machine in enumerate(machines_of_cell(cell), 1) for _ in range(machine.axes)]
+    return [*found, *[0] * (len(cell.axis) - len(found))]
+
+
 def called_in(cell: Cell) -> str:
     """The robots of a cell in words."""
     return ", ".join(f"{robot.name} ({robot.model})" if robot.name else robot.model for robot in cell.robot)

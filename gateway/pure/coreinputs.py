@@ -11,6 +11,7 @@ from drivers.drives.family import Latched
 from gateway.pure.coreaxis import HeldAxis
 from gateway.pure.coreprobes import DriveProbe
 from gateway.pure.inputrecords import FlyingAt, StartOrder
+from gateway.pure.measured import Measured
 from gateway.pure.records import CellState, InputImage, Quality
 from motion.measure.flying import FlyingMeasurement
 from motion.measure.history import History
@@ -60,10 +61,10 @@ class Armed:
 
 
 class CoreFlying:
-    """Probes that store @MPOS on the way: `state.measured_mask`, and `measured` of each axis."""
+    """Probes that store @MPOS on the way."""
 
-    def __init__(self, state: CellState, axes: int, period_ns: Ns) -> None:
-        self._state, self._axes, self._period_ns = state, axes, period_ns
+    def __init__(self, state: CellState, axes: int, period_ns: Ns, mpos: Measured) -> None:
+        self._state, self._axes, self._period_ns, self._mpos = state, axes, period_ns, mpos
         self._probes = FlyingMeasurement()
         self._history = History(axes)
         self._armed: dict[int, Armed] = {}  # by channel
@@ -138,10 +139,8 @@ class CoreFlying:
         for channel in [channel for channel in self._armed if self._probes.input(channel)]:
             armed = self._armed.pop(channel)
             caught = armed.probe.places if armed.probe is not None else {}
-            for n in range(self._axes):
-                if armed.mask >> n & 1:
-                    self._state.axes[n].measured = caught.get(n, armed.bench.mpos.component(n))
-            self._state.measured_mask = armed.mask
+            own = (n for n in range(self._axes) if armed.mask >> n & 1)
+            self._mpos.store({n: caught.get(n, armed.bench.mpos.component(n)) for n in own})
 
     def _caught(self) -> None:
         """Edges of drives whose instant is known now."""

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from drivers.drives.family import Latched
 from gateway.pure.coreaxis import HeldAxis
 from gateway.pure.coreprobes import LATE, DriveProbe
+from gateway.pure.measured import Measured
 from gateway.pure.plannerrecords import UntilInput
 from gateway.pure.records import CellState, InputImage, Quality
 from motion.measure.history import History
@@ -24,10 +25,10 @@ TO_REST_NS = 60_000_000  # five time constants of a position loop of Kv 80 1/s: 
 
 
 class CoreMeasure:
-    """One program's measuring; what was stored stands in `state`: measured_mask, and measured of each axis."""
+    """One program's measuring."""
 
-    def __init__(self, state: CellState, axes: int, period_ns: Ns) -> None:
-        self._state, self._axes, self._period_ns = state, axes, period_ns
+    def __init__(self, state: CellState, axes: int, period_ns: Ns, mpos: Measured) -> None:
+        self._state, self._axes, self._period_ns, self._mpos = state, axes, period_ns, mpos
         self._until: UntilInput | None = None
         self._probe: DriveProbe | None = None  # of a part whose edge the drives catch
         self._history = History(axes)
@@ -130,12 +131,10 @@ class CoreMeasure:
         found = measured(asked, hit, self._period_ns, range(self._axes), {BOARD: Board(board, board)}, self._history)
         if found is None or self._hit == 0:
             return
-        self._stored, mask = True, 0
-        for n, place in enumerate(found):
-            if place is not None:
-                caught = self._probe.places.get(n, place) if self._probe is not None else place
-                self._state.axes[n].measured, mask = caught, mask | 1 << n
-        self._state.measured_mask = mask
+        self._stored = True
+        caught = self._probe.places if self._probe is not None else {}
+        self._mpos.forget(until.mask)
+        self._mpos.store({n: caught.get(n, place) for n, place in enumerate(found) if place is not None})
 
     def _see(self, until: UntilInput, inputs: InputImage, now: Ns) -> Ns:
         """Remembers the level; the stamp a change of it has: that of its byte where it is new, else this cycle's (AX-456).

@@ -1,13 +1,14 @@
 """Positions a program asks the cycle for: machine positions set anew, the reference path, VAL 3's latch.  Pure.
 
 The rules are those of motion.measure.machine, record and latch; here they get positions as the drives latched them, and what was asked for
-stands in `state`, as @MPOS does: measured_mask, and measured of each axis (AX-578, AX-579).
+becomes the @MPOS of its kinematic (AX-578, AX-579).
 """
 
 from collections.abc import Mapping, Sequence
 
 from gateway.pure.coreaxis import HeldAxis
 from gateway.pure.coreinputs import Wire
+from gateway.pure.measured import Measured
 from gateway.pure.pointrecords import LatchAt, TapeAt
 from gateway.pure.records import CellState, InputImage
 from motion.measure.errors import ProgramFault
@@ -30,8 +31,8 @@ def set_machine_position(axes: Sequence[HeldAxis], state: CellState, places: Map
 class CoreTape:
     """Reference paths; each is kept until the next SF 29 of its kinematic, also behind the program."""
 
-    def __init__(self, state: CellState, axes: int) -> None:
-        self._state, self._axes = state, axes
+    def __init__(self, mpos: Measured) -> None:
+        self._mpos = mpos
         self._paths: dict[int, ReferencePaths] = {}
         self._running: set[int] = set()  # kinematics
 
@@ -58,22 +59,21 @@ class CoreTape:
             self._paths[kinematic].step(kinematic, systems, sets, ())
 
     def recall(self, index: int, kinematic: int) -> None:
-        """SF 31; nothing is measured where no such entry is stored."""
+        """SF 31; the kinematic has measured nothing where no such entry is stored."""
+        own = self._mpos.of(kinematic)
+        self._mpos.forget(own)
         try:
             entry = self._paths.get(kinematic, ReferencePaths(0)).read(kinematic, index)
         except ProgramFault:
-            self._state.measured_mask = 0
             return
-        for axis, place in zip(self._state.axes, entry.joints, strict=False):
-            axis.measured = place
-        self._state.measured_mask = (1 << self._axes) - 1
+        self._mpos.store({n: place for n, place in enumerate(entry.joints) if own >> n & 1})
 
 
 class CoreLatch:
     """setLatch and getLatch of VAL 3."""
 
-    def __init__(self, state: CellState, axes: int, period_ns: Ns) -> None:
-        self._state, self._axes, self._period_ns = state, axes, period_ns
+    def __init__(self, state: CellState, axes: int, period_ns: Ns, mpos: Measured) -> None:
+        self._state, self._axes, self._period_ns, self._mpos = state, axes, period_ns, mpos
         self._latch: Latch | None = None
         self._order = LatchAt(0, 0.0, 0, 0, "")
         self._wire, self._history = Wire(0, 0), History(axes)
@@ -91,7 +91,7 @@ class CoreLatch:
         self._wire.look(inputs, now)
         self._latch = Latch(self._history, range(self._axes))
         self._latch.set_latch(order.name, now)
-        self._state.measured_mask = 0
+        self._mpos.forget(order.mask)
 
     def end(self) -> None:
         """The program is over."""
@@ -116,7 +116,5 @@ class CoreLatch:
         caught = latch.get_latch()
         if caught is None:
             return
-        for n, place in enumerate(caught):
-            if self._order.mask >> n & 1:
-                self._state.axes[n].measured = place
-        self._state.measured_mask, self._latch = self._order.mask, None
+        self._mpos.store({n: place for n, place in enumerate(caught) if self._order.mask >> n & 1})
+        self._latch = None

@@ -16,6 +16,7 @@ from gateway.pure.corepoints import CoreLatch, CoreTape, set_machine_position
 from gateway.pure.coreprobes import latches
 from gateway.pure.coreprogram import Entry, ProgramRun
 from gateway.pure.inputrecords import FlyingAt, flying_of, start_of
+from gateway.pure.measured import Measured
 from gateway.pure.plannerrecords import FunctionAt, Part, PieceRecord, SwitchAt, function_number, function_of, switch_of, until_of
 from gateway.pure.pointrecords import LatchAt, TapeAt, latch_of, machine_of, recall_of, tape_of
 from gateway.pure.reasons import Reason
@@ -57,10 +58,11 @@ class Mover:
         self.stepper = Stepper(len(axes), period_s, foresight=foresight)
         self.stepper.set_override(0.0)
         self.program = ProgramRun()  # done when nothing more comes and all is run
-        self.measure = CoreMeasure(state, len(axes), round(period_s * 1e9))
-        self.flying = CoreFlying(state, len(axes), round(period_s * 1e9))
-        self.latch = CoreLatch(state, len(axes), round(period_s * 1e9))
-        self.tape = CoreTape(state, len(axes))
+        mpos = Measured(state, axes)
+        self.measure = CoreMeasure(state, len(axes), round(period_s * 1e9), mpos)
+        self.flying = CoreFlying(state, len(axes), round(period_s * 1e9), mpos)
+        self.latch = CoreLatch(state, len(axes), round(period_s * 1e9), mpos)
+        self.tape = CoreTape(mpos)
         self.start = CoreStart(round(period_s * 1e9))
         self.functions: CoreOutputs | None = None  # of a cell with [[path_output]]
         self.gate = DriveOnGate(axes)  # drive-on of single axes

@@ -263,7 +263,7 @@ class Measuring:
 
     channels: Mapping[int, MeasuringFacts]
     systems: int = 0  # measuring systems of the cell: its axes, then its belts
-    last: int = 0  # axes the last block with an input will have measured
+    last: int = 0  # axes that will have been measured, of each kinematic by its own last measurement
 
     def wanted(self, until: Until, mask: int) -> UntilInput:
         """Raises ProgramFault inadmissable input for a channel the robot does not have."""
@@ -351,15 +351,19 @@ class Measuring:
         for call in block.functions:
             if isinstance(call, Flying):
                 stored = self.flying(0, 0.0, call, mask).mask
-                self.last = self.last if call.edge is None else stored
+                self._measured(mask, 0 if call.edge is None else stored)
             elif isinstance(call, Latching):
-                self.last = self.channels[self._latching(call, mask)].mask & mask
+                self._measured(mask, self.channels[self._latching(call, mask)].mask & mask)
             elif isinstance(call, Recording) and call.system > self.systems:
                 raise BlockError(f"{BAD_MEASURING_SYSTEM} {call.system}: 1 .. {self.systems} exist", code=91, source="rho 3")
         if block.recorded:
-            self.last = 0  # the entry takes the place of @MPOS
+            self.last &= ~mask  # the entry takes the place of @MPOS
         if block.until is not None:
-            self.last = self.wanted(block.until, mask).mask
+            self._measured(mask, self.wanted(block.until, mask).mask)
+
+    def _measured(self, mask: int, stored: int) -> None:
+        """Of a kinematic's axes these, and no longer others; none: it is as it was."""
+        self.last = self.last & ~mask | stored if stored else self.last
 
     @staticmethod
     def resolved(block: Block, places: Sequence[float | None], machine: Machine, number: int) -> Block:

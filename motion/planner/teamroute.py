@@ -347,9 +347,9 @@ def _check_asked(shared: Shared, number: int) -> None:
     """What the kinematics of a block wait for, end with and go to: BlockError where it is not the same for all."""
     if sum(block.until is not None for block in shared.own) > 1 or sum(block.wait is not None for block in shared.own) > 1:
         raise BlockError("one kinematic alone says what a shared block waits for, or ends with", block=number)
-    if any(block.recorded for block in shared.own) and sum(block.unmet for block in shared.own) > 1:
+    if sum(block.recorded != 0 for block in shared.own) > 1:
         raise BlockError(
-            "recorded of one kinematic takes the place of @MPOS: another one's recorded or mpos needs a block of its own", block=number
+            "one kinematic alone of a shared block goes to an entry: recorded of another one needs a block of its own", block=number
         )
     if len(labels := sorted({block.otherwise for block in shared.own} - {""})) > 1:
         raise BlockError(f"a shared block goes on at one label, not at {' and '.join(labels)}: error= of one of them", block=number)

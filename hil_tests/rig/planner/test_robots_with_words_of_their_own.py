@@ -12,7 +12,7 @@ from hil_tests.lab.arms import Array
 from hil_tests.lab.cell_running import P5_MS
 from hil_tests.lab.planned_bench import Driven
 from hil_tests.lab.plc2 import ABORTED, DONE, REFUSED
-from hil_tests.lab.program_run import PROGRAM, ProgramRun, program_run
+from hil_tests.lab.program_run import PROBE, PROGRAM, ProgramRun, program_run
 from motion.files import bnr
 
 HEAD = """kinematic arm tx60-like
@@ -29,11 +29,19 @@ PROGRAMS = {
     5: HEAD
     + "kinematic scara\nread_begin curve.bnr\nmove_file curve.bnr modulo=0,0,0,0\n"
     + "move arm ptp rel joints 5 0 0 0 0 0 and scara ptp rel joints 0 5 0 0\n",
+    6: HEAD
+    + "kinematic arm\nmeasure_on ch610\nkinematic scara\nmeasure_on ch620\n"
+    + "move arm ptp joints 40 30 90 0 60 0 speed=5 and scara ptp joints 60 80 -200 0 speed=5\n"
+    + "move arm ptp mpos and scara ptp mpos\n",
     3: HEAD + "kinematic scara\nmach_pos joints 0 80 90 0\nmove arm ptp joints 15 30 90 0 60 0\n",
 }
 K = np.arange(1, 301) / 300
 POINTS = np.outer(10 * K**3 - 15 * K**4 + 6 * K**5, (40.0, -20.0, 30.0, 60.0)) + (10.0, 80.0, -200.0, 0.0)  # deg and mm
-SCARA = 0b1111000000
+ARM, SCARA = 0b111111, 0b1111000000
+MEASURING = "".join(
+    f'[[measuring]]\nchannel = {channel}\ninput = {PROBE + n}\nrobot = "{robot}"\n\n'
+    for n, (channel, robot) in enumerate(((610, "arm"), (620, "scara")))
+)
 SI = np.array([np.pi / 180] * 8 + [1e-3, np.pi / 180])
 
 
@@ -41,7 +49,9 @@ SI = np.array([np.pi / 180] * 8 + [1e-3, np.pi / 180])
 def robots(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ProgramRun]:
     folder = tmp_path_factory.mktemp("cell")
     (folder / "curve.bnr").write_bytes(bnr.encode(bnr.Header(time_base_us=1000 * P5_MS, axes=4), POINTS.tolist()))
-    with program_run(folder, "arm6", PROGRAMS, "words", change=both) as run:
+    with program_run(
+        folder, "arm6", PROGRAMS, "words", change=lambda text: both(text).replace("# ---- drives", f"{MEASURING}# ---- drives")
+    ) as run:
         run.ready()
         yield run
 
@@ -78,3 +88,22 @@ def test_points_of_a_file_are_set_values_of_one_while_the_other_rests_and_both_g
     assert len(filed) > 20 and max(nearest) < 1e-6, "what is seen of it are its points"
     assert np.ptp(filed[:, :6], axis=0).max() == 0.0, "the arm rests"
     assert np.array(robots.sets()) / SI == pytest.approx([15, 30, 90, 0, 60, 0, 50, 65, -170, 60], abs=1e-5)
+
+
+def test_each_goes_back_to_where_it_was_at_its_own_edge_both_in_one_block(robots: ProgramRun) -> None:
+    for n in (0, 1):
+        robots.coil(PROBE + n, False)
+    assert robots.command(PROGRAM, 4).state == DONE, robots.run.words()
+    robots.plc.send(PROGRAM, 6)
+    robots.watch("some way", lambda s: s.axes[0].set / SI[0] > 15)
+    robots.coil(PROBE, True)
+    robots.watch("the arm has measured", lambda s: s.measured_mask == ARM)
+    robots.watch("further", lambda s: s.axes[0].set / SI[0] > 25)
+    robots.coil(PROBE + 1, True)
+    robots.watch("both have", lambda s: s.measured_mask == ARM | SCARA)
+    measured = [axis.measured for axis in robots.state().axes[: robots.axes]]
+    robots.watch("at rest", lambda s: s.motion is Motion.IDLE, 60.0)
+    assert robots.plc.wait(lambda s: s.state in (DONE, ABORTED), 5).state == DONE, robots.run.words()
+    assert robots.sets() == pytest.approx(measured, abs=1e-9)
+    arm, scara = ((measured[n] / SI[n] - 10) / way for n, way in ((0, 30), (6, 50)))
+    assert 0.1 < arm < 0.35 and arm + 0.1 < scara < 0.9, "shares of their ways: the edge of the SCARA came later"

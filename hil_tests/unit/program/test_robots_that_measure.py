@@ -20,6 +20,7 @@ CHANNELS = {
     610: MeasuringFacts(OF_ARM, ARM),
     620: MeasuringFacts(OF_SCARA, SCARA),
     630: MeasuringFacts(OF_SCARA, ARM | SCARA),  # axes of both are on its board
+    640: MeasuringFacts(OF_SCARA, 0b11),  # its board has two axes of the arm
     621: MeasuringFacts(OF_SCARA, SCARA, latch="fIn0"),
 }
 BOTH = f"move {AWAY[0]} and {AWAY[1]}"
@@ -28,7 +29,7 @@ BOTH = f"move {AWAY[0]} and {AWAY[1]}"
 @pytest.fixture(scope="module")
 def cell() -> Planned:
     planned = Planned(Cell402Bench(8, cell=CELL))
-    planned.programs.channels = CHANNELS
+    planned.programs.channels, planned.programs.systems = CHANNELS, len(CELL.axis)
     return planned
 
 
@@ -55,6 +56,16 @@ def test_where_one_was_at_the_edge_is_stored_while_all_go_on_and_it_goes_back_th
     assert arm == pytest.approx(1.0, abs=1e-4) and at - 0.05 < scara <= at + 0.01, "the drive lags behind its set value"
 
 
+def test_of_one_kinematic_a_later_measurement_of_some_axes_leaves_no_earlier_place_of_the_others(home: Planned) -> None:
+    job = home.order(HEAD + "\n".join(["kinematic arm", "measure_on ch610", "measure_on ch640", BOTH]))
+    home.until(lambda state: gone(home)[0] > 0.3)
+    home.bench.permit(OF_ARM)
+    home.until(lambda state: state.measured_mask == ARM)
+    home.until(lambda state: gone(home)[0] > 0.5)
+    home.bench.permit(OF_SCARA)
+    assert home.bench.settle(job).state is CommandState.DONE and home.state.measured_mask == 0b11
+
+
 def test_a_probe_that_is_off_again_stores_nothing_and_leads_on_at_the_label(home: Planned) -> None:
     lines = ["kinematic arm", "measure_on ch610", f"move {AWAY[0]}", "measure_off ch610", HOME, "move arm ptp mpos error=ON", "label ON"]
     job = home.order(HEAD + "\n".join([*lines, "move scara ptp rel joints 4 0 0 0"]))
@@ -63,6 +74,41 @@ def test_a_probe_that_is_off_again_stores_nothing_and_leads_on_at_the_label(home
     home.bench.permit(OF_ARM)
     assert home.bench.settle(job).state is CommandState.DONE, job
     assert gone(home) == pytest.approx([0.0, 0.1], abs=1e-4)
+
+
+@pytest.mark.requirement("RHO-MOT-10", by="gateway.pure.measured:Measured.store")
+@pytest.mark.requirement("RHO-MOT-16", by="gateway.pure.measured:Measured.store")
+@answers
+def test_each_has_measured_its_own_place_and_all_go_back_to_theirs_in_one_block(home: Planned) -> None:
+    lines = ["kinematic arm", "measure_on ch610", "kinematic scara", "measure_on ch620", BOTH, "move arm ptp mpos and scara ptp mpos"]
+    job = home.order(HEAD + "\n".join(lines))
+    home.until(lambda state: gone(home)[0] > 0.3)
+    home.bench.permit(OF_ARM)
+    home.until(lambda state: gone(home)[1] > 0.7)
+    assert home.state.measured_mask == ARM
+    home.bench.permit(OF_SCARA)
+    assert home.bench.settle(job).state is CommandState.DONE
+    arm, scara = gone(home)
+    assert 0.25 < arm < 0.31 and 0.65 < scara < 0.71 and home.state.measured_mask == ARM | SCARA
+    lines = ["kinematic scara", "set_latch fIn0", "move scara ptp rel joints 1 0 0 0 speed=20", "move arm ptp mpos"]
+    assert run(home, *lines) is CommandState.REFUSED, "of another program it has none"
+
+
+@pytest.mark.requirement("RHO-MOT-13", by="gateway.pure.measured:Measured.forget")
+@pytest.mark.requirement("RHO-MOT-38", by="gateway.pure.corepoints:CoreTape.recall")
+@pytest.mark.parametrize("other", ["measure_on ch620", "set_latch fIn0", "record_on 7 1deg"])
+@answers
+def test_what_another_one_measures_or_fetches_later_takes_nothing_from_it(home: Planned, other: str) -> None:
+    ends = [f"move {AWAY[0]} until={OF_ARM}", "kinematic scara", other, "move scara ptp joints 4 90 -200 0"]
+    fetched = "move scara ptp recorded 2" if other.startswith("record_on") else "move scara ptp mpos error=ON"
+    job = home.order(HEAD + "\n".join([*ends, fetched, "move scara ptp rel joints 9 0 0 0", "label ON", "move arm ptp mpos"]))
+    home.until(lambda state: gone(home)[0] > 0.5)
+    home.bench.permit(OF_ARM)
+    at = gone(home)[0]
+    assert home.bench.settle(job).state is CommandState.DONE, job.detail
+    arm, scara = gone(home)
+    assert at - 0.05 < arm < at + 0.01, "where it was at its own edge"
+    assert scara == pytest.approx(12 / 40 if "recorded" in fetched else 4 / 40, abs=0.011)
 
 
 @pytest.mark.parametrize(
