@@ -255,7 +255,7 @@ class Core:
 
     @property
     def starved(self) -> bool:
-        """A program is under way, the axes rest, and more has to come from the planner."""
+        """A program is under way, the axes rest, and more has to come from the planner, or an input."""
         return self._mover.starved
 
     def _stop(self, reason: Reason) -> None:

@@ -90,8 +90,8 @@ class Mover:
 
     @property
     def starved(self) -> bool:
-        """A program is under way, the axes rest, and more has to come from the planner."""
-        return self.program.waits and self.stepper.state is State.IDLE
+        """A program is under way, the axes rest, and more has to come from the planner, or an input."""
+        return (self.program.waits or self.start.on) and self.stepper.state is State.IDLE
 
     @property
     def measuring(self) -> bool:
@@ -228,7 +228,7 @@ class Mover:
             program.switch(ENTRIES[record.part](record))
         elif record.part is Part.LAST:
             program.complete = True
-            if not program.begun and program.switches:  # nothing has moved, and something is done here
+            if not program.begun and (program.switches or self.start.on):  # nothing has moved, and something is done or waited for here
                 self._begin(program.job)
                 program.begun = True
             elif not program.begun:
@@ -397,7 +397,8 @@ class Mover:
     def _attend(self, sample: Sample) -> None:
         """What belongs to a program beside its path: outputs, the input its part ends with, the end of a part."""
         program, stepper = self.program, self.stepper
-        for switch in program.passed(sample.piece_id, stepper.within):
+        waits = self.start.on and self.free  # a part without way: what it does comes behind its input
+        for switch in () if waits else program.passed(sample.piece_id, stepper.within):
             if isinstance(switch, FunctionAt):
                 self._call(switch.function)
             elif isinstance(switch, FlyingAt):
@@ -414,7 +415,7 @@ class Mover:
         if measure.on and not self.start.on and measure.look(self._inputs, self._state.sync_ns, stepper.state) and not program.met:
             stepper.abandon()
             program.met = True
-        if program.rests and self.free and not measure.waits:
+        if program.rests and self.free and not measure.waits and not waits:
             self._state.met = program.met
             if measure.on and self.gate.watches:
                 self.gate.accepted()
@@ -442,7 +443,7 @@ class Mover:
     def judge(self, sample: Sample) -> None:
         """A job runs: when its set values have arrived it is done as soon as the axes have, too."""
         program = self.program
-        measured = program.failed or not self.measure.waits
+        measured = program.failed or not (self.measure.waits or self.start.on)
         if not (program.complete and self.free and measured if program.begun else sample.done_id == self.running):
             return
         late = [axis for axis in self._axes if abs(axis.set - axis.scaling.to_si(axis.drive.position_inc)) > axis.plan.window]

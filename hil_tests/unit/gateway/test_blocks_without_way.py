@@ -2,6 +2,7 @@
 
 import pytest
 
+from gateway.pure.command_block import Code
 from gateway.pure.coreoutputs import CoreOutputs
 from gateway.pure.reasons import CommandState, Reason
 from gateway.pure.records import get_bit
@@ -13,7 +14,7 @@ from motion.kinematics.portal import Portal as Portals
 
 __all__ = ["bench", "both", "cell"]
 
-OUT = 700
+OUT, STARTS = 700, 900
 HERE = "ptp rel joints 0 0 0 0 0 0"  # the manual's dummy block
 
 
@@ -101,3 +102,33 @@ def test_it_is_done_at_rest_where_an_input_let_nothing_move_at_all(probing: Prob
     job = probing.order(f"ptp joints {joints(10)} until=ch611 error=ON", "iol -2 1 1 0 1 0", "label ON", f"ptp joints {here}")
     assert probing.finished(job).state is CommandState.DONE and probing.at(2.0)
     assert get_bit(probing.cell.core.outputs, IOL)
+
+
+@pytest.mark.parametrize("behind", BEHIND, ids=["the end", "an input", "mach_pos"])
+def test_a_block_without_way_waits_for_its_input_too(probing: Probing, behind: tuple[str, ...]) -> None:
+    probing.cell.permit(FAST, STARTS, value=False)
+    before = ["iol -2 1 1 0 0 0", f"ptp joints {joints(1)} out={OUT}:0", f"ptp joints {joints(2)}"]
+    assert probing.finished(probing.order(*before)).state is CommandState.DONE
+    lines = (f"ptp joints {joints(90)} until=ch611", "ptp mpos", "iol -2 1 1 0 1 0", f"ptp mpos wait={STARTS} out={OUT}:1", *behind)
+    job = probing.order(*lines)
+    probing.edge_at(20.0, FAST)
+    probing.cell.run(3.0)
+    there = probing.places()[0]
+    assert job.open and there == pytest.approx(probing.measured / probing.cell.office.axes[0].si, abs=1e-9)
+    assert not get_bit(probing.cell.core.outputs, OUT)
+    probing.change(STARTS)
+    assert probing.finished(job).state is CommandState.DONE
+    assert get_bit(probing.cell.core.outputs, OUT) and get_bit(probing.cell.core.outputs, IOL)
+
+
+def test_a_stop_ends_a_program_that_waits_so(probing: Probing) -> None:
+    probing.cell.permit(FAST, STARTS, value=False)
+    assert probing.finished(probing.order(f"ptp joints {joints(1)} out={OUT}:0", f"ptp joints {joints(2)}")).state is CommandState.DONE
+    job = probing.order(f"ptp joints {joints(90)} until=ch611", "ptp mpos", f"ptp mpos wait={STARTS} out={OUT}:1")
+    probing.edge_at(20.0, FAST)
+    probing.cell.run(2.0)
+    assert job.open
+    assert probing.cell.settle(probing.cell.give(Code.STOP)).state is CommandState.DONE
+    probing.cell.run(0.5)
+    probing.change(STARTS)
+    assert probing.finished(job).state is CommandState.ABORTED and not get_bit(probing.cell.core.outputs, OUT)
