@@ -186,7 +186,7 @@ class Paper:
         for block in section.blocks:
             route.add(block)
         route.finish()
-        return trace(route.take(), self.machine, period=self.period).later(section.first - 1)
+        return trace(route.take(), self.machine, period=self.period, stands=stands).later(section.first - 1)
 
     def _filed(self, section: Section, path: FilePath, stands: Sequence[float]) -> Trace:
         """MOVE_FILE."""

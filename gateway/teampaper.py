@@ -118,13 +118,13 @@ def team_traces(findings: TeamFindings, team: Team, period: float = PERIOD_S) ->
 
 def _traced(section: TeamSection, team: Team, period: float) -> Iterator[Trace]:
     """Of each kinematic in a section."""
-    rows, q, blocks, ends = sampled(section.stretches, team, period=period)
+    rows, q, blocks, ends = sampled(section.stretches, team, period=period, stands=section.stands)
     if section.filed is not None:
         member, path = section.filed
         q = _filed(team.split(section.stands), member, path, period)
         blocks, ends = [section.first - section.before] * len(q), [(section.first - section.before, path.duration)]
     elif not section.stretches:  # blocks without way
-        q, blocks = np.array([section.stands]), [section.first - section.before]
+        blocks = [section.first - section.before]
     for n, (first, behind) in enumerate(zip(team.firsts, team.firsts[1:], strict=False)):
         own = [[part for stretch in row for at, part in own_parts(stretch) if at == n] for row in rows]
         every = [part for row in own for part in row]

@@ -146,14 +146,16 @@ def numbered(error: BlockError, number: int) -> BlockError:
     return BlockError(error.what, code=error.code, block=number, axis=error.axis, source=error.source)
 
 
-def trace(stretches: Sequence[Stretch], machine: Machine, factors: Factors = FULL, period: float = PERIOD_S) -> Trace:
-    """Runs all whole runs; raises MotionError where a path cannot be run at all."""
-    rows, q, blocks, ends = sampled(stretches, machine, factors, period)
+def trace(
+    stretches: Sequence[Stretch], machine: Machine, factors: Factors = FULL, period: float = PERIOD_S, stands: Sequence[float] = ()
+) -> Trace:
+    """Runs all whole runs; stands: where the axes are when there is none.  Raises MotionError where a path cannot be run at all."""
+    rows, q, blocks, ends = sampled(stretches, machine, factors, period, stands)
     return seen(rows, stretches, machine, q, blocks, ends, period)
 
 
 def sampled(
-    stretches: Sequence[Stretch], machine: Machine | Team, factors: Factors = FULL, period: float = PERIOD_S
+    stretches: Sequence[Stretch], machine: Machine | Team, factors: Factors = FULL, period: float = PERIOD_S, stands: Sequence[float] = ()
 ) -> tuple[list[list[Stretch]], Array, list[int], list[tuple[int, float]]]:
     """Stretches from rest to rest as they are run, set values (n, axes), block of each, (block, s at which it is left)."""
     parts, blocks, ends, clock = [], [], [], 0.0
@@ -168,8 +170,8 @@ def sampled(
         blocks += [run.place(float(x))[0] for x in s]
         clock += (count + 1) * period
         ends.append((run.stretches[-1].block, clock))
-    q = np.concatenate(parts) if parts else np.zeros((1, machine.axes))
-    return rows, q, blocks or [0], ends
+    q = np.concatenate(parts) if parts else np.array([tuple(stands) or (0.0,) * machine.axes])
+    return rows, q, blocks or [1 if stands else 0], ends
 
 
 def seen(

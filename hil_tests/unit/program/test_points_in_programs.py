@@ -102,6 +102,9 @@ def test_paper_goes_on_from_the_new_numbers_and_sees_no_movement_in_them() -> No
     made = Paper(arms.portal(), (), ()).run(sections)
     assert not faults and made.q[-1] == pytest.approx((0.02, 0.0, 0.0), abs=1e-9)
     assert all(made.loads(arms.portal(), order).max() < 1.1 for order in (1, 2, 3)) and made.tool_speed().max() < 3.0
+    lines = "ptp joints 100 9 0\nmach_pos joints 50 9 0\nptp joints 50 9 0\nmach_pos joints 80 9 0\nlinear rel pose 20 0 0 0 0 0\n"
+    made = Paper(arms.portal(), (), ()).run(sections_of(read("axes mm mm mm\nstart 0 9 0\n" + lines), arms.portal(), ())[0])
+    assert made.q[:, 1] == pytest.approx(0.009) and made.q[made.block == 2] == pytest.approx(np.array([(0.05, 0.009, 0.0)])), "no way"
     faults = sections_of(read("axes mm mm mm\nstart 0 0 0\nmach_pos joints 0 0 9e5\nptp joints 1 0 0\n"), arms.portal(), ())[1]
     assert "block 1, axis z: mach_pos" in str(faults[0])
 
