@@ -32,6 +32,10 @@ class QuickForesight(Foresight):
         self._steady = True
         return c
 
+    def __reduce__(self) -> tuple[object, ...]:
+        """A recording keeps the twin in this state: whoever plays it need not have C (AX-484)."""
+        return Foresight, (self._track, self._h), {name: value for name, value in vars(self).items() if name != "_native"}
+
     def _found(self, seen: Window, first: int, past: int, *now: float) -> Found:
         """Where rows before `first` or from `past` on are needed: which they are, the first and the last one."""
         steady, turns, inverse = self._steady, self._track.turns or None, self._track.inverse

@@ -97,9 +97,11 @@ def _array(value: object) -> bool:
 
 
 def _solver(value: object) -> bool:
-    """What is no class, none of our objects and no plain container: solvers, functions, codecs."""
+    """What is no class, none of our objects and no plain container: solvers, functions, codecs.  A part in C of one of our classes says
+    itself as what it is kept."""
     kind = type(value)
-    return not (isinstance(value, type) or kind in CONTAINERS or f"{kind.__module__}.".startswith((*OURS, f"{__name__}.")))
+    ours = any(f"{each.__module__}.".startswith((*OURS, f"{__name__}.")) for each in kind.__mro__)
+    return not (isinstance(value, type) or kind in CONTAINERS or ours)
 
 
 def _is_frozen(kind: type) -> bool:

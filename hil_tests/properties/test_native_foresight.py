@@ -1,5 +1,6 @@
 """Foresight in C against its twin in Python, along whole paths with random orders: the same bit for bit in every period (AX-609)."""
 
+import pickle
 import random
 from collections import Counter
 from typing import ClassVar
@@ -10,11 +11,13 @@ import pytest
 from gateway.native.built import PYTHON_ONLY
 from gateway.native.foresight import Found, QuickForesight
 from gateway.native.quick import Quick
+from gateway.recording.states import Snapshots, Start, carry_over, frozen
 from hil_tests.bench.online_figures import loaded, random_pieces
 from hil_tests.lab.motionpaths import MS, Array, portal_limits, u_arm
 from hil_tests.lab.native import native_parts
 from hil_tests.soak import motion as soak
 from motion.planner.commit import timed_pieces
+from motion.stepper import Stepper
 from motion.timed import TimedPiece
 from motion.timing.choice import assembled
 from motion.timing.foresight import Foresight
@@ -163,3 +166,21 @@ def test_what_is_not_as_it_was_made_is_refused() -> None:
 def test_whoever_asks_for_python_looks_ahead_in_python(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(PYTHON_ONLY, "1")
     assert Quick().foresight is Foresight
+
+
+def test_a_recording_keeps_the_twin_in_the_same_state() -> None:
+    """A cell recorded with C is played without."""
+    stepper, fresh, state = loaded(soak.pieces_of(1_000_003), 3, MS, QuickForesight), Stepper(3, MS, (0.0, 0.0, 0.0)), None
+    while "'begun': True" not in str(state):  # a change of speed that is no matter of phases is under way
+        stepper.set_override(0.3 if stepper.override == 1.0 else 1.0)
+        for _ in range(40):
+            stepper.step()
+        state = kept(stepper)
+    assert "motion.timing.foresight:Foresight" in str(state) and "Quick" not in str(state)
+    played = carry_over(state, kept(fresh), fresh, [])
+    assert all(played.step() == stepper.step() for _ in range(400))
+
+
+def kept(stepper: Stepper) -> object:
+    """As a recording writes it."""
+    return frozen(pickle.loads(Snapshots().take(Start(stepper, [], [], []))).core)
