@@ -94,7 +94,7 @@ def test_each_has_measured_its_own_place_and_all_go_back_to_theirs_in_one_block(
     assert run(home, *lines) is CommandState.REFUSED, "of another program it has none"
 
 
-@pytest.mark.requirement("RHO-MOT-13", by="gateway.pure.measured:Measured.forget")
+@pytest.mark.requirement("RHO-MOT-13", by="gateway.pure.measured:Measured.store")
 @pytest.mark.requirement("RHO-MOT-38", by="gateway.pure.corepoints:CoreTape.recall")
 @pytest.mark.parametrize("other", ["measure_on ch620", "set_latch fIn0", "record_on 7 1deg"])
 @answers
