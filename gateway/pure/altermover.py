@@ -127,14 +127,10 @@ def make_mover(
     off: Callable[[Reason], None],
 ) -> Mover:
     """The least that the cell needs."""
-    if alter is None:
-        if belts is None:
-            return Mover(axes, state, outputs, homings, period_s, foresight)
-        return BeltMover(axes, state, outputs, homings, period_s, foresight, belts=belts, off=off)
-    mover = (
-        AlterMover(axes, state, outputs, homings, period_s, foresight)
-        if belts is None
-        else AlterBeltMover(axes, state, outputs, homings, period_s, foresight, belts=belts, off=off)
-    )
-    mover.alter = alter
+    kinds = (Mover, AlterMover), (BeltMover, AlterBeltMover)
+    mover = kinds[belts is not None][alter is not None](axes, state, outputs, homings, period_s, foresight)
+    if belts is not None and isinstance(mover, BeltMover):
+        mover.belts, mover.off = belts, off
+    if alter is not None and isinstance(mover, AlterMover):
+        mover.alter = alter
     return mover

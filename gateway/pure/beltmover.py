@@ -4,73 +4,58 @@ from collections.abc import Callable, Sequence
 
 from gateway.pure.beltacts import ActOrder, act_of
 from gateway.pure.beltrecords import belt_block_of, synchron_of
-from gateway.pure.coreaxis import HeldAxis
 from gateway.pure.corebelts import BeltFault, CoreBelts
-from gateway.pure.corehoming import Homings
 from gateway.pure.mover import Mover
 from gateway.pure.plannerrecords import Part, PieceRecord
 from gateway.pure.reasons import Reason
-from gateway.pure.records import CellState, InputImage
+from gateway.pure.records import InputImage
 from motion.errors import MotionError
 from motion.pieces import Piece
 from motion.stepper import Sample, State
 from motion.timed import TimedPiece
-from motion.timing.foresight import Foresight
 
 
 class BeltMover(Mover):
-    """Of one core.  off: switches all drives off."""
+    """Of one core.  `belts` and `off`, which switches all drives off, are given once, before the first cycle."""
 
-    def __init__(
-        self,
-        axes: Sequence[HeldAxis],
-        state: CellState,
-        outputs: bytearray,
-        homings: Homings,
-        period_s: float,
-        foresight: type[Foresight] = Foresight,
-        *,
-        belts: CoreBelts,
-        off: Callable[[Reason], None],
-    ) -> None:
-        super().__init__(axes, state, outputs, homings, period_s, foresight)
-        self._belts, self._off = belts, off
-        self._awaiting = 0  # job whose SYNC waits
+    belts: CoreBelts
+    off: Callable[[Reason], None]
+    _awaiting = 0  # job whose SYNC waits
 
     @property
     def free(self) -> bool:
         """Neither a path nor a synchronous part is under way."""
-        return self.stepper.state is State.IDLE and self._belts.free
+        return self.stepper.state is State.IDLE and self.belts.free
 
     def set_override(self, value: float) -> None:
-        if self._belts.set_override(value):
+        if self.belts.set_override(value):
             self.override = value
         else:
             super().set_override(value)
 
     def abandon(self) -> None:
-        if self._belts.free:
+        if self.belts.free:
             super().abandon()
         else:
             self._leave_belt(Reason.ABANDONED)
 
     def stop(self, reason: Reason) -> None:
-        if self._belts.free:
+        if self.belts.free:
             super().stop(reason)
         else:
             self._leave_belt(reason)
 
     def leave(self) -> bool:
         """A synchronous part needs all axes of its robot."""
-        return (self._belts.free or self.all_wanted()) and super().leave()
+        return (self.belts.free or self.all_wanted()) and super().leave()
 
     def drop(self, reason: Reason) -> None:
         super().drop(reason)
-        self._belts.drop()
+        self.belts.drop()
 
     def step(self, inputs: InputImage) -> Sample:
         """Counters, and the set values of the part under way."""
-        belts, state, self._inputs = self._belts, self._state, inputs
+        belts, state, self._inputs = self.belts, self._state, inputs
         if self.start.on:
             self.hold()
         sample = belts.step(self.stepper, inputs)
@@ -94,15 +79,15 @@ class BeltMover(Mover):
         return sample
 
     def _counters(self) -> Sequence[float]:
-        return [belt.counter for belt in self._belts.all.all]
+        return [belt.counter for belt in self.belts.all.all]
 
     def _load(self, piece: Piece | TimedPiece) -> None:
-        if not self._belts.load(piece):
+        if not self.belts.load(piece):
             super()._load(piece)
 
     def _take_belt(self, record: PieceRecord) -> None:
         """SYNCHRON, or a block of types 2 and 3; what does not fit ends the program before it moves."""
-        program, belts = self.program, self._belts
+        program, belts = self.program, self.belts
         try:
             if record.part is Part.BELT_ACT:
                 self._act(act_of(record))
@@ -126,17 +111,17 @@ class BeltMover(Mover):
     def _act(self, order: ActOrder) -> None:
         """A part by itself: over at once, or when the belt is there."""
         program = self.program
-        self._belts.act(order)
+        self.belts.act(order)
         if not program.begun:
             self._begin(program.job)
             program.begun = True
         self._awaiting = program.job
-        if not self._belts.awaits:
+        if not self.belts.awaits:
             self._state.parts += 1
 
     def _end_belt(self) -> bool:
         """Nothing more comes of the part: a robot of type 1 leaves its belt, one of types 2 and 3 stands at its last point.  True: over."""
-        program, belts = self.program, self._belts
+        program, belts = self.program, self.belts
         if not (program.rests or program.complete or not program.job):
             return False
         if belts.carries:
@@ -148,12 +133,12 @@ class BeltMover(Mover):
         return over
 
     def _drop_part(self) -> None:
-        self._belts.drop()
+        self.belts.drop()
         self.stepper.set_override(self.override)  # on the belt it was what the joints allow
 
     def _leave_belt(self, reason: Reason) -> None:
         """Stopped inside a part: it is over, and the axes come to rest whatever the belt does."""
-        belts, program = self._belts, self.program
+        belts, program = self.belts, self.program
         if program.job and not program.failed:
             self._end_program(reason)
             program.met = True  # what still comes of it is dropped
@@ -168,11 +153,11 @@ class BeltMover(Mover):
 
     def _belt_fault(self, fault: BeltFault) -> None:
         """The part cannot go on; with types 2 and 3 READY opens, so that the belt can be stopped (rho3 L6112)."""
-        state, belts = self._state, self._belts
+        state, belts = self._state, self.belts
         belts.fault = None
         state.belt_code, state.belt_block, state.belt_axis = fault.code, belts.block, fault.axis
         if fault.opens_ready:
             state.emergency = True
-            self._off(Reason.BELT_FAULT)
+            self.off(Reason.BELT_FAULT)
         else:
             self._leave_belt(Reason.BELT_FAULT)

@@ -290,8 +290,8 @@ class Core:
     def _drive(self, actuals: Sequence[Actual | None], inputs: InputImage) -> list[SetRecord]:
         """All of it happens once per SYNC."""
         mover, homings = self._mover, self._homings
-        if mover.probing:
-            mover.hear(actuals)
+        if mover.storing.by_drives:
+            mover.storing.hear(actuals)
         sample = mover.step(inputs)
         if homings.under_way:
             homings.step(actuals)
@@ -305,7 +305,7 @@ class Core:
             mover.functions.step(sample.q, self.state, self.outputs)
         if mover.running:
             mover.judge(sample)
-        if mover.measuring:
+        if mover.storing.on:
             mover.store([None if actual is None else axis.actual for axis, actual in zip(self._axes, actuals, strict=True)])
         self.state.progress, self.state.piece = sample.s, sample.piece_id
         return values

@@ -6,21 +6,18 @@ A cell with belts or a correction has one more: gateway.pure.beltmover, gateway.
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
-from drivers.drives.family import Actual
 from gateway.pure.coreaxis import HeldAxis
 from gateway.pure.coredriveon import DriveOnGate
 from gateway.pure.corehoming import Homings
-from gateway.pure.coreinputs import CoreFlying, CoreStart
-from gateway.pure.coremeasure import CoreMeasure
-from gateway.pure.corepoints import CoreLatch, CoreTape, set_machine_position
-from gateway.pure.coreprobes import latches
+from gateway.pure.coreinputs import CoreStart
+from gateway.pure.corepoints import set_machine_position
 from gateway.pure.coreprogram import Entry, ProgramRun
-from gateway.pure.inputrecords import FlyingAt, flying_of, start_of
-from gateway.pure.measured import Measured
+from gateway.pure.inputrecords import flying_of, start_of
 from gateway.pure.plannerrecords import FunctionAt, Part, PieceRecord, SwitchAt, function_number, function_of, switch_of, until_of
-from gateway.pure.pointrecords import LatchAt, TapeAt, latch_of, machine_of, recall_of, tape_of
+from gateway.pure.pointrecords import latch_of, machine_of, recall_of, tape_of
 from gateway.pure.reasons import Reason
 from gateway.pure.records import CellState, InputImage, OrderRecord, set_bit
+from gateway.pure.storing import Storing
 from motion.axes.errors import AxisError
 from motion.errors import MotionError
 from motion.outputs.function import Function
@@ -58,11 +55,8 @@ class Mover:
         self.stepper = Stepper(len(axes), period_s, foresight=foresight)
         self.stepper.set_override(0.0)
         self.program = ProgramRun()  # done when nothing more comes and all is run
-        mpos = Measured(state, axes)
-        self.measure = CoreMeasure(state, len(axes), round(period_s * 1e9), mpos)
-        self.flying = CoreFlying(state, len(axes), round(period_s * 1e9), mpos)
-        self.latch = CoreLatch(state, len(axes), round(period_s * 1e9), mpos)
-        self.tape = CoreTape(mpos)
+        self.storing = Storing(state, axes, round(period_s * 1e9))
+        self.measure = self.storing.measure  # the edge that ends the part under way
         self.start = CoreStart(round(period_s * 1e9))
         self.functions: CoreOutputs | None = None  # of a cell with [[path_output]]
         self.gate = DriveOnGate(axes)  # drive-on of single axes
@@ -92,11 +86,6 @@ class Mover:
     def starved(self) -> bool:
         """A program is under way, the axes rest, and more has to come from the planner, or an input."""
         return (self.program.waits or self.start.on) and self.stepper.state is State.IDLE
-
-    @property
-    def measuring(self) -> bool:
-        """Positions are wanted (store)."""
-        return self.measure.on or self.flying.on or self.latch.on or self.tape.on
 
     def all_enabled(self, mask: int) -> bool:
         return all(axis.drive.follows for n, axis in enumerate(self._axes) if mask >> n & 1)
@@ -128,9 +117,7 @@ class Mover:
             return
         self.program.order(record.job, record.mask)
         self._state.path_stop = 0
-        self.measure.program_started()
-        self.flying.program_started()
-        self.latch.end()
+        self.storing.program_started()
         self._release()
         self._state.stop_cause = 0
 
@@ -286,7 +273,7 @@ class Mover:
     def _point(self, record: PieceRecord) -> None:
         """A part by itself, over at once; the axes rest."""
         if record.part is Part.RECALL:
-            self.tape.recall(*recall_of(record))
+            self.storing.tape.recall(*recall_of(record))
         else:
             set_machine_position(self._axes, self._state, machine_of(record))
             self._as_they_stand()
@@ -363,32 +350,9 @@ class Mover:
         self.start.end()
         self.stepper.set_override(self.override)
 
-    @property
-    def probing(self) -> bool:
-        """What the drives' own probes catch is wanted (hear)."""
-        return self.measure.by_drives or self.flying.by_drives
-
-    def hear(self, actuals: Sequence[Actual | None]) -> None:
-        """actuals: (axes,) of this SYNC, before step()."""
-        said = latches(self._axes, actuals)
-        self.measure.hear(said)
-        self.flying.hear(said)
-
     def store(self, actual: Sequence[float | None]) -> None:
         """actual: (axes,) as latched at this SYNC, None where the telegram did not come."""
-        self.measure.store(actual)
-        if not self.program.job:
-            self.flying.end()
-            self.latch.end()
-        places = [place for place in actual if place is not None]
-        if len(places) < len(actual):
-            return
-        if self.flying.on:
-            self.flying.store(places)
-        if self.latch.on:
-            self.latch.store(places)
-        if self.tape.on:
-            self.tape.store([*places, *self._counters()], [axis.set for axis in self._axes])
+        self.storing.store(actual, self._counters, program=self.program.job != 0)
 
     def _counters(self) -> Sequence[float]:
         """What measuring systems say that are no axes."""
@@ -401,17 +365,12 @@ class Mover:
         for switch in () if waits else program.passed(sample.piece_id, stepper.within):
             if isinstance(switch, FunctionAt):
                 self._call(switch.function)
-            elif isinstance(switch, FlyingAt):
-                self.flying.call(switch, self._inputs, self._state.sync_ns)
-            elif isinstance(switch, LatchAt):
-                self.latch.call(switch, self._inputs, self._state.sync_ns)
-            elif isinstance(switch, TapeAt):
-                self.tape.call(switch, len(self._axes) + len(self._counters()))
-            else:
+            elif isinstance(switch, SwitchAt):
                 self._switch(switch)
+            else:
+                self.storing.call(switch, self._inputs, self._state.sync_ns, len(self._counters()))
         measure = self.measure
-        self.flying.look(self._inputs, self._state.sync_ns)
-        self.latch.look(self._inputs, self._state.sync_ns)
+        self.storing.look(self._inputs, self._state.sync_ns)
         if measure.on and not self.start.on and measure.look(self._inputs, self._state.sync_ns, stepper.state) and not program.met:
             stepper.abandon()
             program.met = True

@@ -67,6 +67,13 @@ def arm_and_scara() -> Cell:
 
 
 CELL = arm_and_scara()
+HEAD = """kinematic arm tx60-like
+axes deg deg deg deg deg deg
+start 0 30 90 0 60 0
+kinematic scara sr60-like
+axes deg deg mm deg
+start 0 90 -200 0
+"""
 MACHINES = machines_of_cell(CELL)
 TOOLS = (convention("val3").pose((0, 0, 100, 0, 0, 0)), IDENTITY)
 POINTS = (  # PART, OVER, PLACE of arm and SCARA

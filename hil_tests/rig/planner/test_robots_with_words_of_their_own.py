@@ -7,7 +7,7 @@ import pytest
 
 from gateway.pure.reasons import Reason
 from gateway.pure.records import Motion
-from hil_tests.lab.arm_and_scara import both
+from hil_tests.lab.arm_and_scara import HEAD, both
 from hil_tests.lab.arms import Array
 from hil_tests.lab.cell_running import P5_MS
 from hil_tests.lab.planned_bench import Driven
@@ -15,13 +15,6 @@ from hil_tests.lab.plc2 import ABORTED, DONE, REFUSED
 from hil_tests.lab.program_run import PROBE, PROGRAM, ProgramRun, program_run
 from motion.files import bnr
 
-HEAD = """kinematic arm tx60-like
-axes deg deg deg deg deg deg
-start 0 30 90 0 60 0
-kinematic scara sr60-like
-axes deg deg mm deg
-start 0 90 -200 0
-"""
 PROGRAMS = {
     1: HEAD + "move arm ptp joints 10 30 90 0 60 0 and scara ptp joints 20 90 -200 0\n",
     2: HEAD + "kinematic scara\nmach_pos joints 0 80 -200 0\nmove arm ptp joints 15 30 90 0 60 0 and scara ptp joints 10 80 -200 0\n",

@@ -8,7 +8,7 @@ from gateway.pure.reasons import CommandState, Reason
 from gateway.pure.records import Motion
 from gateway.teampaper import team_findings
 from hil_tests.lab.answers import answers
-from hil_tests.lab.arm_and_scara import CELL, OWN
+from hil_tests.lab.arm_and_scara import CELL, HEAD, OWN
 from hil_tests.lab.arms import Array
 from hil_tests.lab.cell402bench import Cell402Bench
 from hil_tests.lab.planned_bench import Planned
@@ -16,13 +16,6 @@ from hil_tests.lab.teams import pair
 from motion.program.textteam import read_team, write_team
 
 GO, SEEN = 464, 465  # RC inputs
-HEAD = """kinematic arm tx60-like
-axes deg deg deg deg deg deg
-start 0 30 90 0 60 0
-kinematic scara sr60-like
-axes deg deg mm deg
-start 0 90 -200 0
-"""
 HOME = "move arm ptp joints 0 30 90 0 60 0 and scara ptp joints 0 90 -200 0"
 AWAY = "arm ptp joints 40 30 90 0 60 20 speed=20", "scara ptp joints 40 60 -150 0 speed=20"
 

@@ -6,13 +6,13 @@ import pytest
 from gateway.pure.reasons import CommandState
 from gateway.teampaper import team_findings, team_traces
 from hil_tests.lab.answers import answers
-from hil_tests.lab.arm_and_scara import CELL
+from hil_tests.lab.arm_and_scara import CELL, HEAD
 from hil_tests.lab.arms import Array
 from hil_tests.lab.cell402bench import Cell402Bench
 from hil_tests.lab.planned_bench import Planned
 from hil_tests.lab.teams import pair
 from hil_tests.unit.program.close import same
-from hil_tests.unit.program.test_robots_and_inputs import AWAY, HEAD, HOME, SEEN, run
+from hil_tests.unit.program.test_robots_and_inputs import AWAY, HOME, SEEN, run
 from hil_tests.unit.program.test_robots_that_measure import ARM, CHANNELS, SCARA
 from motion.program.errors import TextFaults
 from motion.program.textteam import read_team, write_team

@@ -6,12 +6,12 @@ from gateway.pure.plannerrecords import MeasuringFacts
 from gateway.pure.reasons import CommandState
 from gateway.teampaper import team_findings
 from hil_tests.lab.answers import answers
-from hil_tests.lab.arm_and_scara import CELL
+from hil_tests.lab.arm_and_scara import CELL, HEAD
 from hil_tests.lab.cell402bench import Cell402Bench
 from hil_tests.lab.planned_bench import Planned
 from hil_tests.lab.teams import pair
 from hil_tests.unit.program.close import same
-from hil_tests.unit.program.test_robots_and_inputs import AWAY, HEAD, HOME, gone, run
+from hil_tests.unit.program.test_robots_and_inputs import AWAY, HOME, gone, run
 from motion.program.textteam import read_team, write_team
 
 OF_ARM, OF_SCARA = 464, 465  # RC inputs

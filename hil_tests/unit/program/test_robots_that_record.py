@@ -6,12 +6,12 @@ import pytest
 from gateway.pure.reasons import CommandState
 from gateway.teampaper import team_findings
 from hil_tests.lab.answers import answers
-from hil_tests.lab.arm_and_scara import CELL
+from hil_tests.lab.arm_and_scara import CELL, HEAD
 from hil_tests.lab.cell402bench import Cell402Bench
 from hil_tests.lab.planned_bench import Planned
 from hil_tests.lab.teams import pair
 from hil_tests.unit.program.close import same
-from hil_tests.unit.program.test_robots_and_inputs import AWAY, HEAD, HOME, gone, run
+from hil_tests.unit.program.test_robots_and_inputs import AWAY, HOME, gone, run
 from motion.program.errors import TextFaults
 from motion.program.textteam import read_team, write_team
 
@@ -71,11 +71,11 @@ def test_a_call_begins_with_the_next_block_of_the_kinematic_named_last_and_is_ca
     on = []
     while job.open:
         recorded.bench.cycle()
-        on.append((*gone(recorded), recorded.bench.core._mover.tape.on))
+        on.append((*gone(recorded), recorded.bench.core._mover.storing.tape.on))
     assert job.state is CommandState.DONE
     moving = [(arm, scara) for arm, scara, running in on if running]
     assert all(scara > 0.999 for _, scara in moving) and np.ptp([arm for arm, _ in moving]) > 0.99
-    assert not recorded.bench.core._mover.tape.on
+    assert not recorded.bench.core._mover.storing.tape.on
     lines = ["kinematic arm", "record_on 1 2deg", "move arm ptp recorded 1", "move arm ptp joints 30 30 90 0 60 0 until=465", "record_off"]
     assert run(recorded, *lines, "move arm ptp rel joints 0 0 0 0 0 0", "move arm ptp recorded 15") is CommandState.DONE, (
         "those of the way to the entry"

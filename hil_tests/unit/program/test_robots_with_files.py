@@ -14,14 +14,14 @@ from gateway.pure.reasons import CommandState
 from gateway.pure.records import Motion, get_bit
 from gateway.teampaper import team_findings, team_traces
 from hil_tests.lab.answers import answers
-from hil_tests.lab.arm_and_scara import cell_text
+from hil_tests.lab.arm_and_scara import HEAD, cell_text
 from hil_tests.lab.arms import Array
 from hil_tests.lab.carried_cell import ARM
 from hil_tests.lab.cell402bench import Cell402Bench
 from hil_tests.lab.planned_bench import Planned
 from hil_tests.lab.teams import pair
 from hil_tests.unit.program.close import same
-from hil_tests.unit.program.test_robots_and_inputs import AWAY, HEAD, HOME, run
+from hil_tests.unit.program.test_robots_and_inputs import AWAY, HOME, run
 from hil_tests.unit.program.test_robots_with_functions import tips
 from motion.errors import MotionError
 from motion.files import bnr
