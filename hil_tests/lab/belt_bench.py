@@ -24,7 +24,6 @@ from gateway.pure.plannerrecords import PlannerState, ProgramFacts
 from gateway.pure.programs import Programs
 from gateway.pure.reasons import CommandState
 from gateway.pure.records import CellState, Motion, pack_cell_state, unpack_cell_state
-from hil_tests.lab.asserted import asserted
 from hil_tests.lab.belt_run import INCREMENT, SPEED, with_belts
 from hil_tests.lab.cellbench import CellBench
 from hil_tests.lab.planner_beside import PlannerBeside
@@ -79,10 +78,9 @@ class BeltBench(CellBench):
         """The encoders answer the SYNC as the drives do."""
         for _ in range(count):
             self.emulated.receive([Frame(SYNC_ID, stamp_ns=self.now)])
-            with asserted():
-                for frame in self.emulated.take_output():
-                    self.encoders[frame.identifier].hear(frame.data)
-                super().cycle()
+            for frame in self.emulated.take_output():
+                self.encoders[frame.identifier].hear(frame.data)
+            super().cycle()
 
     def another_planner(self, before: PlannerState) -> None:
         """`before`: what the one before it said last."""

@@ -26,10 +26,9 @@ class _Twin(Generic[M]):
     def act(self, what: str, action: Callable[[], R]) -> R:
         try:
             return action()
-        except AssertionError:
-            raise
         except Exception as error:
-            raise AssertionError(f"{what} raised {error!r}") from error
+            error.add_note(f"in {what}")
+            raise
 
     def note(self, what: str, action: Callable[[], Sequence[object]]) -> None:
         events = self.act(what, action)

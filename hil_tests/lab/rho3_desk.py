@@ -90,7 +90,7 @@ class Desk(Bench[ManagedLine]):
     @staticmethod
     def made(setup: Setup, rc_inputs: bytes = b"") -> LineManager:
         """Control start."""
-        return guarded(lambda: LineManager(setup, rc_inputs))
+        return LineManager(setup, rc_inputs)
 
     def write(self, process: Process, device: str | None, *items: Item, hold: bool = False) -> "Desk":
         self.does(lambda line, now: line.manager.write(process, device, items, now, hold))
@@ -127,7 +127,7 @@ class Desk(Bench[ManagedLine]):
 
     def asked(self, question: Callable[[LineManager], R]) -> R:
         """What the manager answers; no time passes."""
-        return guarded(lambda: question(self.machine.manager))
+        return question(self.machine.manager)
 
     def condition(self, process: Process, device: str | None) -> Condition | None:
         """CONDITION(device)."""
@@ -159,16 +159,6 @@ class Desk(Bench[ManagedLine]):
         self.hears(STX).says(DLE)
         self.hears(wire(data)).says(DLE)
         return self
-
-
-def guarded(action: Callable[[], R]) -> R:
-    """An exception is a failed assertion."""
-    try:
-        return action()
-    except AssertionError:
-        raise
-    except Exception as error:
-        raise AssertionError(f"raised {error!r}") from error
 
 
 def v24_1(

@@ -1,6 +1,5 @@
-"""`Desk`: a program's view of sio in virtual time, with the network played by hand.  An unexpected exception is a failed assertion."""
+"""`Desk`: a program's view of sio in virtual time, with the network played by hand."""
 
-import functools
 from collections.abc import Callable
 from typing import TypeVar
 
@@ -36,24 +35,15 @@ class Desk:
         self.closed: list[int] = []
         self.configured: list[Channel] = []
         self.listening: list[str] = []
-        self.core = self.act(lambda: SioCore(channels))
+        self.core = SioCore(channels)
         self.settle()
-
-    def act(self, action: Callable[[], R]) -> R:
-        """Does it and expects no exception."""
-        try:
-            return action()
-        except AssertionError:
-            raise
-        except Exception as failure:
-            raise AssertionError(f"raised {failure!r}") from failure
 
     def begin(self, start: Callable[[Ns], C]) -> C:
         """Starts an instruction as an interpreter does: orders are carried out, output leaves, then the clock is looked at."""
-        call = self.act(lambda: start(self.now))
+        call = start(self.now)
         assert call is not None
         self.settle()
-        self.act(lambda: self.core.wake(self.now))
+        self.core.wake(self.now)
         self.settle()
         return call
 
@@ -76,60 +66,56 @@ class Desk:
         return self.begin(lambda now: self.core.write_num(sio, value, now))
 
     def clear(self, sio: Sio) -> int:
-        answer = self.act(lambda: self.core.clear_buffer(sio))
+        answer = self.core.clear_buffer(sio)
         assert answer
         self.settle()
         return answer[0]
 
     def control(self, sio: Sio, name: str, value: Value) -> int:
-        code = self.act(lambda: self.core.control(sio, name, value))
+        code = self.core.control(sio, name, value)
         self.settle()
         assert code is not None
         return int(code)
 
     def variable(self, link: str | None = None) -> Sio:
-        sio = self.act(lambda: self.core.variable(link))
+        sio = self.core.variable(link)
         assert isinstance(sio, Sio)
         return sio
 
     def code(self, action: Callable[[], object]) -> int:
         """The run-time error an instruction ends its task with; 0: none."""
-
-        def told() -> int:
-            try:
-                action()
-            except Val3Error as failure:
-                return int(failure.code)
-            return 0
-
-        return self.act(told)
+        try:
+            action()
+        except Val3Error as failure:
+            return int(failure.code)
+        return 0
 
     def outcome(self, call: AnyCall) -> object:
         """WAITS, what it returned, or `error(code)`."""
-        if not self.act(lambda: call.done):
+        if not call.done:
             return WAITS
         results: list[object] = []
         code = self.code(lambda: results.append(call.result()))
         return error(code) if code else results[0]
 
     def hears(self, number: int, data: bytes, sender: str = "") -> None:
-        self.act(lambda: self.core.received(number, data, self.now, sender))
+        self.core.received(number, data, self.now, sender)
         self.settle()
 
     def damaged(self, number: int) -> None:
-        self.act(lambda: self.core.damaged(number, self.now))
+        self.core.damaged(number, self.now)
         self.settle()
 
     def partner_closes(self, number: int) -> None:
-        self.act(lambda: self.core.ended(number, self.now))
+        self.core.ended(number, self.now)
         self.settle()
 
     def breaks(self, number: int) -> None:
-        self.act(lambda: self.core.lost(number, self.now))
+        self.core.lost(number, self.now)
         self.settle()
 
     def client_comes(self, name: str, peer: str = "127.0.0.1") -> int | None:
-        answer = self.act(lambda: self.core.accepted(name, peer, self.now))
+        answer = self.core.accepted(name, peer, self.now)
         assert answer
         if answer[0] is not None:
             self.opened.append(answer[0])
@@ -139,34 +125,34 @@ class Desk:
     def answer(self, number: int) -> None:
         """The connection that was ordered stands now."""
         self.opened.append(number)
-        self.act(lambda: self.core.opened(number, self.now))
+        self.core.opened(number, self.now)
         self.settle()
 
     def at(self, now: Ns) -> "Desk":
         """Time goes on, waking the core whenever it asked for it."""
-        while (due := self.act(self.core.deadline)) is not None and due <= now:
+        while (due := self.core.deadline()) is not None and due <= now:
             assert due > self.now or self.now == 0, "a deadline that does not move"
             self.now = due
-            self.act(lambda: self.core.wake(self.now))
+            self.core.wake(self.now)
             self.settle()
         self.now = now
         return self
 
     def settle(self) -> None:
         """Carries out what is ordered and takes what wants to leave."""
-        while orders := self.act(self.core.take_orders):
+        while orders := self.core.take_orders():
             for order in orders:
                 self._carry_out(order)
         for number in list(self.opened):
             self._take_output(number)
 
     def _take_output(self, number: int) -> None:
-        while self.capacity and (output := self.act(lambda: self.core.output(number))):
+        while self.capacity and (output := self.core.output(number)):
             taken = output[: self.capacity]
             self.capacity -= len(taken)
             self.sent.setdefault(number, bytearray()).extend(taken)
             self.datagrams.append(taken)
-            self.act(functools.partial(self.core.taken, number, len(taken), self.now))
+            self.core.taken(number, len(taken), self.now)
 
     def _carry_out(self, order: Order) -> None:
         match order:
@@ -175,7 +161,7 @@ class Desk:
                 if self.network == "open":
                     self.answer(number)
                 elif self.network == "refuse":
-                    self.act(lambda: self.core.refused(number, self.now))
+                    self.core.refused(number, self.now)
             case Close(number):
                 self.closed.append(number)
                 self.opened = [one for one in self.opened if one != number]

@@ -112,10 +112,9 @@ class VirtualLine(Generic[E]):
         try:
             self._serve(0)
             self._serve(1)
-        except AssertionError:
-            raise
         except Exception as error:
-            raise AssertionError(f"at {self.now / 1e6:.3f} ms: a machine raised {error!r}") from error
+            error.add_note(f"at {self.now / 1e6:.3f} ms")
+            raise
 
     def _next(self) -> Ns:
         moment = NEVER

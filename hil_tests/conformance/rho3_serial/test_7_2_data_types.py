@@ -20,7 +20,7 @@ from gateway.pure.rho3.baps import (
     unpack,
 )
 from gateway.pure.rho3.setup import Condition, Setup
-from hil_tests.lab.rho3_desk import ONE, STX, Desk, done, failed, guarded, v24_1
+from hil_tests.lab.rho3_desk import ONE, STX, Desk, done, failed, v24_1
 
 LINK = Setup((v24_1(8),))
 HIGH_FIRST = Setup((v24_1(8),), low_byte_first=False)
@@ -63,7 +63,7 @@ def test_real_1_is_00_00_80_3f() -> None:
 
 @pytest.mark.requirement("RHO-SER-19", by=("gateway.pure.rho3.baps:point", "gateway.pure.rho3.baps:pack"))
 def test_a_point_of_four_axes_and_a_belt_has_20_bytes_without_separators() -> None:
-    kind = guarded(lambda: point(4, belts=1))
+    kind = point(4, belts=1)
     data = bytes.fromhex("0000803f 00000040 00004040 00008040 0000a040")
     Desk(LINK).write(ONE, "V24_1", (kind, (1.0, 2.0, 3.0, 4.0, 5.0))).acknowledges(data).finds(done(1))
 

@@ -7,7 +7,7 @@ from gateway.pure.rho3.events import Finished, ProgramAborted
 from gateway.pure.rho3.manager import LineManager
 from gateway.pure.rho3.programs import DirectiveError, FileConditions, ser_io_stop
 from gateway.pure.rho3.setup import Condition, Function, Process, Setup
-from hil_tests.lab.rho3_desk import DLE, NAK, ONE, STX, TWO, Desk, done, failed, guarded, v24_1, wire
+from hil_tests.lab.rho3_desk import DLE, NAK, ONE, STX, TWO, Desk, done, failed, v24_1, wire
 from protocols.base.machine import Damage, Ns, ms
 
 LINE = Setup((v24_1(5, input_timeout_ms=1000),))
@@ -134,7 +134,7 @@ def test_each_process_has_its_own_condition() -> None:
 )
 def test_only_with_the_instruction_a_program_goes_on_after_a_time_out(instruction: str, goes_on: bool) -> None:
     source = f"; communication test\n{instruction}\n\nPROGRAM IO_TEST\nREAD V24_1, Index\nPROGRAM_END\n"
-    process = Process(7, stop_on_error=guarded(lambda: ser_io_stop(source)))
+    process = Process(7, stop_on_error=ser_io_stop(source))
     desk = Desk(LINE).at(0).read(process, "V24_1", INTEGER).write(process, "V24_1", (TEXT, b"more")).at(ms(1000))
     if goes_on:
         desk.says(b"more").finds(failed(1, Condition.TIME_OUT), done(2))
@@ -163,8 +163,8 @@ def test_the_instruction_stands_once_at_the_beginning(source: str, words: str) -
 @pytest.mark.requirement("RHO-SER-33", by="gateway.pure.rho3.programs:FileConditions.condition")
 def test_condition_of_a_file_is_0_or_minus_1() -> None:
     files = FileConditions(lambda name: name == "DATA")
-    assert guarded(lambda: [files.condition(name) for name in ("DATA", "OTHER")]) == [0, -1]
-    assert isinstance(guarded(lambda: files.condition("DATA")), Condition)
+    assert [files.condition(name) for name in ("DATA", "OTHER")] == [0, -1]
+    assert isinstance(files.condition("DATA"), Condition)
 
 
 def test_an_error_of_assign_is_told_once() -> None:

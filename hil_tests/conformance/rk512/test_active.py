@@ -43,13 +43,8 @@ class Line:
         return self
 
     def _note(self, action: object) -> "Line":
-        try:
-            assert callable(action)
-            self.events += action()
-        except AssertionError:
-            raise
-        except Exception as error:
-            raise AssertionError(f"raised {error!r}") from error
+        assert callable(action)
+        self.events += action()
         return self
 
 

@@ -24,10 +24,7 @@ class Station:
         self.now: Ns = 0
 
     def hears(self, head: str, data: bytes = b"") -> "Station":
-        try:
-            self.events: list[Event] = self.passive.telegram(bytes.fromhex(head) + data, self.now)
-        except Exception as error:
-            raise AssertionError(f"raised {error!r}") from error
+        self.events: list[Event] = self.passive.telegram(bytes.fromhex(head) + data, self.now)
         return self
 
     def says(self, reaction: bytes, *events: Event) -> "Station":

@@ -18,7 +18,7 @@ def test_sockets_open_with_the_first_instruction_and_close_with_the_application(
     desk = Desk(CLIENT, SERVER, UDP)
     client, server, udp = (desk.variable(channel.name) for channel in (CLIENT, SERVER, UDP))
     desk.control(client, "timeout", 5)
-    desk.act(lambda: desk.core.status(server))
+    desk.core.status(server)
     assert (desk.numbers, desk.listening) == ([], [])
     desk.set(client, [1.0])
     assert (desk.numbers, desk.listening) == ([1], [])
@@ -26,7 +26,7 @@ def test_sockets_open_with_the_first_instruction_and_close_with_the_application(
     assert (desk.numbers, desk.listening) == ([1], [SERVER.name])
     reading = desk.read_num(udp)
     assert desk.numbers == [1, 2]
-    done = desk.act(desk.core.end_application)
+    done = desk.core.end_application()
     assert list(done) == [waiting, reading]
     desk.settle()
     assert (desk.closed, desk.listening, desk.outcome(waiting)) == ([1, 2], [], -1)
@@ -40,7 +40,7 @@ def test_a_serial_line_is_always_on() -> None:
     desk.hears(1, b"early")
     sio, data = desk.variable(SERIAL.name), [0.0] * 9
     assert desk.outcome(desk.get(sio, data)) == 5
-    desk.act(desk.core.end_application)
+    desk.core.end_application()
     desk.settle()
     assert desk.closed == []
 
@@ -49,7 +49,7 @@ def test_a_serial_line_is_always_on() -> None:
 def test_all_variables_of_a_client_share_one_connection() -> None:
     desk = Desk(CLIENT)
     one, other, data = desk.variable(CLIENT.name), desk.variable(), [0.0]
-    desk.act(lambda: desk.core.link(other, one))
+    desk.core.link(other, one)
     assert desk.outcome(desk.set(one, [1.0])) == 1 and desk.outcome(desk.set(other, [2.0])) == 1
     assert desk.numbers == [1] and desk.sent == {1: b"\x01\x02"}
     desk.hears(1, b"ab")
@@ -61,10 +61,10 @@ def test_a_client_connection_goes_with_the_last_variable() -> None:
     desk = Desk(CLIENT, SERIAL)
     one, other, serial = desk.variable(CLIENT.name), desk.variable(CLIENT.name), desk.variable(SERIAL.name)
     desk.set(one, [1.0])
-    desk.act(lambda: desk.core.delete(one))
+    desk.core.delete(one)
     desk.settle()
     assert desk.closed == []
-    desk.act(lambda: desk.core.link(other, serial))
+    desk.core.link(other, serial)
     desk.settle()
     assert desk.closed == [2]
 
@@ -156,11 +156,11 @@ def test_a_local_server_variable_takes_its_connection_with_it() -> None:
     call = desk.get(local, [0.0])
     first, second = desk.client_comes(SERVER.name), desk.client_comes(SERVER.name)
     other = desk.get(stays, [0.0])
-    desk.act(lambda: desk.core.delete(local))
+    desk.core.delete(local)
     desk.settle()
     assert desk.closed == [first] and desk.outcome(call) == error(123)
     assert desk.outcome(other) == WAITS and desk.listening == [SERVER.name]
-    desk.act(lambda: desk.core.delete(stays))
+    desk.core.delete(stays)
     desk.settle()
     assert desk.closed == [first, second] and desk.listening == []
 

@@ -104,7 +104,7 @@ def test_a_serial_line_must_rest_before_its_frame_changes() -> None:
     assert [desk.control(sio, name, value) for name, value in frame] == [-4] * 6
     desk.hears(1, b"a")
     assert desk.outcome(call) == 1
-    assert int(desk.act(lambda: desk.core.control(sio, "bits", 7, unsent=True))) == -4
+    assert int(desk.core.control(sio, "bits", 7, unsent=True)) == -4
     assert [desk.control(sio, name, value) for name, value in frame] == [0] * 6
     assert desk.core.channel(SERIAL.name).frame == "19200 7E2" and desk.clear(sio) == 0
 

@@ -52,7 +52,7 @@ def test_a_client_refused_by_its_server_tries_until_the_time_is_over_and_gives_m
     assert desk.at(2 * S - 1).outcome(call) == WAITS
     assert desk.at(2 * S).outcome(call) == -1
     assert len(desk.numbers) == 8  # at 0, 250, 500, .. 1750 ms
-    assert desk.at(20 * S).act(desk.core.deadline) is None and len(desk.numbers) == 8  # nobody waits: no attempt
+    assert desk.core.deadline() is None and len(desk.numbers) == 8  # nobody waits: no attempt
 
 
 @pytest.mark.requirement("VAL-SIO-05", by=(CALLS + "Get.fail", CORE + "ended", LINE + "serve"))
@@ -137,19 +137,19 @@ def test_any_use_of_a_variable_without_a_link_is_error_123() -> None:
 def test_a_link_to_nothing_and_a_deleted_variable_too() -> None:
     desk = Desk(SERIAL)
     nowhere, deleted = desk.variable("Socket\\none"), desk.variable(SERIAL.name)
-    desk.act(lambda: desk.core.delete(deleted))
+    desk.core.delete(deleted)
     for sio in (nowhere, deleted):
         assert codes(desk, sio)[:8] == [123] * 8
-    assert desk.act(lambda: desk.core.status(nowhere)) == (-2, "", "Socket\\none")
-    assert desk.act(lambda: desk.core.status(desk.variable())) == (-1, "", "")
-    assert desk.act(lambda: desk.core.status(desk.variable(CLIENT.name))) == (-2, "", CLIENT.name)
+    assert desk.core.status(nowhere) == (-2, "", "Socket\\none")
+    assert desk.core.status(desk.variable()) == (-1, "", "")
+    assert desk.core.status(desk.variable(CLIENT.name)) == (-2, "", CLIENT.name)
 
 
 def test_io_status_describes_and_sio_link_takes_the_link_over() -> None:
     desk = Desk(SERIAL, CLIENT)
     target, source = desk.variable(SERIAL.name), desk.variable(CLIENT.name)
     assert desk.core.status(target) == (0, "", SERIAL.name)
-    desk.act(lambda: desk.core.link(target, source))
+    desk.core.link(target, source)
     assert desk.core.status(target) == (0, "to the camera", CLIENT.name)
     assert desk.code(lambda: desk.core.link(target, desk.variable())) == 123
     assert desk.core.status(target)[2] == CLIENT.name

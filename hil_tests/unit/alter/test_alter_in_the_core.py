@@ -7,7 +7,6 @@ from gateway.pure.command_block import Code
 from gateway.pure.reasons import CommandState, Reason
 from gateway.pure.records import Motion
 from hil_tests.lab.alter_bench import P5_MS, WAIT, AlterBench
-from hil_tests.lab.answers import answers
 from motion.program.text import read
 from motion.program.textout import write
 
@@ -147,7 +146,6 @@ def smooth_from(bench: AlterBench) -> None:
 
 
 @pytest.mark.requirement("VAL-ALT-01", by=("gateway.pure.corealter:CoreAlter._altered", "gateway.pure.corealter:CoreAlter._halted"))
-@answers
 def test_too_fast_a_correction_halts_at_the_last_valid_position_and_is_minus_3_until_the_next_program(bench: AlterBench) -> None:
     bench.correct = lambda: (0.0, 0.0, 20.0 if bench.bench.set()[0] > 200.0 else 0.0, 0.0, 0.0, 0.0)
     assert ended(bench, *PART) == "block 1: the altered path is too fast for its alterBegin (VAL 3 alter -3)"
@@ -190,7 +188,6 @@ def test_without_a_living_correction_nothing_moves(bench: AlterBench) -> None:
 
 
 @pytest.mark.requirement("VAL-ALT-03", by=("gateway.pure.corealter:CoreAlter.may_end", "gateway.pure.corealter:CoreAlter.step"))
-@answers
 def test_until_keeps_the_correction_acting_at_the_end_of_the_path(bench: AlterBench) -> None:
     job = bench.begin(f"alter frame - path=500 until={WAIT}", *PART[1:], "linear pose 300 120 50 0 0 0 path=200")
     bench.until(lambda s: s.axes[0].set > 0.3 - 1e-9)
@@ -216,7 +213,6 @@ def test_a_stop_at_the_end_of_the_path_ends_the_program(bench: AlterBench) -> No
 
 
 @pytest.mark.requirement("VAL-ALT-02", by="gateway.pure.corealter:CoreAlter.freeze")
-@answers
 def test_freeze_keeps_the_correction_for_the_rest_of_the_path(bench: AlterBench) -> None:
     ramp(bench, 60.0, 20.0)
     lines = (

@@ -15,7 +15,6 @@ from gateway.pure.reasons import CommandState, Reason
 from gateway.pure.records import CellState, Motion, get_bit, pack_cell_state, unpack_cell_state
 from gateway.sharedplan import shared_of_cell
 from hil_tests.lab.alter_bench import HEAD, P5_MS, PORTAL, with_alter
-from hil_tests.lab.asserted import asserted
 from hil_tests.lab.planned_bench import Planned, ServodynRobot
 
 OUTPUT, SELECT, CORRECTION_S = 528, 544, 0.04
@@ -31,8 +30,7 @@ class Shared(Planned):
 
         class Robot(ServodynRobot):
             def cycle(self, count: int = 1) -> None:
-                with asserted():
-                    super().cycle(count)
+                super().cycle(count)
 
             def _new_core(self) -> Core:
                 shared = shared_of_cell(self.cell, self.p5_ms)

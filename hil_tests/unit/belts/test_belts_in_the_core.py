@@ -6,7 +6,6 @@ import pytest
 from gateway.pure.command_block import Code
 from gateway.pure.reasons import CommandState, Reason
 from gateway.pure.records import get_bit
-from hil_tests.lab.answers import answers
 from hil_tests.lab.belt_bench import ALL, BeltBench
 from hil_tests.lab.belt_run import SPEED
 from motion.sync.cam import cam
@@ -56,7 +55,6 @@ def test_a_part_of_type_1_waits_for_its_belt_from_either_side(bench: BeltBench, 
 
 
 @pytest.mark.requirement("RHO-MOT-23", by="gateway.pure.corebelts:CoreBelts._follow")
-@answers
 def test_a_part_of_type_2_reaches_its_point_with_its_belt(bench: BeltBench) -> None:
     bench.started(2)
     job = bench.order(AT[0], "linear pose 200 150 50 0 0 0 belt=160mm pathaccel=3000", "synchron_end", "ptp joints 100 100 50 0")
@@ -68,7 +66,6 @@ def test_a_part_of_type_2_reaches_its_point_with_its_belt(bench: BeltBench) -> N
 
 
 @pytest.mark.requirement("RHO-MOT-27", by=("gateway.pure.corebelts:CoreBelts._follow", "gateway.pure.corebelts:CoreBelts.add"))
-@answers
 def test_a_part_of_type_3_follows_its_cam_exactly_in_all_coordinates(bench: BeltBench) -> None:
     curve = cam(0.1, 0.03, 0.05)
     bench.started(3)
@@ -113,7 +110,6 @@ def test_a_belt_reversed_before_the_start_is_928_and_opens_ready(bench: BeltBenc
 
 
 @pytest.mark.requirement("RHO-MOT-24", by=("gateway.pure.corebelts:CoreBelts._follow", "gateway.pure.beltmover:BeltMover._belt_fault"))
-@answers
 def test_a_robot_more_than_five_cycles_of_belt_path_late_is_944_and_stands(bench: BeltBench) -> None:
     bench.started(2)
     job = bench.order(AT[0], "linear pose 200 150 50 0 0 0 belt=160mm pathaccel=200", "synchron_end", "ptp joints 100 100 50 0")

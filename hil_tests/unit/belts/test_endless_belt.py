@@ -20,7 +20,6 @@ from gateway.pure.command_block import Code
 from gateway.pure.reasons import CommandState, Reason
 from gateway.pure.records import Motion
 from hil_tests.lab import arms
-from hil_tests.lab.answers import answers
 from hil_tests.lab.arms import Array
 from hil_tests.lab.belt_run import SPEED
 from hil_tests.lab.endless_belt import CELL, FACTOR, HEAD, TEXT, EndlessBelt
@@ -66,7 +65,6 @@ def jumps(bench: EndlessBelt) -> list[tuple[float, float]]:
 
 
 @pytest.mark.requirement("RHO-MOT-29", by=("gateway.pure.beltmover:BeltMover.step", "motion.sync.along:AlongAxis.follow"))
-@answers
 def test_sync_inside_the_part_lessens_the_counter_and_the_axis_stays_where_it_is_beside_its_belt(bench: EndlessBelt) -> None:
     bench.started(1)
     zero = 0.1 * math.floor(bench.emulated.all[0].place) - 1e3 * bench.core.state.belt
@@ -87,7 +85,6 @@ def test_sync_inside_the_part_lessens_the_counter_and_the_axis_stays_where_it_is
 
 
 @pytest.mark.requirement("RHO-MOT-29", by=("gateway.pure.programs:Programs._plan", "gateway.pure.programparts:begun"))
-@answers
 def test_the_first_example_of_the_manual_has_nothing_but_sync_in_its_part(bench: EndlessBelt) -> None:
     """SYNCHRON, SYNC BN1 >= MOD_VAL again and again, SYNCHRON_END: the axis rides for rounds, and rests within its modulo."""
     bench.started(1, 4 * SPEED)
@@ -181,7 +178,6 @@ SAYS = {
 }
 
 
-@answers
 def test_what_the_manual_rules_out_is_20_before_anything_moves(bench: EndlessBelt) -> None:
     for words, lines in SAYS.items():
         job = bench.settle(bench.order(*lines))

@@ -6,7 +6,6 @@ from gateway.faults import CellFaults
 from gateway.pure.command_block import Code
 from gateway.pure.functions.processes import State
 from gateway.pure.reasons import CommandState
-from hil_tests.lab.answers import answers
 from hil_tests.unit.controls.bench import CHAIN, RESET, ControlBench, cell_with
 from protocols.base.machine import ms
 
@@ -26,7 +25,6 @@ def bench_of(controller: str, rho3: str) -> ControlBench:
 
 
 @pytest.mark.requirement("RHO-PLC-33", by="gateway.pure.interface.fastio:Channels.read")
-@answers
 def test_a_process_waits_for_a_high_speed_input_and_mode_7_13_shows_its_board() -> None:
     bench = bench_of(BOARDS + PROCESS.format(input=623, output=7), "P11 = [1, 0, 0, 3]")
     control = bench.rho3
@@ -101,7 +99,6 @@ def test_a_rho3_0_has_the_same_four_terminals_as_611_and_as_801() -> None:
 
 
 @pytest.mark.requirement("RHO-PLC-38", by="gateway.pure.interface.control:RhoControl._halt")
-@answers
 def test_a_late_cycle_of_the_pic_clears_everything_and_keeps_ready_open_until_a_restart() -> None:
     bench = bench_of(HOLD, "")
     bench.cycle(200)  # the start, which is not judged

@@ -5,7 +5,6 @@ import pytest
 from drivers.drives.orientation import Orientation, orientation, segment_deg
 from drivers.drives.referencing import ReferenceSettings, Referencing, RunState
 from drivers.drives.scaling import ScalingError
-from hil_tests.lab.outcome import outcome
 from hil_tests.unit.drives.test_referencing import ACCEL, JERK, P5, SLOW, SPEED, TURN, Axis, assert_smooth
 
 DEG = TURN / 360.0  # increments of one degree at the resolver
@@ -15,14 +14,13 @@ def wanted(mode: int, gear: float = 4.1, position_inc: float = 0.0, offset_inc: 
     return ReferenceSettings(TURN, direction, SPEED, SLOW, ACCEL, JERK, position_inc, offset_inc, mode=mode, gear=gear)
 
 
-def zero_of(position_inc: float, gear: float = 4.1) -> Orientation | str:
-    return outcome(orientation, position_inc, TURN, gear)
+def zero_of(position_inc: float, gear: float = 4.1) -> Orientation:
+    return orientation(position_inc, TURN, gear)
 
 
 @pytest.mark.requirement("RHO-CAN-23", by="drivers.drives.orientation:segment_deg")
 def test_36_degrees_of_the_resolver_are_8_78_degrees_of_the_axis_with_gear_4_1() -> None:
-    widths = outcome(segment_deg, 4.1)
-    assert not isinstance(widths, str), widths
+    widths = segment_deg(4.1)
     assert widths == pytest.approx((36.0, 8.78), abs=0.005)
 
 

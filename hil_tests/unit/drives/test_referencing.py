@@ -31,17 +31,14 @@ class Axis:
 
     def run(self, settings: ReferenceSettings, limit: int = 20_000, abort_at: int = -1) -> Referencing:
         run = Referencing(settings, round(self.position))
-        try:
-            for number in range(limit):
-                if number == abort_at:
-                    run.abort()
-                inc = round(self.position)
-                self.steps.append(run.step(inc, self.switch[0] <= inc <= self.switch[1], P5))
-                self.position += (self.steps[-1].set_inc - self.position) * self.share
-                if self.steps[-1].state is not RunState.RUNNING:
-                    return run
-        except Exception as error:
-            raise AssertionError(f"referencing raised {error!r}") from error
+        for number in range(limit):
+            if number == abort_at:
+                run.abort()
+            inc = round(self.position)
+            self.steps.append(run.step(inc, self.switch[0] <= inc <= self.switch[1], P5))
+            self.position += (self.steps[-1].set_inc - self.position) * self.share
+            if self.steps[-1].state is not RunState.RUNNING:
+                return run
         raise AssertionError("referencing never ends")
 
     @property

@@ -4,22 +4,17 @@ import pytest
 
 from drivers.drives.scaling import Scaling
 from drivers.drives.servodyn import Drive, DriveSettings, Phase, Power
-from drivers.drives.servodyn_words import FAULTS, STATES, Diagnosis, diagnose, fault, sentence
+from drivers.drives.servodyn_words import FAULTS, STATES, diagnose, fault, sentence
 from drivers.drives.tracking import Tracking
 from drivers.emulator.servodyn_axis import Fault
 from drivers.emulator.settings import ServoSettings
 from gateway.pure.command_block import Code
 from hil_tests.lab.cellbench import CellBench
 from hil_tests.lab.one_axis import OneAxis
-from hil_tests.lab.outcome import outcome
 from hil_tests.lab.servodyn_bus import CODEC
 
 TURN = 16384
 LIMITED = ServoSettings(soft_limit_min_inc=-2 * TURN, soft_limit_max_inc=2 * TURN, start_rad=1.0)
-
-
-def said(drive: Drive) -> Diagnosis | str:
-    return outcome(diagnose, drive)
 
 
 # ------------------------------------------------------------------------------------------------ ENABLE LIMIT SWITCH
@@ -29,25 +24,20 @@ def said(drive: Drive) -> Diagnosis | str:
 def test_the_bit_is_set_once_referencing_and_its_offset_are_done() -> None:
     bench = CellBench()
     during, after = set(), set()
-    try:
-        bench.run(0.3)
-        for code in (Code.REQUEST_CONTROL, Code.OVERRIDE, Code.ENABLE):
-            bench.settle(bench.give(code))
-        job = bench.give(Code.REFERENCE)
-        while job.open:
-            during |= {CODEC.decode_set(frame)[1].limit_switch for frame in bench.burst[1:]} if bench.core.state.job else set()
-            if not all(axis.flags & 2 for axis in bench.core.state.axes[:6]):
-                bench.cycle()
-            else:
-                break
-        bench.settle(job)
-        bench.cycle(2)
-        after = {CODEC.decode_set(frame)[1].limit_switch for frame in bench.burst[1:]}
-        bits_before_any_axis_was_done = during
-    except AssertionError:
-        raise
-    except Exception as error:
-        raise AssertionError(f"no reference run: {error!r}") from error
+    bench.run(0.3)
+    for code in (Code.REQUEST_CONTROL, Code.OVERRIDE, Code.ENABLE):
+        bench.settle(bench.give(code))
+    job = bench.give(Code.REFERENCE)
+    while job.open:
+        during |= {CODEC.decode_set(frame)[1].limit_switch for frame in bench.burst[1:]} if bench.core.state.job else set()
+        if not all(axis.flags & 2 for axis in bench.core.state.axes[:6]):
+            bench.cycle()
+        else:
+            break
+    bench.settle(job)
+    bench.cycle(2)
+    after = {CODEC.decode_set(frame)[1].limit_switch for frame in bench.burst[1:]}
+    bits_before_any_axis_was_done = during
     assert False in bits_before_any_axis_was_done
     assert after == {True}
 
@@ -61,25 +51,20 @@ def guarded(axis: OneAxis, turns: float) -> float:
 
 @pytest.mark.requirement("RHO-CAN-21", by="drivers.emulator.servodyn_axis:ServodynAxis._activate")
 def test_only_the_first_edge_has_effect_and_a_restart_of_the_control_keeps_it() -> None:
-    try:
-        axis = OneAxis(Scaling(), LIMITED)
-        axis.enable()
-        axis.limit_switch = True
-        guarded(axis, 1.5)  # over the resolver zero at one turn: from here the limits are -1 and 3 turns
-        axis.limit_switch = False
-        axis.cycle(3)
-        axis.limit_switch = True  # a second edge: would shift the limits by a turn
-        axis.cycle(3)
-        assert axis.drive.fault_code == 0
-        axis.drive, axis.on, axis.limit_switch = Drive(DriveSettings()), False, False  # the control starts anew, the bit is 0
-        axis.run(0.3)
-        axis.enable()
-        end = guarded(axis, 4.0)
-        code = axis.drive.fault_code
-    except AssertionError:
-        raise
-    except Exception as error:
-        raise AssertionError(f"the booster broke: {error!r}") from error
+    axis = OneAxis(Scaling(), LIMITED)
+    axis.enable()
+    axis.limit_switch = True
+    guarded(axis, 1.5)  # over the resolver zero at one turn: from here the limits are -1 and 3 turns
+    axis.limit_switch = False
+    axis.cycle(3)
+    axis.limit_switch = True  # a second edge: would shift the limits by a turn
+    axis.cycle(3)
+    assert axis.drive.fault_code == 0
+    axis.drive, axis.on, axis.limit_switch = Drive(DriveSettings()), False, False  # the control starts anew, the bit is 0
+    axis.run(0.3)
+    axis.enable()
+    end = guarded(axis, 4.0)
+    code = axis.drive.fault_code
     assert code == Fault.SOFTWARE_LIMIT and 3.0 < end < 3.3
 
 
@@ -124,22 +109,16 @@ def test_the_words_follow_the_drive_from_off_to_control_and_back() -> None:
 
 @pytest.mark.requirement("RSV-DRV-02", by=("drivers.drives.servodyn_words:diagnose", "drivers.emulator.servodyn_axis:ServodynAxis.fail"))
 def test_stopped_bus_traffic_is_667_and_switches_the_drive_off() -> None:
-    try:
-        axis = OneAxis(Scaling())
-        axis.enable()
-        axis.goal, axis.speed = axis.set + 50.0, 20.0
-        axis.run(0.3)
-        axis.silent = True
-        axis.run(0.5)
-        lost, still = said(axis.drive), abs(axis.slave.axis(1).servo.speed_rad_s) < 1e-3
-        axis.silent = False
-        axis.run(0.1)
-        found, power, actual = said(axis.drive), axis.drive.power, axis.actual
-    except AssertionError:
-        raise
-    except Exception as error:
-        raise AssertionError(f"the bus broke: {error!r}") from error
-    assert isinstance(lost, Diagnosis) and isinstance(found, Diagnosis), (lost, found)
+    axis = OneAxis(Scaling())
+    axis.enable()
+    axis.goal, axis.speed = axis.set + 50.0, 20.0
+    axis.run(0.3)
+    axis.silent = True
+    axis.run(0.5)
+    lost, still = diagnose(axis.drive), abs(axis.slave.axis(1).servo.speed_rad_s) < 1e-3
+    axis.silent = False
+    axis.run(0.1)
+    found, power, actual = diagnose(axis.drive), axis.drive.power, axis.actual
     assert lost.state is Phase.LOST and still
     assert (found.number, found.code, power) == (667, Fault.SYNC_LOST, Power.FAULT)
     assert found.text.english == "Servoregulator error 667: CAN watchdog: SYNC missing"
@@ -178,9 +157,9 @@ def test_an_axis_pushed_out_of_standstill_is_648() -> None:
     axis = OneAxis(Scaling())
     axis.enable()
     watch = Tracking(standing=0.02, trip=0.5, settle_cycles=25)
-    assert outcome(watched, axis, watch, 0.5) == 0
+    assert watched(axis, watch, 0.5) == 0
     axis.slave.load_torque(1, 25.0)  # more than the motor has
-    assert outcome(watched, axis, watch, 0.5) == 648
+    assert watched(axis, watch, 0.5) == 648
     assert watch.number == 648  # stays
     watch.clear()
     assert watch.number == 0
@@ -192,7 +171,7 @@ def test_a_following_error_above_the_limit_is_647() -> None:
         axis = OneAxis(Scaling())
         axis.enable()
         axis.goal, axis.speed = axis.set + 30.0, 20.0
-        assert outcome(watched, axis, Tracking(0.02, limit, limit, 25), 1.0) == number, limit
+        assert watched(axis, Tracking(0.02, limit, limit, 25), 1.0) == number, limit
 
 
 def test_the_booster_says_647_itself_when_its_own_window_is_left() -> None:

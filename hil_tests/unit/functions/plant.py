@@ -8,7 +8,6 @@ from gateway.pure.functions.places import number_at, put_number
 from gateway.pure.functions.plc import Functions, Settings
 from gateway.pure.functions.processes import Body, Kind, Process, ProcessTable, Program, Turn
 from gateway.pure.records import RC_BYTES, InputImage, Quality, get_bit, set_bit
-from hil_tests.unit.functions.sound import sound
 from protocols.base.machine import Ns, ms
 
 CYCLE, P9 = ms(4), ms(40)
@@ -52,7 +51,7 @@ class Plant:
     def cycle(self, count: int = 1) -> "Plant":
         for _ in range(count):
             self.now += CYCLE
-            said = sound(lambda: self.functions.step(self.inputs, self.outputs, self.now, panel_ready=self.panel_ready))
+            said = self.functions.step(self.inputs, self.outputs, self.now, panel_ready=self.panel_ready)
             assert isinstance(said, list)
             self.refused += [text.key for text in said]
         return self
@@ -79,7 +78,7 @@ class Plant:
         return [line.rstrip() for line in self.display.screen()]
 
     def start(self, name: str, parent: int = 0, body: Body | None = None) -> Process:
-        process = sound(lambda: self.processes.start(name, parent, body))
+        process = self.processes.start(name, parent, body)
         assert isinstance(process, Process)
         return process
 

@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 from gateway.pure.functions.datlines import Table
 from gateway.pure.functions.datparsers import parse_exprog, parse_msd, parse_phgcode, parse_texts
 from gateway.pure.functions.messages import keys, say
-from hil_tests.unit.functions.sound import sound
 
 MSD = "01  =  'first text'\r\n\r\n02='texttexttext' ; Comment\r\n20 = 'text';line for\r\n   ; information\r\n32='text'\r\n99='last'\x1a"
 TEXT = "00 = PHG, 'first text'\n01=PHG,'text text'\n02 = 'texttexttext'\n3E =  PHG  ,  'text' ;comment\nFF='last; text'\n"
@@ -27,7 +26,7 @@ def entries(table: Table[str]) -> dict[int, str]:
 
 @pytest.mark.requirement("RHO-PLC-04", by=("gateway.pure.functions.datparsers:parse_msd", "gateway.pure.functions.datparsers:_msd_line"))
 def test_msd_example_of_the_manual_with_comments_blank_lines_and_blanks() -> None:
-    table = sound(lambda: parse_msd(MSD))
+    table = parse_msd(MSD)
     assert entries(table) == {1: "first text", 2: "texttexttext", 20: "text", 32: "text", 99: "last"}
     assert faults(table) == []
 
@@ -53,14 +52,14 @@ def test_msd_example_of_the_manual_with_comments_blank_lines_and_blanks() -> Non
     ],
 )
 def test_msd_bad_line_is_named_and_the_others_are_used(line: str, why: str) -> None:
-    table = sound(lambda: parse_msd(f"08 = 'this is a long text'\n{line}\n; end\n09 = 'x'\n"))
+    table = parse_msd(f"08 = 'this is a long text'\n{line}\n; end\n09 = 'x'\n")
     assert faults(table) == [(2, why)]
     assert entries(table) == {8: "this is a long text", 9: "x"}
 
 
 @pytest.mark.requirement("RHO-PLC-06", by=("gateway.pure.functions.datparsers:parse_texts", "gateway.pure.functions.datparsers:_text_line"))
 def test_texts_with_and_without_channel_and_a_semicolon_inside_a_text() -> None:
-    table = sound(lambda: parse_texts(TEXT))
+    table = parse_texts(TEXT)
     assert entries(table) == {0: "first text", 1: "text text", 2: "texttexttext", 0x3E: "text", 255: "last; text"}
     assert faults(table) == []
 
@@ -82,7 +81,7 @@ def test_texts_with_and_without_channel_and_a_semicolon_inside_a_text() -> None:
     ],
 )
 def test_texts_bad_line_is_named_and_the_others_are_used(line: str, why: str) -> None:
-    table = sound(lambda: parse_texts(f"3E = 'upper'\n\n{line}\n04 = '{80 * 'y'}'"))
+    table = parse_texts(f"3E = 'upper'\n\n{line}\n04 = '{80 * 'y'}'")
     assert faults(table) == [(3, why)]
     assert entries(table) == {0x3E: "upper", 4: 80 * "y"}
 
@@ -91,7 +90,7 @@ def test_texts_bad_line_is_named_and_the_others_are_used(line: str, why: str) ->
     "RHO-PLC-18", by=("gateway.pure.functions.datparsers:parse_exprog", "gateway.pure.functions.datparsers:_exprog_line")
 )
 def test_exprog_hex_code_name_and_comment() -> None:
-    table = sound(lambda: parse_exprog(EXPROG))
+    table = parse_exprog(EXPROG)
     assert entries(table) == {0: "PROG1", 2: "PROGXY", 0x0B: "PROG_AB", 255: "PROGFF"}
     assert faults(table) == []
 
@@ -113,7 +112,7 @@ def test_exprog_hex_code_name_and_comment() -> None:
     ],
 )
 def test_exprog_bad_line_is_named_and_the_others_are_used(line: str, why: str) -> None:
-    table = sound(lambda: parse_exprog(f"{line}\r\n04 = PROGAB"))
+    table = parse_exprog(f"{line}\r\n04 = PROGAB")
     assert faults(table) == [(1, why)]
     assert entries(table) == {4: "PROGAB"}
 
@@ -160,6 +159,6 @@ def test_every_text_is_there_in_both_languages_and_panel_texts_fit_a_line() -> N
 @given(st.text(max_size=200), st.sampled_from([parse_msd, parse_texts, parse_exprog, parse_phgcode]))
 def test_any_text_gives_a_table(text: str, parser: object) -> None:
     assert callable(parser)
-    table = sound(lambda: parser(text))
+    table = parser(text)
     assert all(0 < fault.line <= text.count("\n") + 1 for fault in table.faults)
     assert all(fault.text("de") for fault in table.faults)

@@ -4,7 +4,6 @@ import pytest
 
 from gateway.pure.functions.processes import ProcessFault, ProcessTable, Stopped, Turn
 from hil_tests.unit.functions.plant import CYCLE, P9, Plant, idle, program
-from hil_tests.unit.functions.sound import sound
 from protocols.base.machine import Ns
 
 ABORT, SELECT, PARITY = 80, 81, 83
@@ -172,7 +171,7 @@ def test_refusals_of_the_table_carry_the_manuals_codes() -> None:
             call()
         assert found.value.code == code
     assert plant.names() == ["MAIN", "SUBA"]
-    assert sound(lambda: plant.processes.stop(sub.number, by=main.number)) == ("SUBA",)
+    assert plant.processes.stop(sub.number, by=main.number) == ("SUBA",)
     assert plant.processes.stop(99) == ()
     assert plant.processes.stop(main.number, by=main.number) == ("MAIN",), "a process may end itself"
 
@@ -183,5 +182,5 @@ def test_control_reset_ends_all_but_permanent_ones_where_bit_61_says_so(keep: bo
     main, permanent = plant.start("MAIN"), plant.start("OTHER")
     plant.start("SUBA", main.number, idle)
     plant.start("CHILD", permanent.number, idle)
-    gone = sound(lambda: plant.processes.control_reset(keep))
+    gone = plant.processes.control_reset(keep)
     assert plant.names() == left and set(gone) == {"MAIN", "SUBA", "OTHER", "CHILD"} - set(left)

@@ -1,13 +1,10 @@
 """Selection of panel functions by code, display layers, save and restore, key buffer."""
 
-from functools import partial
-
 import pytest
 
 from gateway.pure.functions.display import KEYS, Display, Layer
 from gateway.pure.functions.places import number_at
 from hil_tests.unit.functions.plant import Plant, settings
-from hil_tests.unit.functions.sound import sound
 
 OFF, STROBE, CODE, BASE, ERROR_CODE = 35, 49, 56, 104, 152
 
@@ -82,11 +79,11 @@ def test_code_0_needs_no_line_and_a_missing_file_is_the_same_error() -> None:
 def test_test_message_over_write_phg_over_coded_text_over_info_over_standard() -> None:
     display = Display()
     for layer in (Layer.WRITE, Layer.STANDARD, Layer.TEST, Layer.INFO, Layer.CODED):  # in no order of theirs
-        sound(partial(display.hold, layer))
-        sound(partial(display.write, layer, 2, layer.name))
+        display.hold(layer)
+        display.write(layer, 2, layer.name)
     shown = []
     for layer in Layer:
-        screen = sound(display.screen)
+        screen = display.screen()
         shown.append(screen[1].rstrip() if screen else "")
         display.close(layer)
     assert shown == ["TEST", "WRITE", "CODED", "INFO", "STANDARD"]
@@ -98,13 +95,13 @@ def test_test_message_over_write_phg_over_coded_text_over_info_over_standard() -
 )
 def test_what_is_held_stands_what_was_let_go_is_overwritten_from_below() -> None:
     display = Display()
-    sound(partial(display.hold, Layer.WRITE))
-    sound(partial(display.write, Layer.WRITE, 3, "question"))
-    sound(partial(display.write, Layer.STANDARD, 3, "axis 1"))
+    display.hold(Layer.WRITE)
+    display.write(Layer.WRITE, 3, "question")
+    display.write(Layer.STANDARD, 3, "axis 1")
     assert display.screen()[2].rstrip() == "question"
     display.release(Layer.WRITE)
     assert display.screen()[2].rstrip() == "question"
-    sound(partial(display.write, Layer.STANDARD, 3, "axis 1"))
+    display.write(Layer.STANDARD, 3, "axis 1")
     assert display.screen()[2].rstrip() == "axis 1"
 
 
@@ -177,10 +174,10 @@ def test_keys_pressed_while_disabled_are_read_by_read_phg_in_order() -> None:
     for key in "1230":
         plant.functions.press(key)
     plant.cycle()
-    assert sound(plant.display.system_key) is None, "the system does not meddle"
-    assert [sound(plant.display.read) for _ in range(3)] == ["1", "2", "3"]
+    assert plant.display.system_key() is None, "the system does not meddle"
+    assert [plant.display.read() for _ in range(3)] == ["1", "2", "3"]
     plant.put(OFF, False).cycle()
-    assert sound(plant.display.system_key) == "0", "what is left is the system's"
+    assert plant.display.system_key() == "0", "what is left is the system's"
     assert plant.display.read() is None
 
 
@@ -188,7 +185,7 @@ def test_keys_pressed_while_disabled_are_read_by_read_phg_in_order() -> None:
 def test_keys_are_bounded_and_read_begin_forgets_them() -> None:
     display = Display()
     for number in range(KEYS + 3):
-        sound(partial(display.press, str(number)))
+        display.press(str(number))
     assert display.lost_keys == 3
     assert display.read() == "0"
     display.read_begin()

@@ -5,7 +5,6 @@ import pytest
 from gateway.pure.functions.processes import Kind, ProcessFault, Turn
 from gateway.pure.functions.system_variables import FileEntry, SystemVariables, VariableError
 from hil_tests.unit.functions.plant import Plant, idle, program
-from hil_tests.unit.functions.sound import sound
 from protocols.base.machine import Ns
 
 FILES = (FileEntry("PHG_2001.PKT", 848, "24.09.95", "09:40"), FileEntry("A.IRD", 1052, "25.08.95", "14:11"))
@@ -30,11 +29,11 @@ def plant_of_six() -> tuple[Plant, SystemVariables]:
 @pytest.mark.requirement("RHO-PHG-05", by="gateway.pure.functions.system_variables:SystemVariables.write")
 def test_writing_1_to_34322_stops_the_selected_process_alone() -> None:
     plant, variables = plant_of_six()
-    sound(lambda: variables.write(34310, 5))
+    variables.write(34310, 5)
     assert variables.read(34316) == "SUBA"
-    sound(lambda: variables.write(34322, 0))
+    variables.write(34322, 0)
     assert "SUBA" in plant.names(), "the key was let go"
-    sound(lambda: variables.write(34322, 1))
+    variables.write(34322, 1)
     assert plant.names() == ["MAIN", "PERM", "OTHER", "BAD", "SUBB"]
     assert [stopped.name for stopped in plant.processes.take_stopped()] == ["SUBA"]
     variables.write(34322, 1)
@@ -46,25 +45,25 @@ def test_writing_1_to_34322_stops_the_selected_process_alone() -> None:
 )
 def test_a_stopped_main_process_takes_its_sub_processes_along() -> None:
     plant, variables = plant_of_six()
-    sound(lambda: variables.write(34310, 1))
-    sound(lambda: variables.write(34322, 1))
+    variables.write(34310, 1)
+    variables.write(34322, 1)
     assert plant.names() == ["PERM", "OTHER", "BAD"]
 
 
 @pytest.mark.requirement("RHO-PHG-06", by="gateway.pure.functions.system_variables:SystemVariables.read")
 def test_counts_and_process_list() -> None:
     _, variables = plant_of_six()
-    counts = sound(lambda: [variables.read(code) for code in (34305, 34306, 34307, 34308)])
+    counts = [variables.read(code) for code in (34305, 34306, 34307, 34308)]
     assert counts == [2, 2, 2, 1]  # MAIN, BAD; PERM, OTHER; SUBA, SUBB; BAD
-    names = sound(lambda: [variables.read(34309, line) for line in range(1, 8)])
+    names = [variables.read(34309, line) for line in range(1, 8)]
     assert names == ["MAIN", "PERM", "OTHER", "BAD", "SUBA", "SUBB", ""]
 
 
 @pytest.mark.requirement("RHO-PHG-06", by="gateway.pure.functions.system_variables:SystemVariables._of_files")
 def test_one_line_of_a_file_has_name_size_and_date() -> None:
     _, variables = plant_of_six()
-    assert sound(lambda: variables.read(34561, 1)) == "PHG_2001.PKT      848 Byte  24.09.95  09:40"
-    assert sound(lambda: variables.read(34561, 2)) == "A.IRD            1052 Byte  25.08.95  14:11"
+    assert variables.read(34561, 1) == "PHG_2001.PKT      848 Byte  24.09.95  09:40"
+    assert variables.read(34561, 2) == "A.IRD            1052 Byte  25.08.95  14:11"
     assert [variables.read(code, 2) for code in (34562, 34563, 34564)] == [
         "A.IRD            1052 Byte",
         "A.IRD         25.08.95  14:11",

@@ -5,7 +5,6 @@ import pytest
 from gateway.pure.functions.display import Layer
 from gateway.pure.records import Quality
 from hil_tests.unit.functions.plant import CYCLE, P9, Plant, settings
-from hil_tests.unit.functions.sound import sound
 from protocols.base.machine import ms
 
 STROBE, OFF, OK, ERROR = 85, 35, 108, 109
@@ -146,7 +145,7 @@ def test_scrolling_by_hand_goes_forward_in_a_ring() -> None:
     pages = []
     for _ in range(4):
         pages.append([line[:2] for line in plant.screen()[1:3]])
-        sound(plant.functions.statuses.scroll)
+        plant.functions.statuses.scroll()
         plant.cycle()
     assert pages == [["01", "08"], ["08", "99"], ["99", "01"], ["01", "08"]]
     plant.put(STATUS_1 + 7, False).cycle()

@@ -21,7 +21,6 @@ from gateway.pure.records import InputImage, Motion, Quality, get_bit
 from gateway.pure.rho3can.blocks import IoBus, IoSettings
 from gateway.pure.rho3can.family import RhoFamily
 from gateway.pure.rho3can.rules import Block
-from hil_tests.lab.answers import answers
 from hil_tests.lab.probing import CLOSE, ON_ALL, Probing
 from hil_tests.lab.program_bench import CELL, joints
 from protocols.base.machine import Frame, Ns, ms
@@ -180,7 +179,6 @@ class Wired(Probing):
         return job
 
 
-@answers
 def test_move_until_leaves_its_path_in_the_very_cycle_that_hears_the_probe() -> None:
     bench = Wired()
     job = bench.on_its_way()

@@ -8,7 +8,6 @@ import pytest
 from gateway.pure.command_block import Code
 from gateway.pure.reasons import CommandState, Reason
 from gateway.pure.records import Motion
-from hil_tests.lab.answers import answers
 from hil_tests.lab.probing import CLOSE, FAST, ON_TWO, PROBE, Probing
 from hil_tests.lab.program_bench import joints
 
@@ -70,7 +69,6 @@ def way(cell: Probing, *lines: str, edge_beyond: float = 1e9) -> tuple[list[floa
 
 @pytest.mark.requirement("RHO-MOT-16", by="gateway.pure.coreinputs:CoreFlying.call")
 @pytest.mark.requirement("RHO-MOT-16", by="gateway.pure.coreinputs:CoreFlying.store")
-@answers
 def test_the_axes_go_on_while_the_probe_stores_where_they_were_at_its_edge() -> None:
     cell, other = Probing(), Probing()  # they have done the same until then, to the last digit
     for each in (cell, other):
@@ -150,7 +148,6 @@ def started(cell: Probing) -> int:
 
 @pytest.mark.requirement("RHO-MOT-17", by="gateway.pure.coreinputs:CoreStart.step")
 @pytest.mark.parametrize("ago", [0.0, 0.37, 0.99])
-@answers
 def test_the_movement_begins_within_two_cycles_of_the_edge(cell: Probing, ago: float) -> None:
     job = cell.order(f"ptp joints {joints(30)} wait=ch611")
     assert cell.still(0.5) and job.open, "everything is prepared, nothing moves"
@@ -160,7 +157,6 @@ def test_the_movement_begins_within_two_cycles_of_the_edge(cell: Probing, ago: f
 
 
 @pytest.mark.requirement("RHO-MOT-19", by="gateway.pure.coreinputs:CoreStart.begin")
-@answers
 def test_max_time_is_kept_from_the_edge_on(cell: Probing) -> None:
     job = cell.order(f"ptp joints {joints(30)} wait=ch611 delay=0.15")
     assert cell.still(0.3)

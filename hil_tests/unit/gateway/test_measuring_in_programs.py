@@ -6,7 +6,6 @@ from gateway.pure.command_block import Code
 from gateway.pure.jobs import Job
 from gateway.pure.reasons import CommandState, Reason
 from gateway.pure.records import Motion
-from hil_tests.lab.answers import answers
 from hil_tests.lab.probing import CLOSE, FAST, ON_TWO, PROBE, Probing
 from hil_tests.lab.program_bench import joints
 
@@ -31,7 +30,6 @@ def done(both: Probing, job: Job) -> bool:
 
 
 @pytest.mark.requirement("RHO-MOT-10", by="gateway.pure.coremeasure:CoreMeasure.look")
-@answers
 def test_a_probe_stops_the_axes_on_their_way_and_mpos_is_where_they_were_at_its_edge(both: Probing) -> None:
     job = both.order(f"ptp joints {joints(90)} until=ch610", "ptp mpos")
     stamp = both.edge_at(20.0, ago=0.37)
@@ -51,7 +49,6 @@ def test_a_fast_input_stores_the_next_position_controller_cycle(both: Probing) -
 
 
 @pytest.mark.requirement("RHO-MOT-11", by="gateway.pure.coremeasure:CoreMeasure.stands")
-@answers
 def test_a_fast_input_that_stands_lets_nothing_move_and_measures_where_the_axes_stand(both: Probing) -> None:
     before = both.places()
     both.change(FAST)
@@ -61,7 +58,6 @@ def test_a_fast_input_that_stands_lets_nothing_move_and_measures_where_the_axes_
 
 
 @pytest.mark.requirement("RHO-MOT-11", by="gateway.pure.coremeasure:CoreMeasure.look")
-@answers
 def test_a_probe_that_stands_has_to_change_during_the_block(both: Probing) -> None:
     both.change(PROBE)
     job = both.order(f"ptp joints {joints(90)} until=ch610")
@@ -77,7 +73,6 @@ def test_a_probe_that_stands_has_to_change_during_the_block(both: Probing) -> No
 
 
 @pytest.mark.requirement("RHO-MOT-12", by="gateway.pure.programtrial:Trial.skip")
-@answers
 def test_without_an_edge_the_program_goes_on_at_the_label_and_mpos_is_not_read(both: Probing) -> None:
     way = [
         f"ptp joints {joints(20)} until=ch610 error=NONE",
@@ -106,7 +101,6 @@ def test_a_label_at_the_very_end_ends_the_program(both: Probing) -> None:
 
 
 @pytest.mark.requirement("RHO-MOT-13", by="gateway.pure.programparts:Measuring.resolved")
-@answers
 def test_mpos_after_a_block_whose_input_never_came_is_not_defined(both: Probing) -> None:
     job = both.order(f"ptp joints {joints(12)} until=ch610", "ptp mpos")
     assert both.finished(job).state is CommandState.ABORTED

@@ -18,7 +18,6 @@ from gateway.files import find_config
 from gateway.programplan import measuring_facts
 from gateway.pure.jobs import Job
 from gateway.pure.reasons import CommandState
-from hil_tests.lab.answers import answers
 from hil_tests.lab.cell402bench import DEMO_402, Cell402Bench, Dialogue
 from hil_tests.lab.program_bench import WithPlanner, joints
 from protocols.base.machine import Frame
@@ -82,7 +81,6 @@ def done(both: Probes, job: Job) -> bool:
     return both.finished(job).state is CommandState.DONE
 
 
-@answers
 def test_a_drive_stops_the_axes_and_mpos_is_the_place_it_has_latched(both: Probes) -> None:
     assert done(both, both.order(f"ptp joints {joints(90)} until=ch610", "ptp mpos"))
     furthest = max(one for one, _ in both.seen)

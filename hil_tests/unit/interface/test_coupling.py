@@ -16,7 +16,6 @@ from gateway.pure.interface.coupling import (
     io_index,
 )
 from gateway.pure.interface.image import PicImage
-from hil_tests.lab.answers import answers
 
 
 def numbered() -> PicImage:
@@ -24,7 +23,6 @@ def numbered() -> PicImage:
 
 
 @pytest.mark.requirement("RHO-PLC-29", by="gateway.pure.interface.coupling:Coupling.board_addresses")
-@answers
 def test_9_3_addresses_of_the_board_as_printed() -> None:
     assert Coupling(15).board_addresses() == ("I45.0-I52.7", "O45.0-O49.7")
     assert Coupling(16).board_addresses() == ("I88.0-I95.7", "O88.0-O92.7")
@@ -35,7 +33,6 @@ def test_9_3_addresses_of_the_board_as_printed() -> None:
 
 
 @pytest.mark.requirement("RHO-PLC-29", by="gateway.pure.interface.coupling:_checked")
-@answers
 def test_p21_is_checked_against_p20() -> None:
     for p20, ranges, words in (
         (19, Ranges(2, 89, 0, 87), "I.START 2"),
@@ -57,7 +54,6 @@ def test_p21_is_checked_against_p20() -> None:
 
 
 @pytest.mark.requirement("RHO-PLC-29", by="gateway.pure.interface.coupling:Coupling.plc_address")
-@answers
 def test_signals_lie_where_the_manual_puts_them_and_move_with_the_start() -> None:
     normal, moved, expanded, rho31 = Coupling(15), Coupling(15, Ranges(10, 54, 10, 54)), Coupling(19), Coupling(2)
     drive_on, ready = RcBit(Direction.INPUT, 66), RcBit(Direction.OUTPUT, 68)
@@ -71,7 +67,6 @@ def test_signals_lie_where_the_manual_puts_them_and_move_with_the_start() -> Non
 
 
 @pytest.mark.requirement("RHO-PLC-29", by="gateway.pure.interface.coupling:Coupling.to_plc")
-@answers
 def test_configuration_15_carries_45_bytes_and_the_board() -> None:
     coupling, image = Coupling(15), numbered()
     assert coupling.to_plc(image, bytes([1, 2, 3, 4, 5, 6, 7, 8])) == bytes(range(130, 175)) + bytes([1, 2, 3, 4, 5, 6, 7, 8])
@@ -82,7 +77,6 @@ def test_configuration_15_carries_45_bytes_and_the_board() -> None:
 
 
 @pytest.mark.requirement("RHO-PLC-30", by="gateway.pure.interface.coupling:Coupling.from_plc")
-@answers
 def test_13_2_the_expanded_interface_is_88_bytes_both_ways() -> None:
     for p20 in (2, 19):
         coupling, image = Coupling(p20), numbered()
@@ -98,13 +92,11 @@ def test_13_2_the_expanded_interface_is_88_bytes_both_ways() -> None:
 
 
 @pytest.mark.requirement("RHO-PLC-30", by="gateway.pure.interface.coupling:flag_index")
-@answers
 def test_13_2_1_index_addresses() -> None:
     assert (flag_index(90), flag_index(0), io_index(40)) == (0x15A, 0x100, 0x2C8)
 
 
 @pytest.mark.requirement("RHO-PLC-30", by="gateway.pure.interface.coupling:flag_byte")
-@answers
 def test_13_2_1_flags_behind_index_addresses() -> None:
     assert (flag_byte(0x15A), flag_byte(0x100)) == (90, 0)
     with pytest.raises(CouplingFault, match="before M 0"):
@@ -112,7 +104,6 @@ def test_13_2_1_flags_behind_index_addresses() -> None:
 
 
 @pytest.mark.requirement("RHO-PLC-31", by="gateway.pure.interface.coupling:in_blocks")
-@answers
 def test_5_2_88_bytes_go_as_two_blocks_of_at_most_48() -> None:
     frame = Coupling(19).to_plc(numbered())
     assert in_blocks(frame) == [Block(0, 2, frame[:48]), Block(1, 2, frame[48:])]
@@ -120,7 +111,6 @@ def test_5_2_88_bytes_go_as_two_blocks_of_at_most_48() -> None:
 
 
 @pytest.mark.requirement("RHO-PLC-31", by="gateway.pure.interface.coupling:BlockJoiner.take")
-@answers
 def test_5_2_a_frame_is_taken_whole_or_not_at_all() -> None:
     frame, other = bytes(range(88)), bytes(88)
     one, two = in_blocks(frame)

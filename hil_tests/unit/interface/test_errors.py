@@ -5,7 +5,6 @@ import pytest
 from gateway.pure.interface.errors import EMERGENCY_STOP, Faults, Outcome, system_code, system_number
 from gateway.pure.interface.image import PicImage
 from gateway.pure.records import InputImage, Quality, set_bit
-from hil_tests.lab.answers import answers
 
 RESET, CHAIN, ACK = 19, 24, 62
 
@@ -29,7 +28,6 @@ class Control:
 
 
 @pytest.mark.requirement("RHO-PLC-13", by="gateway.pure.interface.errors:Faults.update")
-@answers
 def test_9_2_the_rising_edge_of_bit_62_clears_errors_and_leaves_processes() -> None:
     control = Control()
     for code in (91, 380, 1051, 1408):
@@ -42,7 +40,6 @@ def test_9_2_the_rising_edge_of_bit_62_clears_errors_and_leaves_processes() -> N
 
 
 @pytest.mark.requirement("RHO-PLC-13", by="gateway.pure.interface.errors:kind_of")
-@answers
 def test_9_3_bit_62_does_not_clear_emergency_stop_and_p2_errors() -> None:
     control = Control()
     control.set(CHAIN, False)
@@ -58,7 +55,6 @@ def test_9_3_bit_62_does_not_clear_emergency_stop_and_p2_errors() -> None:
 
 
 @pytest.mark.requirement("RHO-PLC-14", by="gateway.pure.interface.errors:Faults._clear")
-@answers
 def test_control_reset_clears_what_has_no_cause_and_ends_processes() -> None:
     control = Control()
     control.faults.came(91)
@@ -74,7 +70,6 @@ def test_control_reset_clears_what_has_no_cause_and_ends_processes() -> None:
 
 
 @pytest.mark.requirement("RHO-SYS-02", by="gateway.pure.interface.errors:Faults._watch_chain")
-@answers
 def test_emergency_stop_stays_after_release_until_control_reset_or_panel() -> None:
     control = Control()
     assert not control.image.output(67)
@@ -91,7 +86,6 @@ def test_emergency_stop_stays_after_release_until_control_reset_or_panel() -> No
         control.faults.update(control.image)
 
 
-@answers
 def test_a_reset_that_stands_when_its_door_comes_back_is_no_edge() -> None:
     image, faults, doors = PicImage(), Faults(), InputImage()
     for bit in (CHAIN, RESET):
@@ -110,7 +104,6 @@ def test_a_reset_that_stands_when_its_door_comes_back_is_no_edge() -> None:
     assert told[-2:] == [False, True] and not faults.shown
 
 
-@answers
 def test_a_reset_that_stands_at_start_is_no_edge() -> None:
     image, faults = PicImage(), Faults()
     for bit in (RESET, CHAIN, ACK):
@@ -120,7 +113,6 @@ def test_a_reset_that_stands_at_start_is_no_edge() -> None:
 
 
 @pytest.mark.requirement("RHO-SYS-01", by="gateway.pure.interface.errors:system_code")
-@answers
 def test_codes_of_system_errors() -> None:
     assert {n: system_code(n) for n in (133, 149, 150, 151, 1, 256, 300)} == {
         133: 3716, 149: 3732, 150: 3733, 151: 3734, 1: 3584, 256: 3839, 300: 3883,
@@ -131,7 +123,6 @@ def test_codes_of_system_errors() -> None:
 
 
 @pytest.mark.requirement("RHO-SYS-01", by="gateway.pure.interface.errors:system_number")
-@answers
 def test_system_errors_of_codes() -> None:
     assert [system_number(code) for code in (3584, 3716, 4095)] == [1, 133, 512]
     for code in (91, 528, 3583):

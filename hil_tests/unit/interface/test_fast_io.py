@@ -4,11 +4,9 @@ import pytest
 
 from gateway.pure.interface.fastio import BOARDS, Configured, FastInputs, InputFault, MultiFunction, StartUpFault
 from gateway.pure.interface.image import PicImage
-from hil_tests.lab.answers import answers
 
 
 @pytest.mark.requirement("RHO-PLC-33", by="gateway.pure.interface.fastio:FastInputs.__init__")
-@answers
 def test_2_3_p11_beyond_the_hardware_aborts_the_run_up() -> None:
     printed = {  # L1204-1232: inputs, probes
         "servo-3/5/8-wide": (8, 1), "servo-abs-5/8": (8, 0), "servo-inc6/poti": (8, 0), "servo-3/5-narrow": (0, 1),
@@ -27,7 +25,6 @@ def test_2_3_p11_beyond_the_hardware_aborts_the_run_up() -> None:
 
 
 @pytest.mark.requirement("RHO-PLC-33", by="gateway.pure.interface.fastio:FastInputs.read")
-@answers
 def test_2_3_an_input_that_is_not_configured_is_a_runtime_error() -> None:
     boards = [BOARDS["servo-3/5-narrow"], BOARDS["modular-i"], BOARDS["servo-3/5/8-wide"]]
     inputs = FastInputs(boards, [Configured(1, 0), Configured(0, 3), Configured(1, 5)])
@@ -41,7 +38,6 @@ def test_2_3_an_input_that_is_not_configured_is_a_runtime_error() -> None:
 
 
 @pytest.mark.requirement("RHO-PLC-34", by="gateway.pure.interface.fastio:MultiFunction.step")
-@answers
 def test_2_4_p36_26_byte_i26_follows_with_its_low_four_bits() -> None:
     for p36 in (26, 0):
         image, multi = PicImage(), MultiFunction(p36_in=p36)
@@ -56,7 +52,6 @@ def test_2_4_p36_26_byte_i26_follows_with_its_low_four_bits() -> None:
 
 
 @pytest.mark.requirement("RHO-PLC-34", by="gateway.pure.interface.fastio:MultiFunction.write")
-@answers
 def test_2_4_p36_minus_1_only_baps_sees_them() -> None:
     image, multi = PicImage(), MultiFunction(p36_in=-1, p36_out=-1)
     image.inputs[:] = image.outputs[:] = b"\xff" * 128
@@ -70,7 +65,6 @@ def test_2_4_p36_minus_1_only_baps_sees_them() -> None:
 
 
 @pytest.mark.requirement("RHO-PLC-34", by="gateway.pure.interface.fastio:_place")
-@answers
 def test_2_4_only_free_addresses() -> None:
     for inputs, outputs, words in ((88, 0, "stand-alone"), (0, 128, "stand-alone"), (-2, 0, "-1"), (0, 24, "free are"), (24, 0, "I24")):
         with pytest.raises(ValueError, match=words):

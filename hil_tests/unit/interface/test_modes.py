@@ -6,7 +6,6 @@ from gateway.pure.interface.image import PicImage
 from gateway.pure.interface.machinetype import show_machine
 from gateway.pure.interface.modes import OperatingModes, Refusal, RuntimeFault
 from gateway.pure.records import set_bit
-from hil_tests.lab.answers import answers
 
 KIN_A_MN, AUTO, TEST = 54, 23, 22
 K = {number: 37 + number for number in range(1, 11)}  # K01 = 38 .. K10 = 47
@@ -24,7 +23,6 @@ def state(image: PicImage) -> dict[str, bool]:
 
 
 @pytest.mark.requirement("RHO-PLC-24", by="gateway.pure.interface.modes:OperatingModes.update")
-@answers
 def test_12_1_with_bit_54_each_kinematic_has_its_own_signal_and_bit_23_has_no_meaning() -> None:
     modes = OperatingModes(10)
     for number in range(1, 11):
@@ -38,7 +36,6 @@ def test_12_1_with_bit_54_each_kinematic_has_its_own_signal_and_bit_23_has_no_me
 
 
 @pytest.mark.requirement("RHO-PLC-26", by="gateway.pure.interface.modes:OperatingModes._status")
-@answers
 def test_12_1_1_status_signals() -> None:
     modes = OperatingModes(3)
     one_manual = given(KIN_A_MN, TEST, K[1], K[3])
@@ -54,7 +51,6 @@ def test_12_1_1_status_signals() -> None:
     assert not state(no_test)["TEST_MN"]
 
 
-@answers
 def test_status_signals_of_the_global_mode() -> None:
     modes = OperatingModes(2)
     manual = given(TEST)
@@ -68,7 +64,6 @@ def test_status_signals_of_the_global_mode() -> None:
 
 
 @pytest.mark.requirement("RHO-PLC-25", by="gateway.pure.interface.modes:OperatingModes.prepare")
-@answers
 def test_12_2_a_block_for_a_kinematic_in_manual_is_a_runtime_error() -> None:
     modes = OperatingModes(3)
     modes.update(given(KIN_A_MN, K[1], K[2]))
@@ -78,7 +73,6 @@ def test_12_2_a_block_for_a_kinematic_in_manual_is_a_runtime_error() -> None:
 
 
 @pytest.mark.requirement("RHO-PLC-25", by="gateway.pure.interface.modes:OperatingModes._switched")
-@answers
 def test_12_2_switched_over_in_motion_bars_the_kinematic_until_the_program_is_deselected() -> None:
     modes = OperatingModes(3)
     modes.update(given(KIN_A_MN, K[1], K[2]))
@@ -100,7 +94,6 @@ def test_12_2_switched_over_in_motion_bars_the_kinematic_until_the_program_is_de
 
 
 @pytest.mark.requirement("RHO-PLC-24", by="gateway.pure.interface.modes:OperatingModes.set_up")
-@answers
 def test_12_3_to_12_6_set_up_only_in_manual_and_a_prepared_changeover_is_silent() -> None:
     modes = OperatingModes(2)
     modes.update(given(KIN_A_MN, K[1]))
@@ -115,7 +108,6 @@ def test_12_3_to_12_6_set_up_only_in_manual_and_a_prepared_changeover_is_silent(
 
 
 @pytest.mark.requirement("RHO-PLC-23", by="gateway.pure.interface.machinetype:show_machine")
-@answers
 def test_p2_stands_at_bits_124_to_127() -> None:
     image = PicImage()
     for code in (5, 15, 0, 10):

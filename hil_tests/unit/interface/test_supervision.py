@@ -4,14 +4,12 @@ import pytest
 
 from gateway.pure.interface.image import PicImage
 from gateway.pure.interface.supervision import PicGuard, PlcWatch, has_grace
-from hil_tests.lab.answers import answers
 from protocols.base.machine import ms
 
 NORMAL = ms(500)
 
 
 @pytest.mark.requirement("RHO-PLC-32", by="gateway.pure.interface.supervision:PlcWatch.wake")
-@answers
 def test_6_80_seconds_of_silence_at_start_then_the_normal_time_out() -> None:
     start = ms(1000)
     watch = PlcWatch(NORMAL, start)
@@ -27,7 +25,6 @@ def test_6_80_seconds_of_silence_at_start_then_the_normal_time_out() -> None:
 
 
 @pytest.mark.requirement("RHO-PLC-32", by="gateway.pure.interface.supervision:has_grace")
-@answers
 def test_6_the_delay_came_with_to07j_and_is_not_for_remote_controls() -> None:
     versions = {"TO07J": True, "TO08E": True, "TO07I": False, "TO07F": False, "TO06J": False, "TO02F": False}
     assert {version: has_grace(version, remote=False) for version in versions} == versions
@@ -42,7 +39,6 @@ def marked(image: PicImage) -> None:
 
 
 @pytest.mark.requirement("RHO-PLC-38", by="gateway.pure.interface.supervision:PicGuard.timer_error")
-@answers
 def test_a_timer_error_stops_the_pic_opens_ready_and_clears_inputs_and_outputs() -> None:
     guard, image = PicGuard(ms(50)), PicImage()
     runs: list[int] = []
@@ -61,7 +57,6 @@ def test_a_timer_error_stops_the_pic_opens_ready_and_clears_inputs_and_outputs()
 
 
 @pytest.mark.requirement("RHO-PLC-38", by="gateway.pure.interface.supervision:PicGuard.run")
-@answers
 def test_a_run_that_comes_too_late_is_a_timer_error() -> None:
     guard, image = PicGuard(ms(50)), PicImage()
     guard.run(image, ms(10), marked)

@@ -4,7 +4,6 @@ import pytest
 
 from gateway.pure.interface.timers import TimersAndCounters, flags_of, unit_of
 from gateway.pure.records import get_bit, set_bit
-from hil_tests.lab.answers import answers
 from protocols.base.machine import ms
 
 
@@ -29,7 +28,6 @@ class Pic:
 
 
 @pytest.mark.requirement("RHO-PLC-27", by="gateway.pure.interface.timers:TimersAndCounters._count")
-@answers
 def test_10_1_stage_1_counter_11() -> None:
     pic = Pic(16)
     pic.pulse(m(6, 3))
@@ -46,7 +44,6 @@ def test_10_1_stage_1_counter_11() -> None:
 
 
 @pytest.mark.requirement("RHO-PLC-27", by="gateway.pure.interface.timers:flags_of")
-@answers
 def test_10_1_flags_of_every_stage() -> None:
     table = {0: (0, 1, 2, 3, 4, 5), 8: (6, 7, 8, 9, 10, 11), 16: (12, 13, 14, 15, 16, 17), 24: (18, 19, 20, 21, 22, 23)}
     for first, at in table.items():
@@ -60,7 +57,6 @@ def test_10_1_flags_of_every_stage() -> None:
 
 
 @pytest.mark.requirement("RHO-PLC-27", by="gateway.pure.interface.timers:TimersAndCounters._time")
-@answers
 def test_10_1_a_timer_is_active_then_ready() -> None:
     pic = Pic(24)
     start, ready, active = m(14, 5), m(15, 5), m(16, 5)  # timer 21
@@ -80,7 +76,6 @@ def test_10_1_a_timer_is_active_then_ready() -> None:
 
 
 @pytest.mark.requirement("RHO-PLC-28", by="gateway.pure.interface.timers:unit_of")
-@answers
 def test_10_the_unit_of_time_depends_on_the_control() -> None:
     assert unit_of("rho3.1", ms(20)) == ms(20)
     assert unit_of("rho3.2", ms(20)) == ms(10)
@@ -98,7 +93,6 @@ def test_10_the_unit_of_time_depends_on_the_control() -> None:
         unit_of("rho4", ms(20))
 
 
-@answers
 def test_wrong_numbers_are_refused() -> None:
     for count, values in ((7, []), (8, [1] * 9), (8, [-1])):
         with pytest.raises(ValueError, match=r"P3|P13/P14"):

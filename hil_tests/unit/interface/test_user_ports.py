@@ -6,11 +6,9 @@ from gateway.pure.addresses import Direction, from_pic
 from gateway.pure.interface.image import PicImage
 from gateway.pure.interface.user import ChannelFault, UserPorts, input_bit
 from gateway.pure.records import set_bit
-from hil_tests.lab.answers import answers
 
 
 @pytest.mark.requirement("RHO-PLC-35", by="gateway.pure.interface.user:UserPorts.read")
-@answers
 def test_user_99_is_o70_2_and_binary_input_99() -> None:
     image = PicImage()
     ports = UserPorts(image)
@@ -22,7 +20,6 @@ def test_user_99_is_o70_2_and_binary_input_99() -> None:
 
 
 @pytest.mark.requirement("RHO-PLC-35", by="gateway.pure.interface.user:UserPorts.statuses")
-@answers
 def test_user_inputs_1_to_99_are_the_machine_statuses() -> None:
     image = PicImage()
     ports = UserPorts(image)
@@ -32,7 +29,6 @@ def test_user_inputs_1_to_99_are_the_machine_statuses() -> None:
 
 
 @pytest.mark.requirement("RHO-PLC-35", by="gateway.pure.interface.user:input_bit")
-@answers
 def test_channels_outside_are_refused() -> None:
     assert (input_bit(1), input_bit(99), input_bit(120), input_bit(1120)) == (464, 562, 583, 583)
     for channel in (0, 121, 1000, 1121):
@@ -41,7 +37,6 @@ def test_channels_outside_are_refused() -> None:
 
 
 @pytest.mark.requirement("RHO-PLC-36", by="gateway.pure.interface.user:UserPorts.control_reset")
-@answers
 def test_p24_control_reset_clears_outputs_1_to_4_only() -> None:
     for p24, left in ((4, [5, 6, 120]), (0, [1, 2, 3, 4, 5, 6, 120]), (120, [])):
         image = PicImage()
@@ -54,7 +49,6 @@ def test_p24_control_reset_clears_outputs_1_to_4_only() -> None:
         assert image.output(115)
 
 
-@answers
 def test_every_output_is_cleared_unless_p24_says_otherwise() -> None:
     image = PicImage()
     ports = UserPorts(image)
@@ -68,7 +62,6 @@ def test_every_output_is_cleared_unless_p24_says_otherwise() -> None:
 
 
 @pytest.mark.requirement("RHO-PLC-37", by="gateway.pure.interface.user:UserPorts.integer")
-@answers
 def test_p27_1_takes_the_value_without_strobe() -> None:
     image = PicImage()
     ports = UserPorts(image, p27=1)
@@ -80,7 +73,6 @@ def test_p27_1_takes_the_value_without_strobe() -> None:
 
 
 @pytest.mark.requirement("RHO-PLC-37", by="gateway.pure.interface.user:UserPorts.look")
-@answers
 def test_p27_0_takes_the_value_at_its_strobe() -> None:
     image = PicImage()
     ports = UserPorts(image, p27=0)

@@ -7,7 +7,6 @@ from gateway.pure.interface.image import PicImage
 from gateway.pure.interface.modes import Refusal, RuntimeFault
 from gateway.pure.interface.whole import Installation, SignalInterface
 from gateway.pure.records import get_bit, set_bit
-from hil_tests.lab.answers import answers
 from protocols.base.machine import ms
 
 
@@ -18,7 +17,6 @@ def given(*bits: int) -> PicImage:
     return image
 
 
-@answers
 def test_3_1_axis_specific_drive_on_works_only_without_the_group_signal() -> None:
     assert drive_on(given(192, 194, 211), 20) == 1 << 19 | 0b101
     assert drive_on(given(66), 6) == 0b111111 == drive_on(given(66, 192), 6)
@@ -26,7 +24,6 @@ def test_3_1_axis_specific_drive_on_works_only_without_the_group_signal() -> Non
 
 
 @pytest.mark.requirement("RHO-MOT-47", by="gateway.pure.interface.drives:DisabledAxes.update")
-@answers
 def test_11_1_a_disabled_axis_stays_so_until_a_start_with_0() -> None:
     axes = DisabledAxes(20)
     assert axes.update(given(216, 235)) == (1408, 1427) and axes.mask == 1 << 19 | 1
@@ -37,7 +34,6 @@ def test_11_1_a_disabled_axis_stays_so_until_a_start_with_0() -> None:
         DisabledAxes(21)
 
 
-@answers
 def test_all_parts_look_at_one_image() -> None:
     image = given(24, 54, 38, 39, 66, 217)
     interface = SignalInterface(image, Installation(axes=6, kinematics=2, p2=5, p13=(1,), p24=4))

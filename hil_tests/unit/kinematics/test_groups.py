@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from hil_tests.lab.answers import answers
 from hil_tests.unit.kinematics.robots import apart, arm, scara, sliding, spread, turning, unlike
 from hil_tests.unit.kinematics.test_arm import by_differences
 from motion.errors import MotionError
@@ -24,7 +23,6 @@ def group() -> Group:
     return Group(arm(), (TRACK, COLUMN, TABLE, SPINDLE))
 
 
-@answers
 def test_carriers_move_the_robot_and_the_inverse_leaves_additional_axes_where_they_are() -> None:
     robot = group()
     assert robot.axes == 10
@@ -46,7 +44,6 @@ def test_a_table_carries_the_workpiece_and_not_the_robot() -> None:
     assert robot.table(turned).apply((0.0, 1.0, 0.0)) == pytest.approx((1.0, math.cos(1.5), math.sin(1.5)))
 
 
-@answers
 def test_a_workpiece_on_tables_sees_the_flange_go_the_other_way() -> None:
     tilt = Additional(turning("tilt"), Role.TABLE, (0.0, 1.0, 0.0), translation(0.0, 0.3, 0.1))
     world, seen = Group(arm(), (TRACK, TABLE, SPINDLE, tilt)), OnTable(arm(), (TRACK, TABLE, SPINDLE, tilt))
@@ -73,7 +70,6 @@ def test_branches_of_a_group_are_those_of_its_robot() -> None:
     assert all(apart(robot.forward(joints), pose) < 1e-12 and robot.configuration(joints) == flags for joints, flags in found)
 
 
-@answers
 def test_an_additional_axis_beyond_its_travel_is_named() -> None:
     robot = group()
     with pytest.raises(OutOfLimits) as fault:
@@ -94,7 +90,6 @@ def test_at_most_24_axes_and_directions_of_length_1() -> None:
 SCREW = ((1.0, 0.0, 0.0, 0.0), (0.5, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.004), (0.0, 0.0, 0.0, 1.0))
 
 
-@answers
 def test_coupled_axes_turn_several_joints() -> None:
     inner = scara()
     robot = Coupled(inner, SCREW, inner.limits)
@@ -111,7 +106,6 @@ def test_coupled_axes_turn_several_joints() -> None:
         assert robot.configuration(q) == inner.configuration(robot.joints(q))
 
 
-@answers
 def test_the_travel_of_a_coupled_axis_is_that_of_the_drive() -> None:
     inner = scara()
     limits = [inner.limits[0], turning("a2", -0.2, 0.2), *inner.limits[2:]]

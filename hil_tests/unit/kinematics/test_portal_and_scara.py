@@ -6,7 +6,6 @@ import math
 import numpy as np
 import pytest
 
-from hil_tests.lab.answers import answers
 from hil_tests.unit.kinematics.robots import apart, scara, sliding, spread, turning, unlike, unlike_turned
 from hil_tests.unit.kinematics.test_arm import by_differences
 from motion.errors import MotionError
@@ -50,7 +49,6 @@ def test_at_the_pole_of_a_portals_wrist_the_last_axis_stays(letters: str, middle
     assert unlike_turned(back, q) < 1e-9
 
 
-@answers
 def test_a_direction_the_portal_does_not_have_is_532_or_534() -> None:
     tilted = Pose((0.1, 0.2, 0.0), about(0, 0.2))
     for letters, pose, number, words in (
@@ -91,7 +89,6 @@ def test_a_scara_finds_both_shoulders(down: bool) -> None:
         assert np.abs(robot.jacobian(q) - by_differences(robot, q)).max() < 1e-8
 
 
-@answers
 def test_a_scara_stretched_too_far_tilted_or_on_the_wrong_side() -> None:
     robot = scara()
     q = (0.3, 0.0, -0.1, 0.2)
@@ -117,7 +114,6 @@ def test_a_scara_stretched_too_far_tilted_or_on_the_wrong_side() -> None:
     assert far.value.axis == "a3"
 
 
-@answers
 def test_a_scara_keeps_to_the_shoulder_that_is_demanded() -> None:
     robot = scara()
     q = (0.3, 0.9, -0.1, 0.2)
@@ -136,7 +132,6 @@ def test_a_scara_that_cannot_be() -> None:
         type(scara())(0.3, 0.2, 0.3, [turning("a")] * 4)
 
 
-@answers
 def test_without_transformation_points_are_positions_of_axes() -> None:
     robot = Identity([turning("t"), sliding("u"), sliding("v")])
     pose = robot.forward((0.5, 0.1, 0.2))

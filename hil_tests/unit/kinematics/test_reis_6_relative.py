@@ -2,7 +2,6 @@
 
 import pytest
 
-from hil_tests.lab.answers import answers
 from motion.displacement import VNULL, Displacement, Position, Vector, added, subtracted
 from motion.errors import MotionError
 
@@ -10,7 +9,6 @@ HERE = Position(0, 0, 0)
 
 
 @pytest.mark.requirement("RSV-MOT-22", by=("motion.displacement:Displacement.relative", "motion.displacement:Displacement.position"))
-@answers
 def test_relative_adds_the_vector_to_each_position_until_vnull() -> None:
     shift = Displacement()
     target = Position(100, 20, 30, 1, 2, 3)
@@ -25,7 +23,6 @@ def test_relative_adds_the_vector_to_each_position_until_vnull() -> None:
 
 
 @pytest.mark.requirement("RSV-MOT-23", by=("motion.displacement:Displacement.calc_rel", "motion.displacement:Displacement.position"))
-@answers
 def test_calc_rel_gives_actual_minus_programmed_and_the_robot_stays() -> None:
     shift = Displacement()
     a, b, c = Position(10, 20, 30), Position(1, 2, 3), Position(100, 100, 100)
@@ -36,7 +33,6 @@ def test_calc_rel_gives_actual_minus_programmed_and_the_robot_stays() -> None:
     assert shift.position(c, c) == (Position(109, 118, 127), None)
 
 
-@answers
 def test_axes_are_shifted_with_the_position() -> None:
     shift = Displacement()
     shift.relative(Vector(axes=(1.0, -2.0)))

@@ -4,7 +4,6 @@ import math
 
 import pytest
 
-from hil_tests.lab.answers import answers
 from hil_tests.lab.printed_tables import PROGRAM
 from motion.errors import MotionError
 from motion.kinematics.endless import AxisType, EndlessAxes, axis_type, within
@@ -25,7 +24,6 @@ def speeds_of_the_master(axes: EndlessAxes) -> list[float]:
 
 
 @pytest.mark.requirement("RHO-MOT-30", by=("motion.kinematics.endless:EndlessAxes.span", "motion.kinematics.endless:axis_type"))
-@answers
 def test_the_master_keeps_500_deg_per_s_over_all_points_and_the_slaves_follow() -> None:
     axes = EndlessAxes((axis_type(3), *(axis_type(4),) * 4), (360.0,) * 5)
     assert speeds_of_the_master(axes) == pytest.approx([V] * 8)
@@ -35,7 +33,6 @@ def test_the_master_keeps_500_deg_per_s_over_all_points_and_the_slaves_follow() 
 
 
 @pytest.mark.requirement("RHO-MOT-30", by="motion.kinematics.endless:EndlessAxes.span")
-@answers
 def test_seen_every_millisecond_the_master_runs_on_evenly_and_all_slaves_arrive_with_it() -> None:
     axes = EndlessAxes((AxisType.ENDLESS_MAIN, *(AxisType.ENDLESS_MANUAL,) * 4), (360.0,) * 5)
     here: tuple[float, ...] = (0.0,) * 5
@@ -52,7 +49,6 @@ def test_seen_every_millisecond_the_master_runs_on_evenly_and_all_slaves_arrive_
     assert begun == pytest.approx(360 / V)
 
 
-@answers
 def test_with_all_axes_main_the_master_changes_its_speed_as_before_to04() -> None:
     axes = EndlessAxes((AxisType.ENDLESS_MAIN,) * 5, (360.0,) * 5)
     speeds = speeds_of_the_master(axes)
@@ -61,7 +57,6 @@ def test_with_all_axes_main_the_master_changes_its_speed_as_before_to04() -> Non
 
 
 @pytest.mark.requirement("RHO-MOT-30", by=("motion.kinematics.endless:within", "motion.kinematics.endless:EndlessAxes.position"))
-@answers
 def test_positions_go_round_at_p311() -> None:
     axes = EndlessAxes((AxisType.ENDLESS_MAIN, AxisType.ENDLESS_MANUAL, AxisType.MANUAL), (360.0, 100.0, 0.0))
     assert axes.position((725.0, -30.0, -30.0)) == pytest.approx((5.0, 70.0, -30.0))

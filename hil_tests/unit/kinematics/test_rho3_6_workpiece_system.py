@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from hil_tests.lab.answers import answers
 from hil_tests.unit.kinematics.robots import scara, sliding, turning
 from motion.conventions import RHO3
 from motion.errors import LimitError, MotionError
@@ -33,7 +32,6 @@ def portal(systems: WcSystems, origin: Pose = IDENTITY) -> Rho3Kinematic:
 
 
 @pytest.mark.requirement("RHO-MOT-31", by=("motion.rho3.kinematic:Rho3Kinematic.original", "motion.rho3.wc:WcSystems.select"))
-@answers
 def test_a_frame_of_z_30_lifts_every_point_by_30() -> None:
     systems = WcSystems()
     machine = portal(systems)
@@ -44,7 +42,6 @@ def test_a_frame_of_z_30_lifts_every_point_by_30() -> None:
 
 
 @pytest.mark.requirement("RHO-MOT-31", by="motion.conventions:rotation_zyx")
-@answers
 def test_dc_turns_about_z_then_db_about_the_new_y_then_da_about_the_new_x() -> None:
     systems = WcSystems()
     machine = portal(systems)
@@ -71,7 +68,6 @@ def elementary(z: float, y: float, x: float) -> tuple[list[list[float]], ...]:
 
 
 @pytest.mark.requirement("RHO-MOT-32", by=("motion.rho3.wc:WcSystems.active", "motion.rho3.wc:WcSystems.started_up"))
-@answers
 def test_the_system_stays_after_end_and_abort_and_goes_with_a_start_up() -> None:
     systems = WcSystems()
     assert systems.active("PAINT_1") == WC_UR
@@ -93,7 +89,6 @@ def test_a_frame_belongs_to_one_kinematic_and_has_a_short_name() -> None:
 
 
 @pytest.mark.requirement("RHO-MOT-33", by=("motion.rho3.wc:Assignment.put", "motion.rho3.wc:Assignment.pose"))
-@answers
 def test_p313_of_a_side_machine_sends_x_to_the_belt_and_ignores_rotations() -> None:
     side = Assignment((4, 1, 2, 0, 0, 0))  # (YK, ZK, AK, BNK)
     systems = WcSystems()
@@ -109,7 +104,6 @@ def test_p313_of_a_side_machine_sends_x_to_the_belt_and_ignores_rotations() -> N
 
 
 @pytest.mark.requirement("RHO-MOT-33", by="motion.rho3.wc:Assignment.moved")
-@answers
 def test_p313_of_a_top_machine_corrects_b_with_component_3() -> None:
     top = Assignment((4, 1, 2, 0, 3, 0))
     point = top.moved((10, 20, 30, 40), RHO3.pose((0, 0, 0, 0, 25, 0)))
@@ -122,7 +116,6 @@ def test_p313_of_a_top_machine_corrects_b_with_component_3() -> None:
 
 
 @pytest.mark.requirement("RHO-MOT-34", by=("motion.rho3.kinematic:Rho3Kinematic.wc", "motion.rho3.kinematic:Rho3Kinematic.jc"))
-@answers
 def test_world_points_and_the_functions_jc_and_wc_follow_the_frame_and_joint_points_do_not() -> None:
     systems = WcSystems()
     machine = portal(systems)
@@ -136,7 +129,6 @@ def test_world_points_and_the_functions_jc_and_wc_follow_the_frame_and_joint_poi
 
 
 @pytest.mark.requirement("RHO-MOT-34", by=(KINEMATIC + "check_working_range", KINEMATIC + "set_working_range"))
-@answers
 def test_the_working_range_moves_with_the_frame_and_the_software_limits_stay() -> None:
     systems = WcSystems()
     machine = portal(systems)
@@ -157,7 +149,6 @@ def test_the_working_range_moves_with_the_frame_and_the_software_limits_stay() -
 
 
 @pytest.mark.requirement("RHO-MOT-34", by="motion.rho3.kinematic:Rho3Kinematic.check_software_limits")
-@answers
 def test_software_limits_name_the_axis_whatever_frame_is_active() -> None:
     systems = WcSystems()
     machine = portal(systems)
@@ -178,7 +169,6 @@ def test_display_levels_of_mode_7_1() -> None:
     assert set(machine.display(NEAR)) == {"JC", "WC"}, "all 0 is WC_UR"
 
 
-@answers
 def test_p310_shifts_the_original_system_and_a_tool_the_point() -> None:
     systems = WcSystems()
     machine = portal(systems, origin=translation(0.1, 0.0, 0.0))
@@ -193,7 +183,6 @@ def test_p310_shifts_the_original_system_and_a_tool_the_point() -> None:
         machine.change_tool(IDENTITY, at_rest=False)
 
 
-@answers
 def test_mirroring_is_in_the_workpieces_own_system() -> None:
     machine = portal(WcSystems())
     point = (100.0, 20.0, 30.0, 10.0, 20.0, 30.0)

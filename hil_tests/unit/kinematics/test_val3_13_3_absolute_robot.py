@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import pytest
 
-from hil_tests.lab.answers import answers
 from hil_tests.unit.kinematics.robots import apart, arm, spread, unlike
 from motion.errors import MotionError
 from motion.kinematics.arm6 import ArmGeometry
@@ -26,7 +25,6 @@ def by_hand(dh: DhParameters, joints: tuple[float, ...]) -> Trsf:
 
 
 @pytest.mark.requirement("VAL-DH-01", by="motion.kinematics.dh:default_dh")
-@answers
 def test_the_default_parameters_lead_where_joint_to_point_leads() -> None:
     robot = AbsoluteRobot(arm(GEOMETRY), licensed=False)
     ideal = Arm(robot.kinematics, ("deg",) * 6)
@@ -36,7 +34,6 @@ def test_the_default_parameters_lead_where_joint_to_point_leads() -> None:
 
 
 @pytest.mark.requirement("VAL-DH-01", by=("motion.val3.absolute:AbsoluteRobot.set_dh", "motion.kinematics.dh:too_far"))
-@answers
 def test_a_change_that_is_too_large_or_misfits_is_false_and_changes_nothing() -> None:
     robot = AbsoluteRobot(arm(GEOMETRY), licensed=True)
     default = robot.get_default_dh()
@@ -49,7 +46,6 @@ def test_a_change_that_is_too_large_or_misfits_is_false_and_changes_nothing() ->
     assert robot.get_default_dh() == default
 
 
-@answers
 def test_a_measured_arm_goes_by_the_chain_and_its_inverse_comes_back() -> None:
     robot = AbsoluteRobot(arm(GEOMETRY), licensed=True)
     default = robot.get_default_dh()

@@ -6,7 +6,6 @@ from collections.abc import Callable
 
 import pytest
 
-from hil_tests.lab.answers import answers
 from motion.conventions import VAL3
 from motion.frames import IDENTITY
 from motion.orientation import angle_between, between
@@ -30,7 +29,6 @@ def code(call: Callable[..., object], *arguments: object) -> int:
 
 
 @pytest.mark.requirement("VAL-TRSF-01", by=("motion.conventions:rotation_xyz", "motion.conventions:Convention.pose"))
-@answers
 def test_20_10_30_turns_about_x_then_y_then_z_of_the_moving_frame() -> None:
     rows = (0.852869, -0.492404, 0.173648, 0.521281, 0.784102, -0.336824, 0.029696, 0.377786, 0.925417)
     pose = EXAMPLE.pose
@@ -39,7 +37,6 @@ def test_20_10_30_turns_about_x_then_y_then_z_of_the_moving_frame() -> None:
 
 
 @pytest.mark.requirement("VAL-TRSF-01", by="motion.conventions:angles_xyz")
-@answers
 def test_the_angles_come_back_and_179_1_110_is_not_rewritten() -> None:
     assert same(trsf_of(EXAMPLE.pose), EXAMPLE)
     corner = Trsf(0, 0, 0, 179, 1, 110)
@@ -49,7 +46,6 @@ def test_the_angles_come_back_and_179_1_110_is_not_rewritten() -> None:
 
 
 @pytest.mark.requirement("VAL-TRSF-02", by=("motion.val3.trsf:times", "motion.val3.trsf:inverted"))
-@answers
 def test_a_trsf_times_its_inverse_is_nothing_and_the_order_matters() -> None:
     assert same(times(EXAMPLE, inverted(EXAMPLE)), Trsf())
     assert same(times(inverted(EXAMPLE), EXAMPLE), Trsf())
@@ -59,7 +55,6 @@ def test_a_trsf_times_its_inverse_is_nothing_and_the_order_matters() -> None:
 
 
 @pytest.mark.requirement("VAL-TRSF-03", by="motion.val3.trsf:interpolate_l")
-@answers
 def test_interpolate_l_at_0_1_and_one_half() -> None:
     start, end = Trsf(0, 0, 0, 0, 0, 10), Trsf(100, -50, 20, 0, 0, 50)
     assert same(interpolate_l(start, end, 0), start)
@@ -82,7 +77,6 @@ def test_interpolate_l_turns_by_the_least_rotation_and_refuses_a_half_turn() -> 
 
 
 @pytest.mark.requirement("VAL-TRSF-04", by="motion.val3.trsf:interpolate_c")
-@answers
 def test_interpolate_c_has_the_middle_of_the_arc_at_one_half() -> None:
     start, via, end = (
         Trsf(100, 0, 0),
@@ -100,7 +94,6 @@ def test_interpolate_c_has_the_middle_of_the_arc_at_one_half() -> None:
     assert code(interpolate_c, start, Trsf(0, 100, 0, 180), end, 0.5) == 553, "orientation undefined"
 
 
-@answers
 def test_interpolate_c_goes_on_smoothly_before_the_start_and_behind_the_end() -> None:
     start, via, end = Trsf(100, 0, 0, 5, 0, 0), Trsf(0, 100, 0, 10, 20, 0), Trsf(-100, 0, 0, 0, 20, 40)
     steps = [interpolate_c(start, via, end, n / 100).pose for n in range(-50, 151)]
@@ -111,7 +104,6 @@ def test_interpolate_c_goes_on_smoothly_before_the_start_and_behind_the_end() ->
 
 
 @pytest.mark.requirement("VAL-TRSF-04", by="motion.val3.trsf:align")
-@answers
 def test_align_turns_z_to_the_nearest_axis_of_the_reference_and_keeps_the_place() -> None:
     assert same(align(Trsf(1, 2, 3, 20, 0, 0), Trsf(9, 9, 9)), Trsf(1, 2, 3, 0, 0, 0))
     assert same(align(Trsf(1, 2, 3, 170, 0, 0), Trsf()), Trsf(1, 2, 3, 180, 0, 0)), "-z is an axis, too"

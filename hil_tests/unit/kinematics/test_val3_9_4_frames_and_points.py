@@ -5,7 +5,6 @@ from collections.abc import Callable
 
 import pytest
 
-from hil_tests.lab.answers import answers
 from hil_tests.unit.kinematics.robots import arm, spread, unlike
 from motion.kinematics.base import FREE, SAME, Configuration, Elbow, Shoulder, Wrist
 from motion.val3.cartesian import (
@@ -46,7 +45,6 @@ def code(action: Callable[[], object]) -> int:
 
 
 @pytest.mark.requirement("VAL-FRM-01", by="motion.val3.cartesian:set_frame")
-@answers
 def test_set_frame_from_three_points() -> None:
     world = new_world()
     result = Frame(Trsf(1, 2, 3), world)
@@ -62,7 +60,6 @@ def test_set_frame_from_three_points() -> None:
     assert code(lambda: set_frame(on(0, 0, 0), Point(), on(0, 1, 0), result)) == 162
 
 
-@answers
 def test_set_frame_in_a_moved_reference_and_for_a_frame_that_hangs_on_nothing() -> None:
     world = new_world()
     table = Frame(Trsf(500, 0, 0, 0, 0, 30), world)
@@ -76,7 +73,6 @@ def test_set_frame_in_a_moved_reference_and_for_a_frame_that_hangs_on_nothing() 
 
 
 @pytest.mark.requirement("VAL-FRM-02", by=("motion.val3.cartesian:link_frame", "motion.val3.cartesian:position"))
-@answers
 def test_link_moves_a_frame_in_the_world_and_keeps_its_numbers() -> None:
     world = new_world()
     one, two = Frame(Trsf(100, 0, 0), world), Frame(Trsf(0, 10, 0, 0, 0, 90), world)
@@ -88,7 +84,6 @@ def test_link_moves_a_frame_in_the_world_and_keeps_its_numbers() -> None:
 
 
 @pytest.mark.requirement("VAL-PNT-01", by="motion.val3.cartesian:appro")
-@answers
 def test_appro_lies_100_mm_back_along_the_points_own_z() -> None:
     world = new_world()
     down = Point(Trsf(300, 200, 50, 180, 0, 20), Configuration(shoulder=Shoulder.LEFTY), world)
@@ -99,7 +94,6 @@ def test_appro_lies_100_mm_back_along_the_points_own_z() -> None:
 
 
 @pytest.mark.requirement("VAL-PNT-02", by="motion.val3.cartesian:compose_point")
-@answers
 def test_compose_turns_about_the_origin_of_the_reference() -> None:
     world = new_world()
     table = Frame(Trsf(100, 0, 0), world)
@@ -117,7 +111,6 @@ def test_compose_turns_about_the_origin_of_the_reference() -> None:
 
 
 @pytest.mark.requirement("VAL-PNT-03", by=("motion.val3.cartesian:distance", "motion.val3.cartesian:position"))
-@answers
 def test_the_distance_of_two_points_is_that_of_their_places_in_the_world() -> None:
     world = new_world()
     one = Point(Trsf(10, 20, 30, 4, 5, 6), FREE, Frame(Trsf(100, 50, 0, 10, 20, 30), world))
@@ -128,7 +121,6 @@ def test_the_distance_of_two_points_is_that_of_their_places_in_the_world() -> No
 
 
 @pytest.mark.requirement("VAL-PNT-04", by="motion.val3.cartesian:Point.linked")
-@answers
 def test_a_point_that_was_never_linked_is_error_162() -> None:
     world = new_world()
     free = Point(Trsf(1, 2, 3))
@@ -143,7 +135,6 @@ def test_a_point_that_was_never_linked_is_error_162() -> None:
     assert same(position(link_point(free, world), world), free.trsf)
 
 
-@answers
 def test_what_hangs_on_nothing_or_on_a_changed_root_has_its_own_number() -> None:
     world, flange = new_world(), new_flange()
     assert code(lambda: position(Frame(), world)) == 163
@@ -166,7 +157,6 @@ def test_a_tool_on_a_tool() -> None:
 
 
 @pytest.mark.requirement("VAL-PNT-05", by=("motion.val3.cartesian:Arm.point_to_joint", "motion.val3.cartesian:Arm.joint_to_point"))
-@answers
 def test_joint_to_point_and_back_with_the_same_configuration() -> None:
     world, flange = new_world(), new_flange()
     tool = Tool(Trsf(0, 30, 120, 0, 45, 0), flange)
@@ -182,7 +172,6 @@ def test_joint_to_point_and_back_with_the_same_configuration() -> None:
 
 
 @pytest.mark.requirement("VAL-PNT-05", by="motion.val3.cartesian:Arm.point_to_joint")
-@answers
 def test_out_of_reach_or_in_the_wrong_configuration_is_false() -> None:
     world, flange = new_world(), new_flange()
     robot = Arm(arm(j3=(0.0, 2.5)), DEG)
@@ -204,7 +193,6 @@ def test_out_of_reach_or_in_the_wrong_configuration_is_false() -> None:
 
 
 @pytest.mark.requirement("VAL-PNT-05", by="motion.kinematics.choice:nearest_turn")
-@answers
 def test_an_axis_of_several_turns_takes_the_one_nearest_to_the_initial_joints() -> None:
     world, flange = new_world(), new_flange()
     robot = Arm(arm(j6=(-9.0, 9.0)), DEG)

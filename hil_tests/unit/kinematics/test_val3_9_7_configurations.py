@@ -4,14 +4,12 @@ import math
 
 import pytest
 
-from hil_tests.lab.answers import answers
 from hil_tests.unit.kinematics.robots import GENERAL, TX60, arm, scara, spread
 from motion.kinematics.arm6 import ArmGeometry
 from motion.kinematics.base import Configuration, Elbow, Shoulder, Wrist
 
 
 @pytest.mark.requirement("VAL-CFG-01", by="motion.kinematics.arm6:Arm6.configuration")
-@answers
 def test_the_inequalities_of_an_rx_or_tx_arm() -> None:
     robot = arm()
 
@@ -28,7 +26,6 @@ def test_the_inequalities_of_an_rx_or_tx_arm() -> None:
 
 
 @pytest.mark.requirement("VAL-CFG-01", by="motion.kinematics.arm6:Arm6.configuration")
-@answers
 def test_the_offset_of_axes_1_and_2_counts_for_the_shoulder() -> None:
     robot = arm(ArmGeometry(0.5, 0.4, 0.4, 0.1, delta=0.15))
     assert robot.configuration((0, math.radians(-10), 0, 0, 0, 0)).shoulder is Shoulder.LEFTY, "0.8 sin -10 + 0.15 > 0"
@@ -42,7 +39,6 @@ def test_the_offset_of_axes_1_and_2_counts_for_the_shoulder() -> None:
 
 
 @pytest.mark.requirement("VAL-CFG-01", by="motion.kinematics.scara:Scara.configuration")
-@answers
 def test_a_scara_is_righty_where_the_sine_of_j2_is_positive() -> None:
     robot = scara()
     shoulders = [robot.configuration((0, math.radians(j2), 0, 0)).shoulder for j2 in (90, 1e-9, 0, -1, -90, 190, -190)]

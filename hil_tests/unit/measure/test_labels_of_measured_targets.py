@@ -3,7 +3,6 @@
 import pytest
 
 from gateway.pure.reasons import CommandState
-from hil_tests.lab.answers import answers
 from hil_tests.lab.probing import PROBE, Probing
 from hil_tests.lab.program_bench import joints
 from hil_tests.unit.program.close import same_program
@@ -17,7 +16,6 @@ BEHIND = (f"ptp joints {joints(12)}", "label NONE", f"ptp rel joints {joints(1)}
 
 
 @pytest.mark.requirement("RHO-MOT-12", by="gateway.pure.programtrial:Trial.coming")
-@answers
 def test_where_nothing_was_measured_the_program_goes_on_at_its_label_and_else_to_the_place() -> None:
     bench = Probing()
     assert bench.finished(bench.order(f"ptp joints {joints(5)}")).state is CommandState.DONE

@@ -4,7 +4,6 @@ import math
 
 import pytest
 
-from hil_tests.lab.answers import answers
 from motion.errors import LimitError, MotionError
 from motion.kinematics.scara import Scara
 from motion.limits import AxisLimits
@@ -46,7 +45,6 @@ def within_travel(machine: MachinePosition, kinematic: Rho3Kinematic) -> bool:
 @pytest.mark.requirement("RHO-MOT-37", by="motion.measure.machine:MachinePosition.mach_pos")
 @pytest.mark.requirement("RHO-MOT-37", by="motion.measure.machine:MachinePosition.block")
 @pytest.mark.requirement("RHO-MOT-37", by="motion.measure.machine:MachinePosition.joints")
-@answers
 def test_sf_3_then_a_dummy_move_makes_pos_new_limits_follow_and_a_restart_undoes() -> None:
     machine, kinematic = control()
     assert machine.joints(MEASURED) == pytest.approx((30, 40, 50, 250))
@@ -68,7 +66,6 @@ def test_sf_3_then_a_dummy_move_makes_pos_new_limits_follow_and_a_restart_undoes
 
 
 @pytest.mark.requirement("RHO-MOT-37", by="motion.measure.machine:MachinePosition.machine")
-@answers
 def test_travel_from_there_on_counts_in_new_positions_and_mpos_too() -> None:
     machine, _ = control()
     machine.mach_pos((0.0, 0.0, 0.0, 0.0), MEASURED)

@@ -2,7 +2,6 @@
 
 import pytest
 
-from hil_tests.lab.answers import answers
 from hil_tests.unit.measure.benches import BOARDS, LRTAKT_NS, P5_NS, Rig, bench, undisturbed
 from motion.limits import AxisLimits
 from motion.measure.errors import INADMISSABLE_INPUT, POINT_NOT_DEFINED, ProgramFault
@@ -29,7 +28,6 @@ def refusal(mpos: MeasuredPosition, component: int | None = None) -> str:
 @pytest.mark.requirement("RHO-MOT-10", by="motion.measure.until:MoveUntil.step")
 @pytest.mark.requirement("RHO-MOT-10", by="motion.measure.mpos:measured")
 @pytest.mark.requirement("RHO-MOT-10", by="motion.measure.inputs:stored_at")
-@answers
 def test_a_high_speed_input_stops_the_block_and_mpos_holds_the_position_at_its_edge() -> None:
     rig = Rig(bench())
     move = rig.until(611)
@@ -49,7 +47,6 @@ def test_a_high_speed_input_stops_the_block_and_mpos_holds_the_position_at_its_e
 
 
 @pytest.mark.requirement("RHO-MOT-10", by="motion.measure.until:MoveUntil._look")
-@answers
 def test_the_cycle_after_the_edge_slows_down() -> None:
     rig = Rig(bench())
     free = Rig(bench())
@@ -66,7 +63,6 @@ def test_the_cycle_after_the_edge_slows_down() -> None:
 
 
 @pytest.mark.requirement("RHO-MOT-11", by="motion.measure.until:MoveUntil.begin")
-@answers
 def test_a_high_speed_input_that_is_true_before_lets_nothing_move() -> None:
     rig = Rig(bench())
     move = rig.until(611)
@@ -78,7 +74,6 @@ def test_a_high_speed_input_that_is_true_before_lets_nothing_move() -> None:
 
 
 @pytest.mark.requirement("RHO-MOT-11", by="motion.measure.until:MoveUntil.step")
-@answers
 def test_a_probe_that_says_1_before_the_block_must_change_in_it_or_the_end_is_reached() -> None:
     rig = Rig(bench())
     move = rig.until(610)
@@ -89,7 +84,6 @@ def test_a_probe_that_says_1_before_the_block_must_change_in_it_or_the_end_is_re
 
 
 @pytest.mark.requirement("RHO-MOT-12", by="motion.measure.until:MoveUntil._ended")
-@answers
 def test_no_response_leads_to_the_error_part_and_mpos_stays_what_it_was() -> None:
     rig = Rig(bench())
     rig.bench.mpos.take((7.0, 8.0))
@@ -103,7 +97,6 @@ def test_no_response_leads_to_the_error_part_and_mpos_stays_what_it_was() -> Non
 
 @pytest.mark.requirement("RHO-MOT-13", by="motion.measure.mpos:MeasuredPosition.read")
 @pytest.mark.requirement("RHO-MOT-13", by="motion.measure.mpos:MeasuredPosition.component")
-@answers
 def test_reading_mpos_first_is_point_not_defined() -> None:
     mpos = MeasuredPosition((0, 1))
     assert refusal(mpos) == refusal(mpos, 1) == "point not defined"

@@ -5,7 +5,6 @@ from itertools import pairwise
 
 import pytest
 
-from hil_tests.lab.answers import answers
 from hil_tests.unit.measure.benches import P5_NS, Rig, bench, undisturbed
 from motion.errors import MotionError
 from motion.limits import AxisLimits
@@ -42,7 +41,6 @@ def balancing(mailbox: Asynchronous, edges: list[Edge], orders: dict[int, tuple[
 @pytest.mark.requirement("RHO-MOT-14", by="motion.measure.until:MoveUntil._run_on")
 @pytest.mark.requirement("RHO-MOT-14", by="motion.measure.asynchronous:Asynchronous.move_dist")
 @pytest.mark.requirement("RHO-MOT-14", by="motion.measure.until:RunOn.step")
-@answers
 def test_a_probe_edge_with_move_dist_45_ends_45_degrees_past_it_without_a_ramp() -> None:
     rig, outcome = balancing(Asynchronous(1, FactorTable(1)), [Edge(610, EDGE_NS, True)], {100: (0.2, 45.0)})
     assert outcome is Outcome.MET
@@ -97,7 +95,6 @@ def test_with_several_axes_the_distance_goes_on_in_the_direction_of_the_path() -
 
 @pytest.mark.requirement("RHO-MOT-15", by="motion.measure.asynchronous:Asynchronous.poti_modify")
 @pytest.mark.requirement("RHO-MOT-15", by="motion.measure.asynchronous:Asynchronous.override")
-@answers
 def test_poti_modify_from_another_process_makes_20_percent_during_the_block() -> None:
     factors = FactorTable(1)
     rig, outcome = balancing(Asynchronous(1, factors), [], {150: (0.2, 0.0)}, most=400)

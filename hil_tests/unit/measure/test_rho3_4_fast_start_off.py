@@ -4,7 +4,6 @@ from collections.abc import Callable
 
 import pytest
 
-from hil_tests.lab.answers import answers
 from hil_tests.unit.measure.benches import BOARDS, LRTAKT_NS, P5_NS, Rig, bench
 from motion.errors import MotionError
 from motion.measure.errors import ProgramFault
@@ -35,7 +34,6 @@ def started_ns(held: StartOff | None, edge_ns: int) -> int:
 
 @pytest.mark.requirement("RHO-MOT-17", by="motion.measure.startoff:StartOff.step")
 @pytest.mark.requirement("RHO-MOT-17", by="motion.measure.startoff:StartOffs.block")
-@answers
 def test_start_one_position_controller_cycle_after_the_condition_plus_at_most_one_interpolation_cycle() -> None:
     delays = []
     for edge_ns in range(40_000_001, 48_000_001, 123_457):
@@ -67,7 +65,6 @@ def test_the_other_edge_and_other_inputs_start_nothing() -> None:
 
 @pytest.mark.requirement("RHO-MOT-18", by="motion.measure.startoff:StartOffs.wait_until")
 @pytest.mark.requirement("RHO-MOT-18", by="motion.measure.startoff:StartOffs.block")
-@answers
 def test_without_the_dummy_block_the_wait_holds_the_next_block_of_the_old_kinematic() -> None:
     program = waits()
     assert program.block(2) is None  # (1) MOVE kin2
@@ -85,7 +82,6 @@ def test_without_the_dummy_block_the_wait_holds_the_next_block_of_the_old_kinema
 
 @pytest.mark.requirement("RHO-MOT-19", by="motion.measure.startoff:StartOff.step")
 @pytest.mark.requirement("RHO-MOT-19", by="motion.measure.startoff:StartOff._met")
-@answers
 def test_max_time_0_15_starts_the_block_0_15_s_after_the_condition() -> None:
     for edge_ns in (40_000_001, 42_345_678, 43_999_999, 44_000_000):
         program = waits()

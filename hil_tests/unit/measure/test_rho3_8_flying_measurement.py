@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import pytest
 
-from hil_tests.lab.answers import answers
 from hil_tests.unit.measure.benches import P5_NS, Rig, bench, undisturbed
 from motion.errors import MotionError
 from motion.measure.errors import POINT_NOT_DEFINED, ProgramFault
@@ -41,7 +40,6 @@ def fault(mpos: MeasuredPosition) -> str:
 @pytest.mark.requirement("RHO-MOT-16", by="motion.measure.flying:FlyingMeasurement.step")
 @pytest.mark.requirement("RHO-MOT-16", by="motion.measure.flying:FlyingMeasurement.input")
 @pytest.mark.requirement("RHO-MOT-16", by="motion.measure.flying:FlyingMeasurement.on")
-@answers
 def test_edge_1_the_input_reads_1_after_the_edge_and_the_motion_goes_on() -> None:
     rig, probes = Rig(bench()), FlyingMeasurement()
     probes.on(1, 1, 610, rig.bench, 0)

@@ -2,7 +2,6 @@
 
 import pytest
 
-from hil_tests.lab.answers import answers
 from motion.errors import MotionError
 from motion.measure.errors import ProgramFault
 from motion.measure.record import BY_CYCLES, ReferencePaths
@@ -29,7 +28,6 @@ def code(paths: ReferencePaths, kinematic: int, index: int) -> int:
 @pytest.mark.requirement("RHO-MOT-38", by="motion.measure.record:ReferencePaths.on")
 @pytest.mark.requirement("RHO-MOT-38", by="motion.measure.record:ReferencePaths.step")
 @pytest.mark.requirement("RHO-MOT-38", by="motion.measure.record:ReferencePaths.off")
-@answers
 def test_sf_29_takes_a_point_each_13_mm_and_sf_30_tells_how_many() -> None:
     paths = ReferencePaths(SYSTEMS)
     paths.on(2, 8, 13.0)
@@ -43,7 +41,6 @@ def test_sf_29_takes_a_point_each_13_mm_and_sf_30_tells_how_many() -> None:
 
 
 @pytest.mark.requirement("RHO-MOT-38", by="motion.measure.record:ReferencePaths.off")
-@answers
 def test_the_ring_holds_50_points() -> None:
     paths = ReferencePaths(SYSTEMS)
     paths.on(2, 8, 1.0)
@@ -54,7 +51,6 @@ def test_the_ring_holds_50_points() -> None:
 
 
 @pytest.mark.requirement("RHO-MOT-38", by="motion.measure.record:ReferencePaths.read")
-@answers
 def test_sf_31_of_an_entry_that_is_not_stored_is_error_90() -> None:
     paths = ReferencePaths(SYSTEMS)
     assert code(paths, 2, 1) == 90, "never recorded"
@@ -68,7 +64,6 @@ def test_sf_31_of_an_entry_that_is_not_stored_is_error_90() -> None:
 
 
 @pytest.mark.requirement("RHO-MOT-38", by="motion.measure.record:ReferencePaths.on")
-@answers
 def test_a_bad_measuring_system_is_error_91_also_where_cycles_count() -> None:
     for option in (0, BY_CYCLES):
         for system in (0, 9, -1):

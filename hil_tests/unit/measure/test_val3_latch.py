@@ -2,7 +2,6 @@
 
 import pytest
 
-from hil_tests.lab.answers import answers
 from hil_tests.unit.measure.benches import P5_NS, Rig, bench, undisturbed
 from motion.measure.latch import ARMING_NS, PULSE_NS, UPDATE_NS, Change, Latch
 from motion.stepper import State
@@ -49,7 +48,6 @@ PULSE = [Change("fIn0", EDGE_NS, True), Change("fIn0", EDGE_NS + 10_000_000, Fal
 @pytest.mark.requirement("VAL-LATCH-01", by="motion.measure.latch:Latch.step")
 @pytest.mark.requirement("VAL-LATCH-01", by="motion.measure.latch:Latch.get_latch")
 @pytest.mark.requirement("VAL-LATCH-01", by="motion.measure.latch:Latch.set_latch")
-@answers
 def test_set_latch_delay_0_watch_get_latch_is_true_after_an_edge_and_other_inputs_are_error_70() -> None:
     arm = Arm()
     assert [refused(arm.latch, name) for name in ("fIn0", "fIn1", "dIn0", "fOut0", "")] == [0, 0, 70, 70, 70]

@@ -6,7 +6,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hil_tests.lab.answers import answers
 from motion.files import bnr
 from motion.files.bnr import BnrError, Header
 
@@ -19,7 +18,6 @@ DATA = b"".join(struct.pack("<f", value) for value in VALUES)
 @pytest.mark.requirement("RHO-MOT-39", by="motion.files.bnr:encode")
 @pytest.mark.requirement("RHO-MOT-39", by="motion.files.bnr:decode_header")
 @pytest.mark.requirement("RHO-MOT-39", by="motion.files.bnr:points")
-@answers
 def test_the_file_of_picture_2_byte_for_byte_in_both_directions() -> None:
     header = Header(base=2, time_base_us=400, axes=1, version=500)
     file = bnr.encode(header, [(value,) for value in VALUES])

@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hil_tests.lab.answers import answers
 from motion.errors import LimitError, MotionError
 from motion.files import bnr
 from motion.files.bnr import Header
@@ -62,7 +61,6 @@ def played(run: Playback) -> list[tuple[float, ...]]:
 
 
 @pytest.mark.requirement("RHO-MOT-39", by="motion.files.movefile:MoveFiles._rows")
-@answers
 def test_data_begin_at_offset_80() -> None:
     run = opened().move_file("CURVE", 2, FLAG, (0.0, 0.0))
     assert run.step() == (struct.unpack_from("<f", FILE, 80)[0] * DEG, struct.unpack_from("<f", FILE, 84)[0] * 1e-3)
@@ -71,7 +69,6 @@ def test_data_begin_at_offset_80() -> None:
 @pytest.mark.requirement("RHO-MOT-40", by="motion.files.movefile:MoveFiles._header")
 @pytest.mark.requirement("RHO-MOT-40", by="motion.files.movefile:MoveFiles._rows")
 @pytest.mark.requirement("RHO-MOT-40", by="motion.files.movefile:MoveFiles.move_file")
-@answers
 def test_the_errors_by_their_numbers() -> None:
     assert code() == 0
     assert code(changed(version=501)) == 95
@@ -101,7 +98,6 @@ def test_numbers_that_are_none_are_error_38_wherever_they_stand(point: int, valu
 
 @pytest.mark.requirement("RHO-MOT-41", by="motion.files.movefile:MoveFiles._header")
 @pytest.mark.requirement("RHO-MOT-41", by="motion.files.movefile:Control.cycle_us")
-@answers
 def test_base_check_off_1_takes_a_wrong_time_base_0_is_error_98() -> None:
     assert code(changed(time=500, off=0)) == 98
     assert code(changed(time=500, off=1)) == 0
@@ -115,7 +111,6 @@ def test_base_check_off_1_takes_a_wrong_time_base_0_is_error_98() -> None:
 
 @pytest.mark.requirement("RHO-MOT-42", by="motion.files.movefile:MoveFiles._flags")
 @pytest.mark.requirement("RHO-MOT-42", by="motion.files.movefile:Playback.standing")
-@answers
 def test_modulo_flag_1_reduces_by_the_last_value_2_by_p311_and_the_errors_101_and_102() -> None:
     last = ROWS[-1]
     float32 = struct.unpack("<f", struct.pack("<f", last[1]))[0]
@@ -137,7 +132,6 @@ def test_modulo_flag_1_reduces_by_the_last_value_2_by_p311_and_the_errors_101_an
 
 
 @pytest.mark.requirement("RHO-MOT-43", by="motion.files.movefile:Playback.step")
-@answers
 def test_set_points_are_sent_unchanged_one_per_cycle() -> None:
     files = opened()
     for _ in range(2):  # as often as wanted between READ_BEGIN and CLOSE

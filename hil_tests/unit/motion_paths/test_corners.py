@@ -7,7 +7,6 @@ import random
 import numpy as np
 import pytest
 
-from hil_tests.lab.asserted import asserted
 from hil_tests.lab.motionpaths import point
 from hil_tests.unit.motion_paths.test_lines_and_arcs import assert_derivatives, turned
 from motion.orientation import angle_between
@@ -30,21 +29,20 @@ def bend(interior: float, a: float = 0.3, b: float = 0.3) -> tuple[Polynomial, P
 def test_path_leaves_the_corner_r_before_and_rejoins_r_after_tangentially_and_stays_in_the_sphere() -> None:
     before, after = RIGHT_ANGLE
     for r in (0.02, 0.01, 0.2):
-        with asserted():
-            curve = corner(before, after, r, r)
-            assert curve.at(0.0).position == pytest.approx((0.3 - r, 0, 0), abs=1e-12)
-            assert curve.at(curve.length).position == pytest.approx((0.3, r, 0), abs=1e-12)
-            if r < 0.2:
-                check_join(part(before, 0.0, 0.3 - r), curve)
-                check_join(curve, part(after, r, 0.2))
-            for k in range(101):
-                assert norm(sub(curve.at(curve.length * k / 100).position, (0.3, 0, 0))) <= r + 1e-12
-            assert isinstance(curve, Corner)
-            assert inside_sphere(curve, (0.3, 0, 0)) <= r + 1e-12
-            for end in (0.0, curve.length):
-                assert norm(curve.derivatives(end).p1) == pytest.approx(1.0)
-                assert norm(curve.derivatives(end).p2) < 1e-6
-            assert_derivatives(curve)
+        curve = corner(before, after, r, r)
+        assert curve.at(0.0).position == pytest.approx((0.3 - r, 0, 0), abs=1e-12)
+        assert curve.at(curve.length).position == pytest.approx((0.3, r, 0), abs=1e-12)
+        if r < 0.2:
+            check_join(part(before, 0.0, 0.3 - r), curve)
+            check_join(curve, part(after, r, 0.2))
+        for k in range(101):
+            assert norm(sub(curve.at(curve.length * k / 100).position, (0.3, 0, 0))) <= r + 1e-12
+        assert isinstance(curve, Corner)
+        assert inside_sphere(curve, (0.3, 0, 0)) <= r + 1e-12
+        for end in (0.0, curve.length):
+            assert norm(curve.derivatives(end).p1) == pytest.approx(1.0)
+            assert norm(curve.derivatives(end).p2) < 1e-6
+        assert_derivatives(curve)
 
 
 @pytest.mark.requirement("RSV-MOT-09", by="motion.paths.corner:radius_for")
@@ -52,13 +50,12 @@ def test_a_corner_asked_to_be_missed_by_3_mm_is_missed_by_3_mm() -> None:
     dice = random.Random(9)
     for _ in range(60):
         before, after = bend(math.radians(dice.uniform(5, 175)))
-        with asserted():
-            u1, u2 = before.derivatives(0.0).p1, after.derivatives(0.0).p1
-            r = radius_for(0.003, u1, u2)
-            if r <= 0.3:
-                assert deviation(corner(before, after, r, r), (0, 0, 0)) == pytest.approx(0.003, abs=1e-9)
-            else:
-                assert miss(u1, u2, 0.3, 0.3) < 0.003
+        u1, u2 = before.derivatives(0.0).p1, after.derivatives(0.0).p1
+        r = radius_for(0.003, u1, u2)
+        if r <= 0.3:
+            assert deviation(corner(before, after, r, r), (0, 0, 0)) == pytest.approx(0.003, abs=1e-9)
+        else:
+            assert miss(u1, u2, 0.3, 0.3) < 0.003
 
 
 def test_the_bound_holds_for_unequal_leave_and_reach_and_the_curve_stays_in_plane_and_hull() -> None:
@@ -106,16 +103,15 @@ def test_corners_between_lines_and_arcs_join_both_with_equal_bend() -> None:
 
 @pytest.mark.requirement("RHO-MOT-03", by="motion.paths.corner:clipped")
 def test_points_10_mm_apart_with_r_20_mm_get_the_largest_range_that_fits() -> None:
-    with asserted():
-        assert clipped(0.020, 0.010, 0.5) == pytest.approx(0.005)
-        assert clipped(0.004, 0.010, 0.5) == pytest.approx(0.004)
-        assert clipped(0.020, 0.010, 0.4) == pytest.approx(0.004)
-        points = [point(0.01 * k, 0.003 * (k % 2), 0) for k in range(4)]
-        lines = [line(a, b) for a, b in itertools.pairwise(points)]
-        r = [clipped(0.02, curve.length, 0.5) for curve in lines]
-        first, second = (corner(a, b, r[0], r[0]) for a, b in itertools.pairwise(lines))
-        assert norm(sub(first.at(first.length).position, second.at(0.0).position)) < 1e-12
-        check_join(first, second)
+    assert clipped(0.020, 0.010, 0.5) == pytest.approx(0.005)
+    assert clipped(0.004, 0.010, 0.5) == pytest.approx(0.004)
+    assert clipped(0.020, 0.010, 0.4) == pytest.approx(0.004)
+    points = [point(0.01 * k, 0.003 * (k % 2), 0) for k in range(4)]
+    lines = [line(a, b) for a, b in itertools.pairwise(points)]
+    r = [clipped(0.02, curve.length, 0.5) for curve in lines]
+    first, second = (corner(a, b, r[0], r[0]) for a, b in itertools.pairwise(lines))
+    assert norm(sub(first.at(first.length).position, second.at(0.0).position)) < 1e-12
+    check_join(first, second)
     for share, wanted in ((0.6, 0.01), (0.0, 0.01), (0.5, -0.01)):
         with pytest.raises(PathError):
             clipped(wanted, 0.1, share)

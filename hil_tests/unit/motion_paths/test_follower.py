@@ -9,7 +9,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hil_tests.lab.asserted import asserted
 from hil_tests.lab.motionpaths import point, portal_limits, portal_path, u_portal, worst_shares
 from hil_tests.unit.motion_paths.test_joint_paths import passing
 from motion.errors import MotionError, PieceError
@@ -331,10 +330,9 @@ def test_random_orders_never_leave_the_path() -> None:
                 case _:
                     stepper.set_override(dice.choice((0.0, 0.05, 0.3, dice.random(), 1.0)))
             samples += steps(stepper, dice.randint(1, 60))
-        with asserted():
-            assert off_path(samples[::9]) <= 1e-6
-            speed, accel, _ = worst_shares(np.array([(0.0, 0.0, 0.0), *(s.q for s in samples)])[:-1], LIMITS)
-            assert speed <= 1.0
+        assert off_path(samples[::9]) <= 1e-6
+        speed, accel, _ = worst_shares(np.array([(0.0, 0.0, 0.0), *(s.q for s in samples)])[:-1], LIMITS)
+        assert speed <= 1.0
         stepper.set_override(1.0)
         stepper.resume()
         if stepper.state is not State.IDLE:

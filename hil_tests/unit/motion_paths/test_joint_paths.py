@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from hil_tests.lab.asserted import asserted
 from hil_tests.lab.motionpaths import POINTING_DOWN, arm, past_singularity, point, portal_limits
 from motion.frames import Pose
 from motion.kinematics.base import KinematicsError
@@ -34,21 +33,20 @@ def passing(factor: float) -> tuple[JointPath, JointPath, JointPath]:
 
 
 def test_r_ptp_2_doubles_the_range_and_speed_is_continuous_at_the_block_transition() -> None:
-    with asserted():
-        once, twice = passing(1.0)[1], passing(2.0)[1]
-        assert twice.length == pytest.approx(2 * once.length)
-        for factor, curve in ((1.0, once), (2.0, twice)):
-            s = np.linspace(0.0, curve.length, 201)
-            away = np.max(np.abs(curve.at(s)[:, :3] - np.array(B)), axis=0)
-            assert all(distance <= factor * most + 1e-12 for distance, most in zip(away, P213, strict=True))
-            assert any(distance >= 0.99 * factor * most for distance, most in zip(away, P213, strict=True))
-        path = joined(passing(1.0))
-        law = jerk_limited(path, law_limits(portal_limits()))
-        q = path.at(law.at(np.arange(0.0, law.duration, 1e-3)))[:, :3]
-        steps = np.diff(q, axis=0)
-        moving = steps[5:-5]
-        assert np.min(np.max(np.abs(moving), axis=1)) > 0, "it stops"
-        assert np.max(np.abs(np.diff(steps, axis=0))) <= 1.02 * 20.0 * 1e-6, "the speed of an axis has a step"
+    once, twice = passing(1.0)[1], passing(2.0)[1]
+    assert twice.length == pytest.approx(2 * once.length)
+    for factor, curve in ((1.0, once), (2.0, twice)):
+        s = np.linspace(0.0, curve.length, 201)
+        away = np.max(np.abs(curve.at(s)[:, :3] - np.array(B)), axis=0)
+        assert all(distance <= factor * most + 1e-12 for distance, most in zip(away, P213, strict=True))
+        assert any(distance >= 0.99 * factor * most for distance, most in zip(away, P213, strict=True))
+    path = joined(passing(1.0))
+    law = jerk_limited(path, law_limits(portal_limits()))
+    q = path.at(law.at(np.arange(0.0, law.duration, 1e-3)))[:, :3]
+    steps = np.diff(q, axis=0)
+    moving = steps[5:-5]
+    assert np.min(np.max(np.abs(moving), axis=1)) > 0, "it stops"
+    assert np.max(np.abs(np.diff(steps, axis=0))) <= 1.02 * 20.0 * 1e-6, "the speed of an axis has a step"
 
 
 def test_the_corner_between_ptp_blocks_misses_the_point_by_the_closed_form() -> None:
@@ -82,13 +80,12 @@ def test_parts_and_joints_of_paths_fit_and_misfits_are_refused() -> None:
 @pytest.mark.requirement("RSV-MOT-01", by="motion.ptp:plan_ptp")
 def test_all_axes_of_a_ptp_move_start_and_end_together() -> None:
     limits = [AxisLimits(f"A{n}", -9, 9, 1.0 + n, 10.0, 100.0) for n in range(4)]
-    with asserted():
-        piece = plan_ptp([0.0] * 4, [1.0, -2.0, 0.5, 0.001], limits)
-        end = np.array([1.0, -2.0, 0.5, 0.001])
-        for s in np.linspace(0.0, piece.length, 21):
-            shares = np.array(piece.position(float(s))) / end
-            assert np.allclose(shares, s / piece.length, atol=1e-9)
-        assert nominal_duration(piece) > 0
+    piece = plan_ptp([0.0] * 4, [1.0, -2.0, 0.5, 0.001], limits)
+    end = np.array([1.0, -2.0, 0.5, 0.001])
+    for s in np.linspace(0.0, piece.length, 21):
+        shares = np.array(piece.position(float(s))) / end
+        assert np.allclose(shares, s / piece.length, atol=1e-9)
+    assert nominal_duration(piece) > 0
 
 
 def test_a_line_through_the_inverse_follows_it_to_2e_9_and_keeps_its_slopes() -> None:

@@ -8,7 +8,6 @@ import pytest
 import toppra.algorithm
 import toppra.constraint
 
-from hil_tests.lab.asserted import asserted
 from hil_tests.lab.motionpaths import chain_path, contour_points, point, portal_limits, portal_path, u_arm, u_portal
 from motion.errors import MotionError
 from motion.paths.corner import corner
@@ -123,14 +122,13 @@ def test_path_speed_100_mm_s_and_half_of_2000_mm_s2_are_ramps_and_a_constant_pha
     """BAHN_GESCHW 100, BAHN_BESCHL 50, _RACC_MAX 2000 (L1712-1726)."""
     path = portal_path(line(point(0, 0, 0), point(0.12, 0.16, 0)))
     limits = law_limits(portal_limits(), way=(0.1, 0.5 * 2.0, 100.0))
-    with asserted():
-        law = jerk_limited(path, limits)
-        s = law.at(np.arange(0.0, law.duration + 1e-3, 1e-3))
-        speed, accel = np.diff(s) / 1e-3, np.diff(s, 2) / 1e-6
-        assert np.max(speed) == pytest.approx(0.1, rel=1e-3)
-        assert np.max(np.abs(accel)) == pytest.approx(1.0, rel=0.02)
-        assert np.mean(np.abs(speed - 0.1) < 1e-4) > 0.85
-        assert law.duration == pytest.approx(0.2 / 0.1 + 0.1 / 1.0 + 1.0 / 100.0, rel=0.01)
+    law = jerk_limited(path, limits)
+    s = law.at(np.arange(0.0, law.duration + 1e-3, 1e-3))
+    speed, accel = np.diff(s) / 1e-3, np.diff(s, 2) / 1e-6
+    assert np.max(speed) == pytest.approx(0.1, rel=1e-3)
+    assert np.max(np.abs(accel)) == pytest.approx(1.0, rel=0.02)
+    assert np.mean(np.abs(speed - 0.1) < 1e-4) > 0.85
+    assert law.duration == pytest.approx(0.2 / 0.1 + 0.1 / 1.0 + 1.0 / 100.0, rel=0.01)
 
 
 @pytest.mark.requirement("RSV-MOT-07", by="motion.timing.limits:LawLimits.at")
@@ -144,31 +142,29 @@ def test_a_cap_gives_the_flyby_speed_in_the_middle_of_the_corner(flyby: float, m
     slow = abs(float(path.at(np.array([0.1]), 1)[0, 0])) + 0.0
     rate = math.hypot(slow, float(path.at(np.array([0.1]), 1)[0, 1]))
     asked = flyby * (0.1 + 0.2) / 2
-    with asserted():
-        caps = [
-            Cap(0.0, 0.07, 0, 0.1),
-            Cap(0.098, 0.102, 0, asked * slow / rate),
-            Cap(0.07, 0.1, 0, max(asked, 0.1)),
-            Cap(0.1, path.length, 1, 0.2),
-        ]
-        law = jerk_limited(path, law_limits(portal_limits(), caps=caps))
-        t = np.arange(0.0, law.duration, 1e-3)
-        s = law.at(t)
-        q = path.at(s)[:, :2]
-        speed = np.linalg.norm(np.diff(q, axis=0), axis=1) / 1e-3
-        at = int(np.argmin(np.abs(s - 0.1)))
-        assert speed[at] == pytest.approx(middle, rel=0.01)
-        assert np.max(speed[s[:-1] < 0.065]) <= 0.1 * 1.001
-        assert np.max(speed[s[:-1] > 0.135]) == pytest.approx(0.2, rel=0.01)
+    caps = [
+        Cap(0.0, 0.07, 0, 0.1),
+        Cap(0.098, 0.102, 0, asked * slow / rate),
+        Cap(0.07, 0.1, 0, max(asked, 0.1)),
+        Cap(0.1, path.length, 1, 0.2),
+    ]
+    law = jerk_limited(path, law_limits(portal_limits(), caps=caps))
+    t = np.arange(0.0, law.duration, 1e-3)
+    s = law.at(t)
+    q = path.at(s)[:, :2]
+    speed = np.linalg.norm(np.diff(q, axis=0), axis=1) / 1e-3
+    at = int(np.argmin(np.abs(s - 0.1)))
+    assert speed[at] == pytest.approx(middle, rel=0.01)
+    assert np.max(speed[s[:-1] < 0.065]) <= 0.1 * 1.001
+    assert np.max(speed[s[:-1] > 0.135]) == pytest.approx(0.2, rel=0.01)
 
 
 @pytest.mark.requirement("RSV-MOT-20", by="motion.timing.overrideramp:OverrideRamp.step")
 def test_an_override_step_of_80_percent_takes_8_cycles() -> None:
     ramp = OverrideRamp(0.1, 0.2)
-    with asserted():
-        seen = [ramp.step(1.0) for _ in range(10)]
-        assert seen == pytest.approx([0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.0, 1.0])
-        assert [ramp.step(0.95), ramp.step(0.0)] == pytest.approx([0.95, 0.85])
+    seen = [ramp.step(1.0) for _ in range(10)]
+    assert seen == pytest.approx([0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.0, 1.0])
+    assert [ramp.step(0.95), ramp.step(0.0)] == pytest.approx([0.95, 0.85])
     for bad in (0.0, 1.1, math.nan):
         with pytest.raises(MotionError):
             OverrideRamp(bad)
@@ -178,27 +174,25 @@ def test_an_override_step_of_80_percent_takes_8_cycles() -> None:
 
 @pytest.mark.requirement("RHO-MOT-45", by="motion.timing.limiter:limited")
 def test_40_where_15_are_allowed_becomes_three_clocks_of_13_33_of_all_axes() -> None:
-    with asserted():
-        for automatic in (False, True):
-            found = limited((40.0, -3.0, 6.0), (15.0, 15.0, 15.0), Monitoring.ALWAYS, automatic=automatic)
-            assert found.count == 3
-            assert found.step == pytest.approx((13.3333333, -1.0, 2.0))
-            assert found.warning == "Interpolator Stop"
-        assert limited((30.0,), (15.0,), Monitoring.ALWAYS, automatic=True).count == 2
-        inside = limited((15.0, -15.0), (15.0, 15.0), Monitoring.ALWAYS, automatic=True)
-        assert (inside.count, inside.step, inside.warning) == (1, (15.0, -15.0), "")
+    for automatic in (False, True):
+        found = limited((40.0, -3.0, 6.0), (15.0, 15.0, 15.0), Monitoring.ALWAYS, automatic=automatic)
+        assert found.count == 3
+        assert found.step == pytest.approx((13.3333333, -1.0, 2.0))
+        assert found.warning == "Interpolator Stop"
+    assert limited((30.0,), (15.0,), Monitoring.ALWAYS, automatic=True).count == 2
+    inside = limited((15.0, -15.0), (15.0, 15.0), Monitoring.ALWAYS, automatic=True)
+    assert (inside.count, inside.step, inside.warning) == (1, (15.0, -15.0), "")
 
 
 @pytest.mark.requirement("RHO-MOT-45", by="motion.timing.limiter:limited")
 def test_the_other_modes_of_p306() -> None:
-    with asserted():
-        assert limited((40.0,), (15.0,), Monitoring.NONE, automatic=True).count == 1
-        assert limited((40.0,), (15.0,), Monitoring.MANUAL, automatic=True).count == 1
-        assert limited((40.0,), (15.0,), Monitoring.MANUAL, automatic=False).count == 3
-        assert limited((40.0,), (15.0,), Monitoring.ALWAYS, automatic=True, last=True).count == 1
-        assert limited((40.0,), (15.0,), Monitoring.ALWAYS, automatic=False, last=True).count == 3
-        with pytest.raises(AxisTooFast, match=ABORT_TEXT) as aborted:
-            limited((1.0, -40.0), (15.0, 15.0), Monitoring.ABORT, automatic=True)
-        assert aborted.value.axis == 1
+    assert limited((40.0,), (15.0,), Monitoring.NONE, automatic=True).count == 1
+    assert limited((40.0,), (15.0,), Monitoring.MANUAL, automatic=True).count == 1
+    assert limited((40.0,), (15.0,), Monitoring.MANUAL, automatic=False).count == 3
+    assert limited((40.0,), (15.0,), Monitoring.ALWAYS, automatic=True, last=True).count == 1
+    assert limited((40.0,), (15.0,), Monitoring.ALWAYS, automatic=False, last=True).count == 3
+    with pytest.raises(AxisTooFast, match=ABORT_TEXT) as aborted:
+        limited((1.0, -40.0), (15.0, 15.0), Monitoring.ABORT, automatic=True)
+    assert aborted.value.axis == 1
     with pytest.raises(MotionError):
         limited((1.0,), (0.0,), Monitoring.ALWAYS, automatic=True)

@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from hil_tests.lab.asserted import asserted
 from hil_tests.lab.motionpaths import point
 from motion.frames import Pose
 from motion.orientation import angle_between, rotation_by
@@ -38,18 +37,17 @@ def assert_derivatives(curve: Curve, shares: tuple[float, ...] = (0.02, 0.21, 0.
 @pytest.mark.requirement("RSV-MOT-03", by="motion.paths.line:line")
 def test_linear_stays_on_the_line_and_turns_steadily_by_the_least_rotation() -> None:
     start, end = turned(0.1, 0.2, 0.3, 0.0, 0.0, 0.2), turned(0.4, -0.2, 0.35, 0.5, -0.3, 1.0)
-    with asserted():
-        curve = line(start, end)
-        u = np.array(sub(end.position, start.position)) / curve.length
-        whole = angle_between(start.rotation, end.rotation)
-        for k in range(101):
-            pose = curve.at(curve.length * k / 100)
-            step = np.array(sub(pose.position, start.position))
-            assert np.linalg.norm(step - u * (step @ u)) < 1e-12
-            assert step @ u == pytest.approx(curve.length * k / 100, abs=1e-12)
-            assert angle_between(start.rotation, pose.rotation) == pytest.approx(whole * k / 100, abs=1e-9)
-        assert curve.at(curve.length).position == pytest.approx(end.position, abs=1e-12)
-        assert_derivatives(curve)
+    curve = line(start, end)
+    u = np.array(sub(end.position, start.position)) / curve.length
+    whole = angle_between(start.rotation, end.rotation)
+    for k in range(101):
+        pose = curve.at(curve.length * k / 100)
+        step = np.array(sub(pose.position, start.position))
+        assert np.linalg.norm(step - u * (step @ u)) < 1e-12
+        assert step @ u == pytest.approx(curve.length * k / 100, abs=1e-12)
+        assert angle_between(start.rotation, pose.rotation) == pytest.approx(whole * k / 100, abs=1e-9)
+    assert curve.at(curve.length).position == pytest.approx(end.position, abs=1e-12)
+    assert_derivatives(curve)
 
 
 def test_a_line_that_only_turns_runs_in_radians() -> None:
@@ -73,18 +71,15 @@ def test_lines_that_are_none_are_refused() -> None:
 def test_two_arcs_each_through_its_auxiliary_point() -> None:
     """C start, D aux, E end and start of the next, F aux, G end."""
     c, d, e, f, g = (point(x, y, 0.1) for x, y in ((0, 0), (0.1, 0.1), (0.2, 0), (0.25, -0.08), (0.4, -0.1)))
-    with asserted():
-        for start, via, end in ((c, d, e), (e, f, g)):
-            curve = arc(start, via, end)
-            assert curve.at(0.0).position == pytest.approx(start.position, abs=1e-12)
-            assert curve.at(curve.length).position == pytest.approx(end.position, abs=1e-12)
-            at_via = min(norm(sub(curve.at(curve.length * k / 4000).position, via.position)) for k in range(4001))
-            assert at_via < curve.length / 4000
-            assert {round(norm(sub(curve.at(curve.length * k / 50).position, curve.centre)), 9) for k in range(51)} == {
-                round(curve.radius, 9)
-            }
-            assert way(curve, 0.0, curve.length) == pytest.approx(curve.length)
-            assert_derivatives(curve)
+    for start, via, end in ((c, d, e), (e, f, g)):
+        curve = arc(start, via, end)
+        assert curve.at(0.0).position == pytest.approx(start.position, abs=1e-12)
+        assert curve.at(curve.length).position == pytest.approx(end.position, abs=1e-12)
+        at_via = min(norm(sub(curve.at(curve.length * k / 4000).position, via.position)) for k in range(4001))
+        assert at_via < curve.length / 4000
+        assert {round(norm(sub(curve.at(curve.length * k / 50).position, curve.centre)), 9) for k in range(51)} == {round(curve.radius, 9)}
+        assert way(curve, 0.0, curve.length) == pytest.approx(curve.length)
+        assert_derivatives(curve)
 
 
 def test_an_arc_follows_the_orientation_of_the_auxiliary_point_as_far_as_it_counts() -> None:

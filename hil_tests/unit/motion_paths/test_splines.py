@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from hil_tests.lab.asserted import asserted
 from hil_tests.lab.motionpaths import contour_points, contour_radius, point
 from hil_tests.unit.motion_paths.test_lines_and_arcs import assert_derivatives, turned
 from motion.frames import Pose
@@ -44,28 +43,26 @@ def assert_smooth(curve: Chain) -> None:
 
 @pytest.mark.requirement("RSV-MOT-10", by="motion.paths.spline:spline")
 def test_the_spline_meets_all_points_and_orientations_and_has_no_corner() -> None:
-    with asserted():
-        curve = spline(FIVE)
-        for start, pose in zip((*curve.starts, curve.length), FIVE, strict=True):
-            assert curve.at(start).position == pytest.approx(pose.position, abs=1e-12)
-            assert angle_between(curve.at(start).rotation, pose.rotation) < 1e-9
-        assert_smooth(curve)
-        for interval in curve.curves:
-            assert_derivatives(interval, rel=1e-4)
+    curve = spline(FIVE)
+    for start, pose in zip((*curve.starts, curve.length), FIVE, strict=True):
+        assert curve.at(start).position == pytest.approx(pose.position, abs=1e-12)
+        assert angle_between(curve.at(start).rotation, pose.rotation) < 1e-9
+    assert_smooth(curve)
+    for interval in curve.curves:
+        assert_derivatives(interval, rel=1e-4)
 
 
 @pytest.mark.requirement("RSV-MOT-11", by="motion.paths.spline:spline")
 def test_tension_0_50_100_swings_more_and_more_and_meets_the_points() -> None:
-    with asserted():
-        swings = []
-        for tension in (0.0, 0.5, 1.0):
-            curve = spline(FIVE, tension)
-            swings.append(from_chords(curve, FIVE))
-            assert_smooth(curve)
-            for start, pose in zip((*curve.starts, curve.length), FIVE, strict=True):
-                assert curve.at(start).position == pytest.approx(pose.position, abs=1e-12)
-        assert swings[0] < swings[1] < swings[2]
-        assert swings[0] < 0.05 * swings[2]
+    swings = []
+    for tension in (0.0, 0.5, 1.0):
+        curve = spline(FIVE, tension)
+        swings.append(from_chords(curve, FIVE))
+        assert_smooth(curve)
+        for start, pose in zip((*curve.starts, curve.length), FIVE, strict=True):
+            assert curve.at(start).position == pytest.approx(pose.position, abs=1e-12)
+    assert swings[0] < swings[1] < swings[2]
+    assert swings[0] < 0.05 * swings[2]
 
 
 def test_tension_of_one_point_acts_there_alone() -> None:
@@ -90,17 +87,16 @@ def test_orientation_tension_calms_the_head() -> None:
 
 @pytest.mark.requirement("RSV-MOT-12", by="motion.paths.spline:spline")
 def test_orientation_weight_0_at_p2_ignores_its_orientation_and_p3_is_met() -> None:
-    with asserted():
-        curve = spline(FIVE, weight=[1.0, 1.0, 0.0, 1.0, 1.0])
-        lengths = [interval.length for interval in curve.curves]
-        average = slerp(FIVE[1].rotation, FIVE[3].rotation, lengths[1] / (lengths[1] + lengths[2]))
-        assert angle_between(curve.at(curve.starts[2]).rotation, average) < 1e-9
-        assert angle_between(curve.at(curve.starts[2]).rotation, FIVE[2].rotation) > 0.1
-        assert curve.at(curve.starts[2]).position == pytest.approx(FIVE[2].position, abs=1e-12)
-        for k in (1, 3):
-            assert angle_between(curve.at(curve.starts[k]).rotation, FIVE[k].rotation) < 1e-9
-        half = spline(FIVE, weight=[1.0, 1.0, 0.5, 1.0, 1.0])
-        assert angle_between(half.at(curve.starts[2]).rotation, slerp(average, FIVE[2].rotation, 0.5)) < 1e-9
+    curve = spline(FIVE, weight=[1.0, 1.0, 0.0, 1.0, 1.0])
+    lengths = [interval.length for interval in curve.curves]
+    average = slerp(FIVE[1].rotation, FIVE[3].rotation, lengths[1] / (lengths[1] + lengths[2]))
+    assert angle_between(curve.at(curve.starts[2]).rotation, average) < 1e-9
+    assert angle_between(curve.at(curve.starts[2]).rotation, FIVE[2].rotation) > 0.1
+    assert curve.at(curve.starts[2]).position == pytest.approx(FIVE[2].position, abs=1e-12)
+    for k in (1, 3):
+        assert angle_between(curve.at(curve.starts[k]).rotation, FIVE[k].rotation) < 1e-9
+    half = spline(FIVE, weight=[1.0, 1.0, 0.5, 1.0, 1.0])
+    assert angle_between(half.at(curve.starts[2]).rotation, slerp(average, FIVE[2].rotation, 0.5)) < 1e-9
     with pytest.raises(PathError) as refused:
         spline(FIVE, weight=[1.0, 0.0, 0.5, 1.0, 1.0])
     assert refused.value.number == 903

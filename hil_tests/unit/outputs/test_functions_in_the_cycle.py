@@ -6,7 +6,6 @@ import pytest
 
 from gateway.pure.coreoutputs import CoreOutputs, OutputPlace
 from gateway.pure.records import ALL_PERMITS, RC_BYTES, CellState, Motion, Permit, get_bit
-from hil_tests.lab.answers import answers
 from hil_tests.lab.arms import portal
 from motion.measure.errors import ProgramFault
 from motion.outputs.function import Function
@@ -68,7 +67,6 @@ def test_a_time_offset_shifts_it_by_the_way_of_that_time(way: Way) -> None:
 
 
 @pytest.mark.requirement("RHO-MOT-35", by=("gateway.pure.coreoutputs:CoreOutputs.call", "gateway.pure.coreoutputs:CoreOutputs.step"))
-@answers
 def test_values_stand_in_the_image_as_numbers_and_a_reset_acts_at_once(way: Way) -> None:
     way.call(True, -3, 1, 1, 1, 50, 0)
     assert way.word(INTEGER) == 50
@@ -95,7 +93,6 @@ def test_values_stand_in_the_image_as_numbers_and_a_reset_acts_at_once(way: Way)
     ],
 )
 @pytest.mark.requirement("RHO-MOT-36", by="gateway.pure.coreoutputs:CoreOutputs.step")
-@answers
 def test_what_stops_the_path_clears_an_io_and_freezes_a_ppo(way: Way, change: Callable[[CellState], None]) -> None:
     way.call(False, -2, 1, 1, 1, 1, 0)  # stands at 1
     way.call(False, 2, 1, 1, 100.0, 1, 0)

@@ -2,7 +2,6 @@
 
 import pytest
 
-from hil_tests.lab.answers import answers
 from motion.errors import MotionError
 from motion.limits import AxisLimits
 from motion.measure.errors import ProgramFault
@@ -46,7 +45,6 @@ def refusal(outputs: PathOutputs, kind: Kind, asked: Call) -> str:
 
 @pytest.mark.requirement("RHO-MOT-35", by="motion.outputs.rho3:PathOutputs.call")
 @pytest.mark.requirement("RHO-MOT-35", by="motion.outputs.rho3:PathOutputs.in_use")
-@answers
 def test_ppo_minus_3_sets_integer_output_3_to_50_at_once_and_the_function_is_free() -> None:
     outputs = PathOutputs()
     outputs.call(Kind.PPO, Call(3, 1, 1, 150.0, 80.0))
@@ -59,7 +57,6 @@ def test_ppo_minus_3_sets_integer_output_3_to_50_at_once_and_the_function_is_fre
 
 
 @pytest.mark.requirement("RHO-MOT-35", by="motion.outputs.rho3:PathOutputs.call")
-@answers
 def test_io_logic_minus_2_clears_the_binary_output_of_kinematic_2_and_analog_outputs_are_scaled() -> None:
     outputs = PathOutputs({204: Analog(rated=250.0, volts=13.3)})
     outputs.call(Kind.IOL, Call(2, 2, 1, 10.0, 1.0))
@@ -75,7 +72,6 @@ def test_io_logic_minus_2_clears_the_binary_output_of_kinematic_2_and_analog_out
 
 @pytest.mark.parametrize("stop", [s for s in Stop if s is not Stop.COORDINATE])
 @pytest.mark.requirement("RHO-MOT-36", by="motion.outputs.rho3:PathOutputs.step")
-@answers
 def test_a_stop_in_the_block_clears_the_io_and_freezes_the_ppo(stop: Stop) -> None:
     outputs = PathOutputs()
     outputs.call(Kind.IOL, Call(-1, 1, 1, 0.0, 1.0))  # stands at 1
@@ -95,7 +91,6 @@ def test_a_stop_in_the_block_clears_the_io_and_freezes_the_ppo(stop: Stop) -> No
 
 @pytest.mark.requirement("RHO-MOT-36", by="motion.outputs.rho3:PathOutputs._reason")
 @pytest.mark.requirement("RHO-MOT-36", by="motion.outputs.rho3:PathOutputs._stop")
-@answers
 def test_a_coordinate_that_stops_before_the_position_ends_the_functions_even_when_the_program_wants_it() -> None:
     outputs = PathOutputs()
     outputs.call(Kind.PPO, Call(3, 1, 1, 300.0, 80.0))

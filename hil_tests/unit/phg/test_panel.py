@@ -12,7 +12,6 @@ from gateway.pure.functions.processes import ALREADY_EXISTS, Process, ProcessFau
 from gateway.pure.functions.status_display import StatusDisplay
 from gateway.pure.phg.infos import Condition
 from gateway.pure.phg.panel import Panel
-from hil_tests.lab.answers import answers
 from motion.program.factors import FULL, Factors
 from protocols.base.machine import ms
 
@@ -93,7 +92,6 @@ def test_the_basic_level_says_automatic_only_when_all_kinematics_are() -> None:
 
 
 @pytest.mark.requirement("RHO-PHG-11", by=("gateway.pure.phg.panel:Panel.go", "gateway.pure.phg.panel:Panel._edit"))
-@answers
 def test_modes_are_chosen_directly_by_keys_from_any_level() -> None:
     bench = Bench().types("MODE", "7.3.2")
     assert bench.lines[3] == "Mode=7.3.2"
@@ -192,10 +190,7 @@ def test_a_reset_is_asked_for_and_the_mode_not_entered_before_it_is_granted() ->
 def test_info_shows_why_and_goes_back_to_where_it_was_called() -> None:
     bench = Bench().types("MODE", "1", "ENTER")
     bench.control.holding = {Condition.NO_CONTROL_ALLOW, Condition.NOT_REFERENCED, Condition.FEED_HOLD}
-    try:
-        bench.types("INFO")
-    except Exception as error:
-        pytest.fail(repr(error))
+    bench.types("INFO")
     assert bench.lines == ["INFO", "no reference points", "FEED HOLD", ""]
     assert bench.types("DOWN").lines[1:3] == ["FEED HOLD", "CONTRL.ALLOW n.avail"]
     assert bench.types("LEFT").lines[0] == "1 Reference points" and bench.selection.mode == "1"
@@ -204,7 +199,6 @@ def test_info_shows_why_and_goes_back_to_where_it_was_called() -> None:
 
 
 @pytest.mark.requirement("RHO-PHG-13", by="gateway.pure.phg.panel:Panel._write")
-@answers
 def test_standard_operation_is_below_info_and_coded_text_and_what_is_let_go_stays_until_there_is_news() -> None:
     bench = Bench().types("MODE", "7.1", "ENTER")
     assert bench.lines[0] == "7.1 Axis display", "standard operation writes its lines"

@@ -8,12 +8,9 @@ CODES = Codes("1111", "2222", "9999")
 
 
 def offered(code: str) -> tuple[set[Operation], Menus] | str:
-    try:
-        pendant = Pendant(CODES)
-        pendant.enter(code)
-        return {operation for operation in Operation if pendant.may(operation)}, pendant.menus
-    except Exception as error:
-        return repr(error)
+    pendant = Pendant(CODES)
+    pendant.enter(code)
+    return {operation for operation in Operation if pendant.may(operation)}, pendant.menus
 
 
 @pytest.mark.requirement("RSV-UI-01", by=("gateway.pure.reis.access:Pendant.may", "gateway.pure.reis.access:Pendant.enter"))

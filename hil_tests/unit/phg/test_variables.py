@@ -47,8 +47,6 @@ def attempt(function: Callable[..., Any], *arguments: Any) -> Any:
         return function(*arguments)
     except (VariableError, ValueError) as error:
         return f"{type(error).__name__}: {error}"
-    except Exception as error:
-        return repr(error)
 
 
 def read(code: int, index: int = 0, **changes: Any) -> Value:

@@ -2,7 +2,6 @@
 
 import pytest
 
-from hil_tests.lab.answers import answers
 from motion.axes.disabled import DisabledAxes
 from motion.axes.errors import DRIVE_ON_NOT_ALLOWED, DRIVE_ON_NOT_AVAILABLE, AxisError
 from motion.axes.interruptible import DriveOn
@@ -29,7 +28,6 @@ def refusal(axes: DriveOn, target: tuple[float, ...], *, until: bool = False) ->
 
 
 @pytest.mark.requirement("RHO-MOT-46", by="motion.axes.interruptible:DriveOn.update")
-@answers
 def test_drive_on_0_takes_the_axis_out_of_the_loop_and_its_position_follows() -> None:
     axes = switched_on()
     assert axes.update(False, ON, SET, ACTUAL, moving=True, program=True) == SET
@@ -40,7 +38,6 @@ def test_drive_on_0_takes_the_axis_out_of_the_loop_and_its_position_follows() ->
 
 
 @pytest.mark.requirement("RHO-MOT-46", by="motion.axes.interruptible:DriveOn.check_move")
-@answers
 def test_a_move_of_a_disabled_axis_is_refused_by_what_the_axes_really_do() -> None:
     axes = switched_on()
     assert refusal(axes, (1.0, 2.0, 9.0)) == ""
@@ -50,7 +47,6 @@ def test_a_move_of_a_disabled_axis_is_refused_by_what_the_axes_really_do() -> No
 
 
 @pytest.mark.requirement("RHO-MOT-46", by="motion.axes.interruptible:DriveOn.accept")
-@answers
 def test_coming_back_in_a_program_needs_move_until_before_the_next_block() -> None:
     axes = switched_on()
     axes.update(False, OFF, SET, ACTUAL, moving=False, program=True)
@@ -92,7 +88,6 @@ def test_the_group_signal_overrules_the_single_ones() -> None:
 
 @pytest.mark.requirement("RHO-MOT-47", by="motion.axes.disabled:DisabledAxes.update")
 @pytest.mark.requirement("RHO-MOT-47", by="motion.axes.disabled:DisabledAxes.outputs")
-@answers
 def test_bit_216_disables_at_once_warns_1408_and_stays_until_a_restart() -> None:
     axes = DisabledAxes(3)
     assert axes.outputs((1.0, 2.0, 3.0)) == (1.0, 2.0, 3.0)
@@ -120,7 +115,6 @@ def test_a_disabled_axis_stays_out_whatever_its_drive_on_says() -> None:
 
 @pytest.mark.requirement("RHO-MOT-48", by="motion.axes.shared:groups")
 @pytest.mark.requirement("RHO-MOT-48", by="motion.axes.shared:SharedOutput.step")
-@answers
 def test_17_1_three_axes_on_output_1_of_which_one_moves_at_a_time() -> None:
     assert groups({0: 101, 1: 102, 2: 103, 3: 2}) == {1: (0, 1, 2)}
     assert groups({0: 302, 1: 301, 4: 1, 5: 99}) == {3: (1, 0)}

@@ -7,7 +7,6 @@ import pytest
 
 from gateway.pure.reasons import CommandState
 from gateway.pure.records import Motion
-from hil_tests.lab.answers import answers
 from hil_tests.lab.arms import Array
 from hil_tests.lab.belt_bench import CELL
 from hil_tests.lab.planned_bench import Planned, ServodynRobot, off_segment
@@ -52,13 +51,11 @@ def run(search: str) -> Row:
 
 
 @pytest.fixture(scope="module")
-@answers
 def rows() -> dict[str, Row]:
     return {search: run(search) for search in ("", "1", "3", "11")}
 
 
 @pytest.mark.requirement("RHO-MOT-44", by="motion.planner.planner:Planner._ready")
-@answers
 def test_so_many_blocks_behind_the_one_under_way_are_planned_and_no_more(rows: dict[str, Row]) -> None:
     for search in ("1", "3", "11"):
         most = int(search) + 0.5  # and what is left of the block under way
@@ -67,7 +64,6 @@ def test_so_many_blocks_behind_the_one_under_way_are_planned_and_no_more(rows: d
 
 
 @pytest.mark.requirement("RHO-MOT-44", by="motion.planner.planner:Planner._window")
-@answers
 def test_few_blocks_take_their_speed_and_many_do_not_and_path_and_limits_are_kept(rows: dict[str, Row]) -> None:
     assert rows["1"].seconds > 1.5 * rows["11"].seconds > 1.4 * rows[""].seconds
     assert rows["1"].rests > 0.5 and rows[""].rests < 0.2

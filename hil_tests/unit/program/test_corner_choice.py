@@ -6,7 +6,6 @@ import math
 import pytest
 
 from hil_tests.lab import arms
-from hil_tests.lab.asserted import asserted
 from hil_tests.lab.motionpaths import POINTING_DOWN, u_points
 from motion.planner.planner import Planner
 from motion.program.blocks import Blend, Block, Interpolation, PoseTarget, Program, Rounding
@@ -40,16 +39,14 @@ def planned(radius: float) -> tuple[float, int]:
 
 @pytest.mark.parametrize("radius", [0.002, 0.02499])
 def test_passing_is_never_slower_than_exact_stops(radius: float) -> None:
-    with asserted():
-        assert planned(radius)[0] <= planned(0.0)[0] * (1 + 1e-9)
+    assert planned(radius)[0] <= planned(0.0)[0] * (1 + 1e-9)
     assert planned(0.0)[1] == 3
 
 
 def test_a_small_corner_that_costs_time_is_driven_out_and_large_ones_are_passed() -> None:
-    with asserted():
-        assert planned(0.002)[1] > 1, "the axes rest in at least one of both corners"
-        assert planned(0.02499)[1] == 1
-        assert planned(0.02499)[0] < 0.95 * planned(0.0)[0]
+    assert planned(0.002)[1] > 1, "the axes rest in at least one of both corners"
+    assert planned(0.02499)[1] == 1
+    assert planned(0.02499)[0] < 0.95 * planned(0.0)[0]
 
 
 def test_a_run_that_follows_another_begins_after_a_rest_so_their_jerks_do_not_add_up() -> None:
@@ -59,9 +56,8 @@ def test_a_run_that_follows_another_begins_after_a_rest_so_their_jerks_do_not_ad
         planner.add(Block(Interpolation.LINEAR, arms.at(x)))
     pieces = planner.plan(0.0, hurry=True)
     second = next(k for k, piece in enumerate(pieces) if piece.block == 2)
-    with asserted():
-        assert pieces[second - 1].ends_at_rest
-        still = [node for node, time in zip(pieces[second].nodes, pieces[second].times, strict=True) if time <= 0.9e-3]
-        assert len(still) >= 1 and all(node == pieces[second].nodes[0] for node in still)
-        assert pieces[second].times[1] >= 0.5e-3 and pieces[second].nodes[1] == pieces[second].nodes[0]
-        assert pieces[0].nodes[1] != pieces[0].nodes[0], "the first one begins at once"
+    assert pieces[second - 1].ends_at_rest
+    still = [node for node, time in zip(pieces[second].nodes, pieces[second].times, strict=True) if time <= 0.9e-3]
+    assert len(still) >= 1 and all(node == pieces[second].nodes[0] for node in still)
+    assert pieces[second].times[1] >= 0.5e-3 and pieces[second].nodes[1] == pieces[second].nodes[0]
+    assert pieces[0].nodes[1] != pieces[0].nodes[0], "the first one begins at once"

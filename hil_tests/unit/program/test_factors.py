@@ -4,7 +4,6 @@ from itertools import product
 
 import pytest
 
-from hil_tests.lab.answers import answers
 from motion.errors import MotionError
 from motion.program.factors import Factors, FactorTable, Operation, option_byte, resets
 from motion.program.jog import JogKeys, JogSpeeds, SlopeParameters, manual_speed, world_slopes
@@ -23,7 +22,6 @@ def after(operation: Operation, option: int) -> tuple[float, float]:
 
 @pytest.mark.requirement("RHO-MOT-49", by="motion.program.factors:resets")
 @pytest.mark.requirement("RHO-MOT-49", by="motion.program.factors:FactorTable.happened")
-@answers
 def test_14_1_the_table_of_the_option_byte() -> None:
     keep, one = 0.5, 1.0
     as_delivered = {
@@ -82,7 +80,6 @@ def test_factors_out_of_range_are_refused(value: float) -> None:
 
 
 @pytest.mark.requirement("RHO-MOT-50", by="motion.program.jog:JogKeys.wanted")
-@answers
 def test_a_jog_key_held_1_5_s_goes_fast_and_a_further_axis_at_once() -> None:
     keys = JogKeys(SPEEDS)
     keys.press(0, 1, 10.0)
@@ -98,14 +95,12 @@ def test_a_jog_key_held_1_5_s_goes_fast_and_a_further_axis_at_once() -> None:
 
 
 @pytest.mark.requirement("RHO-MOT-50", by="motion.program.jog:manual_speed")
-@answers
 def test_manual_speed_stays_within_p114_in_proportion() -> None:
     assert manual_speed((2.0, -1.0), SPEEDS) == pytest.approx((0.5, -0.25))
     assert manual_speed((0.2, 0.1), SPEEDS) == (0.2, 0.1)
 
 
 @pytest.mark.requirement("RHO-MOT-50", by="motion.program.jog:SlopeParameters.jogging")
-@answers
 def test_unset_jog_slopes_take_the_values_of_ptp() -> None:
     old = SlopeParameters(2.0, 0.3, 0.1)
     assert old.jogging() == old.automatic() == (2.0, 0.3, 0.1)

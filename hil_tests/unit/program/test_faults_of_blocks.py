@@ -12,7 +12,6 @@ from gateway.files import find_config, read_text
 from gateway.motionpaper import sections_of
 from gateway.programplan import machine_of_cell
 from hil_tests.lab import arms
-from hil_tests.lab.answers import answers
 from motion.errors import MotionError
 from motion.limits import limits_from
 from motion.planner.robot import Machine
@@ -144,7 +143,6 @@ def test_the_tool_stays_inside_its_working_range_on_the_way_as_at_the_end() -> N
 
 
 @pytest.mark.requirement("RHO-MOT-45", by="motion.planner.watched:check_speed")
-@answers
 def test_an_axis_the_programmed_speed_asks_too_much_of_is_an_error_before_anything_moves_where_that_is_wanted() -> None:
     robot = arms.robot("tx60-like")
 

@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hil_tests.lab.answers import answers
 from hil_tests.lab.arms import Array, run
 from hil_tests.lab.printed_tables import PROGRAM
 from motion.kinematics.identity import Identity
@@ -38,7 +37,6 @@ def rates(lines: str, machine: Machine) -> Array:
 
 
 @pytest.mark.requirement("RHO-MOT-30", by="motion.planner.untransformed:main_rates")
-@answers
 def test_the_master_goes_through_the_printed_example_at_500_and_the_slaves_with_it() -> None:
     """Where a slave changes its speed 4 deg of the master before and behind the point are its ramp (zone); the master has none."""
     blocks = "".join(f"linear joints {' '.join(map(str, point))}\n" for point in PROGRAM)
@@ -48,7 +46,6 @@ def test_the_master_goes_through_the_printed_example_at_500_and_the_slaves_with_
     assert np.abs(found[:, 3]).max() == pytest.approx(500.0 * 360 / 20, rel=0.01), "the slave that turns 360 deg on 20 of the master"
 
 
-@answers
 def test_a_main_axis_takes_part_in_the_path_speed_and_manual_ones_alone_have_it() -> None:
     machine = tables()
     both = replace(machine, limits=tuple(replace(axis, manual=n > 1) for n, axis in enumerate(machine.limits)))

@@ -2,7 +2,6 @@
 
 import pytest
 
-from hil_tests.lab.answers import answers
 from motion.program.blocks import Rounding, changed
 from motion.val3.errors import AmbiguousExpression, RuntimeFault
 from motion.val3.mdesc import BlendKind, Mdesc, matching
@@ -18,7 +17,6 @@ def code_of(mdesc: Mdesc) -> int:
 
 
 @pytest.mark.requirement("VAL-MOV-03", by="motion.val3.mdesc:Mdesc.check")
-@answers
 def test_the_default_and_the_error_of_each_field() -> None:
     default = Mdesc()
     assert (default.accel, default.vel, default.decel, default.tvel, default.rvel) == (100, 100, 100, 9999, 9999)
@@ -33,7 +31,6 @@ def test_the_default_and_the_error_of_each_field() -> None:
 
 
 @pytest.mark.requirement("VAL-MOV-12", by="motion.val3.mdesc:matching")
-@answers
 def test_vel_120_goes_with_144() -> None:
     found = matching(120.0)
     assert [found.vel, found.accel, found.decel] == pytest.approx([120.0, 144.0, 144.0])
@@ -44,7 +41,6 @@ def test_vel_120_goes_with_144() -> None:
 
 
 @pytest.mark.requirement("VAL-MOV-04", by="motion.val3.mdesc:Mdesc.blending")
-@answers
 def test_lengths_are_in_the_unit_of_the_application() -> None:
     mdesc = Mdesc(tvel=250.0, rvel=90.0, leave=10.0, reach=20.0, blend=BlendKind.CARTESIAN)
     assert mdesc.pace().path_speed == pytest.approx(0.25)
@@ -55,7 +51,6 @@ def test_lengths_are_in_the_unit_of_the_application() -> None:
 
 
 @pytest.mark.requirement("VAL-MOV-02", by="motion.val3.types:movej_form")
-@answers
 def test_a_structured_literal_in_movej_is_ambiguous_and_a_variable_is_not() -> None:
     with pytest.raises(AmbiguousExpression) as caught:
         movej_form(Operand.LITERAL, "{0,0,0,0,0,0}")

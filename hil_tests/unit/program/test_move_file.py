@@ -13,7 +13,6 @@ from gateway.pure.programtrial import Files
 from gateway.pure.reasons import CommandState
 from gateway.pure.records import Motion
 from hil_tests.lab import arms
-from hil_tests.lab.answers import answers
 from hil_tests.lab.arms import Array
 from hil_tests.lab.planned_bench import Planned, ServodynRobot
 from hil_tests.lab.turning_cell import turning_cell
@@ -110,7 +109,6 @@ FINE = 0.6 / (16384 * 7.3 / 360.0)  # deg: a little more than half an increment 
 
 @pytest.mark.requirement("RHO-MOT-43", by="motion.files.playing:FilePath.pieces")
 @pytest.mark.requirement("RHO-MOT-43", by="motion.planner.fileplan:FilePlan.take")
-@answers
 def test_each_point_is_a_set_value_of_one_cycle_unchanged_as_the_drives_record_it(turning: Turning) -> None:
     assert turning.run("read_begin turn.bnr 80", f"move_file turn.bnr {KEEP}") is CommandState.DONE
     sets = moved(turning.sets())
@@ -121,7 +119,6 @@ def test_each_point_is_a_set_value_of_one_cycle_unchanged_as_the_drives_record_i
 
 
 @pytest.mark.requirement("RHO-MOT-42", by="motion.planner.fileplan:control_of")
-@answers
 def test_an_endless_axis_is_within_its_modulo_behind_the_block_and_the_program_goes_on_from_there(turning: Turning) -> None:
     assert turning.run("read_begin turn.bnr", f"move_file turn.bnr {BY_FILE}", "ptp rel joints 10 0 0 0 0") is CommandState.DONE
     assert turning.sets()[-1] == pytest.approx([370.0, 90.0, -90.0, 180.0, 0.0], abs=0.01)
@@ -179,7 +176,6 @@ ERRORS = [
 
 @pytest.mark.requirement("RHO-MOT-40", by="motion.planner.fileplan:file_path")
 @pytest.mark.requirement("RHO-MOT-40", by="gateway.pure.programtrial:Files.path")
-@answers
 def test_a_cell_tells_each_error_by_its_number_with_line_block_and_axis_before_anything_moves(turning: Turning) -> None:
     for opened, name, flags, code, says in ERRORS:
         assert turning.run("ptp joints 0 0 0 0 0", opened, f"move_file {name} {flags}") is CommandState.REFUSED, name
@@ -190,7 +186,6 @@ def test_a_cell_tells_each_error_by_its_number_with_line_block_and_axis_before_a
 
 
 @pytest.mark.requirement("RHO-MOT-41", by="motion.planner.fileplan:file_path")
-@answers
 def test_base_check_off_lets_another_time_base_run(turning: Turning) -> None:
     assert turning.run("read_begin off.bnr", f"move_file off.bnr {KEEP}") is CommandState.DONE
     assert len(moved(turning.sets())) == pytest.approx(len(ROWS), rel=0.05)

@@ -10,7 +10,6 @@ from gateway.faults import CellFaults
 from gateway.pure.command_block import Code
 from gateway.pure.permits import AS_SHIPPED
 from gateway.pure.reasons import CommandState
-from hil_tests.lab.answers import answers
 from hil_tests.lab.arms import Array
 from hil_tests.lab.belt_bench import CELL, PORTAL
 from hil_tests.lab.planned_bench import Planned, ServodynRobot
@@ -36,7 +35,6 @@ def speeds(step: float) -> Array:
 
 
 @pytest.mark.requirement("RSV-MOT-20", by="gateway.pure.core:Core._apply_override")
-@answers
 def test_override_20_to_100_percent_at_0_2_percent_a_cycle_takes_400_cycles_and_at_once_where_nothing_is_said() -> None:
     slow, quick = speeds(0.002), speeds(1.0)
     fine = 1.0  # mm/s: what rounding to increments does

@@ -2,7 +2,6 @@
 
 import pytest
 
-from hil_tests.lab.answers import answers
 from motion.errors import MotionError
 from motion.program.blocks import Interpolation
 from motion.program.passing import Criterion, Passing, Presets, Range, passed, shrunk
@@ -13,7 +12,6 @@ SPACE = Presets(0.015, 0.5, axes=(0.1, 0.2), space=0.04, criterion=Criterion.SPA
 
 
 @pytest.mark.requirement("RHO-MOT-08", by="motion.program.passing:Passing.block")
-@answers
 def test_p212_is_taken_without_r_in_the_program_and_p214_chooses_the_criterion() -> None:
     assert Passing(AXES).block(LINEAR) == Range(0.015)
     assert Passing(AXES).block(PTP) == Range(0.0, (0.1, 0.2)), "P214 = 0: a distance for each axis"
@@ -22,7 +20,6 @@ def test_p212_is_taken_without_r_in_the_program_and_p214_chooses_the_criterion()
 
 @pytest.mark.requirement("RHO-MOT-09", by="motion.program.passing:Passing.block")
 @pytest.mark.requirement("RHO-MOT-09", by="motion.program.passing:Passing.set_radius")
-@answers
 def test_with_r_changes_that_block_alone_and_r_stays() -> None:
     passing = Passing(AXES)
     passing.set_radius(0.05)
@@ -36,7 +33,6 @@ def test_with_r_changes_that_block_alone_and_r_stays() -> None:
 
 
 @pytest.mark.requirement("RHO-MOT-07", by="motion.program.passing:Passing.block")
-@answers
 def test_zero_switches_passing_off() -> None:
     passing = Passing(AXES)
     passing.set_radius(0.0)
@@ -46,7 +42,6 @@ def test_zero_switches_passing_off() -> None:
 
 
 @pytest.mark.requirement("RHO-MOT-06", by="motion.program.passing:passed")
-@answers
 def test_no_passing_next_to_a_circle_nor_at_a_change_of_type_with_block_slope() -> None:
     assert passed(LINEAR, LINEAR, block_slope=True) and passed(PTP, PTP, block_slope=True)
     assert not passed(PTP, LINEAR, block_slope=True) and not passed(LINEAR, PTP, block_slope=True)

@@ -8,7 +8,6 @@ from gateway.pure.plannerrecords import MeasuringFacts
 from gateway.pure.programs import Programs
 from gateway.pure.reasons import CommandState
 from hil_tests.lab import arms
-from hil_tests.lab.answers import answers
 from hil_tests.lab.arms import Array
 from hil_tests.lab.belt_bench import CELL
 from hil_tests.lab.planned_bench import Planned, ServodynRobot
@@ -52,7 +51,6 @@ def cell() -> Portal:
 
 @pytest.mark.requirement("RHO-MOT-37", by="gateway.pure.corepoints:set_machine_position")
 @pytest.mark.requirement("RHO-MOT-37", by="gateway.pure.programparts:Coming.own")
-@answers
 def test_the_axes_stand_at_other_numbers_nothing_moves_and_the_next_block_and_the_limits_count_from_them(cell: Portal) -> None:
     assert cell.run("mach_pos joints 30 20 50 0", "ptp rel joints 0 0 0 0") is CommandState.DONE
     assert np.ptp(cell.sets(), axis=0).max() < 0.01, "nothing moves"
@@ -115,7 +113,6 @@ def test_paper_goes_on_from_the_new_numbers_and_sees_no_movement_in_them() -> No
 @pytest.mark.requirement("RHO-MOT-38", by="gateway.pure.corepoints:CoreTape.store")
 @pytest.mark.requirement("RHO-MOT-38", by="gateway.pure.corepoints:CoreTape.recall")
 @pytest.mark.requirement("RHO-MOT-38", by="gateway.pure.pointrecords:tape_of")
-@answers
 def test_each_13_mm_of_a_measuring_system_is_kept_and_the_program_goes_back_over_it(cell: Portal) -> None:
     assert (
         cell.run("record_on 1 13mm", "linear pose 165 120 50 0 0 0 path=40", "record_off", "linear pose 300 120 50 0 0 0")
@@ -158,7 +155,6 @@ def arm() -> Probing:
 @pytest.mark.requirement("VAL-LATCH-01", by="gateway.pure.corepoints:CoreLatch.look")
 @pytest.mark.requirement("VAL-LATCH-01", by="gateway.pure.corepoints:CoreLatch.store")
 @pytest.mark.requirement("VAL-LATCH-01", by="gateway.pure.pointrecords:latch_of")
-@answers
 def test_set_latch_stores_where_the_axes_were_at_the_rising_edge_and_the_program_goes_there(arm: Probing) -> None:
     job = arm.order("set_latch fIn0", f"ptp joints {joints(50)}", "ptp mpos")
     stamp = arm.edge_at(20.0, FAST, ago=0.37)

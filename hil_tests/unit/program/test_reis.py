@@ -4,7 +4,6 @@ import dataclasses
 
 import pytest
 
-from hil_tests.lab.answers import answers
 from motion.conventions import VAL3
 from motion.errors import MotionError
 from motion.program.blocks import Interpolation, JointTarget, PoseTarget, Turning
@@ -36,7 +35,6 @@ def fault(path: Path) -> tuple[int, int]:
 
 
 @pytest.mark.requirement("RSV-MOT-19", by="motion.program.reis:Path.standing")
-@answers
 def test_l2043_the_table_of_defaults() -> None:
     standing = Path(START).standing()
     assert isinstance(standing, Parameters)
@@ -50,7 +48,6 @@ def test_l2043_the_table_of_defaults() -> None:
 
 
 @pytest.mark.requirement("RSV-MOT-21", by="motion.program.reis:check_machine_data")
-@answers
 def test_machine_data_outside_their_range_are_error_650() -> None:
     wrong = {
         "RAPPR_FACT_MAX": (0.0, 0.5), "RDELTA_OV_MAX": (0.0, 1.001), "RSYNC_WEIGHT": (-0.1, 1.1), "RSYNC_MIN_PHASE": (-0.1, 0.51),
@@ -65,7 +62,6 @@ def test_machine_data_outside_their_range_are_error_650() -> None:
 
 
 @pytest.mark.requirement("RSV-MOT-06", by="motion.program.reis:Path._even_circle")
-@answers
 def test_an_odd_number_of_circle_positions_is_an_error_at_the_change_of_mode() -> None:
     path = Path(START)
     path.set("BEWEG_ART", Mode.ZIRK_MIN_ORI)
@@ -91,7 +87,6 @@ def test_a_program_that_ends_after_an_auxiliary_point_is_an_error_too() -> None:
 
 
 @pytest.mark.requirement("RSV-MOT-13", by="motion.program.reis:Path._check_orientation_weights")
-@answers
 def test_orientation_weight_twice_in_a_row_is_path_error_903() -> None:
     path = linear()
     path.position(at(10))
@@ -118,7 +113,6 @@ def test_a_weighted_auxiliary_point_next_to_a_weighted_point_is_903_too() -> Non
 
 
 @pytest.mark.requirement("RSV-MOT-16", by="motion.program.reis:_check_alone")
-@answers
 def test_an_orientation_only_path_without_bahn_zeit_is_path_error_622() -> None:
     path = linear()
     path.position(at(10))
@@ -133,7 +127,6 @@ def test_an_orientation_only_path_without_bahn_zeit_is_path_error_622() -> None:
 
 
 @pytest.mark.requirement("RSV-MOT-17", by="motion.program.reis:check_path")
-@answers
 def test_approximation_faults_620_102_621_623_624() -> None:
     twice = linear(UEBERSCHL=True)
     twice.position(at(10))

@@ -6,7 +6,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from hil_tests.lab.answers import answers
 from hil_tests.lab.arms import Array, at, off_line, portal, robot, run
 from motion.conventions import VAL3
 from motion.frames import Pose
@@ -32,7 +31,6 @@ def poses(rows: Array) -> list[Pose]:
 
 
 @pytest.mark.requirement("RSV-MOT-03", by=("motion.planner.legs:_line", "motion.planner.jointpath:joint_path_of"))
-@answers
 def test_linear_keeps_the_tool_of_an_arm_on_the_line_and_turns_it_steadily() -> None:
     path = Path(PoseTarget(beside(0)))
     path.set("BEWEG_ART", Mode.LINEAR)
@@ -84,7 +82,6 @@ def swing(tension: float) -> float:
 
 
 @pytest.mark.requirement("RSV-MOT-11", by=("motion.planner.rows:curve_of", "motion.program.reis:Path._block"))
-@answers
 def test_ispl_tens_0_50_100_swings_out_in_that_order_through_the_same_four_points() -> None:
     none, half, full = (swing(tension) for tension in (0, 50, 100))
     assert none < 0.05 * full and none < half < full
@@ -92,7 +89,6 @@ def test_ispl_tens_0_50_100_swings_out_in_that_order_through_the_same_four_point
 
 
 @pytest.mark.requirement("RSV-MOT-12", by=("motion.planner.rows:curve_of", "motion.program.reis:Path.position"))
-@answers
 def test_iori_weight_0_before_p2_ignores_its_orientation_alone_and_p3_is_met() -> None:
     targets = (beside(-20, 50, 0, 10), beside(-40, 100, 0, 60), beside(-20, 150, 0, -10), beside(0, 200, 0, 0))
 

@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from hil_tests.lab.answers import answers
 from hil_tests.lab.arms import Array, at, differences, portal, robot, run, tool_speed
 from motion.conventions import VAL3
 from motion.kinematics.identity import Identity
@@ -30,7 +29,6 @@ def moved(path: Path, machine: Machine, start: tuple[float, ...], period_s: floa
 
 
 @pytest.mark.requirement("RSV-MOT-02", by="motion.planner.caps:_lead")
-@answers
 def test_ptp_geschw_50_is_half_the_speed_of_the_axis_with_the_largest_travel() -> None:
     limits = tuple(
         limits_from(f"A{n}", "deg", lower=-180, upper=180, speed=speed, accel=2000, jerk=50_000) for n, speed in ((1, 200.0), (2, 60.0))
@@ -46,7 +44,6 @@ def test_ptp_geschw_50_is_half_the_speed_of_the_axis_with_the_largest_travel() -
 
 
 @pytest.mark.requirement("RSV-MOT-04", by="motion.program.reis:Path._pace")
-@answers
 def test_bahn_geschw_100_and_50_percent_of_2000_give_ramps_of_1000_and_a_steady_100() -> None:
     path = Path(START, MachineData(RACC_MAX=2000.0))
     for name, value in (("BEWEG_ART", Mode.LINEAR), ("BAHN_GESCHW", 100), ("BAHN_BESCHL", 50)):
@@ -61,7 +58,6 @@ def test_bahn_geschw_100_and_50_percent_of_2000_give_ramps_of_1000_and_a_steady_
 
 
 @pytest.mark.requirement("RSV-MOT-14", by="motion.planner.timegiven:time_given")
-@answers
 def test_bahn_zeit_4_takes_4_s_and_the_next_move_has_its_speed_again() -> None:
     path = Path(START)
     for name, value in (("BEWEG_ART", Mode.LINEAR), ("BAHN_GESCHW", 200), ("BAHN_ZEIT", 4.0)):
@@ -78,7 +74,6 @@ def test_bahn_zeit_4_takes_4_s_and_the_next_move_has_its_speed_again() -> None:
 
 
 @pytest.mark.requirement("RSV-MOT-15", by="motion.planner.timegiven:time_given")
-@answers
 def test_bahn_zeit_10_goes_up_for_the_share_of_iacc_time_stays_and_goes_down_for_it_again() -> None:
     for share, steady in ((20, 6.0), (50, 0.0)):
         path = Path(START)
@@ -100,7 +95,6 @@ def test_bahn_zeit_10_goes_up_for_the_share_of_iacc_time_stays_and_goes_down_for
 
 
 @pytest.mark.requirement("RSV-MOT-01", by="motion.program.reis:Path.blocks")
-@answers
 def test_without_a_motion_command_two_positions_are_joint_synchronous_moves() -> None:
     limits = tuple(limits_from(f"A{n}", "deg", lower=-180, upper=180, speed=60.0 + 40 * n, accel=500, jerk=20_000) for n in range(3))
     path = Path(JointTarget((0.0, 0.0, 0.0)))
@@ -118,7 +112,6 @@ def test_without_a_motion_command_two_positions_are_joint_synchronous_moves() ->
 
 @pytest.mark.requirement("RSV-MOT-05", by="motion.program.reis:Path.position")
 @pytest.mark.requirement("RSV-MOT-05", by="motion.planner.legs:_arc")
-@answers
 def test_zirk_makes_an_arc_of_each_two_positions_and_ptp_ends_it() -> None:
     path = Path(START)
     path.set("BEWEG_ART", Mode.ZIRK_MIN_ORI)
@@ -165,7 +158,6 @@ def rounded(first_speed: float = 100.0, second_speed: float = 100.0, **values: f
 
 
 @pytest.mark.requirement("RSV-MOT-07", by="motion.planner.runs:_flyby")
-@answers
 def test_iv_flyby_s_is_the_share_of_the_mean_speed_in_the_middle_of_the_corner() -> None:
     for share, wanted in ((100, 150.0), (50, 75.0)):
         places, speed = rounded(100.0, 200.0, BAHN_RADIUS=30, IV_FLYBY_S=share)
@@ -174,7 +166,6 @@ def test_iv_flyby_s_is_the_share_of_the_mean_speed_in_the_middle_of_the_corner()
         assert speed[middle] == pytest.approx(wanted, rel=0.01), share
 
 
-@answers
 def test_iv_flyby_s_0_rests_once_in_the_middle_of_the_rounded_corner_and_goes_on() -> None:
     places, speed = rounded(100.0, 200.0, BAHN_RADIUS=30, IV_FLYBY_S=0)
     resting = np.nonzero(speed[20:-20] < 1.0)[0] + 20
@@ -186,7 +177,6 @@ def test_iv_flyby_s_0_rests_once_in_the_middle_of_the_rounded_corner_and_goes_on
 
 @pytest.mark.requirement("RSV-MOT-08", by="motion.planner.route:Route._leave")
 @pytest.mark.requirement("RSV-MOT-08", "RSV-MOT-09", by="motion.program.reis:Path._blend")
-@answers
 def test_bahn_radius_10_leaves_10_mm_before_and_rejoins_10_mm_after_and_bahn_distanz_has_priority() -> None:
     corner = np.array([100.0, 0.0])
 
@@ -205,7 +195,6 @@ def test_bahn_radius_10_leaves_10_mm_before_and_rejoins_10_mm_after_and_bahn_dis
 
 
 @pytest.mark.requirement("RSV-MOT-10", by=("motion.program.reis:Path._blend", "motion.planner.rows:curve_of"))
-@answers
 def test_a_spline_goes_through_its_points_whatever_bahn_radius_says() -> None:
     points = ((40.0, 30.0), (80.0, -10.0), (130.0, 20.0), (170.0, 0.0))
 
@@ -228,7 +217,6 @@ def test_a_spline_goes_through_its_points_whatever_bahn_radius_says() -> None:
 
 
 @pytest.mark.requirement("RSV-MOT-18", by="motion.planner.timegiven:check_time")
-@answers
 def test_an_additional_axis_that_cannot_keep_the_time_is_706_and_one_of_the_arm_611() -> None:
     own = portal()
     slow = limits_from("E1", "mm", lower=0, upper=1000, speed=50, accel=500, jerk=20_000)

@@ -10,7 +10,6 @@ from gateway.files import find_config, read_text
 from gateway.programplan import machine_of_cell, machines_of_cell
 from gateway.pure.command_block import Code
 from gateway.pure.reasons import CommandState, Reason
-from hil_tests.lab.answers import answers
 from hil_tests.lab.planned_bench import Planned, ServodynRobot
 from motion.timing.limiter import TooFast
 
@@ -50,7 +49,6 @@ def driven(planned: Planned, mode: int) -> tuple[CommandState, list[str], set[st
 
 
 @pytest.mark.requirement("RHO-MOT-45", by="gateway.pure.programwarnings:Slowing.look")
-@answers
 def test_mode_3_keeps_the_path_and_the_limits_and_tells_the_axis_once_a_block(planned: Planned) -> None:
     state, told, stood, shares = driven(planned, 3)
     assert state is CommandState.DONE and max(shares) <= 1.02

@@ -4,7 +4,6 @@ from collections.abc import Iterator
 
 import pytest
 
-from hil_tests.lab.answers import answers
 from hil_tests.lab.arms import at, portal
 from motion.errors import MotionError
 from motion.planner.arm import Arm
@@ -40,7 +39,6 @@ def program(inputs: Inputs, count: int, reads: dict[int, int]) -> Iterator[Block
 
 @pytest.mark.requirement("RHO-MOT-44", by="motion.program.preparation:Preparation.block_search")
 @pytest.mark.requirement("RHO-MOT-44", by="motion.program.preparation:Preparation.turn")
-@answers
 def test_block_search_5_prepares_at_most_5_blocks_and_an_input_acts_after_5() -> None:
     arm, inputs = Arm(portal(), (0.0, 0.0, 0.0), P5), Inputs()
     ahead = Preparation(arm, program(inputs, 12, dict.fromkeys(range(1, 13), 1001)), inputs.read, P5)
@@ -64,7 +62,6 @@ def test_block_search_5_prepares_at_most_5_blocks_and_an_input_acts_after_5() ->
 
 @pytest.mark.requirement("RHO-MOT-51", by="motion.program.preparation:Preparation._now_read")
 @pytest.mark.requirement("RHO-MOT-51", by="motion.program.preparation:Preparation._begin")
-@answers
 def test_a_normal_input_stops_preparation_until_2_cycles_before_the_end_point_and_1001_is_read_at_preparation() -> None:
     arm, inputs = Arm(portal(), (0.0, 0.0, 0.0), P5), Inputs()
     ahead = Preparation(arm, program(inputs, 6, {2: 1, 5: 1001}), inputs.read, P5)

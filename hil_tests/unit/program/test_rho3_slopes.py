@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from hil_tests.lab.answers import answers
 from hil_tests.lab.arms import Array, at, portal, robot
 from motion.paths.joints import joined, joint_line, joint_part
 from motion.planner.route import Kind, Route, Stretch
@@ -37,7 +36,6 @@ def missed(row: list[Stretch], point: tuple[float, float, float]) -> float:
 @pytest.mark.requirement("RHO-MOT-04", by="motion.program.slopes:earliest")
 @pytest.mark.requirement("RHO-MOT-04", by="motion.program.slopes:overlap")
 @pytest.mark.requirement("RHO-MOT-04", by="motion.program.slopes:summed")
-@answers
 def test_block_slope_starts_the_next_block_not_before_the_middle_and_saves_t_b() -> None:
     up, over = joint_line((0.0, 0.0, 0.0), (0.0, 0.0, 0.025)), joint_line((0.0, 0.0, 0.025), (0.3, 0.0, 0.025))
     first, second = ramped(up, LIMITS), ramped(over, LIMITS)
@@ -59,7 +57,6 @@ def test_block_slope_starts_the_next_block_not_before_the_middle_and_saves_t_b()
 
 
 @pytest.mark.requirement("RHO-MOT-04", by=("motion.program.slopes:overlap", "motion.program.slopes:within"))
-@answers
 def test_the_start_is_delayed_where_the_sum_would_exceed_the_limits() -> None:
     """A sharp reversal: at the earliest start both accelerations point the same way and add up to twice the limit."""
     there, back = joint_line((0.0, 0.0, 0.0), (0.2, 0.0, 0.0)), joint_line((0.2, 0.0, 0.0), (0.05, 0.02, 0.0))
@@ -72,7 +69,6 @@ def test_the_start_is_delayed_where_the_sum_would_exceed_the_limits() -> None:
 
 
 @pytest.mark.requirement("RHO-MOT-04", by="motion.program.slopes:overlap")
-@answers
 def test_the_overlapped_block_ends_before_the_middle_of_the_next_one() -> None:
     long, short = joint_line((0.0, 0.0, 0.0), (0.4, 0.0, 0.0)), joint_line((0.4, 0.0, 0.0), (0.4, 0.004, 0.0))
     first, second = ramped(long, LIMITS), ramped(short, LIMITS)
@@ -80,7 +76,6 @@ def test_the_overlapped_block_ends_before_the_middle_of_the_next_one() -> None:
     assert found is not None and found.reach <= 0.5 * 0.004 + 1e-9
 
 
-@answers
 def test_the_frozen_curve_is_the_sum_and_joins_both_paths() -> None:
     up, over = joint_line((0.0, 0.0, 0.0), (0.0, 0.0, 0.025)), joint_line((0.0, 0.0, 0.025), (0.3, 0.0, 0.025))
     first, second = ramped(up, LIMITS), ramped(over, LIMITS)
@@ -98,7 +93,6 @@ def test_the_frozen_curve_is_the_sum_and_joins_both_paths() -> None:
 
 
 @pytest.mark.requirement("RHO-MOT-04", by="motion.planner.route:Route._join_slopes")
-@answers
 def test_block_slope_in_a_program_rounds_the_point_and_outside_the_range_the_path_is_untouched() -> None:
     row = stretches([Block(LINEAR, at(0, 0, 50), blend=R20, slope=Slope.BLOCK), Block(LINEAR, at(200, 0, 50), slope=Slope.BLOCK)])
     assert [s.kind for s in row if s.kind is Kind.CORNER] == [Kind.CORNER]
@@ -108,7 +102,6 @@ def test_block_slope_in_a_program_rounds_the_point_and_outside_the_range_the_pat
 
 
 @pytest.mark.requirement("RHO-MOT-05", by="motion.program.passing:passed")
-@answers
 def test_r_20_before_or_after_a_circle_goes_exactly_through_the_point() -> None:
     arc = Block(CIRCULAR, at(200), PoseTarget(at(150, 50).pose), blend=R20)
     row = stretches([Block(LINEAR, at(100), blend=R20), arc, Block(LINEAR, at(300), blend=R20), Block(LINEAR, at(300, 100))])
@@ -118,7 +111,6 @@ def test_r_20_before_or_after_a_circle_goes_exactly_through_the_point() -> None:
 
 
 @pytest.mark.requirement("RHO-MOT-06", by="motion.planner.route:Route._join")
-@answers
 def test_a_change_of_type_is_passed_with_program_slope_and_not_with_block_slope() -> None:
     def row(slope: Slope) -> list[Stretch]:
         return stretches(
@@ -135,7 +127,6 @@ def test_a_change_of_type_is_passed_with_program_slope_and_not_with_block_slope(
 
 
 @pytest.mark.requirement("RHO-MOT-07", by="motion.planner.route:Route._leave")
-@answers
 def test_r_0_goes_exactly_through_the_point_and_r_20_does_not() -> None:
     def row(radius: float) -> list[Stretch]:
         return stretches([Block(LINEAR, at(100), blend=Blend(Rounding.CARTESIAN, radius, radius)), Block(LINEAR, at(100, 100))])
@@ -145,7 +136,6 @@ def test_r_0_goes_exactly_through_the_point_and_r_20_does_not() -> None:
 
 
 @pytest.mark.requirement("RHO-MOT-07", by="motion.planner.ranges:axis_range")
-@answers
 def test_r_ptp_0_stops_exactly_at_the_point_on_either_slope_and_r_ptp_1_passes_it() -> None:
     passing = Passing(Presets(0.0, 1.0, axes=(0.02, 0.02, 0.02)))
 
@@ -172,7 +162,6 @@ def outside(row: list[Stretch], corner: tuple[float, float, float], radius: floa
 
 
 @pytest.mark.requirement("RHO-MOT-02", by="motion.planner.route:Route._corner")
-@answers
 def test_r_20_leaves_the_path_only_inside_its_sphere_and_is_tangent_where_it_enters_and_leaves_it() -> None:
     row = stretches([Block(LINEAR, at(100), blend=R20), Block(LINEAR, at(100, 100))])
     assert [s.kind for s in row] == [Kind.MAIN, Kind.CORNER, Kind.MAIN]
@@ -189,7 +178,6 @@ def test_r_20_leaves_the_path_only_inside_its_sphere_and_is_tangent_where_it_ent
 
 @pytest.mark.requirement("RHO-MOT-03", by="motion.paths.corner:clipped")
 @pytest.mark.requirement("RHO-MOT-03", by="motion.planner.route:Route._ranges")
-@answers
 def test_points_10_apart_with_r_20_are_passed_by_the_largest_overlap_there_is() -> None:
     corners = [(0.01, 0.0, 0.0), (0.01, 0.01, 0.0), (0.02, 0.01, 0.0)]
     row = stretches([Block(LINEAR, at(x, y), blend=R20) for x, y in ((10, 0), (10, 10), (20, 10), (20, 20))])
@@ -205,7 +193,6 @@ def test_points_10_apart_with_r_20_are_passed_by_the_largest_overlap_there_is() 
 
 @pytest.mark.requirement("RHO-MOT-01", by=("motion.planner.ranges:axis_range", "motion.planner.route:Route._corner"))
 @pytest.mark.requirement("RHO-MOT-01", by="motion.program.passing:Passing.block")
-@answers
 def test_r_ptp_2_passes_the_point_within_twice_p213_and_no_axis_changes_its_speed_in_a_step() -> None:
     """P213: 20 mm of the axes; R_PTP 1 and 2."""
     passing = Passing(Presets(0.0, 1.0, axes=(0.02, 0.02, 0.02)))
@@ -243,7 +230,6 @@ def test_two_ptp_blocks_with_block_slope_and_axis_ranges() -> None:
 
 
 @pytest.mark.requirement("RHO-MOT-04", by="motion.program.slopes:frozen")
-@answers
 def test_the_frozen_curve_joins_slope_and_bend_of_blocks_that_move_several_axes() -> None:
     """Also where the parameter of a block is the travel of one axis and not the way of all of them."""
     machine = robot("tx60-like")

@@ -7,7 +7,6 @@ from gateway.pure.command_block import Code
 from gateway.pure.reasons import CommandState, Reason
 from gateway.pure.records import Motion
 from gateway.teampaper import team_findings
-from hil_tests.lab.answers import answers
 from hil_tests.lab.arm_and_scara import CELL, HEAD, OWN
 from hil_tests.lab.arms import Array
 from hil_tests.lab.cell402bench import Cell402Bench
@@ -28,7 +27,6 @@ def cell() -> Planned:
 
 
 @pytest.fixture
-@answers
 def home(cell: Planned) -> Planned:
     cell.bench.permit(GO, SEEN, value=False)
     assert run(cell, HOME) is CommandState.DONE
@@ -46,7 +44,6 @@ def gone(cell: Planned) -> Array:
 
 
 @pytest.mark.requirement("RHO-MOT-17", by="gateway.pure.programteam:begun_part")
-@answers
 def test_a_shared_block_waits_for_its_input_and_all_begin_together(home: Planned) -> None:
     job = home.order(HEAD + f"move {AWAY[0]} wait={GO} and {AWAY[1]}")
     home.bench.run(2.0)  # without it they are half way by then
@@ -81,7 +78,6 @@ def test_a_stop_of_a_shared_block_that_waits_keeps_its_path_and_ends_one_that_is
 
 
 @pytest.mark.requirement("RHO-MOT-10", by="gateway.pure.programteam:begun_part")
-@answers
 def test_an_input_ends_the_block_of_all_on_their_path_and_mpos_is_that_of_the_one_that_asked(home: Planned) -> None:
     lines = [f"move {AWAY[0]} and {AWAY[1]} until={SEEN}", f"move arm ptp rel joints 5 0 0 0 0 0 wait={GO}", "move scara ptp mpos"]
     job = home.order(HEAD + "\n".join(lines))
@@ -110,7 +106,6 @@ LABELS = [
 
 @pytest.mark.requirement("RHO-MOT-12", by="gateway.pure.programtrial:Trial.together")
 @pytest.mark.parametrize("seen", [True, False])
-@answers
 def test_without_its_input_a_shared_block_leads_on_at_its_label_for_all(home: Planned, seen: bool) -> None:
     job = home.order(HEAD + "\n".join(LABELS))
     home.until(lambda state: gone(home)[0] > 0.5)
@@ -126,7 +121,6 @@ def test_without_its_input_a_shared_block_leads_on_at_its_label_for_all(home: Pl
 
 
 @pytest.mark.requirement("RHO-MOT-13", by="gateway.pure.programteam:not_measured")
-@answers
 def test_mpos_of_one_where_nothing_was_measured_leads_all_on_at_its_label(home: Planned) -> None:
     lines = [f"move {AWAY[0]} and {AWAY[1]} until={SEEN}", "move arm ptp rel joints 5 0 0 0 0 0 and scara ptp mpos error=END"]
     job = home.order(HEAD + "\n".join([*lines, "move arm ptp rel joints 5 0 0 0 0 0", "label END"]))
@@ -137,7 +131,6 @@ def test_mpos_of_one_where_nothing_was_measured_leads_all_on_at_its_label(home: 
 
 
 @pytest.mark.requirement("RHO-MOT-12", by="gateway.pure.programparts:Coming.takes")
-@answers
 def test_a_labelled_block_begins_from_rest_and_is_a_part_of_its_own(home: Planned) -> None:
     rounded = "move arm ptp joints 10 30 90 0 60 0 blend=joint leave=20 reach=20"
     end = "move arm ptp joints 40 60 90 0 60 0"

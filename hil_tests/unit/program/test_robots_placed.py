@@ -5,7 +5,6 @@ import pytest
 
 from gateway.pure.reasons import CommandState
 from gateway.teampaper import team_findings, team_traces
-from hil_tests.lab.answers import answers
 from hil_tests.lab.arm_and_scara import CELL, HEAD
 from hil_tests.lab.arms import Array
 from hil_tests.lab.cell402bench import Cell402Bench
@@ -22,7 +21,6 @@ AT_HOME = (0, 30, 90, 0, 60, 0, 0, 90, -200, 0)
 
 
 @pytest.fixture
-@answers
 def cell() -> Planned:
     planned = Planned(Cell402Bench(8, cell=CELL))
     planned.bench.permit(SEEN, value=False)
@@ -41,7 +39,6 @@ def gone(cell: Planned) -> Array:
 
 @pytest.mark.requirement("RHO-MOT-37", by="gateway.pure.programparts:_placed")
 @pytest.mark.requirement("RHO-MOT-37", by="gateway.pure.programtrial:Trial._stands")
-@answers
 def test_one_stands_at_other_numbers_and_all_go_on_from_there_each_by_its_own(cell: Planned) -> None:
     assert run(cell, "kinematic scara", "mach_pos joints 10 80 -150 5", "move arm ptp rel joints 0 0 0 0 0 0") is CommandState.DONE
     assert np.abs(gone(cell)).max() < 0.01, "nothing moves"

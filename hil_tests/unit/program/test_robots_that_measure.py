@@ -5,7 +5,6 @@ import pytest
 from gateway.pure.plannerrecords import MeasuringFacts
 from gateway.pure.reasons import CommandState
 from gateway.teampaper import team_findings
-from hil_tests.lab.answers import answers
 from hil_tests.lab.arm_and_scara import CELL, HEAD
 from hil_tests.lab.cell402bench import Cell402Bench
 from hil_tests.lab.planned_bench import Planned
@@ -34,7 +33,6 @@ def cell() -> Planned:
 
 
 @pytest.fixture
-@answers
 def home(cell: Planned) -> Planned:
     cell.bench.permit(OF_ARM, OF_SCARA, value=False)
     assert run(cell, HOME) is CommandState.DONE
@@ -43,7 +41,6 @@ def home(cell: Planned) -> Planned:
 
 @pytest.mark.requirement("RHO-MOT-16", by="motion.planner.teamroute:_owned")
 @pytest.mark.parametrize("call", ["measure_on ch620", "measure_on ch630", "set_latch fIn0"])
-@answers
 def test_where_one_was_at_the_edge_is_stored_while_all_go_on_and_it_goes_back_there(home: Planned, call: str) -> None:
     job = home.order(HEAD + "\n".join(["kinematic scara", call, BOTH, "move scara ptp mpos"]))
     home.until(lambda state: gone(home)[1] > 0.5)
@@ -78,7 +75,6 @@ def test_a_probe_that_is_off_again_stores_nothing_and_leads_on_at_the_label(home
 
 @pytest.mark.requirement("RHO-MOT-10", by="gateway.pure.measured:Measured.store")
 @pytest.mark.requirement("RHO-MOT-16", by="gateway.pure.measured:Measured.store")
-@answers
 def test_each_has_measured_its_own_place_and_all_go_back_to_theirs_in_one_block(home: Planned) -> None:
     lines = ["kinematic arm", "measure_on ch610", "kinematic scara", "measure_on ch620", BOTH, "move arm ptp mpos and scara ptp mpos"]
     job = home.order(HEAD + "\n".join(lines))
@@ -97,7 +93,6 @@ def test_each_has_measured_its_own_place_and_all_go_back_to_theirs_in_one_block(
 @pytest.mark.requirement("RHO-MOT-13", by="gateway.pure.measured:Measured.store")
 @pytest.mark.requirement("RHO-MOT-38", by="gateway.pure.corepoints:CoreTape.recall")
 @pytest.mark.parametrize("other", ["measure_on ch620", "set_latch fIn0", "record_on 7 1deg"])
-@answers
 def test_what_another_one_measures_or_fetches_later_takes_nothing_from_it(home: Planned, other: str) -> None:
     ends = [f"move {AWAY[0]} until={OF_ARM}", "kinematic scara", other, "move scara ptp joints 4 90 -200 0"]
     fetched = "move scara ptp recorded 2" if other.startswith("record_on") else "move scara ptp mpos error=ON"

@@ -5,7 +5,6 @@ import pytest
 
 from gateway.pure.reasons import CommandState
 from gateway.teampaper import team_findings
-from hil_tests.lab.answers import answers
 from hil_tests.lab.arm_and_scara import CELL, HEAD
 from hil_tests.lab.cell402bench import Cell402Bench
 from hil_tests.lab.planned_bench import Planned
@@ -29,7 +28,6 @@ def cell() -> Planned:
 
 
 @pytest.fixture
-@answers
 def recorded(cell: Planned) -> Planned:
     """Both at home, their ways to AWAY recorded."""
     assert run(cell, HOME, *RECORDS, *OFF, HOME) is CommandState.DONE
@@ -38,7 +36,6 @@ def recorded(cell: Planned) -> Planned:
 
 
 @pytest.mark.requirement("RHO-MOT-38", by="gateway.pure.corepoints:CoreTape.call")
-@answers
 def test_each_goes_back_over_its_own_path_alone_and_while_the_other_one_moves(recorded: Planned) -> None:
     assert run(recorded, "move arm ptp recorded 2 and scara ptp joints 20 90 -200 0") is CommandState.DONE
     assert gone(recorded) == pytest.approx([26 / 40, 0.5], abs=LAG)
@@ -56,7 +53,6 @@ def test_what_one_records_anew_leaves_the_path_of_the_other_one(recorded: Planne
 
 
 @pytest.mark.requirement("RHO-MOT-38", by="gateway.pure.programtrial:Trial.together")
-@answers
 def test_an_entry_that_is_not_stored_leads_all_on_at_the_label(recorded: Planned) -> None:
     lines = ["move arm ptp recorded 9 error=ON and scara ptp rel joints 8 0 0 0", "move scara ptp rel joints 4 0 0 0", "label ON"]
     assert run(recorded, *lines, "move scara ptp rel joints 2 0 0 0") is CommandState.DONE

@@ -13,7 +13,6 @@ from gateway.pure.programtrial import Files
 from gateway.pure.reasons import CommandState
 from gateway.pure.records import Motion, get_bit
 from gateway.teampaper import team_findings, team_traces
-from hil_tests.lab.answers import answers
 from hil_tests.lab.arm_and_scara import HEAD, cell_text
 from hil_tests.lab.arms import Array
 from hil_tests.lab.carried_cell import ARM
@@ -60,7 +59,6 @@ def cell() -> Planned:
 
 
 @pytest.fixture
-@answers
 def home(cell: Planned) -> Planned:
     assert run(cell, HOME) is CommandState.DONE
     return cell
@@ -78,7 +76,6 @@ def rows(cell: Planned, text: str) -> Array:
 
 @pytest.mark.requirement("RHO-MOT-43", by="gateway.pure.programtrial:Files.played")
 @pytest.mark.requirement("RHO-MOT-43", by="gateway.pure.programtrial:Trial._file")
-@answers
 def test_the_points_of_a_file_are_set_values_of_its_kinematic_and_the_others_rest(home: Planned) -> None:
     lines = [*SCARA_RUNS, *ARM_RUNS, "move arm ptp rel joints 0 0 0 0 0 10 and scara ptp rel joints 1 0 0 0"]
     made = rows(home, "\n".join(lines))

@@ -7,7 +7,6 @@ from gateway.pathoutputs import functions_of
 from gateway.pure.reasons import CommandState
 from gateway.pure.records import get_bit
 from gateway.teampaper import team_findings
-from hil_tests.lab.answers import answers
 from hil_tests.lab.arm_and_scara import HEAD, MACHINES, OWN, cell_text
 from hil_tests.lab.carried_cell import ARM
 from hil_tests.lab.cell402bench import Cell402Bench
@@ -33,7 +32,6 @@ def cell() -> Planned:
 
 
 @pytest.fixture
-@answers
 def home(cell: Planned) -> Planned:
     assert run(cell, HOME, *RESET, "move arm ptp rel joints 1 0 0 0 0 0 and scara ptp rel joints 1 0 0 0", HOME) is CommandState.DONE
     return cell
@@ -47,7 +45,6 @@ def tips(cell: Planned) -> tuple[float, float]:
 
 
 @pytest.mark.requirement("RHO-MOT-35", by="motion.planner.teamroute:_source")
-@answers
 def test_each_is_led_by_the_coordinate_of_its_own_robot_while_both_move(home: Planned) -> None:
     x, z = tips(home)
     lines = ["kinematic scara", f"iol 2 2 3 {z + 25} 1 0", "kinematic arm", f"iol 3 1 1 {x - 60} 1 0", f"move {AWAY[0]} and {AWAY[1]}"]

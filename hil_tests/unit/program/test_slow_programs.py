@@ -10,7 +10,6 @@ from gateway.commands.motion import main, team_of_program
 from gateway.motionpaper import sections_of
 from gateway.pure.reasons import CommandState
 from gateway.teampaper import team_findings
-from hil_tests.lab.answers import answers
 from hil_tests.lab.arms import Array, portal, robot, run, tool_path, tool_speed
 from hil_tests.lab.belt_bench import CELL
 from hil_tests.lab.planned_bench import Planned, ServodynRobot
@@ -56,7 +55,6 @@ def added(arm: Arm | Planner, text: str) -> None:
     arm.finish()
 
 
-@answers
 def test_a_line_of_a_minute_and_thirty_slow_ones_are_run_to_their_end_at_their_speed() -> None:
     once = "linear pose 300 0 0 0 0 0 path=5\n"
     many = "".join(f"linear pose {10 * k} 0 0 0 0 0 path=5\n" for k in range(1, 31))
@@ -68,7 +66,6 @@ def test_a_line_of_a_minute_and_thirty_slow_ones_are_run_to_their_end_at_their_s
         assert np.abs(np.diff(rows[:, 0]) / 20e-3).max() == pytest.approx(5e-3, rel=2e-5)
 
 
-@answers
 def test_a_cell_runs_a_line_of_half_a_minute() -> None:
     cell = Planned(ServodynRobot(cell=CELL))
     assert cell.bench.settle(cell.order("robot portal\naxes mm mm mm deg\nptp joints 100 100 50 0\n")).state is CommandState.DONE
@@ -103,7 +100,6 @@ def test_a_slow_arc_takes_an_eighth_of_the_room_and_no_set_value_changes(monkeyp
     assert np.abs(thinned - arc_rows({}, 6_000)).max() < 1e-9
 
 
-@answers
 def test_a_slow_arc_is_slowed_down_stopped_and_gone_on_with_inside_the_limits_and_on_its_circle() -> None:
     inner = arc_rows({8_000: 0.3, 9_000: 1.0, 11_000: 0.0, 12_000: 1.0}, 14_000)[3_000:-10]
     machine = robot("tx60-like")
@@ -188,7 +184,6 @@ def test_check_tells_it_of_several_kinematics(monkeypatch: pytest.MonkeyPatch) -
     assert str(fault).startswith("block 2: a motion of 30 s without a stop is too long")
 
 
-@answers
 def test_a_cell_names_line_and_block_of_the_program_behind_a_part_that_ended_with_its_input(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(commit, "MOST", PLENTY)
     cell = Planned(ServodynRobot(cell=CELL))

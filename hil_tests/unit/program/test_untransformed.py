@@ -8,7 +8,6 @@ import pytest
 from gateway.cell import Cell
 from gateway.config import load_cell
 from gateway.pure.reasons import CommandState
-from hil_tests.lab.answers import answers
 from hil_tests.lab.arms import Array
 from hil_tests.lab.planned_bench import Planned, ServodynRobot
 from hil_tests.lab.turning_cell import PORTAL, turning_cell
@@ -49,7 +48,6 @@ def differences() -> list[str]:
 
 @pytest.mark.requirement("RHO-MOT-30", by="motion.planner.untransformed:axes_line")
 @pytest.mark.requirement("RHO-MOT-30", by="motion.planner.untransformed:along_axes")
-@answers
 def test_the_master_keeps_the_programmed_speed_over_all_points_and_the_slaves_adapt() -> None:
     keys = "zone=15,15,15,15,15 blend=joint"
     rates = run(SLAVES, *passing(keys))
@@ -62,7 +60,6 @@ def test_the_master_keeps_the_programmed_speed_over_all_points_and_the_slaves_ad
     assert master.min() < 0.75 * V and np.linalg.norm(all_mains, axis=1).max() < 1.02 * V, "as before TO04: its speed changes"
 
 
-@answers
 def test_manual_axes_alone_make_the_speed_themselves_and_all_arrive_together() -> None:
     rates = run(SLAVES, f"linear joints 0 30 40 0 0 turn={V:g}")
     assert np.linalg.norm(rates, axis=1).max() == pytest.approx(V, rel=0.02)

@@ -11,7 +11,6 @@ from gateway.motionpaper import sections_of
 from gateway.programplan import machine_of_cell
 from gateway.pure.reasons import CommandState
 from hil_tests.lab import arms
-from hil_tests.lab.answers import answers
 from hil_tests.lab.belt_bench import PORTAL, TEXT
 from hil_tests.lab.planned_bench import Planned, ServodynRobot
 from hil_tests.unit.program.test_faults_of_blocks import ARM, faults
@@ -27,7 +26,6 @@ def turned(*angles: float) -> str:
     return "".join(f"linear pose 350 -150 200 180 0 {angle:g}\n" for angle in angles)
 
 
-@answers
 def test_a_path_that_turns_a_multi_turn_joint_beyond_its_travel_is_544_and_names_it() -> None:
     assert faults(turned(90, 0, -90, -180, -270)) == [], "J6 begins at 203 deg of 270"
     assert faults(turned(90, 180, 60)) == [(3, "J6", 544)], "the block is left out, and the next one is looked at"
@@ -35,7 +33,6 @@ def test_a_path_that_turns_a_multi_turn_joint_beyond_its_travel_is_544_and_names
     assert "axis J6: the path drives the axis out of its range -270 .. 270 deg, 27.3 deg along the path: let it begin a turn" in words
 
 
-@answers
 def test_a_joint_that_does_not_turn_is_531() -> None:
     lines = (
         "linear pose 100 300 50 0 0 90\nlinear pose -900 300 50 0 0 90\nlinear pose 100 300 50 0 0 200\nlinear pose 100 300 50 0 0 300\n"
@@ -44,7 +41,6 @@ def test_a_joint_that_does_not_turn_is_531() -> None:
     assert [(fault.block, fault.axis, fault.code) for fault in found] == [(2, "X", 531), (4, "C", 544)], found
 
 
-@answers
 def test_a_corner_in_which_the_tool_turns_half_round_or_more_is_554_before_anything_moves() -> None:
     cell = Planned(ServodynRobot(cell=WIDE))
     assert cell.bench.settle(cell.order(HEAD + "ptp joints 100 300 50 -265")).state is CommandState.DONE
@@ -66,7 +62,6 @@ def narrowed(axis: str, low: float, high: float, cell: Cell = ARM_CELL) -> Cell:
     return replace(cell, axis=tuple(axes))
 
 
-@answers
 def test_the_travel_of_the_cell_counts_where_it_is_narrower_than_that_of_the_robot_file() -> None:
     assert faults_of("robot tx60-like" + ARM + turned(90, 0), narrowed("J6", -270.0, 200.0)) == [(2, "J6", 544)]
     straight = (
@@ -80,7 +75,6 @@ def faults_of(text: str, cell: Cell) -> list[tuple[int, str, int]]:
     return [(fault.block, fault.axis, fault.code) for fault in found]
 
 
-@answers
 def test_a_pose_is_reached_by_the_turn_that_lies_within_the_travel_of_the_cell() -> None:
     near, there = (tuple(map(math.radians, (0, 30, 90, 0, 60, last))) for last in (170, -165))
     for cell, last in ((ARM_CELL, 195.0), (narrowed("J6", -270.0, 180.0), -165.0), (narrowed("J6", -300.0, 300.0), 195.0)):

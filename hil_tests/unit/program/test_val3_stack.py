@@ -6,7 +6,6 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from hil_tests.lab.answers import answers
 from hil_tests.lab.arms import Array, at, differences, off_line, portal, robot, run, tool_path, tool_speed
 from motion.conventions import VAL3
 from motion.frames import NO_ROTATION, Pose
@@ -56,7 +55,6 @@ def off_path(rows: Array, path: Array) -> float:
 
 
 @pytest.mark.requirement("VAL-MOV-01", by="motion.val3.stack:MotionStack._queue")
-@answers
 def test_moves_queue_and_return_ids_while_the_arm_is_on_the_first_and_a_full_queue_waits() -> None:
     arm, moves = stack(capacity=4)
     ids = [moves.movej(at(10.0 * k), FLANGE, OFF) for k in range(1, 5)]
@@ -70,7 +68,6 @@ def test_moves_queue_and_return_ids_while_the_arm_is_on_the_first_and_a_full_que
 
 @pytest.mark.requirement("VAL-MOV-04", by="motion.val3.mdesc:Mdesc.blending")
 @pytest.mark.requirement("VAL-MOV-04", by="motion.val3.stack:MotionStack.wait_end_move")
-@answers
 def test_u_cycle_with_leave_50_and_reach_200_does_not_stop_at_depart_and_appro() -> None:
     arm, moves = stack()
     moves.movel(at(0, 0, 120), FLANGE, rounded(50, 200))
@@ -86,7 +83,6 @@ def test_u_cycle_with_leave_50_and_reach_200_does_not_stop_at_depart_and_appro()
 
 
 @pytest.mark.requirement("VAL-MOV-04", by=("motion.planner.route:Route.finish", "motion.val3.stack:MotionStack.wait_end_move"))
-@answers
 def test_wait_end_move_ends_exactly_at_the_point_and_blends_the_others() -> None:
     arm, moves = stack()
     mdesc = rounded(10, 10)
@@ -103,7 +99,6 @@ def test_wait_end_move_ends_exactly_at_the_point_and_blends_the_others() -> None
 
 
 @pytest.mark.requirement("VAL-MOV-05", by="motion.planner.route:Route._leave")
-@answers
 def test_with_only_a_queued_the_arm_halts_at_a_leave_and_the_path_is_the_same() -> None:
     mdesc = rounded(30, 20, BlendKind.CARTESIAN)
     arm, moves = stack()
@@ -133,7 +128,6 @@ def test_with_only_a_queued_the_arm_halts_at_a_leave_and_the_path_is_the_same() 
 
 @pytest.mark.requirement("VAL-MOV-06", by="motion.val3.stack:MotionStack.stop_move")
 @pytest.mark.requirement("VAL-MOV-06", by="motion.val3.stack:MotionStack.restart_move")
-@answers
 def test_stop_move_stops_on_the_path_and_restart_move_goes_on() -> None:
     arm, moves = stack()
     moves.movel(at(300, 100), FLANGE, OFF)
@@ -155,7 +149,6 @@ def test_stop_move_stops_on_the_path_and_restart_move_goes_on() -> None:
 
 
 @pytest.mark.requirement("VAL-MOV-07", by="motion.val3.stack:MotionStack.reset_motion")
-@answers
 def test_reset_motion_empties_the_queue_sets_id_0_and_restores_the_permission() -> None:
     arm, moves = stack(mode=Mode.REMOTE)
     for target in (at(300), at(300, 300)):
@@ -192,7 +185,6 @@ def test_without_a_starting_point_the_next_move_begins_where_the_arm_is() -> Non
 
 @pytest.mark.requirement("VAL-MOV-08", by="motion.val3.stack:MotionStack.is_empty")
 @pytest.mark.requirement("VAL-MOV-08", by="motion.val3.stack:Settling.joints")
-@answers
 def test_stopped_in_the_middle_the_arm_is_settled_and_not_empty() -> None:
     arm, moves = stack()
     assert moves.is_empty() is True
@@ -215,7 +207,6 @@ def test_stopped_in_the_middle_the_arm_is_settled_and_not_empty() -> None:
 
 @pytest.mark.requirement("VAL-MOV-09", by="motion.val3.stack:connects_by_itself")
 @pytest.mark.requirement("VAL-MOV-09", by="motion.val3.stack:MotionStack._begin_connection")
-@answers
 def test_connection_move_by_itself_only_in_remote_mode_near_the_path_or_when_allowed() -> None:
     table = {
         (Mode.REMOTE, 0.5, False): True, (Mode.REMOTE, 0.5, True): True, (Mode.REMOTE, 2.0, False): False, (Mode.REMOTE, 2.0, True): True,
@@ -252,7 +243,6 @@ def ring(angle: float) -> PoseTarget:
 
 
 @pytest.mark.requirement("VAL-MOV-10", by="motion.planner.legs:_arc")
-@answers
 def test_a_full_circle_takes_two_movec_and_an_arc_above_180_degrees_is_550_or_551() -> None:
     arm, moves = stack()
     slow = Mdesc(tvel=2000.0, blend=BlendKind.CARTESIAN, leave=1.0, reach=1.0)
@@ -273,7 +263,6 @@ def tx(elbow: Elbow | None = None) -> Configuration:
 
 
 @pytest.mark.requirement("VAL-MOV-11", by="motion.planner.legs:check_end")
-@answers
 def test_a_straight_move_cannot_force_the_other_elbow_and_movej_can() -> None:
     machine = robot("tx60-like")
     start = (0.0, math.radians(30), math.radians(90), 0.0, math.radians(60), 0.0)
@@ -300,7 +289,6 @@ def test_a_straight_move_cannot_force_the_other_elbow_and_movej_can() -> None:
 
 @pytest.mark.requirement("VAL-MID-01", by="motion.val3.stack:MotionStack.get_move_id")
 @pytest.mark.requirement("VAL-MID-01", by="motion.planner.runs:progress")
-@answers
 def test_get_move_id_tells_move_and_progress() -> None:
     arm, moves = stack()
     moves.set_move_id(15)
@@ -324,7 +312,6 @@ def test_get_move_id_tells_move_and_progress() -> None:
 
 
 @pytest.mark.requirement("VAL-MID-01", by="motion.planner.runs:progress")
-@answers
 def test_get_move_id_runs_on_through_a_blended_point_and_turns_in_its_middle() -> None:
     arm, moves = stack()
     moves.set_move_id(15)
@@ -345,7 +332,6 @@ def test_get_move_id_runs_on_through_a_blended_point_and_turns_in_its_middle() -
 
 
 @pytest.mark.requirement("VAL-MID-02", by="motion.val3.stack:MotionStack.set_move_id")
-@answers
 def test_set_move_id_acts_on_the_next_move_alone() -> None:
     arm, moves = stack()
     moves.movel(at(10), FLANGE, OFF)

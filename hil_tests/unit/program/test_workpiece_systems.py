@@ -16,7 +16,6 @@ from gateway.pure.programs import Programs
 from gateway.pure.reasons import CommandState
 from gateway.pure.records import CellState, Motion, get_bit
 from gateway.teampaper import team_findings, team_traces
-from hil_tests.lab.answers import answers
 from hil_tests.lab.belt_bench import CELL, PORTAL
 from hil_tests.lab.planned_bench import Planned, ServodynRobot
 from hil_tests.lab.planner_beside import PlannerBeside
@@ -54,14 +53,12 @@ class Portal(Planned):
 
 
 @pytest.fixture
-@answers
 def cell() -> Portal:
     return Portal()
 
 
 @pytest.mark.requirement("RHO-MOT-31", by="motion.program.systems:located")
 @pytest.mark.requirement("RHO-MOT-34", by="motion.program.systems:located")
-@answers
 def test_poses_are_those_of_the_system_and_places_of_axes_stay(cell: Portal) -> None:
     assert cell.at("wc_frame UP 0 0 30 0 0 0", "wc_system UP", "linear pose 100 100 40 0 0 0") == pytest.approx([100, 100, 70, 0], abs=1e-6)
     assert cell.at("wc_frame UP 0 0 30 0 0 0", "wc_system UP", "ptp joints 100 100 40 5") == pytest.approx([100, 100, 40, 5], abs=1e-6)
@@ -88,7 +85,6 @@ def test_the_working_range_lies_in_the_system_and_the_travel_of_axes_does_not(ce
 
 @pytest.mark.requirement("RHO-MOT-32", by="gateway.pure.programsystems:CellSystems.reached")
 @pytest.mark.requirement("RHO-MOT-32", by="gateway.pure.programsystems:CellSystems.follows")
-@answers
 def test_it_stays_over_programs_aborts_and_planners_until_another_one_or_a_start_up(cell: Portal) -> None:
     there = "linear pose 100 100 50 0 0 0"
     assert cell.run("wc_frame UP 0 0 30 0 0 0", "wc_system UP") is CommandState.DONE, "a program without a block"
@@ -113,7 +109,6 @@ def test_it_stays_over_programs_aborts_and_planners_until_another_one_or_a_start
 
 
 @pytest.mark.requirement("RHO-MOT-34", by="motion.outputs.rho3:PathOutputs.step")
-@answers
 def test_switching_positions_are_those_of_the_system(cell: Portal) -> None:
     cell.programs.functions = PLACES
     machine = machine_of_cell(CELL)
@@ -144,7 +139,6 @@ def corrected(rho3: str = "", robot: str = "") -> str:
 
 
 @pytest.mark.requirement("RHO-MOT-33", by="motion.program.systems:_moved")
-@answers
 def test_components_the_machine_has_none_for_are_not_corrected(cell: Portal) -> None:
     assert corrected() == "xyzabc" and corrected(robot='corrects = "xyz"\n') == "xyz" == corrected("P313 = [[4, 1, 2, 0, 0, 0]]")
     lines = ("wc_frame FIX 20 30 10 0 5 90", "wc_system FIX", "linear pose 80 -100 40 0 0 0")

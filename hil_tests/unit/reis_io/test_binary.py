@@ -4,13 +4,11 @@ import pytest
 
 from gateway.pure.interface.image import PicImage
 from gateway.pure.reis.binary import Area, BinaryIo, IoFault, Module, Modules, SharedOutputs
-from hil_tests.lab.answers import answers
 
 IN, OUT = Area.INPUT, Area.OUTPUT
 
 
 @pytest.mark.requirement("RSV-IO-01", by="gateway.pure.reis.binary:BinaryIo.element")
-@answers
 def test_output_5_3_is_0800h_of_ibin_out_2() -> None:
     image = PicImage()
     io = BinaryIo(image)
@@ -22,7 +20,6 @@ def test_output_5_3_is_0800h_of_ibin_out_2() -> None:
 
 
 @pytest.mark.requirement("RSV-IO-02", by="gateway.pure.reis.binary:BinaryIo.element")
-@answers
 def test_inputs_39_7_and_24_0() -> None:
     io = BinaryIo(PicImage())
     io.write_bit(IN, True, 39, 7)
@@ -31,7 +28,6 @@ def test_inputs_39_7_and_24_0() -> None:
 
 
 @pytest.mark.requirement("RSV-IO-01", "RSV-IO-02", by="gateway.pure.reis.binary:BinaryIo.set_element")
-@answers
 def test_every_bit_of_every_element() -> None:
     image = PicImage()
     io = BinaryIo(image)
@@ -47,7 +43,6 @@ def test_every_bit_of_every_element() -> None:
 
 
 @pytest.mark.requirement("RSV-IO-03", by="gateway.pure.reis.binary:check_place")
-@answers
 def test_bytes_0_to_39_bits_0_to_7() -> None:
     io = BinaryIo(PicImage())
     for area in (IN, OUT):
@@ -64,7 +59,6 @@ def test_bytes_0_to_39_bits_0_to_7() -> None:
 
 
 @pytest.mark.requirement("RSV-IO-05", by="gateway.pure.reis.binary:SharedOutputs.end_of_cycle")
-@answers
 def test_the_plcs_value_remains_where_both_write() -> None:
     io = BinaryIo(PicImage())
     shared = SharedOutputs(io, plc_only=(7,), robot_only=(8,))
@@ -84,7 +78,6 @@ def test_the_plcs_value_remains_where_both_write() -> None:
 
 
 @pytest.mark.requirement("RSV-IO-08", by="gateway.pure.reis.binary:Modules.outputs")
-@answers
 def test_output_3_7_switches_channel_15_of_the_module_in_bytes_2_and_3() -> None:
     io = BinaryIo(PicImage())
     modules = Modules([Module(11, OUT, 2, 16), Module(12, OUT, 0, 16), Module(13, OUT, 4, 8), Module(14, IN, 2, 16)])
@@ -94,7 +87,6 @@ def test_output_3_7_switches_channel_15_of_the_module_in_bytes_2_and_3() -> None
 
 
 @pytest.mark.requirement("RSV-IO-08", by="gateway.pure.reis.binary:Modules.take")
-@answers
 def test_input_modules_by_node_number() -> None:
     io = BinaryIo(PicImage())
     modules = Modules([Module(14, IN, 2, 16), Module(15, IN, 38, 16)])
@@ -105,7 +97,6 @@ def test_input_modules_by_node_number() -> None:
             modules.take(io, node, data)
 
 
-@answers
 def test_modules_that_do_not_fit() -> None:
     for rows, words in (
         ([Module(1, IN, 0, 12)], "multiple of 8"),

@@ -7,7 +7,6 @@ from gateway.pure.reis.analog import ana_inp, ana_outp, marker_of, output_volts,
 from gateway.pure.reis.binary import Area, BinaryIo, IoFault
 from gateway.pure.reis.markers import SYSTEM, Markers, meaning
 from gateway.pure.reis.regulator import Message, Reference, regulator_error, start
-from hil_tests.lab.answers import answers
 
 
 def fresh() -> tuple[BinaryIo, Markers]:
@@ -16,7 +15,6 @@ def fresh() -> tuple[BinaryIo, Markers]:
 
 
 @pytest.mark.requirement("RSV-IO-04", by="gateway.pure.reis.markers:Markers.bit")
-@answers
 def test_inputs_and_outputs_are_markers() -> None:
     io, markers = fresh()
     io.write_bit(Area.INPUT, True, 3, 2)
@@ -26,7 +24,6 @@ def test_inputs_and_outputs_are_markers() -> None:
 
 
 @pytest.mark.requirement("RSV-IO-04", by="gateway.pure.reis.markers:Markers.set_bit")
-@answers
 def test_a_marker_of_an_output_is_the_output() -> None:
     io, markers = fresh()
     markers.set_bit(2047, 7, True)
@@ -39,7 +36,6 @@ def test_a_marker_of_an_output_is_the_output() -> None:
 
 
 @pytest.mark.requirement("RSV-IO-06", by="gateway.pure.reis.analog:ana_outp")
-@answers
 def test_ana_outp() -> None:
     _, markers = fresh()
     ana_outp(markers, 5.0, 1)
@@ -49,7 +45,6 @@ def test_ana_outp() -> None:
 
 
 @pytest.mark.requirement("RSV-IO-06", by="gateway.pure.reis.analog:marker_of")
-@answers
 def test_ana_outp_out_of_range_is_rejected_and_writes_nothing() -> None:
     _, markers = fresh()
     ana_outp(markers, 5.0, 1)
@@ -63,7 +58,6 @@ def test_ana_outp_out_of_range_is_rejected_and_writes_nothing() -> None:
 
 
 @pytest.mark.requirement("RSV-IO-07", by="gateway.pure.reis.analog:ana_inp")
-@answers
 def test_marker_16384_is_5_volts() -> None:
     _, markers = fresh()
     markers.set_byte(1874, 16384 & 255)
@@ -74,13 +68,11 @@ def test_marker_16384_is_5_volts() -> None:
 
 
 @pytest.mark.requirement("RSV-IO-07", by="gateway.pure.reis.analog:volts_of")
-@answers
 def test_every_marker_goes_there_and_back() -> None:
     for marker in range(-32767, 32768):
         assert marker_of(volts_of(marker)) == marker
 
 
-@answers
 def test_double_words_and_retention() -> None:
     io, markers = fresh()
     markers.set_number(212, 0x12345678)
@@ -98,7 +90,6 @@ def test_double_words_and_retention() -> None:
         again.power_on(b"")
 
 
-@answers
 def test_system_markers_by_place() -> None:
     names = {
         (1020, 4): "power-on",
@@ -124,7 +115,6 @@ def test_system_markers_by_place() -> None:
 
 
 @pytest.mark.requirement("RSV-DRV-01", by="gateway.pure.reis.regulator:regulator_error")
-@answers
 def test_error_647() -> None:
     _, markers = fresh()
     message = regulator_error(markers, 647, axis=3)
@@ -138,7 +128,6 @@ def test_error_647() -> None:
 
 
 @pytest.mark.requirement("RSV-DRV-03", by="gateway.pure.reis.regulator:start")
-@answers
 def test_a_changed_reference_point_makes_the_robot_asynchronous() -> None:
     _, markers = fresh()
     kept = {1: Reference(10.0, 4, 1), 2: Reference(20.0)}

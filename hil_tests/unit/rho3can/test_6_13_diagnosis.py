@@ -6,7 +6,6 @@ from gateway.pure.rho3can.blocks import IoBus, IoSettings
 from gateway.pure.rho3can.messages import IoError, Trouble
 from gateway.pure.rho3can.rules import Block
 from gateway.pure.rho3can.tables import Side
-from hil_tests.lab.asserted import asserted
 from protocols.base.machine import Frame, ms
 
 INPUTS = (Block(88, 4, 541), Block(92, 2, 542), Block(94, 2, 543))
@@ -15,29 +14,28 @@ OUTPUTS = (Block(88, 2, 471), Block(90, 1, 472))
 
 @pytest.mark.requirement("RHO-CAN-26", by=("gateway.pure.rho3can.blocks:IoBus.cycle", "gateway.pure.rho3can.blocks:IoBus.live"))
 def test_two_faulty_modules_are_both_listed_and_the_bits_of_all_blocks_are_shown_as_they_are_now() -> None:
-    with asserted():
-        bus = IoBus(IoSettings(2, INPUTS, OUTPUTS), 0)
-        for cycle in range(1, 4):
-            for block in INPUTS:
-                bus.receive(Frame(block.identifier, bytes([cycle] * block.length)), ms(cycle))
-            bus.cycle(ms(cycle))
-        assert bus.errors == []
-        assert bus.live(Side.INPUT) == [(541, b"\3\3\3\3"), (542, b"\3\3"), (543, b"\3\3")]
-        for cycle in range(4, 6):  # 541 and 543 have failed
-            bus.receive(Frame(542, b"\xa5\x5a"), ms(cycle))
-            bus.cycle(ms(cycle))
-        assert bus.errors == [IoError(Trouble.SILENT, 2, 1), IoError(Trouble.SILENT, 2, 3)], "both, not only the first"
-        assert [error.trouble.phg(error.bus, error.block) for error in bus.errors] == ["no transm. CAN2 I1", "no transm. CAN2 I3"]
-        assert bus.live(Side.INPUT)[1] == (542, b"\xa5\x5a")
-        image = bytearray(128)
-        image[88:91] = b"\x81\x00\x07"
-        bus.frames(image)
-        assert bus.live(Side.OUTPUT) == [(471, b"\x81\x00"), (472, b"\x07")]
-        image[90] = 8
-        bus.frames(image)
-        assert bus.live(Side.OUTPUT)[1] == (472, b"\x08")
-        for identifier, length in ((541, 4), (543, 2)):
-            bus.receive(Frame(identifier, bytes(length)), ms(6))
-        bus.receive(Frame(542, bytes(2)), ms(6))
-        bus.cycle(ms(6))
-        assert bus.errors == []
+    bus = IoBus(IoSettings(2, INPUTS, OUTPUTS), 0)
+    for cycle in range(1, 4):
+        for block in INPUTS:
+            bus.receive(Frame(block.identifier, bytes([cycle] * block.length)), ms(cycle))
+        bus.cycle(ms(cycle))
+    assert bus.errors == []
+    assert bus.live(Side.INPUT) == [(541, b"\3\3\3\3"), (542, b"\3\3"), (543, b"\3\3")]
+    for cycle in range(4, 6):  # 541 and 543 have failed
+        bus.receive(Frame(542, b"\xa5\x5a"), ms(cycle))
+        bus.cycle(ms(cycle))
+    assert bus.errors == [IoError(Trouble.SILENT, 2, 1), IoError(Trouble.SILENT, 2, 3)], "both, not only the first"
+    assert [error.trouble.phg(error.bus, error.block) for error in bus.errors] == ["no transm. CAN2 I1", "no transm. CAN2 I3"]
+    assert bus.live(Side.INPUT)[1] == (542, b"\xa5\x5a")
+    image = bytearray(128)
+    image[88:91] = b"\x81\x00\x07"
+    bus.frames(image)
+    assert bus.live(Side.OUTPUT) == [(471, b"\x81\x00"), (472, b"\x07")]
+    image[90] = 8
+    bus.frames(image)
+    assert bus.live(Side.OUTPUT)[1] == (472, b"\x08")
+    for identifier, length in ((541, 4), (543, 2)):
+        bus.receive(Frame(identifier, bytes(length)), ms(6))
+    bus.receive(Frame(542, bytes(2)), ms(6))
+    bus.cycle(ms(6))
+    assert bus.errors == []

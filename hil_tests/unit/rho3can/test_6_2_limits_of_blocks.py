@@ -6,17 +6,15 @@ from gateway.config import CellFaults, load_cell
 from gateway.files import find_config, read_text
 from gateway.pure.rho3can.rules import Block, BusSetup, Finding, Setup, judge
 from gateway.pure.rho3can.tables import RATES, fits, kbit_s
-from hil_tests.lab.outcome import outcome
 
 
 def block(number: int, length: int = 8, first: int = 541) -> Block:
     return Block(64 + 8 * number, length, first + number)
 
 
-def found(setup: Setup) -> list[tuple[int, int, str, str]] | str:
+def found(setup: Setup) -> list[tuple[int, int, str, str]]:
     """(code, system error, PHG text, parameter) of everything wrong."""
-    result = outcome(judge, setup)
-    return result if isinstance(result, str) else [(each.code, each.system_error, each.text, each.parameter) for each in result]
+    return [(each.code, each.system_error, each.text, each.parameter) for each in judge(setup)]
 
 
 def bus(axes: int, inputs: int, outputs: int, baud: int = 0) -> BusSetup:
@@ -28,9 +26,9 @@ def bus(axes: int, inputs: int, outputs: int, baud: int = 0) -> BusSetup:
 def test_bytes_of_inputs_and_outputs_by_number_of_axes() -> None:
     table = {6: (0, 0), 5: (8, 8), 4: (8, 8), 3: (16, 16), 2: (24, 24), 1: (32, 32), 0: (40, 32)}  # L7263-7268, typed by hand
     for axes, (inputs, outputs) in table.items():
-        assert outcome(fits, axes, inputs, outputs) is True, axes
-        assert outcome(fits, axes, inputs + 1, outputs) is False, axes
-        assert outcome(fits, axes, inputs, outputs + 1) is False, axes
+        assert fits(axes, inputs, outputs) is True, axes
+        assert fits(axes, inputs + 1, outputs) is False, axes
+        assert fits(axes, inputs, outputs + 1) is False, axes
 
 
 @pytest.mark.requirement("RHO-CAN-03", "RHO-CAN-06", by=("gateway.pure.rho3can.rules:judge", "gateway.pure.rho3can.rules:_overflow"))
@@ -46,7 +44,7 @@ def test_too_many_blocks_are_3732_can_dp_overflow() -> None:
 
 @pytest.mark.requirement("RHO-CAN-05", by="gateway.pure.rho3can.tables:kbit_s")
 def test_baud_codes_0_to_3_and_nothing_beyond() -> None:
-    assert [outcome(kbit_s, code) for code in range(-1, 5)] == [0, 1000, 500, 250, 125, 0]
+    assert [kbit_s(code) for code in range(-1, 5)] == [0, 1000, 500, 250, 125, 0]
     assert [RATES[code].cable_m for code in range(4)] == [20, 40, 80, 160]
 
 

@@ -4,7 +4,6 @@ import functools
 
 import pytest
 
-from hil_tests.lab.answers import answers
 from hil_tests.unit.sync.belt_lab import CYCLE, MM, Conveyor, code
 from motion.errors import MotionError
 from motion.sync.belts import BeltData, Belts, Condition, Sync, Type
@@ -13,7 +12,6 @@ from motion.sync.watch import Motion, Watch
 
 @pytest.mark.requirement("RHO-MOT-20", by="motion.sync.belts:Belts.set_belt_counter")
 @pytest.mark.requirement("RHO-MOT-20", by="motion.sync.belts:Belts.inputs")
-@answers
 def test_sf_28_2_minus_2000_and_bit_377_set_counter_2_and_a_restart_sets_0() -> None:
     conveyor = Conveyor(2)
     conveyor.run(100.0, 50.0, periods=100)
@@ -36,7 +34,6 @@ def test_sf_28_2_minus_2000_and_bit_377_set_counter_2_and_a_restart_sets_0() -> 
     assert again.counter(2) == 0.0, "after start-up the value is 0"
 
 
-@answers
 def test_sync_statements_load_the_reset_value_when_their_condition_holds() -> None:
     conveyor = Conveyor(3)
     for number, value in ((1, 7.0), (2, 8.0), (3, 9.0)):
@@ -59,7 +56,6 @@ def test_sync_statements_load_the_reset_value_when_their_condition_holds() -> No
 
 @pytest.mark.requirement("RHO-MOT-21", by="motion.sync.belts:Belts.inputs")
 @pytest.mark.requirement("RHO-MOT-21", by="motion.sync.belts:Belts.update")
-@answers
 def test_bit_399_lets_every_belt_run_at_p508_while_it_stands() -> None:
     conveyor = Conveyor(2)
     conveyor.run(0.0, 0.0, periods=10)
@@ -77,7 +73,6 @@ def test_bit_399_lets_every_belt_run_at_p508_while_it_stands() -> None:
 
 @pytest.mark.requirement("RHO-MOT-22", by="motion.sync.belts:Belt.check_type")
 @pytest.mark.requirement("RHO-MOT-22", by="motion.sync.belts:Belts.belt")
-@answers
 def test_type_72_is_type_2_tolerance_7_and_what_is_not_allowed_gives_92_and_93() -> None:
     belts = Conveyor(2).belts
     belt = belts.belt(1)
@@ -97,7 +92,6 @@ def test_type_72_is_type_2_tolerance_7_and_what_is_not_allowed_gives_92_and_93()
     assert code(lambda: belts.set_belt_counter(3, 0.0)) == 93
 
 
-@answers
 def test_thresholds_after_start_up_are_5_um_a_cycle_and_the_time_is_rounded_to_cycles() -> None:
     conveyor = Conveyor()
     watch = conveyor.belts.belt(1).watch
@@ -109,7 +103,6 @@ def test_thresholds_after_start_up_are_5_um_a_cycle_and_the_time_is_rounded_to_c
         conveyor.belts.belt_parameters(1, float("nan"), 50.0, 0)
 
 
-@answers
 def test_speed_is_averaged_over_ten_cycles_only_above_running() -> None:
     watch = Watch(0.01)
     watch.parametrise(0.01, 0.05, 0.03)
@@ -138,7 +131,6 @@ def judged(watch: Watch, speed: float, cycles: int) -> list[bool]:
     return found
 
 
-@answers
 def test_increments_wrap_and_cycles_are_made_of_periods() -> None:
     belts = Belts([BeltData(1e-4)], 1e-3, 4e-3)
     belts.update([(1 << 32) - 10])

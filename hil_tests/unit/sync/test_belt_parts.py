@@ -6,7 +6,6 @@ from functools import partial
 
 import pytest
 
-from hil_tests.lab.answers import answers
 from hil_tests.unit.sync.belt_lab import CYCLE, MM, Conveyor, code
 from motion.errors import MotionError
 from motion.frames import NO_ROTATION, Pose
@@ -39,7 +38,6 @@ def follow(conveyor: Conveyor, part: SynchronPart, speed: float, periods: int) -
 
 @pytest.mark.requirement("RHO-MOT-23", by="motion.sync.part:SynchronPart.step")
 @pytest.mark.requirement("RHO-MOT-23", by="motion.sync.pace:Pace.next_speed")
-@answers
 def test_robot_and_belt_reach_the_end_points_of_the_manual_s_program_together() -> None:
     conveyor = Conveyor()
     part = part_of(conveyor)
@@ -66,7 +64,6 @@ def test_robot_and_belt_reach_the_end_points_of_the_manual_s_program_together() 
 
 
 @pytest.mark.requirement("RHO-MOT-23", by="motion.sync.part:SynchronPart.add")
-@answers
 def test_ptp_gives_23_circular_with_the_cam_20_and_a_zero_belt_difference_89() -> None:
     for kind in (2, 3):
         part = part_of(Conveyor(), kind)
@@ -86,7 +83,6 @@ def test_ptp_gives_23_circular_with_the_cam_20_and_a_zero_belt_difference_89() -
         part_of(Conveyor(), 2).add(BeltBlock((math.nan,), 0.2))
 
 
-@answers
 def test_speed_changes_of_the_belt_are_followed_to_the_point_and_onward_blocks_do_not_stop() -> None:
     conveyor = Conveyor()
     part = part_of(conveyor, 122)
@@ -106,7 +102,6 @@ def test_speed_changes_of_the_belt_are_followed_to_the_point_and_onward_blocks_d
 
 
 @pytest.mark.requirement("RHO-MOT-24", by="motion.sync.part:SynchronPart._check_tolerance")
-@answers
 def test_more_than_five_cycles_of_belt_way_at_a_block_give_944_of_kinematic_1() -> None:
     for kinematic, tens, cycles in ((1, 0, 5), (3, 7, 7)):
         for late, wrong in ((cycles, False), (cycles + 1, True)):
@@ -132,7 +127,6 @@ def test_more_than_five_cycles_of_belt_way_at_a_block_give_944_of_kinematic_1() 
     assert part.step() == stands
 
 
-@answers
 def test_feed_hold_inside_the_part_aborts_with_944() -> None:
     conveyor = Conveyor()
     part = part_of(conveyor, 3, kinematic=10)
@@ -143,7 +137,6 @@ def test_feed_hold_inside_the_part_aborts_with_944() -> None:
 
 
 @pytest.mark.requirement("RHO-MOT-25", by="motion.sync.part:SynchronPart._check_direction")
-@answers
 def test_a_belt_that_runs_back_before_the_start_gives_928_528_and_opens_ready() -> None:
     for kind, kinematic in ((2, 1), (3, 1), (2, 10)):
         conveyor = Conveyor()
@@ -164,7 +157,6 @@ def test_a_belt_that_runs_back_before_the_start_gives_928_528_and_opens_ready() 
 
 
 @pytest.mark.requirement("RHO-MOT-25", by="motion.sync.part:SynchronPart.add")
-@answers
 def test_belt_values_that_turn_round_inside_a_part_give_928() -> None:
     part = part_of(Conveyor())
     part.add(block(150, 200))
@@ -176,7 +168,6 @@ def test_belt_values_that_turn_round_inside_a_part_give_928() -> None:
 
 @pytest.mark.requirement("RHO-MOT-26", by="motion.sync.watch:Watch.update")
 @pytest.mark.requirement("RHO-MOT-26", by="motion.sync.watch:Watch.parametrise")
-@answers
 def test_below_the_stop_threshold_the_robot_is_braked_to_0_without_a_tolerance_error() -> None:
     conveyor = Conveyor()
     conveyor.belts.belt_parameters(1, 25.0, 50.0, 300)
@@ -200,7 +191,6 @@ def test_below_the_stop_threshold_the_robot_is_braked_to_0_without_a_tolerance_e
     assert code(lambda: follow(stopped, late, 200.0, 1)) in (0, 944)
 
 
-@answers
 def test_the_belt_stops_and_starts_inside_a_block_and_both_still_end_together() -> None:
     conveyor = Conveyor()
     conveyor.belts.belt_parameters(1, 5.0, 20.0, 500)
@@ -213,7 +203,6 @@ def test_the_belt_stops_and_starts_inside_a_block_and_both_still_end_together() 
 
 @pytest.mark.requirement("RHO-MOT-27", by="motion.sync.cam:Cam.at")
 @pytest.mark.requirement("RHO-MOT-27", by="motion.sync.part:SynchronPart.step")
-@answers
 def test_the_cam_of_the_manual_is_quadratic_to_80_linear_to_130_quadratic_to_200() -> None:
     conveyor = Conveyor(increment=1e-5)
     part = part_of(conveyor, 3)
@@ -242,7 +231,6 @@ def test_the_cam_of_the_manual_is_quadratic_to_80_linear_to_130_quadratic_to_200
     assert section(3, 0.2, 0.5, p5_ms=20) == pytest.approx(0.3)
 
 
-@answers
 def test_all_coordinates_follow_the_cam_by_their_differences_and_back_with_the_belt() -> None:
     conveyor = Conveyor()
     part = part_of(conveyor, 3, at=0.0, robot=(0.0, 1.0, 5.0))
@@ -262,7 +250,6 @@ def test_all_coordinates_follow_the_cam_by_their_differences_and_back_with_the_b
 
 
 @pytest.mark.requirement("RHO-MOT-28", by="motion.sync.cam:cam")
-@answers
 def test_sections_below_1_percent_are_widened_and_too_long_ones_share_the_rest() -> None:
     narrow = cam(0.15, 0.0, 0.0)
     assert (narrow.first, narrow.third) == pytest.approx((0.0015, 0.0015))
@@ -283,7 +270,6 @@ def test_sections_below_1_percent_are_widened_and_too_long_ones_share_the_rest()
 
 @pytest.mark.requirement("RHO-MOT-29", by="motion.sync.belts:Belt.subtract")
 @pytest.mark.requirement("RHO-MOT-29", by=("motion.sync.belts:Sync.met", "motion.sync.parallel:ParallelPart.value"))
-@answers
 def test_sync_bn1_1000_inside_subtracts_1000_and_the_frame_goes_on() -> None:
     conveyor = Conveyor()
     belt = conveyor.belts.belt(1)
@@ -300,7 +286,6 @@ def test_sync_bn1_1000_inside_subtracts_1000_and_the_frame_goes_on() -> None:
     assert all(b - a == pytest.approx(0.01) for a, b in itertools.pairwise(frames))
 
 
-@answers
 def test_inside_the_part_no_sync_with_an_input_and_no_absolute_points_afterwards() -> None:
     conveyor = Conveyor()
     belt = conveyor.belts.belt(1)
@@ -315,7 +300,6 @@ def test_inside_the_part_no_sync_with_an_input_and_no_absolute_points_afterwards
     assert code(lambda: cams.add(block(1, 2000))) == 20
 
 
-@answers
 def test_a_point_meant_for_a_belt_value_is_met_when_the_belt_has_it() -> None:
     part = ParallelPart(Conveyor().belts.belt(1), Carrier(factors=(0.0, -1.0, 0.0)))
     seen = part.point(Pose((0.3, 0.2, 0.1), NO_ROTATION), 0.5)
@@ -325,7 +309,6 @@ def test_a_point_meant_for_a_belt_value_is_met_when_the_belt_has_it() -> None:
     assert table.frame(math.pi / 2).apply((2.0, 0.0, 0.3)) == pytest.approx((1.0, 1.0, 0.3))
 
 
-@answers
 def test_type_2_runs_on_circles_in_time_with_the_belt() -> None:
     conveyor = Conveyor()
     part = part_of(conveyor, 2, at=0.0, robot=(0.1, 0.0, 7.0))
@@ -348,7 +331,6 @@ def test_type_2_runs_on_circles_in_time_with_the_belt() -> None:
         part_of(Conveyor()).add(BeltBlock((0.1,), 0.3, Interpolation.SPLINE))
 
 
-@answers
 def test_belts_that_run_backwards_as_programmed_are_followed_too() -> None:
     for kind in (2, 3):
         conveyor = Conveyor(increment=-1e-4)
@@ -362,7 +344,6 @@ def test_belts_that_run_backwards_as_programmed_are_followed_too() -> None:
         assert code(partial(part.add, block(1, -300))) == 928
 
 
-@answers
 def test_a_cam_never_jumps_even_while_the_tolerance_is_not_judged() -> None:
     conveyor = Conveyor()
     conveyor.belts.belt_parameters(1, 10.0, 50.0, 5000)
@@ -376,7 +357,6 @@ def test_a_cam_never_jumps_even_while_the_tolerance_is_not_judged() -> None:
     assert part.position == stands == part.step()
 
 
-@answers
 def test_after_an_error_at_the_end_of_a_block_the_robot_stays_where_it_was_sent_last() -> None:
     conveyor = Conveyor()
     part = part_of(conveyor, 3, at=0.0)

@@ -6,7 +6,6 @@ import math
 import numpy as np
 import pytest
 
-from hil_tests.lab.answers import answers
 from hil_tests.lab.motionpaths import MS
 from hil_tests.unit.sync.belt_lab import Conveyor
 from hil_tests.unit.sync.carry_lab import LIMITS, ROBOT, SPEEDS, down, joined, shares, straight
@@ -30,7 +29,6 @@ def apart(a: Pose, b: Pose) -> float:
     return math.dist(a.position, b.position) + angle_between(a.rotation, b.rotation)
 
 
-@answers
 def test_belt_in_front_and_alteration_behind_the_path_to_1e_9_at_any_override_and_stop() -> None:
     rig = joined(START)
     for piece in straight(START, END):
@@ -72,7 +70,6 @@ def too_fast(belt: float, *, reserve: bool = True) -> tuple[SyncStepper, list[fl
     return rig, granted, rows, ways, short
 
 
-@answers
 def test_s_is_slowed_on_the_path_before_a_joint_would_be_too_fast() -> None:
     rig, granted, rows, ways, short = too_fast(0.5)
     assert rig.fault is None and ways[-1] == pytest.approx(0.4)
@@ -82,7 +79,6 @@ def test_s_is_slowed_on_the_path_before_a_joint_would_be_too_fast() -> None:
     assert demanded(0.5) > 1.1, "unslowed it would have been too fast"
 
 
-@answers
 def test_without_a_reserve_joints_fall_short_but_keep_their_speed_and_arrive() -> None:
     rig, _, rows, ways, short = too_fast(0.6, reserve=False)
     assert rig.fault is None and ways[-1] == pytest.approx(0.4)
@@ -108,7 +104,6 @@ def demanded(belt: float) -> float:
     return worst
 
 
-@answers
 def test_a_belt_that_jumps_is_stretched_over_periods_and_caught_up() -> None:
     rig = joined(START)
     for piece in straight(START, END):
@@ -123,7 +118,6 @@ def test_a_belt_that_jumps_is_stretched_over_periods_and_caught_up() -> None:
     assert apart(ROBOT.forward(made.q), translation(0.0, 0.02, 0.0) @ END) < 1e-9 and made.share == 1.0
 
 
-@answers
 def test_carried_out_of_reach_the_joints_stay_the_path_stops_and_place_goes_on() -> None:
     rig = joined(START)
     for piece in straight(START, END, speed=0.1):
@@ -156,7 +150,6 @@ def test_what_getting_on_leaves_to_the_path_adds_up_to_the_limits() -> None:
     assert left_over(along, axes, 2 * axes[0].accel, 0.0) == 0.0
 
 
-@answers
 def test_additional_axes_go_through_and_the_wrong_number_of_limits_is_refused() -> None:
     start, end = down(0.35, -0.2, 0.3), down(0.35, 0.1, 0.3)
     q = (*ROBOT.inverse(start, (0.0, 0.5, 1.2, 0.0, 1.0, 0.0)), 0.25)
@@ -172,7 +165,6 @@ def test_additional_axes_go_through_and_the_wrong_number_of_limits_is_refused() 
         rig.set_override(1.5)
 
 
-@answers
 def test_place_begins_a_path_in_the_frame_in_which_the_robot_stands() -> None:
     rig = joined(START)
     frame = translation(0.05, 0.02, 0.0)
@@ -207,7 +199,6 @@ def synchron(speed: float = 300.0, accel: float = 5.0, jerk: float = 200.0) -> t
     return places, belt, carried
 
 
-@answers
 def test_the_robot_gets_up_to_the_belt_and_down_again_within_acceleration_and_jerk() -> None:
     places, belt, carried = synchron()
     on = [abs(a - b) for a, b in zip(places[600:1000], belt[600:1000], strict=True)]
@@ -223,7 +214,6 @@ def test_the_robot_gets_up_to_the_belt_and_down_again_within_acceleration_and_je
     assert float(np.abs(np.diff(rows)).max()) < 0.5 * MS, "no jump"
 
 
-@answers
 def test_engaging_twice_and_limits_of_what_is_told() -> None:
     _, _, carried = synchron()
     carried.engage()
@@ -233,7 +223,6 @@ def test_engaging_twice_and_limits_of_what_is_told() -> None:
         Tracker(0.0, 1e-3)
 
 
-@answers
 def test_the_filter_follows_a_varying_belt_to_a_stop_and_knows_the_delay() -> None:
     for delay, rms, most in ((1, 0.05, 0.2), (4, 0.06, 0.3)):
         tracker, place, ways = Tracker(MS, delay * MS), 0.0, []
@@ -251,7 +240,6 @@ def test_the_filter_follows_a_varying_belt_to_a_stop_and_knows_the_delay() -> No
         assert tracker.speed == 0.0
 
 
-@answers
 def test_shares_that_joints_allow() -> None:
     assert allowed((1.0,), (0.0,), (2.0,)) == 1.0
     assert allowed((2.0,), (0.0,), (1.0,), top=1.0) == pytest.approx(0.5)
@@ -263,7 +251,6 @@ def test_shares_that_joints_allow() -> None:
         reserved(LIMITS, (0.1,))
 
 
-@answers
 def test_a_round_table_carries_the_tool_round() -> None:
     rig = joined(START)
     carrier = Carrier(axis=(0.0, 0.0, 1.0), centre=(0.45, 0.0, 0.0))

@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from hil_tests.lab.answers import answers
 from hil_tests.lab.arms import at, robot
 from hil_tests.unit.sync.alter_lab import Altered, P
 from motion.frames import IDENTITY, NO_ROTATION, Pose
@@ -36,7 +35,6 @@ def moving(nominal: float = 2.0) -> Altered:
 @pytest.mark.requirement("VAL-ALT-01", by="motion.sync.alter:Alter.alter")
 @pytest.mark.requirement("VAL-ALT-01", by="motion.sync.alter:Alter.step")
 @pytest.mark.requirement("VAL-ALT-01", by="motion.sync.alter:Alter.begin")
-@answers
 def test_alter_before_begin_is_minus_1_and_of_two_within_4_ms_the_last_wins() -> None:
     rig = Altered()
     rig.moves.alter_movel(at(300), FLANGE, OFF)
@@ -55,7 +53,6 @@ def test_alter_before_begin_is_minus_1_and_of_two_within_4_ms_the_last_wins() ->
 
 
 @pytest.mark.requirement("VAL-ALT-01", by="motion.sync.alter:Alter.judge")
-@answers
 def test_too_fast_an_alteration_stops_the_arm_at_its_last_position_and_locks_until_reset_motion() -> None:
     rig = moving()
     rig.alter.alter(Trsf(y=0.4))
@@ -79,7 +76,6 @@ def test_too_fast_an_alteration_stops_the_arm_at_its_last_position_and_locks_unt
     assert float(rig.steps().max()) < 1e-3, "without a jump"
 
 
-@answers
 def test_joint_speed_rotation_and_reach_are_judged_too() -> None:
     rig = moving(nominal=0.4)
     rig.alter.alter(Trsf(y=2.0))
@@ -106,7 +102,6 @@ def test_joint_speed_rotation_and_reach_are_judged_too() -> None:
 
 @pytest.mark.requirement("VAL-ALT-02", by="motion.sync.alter:Alter.end")
 @pytest.mark.requirement("VAL-ALT-02", by="motion.sync.alter:Alter.begin")
-@answers
 def test_alter_end_freezes_for_the_rest_of_the_path_and_a_second_begin_needs_a_standard_move() -> None:
     rig = moving()
     rig.moves.alter_movel(at(300, 100), FLANGE, OFF)
@@ -134,7 +129,6 @@ def test_alter_end_freezes_for_the_rest_of_the_path_and_a_second_begin_needs_a_s
 
 
 @pytest.mark.requirement("VAL-ALT-02", by="motion.sync.altered:AlteredArm._release")
-@answers
 def test_at_the_end_of_the_path_the_mode_stays_and_after_alter_end_the_next_move_starts_at_once() -> None:
     rig = moving()
     rig.stack.movel(at(300, -100), FLANGE, OFF)
@@ -156,7 +150,6 @@ def test_at_the_end_of_the_path_the_mode_stays_and_after_alter_end_the_next_move
 
 @pytest.mark.requirement("VAL-ALT-03", by="motion.sync.altered:AlteredArm.place")
 @pytest.mark.requirement("VAL-ALT-03", by="motion.sync.altered:AlteredArm._altered")
-@answers
 def test_wait_end_move_returns_at_the_end_of_the_theoretical_path_while_alter_moves_the_arm() -> None:
     rig = moving()
     returned = None
@@ -172,7 +165,6 @@ def test_wait_end_move_returns_at_the_end_of_the_theoretical_path_while_alter_mo
     assert rig.alter.alter(Trsf()) == 1, "the mode is active until alterEnd"
 
 
-@answers
 def test_a_stop_locks_alter_after_its_time_and_a_restart_unlocks_it() -> None:
     rig = moving()
     assert rig.alter.stop_time() < 0, "no stop is pending"
@@ -196,7 +188,6 @@ def test_a_stop_locks_alter_after_its_time_and_a_restart_unlocks_it() -> None:
     assert soft.stop_time() == pytest.approx(0.5), "the system's limit is the shorter one"
 
 
-@answers
 def test_without_the_option_everything_answers_minus_2() -> None:
     rig = Altered(enabled=False)
     rig.moves.alter_movel(at(300), FLANGE, OFF)
@@ -204,7 +195,6 @@ def test_without_the_option_everything_answers_minus_2() -> None:
     assert rig.alter.alter(Trsf()) == -2
 
 
-@answers
 def test_a_frame_turns_the_whole_path_about_its_origin_and_a_tool_shifts_in_its_own_axes() -> None:
     alter = Alter(4e-3)
     alter.path(alterable=True)
@@ -227,7 +217,6 @@ def test_a_frame_turns_the_whole_path_about_its_origin_and_a_tool_shifts_in_its_
         Alter(3e-3)
 
 
-@answers
 def test_an_arm_with_six_axes_follows_movej_movel_and_movec_under_a_sine() -> None:
     machine = robot("tx60-like")
     home = machine.kinematics.inverse(Pose((0.35, 0.0, 0.3), (1.0, 0, 0, 0, -1.0, 0, 0, 0, -1.0)), (0.0, 0.5, 1.2, 0.0, 1.0, 0.0))

@@ -8,7 +8,6 @@ from gateway.pure.interface.image import PicImage
 from gateway.pure.records import set_bit
 from gateway.pure.val3_io.system import Board, Health, IoSystem, Point, RunTimeFault
 from gateway.pure.val3_io.variables import Aio, CompileFault, Dio, Instructions
-from hil_tests.lab.answers import answers
 
 FIRST = 88 * 8
 
@@ -40,7 +39,6 @@ def outputs() -> list[Dio]:
 
 
 @pytest.mark.requirement("VAL-DIO-01", by="gateway.pure.val3_io.system:IoSystem.usable")
-@answers
 def test_reading_or_writing_something_unlinked_is_123() -> None:
     cell = Cell()
     actions: tuple[Callable[[], object], ...] = (
@@ -59,7 +57,6 @@ def test_reading_or_writing_something_unlinked_is_123() -> None:
 
 
 @pytest.mark.requirement("VAL-DIO-01", by="gateway.pure.val3_io.system:IoSystem.writable")
-@answers
 def test_writing_an_input_is_122() -> None:
     cell = Cell()
     actions: tuple[Callable[[], object], ...] = (
@@ -74,7 +71,6 @@ def test_writing_an_input_is_122() -> None:
 
 
 @pytest.mark.requirement("VAL-DIO-02", by="gateway.pure.val3_io.variables:Instructions.dio_link")
-@answers
 def test_dio_link_after_a_look_at_the_status() -> None:
     cell = Cell()
     signal, device = Dio("i0"), Dio("i1")
@@ -90,7 +86,6 @@ def test_dio_link_after_a_look_at_the_status() -> None:
 
 
 @pytest.mark.requirement("VAL-DIO-03", by="gateway.pure.val3_io.variables:Instructions.dio_get")
-@answers
 def test_dio_get() -> None:
     cell = Cell()
     for number, value in enumerate((False, True, False, True)):
@@ -100,7 +95,6 @@ def test_dio_get() -> None:
 
 
 @pytest.mark.requirement("VAL-DIO-04", by="gateway.pure.val3_io.variables:Instructions.dio_set")
-@answers
 def test_dio_set() -> None:
     cell = Cell()
     assert cell.do.dio_set(outputs(), 10) == 10 and cell.outputs() == [False, True, False, True]
@@ -110,7 +104,6 @@ def test_dio_set() -> None:
 
 
 @pytest.mark.requirement("VAL-DIO-05", by="gateway.pure.val3_io.variables:Instructions.assign")
-@answers
 def test_an_assignment_returns_the_bool_and_dio_to_dio_is_none() -> None:
     cell = Cell()
     assert cell.do.assign(Dio("o2"), True) is True and cell.outputs() == [False, False, True, False]
@@ -122,7 +115,6 @@ def test_an_assignment_returns_the_bool_and_dio_to_dio_is_none() -> None:
 
 
 @pytest.mark.requirement("VAL-DIO-06", by="gateway.pure.val3_io.system:IoSystem.status")
-@answers
 def test_io_status() -> None:
     cell = Cell()
     cell.system.lock("i1", True)
@@ -139,7 +131,6 @@ def test_io_status() -> None:
 
 
 @pytest.mark.requirement("VAL-DIO-07", by="gateway.pure.val3_io.system:IoSystem.lock")
-@answers
 def test_a_locked_output_ignores_writes_and_a_locked_input_is_frozen() -> None:
     cell = Cell()
     cell.system.lock("o1", True)
@@ -157,7 +148,6 @@ def test_a_locked_output_ignores_writes_and_a_locked_input_is_frozen() -> None:
 
 
 @pytest.mark.requirement("VAL-DIO-07", by="gateway.pure.val3_io.system:IoSystem.put")
-@answers
 def test_a_simulated_output_reaches_no_device() -> None:
     cell = Cell()
     cell.system.simulate("o1", 0)
@@ -170,7 +160,6 @@ def test_a_simulated_output_reaches_no_device() -> None:
 
 
 @pytest.mark.requirement("VAL-DIO-08", by="gateway.pure.val3_io.variables:Instructions.io_description")
-@answers
 def test_description_and_path() -> None:
     cell = Cell()
     cell.system.lock("i3", True)
@@ -182,7 +171,6 @@ def test_description_and_path() -> None:
 
 
 @pytest.mark.requirement("VAL-AIO-01", by="gateway.pure.val3_io.variables:Instructions.aio_set")
-@answers
 def test_aio_set_at_float_and_integer_outputs() -> None:
     cell = Cell()
     assert cell.do.aio_set(Aio("command"), -12.3) == -12.3 == cell.do.aio_get(Aio("command"))
@@ -192,7 +180,6 @@ def test_aio_set_at_float_and_integer_outputs() -> None:
 
 
 @pytest.mark.requirement("VAL-AIO-02", by="gateway.pure.val3_io.variables:Instructions.aio_set")
-@answers
 def test_aio_set_out_of_range_and_unlinked() -> None:
     cell = Cell()
     cell.do.aio_set(Aio("command"), 7.5)
@@ -206,7 +193,6 @@ def test_aio_set_out_of_range_and_unlinked() -> None:
 
 
 @pytest.mark.requirement("VAL-AIO-02", by="gateway.pure.val3_io.variables:Instructions.aio_get")
-@answers
 def test_aio_get() -> None:
     cell = Cell()
     cell.image.inputs[104:106] = (-250).to_bytes(2, "little", signed=True)
