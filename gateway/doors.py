@@ -61,8 +61,12 @@ class BaseDoor:
         if self.watch.wake(now) is LinkEvent.SILENT:
             self.office.link(self.number, self.on_loss, alive=False)
             self.restart()
-            silence = self.watch.max_silence / 1e6
-            self._tell("link", f"door {self.number} {self.name}: silent for {silence:.0f} ms; {self.on_loss.value}", door=self.number)
+            words = f"{self.silence()} for {self.watch.max_silence / 1e6:.0f} ms"
+            self._tell("link", f"door {self.number} {self.name}: {words}; {self.on_loss.value}", door=self.number)
+
+    def silence(self) -> str:
+        """What the partner did instead of a sign of life."""
+        return "silent"
 
     def restart(self) -> None:
         """The next telegram is only adopted (AX-141)."""

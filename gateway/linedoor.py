@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from gateway.processes.services import Services
 
 COMMAND_DB, STATUS_DB, INPUTS_DB, OUTPUTS_DB = 10, 11, 20, 21
+WAITS = (ErrorNumber.LOCKED, ErrorNumber.STOPPED)  # refusals that a partner awaits as it should: a sign of life (AX-650)
 ANY_DB = 1  # entries say only where in their block they stand
 
 
@@ -57,6 +58,7 @@ class LineDoor(SerialDoor):
         self.data = self._data_door([compile_block(db) for db in mine]) if mine else None
         self._own = OwnJobs(compile_job(db) for db in mine if db.every_ms or db.on_change)
         self._life: int | None = None
+        self._refusal: Refused | None = None  # of the last job, where it counts for no sign of life
         self._life_place = _word_of(line.supervision.life_word)
         priority = Priority.HIGH if line.priority == "high" else Priority.LOW
         self._areas = LineAreas(self)
@@ -173,9 +175,12 @@ class LineDoor(SerialDoor):
     def _on_event(self, event: object, now: Ns) -> None:
         """The store was read or written inside the machine; here it is counted and handed on."""
         if isinstance(event, Written | Fetched | Continued | Refused | UnexpectedReaction | Repeated):
-            life, self._life = self._life, None
             self._count(event, now)
-            self.heard(now, life)
+            if isinstance(event, UnexpectedReaction) or (isinstance(event, Refused) and event.number not in WAITS):
+                self._refusal = event if isinstance(event, Refused) else self._refusal
+            else:
+                life, self._life, self._refusal = self._life, None, None
+                self.heard(now, life)
             self._services.flush()
         elif isinstance(event, Done):
             self._done(event, now)
@@ -185,6 +190,12 @@ class LineDoor(SerialDoor):
             self._fault("own_faults", self._in_words(event), now)
         else:
             self._link_fault(event, now)
+
+    def silence(self) -> str:
+        """A partner whose jobs are all refused is not silent, but nothing of it counts."""
+        if self._refusal is None:
+            return super().silence()
+        return f"no job that could be served, the last one refused with {self._refusal.number:02X}h ({self._refusal.why}),"
 
     def _in_words(self, event: Denied | Failed | Unasked) -> str:
         if isinstance(event, Unasked) or self._link.active.name != BUEP64:

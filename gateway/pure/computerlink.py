@@ -35,13 +35,18 @@ class ComputerLink:
         self.link = Link(profile, priority)
         self.active, self.passive = Active(dialect, baud), Passive(store, dialect, areas)
         self._station = Station(self.passive, self.active, dialect)
-        self._command = 0  # the link's job number of the last command
+        self._command = self._reaction = 0  # the link's job number of the last of each
 
     def start(self, now: Ns) -> None:
         """Call after giving `active` a job: it leaves as soon as the line is free."""
         while (block := self._station.take_block()) is not None:
-            job = self.link.send(block, now, follow_on=block[0] == FOLLOW_ON)
-            self._command = self._command if is_reaction(block) else job
+            follow_on, reaction = block[0] == FOLLOW_ON, is_reaction(block)
+            if reaction and self._station.reactions > 1 and self.link.replace(self._reaction, block, follow_on):
+                self._station.replaced()  # a new command withdraws the reaction its partner has not taken (AX-650)
+            elif reaction:
+                self._reaction = self.link.send(block, now, follow_on)
+            else:
+                self._command = self.link.send(block, now, follow_on)
 
     # ---- the machine
     def receive(self, data: bytes, now: Ns) -> Sequence[Event]:

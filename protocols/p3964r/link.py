@@ -46,6 +46,10 @@ class Link:
         self._start(now)
         return job
 
+    def replace(self, job: int, block: bytes, follow_on: bool = False) -> bool:
+        """Send this block in place of the one given under that number; False: that one is on the line already, or the job is over."""
+        return self._sender.replace(job, block, self.profile.follow_on_end if follow_on else self.profile.end)
+
     def revoke(self) -> None:
         """Take the first job back, if there is one: a block on the line is ended but not repeated; it ends with REVOKED, or sent."""
         self._sender.revoke()

@@ -24,6 +24,7 @@ class State(Enum):
 
 
 IDLE, PAUSED, CONNECT, SENDING, BACKING_OFF, ANSWER = State  # asked at every character: State.IDLE costs a search in its class
+ON_THE_LINE = (SENDING, BACKING_OFF, ANSWER)
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,6 +82,14 @@ class Sender:
         else:
             self._connect()
             self._repeated_at = now if now == self._done_at else None  # the next job follows in the burst that ended the last one
+
+    def replace(self, number: int, block: bytes, end: Char = Char.ETX) -> bool:
+        """Another block for a job of which no character is on the line but STX; False: it is too late, or the job is over."""
+        for at, job in enumerate(self.jobs):
+            if job.number == number and (at or self._state not in ON_THE_LINE):
+                self.jobs[at] = Job(number, block, end)
+                return True
+        return False
 
     def revoke(self) -> None:
         """Take the first job back: a block on the line is ended but not repeated, none is begun any more."""
@@ -240,7 +249,7 @@ class Sender:
         self._state, self.due, self._revoked = IDLE, None, False
 
     def _stage(self) -> Stage:
-        return Stage.BLOCK if self._state in (SENDING, BACKING_OFF, ANSWER) else Stage.CONNECT
+        return Stage.BLOCK if self._state in ON_THE_LINE else Stage.CONNECT
 
     # ---- time
     def sent(self, now: Ns) -> None:

@@ -153,6 +153,10 @@ class Passive:
         output, self._output = self._output, None
         return output
 
+    def forget(self) -> None:
+        """A job that was not complete has never been: its partner begins anew."""
+        self._open = None
+
     def lost(self) -> None:
         """The port is gone: a job that was not complete has never been."""
         self._open = self._output = None

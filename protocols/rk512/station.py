@@ -1,7 +1,7 @@
 """Both roles on one link: which block is whose, and which telegram may leave.
 
 Knows no link: `block` takes what it delivered, `take_block` gives what it is to send, `block_sent` and `block_failed` tell in the same
-order what became of it.  Order of jobs: serial-protocols 2.6; repeated commands: AX-225.
+order what became of it.  Order of jobs: serial-protocols 2.6; repeated commands: AX-225; reactions nobody took: AX-650.
 """
 
 from collections import deque
@@ -12,7 +12,7 @@ from protocols.base.machine import Ns
 from protocols.rk512.active import Active, Trouble, Unasked
 from protocols.rk512.active import Event as ActiveEvent
 from protocols.rk512.dialects import Dialect
-from protocols.rk512.header import HEADER_BYTES, is_reaction
+from protocols.rk512.header import FIRST, HEADER_BYTES, is_reaction
 from protocols.rk512.passive import Event as PassiveEvent
 from protocols.rk512.passive import Passive
 
@@ -39,6 +39,7 @@ class Station:
         self.passive, self.active, self._dialect = passive, active, dialect
         self._under_way: deque[_Out] = deque()
         self._last = b""  # the command whose reaction has not left
+        self._untaken = False  # the last reaction was given up
 
     def block(self, data: bytes, now: Ns, overtaken: bool = False) -> list[Event]:
         """A block of the link.  overtaken: the partner wished to send it before it had our last command (AX-242)."""
@@ -53,9 +54,20 @@ class Station:
             events += self.active.interrupted(now)
         if data and data == self._last:
             return [*events, Repeated(data[:HEADER_BYTES])]
+        if data[:1] == bytes((FIRST,)) and (self._untaken or self.reactions):
+            self.passive.forget()  # no sequence error: the partner does not know how far its last job came
         events += self.passive.telegram(data, now)
-        self._last = data
+        self._last, self._untaken = data, False
         return events
+
+    @property
+    def reactions(self) -> int:
+        """Under way.  More than one: all but the newest answer commands their partner has given up (AX-650)."""
+        return self._under_way.count(_Out.REACTION)
+
+    def replaced(self) -> None:
+        """The link sends the block taken last in the place of the reaction before it."""
+        self._under_way.pop()
 
     def take_block(self) -> bytes | None:
         """The next block for the link; a reaction goes before a command of ours."""
@@ -79,14 +91,14 @@ class Station:
         """The oldest block taken is given up."""
         if self._under_way.popleft() is _Out.COMMAND:
             return [*self.active.unsent(now)]
-        self._last = b""
+        self._last, self._untaken = b"", True
         return []
 
     def lost(self) -> list[Event]:
         """The port is gone."""
         self.passive.lost()
         self._under_way.clear()
-        self._last = b""
+        self._last, self._untaken = b"", False
         return [*self.active.lost()]
 
     def _looks_like_command(self, data: bytes) -> bool:

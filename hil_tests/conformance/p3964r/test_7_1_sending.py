@@ -202,3 +202,12 @@ def test_jobs_do_not_grow_without_end_while_the_partner_is_away() -> None:
     line.says(b"").reports()
     line.does(lambda link, now: link.send(b"C", now)).reports(SendFailed(2, Failure.CROWDED, Stage.WAITING))
     assert line.machine.pending == 64
+
+
+def test_a_block_is_replaced_until_its_first_character_is_on_the_line() -> None:
+    """AX-650: STX says nothing of the block that follows."""
+    line = idle().does(lambda link, now: link.send(b"A", now)).does(lambda link, now: link.send(b"C", now)).says(STX)
+    line.does(lambda link, now: link.replace(1, b"B")).does(lambda link, now: link.replace(2, b"D", follow_on=True))
+    line.hears(DLE).says(b"B\x10\x03\x51").does(lambda link, now: link.replace(1, b"A")).hears(DLE).says(STX).reports(BlockSent(1))
+    line.at(ms(1)).hears(DLE).says(b"D\x10\x03\x57").hears(DLE).says(b"").reports(BlockSent(2))
+    assert not line.machine.replace(2, b"E")

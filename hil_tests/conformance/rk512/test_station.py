@@ -3,7 +3,7 @@
 from hil_tests.lab.rk512_blocks import Blocks
 from protocols.rk512.active import Active, Done, Failed, Trouble, Unasked
 from protocols.rk512.dialects import STANDARD, Dialect
-from protocols.rk512.passive import Fetched, Passive
+from protocols.rk512.passive import Continued, Fetched, Passive, Refused
 from protocols.rk512.station import Repeated, Station
 
 FETCH = bytes.fromhex("00004544050000 01FFFF")
@@ -68,3 +68,37 @@ def test_nothing_awaited_and_a_lost_port() -> None:
     both.active.fetch(0, 1, 7)
     both.take_block()
     assert both.lost() == [Failed(1, Trouble.LOST)] and both.take_block() is None
+
+
+OTHER = bytes.fromhex("00004544050100 01FFFF")
+LONG = bytes.fromhex("00004544050000 41FFFF")
+
+
+def test_a_new_command_withdraws_the_reaction_under_way() -> None:
+    """AX-650: the link puts the newer reaction in the place of the older one, whose outcome is never told."""
+    both = station()
+    both.block(FETCH, 0)
+    assert both.take_block() is not None and both.reactions == 1
+    assert both.block(OTHER, 0) == [Fetched(5, 1, 1)] and both.take_block() == bytes(6) and both.reactions == 2
+    both.replaced()
+    assert both.reactions == 1 and both.block_sent(0) == [] and both.reactions == 0
+
+
+def test_a_first_telegram_after_an_untaken_reaction_begins_anew_and_a_follow_on_goes_on() -> None:
+    for given_up in (False, True):
+        for data, event in ((FETCH, Fetched(5, 0, 1)), (bytes.fromhex("FF004544"), Continued(0))):
+            both = Station(Passive(Blocks({5: 65})), Active(), STANDARD)
+            both.block(LONG, 0)
+            assert both.take_block() is not None
+            if given_up:
+                both.block_failed(0)
+            assert both.block(data, 0) == [event]
+
+
+def test_a_first_telegram_after_a_reaction_that_was_taken_is_out_of_sequence() -> None:
+    both = Station(Passive(Blocks({5: 65})), Active(), STANDARD)
+    both.block(LONG, 0)
+    both.take_block()
+    both.block_sent(0)
+    (refused,) = both.block(FETCH, 0)
+    assert isinstance(refused, Refused) and refused.number == 0x36

@@ -187,6 +187,21 @@ def test_extended_blocks_inputs_outputs_and_flags_are_served(run: Run) -> None:
     assert run.fetch("00 00 45 41 00 03 00 01 FF FF", 1) == b"\x01", "bytes are counted, not words"
 
 
+def test_a_link_that_refuses_every_job_is_not_alive(run: Run) -> None:
+    """AX-650: thirty jobs to a missing block in six seconds are no sign of life; the first good one is."""
+    run.fetch("00 00 45 44 0A 00 00 01 FF FF", 2)
+    assert run.counters("served")["alive"]
+    end, refused = time.monotonic() + 6.0, 0
+    while time.monotonic() < end:
+        assert isinstance(run.ask("00 00 45 44 63 00 00 01 FF FF"), Refused)
+        refused += 1
+    assert refused > 5 and not run.counters("served")["alive"]
+    told = (runtime_dir() / "roles" / "journal.jsonl").read_text()
+    assert "no job that could be served, the last one refused with 0Ah" in told
+    run.fetch("00 00 45 44 0A 00 00 01 FF FF", 2)
+    assert run.counters("served")["alive"]
+
+
 def test_types_not_listed_are_refused(run: Run) -> None:
     for head in ("00 00 45 54 00 00 00 01 FF FF", "00 00 45 5A 00 00 00 01 FF FF"):
         answer = run.ask(head)
