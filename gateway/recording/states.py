@@ -12,6 +12,8 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any
 
+from gateway.recording.kinds import id_of, location_of
+
 OURS = ("gateway.pure.", "drivers.drives.", "motion.", "protocols.")
 PLAIN = (bool, int, float, str)
 CONTAINERS = (bytearray, deque)
@@ -126,11 +128,11 @@ class _Freezer:
         if value is None or type(value) in PLAIN:
             return value
         if isinstance(value, enum.Enum):
-            return {"enum": _name(type(value)), "value": self.freeze(value.value)}
+            return {"enum": id_of(type(value)), "value": self.freeze(value.value)}
         if isinstance(value, bytes):
             return {"bytes": value.hex()}
         if isinstance(value, tuple):
-            kind = {} if type(value) is tuple else {"class": _name(type(value))}
+            kind = {} if type(value) is tuple else {"class": id_of(type(value))}
             return {"tuple": [self.freeze(each) for each in value], **kind}
         if isinstance(value, set | frozenset):
             return {type(value).__name__: sorted((self.freeze(each) for each in value), key=repr)}
@@ -158,12 +160,8 @@ class _Freezer:
         if isinstance(value, dict):
             return {"dict": [[self.freeze(key), self.freeze(each)] for key, each in value.items()], "number": number}
         if type(value).__module__.startswith(OURS):
-            return {"object": _name(type(value)), "has": {k: self.freeze(v) for k, v in _attributes(value).items()}, "number": number}
+            return {"object": id_of(type(value)), "has": {k: self.freeze(v) for k, v in _attributes(value).items()}, "number": number}
         return {"kept": type(value).__name__}
-
-
-def _name(kind: type) -> str:
-    return f"{kind.__module__}:{kind.__qualname__}"
 
 
 def _attributes(value: object) -> dict[str, object]:
@@ -213,7 +211,7 @@ class _Carrier:
         absent = target is None and "object" in tree and isinstance(pristine, dict) and tree["object"] == pristine.get("object")
         if absent or ("same" in tree and tree["same"] not in self._made):
             return target  # absent: a part of the recorded cell that this one does not have
-        if tree.get("object") and isinstance(pristine, dict) and tree["object"] == pristine.get("object") == _name(type(target)):
+        if tree.get("object") and isinstance(pristine, dict) and tree["object"] == pristine.get("object") == id_of(type(target)):
             return self._object(tree, pristine, target)
         if "list" in tree and isinstance(target, list) and isinstance(pristine, dict) and len(tree["list"]) == len(target):
             target[:] = [self.carry(each, was, now) for each, was, now in zip(tree["list"], pristine.get("list", ()), target, strict=True)]
@@ -341,7 +339,7 @@ def _of_tuple(tree: Any, parts: list[Any]) -> Any:
 
 def _class(name: str) -> Any:
     """A class of a pure package: those can touch neither file nor socket."""
-    module, _, path = name.partition(":")
+    module, path = location_of(name)
     if not f"{module}.".startswith(OURS):
         raise StateError(f"{name}: no class of a state")
     try:
