@@ -117,6 +117,10 @@ def place_of(error: BaseException) -> str:
     return f"{type(error).__name__}: {error}{place}"
 
 
+class EndedError(Exception):
+    """A dialogue was given up between two of its steps; the message says why."""
+
+
 T = TypeVar("T")
 Say = Callable[[str, str, Mapping[str, object]], None]  # kind, sentence, facts
 
@@ -340,12 +344,17 @@ class CanopenMaster:
                 return Silent.YES
         return b""
 
-    def carry(self, number: int, plan: Generator[steps.Step, Answer, T]) -> T:
-        """A dialogue of a tool with a node that is started up; raises what the plan raises."""
+    def carry(self, number: int, plan: Generator[steps.Step, Answer, T], ends: Callable[[], str] = str) -> T:
+        """A dialogue of a tool with a node that is started up; raises what the plan raises.
+
+        `ends`: asked before every step; words end the dialogue there with EndedError.
+        """
         node = self.nodes[number]
         with node.lock:
             step = next(plan)
             while True:
+                if why := ends():
+                    raise EndedError(why)
                 try:
                     step = plan.send(self._answer(node, step))
                 except StopIteration as end:

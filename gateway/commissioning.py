@@ -1,22 +1,37 @@
 """A CANopen bus without a cycle: who is there, and one node started up by hand; the tool's own port is the only master then."""
 
+import contextlib
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 
 from drivers.drives.cia402_boot import NodePlan
-from drivers.drives.cia402_manual import Manual, Moved, homing, interpolated, profile_position, profile_velocity
+from drivers.drives.cia402_manual import (
+    Manual,
+    ManualError,
+    Moved,
+    homing,
+    interpolated,
+    profile_position,
+    profile_velocity,
+    stopped,
+)
+from drivers.ports.base import PortError
 from drivers.ports.can import open_can
 from gateway.axes import scaling_of
 from gateway.canopen_direct import DirectLink
-from gateway.canopen_master import CanopenMaster, Health, Node
+from gateway.canopen_master import CanopenMaster, EndedError, Health, Node
 from gateway.cell import Axis
+from gateway.commissioning_life import Heartbeat, Signals
 from gateway.firstenable import percent
 from motion.units import to_si
 from protocols.base.machine import Frame
 from protocols.canopen import cobid, nmt, sdo
 
 QUIET_S = 0.4  # after the last request: whoever has not answered by then is not there
+MISSED = 6  # heartbeats of the tool the drive may miss: a tool has no real-time priority
+CONSUMER_HEARTBEAT = 0x1016
 IP_PERIOD_MS = 40  # between two SYNCs of a tool
 OBJECTS = ((0x1000, 0, "type"), (0x1018, 1, "vendor"), (0x1018, 2, "product"), (0x1018, 3, "revision"), (0x1018, 4, "serial"))
 Found = dict[str, object]
@@ -62,26 +77,84 @@ def _take(frames: list[Frame], key: tuple[int, int], name: str, found: dict[int,
 def start_up(
     link: DirectLink, axis: str, plan: NodePlan, manual: Manual | None = None, timeout_s: float = 20.0
 ) -> tuple[Node, Moved | None]:
-    """One node by the same plan as the cell's master, and one move by hand; pre-operational afterwards, because nobody watches it."""
+    """One node by the same plan as the cell's master, and one move by hand; pre-operational afterwards, because nobody watches it.
+
+    The drive watches the tool's heartbeat, so the tool's death stops it.  Every other way out stops it by controlword and is verified.
+    Raises ManualError with what the drive would not do, and whether it is off.
+    """
+    plan = replace(plan, missed=MISSED)
     master = CanopenMaster("commission", link, [(axis, plan)], lambda kind, words, facts: None)
-    master.start()
-    node, moved = master.nodes[plan.node], None
+    node = master.nodes[plan.node]
+    with Signals() as signals, Heartbeat(link, plan.heartbeat_ms / 1000.0) as life:
+        master.start()
+        last = nmt.Command.PRE_OPERATIONAL
+        try:
+            _await_start(node, signals, life, timeout_s)
+            moved = None
+            if node.health is Health.READY and manual is not None:
+                last = nmt.Command.STOP  # until the drive has shown that it is off: its abort connection option is the last resort
+                moved = _move(master, node, manual, signals, life)
+                last = nmt.Command.PRE_OPERATIONAL
+            if node.health is Health.READY:
+                master.download(plan.node, CONSUMER_HEARTBEAT, 1, bytes(4))  # the heartbeat that ends now is no fault
+            return node, moved
+        except MoveEndedError:
+            last = nmt.Command.PRE_OPERATIONAL
+            master.download(plan.node, CONSUMER_HEARTBEAT, 1, bytes(4))
+            raise
+        finally:
+            with contextlib.suppress(PortError):
+                frame = nmt.command(last, plan.node)
+                link.send(frame.identifier, frame.data)
+            master.stop()
+
+
+class MoveEndedError(ManualError):
+    """The move was ended, and the drive has shown that it is off."""
+
+
+def _await_start(node: Node, signals: Signals, life: Heartbeat, timeout_s: float) -> None:
     end = time.monotonic() + timeout_s
+    while node.health not in (Health.READY, Health.REFUSED, Health.DEAD) and time.monotonic() < end:
+        if signals.why:
+            raise ManualError(f"{signals.why} before the drive was started up; it was not switched on")
+        life.alive()
+        time.sleep(0.02)
+
+
+def _move(master: CanopenMaster, node: Node, manual: Manual, signals: Signals, life: Heartbeat) -> Moved:
+    """The move; then the drive is off, or ManualError says that it is not."""
+
+    def ends() -> str:
+        life.alive()
+        return signals.why or ("" if node.health is Health.READY else f"node {node.plan.node}: {node.why}")
+
+    def goes_on() -> str:
+        life.alive()
+        return ""
+
+    moved: Moved | None = None
+    why = ""
     try:
-        while node.health not in (Health.READY, Health.REFUSED, Health.DEAD) and time.monotonic() < end:
-            time.sleep(0.02)
-        if node.health is Health.READY and manual is not None:
-            moved = master.carry(plan.node, manual)
-        return node, moved
-    finally:
-        frame = nmt.command(nmt.Command.PRE_OPERATIONAL, plan.node)
-        link.send(frame.identifier, frame.data)
-        master.stop()
+        moved = master.carry(node.plan.node, manual, ends)
+    except (ManualError, EndedError) as error:
+        why = str(error)
+    try:
+        status = master.carry(node.plan.node, stopped(), goes_on)
+    except ManualError as error:
+        told = f"{why}; then " if why else ""
+        raise ManualError(f"{told}{error}: PRESS THE EMERGENCY STOP, the drive may still move") from error
+    if moved is None:
+        raise MoveEndedError(f"{why}; the drive was stopped and is switched off (statusword {status:04X}h)")
+    return moved
 
 
 def move_plan(axis: Axis, mode: str, way: float | None) -> Manual:
-    """One move at the axis' first_enable speed; `way` in its unit, its first_enable travel when left out."""
+    """One move at the axis' first_enable speed; `way` in its unit, its first_enable travel when left out.  Raises ManualError."""
     scaling, first = scaling_of(axis), axis.first_enable
+    longest = (1 << 31) / abs(scaling.inc_per_unit) / to_si(1.0, axis.unit)
+    if way is not None and not abs(way) < longest:  # also what is no number
+        raise ManualError(f"--way {way:g}: a way of axis {axis.name} is a number within +-{longest:.0f} {axis.unit} (32 bits)")
     way_inc = round(to_si(first.travel if way is None else way, axis.unit) * scaling.inc_per_unit)
     speed_inc_s = max(1, round(to_si(axis.limits.speed * percent(first.speed), axis.unit) * abs(scaling.inc_per_unit)))
     accel_inc_s2 = max(1, round(to_si(axis.limits.accel / 2, axis.unit) * abs(scaling.inc_per_unit)))

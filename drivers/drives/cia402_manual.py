@@ -13,6 +13,8 @@ from drivers.drives.cia402_boot import name_of
 from drivers.drives.cia402_states import Command, State, next_command, state_of
 
 POLL_MS, TRIES = 5, 400  # for a state; a move has its own limit
+SLICE_MS = 20  # a pause in a move is cut so small: whoever ends it is heard between two of them
+STOP_TRIES, STILL, STILL_INC, SILENCES = 1000, 10, 2, 3  # polls of a stop in all, and with the place unchanged; answers it may lack
 NEW_SET_POINT, RELATIVE, IP_ENABLE = 0x0010, 0x0040, 0x0010
 ACKNOWLEDGED = SPEED_ZERO = 0x1000  # statusword bit 12 in PP, in PV
 Manual = Generator[Step, Answer, "Moved"]
@@ -30,7 +32,12 @@ class Moved:
     end_inc: int
 
 
-def profile_position(way_inc: int, speed_inc_s: int, accel_inc_s2: int, limit_ms: int = 20_000) -> Manual:
+def patience_ms(way_inc: int, speed_inc_s: int, accel_inc_s2: int) -> int:
+    """How long a move may take: twice what way, speed and both ramps need, and two seconds."""
+    return 2 * round(1000 * (abs(way_inc) / speed_inc_s + speed_inc_s / accel_inc_s2)) + 2000
+
+
+def profile_position(way_inc: int, speed_inc_s: int, accel_inc_s2: int) -> Manual:
     """PP: a relative way; the set-point handshake is waited for."""
     yield from _write(0x6081, speed_inc_s, 4)
     yield from _write(0x6083, accel_inc_s2, 4)
@@ -41,7 +48,7 @@ def profile_position(way_inc: int, speed_inc_s: int, accel_inc_s2: int, limit_ms
     yield from _status(ACKNOWLEDGED, ACKNOWLEDGED, 1000)
     yield from _control(Command.ENABLE.value | RELATIVE)
     yield from _status(ACKNOWLEDGED, 0, 1000)
-    yield from _status(Bit.TARGET_REACHED, Bit.TARGET_REACHED, limit_ms)
+    yield from _status(Bit.TARGET_REACHED, Bit.TARGET_REACHED, patience_ms(way_inc, speed_inc_s, accel_inc_s2))
     return (yield from _off(start))
 
 
@@ -52,9 +59,10 @@ def profile_velocity(speed_inc_s: int, accel_inc_s2: int, run_ms: int) -> Manual
     yield from _write(0x60FF, 0, 4)
     start = yield from _on(Mode.PV)
     yield from _write(0x60FF, speed_inc_s, 4)
-    yield Pause(run_ms)
+    for left in range(run_ms, 0, -SLICE_MS):
+        yield Pause(min(SLICE_MS, left))
     yield from _write(0x60FF, 0, 4)
-    yield from _status(SPEED_ZERO, SPEED_ZERO, 5000)
+    yield from _status(SPEED_ZERO, SPEED_ZERO, patience_ms(0, abs(speed_inc_s), accel_inc_s2))
     return (yield from _off(start))
 
 
@@ -88,6 +96,41 @@ def interpolated(points_inc: Sequence[int], period_ms: int) -> Manual:
         yield Sync(period_ms)
     yield from _control(Command.ENABLE.value)
     return (yield from _off(start))
+
+
+def stopped() -> Generator[Step, Answer, int]:
+    """Quick stop and off by controlword, in whatever state a move was left; the statusword that proves it.
+
+    A drive that waits in quick stop active (605Ah 5..8) is switched off when it stands.  Refusals are no end: the next poll tries again.
+    Raises ManualError when the drive does not show that it is off.
+    """
+    place, still, silent, words = 0, 0, 0, "no answer"
+    for turn in range(STOP_TRIES):
+        answer = yield Read(0x6041)
+        if isinstance(answer, bytes):
+            status = int.from_bytes(answer, "little")
+            state, words = state_of(status), f"statusword {status:04X}h"
+            if state in (State.DISABLED, State.NOT_READY, State.FAULT):
+                yield Write(0x6060, 0, bytes((Mode.CSP,)))
+                return status
+            before, shown = place, (yield Read(0x6064))
+            place = int.from_bytes(shown, "little", signed=True) if isinstance(shown, bytes) else before + STILL_INC + 1
+            still = still + 1 if abs(place - before) <= STILL_INC else 0
+            command = _stopping(state, ramp_over=still >= STILL or turn >= STOP_TRIES // 2)
+            if command is not None:
+                yield Write(0x6040, 0, command.value.to_bytes(2, "little"))
+        elif answer is Silent.YES and (silent := silent + 1) >= SILENCES:
+            break
+        yield Pause(POLL_MS)
+    raise ManualError(f"the drive does not show that it is switched off ({words})")
+
+
+def _stopping(state: State | None, *, ramp_over: bool) -> Command | None:
+    if state is State.REACTING:
+        return None
+    if state in (State.ENABLED, State.QUICK_STOP) and not ramp_over:
+        return Command.QUICK_STOP
+    return Command.DISABLE_VOLTAGE
 
 
 def _on(mode: Mode) -> Generator[Step, Answer, int]:
