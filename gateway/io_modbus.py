@@ -3,11 +3,12 @@
 from typing import TYPE_CHECKING
 
 from gateway.io_plan import MODBUS, outputs_of
-from gateway.modbus_client import Device, Group, Kind, Link, ModbusClient, Result, write_bits_pdu
+from gateway.modbus_client import Device, Group, Kind, Link, ModbusClient, Result, exception_words, write_bits_pdu
+from gateway.modbuslinks import LinkReports
 from gateway.pure.contacts import Outputs, Said
 from gateway.pure.records import RC_BYTES, Quality
 from protocols.base.machine import Ns, ms
-from protocols.modbus.orders import Done
+from protocols.modbus.orders import Done, Failed, Refused
 
 if TYPE_CHECKING:
     from gateway.io_office import IoOffice
@@ -26,6 +27,7 @@ class ModbusContacts:
         self._mine = {n: io for n, io in enumerate(cell.io) if io.device.type == MODBUS}
         self._outputs = Outputs(outputs_of(cell, MODBUS, services.plan.p5_ms), len(cell.axis))
         self._clients: dict[str, ModbusClient] = {}
+        self._reports: dict[str, LinkReports] = {}
         self._wanted: dict[int, bool] = {}
         self._due: dict[int, Ns] = {}
         self.started = False
@@ -37,11 +39,17 @@ class ModbusContacts:
             units = sorted({io.device.unit for io in self._mine.values() if io.device.url == url})
             devices = [Device(str(unit), unit, TIMEOUT, retries=RETRIES, probe_every=PROBE) for unit in units]
             framing = "tcp" if url.startswith("tcp://") else "rtu"
-            client = self._clients[url] = ModbusClient(Link(url.removeprefix("rtu:"), framing), devices)
+            link = Link(url.removeprefix("rtu:"), framing)
+            reports = self._reports[url] = LinkReports(self._services.journal, f"Modbus couplers at {link.url}", link)
+            client = self._clients[url] = ModbusClient(link, devices, reports.device, on_refused=reports.read)
             client.start()
             for unit in units:
                 self._poll(client, url, unit)
         self.started = True
+
+    def status(self) -> dict[str, object]:
+        """For tools and the page, by url."""
+        return {url: self._reports[url].status(client) for url, client in self._clients.items()}
 
     def close(self) -> None:
         for client in self._clients.values():
@@ -66,7 +74,11 @@ class ModbusContacts:
     def step(self, now: Ns) -> None:
         """Outputs as the cycle has them; the watchdog moves only when a new cycle was completed."""
         state = self._services.values.state
-        if not self.started or not state.generation:
+        if not self.started:
+            return
+        for url, client in self._clients.items():
+            self._reports[url].step(client, now)
+        if not state.generation:
             return
         outputs = self._services.rc_out.read() or bytes(RC_BYTES)
         for n, value in self._outputs.show(state, outputs, self._office.shown).items():
@@ -82,5 +94,8 @@ class ModbusContacts:
         def result(found: Result) -> None:
             good = isinstance(found, Done)
             self._office.said[n] = Said(value, Quality.GOOD if good else Quality.BAD)
+            if not isinstance(found, Failed):
+                words = exception_words(found.code) if isinstance(found, Refused) else ""
+                self._reports[device.url].written(str(device.unit), f"{self._office.contacts[n].name} to coil {device.output}", words)
 
         self._clients[device.url].order(str(device.unit), write_bits_pdu(device.output, [value]), result)

@@ -44,6 +44,8 @@ __all__ = ["Device", "Group", "Kind", "Link", "ModbusClient", "ModbusRefused", "
 Result = Done | Refused | Failed
 OnResult = Callable[[Result], None]
 OnValues = Callable[[tuple[int, ...] | None, Ns], None]  # the values and the moment of the answer; None: could not be read
+OnRefused = Callable[[Group, str], None]  # a group a device refuses and how; "": it is read (again)
+UNANSWERED = 3  # rounds in a row one group has no answer while its device answers others
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,8 +70,7 @@ class ModbusRefused(Exception):
     """The device answered an exception; `code` is its number (ExceptionCode where it is a known one)."""
 
     def __init__(self, device: str, code: int) -> None:
-        known = code in ExceptionCode.__members__.values()
-        super().__init__(f"{device}: exception {code:02X}h{' ' + ExceptionCode(code).name.lower() if known else ''}")
+        super().__init__(f"{device}: {exception_words(code)}")
         self.code = code
 
 
@@ -90,12 +91,18 @@ class ModbusClient:
         devices: Sequence[Device],
         on_device: Callable[[str, bool], None] | None = None,
         open_port: Callable[[], BytePort] | None = None,
+        on_refused: OnRefused | None = None,
     ) -> None:
-        """`on_device(name, alive)` is told each time a device is lost or back; `open_port` replaces the port of the link's url."""
+        """`on_device(name, alive)` is told each time a device is lost or back, `on_refused` when a device begins or ends to refuse a
+        group; `open_port` replaces the port of the link's url.
+        """
         self.link = link
         self._open_port = open_port or (lambda: open_bytes(link.url, link.format))
         self._master = Master(link.wire(), devices)
-        self._on_device = on_device
+        self._on_device, self._on_refused = on_device, on_refused
+        self._groups: dict[str, Group] = {}
+        self._unanswered: dict[str, int] = {}
+        self._refused: dict[str, str] = {}  # how groups are refused, by their names
         self._results: dict[int, OnResult] = {}
         self._listeners: dict[str, OnValues] = {}
         self._runner: LineRunner[Event] | None = None
@@ -115,6 +122,10 @@ class ModbusClient:
         """Why there is no connection; "" while there is one."""
         return self._runner.state.why if self._runner is not None else "not started"
 
+    def refusals(self) -> list[tuple[Group, str]]:
+        """Groups that devices refuse now, and how."""
+        return [(self._groups[name], words) for name, words in self._refused.items()]
+
     def start(self) -> None:
         """Begins to open the port; inside a running loop."""
         self._loop = asyncio.get_running_loop()
@@ -130,7 +141,7 @@ class ModbusClient:
         """Reads the group from now on, also before `start`; its name must be its own."""
         if group.name in self._listeners:
             raise ValueError(f"group {group.name}: the name stands twice")
-        self._listeners[group.name] = on_values
+        self._listeners[group.name], self._groups[group.name] = on_values, group
         self._master.poll(group, time.monotonic_ns())
         self._kick()
 
@@ -182,8 +193,10 @@ class ModbusClient:
     def _on_event(self, event: Event, now: Ns) -> None:
         match event:
             case Polled(group, values):
+                self._note(group, "")
                 self._listeners[group](values, now)
-            case PollFailed(group, _):
+            case PollFailed(group, why):
+                self._note(group, self._refusal(group, why))
                 self._listeners[group](None, now)
             case DeviceLost(device) | DeviceBack(device):
                 if self._on_device is not None:
@@ -192,6 +205,33 @@ class ModbusClient:
                 listener = self._results.pop(event.order, None)
                 if listener is not None:
                     listener(event)
+
+    def _refusal(self, group: str, why: Failure | int) -> str:
+        """How the device refuses this group; as before where it or its link is merely away, which is reported as such."""
+        if isinstance(why, int):
+            return exception_words(why)
+        if why is Failure.SPOILED:
+            return "the answer does not fit the request"
+        if why is Failure.TIMEOUT:
+            self._unanswered[group] = self._unanswered.get(group, 0) + 1
+        if self._unanswered.get(group, 0) >= UNANSWERED and self._master.seen[self._groups[group].device].alive:
+            return "no answer, though the device answers other requests"
+        return self._refused.get(group, "")
+
+    def _note(self, group: str, words: str) -> None:
+        if not words:
+            self._unanswered.pop(group, None)
+        before = self._refused.pop(group, "")
+        if words:
+            self._refused[group] = words
+        if words != before and self._on_refused is not None:
+            self._on_refused(self._groups[group], words)
+
+
+def exception_words(code: int) -> str:
+    """An exception as a page or the journal shows it."""
+    known = code in ExceptionCode.__members__.values()
+    return f"exception {code:02X}h{' ' + ExceptionCode(code).name.lower().replace('_', ' ') if known else ''}"
 
 
 def write_words_pdu(address: int, values: Sequence[int]) -> bytes:

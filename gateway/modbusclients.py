@@ -14,13 +14,14 @@ from typing import TYPE_CHECKING
 from drivers.ports.base import BytePort
 from drivers.ports.open import tcp_address
 from gateway.cell_modbus import Modbus, ModbusDevice, ModbusValue
-from gateway.modbus_client import Device, Group, Kind, Link, ModbusClient, Result, write_bits_pdu, write_words_pdu
+from gateway.modbus_client import Device, Group, Kind, Link, ModbusClient, Result, exception_words, write_bits_pdu, write_words_pdu
+from gateway.modbuslinks import LinkReports
 from gateway.pure.records import Quality
 from gateway.routeplaces import routed_values
 from protocols.base.errors import EncodeError
 from protocols.base.machine import Ns, ms
 from protocols.modbus.numbers import decode_number, encode_number, words_of
-from protocols.modbus.orders import Done
+from protocols.modbus.orders import Done, Failed, Refused
 
 if TYPE_CHECKING:
     from gateway.processes.services import Services
@@ -115,7 +116,9 @@ class ClientLink:
         self._orders = {device.name: device.order for device in settings.device}
         link = Link(url, settings.framing, settings.format, ms(settings.patience_ms))
         folder = pathlib.Path(services.cell.file).resolve().parent
-        self.client = ModbusClient(link, [device_of(device) for device in settings.device], self._told, secured(settings, url, folder))
+        self._reports = LinkReports(services.journal, f"Modbus client {settings.name}", link)
+        devices, open_port = [device_of(device) for device in settings.device], secured(settings, url, folder)
+        self.client = ModbusClient(link, devices, self._reports.device, open_port, self._reports.read)
         self._written = [Written(value, self._orders[value.device]) for value in self._values if value.from_]
 
     def start(self) -> None:
@@ -127,6 +130,7 @@ class ClientLink:
 
     def step(self, now: Ns) -> None:
         """Values that changed, or are due again, are written."""
+        self._reports.step(self.client, now)
         for written in self._written:
             value = self._given(written.value.from_)
             if not written.waiting and value is not None and (value != written.shown or now >= written.next):
@@ -142,11 +146,7 @@ class ClientLink:
 
     def status(self) -> dict[str, object]:
         """For tools."""
-        devices = {
-            name: {"alive": seen.alive, "dead": seen.dead, "losses": seen.losses, "requests": seen.requests, "timeouts": seen.timeouts}
-            for name, seen in self.client.devices.items()
-        }
-        return {"connected": self.client.connected, "why": self.client.why, "devices": devices}
+        return self._reports.status(self.client)
 
     def _read(self, block: Block, n: int, values: tuple[int, ...] | None, now: Ns) -> None:
         source = f"modbus.{self.settings.name}.{n}"
@@ -176,13 +176,12 @@ class ClientLink:
         def told(result: Result) -> None:
             written.waiting = False
             written.shown = value if isinstance(result, Done) else None
+            if not isinstance(result, Failed):  # a device that is away is reported as such
+                words = exception_words(result.code) if isinstance(result, Refused) else ""
+                self._reports.written(settings.device, f"{settings.from_} to {settings.table} {settings.at}", words)
 
         written.waiting = True
         self.client.order(settings.device, pdu, told)
-
-    def _told(self, device: str, alive: bool) -> None:
-        words = "answers" if alive else "does not answer"
-        self._services.journal.write("link", f"Modbus client {self.settings.name}: device {device} {words}")
 
 
 def pdu_of(value: ModbusValue, number: float, order: str) -> bytes:

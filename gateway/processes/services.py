@@ -7,7 +7,6 @@ adopts whatever commands stand (AX-141).
 import argparse
 import asyncio
 import contextlib
-import json
 import signal
 import time
 
@@ -56,6 +55,7 @@ from gateway.realtime import Timerfd, die_with_parent, go_ahead
 from gateway.recording.told import ServicesTap
 from gateway.retaindesk import RetainDesk
 from gateway.signaldesk import RcOutputs, SignalDesk
+from gateway.statusfit import fitted
 from gateway.telegramdoor import TelegramDoor
 from gateway.telegramtables import named_values
 from gateway.tooldesk import ENABLING_BYTE
@@ -223,7 +223,7 @@ class Services:
         if self._ticks % LINKS_EVERY == LINKS_EVERY // 2:
             self.retain.look()
         if self._ticks % LINKS_EVERY == 1:
-            self.links.write(json.dumps(self.status()).encode().ljust(self.links.size)[: self.links.size], now)
+            self.links.write(fitted(self.status(), self.links.size), now)
 
     def on_cycle(self) -> None:
         """The cycle has published: what routes and contacts join goes on at once."""
@@ -362,6 +362,7 @@ class Services:
             **self.retain.status(),
             **self.bridge.status(),
             **(self.clients.status() if self.clients is not None else {}),
+            **({"modbus_couplers": self.contacts.modbus.status()} if self.contacts.modbus is not None else {}),
             "errors": [{"code": code, "text": words} for code, words in self.values.errors[:8]],
             "inputs": {str(octet): self.inputs.values[octet] for octet in self.owned},
         }

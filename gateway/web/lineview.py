@@ -13,6 +13,15 @@ KEPT, SHOWN = 300, 80
 Row = dict[str, Any]
 
 
+def asked_links(status: Row) -> list[Row]:
+    """Modbus clients and couplers of the services' status, one row a link: its name, whether all its devices answer, what is refused."""
+    found: dict[str, Row] = {**status.get("modbus_clients", {}), **status.get("modbus_couplers", {})}
+    return [
+        {**link, "name": name, "alive": bool(link["connected"]) and all(device["alive"] for device in link["devices"].values())}
+        for name, link in found.items()
+    ]
+
+
 class LineViews:
     """Sentences of every line, the last few hundred."""
 

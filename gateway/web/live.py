@@ -17,7 +17,7 @@ from gateway.web.catalogue import advice
 from gateway.web.desk import Gone, Refused, ServicesDesk, supervisor
 from gateway.web.events import Events
 from gateway.web.hands import Hands
-from gateway.web.lineview import LineViews
+from gateway.web.lineview import LineViews, asked_links
 from gateway.web.plantview import Plant
 from gateway.web.regions import Regions
 from gateway.web.scope import Scope
@@ -146,6 +146,7 @@ class Live:
         head["holder"] = self.hands.name
         known = head["services_alive"]  # of services that are away nobody knows what their links do
         head["links"] = [[door["name"], door["alive"] if known else None] for door in self.regions.status.get("doors", [])]
+        head["links"] += [[link["name"], link["alive"] if known else None] for link in asked_links(self.regions.status)]
         return head
 
     @staticmethod
@@ -171,7 +172,8 @@ class Live:
         return self.scope.told()
 
     async def _lines(self) -> Row:
-        return {"lines": await self.lines.look(), "doors": self.regions.status.get("doors", [])}
+        status = self.regions.status
+        return {"lines": await self.lines.look(), "doors": status.get("doors", []), "asked": asked_links(status)}
 
     async def _bus(self) -> Row:
         for view in self.buses:

@@ -67,7 +67,7 @@ class RawClient:
 
 
 class Running:
-    """`with Running() as running:` a server over a MemoryView on a free port; at the end nothing may have reached the loop's handler."""
+    """`with Running() as running:` a server over a MemoryView on a free port, or on `port`; nothing may reach the loop's handler."""
 
     def __init__(
         self,
@@ -79,11 +79,12 @@ class Running:
         rtu: bool = False,
         rights_for: RightsFor | None = None,
         tls: ssl.SSLContext | None = None,
+        port: int = 0,
     ) -> None:
         self.view = view or MemoryView()
         chosen = view_for or (lambda unit: self.view if unit == 1 else None)
         self.server = ModbusServer(
-            chosen, port=0, allow=allow, limits=limits, on_request=on_request, rtu=rtu, rights_for=rights_for, tls=tls
+            chosen, port=port, allow=allow, limits=limits, on_request=on_request, rtu=rtu, rights_for=rights_for, tls=tls
         )
         self.loop = asyncio.new_event_loop()
         self.complaints: list[str] = []

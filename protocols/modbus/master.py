@@ -2,6 +2,8 @@
 
 Orders (reads and writes somebody waits for) go before polling; among the devices turns go round, so none starves another.  A device
 that does not answer is demoted: its orders fail at once and one single request a probe interval asks whether it is back (AX-346).
+A read that is not answered any more fails all groups of its device with it, and two devices silent in a row fail what is overdue on the
+whole link: a value is never GOOD because its turn to be asked has not come yet (AX-640).
 Sources: V1.1b3, section 7 (05 and 06); serial line guide, 2.4.1 (one request at a time, turnaround after a broadcast).
 """
 
@@ -48,6 +50,7 @@ class _Poll:
     group: Group
     due: Ns
     taken: list[int] = field(default_factory=list)
+    good: bool = False  # its last round was read whole, and nothing was reported lost since
 
     def piece(self, device: Device) -> int:
         words = self.group.kind in (Kind.HOLDING_REGISTERS, Kind.INPUT_REGISTERS)
@@ -111,6 +114,7 @@ class Master:
         self._events: list[Event] = []
         self._numbers = 0
         self._quiet_until: Ns = 0
+        self._silent: Seen | None = None  # a device that ran into a time-out; no device has answered since
         self._open = False
         self._ordered = False  # the last turn was an order's: a poll a whole round behind goes before the next one
 
@@ -196,7 +200,7 @@ class Master:
 
     def lost(self, now: Ns) -> list[Event]:
         """What was under way or waited fails, every group is told lost; nothing is sent until opened()."""
-        self._output, self._quiet_until, self._open = b"", 0, False
+        self._output, self._quiet_until, self._open, self._silent = b"", 0, False, None
         self._wire.forget()
         running, self._running = self._running, None
         if running is not None and isinstance(running.what, _Order):
@@ -205,7 +209,7 @@ class Master:
             while seen.orders:
                 self._events.append(Failed(seen.orders.popleft().number, seen.device.name, Failure.LOST))
             for poll in seen.polls:
-                poll.taken = []
+                poll.taken, poll.good = [], False
                 self._events.append(PollFailed(poll.group.name, Failure.LOST))
             if seen.alive:
                 seen.alive = False
@@ -250,6 +254,7 @@ class Master:
             self._repeat(running, Failure.SPOILED, now)
             return
         seen.answers += 1
+        self._silent = None
         seen.answered_ns, seen.failures = now, 0
         seen.ready = now + seen.device.pause
         self._back(seen)
@@ -270,8 +275,7 @@ class Master:
         if isinstance(running.what, _Order):
             self._events.append(Refused(running.what.number, running.seen.device.name, code))
         else:
-            running.what.next_turn(now)
-            self._events.append(PollFailed(running.what.group.name, code))
+            self._failed(running.what, code, now)
 
     def _answered(self, running: _Running, pdu: bytes, now: Ns) -> None:
         what = running.what
@@ -282,11 +286,11 @@ class Master:
         values = values_of(pdu, what.piece(running.seen.device))
         if values is None:
             running.seen.spoiled += 1
-            what.next_turn(now)
-            self._events.append(PollFailed(what.group.name, Failure.SPOILED))
+            self._failed(what, Failure.SPOILED, now)
             return
         what.taken += values
         if len(what.taken) == what.group.count:
+            what.good = True
             self._events.append(Polled(what.group.name, tuple(what.taken)))
             what.next_turn(now)
 
@@ -297,6 +301,7 @@ class Master:
             self._events.append(Done(running.what.number, running.seen.device.name, b""))
             return
         running.seen.timeouts += 1
+        self._unheard(running.seen, now)
         self._repeat(running, Failure.TIMEOUT, now)
 
     def _repeat(self, running: _Running, why: Failure, now: Ns) -> None:
@@ -317,8 +322,10 @@ class Master:
         if isinstance(running.what, _Order):
             self._events.append(Failed(running.what.number, seen.device.name, why))
         else:
-            running.what.next_turn(now)
-            self._events.append(PollFailed(running.what.group.name, why))
+            was_good = running.what.good
+            self._failed(running.what, why, now)
+            if was_good and why is Failure.TIMEOUT:
+                self._doubt(seen)  # a read this device answers otherwise; a register it never answered says nothing of the others
         if seen.dead or seen.failures >= seen.device.demote_after:
             self._demote(seen, now)
 
@@ -328,8 +335,30 @@ class Master:
             seen.dead, seen.alive = True, False
             seen.losses += 1
             self._events.append(DeviceLost(seen.device.name))
+        self._doubt(seen)
         while seen.orders:
             self._events.append(Failed(seen.orders.popleft().number, seen.device.name, Failure.DEAD))
+
+    def _failed(self, poll: _Poll, why: Failure | int, now: Ns) -> None:
+        poll.good = False
+        poll.next_turn(now)
+        self._events.append(PollFailed(poll.group.name, why))
+
+    def _doubt(self, seen: Seen, overdue: Ns | None = None) -> None:
+        """Groups of a silent device fail at once, not each at its own turn; with `overdue` those that were due by then."""
+        for poll in seen.polls:
+            if poll.good and (overdue is None or poll.due <= overdue):
+                poll.taken, poll.good = [], False
+                self._events.append(PollFailed(poll.group.name, Failure.TIMEOUT))
+
+    def _unheard(self, seen: Seen, now: Ns) -> None:
+        """A second device silent in a row: not the devices are away but what leads to them."""
+        if seen.dead:
+            return  # a probe; that one is away is known
+        if self._silent not in (None, seen):
+            for other in self._round:
+                self._doubt(other, now)
+        self._silent = seen
 
     def _back(self, seen: Seen) -> None:
         if not seen.alive:

@@ -36,4 +36,5 @@ export const DE = {
   "Click sets cursor A, Shift and click cursor B; drag to come nearer, double click for all of it.": "Klick setzt Marke A, Umschalt und Klick Marke B; ziehen vergrößert, Doppelklick zeigt alles.",
   "the cycle fell silent": "der Zyklus verstummte", "the cycle was started again": "der Zyklus wurde neu gestartet", "stopped before its trigger": "vor dem Trigger beendet",
   "hold until it is done": "halten, bis es fertig ist", "reference, hold": "Referenz, halten", "client": "Client", "function": "Funktion", "asked": "gefragt", "answered": "geantwortet", "The word is forced": "Das Wort ist gesteuert",
+  "device": "Gerät", "answers": "antwortet", "does not answer": "antwortet nicht", "not asked yet": "noch nicht gefragt", "refused reads and writes": "abgelehntes Lesen und Schreiben", "requests": "Anfragen", "time-outs": "Zeitüberschreitungen", "Modbus devices this cell asks": "Modbus-Geräte, die diese Zelle abfragt",
 };

@@ -151,6 +151,17 @@ def test_signals_are_searched_filtered_and_held(run: CellRun) -> None:
     played(Look("see"), play)
 
 
+def test_requests_to_a_modbus_server_stand_among_what_was_said_on_the_lines(run: CellRun) -> None:
+    client: Any = ModbusTcpClient("127.0.0.1", port=run.port, timeout=10)
+    assert client.connect() and client.read_holding_registers(2000, count=2).isError() is False
+    assert client.read_holding_registers(9999, count=1).exception_code == 2
+    client.close()
+    done = axisgate("monitor", "see", "--once", "--tab", "lines")
+    assert done.returncode == 0 and "Traceback" not in done.stderr, done.stderr
+    rows = [line.split() for line in done.stdout.splitlines() if "FC 3" in line]
+    assert any("2000..2001:" in row for row in rows) and any(row[-3:] == ["illegal", "data", "address"] for row in rows), done.stdout
+
+
 def test_a_search_over_the_services_death_goes_on_by_itself(run: CellRun) -> None:
     async def play(app: Monitor, pilot: Any) -> None:
         await pilot.press("3")

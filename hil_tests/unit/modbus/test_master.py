@@ -367,3 +367,71 @@ def test_whole_numbers_to_their_ends_and_not_beyond(type_: str, low: int, high: 
 def test_the_number_of_registers_must_fit() -> None:
     with pytest.raises(DecodeError):
         decode_number([1], "REAL")
+
+
+# ---------------------------------------------------------------------------- values of a device that dies (AX-640)
+
+
+class Groups:
+    """Units with several groups each behind one TCP connection, in virtual time; those in `silent` take requests and never answer."""
+
+    def __init__(self, units: int, groups: int, **settings: Any) -> None:
+        self.master = Master(TcpWire(), [Device(f"d{n}", unit=n, **settings) for n in range(1, units + 1)])
+        self.silent, self.unanswered, self.now = set[int](), set[int](), 0
+        self.failed: dict[str, Ns] = {}
+        self.good: set[str] = set()
+        self.master.opened(0)
+        for n in range(1, units + 1):
+            for g in range(groups):
+                self.master.poll(Group(f"d{n}.{g}", f"d{n}", HOLDING, g, 1, ms(200)), 0)
+
+    def run(self, until: Ns) -> "Groups":
+        while self.now < until:
+            frame = self.master.take_output()
+            if frame:
+                self.take(self.master.sent(self.now))
+                if frame[6] not in self.silent and int.from_bytes(frame[8:10], "big") not in self.unanswered:
+                    self.now += ms(5)
+                    self.take(self.master.receive(frame[:4] + b"\x00\x05" + frame[6:7] + ANSWER, self.now))
+                continue
+            due = self.master.deadline()
+            self.now = until if due is None else max(due, self.now)
+            self.take(self.master.wake(self.now))
+        return self
+
+    def take(self, events: list[Event]) -> None:
+        for event in events:
+            if isinstance(event, PollFailed):
+                self.good.discard(event.group)
+                self.failed.setdefault(event.group, self.now)
+            elif isinstance(event, Polled):
+                self.good.add(event.group)
+
+
+def test_all_groups_of_a_dead_device_fail_with_the_first_one() -> None:
+    plant = Groups(1, 12, timeout=ms(500), retries=2).run(ms(2000))
+    assert len(plant.good) == 12
+    plant.silent = {1}
+    plant.run(ms(3750))  # three attempts of 500 ms, and the 200 ms of the groups' period
+    assert plant.good == set() and len(plant.failed) == 12
+
+
+def test_a_silent_connection_fails_the_groups_of_all_its_devices() -> None:
+    plant = Groups(12, 1, timeout=ms(500), retries=2).run(ms(2000))
+    plant.silent = set(range(1, 13))
+    plant.run(ms(4250))  # one device given up, the second one silent for the first time
+    assert plant.good == set() and len(plant.failed) == 12
+
+
+def test_one_register_that_is_never_answered_takes_no_other_with_it() -> None:
+    plant = Groups(1, 12, timeout=ms(100), retries=0)
+    plant.unanswered = {5}
+    plant.run(ms(10_000))
+    assert set(plant.failed) == {"d1.5"} and len(plant.good) == 11
+
+
+def test_one_dead_device_takes_no_other_with_it() -> None:
+    plant = Groups(4, 3, timeout=ms(100), retries=1).run(ms(1000))
+    plant.silent = {2}
+    plant.run(ms(20_000))
+    assert set(plant.failed) == {"d2.0", "d2.1", "d2.2"} and len(plant.good) == 9

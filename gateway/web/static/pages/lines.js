@@ -1,5 +1,5 @@
 // What goes over the lines, in words.
-import { chip, h, mark, put } from "../dom.js";
+import { Table, chip, h, mark, put, text } from "../dom.js";
 
 export function mount(root, { t, cell }) {
   const boxes = new Map();
@@ -29,6 +29,27 @@ export function mount(root, { t, cell }) {
       h("div", { class: "scroll", style: "max-height:46vh", tabindex: "0", role: "region", "aria-label": `Modbus ${server.name}` },
         h("table", {}, h("thead", {}, h("tr", {}, [t("time"), t("client"), t("function"), t("asked"), t("answered"), t("bytes")].map((title) => h("th", { scope: "col" }, title)))), body))));
   }
+  // Devices this cell asks: one row a device, below it what they refuse.
+  const asked = new Table([
+    { title: t("link"), free: true, cell: text((row) => row.link) },
+    { title: t("address"), free: true, cell: text((row) => row.url) },
+    { title: t("device"), cell: text((row) => row.device) },
+    { title: t("unit"), n: true, cell: text((row) => row.unit) },
+    { title: t("state"), free: true, cell: (row, td) => { if (!td.firstChild) td.append(chip("plain", "")); mark(td.firstChild, `chip ${row.alive ? "good" : "bad"}`); put(td.firstChild, row.alive ? t("answers") : !row.connected ? t("no connection") : row.asked ? t("does not answer") : t("not asked yet")); } },
+    { title: t("refused reads and writes"), free: true, cell: text((row) => row.words) },
+    { title: t("requests"), n: true, cell: text((row) => row.requests) },
+    { title: t("time-outs"), n: true, cell: text((row) => row.timeouts) },
+    { title: t("losses"), n: true, cell: text((row) => row.losses) },
+  ], (row) => `${row.link} ${row.device}`, { label: t("Modbus devices this cell asks"), row: (row) => (row.words ? "badq" : "") });
+  const devices = h("section", { class: "card", id: "asked", hidden: true }, h("h2", {}, t("Modbus devices this cell asks")), asked.element);
+  root.append(devices);
+  function links(found) {
+    devices.hidden = !found.length;
+    asked.update(found.flatMap((link) => Object.entries(link.devices).map(([device, seen]) => {
+      const refused = link.refused.filter((each) => each.startsWith(`${device}, `)).map((each) => each.slice(device.length + 2));
+      return { ...seen, link: link.name, url: link.url, device, connected: link.connected, asked: seen.requests, words: [link.connected ? "" : link.why, ...refused].filter(Boolean).join("; ") };
+    })));
+  }
   function exchange(row, first) {
     return h("tr", { class: row.ok ? "" : "badq" }, h("td", { class: "n" }, `${(row.ms - first).toFixed(1)} ms`), h("td", {}, `${row.client} / ${row.unit}`), h("td", { class: "n" }, `FC ${row.function}`),
       h("td", { class: "free" }, row.asked), h("td", { class: "free mono small" }, row.answered), h("td", { class: "free mono small" }, row.hex.replace(/(..)(?=.)/g, "$1 ")));
@@ -37,6 +58,7 @@ export function mount(root, { t, cell }) {
   return {
     update(page) {
       if (!page || page.gone) return;
+      links(page.asked);
       for (const door of page.doors) {
         const box = boxes.get(door.name);
         if (!box) continue;
