@@ -45,11 +45,8 @@ def test_a_read_that_is_refused_is_reported_once_and_when_it_is_read_again(tmp_p
             values: list[Any] = []
             client.poll(Group("0", "tank", Kind.HOLDING_REGISTERS, 60_000, 4, ms(20)), lambda found, now: values.append(found))
             await until(lambda: len(values) > 5, "it is refused some times")
-            words = "Modbus client oven: device tank, holding registers 60000..60003"
-            assert told() == [
-                "Modbus client oven: device tank answers",
-                f"{words}: the read is refused: exception 02h illegal data address",
-            ]
+            words, why = "Modbus client oven: device tank, holding registers 60000..60003", "exception 02h illegal data address"
+            assert told() == ["Modbus client oven: device tank answers", f"{words}: the read is refused: {why}"]
             row = asked_links({"modbus_clients": {"oven": reports.status(client)}})[0]
             assert row["alive"] and row["refused"] == [f"tank, holding registers 60000..60003: {why}"]
             view.words[Kind.HOLDING_REGISTERS].extend([0] * (60_010 - len(view.words[Kind.HOLDING_REGISTERS])))
