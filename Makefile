@@ -13,7 +13,7 @@ FUZZ ?=
 MATRIX ?=
 
 .DELETE_ON_ERROR:
-.PHONY: help setup tools kernel references native demo lint test pytest bench soak fuzz branches losses mutants coverage-matrix docs pictures lock clean
+.PHONY: help setup tools kernel references pythons native demo lint test pytest bench soak fuzz branches losses mutants coverage-matrix docs pictures lock clean
 
 help:
 	@echo "make demo             six emulated drives, two PLCs, one cable to unplug (DEMO='--seed 7' hands options on)"
@@ -52,6 +52,10 @@ kernel: tools
 references: tools
 	@$(MAKE) --no-print-directory --keep-going $(REFERENCES) || echo "references: not all built; lane cref says which"
 
+# Packages for the other Pythons of this machine, those of another minor version (lane pythons).
+pythons: $(STAMP)
+	@$(PY) -m hil_tests.lab.pythons || echo "pythons: not all prepared; lane pythons says which"
+
 # Parts of the cycle in C (AX-320).  Without a compiler or Python's headers their Python twins run, and a line says so.
 native: $(STAMP)
 	@$(PY) -m gateway.native.build || true
@@ -77,7 +81,7 @@ lint: $(STAMP)
 	@$(VENV)/bin/lint-imports --no-cache > build/import-contracts.txt 2>&1 && tail -n 2 build/import-contracts.txt || { cat build/import-contracts.txt; exit 1; }
 
 # Lint and branches first, all tests whatever they said; pytest's closing line is the last one.
-test: $(STAMP) references native kernel
+test: $(STAMP) references native kernel pythons
 	@mkdir -p build; lint=0; $(MAKE) --no-print-directory lint || lint=1; \
 	branches=0; $(MAKE) --no-print-directory branches || branches=1; \
 	$(PY) -m pytest --matrix=build/matrix/results.json; tests=$$?; \

@@ -13,6 +13,7 @@ from collections.abc import Callable, Generator, Iterator, Mapping
 import pytest
 
 from gateway.native import built
+from hil_tests.lab import pythons
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 REFERENCES = ROOT / "build"  # C references: hil_tests/bench/NAME.c becomes build/NAME
@@ -47,12 +48,17 @@ def _npm() -> str | None:
     return None if there else "node or build/node/node_modules/modbus-serial not found (make tools)"
 
 
+def _pythons() -> str | None:
+    return pythons.missing()
+
+
 NEEDS: dict[str, Callable[[], str | None]] = {
     "vcan": _vcan,
     "mbpoll": _mbpoll,
     "cref": _cref,
     "tshark": _tshark,
     "npm": _npm,
+    "pythons": _pythons,
 }  # marker = lane
 FOLDERS = {"unit": "pure", "conformance": "pure", "properties": "pure", "rig": "rig", "matrix": "rig"}
 

@@ -89,6 +89,8 @@ class _Pickler(pickle.Pickler):
     def reducer_override(self, value: Any) -> Any:
         if _array(value):
             return Numbers, (list(value.shape), value.dtype.str, value.tobytes())
+        if isinstance(value, enum.Enum):  # Python before 3.11.4 reduces it by getattr, a function, and functions are left out
+            return type(value), (value.value,)
         kept = self._look(value) if type(value) is not Kept else None
         return (Kept, (kept.number,)) if kept is not None else NotImplemented
 

@@ -62,4 +62,5 @@ def test_each_test_counts_once_by_its_worst_phase_and_an_empty_lane_says_so(monk
         "lane cref: no test selected",
         "lane tshark: no test selected",
         "lane npm: no test selected",
+        "lane pythons: no test selected",
     ]
