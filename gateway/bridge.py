@@ -15,7 +15,7 @@ from gateway.io_regions import MARKS_LAYOUT
 from gateway.linedoor import LineDoor
 from gateway.pure.datadoor import DataBlock
 from gateway.pure.records import Quality
-from gateway.pure.routes.places import Place, World, number_at, put_at
+from gateway.pure.routes.places import Place, World, number_at, octets_of, put_at
 from gateway.pure.routes.route import RouteTable
 from gateway.routeplaces import Compiled, compile_routes, register_key
 from protocols.base.machine import Ns, ms
@@ -202,6 +202,8 @@ class Bridge:
                 return lambda value: services.contacts.write(place.name, bool(value))
             case World.REGISTER:
                 return partial(self._to_register, register_key(place, reads=False))
+            case World.PARAMETER:
+                return lambda value: services.canopen.parameters.put(place.name, (place.db, place.byte), octets_of(place, value))
 
         def wired(value: float) -> None:
             control = services.signals.control

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from gateway.assembly import RunPlan
+from gateway.canopen_parameters import Parameters
 from gateway.pure.records import AxisFlag, CellState
 
 if TYPE_CHECKING:
@@ -17,6 +18,7 @@ class CanopenOffice:
 
     def __init__(self, plan: RunPlan, fds: dict[str, int], write: Write) -> None:
         self.masters: dict[str, CanopenMaster] = {}
+        self.parameters = Parameters(self.place, write)
         self._places: dict[int, tuple[str, int]] = {}  # axis -> bus, node
         self._names: dict[str, tuple[str, int]] = {}
         self._generation: int | None = None
@@ -52,6 +54,7 @@ class CanopenOffice:
 
     def stop(self) -> None:
         """Nodes stay as they are."""
+        self.parameters.stop()
         if self._generation is not None:
             for master in self.masters.values():
                 master.stop()

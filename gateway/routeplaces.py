@@ -16,6 +16,7 @@ from gateway.pure.signals import SignalList, from_tables
 from protocols.base.machine import ms
 
 MARK_FORM = "u16"  # of a life counter
+BOUNDED = (World.BLOCK, World.RC_INPUT, World.REGISTER, World.PARAMETER)  # targets whose number form has two ends
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +65,7 @@ def compile_route(
     source = place_of(route.from_, route.type, route.order, symbols, lines, devices)
     to_type = route.to_type or route.type
     target = place_of(route.to, to_type, route.to_order, symbols, lines, devices)
-    bounded = target.world in (World.BLOCK, World.RC_INPUT, World.REGISTER)
+    bounded = target.world in BOUNDED
     low, high = span_of(target.form) if bounded else (float("-inf"), float("inf"))
     settings = RouteSettings(
         route.name, route.scale, route.offset, low, high, Edge(route.edge), ms(route.pulse_ms), ms(route.debounce_ms), ms(route.every_ms),

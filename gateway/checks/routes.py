@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 
+from gateway.canopen_sheets import read_eds
 from gateway.cell import Cell, Db, Notice
 from gateway.cell_routes import Route
 from gateway.checks.blocks import place_of as entry_place
@@ -14,10 +15,16 @@ from gateway.pure.names import Kind, lookup
 from gateway.pure.routes.forms import BIT, FLOATS, span_of
 from gateway.pure.routes.judge import Span, rings, two_writers
 from gateway.pure.routes.places import Place, World
-from gateway.routeplaces import POLL_MS, Compiled, compile_route, devices_of, lines_of, symbols_of
+from gateway.routeplaces import BOUNDED, POLL_MS, Compiled, compile_route, devices_of, lines_of, symbols_of
 from gateway.telegramtables import named_values
+from protocols.canopen.dictionary import Entry
+from protocols.canopen.types import Kind as DataKind
 from protocols.modbus.numbers import words_of
 
+# Beside what the start-up writes: options it sets, set values, and limits that protect parts and stay what the commissioning left.
+LIMITS = frozenset(
+    (*range(0x605A, 0x605F), *range(0x607B, 0x6081), 0x6007, 0x6065, 0x6066, 0x6071, 0x6098, 0x6099, 0x60B0, 0x60B1, 0x60B2, 0x60FF)
+)
 CYCLES = 2  # from one door to the bus, or to the other door (route.one_way)
 
 
@@ -82,6 +89,8 @@ def _source(check: Context, key: str, text: str, place: Place) -> None:
             _name(check, key, text, place.name)
         case World.RC_INPUT | World.RC_OUTPUT:
             _image(check, key, text, place)
+        case World.PARAMETER:
+            check.fault(key, text, "a route writes drive parameters, it does not read them; an axis says axis.NAME.actual, .torque")
 
 
 def _target(check: Context, key: str, text: str, place: Place) -> None:
@@ -106,6 +115,8 @@ def _target(check: Context, key: str, text: str, place: Place) -> None:
             _contact(check, key, text, place.name, output=True)
         case World.REGISTER:
             _register(check, key, text, place)
+        case World.PARAMETER:
+            _parameter(check, key, text, place)
         case World.NAME:
             if place.name not in named_values(check.cell) and not wired(check.cell, place.name):
                 hint = "commands come through doors" if lookup(place.name) else _near_value(check, place.name)
@@ -123,6 +134,38 @@ def _register(check: Context, key: str, text: str, place: Place) -> None:
             table = f"table {0 if value.table == 'coil' else 4} of {client}.{value.device}"
             if value.from_ and value.device == device and place.span.meets(Span(table, 16 * value.at, 16 * words)):
                 check.fault(key, text, f"two writers: [[modbus.value]] from {value.from_} is written there")
+
+
+def _parameter(check: Context, key: str, text: str, place: Place) -> None:
+    """A drive on CANopen, an object its start-up and its cycle leave alone, and one its EDS lets be written."""
+    axis = next((axis for axis in check.cell.axis if axis.name == place.name), None)
+    if axis is None:
+        known = [axis.name for axis in check.cell.axis]
+        check.fault(key, text, f"no axis {place.name}; {near(place.name, known) or 'there is ' + ', '.join(known)}")
+        return
+    if not any(bus.name == axis.drive.bus and bus.protocol == "canopen" for bus in check.cell.bus):
+        check.fault(key, text, f"the drive of {axis.name} is not on a CANopen bus: it has no parameters a route can write")
+        return
+    from gateway.canopen_plans import OWN  # which imports figures of these checks
+
+    kept = place.db in LIMITS or place.db in OWN
+    if kept or not 0x2000 <= place.db < 0xA000:
+        hint = "axisgate or the commissioning sets this object" if kept else "objects of the device's communication are axisgate's"
+        check.fault(key, text, f"{hint}; a route writes drive parameters beside them", "2000h..9FFFh")
+        return
+    sheet = read_eds(check.cell, axis, simulated=False)
+    if sheet is not None:
+        _listed(check, key, text, place, sheet.dictionary.entries.get((place.db, place.byte)), sheet.path.name)
+
+
+def _listed(check: Context, key: str, text: str, place: Place, entry: Entry | None, file: str) -> None:
+    """As the EDS has it."""
+    if entry is None:
+        check.fault(key, text, f"{file} lists no object {place.db:04X}h:{place.byte:02X}")
+    elif not entry.access.writable:
+        check.fault(key, text, f"{entry.name}: {file} says it can only be read ({entry.access.value})")
+    elif entry.type.size != place.size or (entry.type.kind is DataKind.REAL) is not (place.form in FLOATS):
+        check.fault(key, text, f"{entry.name} is {entry.type.name} in {file}; {place.form} has {place.size} bytes: another to_type")
 
 
 def _block(cell: Cell, place: Place) -> Db | None:
@@ -193,7 +236,7 @@ def _near_value(check: Context, name: str) -> str:
 def _overflow(check: Context, route: Route, compiled: Compiled) -> None:
     """The largest source value against the target's form; floats say nothing about how large they get."""
     span = _source_span(check.cell, compiled.source)
-    if span is None or compiled.target.world not in (World.BLOCK, World.RC_INPUT, World.REGISTER) or route.edge in ("rising", "falling"):
+    if span is None or compiled.target.world not in BOUNDED or route.edge in ("rising", "falling"):
         return
     ends = sorted(value * route.scale + route.offset for value in span)
     low, high = span_of(compiled.target.form)

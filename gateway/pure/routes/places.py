@@ -3,6 +3,7 @@
 Source of the addresses: gateway.pure.addresses.  RC inputs are what a PLC writes (A, O, Q; RCI), RC outputs what it reads (E, I; RCO).
 """
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
@@ -36,6 +37,7 @@ class World(Enum):
     NAME = "value"
     CONTACT = "contact"
     REGISTER = "register"  # or coil, of a device a Modbus client asks
+    PARAMETER = "drive parameter"  # object of a CANopen drive
 
 
 REGISTER_TYPES = {  # number form -> type of a Modbus client's value; the order is the device's
@@ -43,12 +45,16 @@ REGISTER_TYPES = {  # number form -> type of a Modbus client's value; the order 
     "u32": "UINT32", "s32": "INT32", "DH": "INT32", "REAL": "REAL",
 }  # fmt: skip
 
+PARAMETER_TYPES = ("u8", "s8", "u16", "s16", "u32", "s32", "REAL")
+_PARAMETER = re.compile(r"(?:([^:]*):)?\s*([0-9A-Fa-f]{4})h(?::([0-9A-Fa-f]{2}))?")
+
 
 @dataclass(frozen=True, slots=True)
 class Place:
     """One end.  `byte`, `bit`, `form`, `order` say where in a block or image; `name` is the value or contact, or a block's line.
 
     A register: `name` is CLIENT.DEVICE, `db` the table (0 coils, 1 discrete inputs, 3 input, 4 holding registers), `byte` its address.
+    A drive parameter: `name` is the axis, `db` the object, `byte` its sub-index.
     """
 
     world: World
@@ -75,6 +81,8 @@ class Place:
                 return Span(self.world.value, 8 * self.byte + (self.bit if self.form == BIT else 0), width)
             case World.REGISTER:
                 return Span(f"table {self.db} of {self.name}", 16 * self.byte, 16 if self.form == BIT else width)
+            case World.PARAMETER:
+                return Span(f"{self.world.value} {self.name} {self.db:04X}h:{self.byte:02X}")
         return Span(f"{self.world.value} {self.name}")
 
 
@@ -88,8 +96,15 @@ def place_of(
     register -> CLIENT.DEVICE.  Raises AddressFault."""
     if form and form not in FORMS:
         raise AddressFault(f"{form!r} is no number form; {' '.join(FORMS)} are")
+    if parameter := _PARAMETER.fullmatch(text.strip()):
+        return _parameter(text, parameter, form, order)
     line, colon, rest = text.partition(":")
     where = parse_operand(rest if colon else text, symbols)
+    if colon and not isinstance(where, Register | DataBit | DataWord):
+        raise AddressFault(
+            f"{text!r}: before the colon stands the line of a data block (LINE:DB30.DW0), the Modbus device of a register (DEVICE:40001) "
+            "or the axis of a drive parameter (AXIS:6081h:00); no other address has one"
+        )
     match where:
         case Register(table, address) if colon:
             return _register(text, devices.get(line.strip(), ""), table, address, form, order)
@@ -110,8 +125,24 @@ def place_of(
             return Place(World.RC_INPUT if where.kind is Kind.OUTPUT else World.RC_OUTPUT, "", 0, number, 0, form, order)
     raise AddressFault(
         f"{text!r}: a route joins data blocks (DB30.DW0), RC inputs and outputs (AW 92, E 8.0), values, contacts (io.lamp) and "
-        "registers of Modbus devices (DEVICE:40001)"
+        "registers of Modbus devices (DEVICE:40001); it ends in parameters of CANopen drives too (AXIS:6081h:00)"
     )
+
+
+def _parameter(text: str, found: re.Match[str], form: str, order: str) -> Place:
+    axis, index, sub = (found[1] or "").strip(), int(found[2], 16), found[3]
+    if not axis or sub is None:
+        raise AddressFault(f"{text!r}: a drive parameter is written AXIS:6081h:00 (axis, object, sub-index)")
+    if form not in PARAMETER_TYPES:
+        raise AddressFault(f"{text!r}: which type has the object? to_type = one of {' '.join(PARAMETER_TYPES)}")
+    if order != "ABCD":
+        raise AddressFault(f"{text!r}: CANopen defines the byte order of an object: leave the order out")
+    return Place(World.PARAMETER, axis, index, int(sub, 16), 0, form)
+
+
+def octets_of(place: Place, value: float) -> bytes:
+    """As SDO carries it, lowest byte first; raises EncodeError when it does not fit."""
+    return bytes_of(place.form, "DCBA", value)
 
 
 def _register(text: str, device: str, table: Table, address: int, form: str, order: str) -> Place:

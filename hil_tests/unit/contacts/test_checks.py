@@ -123,6 +123,16 @@ def test_routes_begin_and_end_in_registers_of_devices() -> None:
         (route("r", from_="DB10.D0.9", to="A 90.0", life="AW 90"), "route.r.to", "routes that disagree"),
         (route("r", from_="A 91.0", to="A 90.0") + route("s", from_="A 90.0", to="A 91.0"), "route.r.to", "routes in a ring"),
         (route("r", from_="A 91.0", to="A 90.0") + route("r", from_="A 91.1", to="A 90.1"), "route.r.name", "another route"),
+        (route("r", from_="DB10.DW2", type="KF", to="6081h:00", to_type="u32"), "route.r", "AXIS:6081h:00"),
+        (route("r", from_="DB10.D0.9", to="unknown:A 90.0"), "route.r", "before the colon"),
+        (route("r", from_="unknown:E 8.0", to="A 90.0"), "route.r", "before the colon"),
+        (route("r", from_="DB10.DW2", type="KF", to="other:DB30.DW2"), "route.r.to", "not served on line other"),
+        (route("r", from_="DB10.D0.9", to="A 90.0", valid="unknown:A 91.0"), "route.r", "before the colon"),
+        (route("r", from_="DB10.DW2", type="KF", to="Q:6072h:00", to_type="s32"), "route.r.to", "no axis Q"),
+        (route("r", from_="DB10.DW2", type="KF", to="X:6072h:00", to_type="u16"), "route.r.to", "overflow"),
+        (route("r", from_="DB10.DW2", type="KF", to="X:607Ah:00", to_type="s32"), "route.r.to", "sets this object"),
+        (route("r", from_="DB10.DW2", type="KF", to="X:1017h:00", to_type="s32"), "route.r.to", "2000h..9FFFh"),
+        (route("r", from_="X:6072h:00", type="u16", to="AW 90"), "route.r.from", "does not read them"),
         (io("x", f"{CAN}, output = 0", "cell.ready"), "io.x.device", "is this contact already"),
         (io("x", f"{CAN}, output = 64", "cell.ready"), "io.x.device", "0..63"),
         (io("x", 'type = "modbus", output = 0', "cell.ready"), "io.x.device.url", "needs it"),
@@ -148,3 +158,29 @@ def test_a_brake_at_the_gateway_plays_only_with_a_contact_that_shows_it() -> Non
     assert "axis.Z.brake = gateway" in why_not(load_cell("c.toml", cell), p5=None)
     contacts = "".join(io(f"brake_{axis}", f"{CAN}, output = {n}", f"axis.{axis}.brake") for n, axis in enumerate("XYZ", 4))
     assert why_not(load_cell("c.toml", cell + contacts), p5=None) == ""
+
+
+DEMO_402 = read_text(find_config("demo-402", "cells"))
+
+
+@pytest.mark.parametrize(
+    ("to", "to_type", "words"),
+    [
+        ("A1:6041h:00", "u16", "axisgate_402.eds says it can only be read"),
+        ("A1:6072h:00", "u32", "is UNSIGNED16 in axisgate_402.eds"),
+        ("A1:5FFFh:00", "u16", "lists no object 5FFFh:00"),
+        ("A1:6072h:01", "u16", "lists no object 6072h:01"),
+        ("A1:6072h:00", "u16", ""),
+    ],
+)
+def test_a_parameter_is_held_against_the_data_sheet_of_its_drive(to: str, to_type: str, words: str) -> None:
+    """AX-680."""
+    found = faults(route("r", from_="AB 91", type="u8", to=to, to_type=to_type), DEMO_402.replace("number = 30", "number = 31"))
+    mine = [hint for key, hint in found if key.startswith("route.")]
+    assert (mine == []) if not words else (len(mine) == 1 and words in mine[0]), found
+
+
+def test_a_drive_that_is_not_on_canopen_has_no_parameters_a_route_writes() -> None:
+    servodyn = read_text(find_config("demo", "cells"))
+    found = faults(route("r", from_="AB 91", type="u8", to="A1:6072h:00", to_type="u16"), servodyn)
+    assert [key for key, hint in found if "not on a CANopen bus" in hint] == ["route.r.to"]

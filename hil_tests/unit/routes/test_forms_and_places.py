@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from gateway.pure.addresses import AddressFault, Direction, RcBit
 from gateway.pure.routes.forms import FORMS, ORDERS, bytes_of, number_of, size_of, span_of
 from gateway.pure.routes.judge import Joined, Span, rings, two_writers
-from gateway.pure.routes.places import Place, World, place_of
+from gateway.pure.routes.places import Place, World, octets_of, place_of
 from protocols.base.errors import DecodeError, EncodeError
 
 SYMBOLS = {"K01_A_MN_RCI": RcBit(Direction.INPUT, 38)}
@@ -146,3 +146,30 @@ def test_registers_meet_where_their_words_meet() -> None:
     wide, second, coil = place("tank:40001", "REAL"), place("tank:40002", "u16"), place("tank:00002")
     assert wide.span.meets(second.span) and not second.span.meets(place("tank:40003", "u16").span) and not second.span.meets(coil.span)
     assert coil.span.meets(coil.span) and not coil.span.meets(place("tank:00001").span)
+
+
+@pytest.mark.parametrize(
+    ("text", "form", "words"),
+    [
+        ("6081h:00", "u32", "AXIS:6081h:00"), ("X:6081h", "u32", "AXIS:6081h:00"), ("X:6081h:00", "", "to_type = one of"),
+        ("X:6081h:00", "KF", "to_type = one of"), ("tonk:0", "", "before the colon"), ("plc:A 3.2", "", "before the colon"),
+        ("rc:66", "", "before the colon"), ("tank:K01_A_MN_RCI", "", "before the colon"), ("X:io.lamp", "", "before the colon"),
+        ("cell:axis.X.actual", "", "before the colon"), ("dev:AW 92", "u16", "before the colon"), ("6081:00", "", "before the colon"),
+    ],
+)  # fmt: skip
+def test_what_stands_before_a_colon_belongs_to_an_address_that_has_one(text: str, form: str, words: str) -> None:
+    """`6081h:00` was bit 0 of the RC inputs once, and wrote 0.0 there."""
+    with pytest.raises(AddressFault) as fault:
+        place(text, form)
+    assert words in str(fault.value) and text in str(fault.value)
+
+
+def test_a_parameter_of_a_drive_is_a_target() -> None:
+    """AX-680."""
+    there = place("X:6081h:00", "u32")
+    assert there == Place(World.PARAMETER, "X", 0x6081, 0, 0, "u32") and octets_of(there, 0x12345678) == bytes.fromhex("78563412")
+    assert octets_of(place("X:2003h:0A", "s16"), -2.0) == bytes.fromhex("feff") and octets_of(place("X:2003h:0a", "u8"), 200) == b"\xc8"
+    assert there.span.meets(place("X:6081h:00", "s32").span) and not there.span.meets(place("Y:6081h:00", "u32").span)
+    assert not there.span.meets(place("X:6083h:00", "u32").span)
+    with pytest.raises(EncodeError):
+        octets_of(there, -1.0)
