@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from gateway.assembly import Door
 from gateway.cell import Cell
 from gateway.image import RegionWriter
-from gateway.pure.command_block import AXES, COMMAND_WORDS, STATUS_WORDS, Command, CommandBlock, Status, mask_word
+from gateway.pure.command_block import AXES, COMMAND_WORDS, STATUS_WORDS, Code, Command, CommandBlock, Status, mask_word
 from gateway.pure.datadoor import DataDoor
 from gateway.pure.jobs import OnLoss
 from gateway.pure.office import Office
-from gateway.pure.reasons import CommandState, Reason
+from gateway.pure.reasons import CommandState, Reason, Refusal
 from gateway.pure.records import AxisFlag, CellState
 from gateway.pure.supervision import LinkEvent, LinkWatch
 from protocols.base.machine import Ns
@@ -101,6 +101,9 @@ class BaseDoor:
         if isinstance(fresh, Command):
             self.status.reason = Reason.NONE
             job = self.office.command(self.number, fresh, now)
+            self.status.state, self.status.reason = job.state, job.reason
+        elif isinstance(fresh, Refusal):
+            job = self.office.refuse(self.number, Code(self.block.words[0] & 0xFF), fresh.reason, fresh.detail)
             self.status.state, self.status.reason = job.state, job.reason
         elif fresh is Reason.RESYNCHRONISED:
             self.status.state, self.status.reason = CommandState.NONE, Reason.RESYNCHRONISED

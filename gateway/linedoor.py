@@ -23,6 +23,7 @@ from gateway.pure.handshakes import Handshaking, Pattern
 from gateway.pure.line_blocks import block_key
 from gateway.pure.line_jobs import OwnJob, OwnJobs
 from gateway.pure.linefaults import fault_words
+from gateway.pure.reasons import Reason
 from gateway.pure.records import RC_BYTES, Motion, Quality, set_bit
 from gateway.serialdoor import SerialDoor
 from protocols.base.errors import EncodeError
@@ -75,6 +76,9 @@ class LineDoor(SerialDoor):
         def command(fresh: Command) -> None:
             self.office.command(self.number, fresh, time.monotonic_ns())
 
+        def refuse(code: Code, words: str) -> None:
+            self.office.refuse(self.number, code, Reason.FORMAT_SUSPICION, words)
+
         def bad_number(name: str, words: str) -> None:
             self._tell("command", f"door {self.number}: {words}", door=self.number, what="refused")
 
@@ -95,7 +99,7 @@ class LineDoor(SerialDoor):
 
         door = DataDoor(
             blocks, names, compile_handshake(handshake) if handshake else None, command, value, bad_number, level, (*inputs, *flags),
-            *compile_pattern(services.cell),
+            *compile_pattern(services.cell), refuse,
         )  # fmt: skip
         door.forced = services.forces.words
         return door

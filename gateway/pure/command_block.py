@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
 
-from gateway.pure.reasons import CommandState, Reason
+from gateway.pure.reasons import CommandState, Reason, Refusal
 
 AXES, MASKED = 12, 15  # axes the block has targets and positions of; axes that have a bit of their own in its masks (AX-572)
 
@@ -114,21 +114,26 @@ class CommandBlock:
         self.words = [*words, *[0] * COMMAND_WORDS][:COMMAND_WORDS]
         self._toggle = self.words[0] & TOGGLE
         self._adopt = True
+        self._since = bytearray(COMMAND_WORDS)  # 1: written since the link began
 
     def link_returned(self) -> None:
         """What the next telegram holds was meant for an earlier time: adopt its toggle, do not carry it out (AX-141)."""
         self._adopt = True
+        self._since[:] = bytes(COMMAND_WORDS)
 
     @property
     def acknowledged(self) -> bool:
         """The toggle as it was last taken."""
         return bool(self._toggle)
 
-    def write(self, first: int, values: Sequence[int]) -> Command | None | Reason:
-        """Put words into the block; a Command when a fresh one stands there, RESYNCHRONISED when it was only adopted, else None."""
+    def write(self, first: int, values: Sequence[int]) -> Command | Refusal | None | Reason:
+        """Put words into the block; a Command when a fresh one stands there, RESYNCHRONISED when it was only adopted, else None.
+
+        Refusal: the fresh one counts on words of an earlier link (AX-610)."""
         if first < 0 or first + len(values) > COMMAND_WORDS:
             raise IndexError(f"words {first}..{first + len(values) - 1} of the command block; it has 0..{COMMAND_WORDS - 1}")
         self.words[first : first + len(values)] = values
+        self._since[first : first + len(values)] = b"\1" * len(values)
         if first > 0:
             return None  # the toggle word was not part of it
         toggle = self.words[0] & TOGGLE
@@ -140,7 +145,25 @@ class CommandBlock:
         if toggle == self._toggle:
             return None
         self._toggle = toggle
-        return self._command()
+        command = self._command()
+        void = [n for n in self._needed(command) if not self._since[n]]
+        if void:
+            return Refusal(Reason.FORMAT_SUSPICION, f"word {void[0]} has not been written since the link began; write it before the toggle")
+        return command
+
+    @staticmethod
+    def _needed(command: Command) -> Sequence[int]:
+        """Words without which this command would move by those of an earlier time."""
+        match command.code:
+            case Code.PTP_ABSOLUTE | Code.PTP_RELATIVE:
+                return [1, 2, 3, *(4 + 2 * n + half for n in range(AXES) if command.mask >> n & 1 for half in (0, 1))]
+            case Code.PROGRAM:
+                return [1, 2, 3]
+            case Code.REFERENCE:
+                return [1]
+            case Code.OVERRIDE:
+                return [2]
+        return []
 
     def _command(self) -> Command:
         w = self.words

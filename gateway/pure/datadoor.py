@@ -2,14 +2,19 @@
 
 A SEND is taken whole: all its words first, then its edges, in a fixed order (AX-142).  Edges need a telegram before them: after a start
 of services or a lost link the first telegram only tells where the bits stand, so a standing start bit starts nothing.
+
+Targets, speed, number and override are `gateway.pure.movenumbers`: a command that needs one that was refused, or that the PLC has not
+written since the link began, is refused whole (AX-610).
 """
 
+import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from gateway.pure.command_block import Code, Command
-from gateway.pure.handshakes import Asked, Handshaking
+from gateway.pure.handshakes import Asked, Handshaking, Pattern
 from gateway.pure.line_blocks import block_name
+from gateway.pure.movenumbers import NUMBER, OVERRIDE, PARITY, SPEED, START, MoveNumbers
 from gateway.pure.reasons import CommandState
 from protocols.base.errors import ProtocolError
 from protocols.base.machine import Ns
@@ -35,6 +40,8 @@ RANGES = {  # counts a number of that type can hold; the other types stand for t
     Step5Type.REAL: (-3.4e38, 3.4e38),
 }
 FLOATS = (Step5Type.KG, Step5Type.REAL)
+SELECTED_BY = {Pattern.STROBE_PARITY: (NUMBER, PARITY), Pattern.NUMBER_SELECT: (NUMBER,)}  # what a request of this pattern carries
+WHOLE = 1e-6  # so near to a whole number a number in floating point is one
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +63,19 @@ class Slot:
     def size(self) -> int:
         """Bytes this slot covers from the start of its word (or of its half)."""
         return 2 if self.type is None or self.half else self.type.size
+
+    @property
+    def range_words(self) -> str:
+        """low..high, with what is open left out."""
+        return f"{'' if self.low is None else f'{self.low:g}'}..{'' if self.high is None else f'{self.high:g}'}"
+
+    def within(self, first: int, end: int) -> bool:
+        """All its words are among these bytes of the block."""
+        return first <= 2 * self.word and 2 * self.word + self.size <= end
+
+    def overlaps(self, first: int, end: int) -> bool:
+        """One of its words is."""
+        return first < 2 * self.word + self.size and 2 * self.word < end
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,11 +157,12 @@ class DataDoor:
         pattern: Handshaking | None = None,
         positions: Mapping[int, tuple[Mapping[str, float], float]] | None = None,
         programs: Collection[int] = (),
+        refuse: Callable[[Code, str], None] = lambda code, words: None,
     ) -> None:
         """`command` takes fresh commands, `value` gives status by name, `bad_number(name, text)` hears of numbers that are none or out of
         min..max, `level(name, value)` of entries that are RC inputs: cell.feed_allow, ... and `inputs`, signals and flags;
         `pattern`: another handshake than start-busy-done; `positions`: what its numbers select, targets and speed (0..1); `programs`:
-        numbers that select a program of the cell (AX-406)."""
+        numbers that select a program of the cell (AX-406); `refuse(code, words)`: a command that was not given because of its numbers."""
         self.blocks: Mapping[int, DataBlock] = {block.number: block for block in blocks}
         self.life: int | None = None  # life word of the last telegram, if it wrote one
         self.clamped = 0
@@ -155,8 +176,9 @@ class DataDoor:
         self._levels: dict[str, float] = {}
         self._told: dict[Slot, str] = {}  # what was said of a bad number that still stands
         self._primed: set[str] = set()
-        self._targets: dict[str, float] = {}
-        self._speed = 1.0
+        self._numbers = MoveNumbers({slot.name for block in blocks if block.from_plc for slot in block.slots})
+        self._since = {block.number: bytearray(2 * block.words) for block in blocks}  # 1: written since the link began
+        self._refuse, self._owed = refuse, False  # drives were asked on before their override was known
         self._move = CommandState.NONE
         self._answered = False  # the start bit has fallen: done and refused are taken back
         self._leaving = False  # drives-on fell: give control back as soon as the axes rest
@@ -165,8 +187,12 @@ class DataDoor:
     def restart(self) -> None:
         """Start of services or return of the link: the next telegram only says where the bits stand (AX-141)."""
         self._primed.clear()
+        self._numbers.clear()
+        self._asked, self._owed = Asked(), False
         if self._pattern is not None:
             self._pattern.restart()
+        for since in self._since.values():
+            since[:] = bytes(len(since))
         for block in self.blocks.values():
             block.fresh = block.fresh and not block.from_plc  # what a Modbus client writes is its door's business
 
@@ -176,15 +202,23 @@ class DataDoor:
         said[2 * word : 2 * word + len(data)] = data
         block.data[2 * word : 2 * word + len(data)] = self.laid(db, bytes(said))[2 * word : 2 * word + len(data)]
         block.fresh = True
-        touched = [slot for slot in block.slots if slot.word >= word and 2 * slot.word + slot.size <= 2 * word + len(data)]
-        levels = {slot.name: value for slot in touched if (value := self._read(block, slot)) is not None}
+        self._since[db][2 * word : 2 * word + len(data)] = b"\1" * len(data)
+        self._take(block, [slot for slot in block.slots if slot.overlaps(2 * word, 2 * word + len(data))], 2 * word, len(data))
+
+    def _take(self, block: DataBlock, slots: Sequence[Slot], first: int, size: int) -> None:
+        """Slots whose bytes were written, from `first` so many: their values, then what they ask for."""
+        levels: dict[str, float] = {}
+        for slot in slots:
+            if slot.within(first, first + size):
+                value, words = self._read(block, slot)
+            else:
+                value, words = None, f"{slot.name}: only a part of its words was written; write all of them with one SEND"
+            self._numbers.put(slot.name, value, words)
+            if value is not None:
+                levels[slot.name] = value
         self.life = next((round(v) for name, v in levels.items() if name.startswith("line.") and name.endswith(".life")), None)
-        for name, value in levels.items():
-            if name.startswith("move.") and name.endswith(".target"):
-                self._targets[name.split(".")[1]] = value
-            elif name == "move.speed":
-                self._speed = value / 100.0
-        self._act({name: value for name, value in levels.items() if not name.endswith((".target", ".life"))})
+        asked = {slot.name for slot in slots}
+        self._act({name: value for name, value in levels.items() if not name.endswith((".target", ".life"))}, asked)
 
     def laid(self, db: int, data: bytes) -> bytes:
         """The whole block with its forced words over it."""
@@ -199,12 +233,14 @@ class DataDoor:
 
     def forces_changed(self, db: int, now: Ns) -> None:
         """A force came or went: it acts at once where the PLC has written, else with the PLC's first telegram."""
-        block = self.blocks[db]
+        block, since = self.blocks[db], self._since[db]
         if block.from_plc and block.fresh:
-            self.written(db, 0, bytes(self._said[db]), now)
+            block.data[:] = self.laid(db, bytes(self._said[db]))
+            written = [slot for slot in block.slots if all(since[2 * slot.word : 2 * slot.word + slot.size])]
+            self._take(block, written, 0, len(block.data))
 
-    def _read(self, block: DataBlock, slot: Slot) -> float | None:
-        """The slot's value; None when it is none or out of its range, which is told once until it changes."""
+    def _read(self, block: DataBlock, slot: Slot) -> tuple[float | None, str]:
+        """The slot's value; None and why when it is none or out of its range, which is told once until it changes."""
         try:
             value = block.get(slot)
             words = ""
@@ -212,13 +248,17 @@ class DataDoor:
             words = str(error)
         else:
             if (slot.low is not None and value < slot.low) or (slot.high is not None and value > slot.high):
-                words = f"{slot.name} {value:g}; {slot.low:g}..{slot.high:g}"
+                words = f"{slot.name} {value:g}; {slot.range_words}"
+            elif not math.isfinite(value):
+                words = f"{slot.name} {value:g} is no number"
+            elif slot.name == NUMBER and abs(value - round(value)) > WHOLE:
+                words = f"{slot.name} {value:g}; a whole number is expected"
         if words and self._told.get(slot) != words:
             self._bad(slot.name, f"{block_name(block.number)} DW {slot.word}: {words}")
         self._told[slot] = words
-        return None if words else value
+        return (None, words) if words else (value, "")
 
-    def _act(self, levels: Mapping[str, float]) -> None:
+    def _act(self, levels: Mapping[str, float], asked: Collection[str]) -> None:
         """Edges in a fixed order: stop before everything that might start something, start last (AX-142)."""
         all_axes = (1 << len(self._axes)) - 1
         for name in self._inputs:
@@ -238,11 +278,11 @@ class DataDoor:
             self._command(Command(Code.ENABLE, all_axes))
         self._override(levels, fresh=on == 1)
         if self._edge("axis.*.reference", levels) == 1:
-            self._command(Command(Code.REFERENCE, all_axes))
+            self._give(Command(Code.REFERENCE, all_axes), self._numbers.refused(OVERRIDE))
         if self._edge("cell.resume", levels) == 1:
-            self._command(Command(Code.RESUME))
+            self._give(Command(Code.RESUME), self._numbers.refused(OVERRIDE))
         if self._pattern is not None:
-            self._ask(self._pattern, levels)
+            self._ask(self._pattern, levels, asked)
             return
         start = self._edge("move.start", levels)
         if start == 1:
@@ -250,21 +290,33 @@ class DataDoor:
         elif start == -1:
             self._answered = True
 
-    def _ask(self, pattern: Handshaking, levels: Mapping[str, float]) -> None:
+    def _give(self, command: Command, fault: str) -> None:
+        """A command, or its refusal."""
+        if fault:
+            self._refuse(Code(command.code), fault)
+        else:
+            self._command(command)
+
+    def _ask(self, pattern: Handshaking, levels: Mapping[str, float], asked: Collection[str]) -> None:
         """What this telegram says of the request; what it does not carry stands as before."""
-        if not {"move.start", "move.number", "move.parity"} & levels.keys():
+        if not {START, NUMBER, PARITY} & set(asked):
             return
         old = self._asked
         self._asked = Asked(
-            bool(levels.get("move.start", old.start)),
-            round(levels.get("move.number", old.number)),
-            bool(levels.get("move.parity", old.parity)),
+            bool(levels.get(START, old.start)),
+            round(levels.get(NUMBER, old.number)),
+            bool(levels.get(PARITY, old.parity)),
+            self._numbers.missing(SELECTED_BY.get(pattern.pattern, ())),
         )
-        number = self._asked.number
+        if not self._numbers.seen(NUMBER if pattern.pattern is Pattern.NUMBER_SELECT else START):
+            return  # where the bit or number that starts stands is not known yet: it may have been there for long
         if not pattern.see(self._asked):
+            if pattern.wrong:
+                self._refuse(Code.PTP_ABSOLUTE, pattern.wrong)
             return
+        number = self._asked.number
         if pattern.selects and number in self._programs:
-            self._command(Command(Code.PROGRAM, number, self._speed, 1.0))
+            self._begin(Command(Code.PROGRAM, number, self._numbers.speed, 1.0), [SPEED])
         else:
             self._start(self._positions.get(number) if pattern.selects else None)
 
@@ -281,26 +333,45 @@ class DataDoor:
 
     def _override(self, levels: Mapping[str, float], *, fresh: bool) -> None:
         """A level, but taken only when it changed or the drives were just asked on: it must not fight the other doors."""
-        name = "cell.override"
+        name = OVERRIDE
         before = self._levels.get(name)
         now = levels.get(name, before)
-        if now is None:
+        if not self._numbers.declared(name):
             if fresh:
                 self._command(Command(Code.OVERRIDE, velocity=1.0))  # this block has no override: full programmed speed
+            return
+        self._owed |= fresh
+        fault = self._numbers.missing([name])
+        if fault:
+            if fresh and self._numbers.seen(name):
+                self._refuse(Code.OVERRIDE, fault)
+            return  # what stands stays; what would move is refused until a good one is written
+        if now is None:
             return
         primed = name in self._primed
         self._levels[name] = now
         self._primed.add(name)
-        if fresh or (primed and now != before and self._value("cell.control")):
+        if fresh or ((self._owed or (primed and now != before)) and self._value("cell.control")):
+            self._owed = False
             self._command(Command(Code.OVERRIDE, velocity=now / 100.0))
 
     def _start(self, position: tuple[Mapping[str, float], float] | None = None) -> None:
         """The selected position, or the targets of the same telegram, or the latest ones written before it."""
-        at, speed = (self._targets, self._speed) if position is None else position
+        numbers = self._numbers
+        at, speed = (numbers.targets, numbers.speed) if position is None else position
         mask = sum(1 << n for n, name in enumerate(self._axes) if name in at)
         targets = tuple(at.get(name, 0.0) for name in self._axes)
+        self._begin(Command(Code.PTP_ABSOLUTE, mask, speed, 1.0, targets), [*numbers.target_names, SPEED] if position is None else [])
+
+    def _begin(self, command: Command, needed: Sequence[str]) -> None:
+        """A move or program: refused whole while one of its numbers is refused or not written."""
         self._answered = False
-        self._command(Command(Code.PTP_ABSOLUTE, mask, speed, 1.0, targets))
+        fault = self._numbers.missing([*needed, OVERRIDE])
+        if not fault:
+            self._command(command)
+            return
+        self.move_state(CommandState.REFUSED)
+        self._refuse(Code(command.code), fault)
 
     def settle(self, *, at_rest: bool) -> None:
         """Call when time has passed: control is released at rest, after drives-on fell."""

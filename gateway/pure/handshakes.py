@@ -102,6 +102,7 @@ class Asked:
     start: bool = False
     number: int = 0
     parity: bool = False
+    fault: str = ""  # why number or parity cannot be used: refused, or not written since the link began
 
 
 class Handshaking:
@@ -112,6 +113,7 @@ class Handshaking:
         self.pattern, self._table = pattern, TABLES[pattern]
         self._numbers, self._odd = frozenset(numbers), odd
         self.state = State.IDLE
+        self.wrong = ""  # why the last request was refused before it became a command
         self._before: Asked | None = None
         self._copied = False
 
@@ -127,11 +129,15 @@ class Handshaking:
     def see(self, asked: Asked) -> bool:
         """One telegram; True: start now, with the targets or the number it carries."""
         before, self._before = self._before, asked
+        self.wrong = ""
         if before is None:
             self._copied = asked.start  # nothing is owed
             return False
-        event = self._event(before, asked)
-        return event is not None and self._go(event)
+        event, was = self._event(before, asked), self.state
+        started = event is not None and self._go(event)
+        if self.state is State.FAILED and was is not State.FAILED:
+            self.wrong = self._why(asked)
+        return started
 
     def hear(self, state: CommandState) -> None:
         """What became of the job this exchange started."""
@@ -151,9 +157,9 @@ class Handshaking:
     def _event(self, before: Asked, asked: Asked) -> Event | None:
         match self.pattern:
             case Pattern.NUMBER_SELECT:
-                if asked.number == before.number:
+                if (asked.number, asked.fault) == (before.number, before.fault):
                     return None
-                return self._judged(asked) if asked.number else Event.LETS_GO
+                return self._judged(asked) if asked.number or asked.fault else Event.LETS_GO
             case Pattern.TOGGLE:
                 return Event.ASKS if asked.start is not before.start else None
         if asked.start is before.start:
@@ -161,10 +167,27 @@ class Handshaking:
         return self._judged(asked) if asked.start else Event.LETS_GO
 
     def _judged(self, asked: Asked) -> Event:
-        if self.pattern is Pattern.STROBE_PARITY and (asked.number.bit_count() + asked.parity) % 2 != self._odd:
-            return Event.WRONG
-        known = self.selects and (self._numbers or self.pattern is Pattern.NUMBER_SELECT)
-        return Event.WRONG if known and asked.number not in self._numbers else Event.ASKS
+        if not self.selects:
+            return Event.ASKS
+        return Event.WRONG if asked.fault or not self._even(asked) or not self._exists(asked) else Event.ASKS
+
+    def _even(self, asked: Asked) -> bool:
+        return self.pattern is not Pattern.STROBE_PARITY or (asked.number.bit_count() + asked.parity) % 2 == self._odd
+
+    def _exists(self, asked: Asked) -> bool:
+        judged = self._numbers or self.pattern is Pattern.NUMBER_SELECT
+        return not judged or asked.number in self._numbers
+
+    def _why(self, asked: Asked) -> str:
+        """What was wrong with a request that failed at once."""
+        if asked.fault:
+            return asked.fault
+        if not self._even(asked):
+            return f"move.number {asked.number} with move.parity {int(asked.parity)}: {'odd' if self._odd else 'even'} parity is expected"
+        if not self._exists(asked):
+            known = ", ".join(map(str, sorted(self._numbers))) or "none"
+            return f"move.number {asked.number} selects nothing; this cell has {known}"
+        return f"move.number {asked.number}: 0 is expected between two numbers"
 
     def _go(self, event: Event) -> bool:
         found = self._table.get((self.state, event))

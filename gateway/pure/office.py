@@ -217,6 +217,15 @@ class Office:
             self._events.append(OfficeEvent("accepted", door, job.code, Reason.NONE, ""))
         return job
 
+    def refuse(self, door: int, code: Code, reason: Reason, detail: str) -> Job:
+        """A command a door could not even give, because of its numbers: the outcome stands where that of a given one would."""
+        job = Job(self._next, door, code)
+        self._next += 1
+        state = self.door(door)
+        state.last = state.by_code[code] = job
+        self._end(job, CommandState.REFUSED, reason, detail)
+        return job
+
     def _judge(self, job: Job, code: Code, command: Command, now: Ns) -> None:
         cell = self.cell
         if cell is None or not cell.generation:

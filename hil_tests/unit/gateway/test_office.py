@@ -220,6 +220,22 @@ class TestCommandBlock:
             assert block.write(at, [words[at]]) is None
         assert isinstance(block.write(0, [words[0]]), Command)
 
+    @pytest.mark.parametrize(
+        ("code", "written"), [(Code.PTP_ABSOLUTE, 4), (Code.PTP_RELATIVE, 5), (Code.PROGRAM, 3), (Code.REFERENCE, 1), (Code.OVERRIDE, 2)]
+    )
+    def test_words_of_an_earlier_link_move_nothing(self, code: Code, written: int) -> None:
+        block = CommandBlock(self.block(code, False))
+        block.write(0, self.block(code, False))
+        block.link_returned()
+        block.write(0, self.block(code, False)[:written])
+        refused = block.write(0, self.block(code, True)[:written])
+        assert isinstance(refused, Refusal) and refused.reason is Reason.FORMAT_SUSPICION and "since the link began" in refused.detail
+        block.write(1, self.block(code, True)[1:])
+        assert isinstance(block.write(0, [self.block(code, False)[0]]), Command)
+        stop = CommandBlock()
+        stop.write(0, [0])
+        assert isinstance(stop.write(0, [TOGGLE | Code.STOP]), Command), "a stop needs no number"
+
     @pytest.mark.parametrize(("first", "count"), [(0, COMMAND_WORDS + 1), (COMMAND_WORDS, 1), (-1, 1)])
     def test_words_beyond_the_block(self, first: int, count: int) -> None:
         with pytest.raises(IndexError):

@@ -78,7 +78,7 @@ def test_a_number_selects_its_position_once_and_is_done_until_zero() -> None:
 
 def test_a_number_of_a_program_orders_it_once_and_zero_lies_between_two() -> None:
     door = Door(numbered_cell(number=20))
-    (order,) = door.send(w6=20)
+    (order,) = door.send(w5=100, w6=20)
     assert (order.code, order.mask, order.velocity, order.acceleration) == (Code.PROGRAM, 20, 1.0, 1.0)
     assert door.send() == [] == door.send(w6=7), "no second start while the first one is under way"
     door.door.move_state(CommandState.DONE)
@@ -108,7 +108,7 @@ def test_a_strobe_takes_number_and_parity_of_the_same_telegram() -> None:
 @pytest.mark.parametrize("pattern", ["level-ack", "toggle"])
 def test_a_bit_takes_the_targets_of_its_telegram(pattern: str) -> None:
     door = Door(text(pattern))
-    (move,) = door.send(w0=0x100, w2=1000)
+    (move,) = door.send(w0=0x100, w2=1000, w5=50)
     assert move.targets[0] == 100.0 and door.send() == []
     door.door.move_state(CommandState.DONE)
     assert door.answer() == (True, False)
