@@ -132,6 +132,25 @@ def die_with_parent(parent_pid: int | None = None, number: int = signal.SIGTERM)
         os.kill(os.getpid(), number)
 
 
+def survive_hang_up() -> None:
+    """A terminal or session that ends takes no process of a run with it; what is ignored stays so over an exec."""
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)
+
+
+def processor_ns(pid: int) -> int:
+    """Processor time of all threads of a process so far.  OSError: there is none.  Source: clock_getcpuclockid(3)."""
+    return time.clock_gettime_ns(~pid << 3 | 2)
+
+
+def wants_processor(pid: int) -> bool:
+    """A thread of that process is running or ready to run, or waits for a disk.  Source: proc(5), field 3 of stat."""
+    for thread in os.listdir(f"/proc/{pid}/task"):
+        with contextlib.suppress(OSError), open(f"/proc/{pid}/task/{thread}/stat", "rb") as file:
+            if file.read().rpartition(b")")[2][1:2] in b"RD":
+                return True
+    return False
+
+
 class Timerfd:
     """A timer that is a file descriptor, for epoll and asyncio.add_reader; absolute times of the monotonic clock in ns."""
 

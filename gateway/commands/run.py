@@ -9,6 +9,7 @@ from drivers.ports.base import PortError
 from gateway.assembly import RunPlan, plan_run
 from gateway.cell import Cell
 from gateway.commands.common import BANNER, DONE, ENVIRONMENT, USAGE, load
+from gateway.console import fill_standard, say_at_start
 from gateway.families import LISTENS
 from gateway.firstenable import TEXT, confirm, needed
 from gateway.processes.supervisor import Supervisor
@@ -26,6 +27,7 @@ EXAMPLES = """examples:
 
 
 def main(argv: list[str]) -> int:
+    fill_standard()
     parser = argparse.ArgumentParser(
         prog="axisgate run", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -77,11 +79,11 @@ def main(argv: list[str]) -> int:
         if arguments.json:
             print(json.dumps(describe(plan), indent=1))
             return DONE
-        print(BANNER)
+        say_at_start(BANNER)
         for name in plan.listening:
-            print(f"bus {name} {LISTENS}; next: axisgate bus log {plan.buses[name]} -o living.log, then axisgate bus infer")
+            say_at_start(f"bus {name} {LISTENS}; next: axisgate bus log {plan.buses[name]} -o living.log, then axisgate bus infer")
         if plan.web is not None:
-            print(f"page: {'https' if plan.web.tls_certificate else 'http'}://{plan.web.bind}/")
+            say_at_start(f"page: {'https' if plan.web.tls_certificate else 'http'}://{plan.web.bind}/")
         return Supervisor(plan).run()
     except PortError as error:
         print(f"axisgate run: {error}", file=sys.stderr)

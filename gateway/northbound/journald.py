@@ -6,39 +6,42 @@ import os
 import pathlib
 import socket
 import struct
+from collections import deque
+
+from gateway.journal import JournalReader
 
 SOCKET = "/run/systemd/journal/socket"
 PRIORITY = {"alarm": 3, "error": 3, "link": 5, "retain": 4, "process": 5}  # syslog's: 3 error, 4 warning, 5 notice; else 6, information
-MOST_BYTES = 1 << 20  # read at one look
 MOST_RECORD = 100_000  # longer datagrams want a memfd; nothing of ours is that long
 
 
 class Journald:
-    """Follows one journal file; what journald does not take now stays for the next look, what the file lost is counted."""
+    """Follows one journal file; what journald does not take now stays for the next look."""
 
     def __init__(self, journal: pathlib.Path, slug: str, address: str = SOCKET) -> None:
-        self._journal, self._slug, self._address = journal, slug, address
+        self._slug, self._address = slug, address
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
         self._socket.setblocking(False)
-        self._at = journal.stat().st_size if journal.exists() else 0  # what an earlier run wrote was told then
+        self._reader = JournalReader(journal, 0)  # what an earlier run wrote was told then
+        self._waiting: deque[bytes] = deque()
         self.sent = 0
 
     def look(self) -> None:
         """Sends what has been written since; never waits."""
         with contextlib.suppress(OSError):
-            size = self._journal.stat().st_size
-            if size < self._at:
-                self._at = 0  # a new file
-            with self._journal.open("rb") as file:
-                file.seek(self._at)
-                lines = file.read(MOST_BYTES).split(b"\n")
-            for line in lines[:-1]:
-                if not self._send(line):
-                    return
-                self._at += len(line) + 1
+            if self._hand_over():
+                self._waiting.extend(self._reader.lines())
+                self._hand_over()
+
+    def _hand_over(self) -> bool:
+        """True: nothing waits."""
+        while self._waiting and self._send(self._waiting[0]):
+            self._waiting.popleft()
+        return not self._waiting
 
     def close(self) -> None:
         self._socket.close()
+        self._reader.close()
 
     def _send(self, line: bytes) -> bool:
         try:

@@ -1,7 +1,8 @@
 """The supervisor: makes the regions, starts the processes, watches their life, restarts them (design: section 4).
 
-Restart: at once, then after 1, 2, 5 s; six deaths in a minute: the process stays down and the journal says so.
-It answers on runtime_dir()/SLUG.sock (Unix stream, one JSON line a request): status, regions (fds by SCM_RIGHTS), stop.
+Restart: at once, then after 1, 2, 5 s; six deaths in a minute: the journal says so, the cycle stays down, every other process is tried
+again every 10 s (AX-621).  It answers on runtime_dir()/SLUG.sock (Unix stream, one JSON line a request): status, regions (fds by
+SCM_RIGHTS), hold, release, stop.
 """
 
 import contextlib
@@ -21,13 +22,18 @@ from drivers.ports.base import PortError, runtime_dir
 from gateway.assembly import Child, RunPlan, command_line, make_regions
 from gateway.clock import now_ns
 from gateway.image import ImageError, RegionReader, fds_to_text, send_fds
-from gateway.journal import Journal, rotate
+from gateway.journal import Journal
 from gateway.processes.spare import OPTION, Spare
-from gateway.realtime import die_with_parent
+from gateway.pure.lifewatch import LifeWatch, Load
+from gateway.realtime import die_with_parent, processor_ns, survive_hang_up, wants_processor
 
 WAITS_NS = (0, 1_000_000_000, 2_000_000_000, 5_000_000_000)
 WINDOW_NS = 60_000_000_000
 TOO_MANY = 6
+SLOW_NS = 10_000_000_000  # between two starts of a process that died so often
+STAYS_DOWN = "cycle"  # moves axes: after so many deaths a person looks first
+END_S = 0.1  # patience with the death of a process that was ended; one that hangs in the kernel is buried later
+BUSY_TOLD_NS = 10_000_000_000  # a process the machine gives no processor to is reported at most so often
 READY_NS = 20_000_000_000  # patience until a process shows its first sign of life
 REQUEST_NS = 2_000_000_000  # patience with a tool that has connected and says nothing
 REQUEST_BYTES = 4096
@@ -54,6 +60,10 @@ class Running:
     ready: bool = False
     reader: RegionReader | None = None
     last_life: int = 0
+    watch: LifeWatch | None = None
+    ending: str = ""  # it was ended for this reason and is not yet dead
+    busy: int = 0  # how often the machine kept it from showing life
+    busy_told: int = 0
     output: bytes = b""
     spare_at: int = 0  # not before: a spare that died is not replaced at once
 
@@ -62,7 +72,6 @@ class Supervisor:
     """Owns every process of one run."""
 
     def __init__(self, plan: RunPlan, *, echo: bool = True) -> None:
-        rotate(plan.journal)
         self.plan = plan
         self.journal = Journal(plan.journal, "supervisor", echo=echo)
         self.fds = make_regions(plan)
@@ -74,6 +83,7 @@ class Supervisor:
                 running.reader = RegionReader(self.fds[running.child.life], running.child.life)
         self._selector = selectors.DefaultSelector()
         self._stop = False
+        self._hung_up = self._hang_ups_told = 0
         self._tools: dict[socket.socket, tuple[int, bytearray]] = {}  # since when it is there, what it said so far
         self._socket = self._listen()
 
@@ -82,6 +92,7 @@ class Supervisor:
         """Until SIGINT, SIGTERM or a stop request; exit code 0, or 3 when a process never came up."""
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, self._on_signal)
+        signal.signal(signal.SIGHUP, self._on_hang_up)
         try:
             code = self._start_all()
             while code == 0 and not self._stop:
@@ -93,9 +104,17 @@ class Supervisor:
     def _on_signal(self, number: int, frame: object) -> None:
         self._stop = True
 
+    def _on_hang_up(self, number: int, frame: object) -> None:
+        self._hung_up += 1
+
     def _turn(self) -> None:
         for key, _ in self._selector.select(POLL_S):
             key.data(key.fileobj)
+        if self._hung_up > self._hang_ups_told:
+            if not self._hang_ups_told:
+                words = f"the terminal or session has ended (SIGHUP); the run goes on; it ends with: axisgate stop {self.plan.slug}"
+                self.journal.write("process", words)
+            self._hang_ups_told = self._hung_up
         for running in self._running:
             self._look_after(running)
         if self._tools:
@@ -127,7 +146,7 @@ class Supervisor:
             pass_fds=keep,
             env=os.environ | ONE_THREAD,
             start_new_session=True,
-            preexec_fn=functools.partial(die_with_parent, os.getpid(), signal.SIGKILL),  # noqa: PLW1509 no thread here; a hung child dies, too
+            preexec_fn=functools.partial(_ready_to_run, os.getpid()),  # noqa: PLW1509 there is no thread here
         )
 
     def _start(self, running: Running) -> None:
@@ -138,9 +157,14 @@ class Supervisor:
         else:
             if spare is not None:
                 spare.end()
-            running.process = self._spawn(child)
+            try:
+                running.process = self._spawn(child)
+            except (OSError, subprocess.SubprocessError) as error:  # no memory, no more processes, no program: tried again like a death
+                self._buried(running, f"could not be started ({error})")
+                return
         running.started_ns, running.start_at, running.ready, running.output = now_ns(), None, False, b""
         running.last_life = running.reader.life[0] if running.reader else 0
+        running.watch, running.ending = LifeWatch(child.life_limit_ns), ""
         assert running.process.stdout is not None
         os.set_blocking(running.process.stdout.fileno(), False)
         self._selector.register(running.process.stdout, selectors.EVENT_READ, lambda _: self._hear(running))
@@ -171,18 +195,23 @@ class Supervisor:
                 self._start(running)
             return
         if process.poll() is not None:
-            self._buried(running, f"ended with {_how(process.returncode)}")
-        elif running.reader is not None:
+            self._buried(running, running.ending or f"ended with {_how(process.returncode)}")
+        elif running.reader is not None and not running.ending:
             self._check_life(running)
             if running.child.spare and running.process is not None:
                 self._keep_spare(running)
+        if running.alarm and running.process is not None and not running.ending and now_ns() - running.started_ns > WINDOW_NS:
+            self.journal.write("process", f"{running.child.name} runs again since a minute", child=running.child.name)
+            running.alarm = ""
 
     def _keep_spare(self, running: Running) -> None:
         if running.spare is not None and not running.spare.stands_by:
             running.spare.end()
             running.spare, running.spare_at = None, now_ns() + SPARE_NS
         if running.spare is None and now_ns() > max(running.started_ns + SPARE_NS, running.spare_at):
-            running.spare = Spare(self._spawn(running.child, spare=True))
+            running.spare_at = now_ns() + SPARE_NS
+            with contextlib.suppress(OSError, subprocess.SubprocessError):  # tried again soon; without one a start takes longer
+                running.spare = Spare(self._spawn(running.child, spare=True))
 
     def _check_life(self, running: Running) -> None:
         assert running.reader is not None and running.process is not None
@@ -191,10 +220,28 @@ class Supervisor:
         if count == running.last_life and now - running.started_ns < READY_NS:
             return  # a process that has not shown life yet is still starting
         running.ready = True
-        if now - stamp > running.child.life_limit_ns and now - running.started_ns > running.child.life_limit_ns:
+        assert running.watch is not None
+        alive = running.watch.look(now, count, stamp, self._load(running, now, count, stamp))
+        if not alive and now - running.started_ns > running.child.life_limit_ns:
+            running.ending = f"showed no life for {(now - stamp) / 1e6:.0f} ms and was ended"
             running.process.kill()
-            running.process.wait()
-            self._buried(running, f"showed no life for {(now - stamp) / 1e6:.0f} ms and was ended")
+            with contextlib.suppress(subprocess.TimeoutExpired):  # a process inside the kernel must not hold up the watch on the others
+                running.process.wait(END_S)
+                self._buried(running, running.ending)
+        elif alive and now - stamp > running.child.life_limit_ns and now - running.busy_told > BUSY_TOLD_NS:
+            running.busy, running.busy_told = running.busy + 1, now
+            words = f"{running.child.name} gets no processor time: the machine is busy, no sign of life for {(now - stamp) / 1e6:.0f} ms"
+            self.journal.write("process", f"{words}; it is not ended", child=running.child.name)
+
+    @staticmethod
+    def _load(running: Running, now: int, count: int, stamp: int) -> Load | None:
+        assert running.watch is not None and running.process is not None
+        if not running.watch.wants_load(now, count, stamp):
+            return None
+        with contextlib.suppress(OSError):
+            pid = running.process.pid
+            return Load(processor_ns(pid), wants_processor(pid))
+        return None
 
     def _buried(self, running: Running, how: str) -> None:
         now = now_ns()
@@ -207,9 +254,14 @@ class Supervisor:
         running.process = None
         running.deaths = [at for at in running.deaths if now - at < WINDOW_NS] + [now]
         deaths = len(running.deaths)
+        if running.alarm:  # tried again slowly: the alarm stands, and the journal does not fill with it
+            running.start_at = now + SLOW_NS
+            return
         if deaths >= TOO_MANY:
-            running.start_at, running.down = None, True
-            running.alarm = f"{running.child.name} {how}; {deaths} deaths in a minute: it stays down"
+            running.down = running.child.name == STAYS_DOWN
+            running.start_at = None if running.down else now + SLOW_NS
+            then = "it stays down" if running.down else f"it is started again every {SLOW_NS // 1_000_000_000} s"
+            running.alarm = f"{running.child.name} {how}; {deaths} deaths in a minute: {then}"
             self.journal.write("alarm", running.alarm, child=running.child.name)
             return
         wait = WAITS_NS[min(deaths - 1, len(WAITS_NS) - 1)]
@@ -237,7 +289,8 @@ class Supervisor:
             tool.close()
         self._socket.close()
         for left in (self.path, runtime_dir() / f"{self.plan.slug}-services.sock"):
-            left.unlink(missing_ok=True)  # services that were killed could not take theirs away
+            with contextlib.suppress(OSError):
+                left.unlink(missing_ok=True)  # services that were killed could not take theirs away
         self._selector.close()
         for fd in (*self.fds.values(), self._plan_fd):
             os.close(fd)
@@ -357,12 +410,19 @@ class Supervisor:
                     "pid": r.process.pid if r.process else None,
                     "state": "up" if r.process else "down" if r.down else "waiting",
                     "restarts": r.restarts,
+                    "busy": r.busy,
                     "spare": r.spare.process.pid if r.spare else None,
                     "life_age_ms": round((now - r.reader.life[1]) / 1e6, 1) if r.reader else None,
                 }
                 for r in self._running
             ],
         }
+
+
+def _ready_to_run(parent: int) -> None:
+    """In the child, before its program: a hung one dies with its parent, too, and no hang-up ends it."""
+    die_with_parent(parent, signal.SIGKILL)
+    survive_hang_up()
 
 
 def _request(heard: bytes) -> dict[str, object] | None:

@@ -5,6 +5,8 @@ import pathlib
 from collections import deque
 from typing import Any
 
+from gateway.journal import JournalReader
+
 KEPT = 500
 TAIL = 256 * 1024  # bytes read of a long journal at first
 Row = dict[str, Any]
@@ -14,29 +16,13 @@ class Events:
     """Entries of one journal; `number` counts those read."""
 
     def __init__(self, path: pathlib.Path) -> None:
-        self._path = path
-        self._at = 0
-        self._rest = b""
+        self._reader = JournalReader(path, TAIL)
         self.kept: deque[Row] = deque(maxlen=KEPT)
         self.number = 0
 
     def look(self) -> None:
-        """Read what is new; a journal that was moved away is begun again."""
-        try:
-            size = self._path.stat().st_size
-            if size < self._at:
-                self._at, self._rest = 0, b""
-            if size == self._at:
-                return
-            with self._path.open("rb") as file:
-                first = self._at == 0 and size > TAIL
-                file.seek(size - TAIL if first else self._at)
-                data = file.read(TAIL)
-                self._at = file.tell()
-        except OSError:
-            return
-        *lines, self._rest = (self._rest + data).split(b"\n")
-        for line in lines[1 if first else 0 :]:
+        """Read what is new; a journal that was turned over is followed into the new file."""
+        for line in self._reader.lines():
             self._take(line)
 
     def _take(self, line: bytes) -> None:

@@ -1,0 +1,40 @@
+"""Start processes of a run again that stay down after too many deaths, once the cause is removed."""
+
+import argparse
+import sys
+
+from drivers.ports.base import PortError
+from gateway.commands.common import DONE, ENVIRONMENT, USAGE
+from gateway.runsup import alarms, asked, chosen, processes, runs
+
+EXAMPLES = """examples:
+  axisgate release hall3            every process that is down or is only tried now and then
+  axisgate release hall3 cycle      this one; its deaths are forgotten
+After a start of the cycle the drives are off and nothing moves without a fresh command.
+exit code: 0 started or nothing to do, 2 no such process, 3 no such run"""
+
+
+def main(argv: list[str]) -> int:
+    raw = argparse.RawDescriptionHelpFormatter
+    parser = argparse.ArgumentParser("axisgate release", description=__doc__, epilog=EXAMPLES, formatter_class=raw)
+    parser.add_argument("run", nargs="?", metavar="RUN", help="name of the run (default: the only one)")
+    parser.add_argument("process", nargs="?", metavar="PROCESS", help="as axisgate status names it (default: all that need it)")
+    arguments = parser.parse_args(argv)
+    run = chosen("release", arguments.run)
+    status = runs().get(run) if run is not None else None
+    if run is None or status is None:
+        return ENVIRONMENT
+    names = [str(row["name"]) for row in processes(status)]
+    if arguments.process is not None and arguments.process not in names:
+        print(f"axisgate release: {arguments.process!r}: no such process; run {run!r} has {', '.join(names)}", file=sys.stderr)
+        return USAGE
+    troubled = {words.partition(" ")[0] for words in alarms(status)} | {str(r["name"]) for r in processes(status) if r["state"] != "up"}
+    wanted = [arguments.process] if arguments.process else [name for name in names if name in troubled]
+    try:
+        for name in wanted:
+            asked(run, "release", process=name)
+    except PortError as error:
+        print(f"axisgate release: {error}", file=sys.stderr)
+        return ENVIRONMENT
+    print(f"run {run!r}: {', '.join(wanted)} released" if wanted else f"run {run!r}: every process is up, nothing to release")
+    return DONE

@@ -1,0 +1,75 @@
+"""Runs that are up on this computer, asked at the supervisor's own socket: it answers also while the services are down."""
+
+import contextlib
+import json
+import sys
+import time
+
+from drivers.ports.base import PortError, runtime_dir
+from gateway.processes.supervisor import ask
+
+ASK_S = 2.0
+SERVICES = "-services"
+Row = dict[str, object]
+
+
+def asked(run: str, op: str, **more: str) -> Row:
+    """The supervisor's answer.  PortError: there is no such run, or it does not answer."""
+    try:
+        with ask(run, op, ASK_S, **more) as connection:
+            found = json.loads(connection.makefile().readline())
+    except PortError:
+        raise
+    except (OSError, ValueError) as error:
+        raise PortError(f"run {run!r} does not answer ({error})") from error
+    return found if isinstance(found, dict) else {}
+
+
+def runs() -> dict[str, Row]:
+    """Name -> status of every run; what a killed one left behind is none."""
+    found = {}
+    for path in sorted(runtime_dir().glob("*.sock")):
+        if not path.stem.endswith(SERVICES):
+            with contextlib.suppress(PortError):
+                status = asked(path.stem, "status")
+                if "processes" in status:
+                    found[path.stem] = status
+    return found
+
+
+def chosen(command: str, name: str | None) -> str | None:
+    """The run a command means; None after it was said that there is not exactly one."""
+    up = list(runs())
+    if name in up:
+        return name
+    if name is None and len(up) == 1:
+        return up[0]
+    what = f"no run {name!r} is up" if name else "which run"
+    next_step = f"name one: axisgate {command} {up[0]}" if up else "start one: axisgate run CELL"
+    print(f"axisgate {command}: {what}? up are: {', '.join(up) or 'none'}; {next_step}", file=sys.stderr)
+    return None
+
+
+def processes(status: Row) -> list[Row]:
+    """Its rows, one for each process."""
+    rows = status.get("processes")
+    return [row for row in rows if isinstance(row, dict)] if isinstance(rows, list) else []
+
+
+def alarms(status: Row) -> list[str]:
+    """Sentences that stand."""
+    words = status.get("alarms")
+    return [str(each) for each in words] if isinstance(words, list) else []
+
+
+def ended(run: str, within_s: float) -> bool:
+    """Whether that run is gone within so many seconds."""
+    until = time.monotonic() + within_s
+    while time.monotonic() < until:
+        try:
+            asked(run, "status")
+        except PortError:
+            if not (runtime_dir() / f"{run}.sock").exists():
+                return True
+        time.sleep(0.05)
+    return False
