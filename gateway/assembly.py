@@ -88,6 +88,10 @@ class RunPlan:
         """Buses nothing is sent on."""
         return listening(self.cell, simulated=self.simulated)
 
+    def own_bus(self, name: str) -> bool:
+        """Its port is a local bus of this very run (simulated, or an adapter's): no other run can be the master there."""
+        return self.buses[name] == f"broker:{self.slug}-{name}"
+
     @property
     def journal(self) -> pathlib.Path:
         return self.folder / "journal.jsonl"

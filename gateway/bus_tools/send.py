@@ -8,10 +8,12 @@ import can
 import canopen
 from canopen.sdo.exceptions import SdoError
 
+from drivers.drives.masters import masters_in
 from drivers.ports.canwire import EFF_FLAG
 from gateway.bus_tools.logs import message_of
 from gateway.bus_tools.ports import FORM, NoBus, open_bus
 from gateway.commands.common import DONE, ENVIRONMENT, FINDING, USAGE
+from gateway.listenfirst import END_IT, LISTEN_S
 from protocols.base.machine import Frame
 from protocols.canopen.nmt import Command, command
 
@@ -39,6 +41,7 @@ def main(argv: list[str]) -> int:
     what.add_argument("--write", nargs=3, metavar=("INDEX:SUB", "TYPE", "VALUE"), help=f"SDO write; types {', '.join(TYPES)}")
     what.add_argument("--echo", type=int, metavar="N", help="N frames (identifier 7FFh) and back")
     parser.add_argument("--node", type=int, default=0, help="0: all (NMT only)")
+    parser.add_argument("--beside", action="store_true", help="--nmt also where another master is heard on the bus")
     parser.add_argument("--bitrate", type=int, default=1_000_000, help="bit/s (default %(default)s)")
     arguments = parser.parse_args(argv)
     try:
@@ -62,11 +65,25 @@ def act(bus: can.BusABC, arguments: argparse.Namespace) -> int:
         bus.send(message_of(frame_of_text(arguments.frame)), 1.0)
         return DONE
     if arguments.nmt:
+        if not arguments.beside:
+            look_first(bus, arguments.bus)
         bus.send(message_of(command(NMT[arguments.nmt], arguments.node)), 1.0)
         return DONE
     if not 1 <= arguments.node <= 127:
         raise ValueError(f"--node {arguments.node}: an SDO goes to a node 1..127")
     return sdo(bus, arguments)
+
+
+def look_first(bus: can.BusABC, url: str) -> None:
+    """Raises NoBus where a master speaks: an NMT command of a second one takes its drives away."""
+    heard: list[Frame] = []
+    end = time.monotonic() + LISTEN_S
+    while (left := end - time.monotonic()) > 0:
+        message = bus.recv(left)
+        if message is not None and not message.is_extended_id and not message.is_error_frame:
+            heard.append(Frame(message.arbitration_id, bytes(message.data)))
+    if words := masters_in(heard, "canopen"):
+        raise NoBus(f"{url}: another master speaks on this bus: {words}; {END_IT}, or send it all the same with --beside")
 
 
 def frame_of_text(text: str) -> Frame:

@@ -85,6 +85,7 @@ def _commission(cell: Cell, arguments: argparse.Namespace) -> int:
     from gateway.canopen_master import Health
     from gateway.canopen_plans import node_plans
     from gateway.commissioning import IP_PERIOD_MS, direct, inc_to_unit, move_plan, start_up
+    from gateway.listenfirst import refuse_other_master
 
     axes = {axis.name: axis for axis in cell.axis if axis.drive.type == "cia402"}
     axis = axes.get(arguments.axis or "")
@@ -99,6 +100,7 @@ def _commission(cell: Cell, arguments: argparse.Namespace) -> int:
     if arguments.mode and not _may_move(cell, bus, url):
         return ENVIRONMENT
     with direct(url) as link:
+        refuse_other_master(link.port, url, "canopen")
         node, moved = start_up(link, axis.name, plan, move_plan(axis, arguments.mode, arguments.way) if arguments.mode else None)
     booted = node.booted
     if node.health is not Health.READY or booted is None:

@@ -10,8 +10,9 @@ from gateway.assembly import RunPlan, plan_run
 from gateway.cell import Cell
 from gateway.commands.common import BANNER, DONE, ENVIRONMENT, USAGE, load
 from gateway.console import fill_standard, say_at_start
-from gateway.families import LISTENS
+from gateway.families import DRIVE_PROTOCOLS, LISTENS
 from gateway.firstenable import TEXT, confirm, needed
+from gateway.listenfirst import refuse_on
 from gateway.processes.supervisor import Supervisor
 from gateway.realtime import die_with_parent
 from gateway.shadow import command as shadow
@@ -79,6 +80,7 @@ def main(argv: list[str]) -> int:
         if arguments.json:
             print(json.dumps(describe(plan), indent=1))
             return DONE
+        _look_first(cell, arguments.bus, simulated=plan.simulated and arguments.bus is None)
         say_at_start(BANNER)
         for name in plan.listening:
             say_at_start(f"bus {name} {LISTENS}; next: axisgate bus log {plan.buses[name]} -o living.log, then axisgate bus infer")
@@ -99,6 +101,13 @@ def _listening(arguments: argparse.Namespace, cell: Cell) -> int:
     except PortError as error:
         print(f"axisgate run: {error}", file=sys.stderr)
         return ENVIRONMENT
+
+
+def _look_first(cell: Cell, bus: str | None, *, simulated: bool) -> None:
+    """Raises PortError where another master speaks on a drive bus; a port that is not there yet is listened to when it comes."""
+    for each in cell.bus:
+        if each.protocol in DRIVE_PROTOCOLS and not simulated and (bus or each.port != "sim"):
+            refuse_on(bus or each.port, each.protocol)
 
 
 def why_not(cell: Cell, *, p5: int | None) -> str:

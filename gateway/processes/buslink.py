@@ -4,6 +4,7 @@ from collections import deque
 from collections.abc import Sequence
 
 from drivers.drives.family import Actual, BusFamily, SetRecord
+from drivers.drives.masters import OtherMaster
 from drivers.ports.base import CanPort, PortError
 from drivers.ports.broker import BrokerPort
 from drivers.ports.can import open_can
@@ -15,6 +16,8 @@ from protocols.base.errors import DecodeError
 from protocols.base.machine import Frame, FrameFault
 
 REOPEN_NS = 200_000_000
+LISTEN_NS = 250_000_000  # before the first burst on a bus others can be on
+DOUBLES, LEAK = 20, 16  # actual values of one axis too many until they are reported; one is forgiven in so many cycles
 BUS_OFF = (
     "bus-off: the controller left the bus after too many errors and is restarted; check cable, termination (120 ohm at both ends) and bit"
     " rate; if it stays away: sudo ip link set can0 type can restart (axisgate does that itself where it has CAP_NET_ADMIN)"
@@ -24,8 +27,15 @@ BUS_OFF = (
 class BusLink:
     """One drive bus: its port and the family of drives on it."""
 
-    def __init__(self, url: str, family: BusFamily, number: int = 0, quick: Quick | None = None) -> None:
+    def __init__(
+        self, url: str, family: BusFamily, number: int = 0, quick: Quick | None = None, *, protocol: str = "", listens: bool = False
+    ) -> None:
+        """`protocol`: of the [[bus]], decides what only its master sends; `listens`: others can be on this bus, so it is listened to before
+        the first burst, and nothing is sent as long as another master speaks."""
         self.url, self.family, self.number = url, family, number
+        self._other, self._listens, self._quiet_from = OtherMaster(protocol), listens, 0
+        self._doubles: dict[int, int] = {}
+        self._turns = 0
         self.telegrams: QuickTelegrams | None = quick.telegrams(family) if quick else None
         self._local: BrokerPort | None = None  # the port, where its messages may be made and read in C
         self._values: Sequence[SetRecord] = ()
@@ -55,6 +65,11 @@ class BusLink:
         if self.port is None and not self._open(now):
             return False
         assert self.port is not None
+        if self._quiet_from and not self._free(now):
+            return False
+        self._turns += 1
+        if self._turns % LEAK == 0:
+            self._watch(now)
         faults = self.port.take_faults()
         if faults and any(kind is FrameFault.BUS_OFF for kind, _ in faults):
             self._lose(PortError(f"{self.url}: {BUS_OFF}"))
@@ -69,6 +84,45 @@ class BusLink:
             self._lose(error)
             return False
         return True
+
+    def _free(self, now: int) -> bool:
+        """Nobody else was heard for long enough; what the master of the services wants to say meanwhile it asks for again."""
+        assert self.port is not None
+        self.acyclic.clear()
+        try:
+            frames = self.port.receive()
+        except PortError as error:
+            self._lose(error)
+            return False
+        for frame in frames:
+            if frame.identifier in self._other.names:
+                self._quiet_from = now
+                self._foreign(frame.identifier, now)
+        if now - self._quiet_from < LISTEN_NS:
+            return False
+        self._quiet_from = 0
+        return True
+
+    def _watch(self, now: int) -> None:
+        if words := self._other.wake(now):
+            print(f"{self.url}: {words}", flush=True)
+        if self._doubles:
+            self._doubles = {index: min(count, 2 * DOUBLES) - 1 for index, count in self._doubles.items() if count > 1}
+
+    def _foreign(self, identifier: int, now: int) -> None:
+        waits = "nothing is sent as long as it speaks; " if self._quiet_from else ""
+        if words := self._other.heard(identifier, now):
+            print(f"{self.url}: {waits}{words}", flush=True)
+
+    def _double(self, index: int) -> None:
+        """Two actual values in one cycle: now and then a late one, again and again a second drive with the same number."""
+        self._doubles[index] = self._doubles.get(index, 0) + 1
+        if self._doubles[index] == DOUBLES:
+            print(
+                f"{self.url}: the actual value of axis {index + 1} comes twice in a cycle: a second device has the same number;"
+                " switch it off or give it another number",
+                flush=True,
+            )
 
     @property
     def plain(self) -> bool:
@@ -106,8 +160,10 @@ class BusLink:
     def _hear(self, frames: Sequence[Frame], actuals: list[Actual | None]) -> int:
         if self.tap is not None:
             self.tap.heard(self.number, frames)
-        fresh, hear, sent_ns = 0, self.family.hear, self.sent_ns
+        fresh, hear, sent_ns, masters = 0, self.family.hear, self.sent_ns, self._other.names
         for frame in frames:
+            if frame.identifier in masters:
+                self._foreign(frame.identifier, sent_ns)
             try:
                 heard = hear(frame)
             except DecodeError:
@@ -123,7 +179,10 @@ class BusLink:
             if frame.stamp_ns < sent_ns:
                 self.late += 1
                 continue
-            fresh += actuals[index] is None
+            if actuals[index] is None:
+                fresh += 1
+            else:
+                self._double(index)
             actuals[index] = actual
         return fresh
 
@@ -148,6 +207,7 @@ class BusLink:
             self._say(error)
             return False
         self.last_error = ""
+        self._quiet_from = now if self._listens else 0
         print(f"{self.url}: open", flush=True)
         return True
 

@@ -87,7 +87,14 @@ class Cycle:
             foresight=quick.foresight,
         )
         self.buses = [
-            BusLink(plan.buses[bus.name], make_family(cell, bus, plan.p5_ms, simulated=plan.simulated), n, quick)
+            BusLink(
+                plan.buses[bus.name],
+                make_family(cell, bus, plan.p5_ms, simulated=plan.simulated),
+                n,
+                quick,
+                protocol=bus.protocol if bus.name not in plan.listening else "",
+                listens=not plan.own_bus(bus.name) and bus.name not in plan.listening,
+            )
             for n, bus in enumerate(drive_buses)
         ]
         self._driving = [bus for bus in self.buses if not (isinstance(bus.family, RhoFamily) and bus.family.drives is None)]

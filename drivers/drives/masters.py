@@ -1,0 +1,70 @@
+"""What only the master of a bus sends, and who else is heard: a second master resets the first one's drives (AX-631).  Pure.
+
+Source: CiA 301, 7.3.5 (predefined connection set); rho3 2.2 (SERVODYN: SYNC 100, set values 200+10n).
+"""
+
+from collections import Counter
+from collections.abc import Iterable, Mapping
+
+from drivers.drives.cia402_family import GATEWAY_NODE
+from protocols.base.machine import Frame, Ns, ms
+from protocols.canopen import cobid
+from protocols.servodyn.plan import SYNC_ID
+
+SILENT_NS = ms(3000)  # a master that was heard and says nothing for so long is gone
+MODULES = range(1, 25)
+NONE: Mapping[int, str] = {}
+
+
+def master_identifiers(protocol: str) -> Mapping[int, str]:
+    """Identifier -> what it is, of a [[bus]] of this protocol."""
+    if protocol == "canopen":
+        found = {cobid.NMT: "NMT", cobid.SYNC: "SYNC", cobid.heartbeat(GATEWAY_NODE): f"heartbeat of node {GATEWAY_NODE}"}
+        found |= {cobid.sdo_request(node): "SDO request" for node in range(1, cobid.MAX_NODE + 1)}
+        return found | {cobid.LSS_MASTER: "LSS"}
+    if protocol == "servodyn":
+        return {SYNC_ID: "SYNC"} | {200 + 10 * module: "set value" for module in MODULES}
+    return NONE
+
+
+def device_identifiers(node: int) -> frozenset[int]:
+    """What only the CANopen device with this number sends."""
+    pdos = {cobid.tpdo(number, node) for number in range(1, 5)}
+    return frozenset(pdos | {cobid.emcy(node), cobid.sdo_answer(node), cobid.heartbeat(node)})
+
+
+def told(heard: Mapping[int, int], names: Mapping[int, str]) -> str:
+    """ "SYNC (080h, 40 times), SDO request (602h, once)"; empty: nothing of a master was heard."""
+    times = {number: "once" if count == 1 else f"{count} times" for number, count in heard.items()}
+    return ", ".join(f"{names[number]} ({number:03X}h, {times[number]})" for number in sorted(heard) if number in names)
+
+
+def masters_in(frames: Iterable[Frame], protocol: str) -> str:
+    """The sentence of what was listened to; empty: no master spoke."""
+    names = master_identifiers(protocol)
+    return told(Counter(frame.identifier for frame in frames if frame.identifier in names), names)
+
+
+class OtherMaster:
+    """Who else speaks as a master on a bus that is in use: one sentence when it begins, one when it is over."""
+
+    def __init__(self, protocol: str) -> None:
+        self.names = master_identifiers(protocol)
+        self._heard: Counter[int] = Counter()
+        self._last: Ns = 0
+
+    def heard(self, identifier: int, now: Ns) -> str:
+        """The sentence to report, mostly empty."""
+        first = not self._heard[identifier]
+        self._heard[identifier] += 1
+        self._last = now
+        words = f"another master speaks on this bus: {self.names[identifier]} ({identifier:03X}h); two masters reset each other's drives"
+        return f"{words}: end one of them" if first else ""
+
+    def wake(self, now: Ns) -> str:
+        """The sentence that it is over, mostly empty."""
+        if not self._heard or now - self._last < SILENT_NS:
+            return ""
+        words = f"the other master is silent; it was heard with {told(self._heard, self.names)}"
+        self._heard.clear()
+        return words

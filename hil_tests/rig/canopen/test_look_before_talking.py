@@ -1,0 +1,167 @@
+"""A second master says nothing: the one that is there (of the `canopen` package) is heard first and refused; a running cell reports it."""
+
+import pathlib
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+
+import can
+import canopen
+import pytest
+
+from drivers.drives.cia402 import Cia402Set
+from drivers.drives.cia402_family import Cia402Family
+from drivers.drives.family import Actual
+from drivers.ports.broker import BrokerPort
+from gateway.processes.buslink import BusLink
+from hil_tests.lab.bus_running import Bus, running_bus
+from protocols.base.machine import Frame
+
+SYNC_S = 0.02
+
+
+@pytest.fixture
+def bus(tmp_path: pathlib.Path) -> Iterator[Bus]:
+    with running_bus(tmp_path, name="look", log=False) as bus:
+        yield bus
+
+
+@pytest.fixture
+def master(bus: Bus) -> Iterator[canopen.Network]:
+    network = canopen.Network(can.Bus(interface="broker", channel="look"))
+    network.connect()
+    network.sync.start(SYNC_S)
+    yield network
+    network.sync.stop()  # type: ignore[no-untyped-call]
+    network.disconnect()
+
+
+def axisgate(*words: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "gateway", *words]
+    return subprocess.run(command, check=False, capture_output=True, text=True, timeout=30, stdin=subprocess.DEVNULL)
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("drive", "commission", "demo-402", "A2", "--port", "broker:look"),
+        ("bus", "send", "broker:look", "--nmt", "reset-node"),
+        ("run", "demo-402", "--bus", "broker:look"),
+    ],
+    ids=["commission", "nmt", "run"],
+)
+def test_a_foreign_sync_is_reported_and_nothing_is_sent(bus: Bus, master: canopen.Network, command: tuple[str, ...]) -> None:
+    listener = bus.port()
+    told = axisgate(*command)
+    assert told.returncode == 3, told
+    assert "broker:look: another master speaks on this bus: SYNC (080h, " in told.stderr and "Traceback" not in told.stderr
+    assert {frame.identifier for frame in listener.receive()} == {0x080}, "the SYNC of the master that was there, and nothing else"
+    listener.close()
+
+
+def test_a_heartbeat_of_a_gateway_and_an_sdo_client_are_masters_too(bus: Bus) -> None:
+    for frame in (Frame(0x77F, b"\x05"), Frame(0x602, bytes.fromhex("4041600000000000"))):
+        with talking(frame):
+            told = axisgate("drive", "commission", "demo-402", "A2", "--port", "broker:look")
+        assert told.returncode == 3 and f"{frame.identifier:03X}h" in told.stderr, told
+
+
+def test_nmt_beside_a_master_leaves_when_it_is_asked_for(bus: Bus, master: canopen.Network) -> None:
+    listener = bus.port()
+    assert axisgate("bus", "send", "broker:look", "--nmt", "start", "--node", "3", "--beside").returncode == 0
+    assert Frame(0, b"\x01\x03") in [frame._replace(stamp_ns=0) for frame in listener.receive()]
+    listener.close()
+
+
+def test_a_silent_bus_is_talked_on(bus: Bus) -> None:
+    assert axisgate("bus", "send", "broker:look", "--nmt", "start").returncode == 0
+    told = axisgate("drive", "commission", "demo-402", "A2", "--port", "broker:look")
+    assert told.returncode == 1 and "does not answer" in told.stderr
+
+
+def test_drives_are_not_emulated_beside_those_with_their_numbers(bus: Bus) -> None:
+    with talking(Frame(0x702, b"\x7f")):
+        told = axisgate("emulate", "demo-402", "--bus", "broker:look")
+    assert told.returncode == 3 and "node 2 is on this bus already" in told.stderr, told
+
+
+class talking:  # reads as a verb where it is used
+    """One frame every 20 ms from a thread of python-can."""
+
+    def __init__(self, frame: Frame) -> None:
+        self._frame = frame
+
+    def __enter__(self) -> None:
+        self._bus = can.Bus(interface="broker", channel="look")
+        message = can.Message(arbitration_id=self._frame.identifier, data=self._frame.data, is_extended_id=False)
+        self._task = self._bus.send_periodic(message, SYNC_S)
+
+    def __exit__(self, *_: object) -> None:
+        self._task.stop()
+        self._bus.shutdown()
+
+
+def cycles(link: BusLink, count: int, other: BrokerPort, says: list[Frame]) -> list[bool]:
+    """Turns of 10 ms: what the other one says, then the burst and what came."""
+    sent = []
+    for _ in range(count):
+        other.send(says)
+        link.prepare([Cia402Set()])
+        sent.append(link.send(time.monotonic_ns()))
+        time.sleep(0.01)
+        actuals: list[Actual | None] = [None]
+        link.receive(actuals)
+    return sent
+
+
+def test_a_cycle_holds_its_burst_until_the_other_master_is_silent(bus: Bus, capsys: pytest.CaptureFixture[str]) -> None:
+    other = bus.port()
+    link = BusLink("broker:look", Cia402Family([(0, 2)], 5, 1), protocol="canopen", listens=True)
+    assert not any(cycles(link, 50, other, [Frame(0x080)])), "half a second beside a SYNC"
+    assert {frame.identifier for frame in other.receive()} == set(), "not one frame"
+    told = capsys.readouterr().out
+    assert told.count("another master speaks on this bus: SYNC (080h)") == 1 and "nothing is sent as long as it speaks" in told
+    sent = cycles(link, 50, other, [])
+    assert sent.index(True) >= 20 and all(sent[sent.index(True) :]), "it begins when a quarter of a second was quiet"
+    link.close()
+    other.close()
+
+
+@pytest.mark.parametrize("frame", [Frame(0x080), Frame(0x77F, b"\x05"), Frame(0, b"\x81\0"), Frame(0x602, bytes(8))])
+def test_a_running_cycle_reports_another_master_once(bus: Bus, capsys: pytest.CaptureFixture[str], frame: Frame) -> None:
+    other = bus.port()
+    link = BusLink("broker:look", Cia402Family([(0, 2)], 5, 1), protocol="canopen")
+    assert all(cycles(link, 10, other, []))
+    assert "another master" not in capsys.readouterr().out
+    assert all(cycles(link, 10, other, [frame])), "a cell that moves goes on and reports it"
+    told = capsys.readouterr().out
+    assert told.count("another master speaks on this bus") == 1 and f"({frame.identifier:03X}h)" in told
+    link.close()
+    other.close()
+
+
+def test_a_second_sender_of_an_actual_value_is_reported_and_a_late_one_is_not(bus: Bus, capsys: pytest.CaptureFixture[str]) -> None:
+    other, twin = bus.port(), bus.port()
+    link = BusLink("broker:look", Cia402Family([(0, 2)], 5, 1), protocol="canopen")
+    assert all(cycles(link, 3, other, []))
+    link.family.release(2, 8)
+    said = Frame(0x182, bytes(6))
+
+    def turns(count: int, twice: int) -> None:
+        for n in range(count):
+            link.prepare([Cia402Set()])
+            assert link.send(time.monotonic_ns())
+            other.send([said])
+            if n % twice == 0:
+                twin.send([said])
+            time.sleep(0.002)
+            link.receive([None])
+
+    turns(300, 20)
+    assert "comes twice" not in capsys.readouterr().out
+    turns(60, 1)
+    told = capsys.readouterr().out
+    assert told.count("the actual value of axis 1 comes twice in a cycle: a second device has the same number") == 1, told
+    for port in (link, other, twin):
+        port.close()
