@@ -1,0 +1,86 @@
+"""Faults of a source text: all of one run are collected, none is an exception."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+
+from gateway.pure.languages.base.source import Position
+
+
+class Severity(Enum):
+    """An error keeps the program from running, a warning does not."""
+
+    ERROR = "error"
+    WARNING = "warning"
+
+
+@dataclass(frozen=True, slots=True)
+class SourceFault:
+    """One fault.  `id` is stable and names the kind of fault; `hint` says what to do."""
+
+    id: str
+    position: Position
+    text: str
+    severity: Severity = Severity.ERROR
+    hint: str = ""
+
+    def __str__(self) -> str:
+        hint = f"; {self.hint}" if self.hint else ""
+        return f"{self.position}: {self.severity.value}: {self.text}{hint} [{self.id}]"
+
+    def as_row(self) -> dict[str, str | int]:
+        """The fault as `check --json` prints it."""
+        return {
+            "file": self.position.file,
+            "line": self.position.line,
+            "column": self.position.column,
+            "severity": self.severity.value,
+            "id": self.id,
+            "text": f"{self.text}; {self.hint}" if self.hint else self.text,
+        }
+
+
+@dataclass(slots=True)
+class Faults:
+    """Collects the faults of one run.  After `most` errors `full` is set and the reader may stop."""
+
+    most: int | None = None
+    warnings: bool = True  # False: warnings are dropped
+    _found: list[SourceFault] = field(default_factory=list)
+    _places: set[tuple[str, Position]] = field(default_factory=set)
+
+    def error(self, id: str, position: Position, text: str, hint: str = "") -> None:
+        """An error; the same kind of error at the same place counts once."""
+        self._add(SourceFault(id, position, text, Severity.ERROR, hint))
+
+    def warning(self, id: str, position: Position, text: str, hint: str = "") -> None:
+        """A warning."""
+        if self.warnings:
+            self._add(SourceFault(id, position, text, Severity.WARNING, hint))
+
+    def _add(self, fault: SourceFault) -> None:
+        key = (fault.id, fault.position)
+        if key not in self._places and not (self.full and fault.severity is Severity.ERROR):
+            self._places.add(key)
+            self._found.append(fault)
+
+    @property
+    def errors(self) -> int:
+        """How many errors there are."""
+        return sum(fault.severity is Severity.ERROR for fault in self._found)
+
+    @property
+    def full(self) -> bool:
+        """Whether the greatest number of errors is reached."""
+        return self.most is not None and self.errors >= self.most
+
+    def __iter__(self) -> Iterator[SourceFault]:
+        """In the order of the text, file by file."""
+        return iter(sorted(self._found, key=lambda fault: (fault.position.file, fault.position.line, fault.position.column)))
+
+    def __len__(self) -> int:
+        return len(self._found)
+
+    def rows(self) -> list[Mapping[str, str | int]]:
+        """All faults as `check --json` prints them."""
+        return [fault.as_row() for fault in self]
