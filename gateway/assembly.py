@@ -36,6 +36,7 @@ MS = 1_000_000
 CYCLE_RINGS = ("trace", "scope", "record", "recorder")  # what it says to whoever listens, and who that is
 CHIPS_LIFE_MS = 1_000  # a chip behind USB may take its time; its contacts are marked meanwhile
 PLANNER_LIFE_MS = 10_000  # a law of a long run takes a second, much more on a busy machine; nothing depends on it meanwhile (AX-420)
+STRETCHED_LIFE_MS = 1_000  # of a cycle in a stretched simulation, which waits for its drives
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,6 +82,7 @@ class RunPlan:
     programs: Mapping[int, ProgramPlan] = field(default_factory=dict)
     taps: Mapping[str, tuple[str, str]] = field(default_factory=dict)  # of a shadow: line -> ports that hear the PLC and the old control;
     # Modbus server -> capture, address of the old control
+    stretched: bool = False  # simulated time waits for a machine that is late (AX-681)
     tolerances: Mapping[str, float] = field(default_factory=dict)  # of a shadow: positions of an axis so near to one another are equal
 
     @property
@@ -126,6 +128,7 @@ def plan_run(
     record: pathlib.Path | None = None,
     baud: int | None = None,
     web_port: int | None = None,
+    stretched: bool = False,
 ) -> RunPlan:
     """Ports and processes of one run; `bus`, `p5_ms`, `modbus_port`, `baud`, `web_port` override the cell (demo and tests)."""
     slug = slug or slug_of(cell)
@@ -135,7 +138,7 @@ def plan_run(
     buses, sims = bus_ports(cell, slug, bus, period_ms, record, simulated=simulated)
     lines, simulators = line_ports(cell, slug, baud, record, simulated=simulated)
     sims += simulators
-    sims += emulators(cell, slug, folder, buses, period_ms, record) if simulated else []
+    sims += emulators(cell, slug, folder, buses, period_ms, record, stretched=stretched) if simulated else []
     doors = tuple(
         Door(n + 1, name, kind)
         for n, (name, kind) in enumerate(
@@ -145,8 +148,12 @@ def plan_run(
     binds, cables = modbus_ports(cell, slug, simulated, modbus_port, baud)
     web = page_of(cell, web_port, simulated=simulated)
     core = core_processes(cell, period_ms, doors, simulated=simulated, page=web is not None)
+    if stretched:
+        core[0] = replace(core[0], life_limit_ns=STRETCHED_LIFE_MS * MS)
     children, zeros, programs = (*sims, *cables, *core), known_zeros(cell), plan_programs(cell)
-    return RunPlan(slug, cell, simulated, folder, period_ms, buses, lines, binds, doors, record, children, zeros, web, programs)
+    return RunPlan(
+        slug, cell, simulated, folder, period_ms, buses, lines, binds, doors, record, children, zeros, web, programs, stretched=stretched
+    )
 
 
 def bus_ports(
@@ -257,7 +264,14 @@ def known_zeros(cell: Cell) -> dict[str, float]:
 
 
 def emulators(
-    cell: Cell, slug: str, folder: pathlib.Path, buses: Mapping[str, str], p5_ms: int, record: pathlib.Path | None
+    cell: Cell,
+    slug: str,
+    folder: pathlib.Path,
+    buses: Mapping[str, str],
+    p5_ms: int,
+    record: pathlib.Path | None,
+    *,
+    stretched: bool = False,
 ) -> list[Child]:
     """One emulator process for each drive bus, its plant written to a settings file."""
     from gateway.plant import belt_settings, write_settings  # the emulator's settings are only needed where one runs
@@ -278,6 +292,7 @@ def emulators(
         settings = write_settings(cell, name, folder, p5_ms)
         kept = ("--record", str(record / f"emulator-{name}.rec")) if record else ()
         arguments = ("--settings", str(settings), "--bus", url, "--name", f"{slug}-{name}", *kept)
+        arguments += ("--stretched", str(p5_ms)) if stretched else ()
         arguments += ("--belts", belt_settings(cell, name)) if any(belt.bus == name for belt in cell.belt) else ()
         children.append(Child(f"emulator-{name}", "gateway.processes.emulator", arguments, announces=True))
     return children

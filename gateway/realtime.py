@@ -50,6 +50,17 @@ def go_realtime(priority: int) -> list[str]:
     return warnings
 
 
+def realtime_allowed() -> bool:
+    """Whether this user may have SCHED_FIFO; tried on ourselves and given back at once."""
+    before = os.sched_getscheduler(0)
+    try:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(10))
+    except OSError:
+        return False
+    os.sched_setscheduler(0, before, os.sched_param(0))
+    return True
+
+
 def go_ahead() -> None:
     """In the ordinary class, but soon after whatever wakes this process: before what else wants the processor, and in short turns.
 

@@ -2,7 +2,6 @@
 
 import argparse
 import json
-import os
 import pathlib
 import shutil
 import signal
@@ -12,6 +11,7 @@ from collections.abc import Sequence
 
 from drivers.ports.base import PortError, runtime_dir
 from drivers.ports.can import open_can
+from gateway.realtime import realtime_allowed
 from hil_tests import demo_page
 from hil_tests.lab.awake import awake
 from hil_tests.lab.scenario import Scenario, ScenarioFailed
@@ -127,17 +127,6 @@ def in_own_time(argv: Sequence[str], records: pathlib.Path) -> int:
     plain = ["env", "TTY_COMPATIBLE=0", "AXISGATE_RUNTIME=/run/axisgate"]
     command = [*plain, sys.executable, "-m", "gateway", "demo", *options, "--records", str(records.absolute())]
     return guest.Guest(guest.ROOT / "build" / "uml" / "demo-own-time", OWN_TIME_LIMIT_S).run(command, lambda line: print(line, flush=True))
-
-
-def realtime_allowed() -> bool:
-    """Whether this user may have SCHED_FIFO; tried on ourselves and given back at once."""
-    before = os.sched_getscheduler(0)
-    try:
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(10))
-    except OSError:
-        return False
-    os.sched_setscheduler(0, before, os.sched_param(0))
-    return True
 
 
 def _interrupt(number: int, frame: object) -> None:

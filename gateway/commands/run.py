@@ -1,20 +1,23 @@
 """Run a cell: drives on the bus, PLCs on their lines (--sim: all simulated; --shadow: beside the old control, only listening)."""
 
 import argparse
+import errno
 import json
 import pathlib
+import socket
 import sys
 
 from drivers.ports.base import PortError
 from gateway.assembly import RunPlan, plan_run
 from gateway.cell import Cell
+from gateway.cell_web import Web
 from gateway.commands.common import BANNER, DONE, ENVIRONMENT, USAGE, load
 from gateway.console import fill_standard, say_at_start
 from gateway.families import DRIVE_PROTOCOLS, LISTENS
 from gateway.firstenable import TEXT, confirm, needed
 from gateway.listenfirst import refuse_on
 from gateway.processes.supervisor import Supervisor
-from gateway.realtime import die_with_parent
+from gateway.realtime import die_with_parent, realtime_allowed
 from gateway.shadow import command as shadow
 
 EXAMPLES = """examples:
@@ -25,6 +28,8 @@ EXAMPLES = """examples:
   axisgate run cell.toml --shadow --tap plc2=/run/user/1000/plc2.pcap,10.0.0.7:502 --bus socketcan:can0 --tolerance 0.5
                                                 beside the working old control: nothing is sent, its status is compared with ours
 """
+SLOW_P5 = 10  # ms, as the demo: the clock of a simulation without real-time priority
+STRETCHED = "real-time priority is refused here: P5 = {p5} ms, and simulated time waits where this machine is late (axisgate doctor)"
 
 
 def main(argv: list[str]) -> int:
@@ -64,24 +69,36 @@ def main(argv: list[str]) -> int:
             return ENVIRONMENT
         if not confirm(cell, axes, input, print):
             return ENVIRONMENT
+    return _start(arguments, cell)
+
+
+def _start(arguments: argparse.Namespace, cell: Cell) -> int:
+    """What is wrong with ports is said before anything runs."""
+    simulated = arguments.sim or cell.cell.target == "simulation"
+    clock_ms, stretched = clock_of(cell, arguments, simulated=simulated)
     if arguments.record:
         arguments.record.mkdir(parents=True, exist_ok=True)
     try:
         plan = plan_run(
             cell,
-            simulated=arguments.sim or cell.cell.target == "simulation",
+            simulated=simulated,
             slug=arguments.name,
             bus=arguments.bus,
-            p5_ms=arguments.p5,
+            p5_ms=clock_ms,
             modbus_port=arguments.modbus_port,
             record=arguments.record,
             web_port=arguments.web,
+            stretched=stretched,
         )
         if arguments.json:
             print(json.dumps(describe(plan), indent=1))
             return DONE
+        if plan.web is not None:
+            page_port_free(plan.web)
         _look_first(cell, arguments.bus, simulated=plan.simulated and arguments.bus is None)
         say_at_start(BANNER)
+        if stretched:
+            say_at_start(STRETCHED.format(p5=plan.p5_ms))
         for name in plan.listening:
             say_at_start(f"bus {name} {LISTENS}; next: axisgate bus log {plan.buses[name]} -o living.log, then axisgate bus infer")
         if plan.web is not None:
@@ -90,6 +107,21 @@ def main(argv: list[str]) -> int:
     except PortError as error:
         print(f"axisgate run: {error}", file=sys.stderr)
         return ENVIRONMENT
+
+
+def page_port_free(web: Web) -> None:
+    """PortError when another program has it: a browser would show that one's page, perhaps another cell's."""
+    host, _, port = web.bind.rpartition(":")
+    host = host.strip("[]")
+    try:
+        with socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET) as probe:
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # as the server does: a port that only waits is free
+            probe.bind((host, int(port)))
+            probe.listen(1)
+    except (OSError, OverflowError) as error:
+        taken = isinstance(error, OSError) and error.errno == errno.EADDRINUSE
+        words = "is in use by another program or run" if taken else f"cannot be used ({error})"
+        raise PortError(f"the page's port {web.bind} {words}; choose another one: --web PORT, or port in [web]") from error
 
 
 def _listening(arguments: argparse.Namespace, cell: Cell) -> int:
@@ -110,6 +142,13 @@ def _look_first(cell: Cell, bus: str | None, *, simulated: bool) -> None:
             refuse_on(bus or each.port, each.protocol)
 
 
+def clock_of(cell: Cell, arguments: argparse.Namespace, *, simulated: bool) -> tuple[int | None, bool]:
+    """The clock, None: the cell's own; and whether simulated time waits for this machine (AX-681).  --p5 and --bus are obeyed."""
+    if not simulated or arguments.p5 is not None or arguments.bus is not None or realtime_allowed():
+        return arguments.p5, False
+    return max(cell.cycle_ms, SLOW_P5), True
+
+
 def why_not(cell: Cell, *, p5: int | None) -> str:
     """Empty, or why this cell cannot be played here."""
     if p5 is not None and not 2 <= p5 <= 32:
@@ -127,6 +166,7 @@ def describe(plan: RunPlan) -> dict[str, object]:
     return {
         "name": plan.slug,
         "p5_ms": plan.p5_ms,
+        "stretched": plan.stretched,
         "buses": dict(plan.buses),
         "listening": list(plan.listening),
         "lines": dict(plan.lines),

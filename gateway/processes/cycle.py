@@ -55,6 +55,8 @@ from protocols.base.machine import Frame
 PRIORITY = 40  # broker 30, emulator 20, line process 15: all below the cycle
 PIECES_SHARE = 8  # of the period may be spent on the planner's pieces; the rest waits in the ring
 THINKING_NS, THINKING_SHARE = 3_000_000, 0.4  # kept free for the core at the end of a cycle: the smaller of both (AX-149)
+WAITS_NS = 150_000_000  # in a stretched simulation: for actual values the machine keeps back; shorter than what doors forgive the cycle
+JITTER = 8  # part of a period a stretched grid may be late before it is moved
 ACYCLIC_AT_ONCE = 32  # records taken from the ring in one cycle: one for each axis of a cell
 
 
@@ -129,6 +131,7 @@ class Cycle:
         self._image_index = -1
         self._services_pid = self.links.writer_pid
         self._alarm = quick.alarm()
+        self._stretched, self._waits = plan.stretched, True  # `_waits`: the drives that are missing have not been waited for in vain
         self._stop = False
 
     def run(self) -> None:
@@ -141,6 +144,8 @@ class Cycle:
             bus.family.began(due)
         while not self._stop:
             now = self._alarm.until(due)
+            if self._stretched and now - due > self.period_ns // JITTER:
+                due = now  # simulated time waits: no SYNC is skipped (AX-681)
             missed = max(0, (now - due) // self.period_ns)
             if self.tap.on:
                 self.tap.began(now, missed)
@@ -171,7 +176,7 @@ class Cycle:
         if len(up) < len(self.buses) and any(bus not in up for bus in self._driving):
             core.drives_lost()
             self.tap.note(What.DRIVES_LOST)
-        missing = self._collect(up, actuals, due + patience_ns(self.period_ns))
+        missing = self._gather(up, actuals, due)
         got = time.monotonic_ns()
         core.state.incomplete += missing > 0
         core.state.late = sum([bus.late for bus in self.buses])
@@ -234,9 +239,23 @@ class Cycle:
             self.heard.put(pack_aside(AsideRecord(Aside.FRAME, number, frame.identifier, frame.data, frame.stamp_ns)))
         frames.clear()
 
-    def _collect(self, up: Sequence[BusLink], actuals: list[Actual | None], until: int) -> int:
-        """Wait for all actual values, at most to `until`; how many are missing."""
-        missing = sum([bus.family.expected + len(bus.encoders) for bus in self.buses])
+    def _gather(self, up: Sequence[BusLink], actuals: list[Actual | None], due: int) -> int:
+        """Actual values in time; in a stretched simulation also those this machine keeps back.  How many are missing.
+
+        A drive that was waited for in vain is silent, and is not waited for again until all answer.
+        """
+        missing = self._collect(up, actuals, due + patience_ns(self.period_ns))
+        if not self._stretched:
+            return missing
+        if missing and self._waits:
+            missing = self._collect(up, actuals, time.monotonic_ns() + WAITS_NS, missing)
+        self._waits = missing == 0
+        return missing
+
+    def _collect(self, up: Sequence[BusLink], actuals: list[Actual | None], until: int, missing: int | None = None) -> int:
+        """Wait for all actual values, or for those `missing`, at most to `until`; how many are missing."""
+        if missing is None:
+            missing = sum([bus.family.expected + len(bus.encoders) for bus in self.buses])
         if not missing:  # nobody is waited for, but frames aside come all the same
             for bus in up:
                 bus.receive(actuals)

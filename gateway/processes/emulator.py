@@ -26,6 +26,7 @@ from drivers.emulator.cia402_slave import Cia402Slave
 from drivers.emulator.frame_faults import FrameFaults, Way
 from drivers.emulator.servodyn_slave import ServodynSlave
 from drivers.emulator.settings import BusSettings, SettingsError, from_dict
+from drivers.emulator.stretched import NAP_NS, StretchedTime
 from drivers.ports.base import CanPort, PortError
 from drivers.ports.remotes import open_can_with_remotes
 from gateway.dbcfile import load_servodyn
@@ -37,8 +38,9 @@ from gateway.processes.emulator_nodes import carry_out_node
 from gateway.realtime import die_with_parent, go_realtime
 from protocols.base.errors import ProtocolError
 from protocols.base.machine import Frame, Ns, ms
-from protocols.canopen import eds
+from protocols.canopen import cobid, eds
 from protocols.canopen.dictionary import ObjectDictionary
+from protocols.servodyn.plan import SYNC_ID
 
 PRIORITY = 20  # SCHED_FIFO, below broker (30)
 LAYOUT = "servodyn_gc.dbc"
@@ -89,9 +91,16 @@ class Emulator:
     """One loop around one slave machine and one port; `turn` is one round."""
 
     def __init__(
-        self, name: str, slave: Slave, open_port: Callable[[], CanPort], *recorders: Recorder, belts: Sequence[EmulatedBelt] = ()
+        self,
+        name: str,
+        slave: Slave,
+        open_port: Callable[[], CanPort],
+        *recorders: Recorder,
+        belts: Sequence[EmulatedBelt] = (),
+        stretched: StretchedTime | None = None,
     ) -> None:
         self.slave, self.stopping, self.belts = slave, False, EmulatedBelts(belts)
+        self._stretched = stretched
         self.faults = FrameFaults()
         self._recorded = list(zip(families(slave), recorders, strict=True))
         self._open_port = open_port
@@ -121,10 +130,10 @@ class Emulator:
     def turn(self) -> None:
         """Waits for a frame, a command or a deadline, then does everything that is to be done."""
         self.open()
-        now = time.monotonic_ns()
-        ready = self._epoll.poll(self._timeout_s(now))
-        now = time.monotonic_ns()  # before the port is drained: what was stamped by now minus the grace is then in our hands
+        ready = self._epoll.poll(self._timeout_s(self._now()))
+        now = self._now()  # before the port is drained: what was stamped by now minus the grace is then in our hands
         synced = self._drain(now)
+        now = now if self._stretched is None else self._now()  # a SYNC that came lets time go on
         self.slave.wake(now - self.slave.grace_ns)
         self._send(now)
         if synced:
@@ -133,6 +142,11 @@ class Emulator:
         for fd, _ in ready:
             self.control.ready(fd)
         self._send(now)  # what a command made them say
+
+    def _now(self) -> Ns:
+        """As the drives count it."""
+        now = time.monotonic_ns()
+        return now if self._stretched is None else self._stretched.at(now)
 
     def close(self) -> None:
         self._flush()
@@ -152,6 +166,8 @@ class Emulator:
         late = self.faults.due()
         if late is not None:
             due = late if due is None else min(due, late)
+        if due is not None and self._stretched is not None and self._stretched.held(time.monotonic_ns()):
+            due = max(due, now + NAP_NS)  # what is due waits for the SYNC, or for the end of the patience with it
         return -1.0 if due is None else max(0, due - now) * 1e-9
 
     def _drain(self, now: Ns) -> bool:
@@ -159,6 +175,9 @@ class Emulator:
         heard = False
         try:
             while self._port is not None and (frames := self._port.receive()):
+                if self._stretched is not None:
+                    frames = self._stretched.frames(frames)
+                    now = self._now()
                 self._hear(frames, now)
                 heard = True
             if not self.faults.idle:
@@ -226,7 +245,7 @@ class Emulator:
             case "belt":
                 return carry_out_belt(self.belts, command)
             case str() as what if what in ORDERS:
-                return carry_out_frames(self.faults, command, time.monotonic_ns())
+                return carry_out_frames(self.faults, command, self._now())
             case _:
                 return self._carry_family(command)
 
@@ -262,6 +281,7 @@ def arguments(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--belts", default="[]", help="JSON: a list of belts with an encoder on this bus, see drivers.emulator.belts")
     parser.add_argument("--layout", default=LAYOUT, help="DBC file (default %(default)s)")
     parser.add_argument("--priority", type=int, default=PRIORITY, help="SCHED_FIFO priority, 0: none (default %(default)s)")
+    parser.add_argument("--stretched", type=int, metavar="MS", help="simulated time waits for a SYNC that is late; clock in ms")
     parser.add_argument("--die-with-parent", action="store_true", help="end when the starting process ends")
     return parser.parse_args(argv)
 
@@ -274,6 +294,11 @@ def load(options: argparse.Namespace) -> Slave:
         return nodes
     boosters = ServodynSlave(settings, load_servodyn(find_config(options.layout, "drives")))
     return boosters if nodes is None else BothFamilies(boosters, nodes)
+
+
+def stretched(options: argparse.Namespace) -> StretchedTime | None:
+    """Where the command line asks for it."""
+    return None if options.stretched is None else StretchedTime(ms(options.stretched), {SYNC_ID, cobid.SYNC})
 
 
 def dictionaries(settings: BusSettings) -> dict[int, ObjectDictionary]:
@@ -328,7 +353,9 @@ def main(argv: list[str] | None = None) -> int:
             names = [options.record, options.record and options.record.with_name(options.record.name + ".nodes")][: len(families(slave))]
             recorders = [Recorder(files.enter_context(open(name, "wb", buffering=0)) if name else None) for name in names]
             name = options.name or options.bus.partition(":")[2]
-            emulator = Emulator(name, slave, lambda: open_can_with_remotes(options.bus), *recorders, belts=belts)
+            emulator = Emulator(
+                name, slave, lambda: open_can_with_remotes(options.bus), *recorders, belts=belts, stretched=stretched(options)
+            )
             for warning in go_realtime(options.priority) if options.priority else []:
                 print(f"emulator: {warning}", file=sys.stderr, flush=True)
             try:

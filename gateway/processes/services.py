@@ -27,6 +27,7 @@ from gateway.io_errors import IoComplaints
 from gateway.io_office import IoOffice
 from gateway.journal import Journal
 from gateway.lastplace import judge, remember
+from gateway.latemachine import LateMachine
 from gateway.linedoor import LineDoor
 from gateway.modbusdoor import ModbusDoor, modbus_clients, side_of
 from gateway.pagedesk import Desks
@@ -115,6 +116,7 @@ class Services:
         self.variables = Variables(self)
         self.signals = SignalDesk(self, self.started_ns)
         self._state_index, self._piece_size = -1, record_size(len(cell.axis))
+        self.late_machine = LateMachine(simulated=plan.simulated)
         self.complaints = IoComplaints(fds, self.journal, self.cell.cell.language)
         self._places_judged = False
         self.blind = {name: f"bus {name} {LISTENS}" for name in plan.listening}
@@ -245,6 +247,7 @@ class Services:
         self._state_index = self.axes.index
         state = unpack_cell_state(payload)
         self.values.state = state
+        self.late_machine.observe(state, now)
         self.canopen.observe(state)
         if not self._places_judged and not self.plan.simulated and not any(axis.flags & AxisFlag.LOST for axis in state.axes):
             self._places_judged = True
@@ -282,13 +285,18 @@ class Services:
             if isinstance(door, ModbusDoor):
                 door.show(outputs)
 
+    def _stopped_words(self, state: CellState) -> str:
+        return ", ".join(axis.name for n, axis in enumerate(self.office.axes) if state.axes[n].flags & (AxisFlag.FAULT | AxisFlag.LOST))
+
     def _collect_errors(self, state: CellState, now: int) -> None:
         errors: list[tuple[int, str]] = [(Reason.NOT_READY, text(Reason.NOT_READY, detail=words)) for words in self.blind.values()]
         if state.emergency:
             errors.append((Reason.EMERGENCY_STOP, text(Reason.EMERGENCY_STOP)))
+        if self.late_machine.blamed:
+            errors.append((Reason.MACHINE_LATE, text(Reason.MACHINE_LATE, detail=self._stopped_words(state))))
         for n, axis in enumerate(self.office.axes):
             flags = int(state.axes[n].flags)
-            if not flags & WRONG:
+            if not flags & WRONG or (self.late_machine.blamed and not flags & AxisFlag.UNCONFIGURED):
                 continue
             if flags & AxisFlag.FAULT:
                 code = state.axes[n].fault_code
@@ -302,7 +310,7 @@ class Services:
         strayed = self.office.strayed(self.plan.cell.cell.language)
         if strayed:
             errors.append((Reason.FOLLOWING_ERROR, text(Reason.FOLLOWING_ERROR, detail=strayed)))
-        if state.stop_cause and state.stop_cause not in (e[0] for e in errors):
+        if state.stop_cause and state.stop_cause not in (e[0] for e in errors) and not self.late_machine.blamed:
             errors.append((state.stop_cause, text(Reason(state.stop_cause))))
         if state.path_stop and Reason.OUTPUT_IN_USE not in (e[0] for e in errors):
             errors.append((Reason.OUTPUT_STOPPED, text(Reason.OUTPUT_STOPPED, detail=function_words(state.path_stop))))

@@ -65,6 +65,7 @@ class Reason(IntEnum):
     DRIVE_ON_NOT_AVAILABLE = 41
     DRIVE_ON_NOT_ALLOWED = 42
     INTERPOLATOR_STOP = 43
+    MACHINE_LATE = 44
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,6 +130,10 @@ _TEXTS: dict[Reason, tuple[str, str]] = {
     Reason.DRIVE_ON_NOT_AVAILABLE: ("DRIVE ON not avail.: {0}", "ANTRIEB EIN fehlt: {0}"),
     Reason.DRIVE_ON_NOT_ALLOWED: ("DRIVE ON not allowed: {0}", "ANTRIEB EIN nicht erlaubt: {0}"),
     Reason.INTERPOLATOR_STOP: ("warning: {0}", "Warnung: {0}"),
+    Reason.MACHINE_LATE: (
+        "this machine was late: simulated drives stopped: {0}",
+        "dieser Rechner war zu spaet: simulierte Antriebe hielten an: {0}",
+    ),
     Reason.CYCLE_RESTARTED: ("the cycle process was restarted; drives are off", "Zyklus-Prozess neu gestartet; Antriebe sind aus"),
     Reason.REFERENCE_FAILED: ("referencing failed: {0}", "Referenzieren fehlgeschlagen: {0}"),
     Reason.TIME_OUT: ("not reached in time: {0}", "nicht rechtzeitig erreicht: {0}"),

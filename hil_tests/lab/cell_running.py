@@ -22,7 +22,7 @@ from gateway.image import RegionReader, recv_fds
 from gateway.processes.emulator_control import EmulatorControl
 from gateway.processes.supervisor import ask, wait_up
 from gateway.pure.records import CellState, unpack_cell_state
-from hil_tests.demo import realtime_allowed
+from gateway.realtime import realtime_allowed
 from hil_tests.lab import buslog
 from hil_tests.lab.judge import Judge, Move
 from hil_tests.lab.plc2 import (

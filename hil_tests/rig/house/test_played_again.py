@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from hil_tests.demo import realtime_allowed
+from gateway.realtime import realtime_allowed
 from hil_tests.host import P5
 from hil_tests.places import NO_OWN_TIME
 from hil_tests.rig.uml import guest

@@ -1,0 +1,129 @@
+"""AX-681: without real-time priority a simulated cell plays on a machine that takes it away; one with a page's port taken never starts."""
+
+import contextlib
+import json
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+
+import pytest
+
+from gateway.processes.supervisor import ask, wait_up
+from gateway.realtime import realtime_allowed
+from hil_tests.lab.cell_running import free_port, runtime_folder
+from hil_tests.lab.hand_plc import Hand
+
+PLAIN = ("setpriv", "--bounding-set=-sys_nice", "--inh-caps=-sys_nice")  # what a user has who is not root
+WITHOUT = PLAIN if realtime_allowed() else ()
+TAKEN_S, LEFT_S = 0.12, 0.5  # twelve periods, six times what the drives forgive
+pytestmark = pytest.mark.skipif(bool(WITHOUT) and shutil.which("setpriv") is None, reason="setpriv (util-linux) takes the priority away")
+
+
+@contextlib.contextmanager
+def plain_run(name: str, port: int) -> Iterator["subprocess.Popen[str]"]:
+    """`axisgate run demo --sim` of a user without real-time priority."""
+    command = [
+        *WITHOUT,
+        sys.executable,
+        "-m",
+        "gateway",
+        "run",
+        "demo",
+        "--sim",
+        "--name",
+        name,
+        "--modbus-port",
+        str(port),
+        "--die-with-parent",
+    ]
+    run = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, text=True)
+    try:
+        yield run
+    finally:
+        if run.poll() is None:
+            run.send_signal(signal.SIGTERM)
+        run.communicate(timeout=20)
+
+
+def pids(run: str) -> dict[str, int]:
+    with ask(run, "status") as connection:
+        status = json.loads(connection.makefile().readline())
+    return {each["name"]: each["pid"] for each in status["processes"]}
+
+
+class Thief(threading.Thread):
+    """Takes the processor away from one process after the other, as a busy machine does."""
+
+    def __init__(self, victims: list[int]) -> None:
+        super().__init__(daemon=True)
+        self._victims, self.taken, self.done = victims, 0, threading.Event()
+
+    def run(self) -> None:
+        while not self.done.wait(LEFT_S):
+            victim = self._victims[self.taken % len(self._victims)]
+            self.taken += 1
+            os.kill(victim, signal.SIGSTOP)
+            time.sleep(TAKEN_S)
+            os.kill(victim, signal.SIGCONT)
+
+
+def test_moves_end_where_they_should_while_the_machine_is_taken_away() -> None:
+    port = free_port()
+    with runtime_folder(), plain_run("waits", port):
+        assert wait_up("waits", 60.0)
+        hand = Hand("waits", port)
+        found = pids("waits")
+        thief = Thief([found["emulator-drives"], found["cycle"], found["broker-drives"]])
+        try:
+            assert hand.begin() == "drives on, referenced"
+            thief.start()
+            for target in (1200, 300, 900):
+                said = hand.obey(str(target))
+                assert said.startswith("done"), said
+                assert abs(hand.one.status.word(2) - target) <= 3
+            assert thief.taken >= 3
+        finally:
+            thief.done.set()
+            if thief.is_alive():
+                thief.join()
+            hand.end()
+
+
+def test_a_drive_that_is_really_gone_is_noticed_all_the_same() -> None:
+    from gateway.processes.emulator_control import EmulatorControl
+
+    port = free_port()
+    with runtime_folder(), plain_run("gone", port):
+        assert wait_up("gone", 60.0)
+        hand = Hand("gone", port)
+        try:
+            hand.begin()
+            EmulatorControl("gone-drives").ask("power_off", axis=2)
+            hand.one.wait(lambda block: block.bit(0, 15) and block.word(1) in (16, 17), 10, "drive lost")
+        finally:
+            hand.end()
+
+
+def test_the_clock_and_the_reason_are_said() -> None:
+    with runtime_folder():
+        command = [sys.executable, "-m", "gateway", "run", "demo", "--sim", "--json"]
+        plan = json.loads(subprocess.run([*WITHOUT, *command], capture_output=True, text=True, check=True, timeout=60).stdout)
+        assert (plan["p5_ms"], plan["stretched"]) == (10, True)
+        asked = json.loads(subprocess.run([*WITHOUT, *command, "--p5", "4"], capture_output=True, text=True, check=True, timeout=60).stdout)
+        assert (asked["p5_ms"], asked["stretched"]) == (4, False), "what is asked for is played"
+
+
+def test_a_page_whose_port_is_taken_is_told_before_anything_runs() -> None:
+    with runtime_folder() as folder, socket.create_server(("127.0.0.1", 0)) as other:
+        port = other.getsockname()[1]
+        command = [sys.executable, "-m", "gateway", "run", "demo", "--sim", "--name", "taken", "--web", str(port)]
+        run = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+        assert run.returncode == 3 and "page:" not in run.stdout and "http" not in run.stdout
+        assert f"127.0.0.1:{port} is in use by another program or run" in run.stderr and "--web PORT" in run.stderr
+        assert "started" not in run.stdout and not list((folder / "run").glob("**/journal.jsonl"))
