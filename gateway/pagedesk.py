@@ -1,6 +1,6 @@
 """The services' side of the page: a door of its own beside the commissioning tools', and what only a page asks for.
 
-Requests come as those of tools do (gateway.variables), with "door": 91.  alive: the page's holder of control is there; look: data
+Requests come as those of tools do (gateway.variables), with "door": 91.  look: data
 blocks, named values, forces; tap: characters of the lines, requests of the Modbus servers; force_input, unforce_input: RC inputs
 (AX-472); force_words, unforce_words: data words (AX-498).
 """
@@ -39,14 +39,20 @@ class Desks:
         self._tool.wake(now)
         self._page.wake(now)
 
-    def answer(self, request: dict[str, object]) -> dict[str, object] | None:
+    def closed(self, connection: object) -> None:
+        """A connection has ended."""
+        self._tool.closed(connection)
+        self._page.closed(connection)
+
+    def held_by_another(self, connection: object) -> bool:
+        """A tool other than this one is in control."""
+        return self._tool.held_by_another(connection)
+
+    def answer(self, request: dict[str, object], connection: object = "") -> dict[str, object] | None:
         """None: not for us.  KeyError, ValueError: told as an error."""
         if request.get("door") != PAGE_DOOR:
-            return self._tool.answer(request)
+            return self._tool.answer(request, connection)
         match request.get("op"):
-            case "alive":
-                self._page.heard()
-                return {"ok": True}
             case "look":
                 return self._look()
             case "tap":
@@ -55,7 +61,7 @@ class Desks:
                 return self._force(request, lay=op == "force_input")
             case "force_words" | "unforce_words" as op:
                 return self._force_words(request, lay=op == "force_words")
-        return self._page.answer(request)
+        return self._page.answer(request, connection)
 
     def _look(self) -> dict[str, object]:
         """Bytes of every data block, named values with quality and age in ms, forced inputs."""

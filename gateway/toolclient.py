@@ -10,7 +10,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from drivers.ports.base import PortError, runtime_dir
 from gateway.cell import Cell
@@ -18,6 +18,7 @@ from gateway.processes.supervisor import wait_up
 from gateway.pure.records import AxisFlag
 
 POLL_S = 0.05
+ALIVE_S = 0.25  # reading is no sign of life: what is in control says so often that it is there
 START_UP_S = 40.0
 UNHURRIED_MS = 8  # clock of a simulation nobody asked a clock of: a shared machine steals 5 ms now and then
 Row = dict[str, object]
@@ -32,6 +33,7 @@ class ToolClient:
 
     def __init__(self, run: str) -> None:
         self.run = run
+        self._holds, self._said = False, 0.0  # in control, and when it last said so
         self._link = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         self._link.settimeout(5.0)
         try:
@@ -41,7 +43,16 @@ class ToolClient:
         self._file = self._link.makefile("rb")
 
     def ask(self, op: str, **request: object) -> Row:
-        """One request; ToolError for an error."""
+        """One request; ToolError for an error.  In control it also says that it is there."""
+        if self._holds and op != "tool" and time.monotonic() - self._said > ALIVE_S:
+            self._said = time.monotonic()
+            self._asked("alive", {})
+        answer = self._asked(op, request)
+        if op == "tool" and request.get("code") in ("request_control", "release_control") and answer.get("state") != "REFUSED":
+            self._holds = request["code"] == "request_control"
+        return answer
+
+    def _asked(self, op: str, request: Mapping[str, object]) -> Row:
         try:
             self._link.sendall(json.dumps({"op": op, **request}).encode() + b"\n")
             answer: Row = json.loads(self._file.readline() or b"{}")

@@ -1,7 +1,8 @@
 """The door for commissioning tools: commands and SDO through the services' socket, under the same rules as every other door.
 
-A tool that falls silent for a second counts as dead: the axes stop on the path.  It never has more rights than a PLC; only where
-everything is simulated it may set the enabling inputs, because nobody else is there to do it (AX-312).
+Control belongs to the connection that asked for it and ends with it: another one is told "not owner" (AX-611).  Commands, SDO and "alive"
+of that connection are its life; reading is not.  Silent for a second it counts as dead: the axes stop on the path.  A tool never has more
+rights than a PLC; only where everything is simulated it may set the enabling inputs, because nobody else is there to do it (AX-312).
 """
 
 import threading
@@ -11,7 +12,8 @@ from typing import TYPE_CHECKING
 from drivers.drives.canopen_steps import Refused
 from gateway.pure.command_block import Code, Command
 from gateway.pure.jobs import Job, OnLoss
-from gateway.pure.records import Quality, set_bit
+from gateway.pure.reasons import CommandState, Reason, Refusal
+from gateway.pure.records import Motion, Quality, set_bit
 from protocols.base.machine import Ns, ms
 
 if TYPE_CHECKING:
@@ -20,6 +22,8 @@ if TYPE_CHECKING:
 TOOL_DOOR = 90
 SILENCE: Ns = ms(1000)
 ENABLING_BITS, ENABLING_BYTE = range(24, 29), 3
+LIFE = ("alive", "tool", "sdo", "permit")  # requests that show that the connection in control lives
+MOST_SDO, TICKETS_KEPT = 8, 64  # SDO requests under way at a time, each in a thread; answers that wait to be fetched
 
 
 class ToolDesk:
@@ -32,31 +36,78 @@ class ToolDesk:
         self.permits = False  # the tool has set the enabling inputs of a simulated cell
         self._jobs: dict[int, Job] = {}
         self._tickets: dict[int, dict[str, object]] = {}
+        self._under_way, self._sdo_lock, self._next_ticket = 0, threading.Lock(), 1
+        self._holder: object | None = None  # connection in control
+        self._permitting: tuple[object, Ns] | None = None  # connection that set the enabling inputs, last heard
+        self._leaving = False  # the one in control is gone: control ends as soon as the axes rest
         services.office.control.link(door, alive=False)
 
     def wake(self, now: Ns) -> None:
-        """A silent tool is a dead one."""
+        """A silent tool is a dead one; what it had ends at rest."""
         if self.alive and now - self._heard > SILENCE:
-            self.alive = self.permits = False
-            self._services.office.link(self._door, OnLoss.STOP, alive=False)
-            self._services.journal.write("link", f"{self._name}: gone", door=self._door)
+            self._lost()
+        if self._permitting is not None and now - self._permitting[1] > SILENCE:
+            self._permitting, self.permits = None, False
+        if self._leaving and self._at_rest:
+            self._leaving = False
+            if self._services.office.owner == self._door:
+                self._services.office.control.release(self._door, at_rest=True)
 
     def heard(self) -> None:
-        """It is there."""
+        """The connection in control is there."""
         self._heard = time.monotonic_ns()
         if not self.alive:
             self.alive = True
             self._services.office.link(self._door, OnLoss.STOP, alive=True)
 
-    def answer(self, request: dict[str, object]) -> dict[str, object] | None:
+    def holds(self, connection: object) -> bool:
+        """This connection is in control."""
+        return self._holder is connection and self._services.office.owner == self._door
+
+    def held_by_another(self, connection: object) -> bool:
+        """A living connection other than this one is in control."""
+        return self.alive and self._holder is not None and self._holder is not connection
+
+    def closed(self, connection: object) -> None:
+        """A connection has ended, and what it had with it."""
+        if self._permitting is not None and self._permitting[0] is connection:
+            self._permitting, self.permits = None, False
+        self.leave(connection)
+
+    def leave(self, connection: object) -> None:
+        """It gives up control whatever moves: the axes stop on the path, and control is free at rest."""
+        if self._holder is connection:
+            self._holder, self._leaving = None, True
+            if self.alive:
+                self._lost()
+            self._services.flush()
+
+    def _lost(self) -> None:
+        self.alive = False
+        self._services.office.link(self._door, OnLoss.STOP, alive=False)
+        self._services.journal.write("link", f"{self._name}: gone", door=self._door)
+
+    @property
+    def _at_rest(self) -> bool:
+        return self._services.values.state.motion in (Motion.IDLE, Motion.STOPPED)
+
+    def answer(self, request: dict[str, object], connection: object = "") -> dict[str, object] | None:
         """None: not for us.  KeyError, ValueError: told to the tool as an error."""
         operation = request.get("op")
-        if operation not in ("tool", "job", "axes", "sdo", "ticket", "permit", "programs"):
+        if operation not in ("alive", "leave", "tool", "job", "axes", "sdo", "ticket", "permit", "programs"):
             return None
-        self.heard()
+        if self._permitting is not None and self._permitting[0] is connection:
+            self._permitting = (connection, time.monotonic_ns())
+        if operation in LIFE and self._holder is connection:
+            self.heard()
         match operation:
+            case "alive":
+                return {"ok": True, "holds": self.holds(connection)}
+            case "leave":
+                self.leave(connection)
+                return {"ok": True}
             case "tool":
-                return self._command(request)
+                return self._command(request, connection)
             case "job":
                 return self._job(int(str(request["job"])))
             case "sdo":
@@ -64,13 +115,13 @@ class ToolDesk:
             case "ticket":
                 return self._tickets.get(int(str(request["ticket"])), {"error": "no such ticket"})
             case "permit":
-                return self._permit()
+                return self._permit(connection)
             case "programs":
                 return self._programs()
             case _:
                 return self._axes()
 
-    def _command(self, request: dict[str, object]) -> dict[str, object]:
+    def _command(self, request: dict[str, object], connection: object) -> dict[str, object]:
         targets = request.get("targets") or []
         if not isinstance(targets, list):
             raise ValueError("targets: a list of numbers")
@@ -82,11 +133,37 @@ class ToolDesk:
             float(str(request.get("acceleration", 1.0))),
             tuple(values),
         )
-        job = self._services.office.command(self._door, command, time.monotonic_ns(), first_try=bool(request.get("first_try")))
+        job = self._given(command, connection, first_try=bool(request.get("first_try")))
         self._jobs = {key: old for key, old in self._jobs.items() if old.open}
         self._jobs[job.id] = job
         self._services.flush()
         return {"job": job.id, **_told(job)}
+
+    def _given(self, command: Command, connection: object, *, first_try: bool) -> Job:
+        """To the office, if this connection may give it."""
+        office = self._services.office
+        try:
+            self._demand(Code(command.code), connection)
+        except Refusal as refusal:
+            return office.refuse(self._door, Code(command.code), refusal.reason, refusal.detail)
+        job = office.command(self._door, command, time.monotonic_ns(), first_try=first_try)
+        if command.code == Code.REQUEST_CONTROL and job.state is not CommandState.REFUSED:
+            self._holder, self._leaving = connection, False
+            self.heard()
+        elif command.code == Code.RELEASE_CONTROL and job.state is CommandState.DONE:
+            self._holder = None
+        return job
+
+    def _demand(self, code: Code, connection: object) -> None:
+        """Refusal: another connection has control, or this one has not asked for it.  Everybody may stop."""
+        if code is Code.STOP or self._holder is connection:
+            return
+        if self.held_by_another(connection):
+            raise Refusal(Reason.NOT_OWNER, f"another {self._name}")
+        if code is not Code.REQUEST_CONTROL:
+            raise Refusal(Reason.NOT_OWNER, "request control first")
+        if self._services.office.owner == self._door:  # left by a connection that is gone or silent
+            self._services.office.control.release(self._door, at_rest=self._at_rest)
 
     def _job(self, number: int) -> dict[str, object]:
         job = self._jobs.get(number) or next((job for job in self._jobs.values() if job.watch == number), None)
@@ -127,11 +204,11 @@ class ToolDesk:
             **way,
         }
 
-    def _permit(self) -> dict[str, object]:
+    def _permit(self, connection: object) -> dict[str, object]:
         services = self._services
         if not services.plan.simulated:
             return {"error": "enabling inputs are set by their door; a tool may do it in a simulation only"}
-        self.permits = True
+        self.permits, self._permitting = True, (connection, time.monotonic_ns())
         for bit in ENABLING_BITS:
             set_bit(services.inputs.values, bit, True)
         services.inputs.quality[ENABLING_BYTE] = Quality.GOOD
@@ -144,16 +221,29 @@ class ToolDesk:
         master, node = self._services.canopen.place(str(request["axis"]))
         index, sub = int(str(request["index"])), int(str(request.get("sub", 0)))
         raw = request.get("data")
-        number = len(self._tickets) + 1
-        self._tickets[number] = {"pending": True}
+        data = None if raw is None else bytes.fromhex(str(raw))
+        with self._sdo_lock:
+            if self._under_way >= MOST_SDO:
+                raise ValueError(f"{MOST_SDO} SDO requests are under way; wait for one of them, then ask again")
+            self._under_way += 1
+            number, self._next_ticket = self._next_ticket, self._next_ticket + 1
+            self._tickets[number] = {"pending": True}
+            for old in [each for each, told in self._tickets.items() if "pending" not in told][: max(len(self._tickets) - TICKETS_KEPT, 0)]:
+                del self._tickets[old]
 
         def work() -> None:
-            with master.nodes[node].lock:
-                answer = master.upload(node, index, sub) if raw is None else master.download(node, index, sub, bytes.fromhex(str(raw)))
-            if isinstance(answer, bytes):
-                self._tickets[number] = {"data": answer.hex()}
-            else:
-                self._tickets[number] = {"error": str(answer) if isinstance(answer, Refused) else "no answer"}
+            told: dict[str, object] = {"error": "no answer"}
+            try:
+                with master.nodes[node].lock:
+                    answer = master.upload(node, index, sub) if data is None else master.download(node, index, sub, data)
+                if isinstance(answer, bytes):
+                    told = {"data": answer.hex()}
+                elif isinstance(answer, Refused):
+                    told = {"error": str(answer)}
+            finally:
+                with self._sdo_lock:
+                    self._under_way -= 1
+                    self._tickets[number] = told
 
         threading.Thread(target=work, name="sdo of a tool", daemon=True).start()
         return {"ticket": number}

@@ -46,7 +46,7 @@ if TYPE_CHECKING:
 
 LONGEST = 4096
 STOP = f"{PREFIX}{STOP_PROCESS}"  # is written and never read
-ASKING = ("get", "names", "status", "axes", "job", "ticket")  # requests that change nothing
+ASKING = ("get", "names", "status", "axes", "job", "ticket", "alive")  # requests that change nothing
 _KINDS = {
     Table.COIL: Kind.COILS,
     Table.DISCRETE: Kind.DISCRETE_INPUTS,
@@ -71,21 +71,24 @@ class Variables:
         return await asyncio.start_unix_server(self._serve, path, limit=LONGEST)
 
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        with contextlib.suppress(OSError, ValueError, asyncio.IncompleteReadError):
-            while line := await reader.readline():
-                writer.write(json.dumps(self.answer(line)).encode() + b"\n")
-                await writer.drain()
-        writer.close()
+        try:
+            with contextlib.suppress(OSError, ValueError, asyncio.IncompleteReadError):
+                while line := await reader.readline():
+                    writer.write(json.dumps(self.answer(line, writer)).encode() + b"\n")
+                    await writer.drain()
+        finally:
+            self._services.tools.closed(writer)
+            writer.close()
 
-    def answer(self, line: bytes) -> dict[str, object]:
-        """One request; never raises."""
+    def answer(self, line: bytes, connection: object = "") -> dict[str, object]:
+        """One request; never raises.  `connection`: what a tool's control belongs to."""
         try:
             request = json.loads(line)
             if request.get("op") not in ASKING:
                 self._services.recorded.put(time.monotonic_ns(), Source.TOOL, TOOL_DOOR, line.strip())
             if request.get("op") in ("contacts", "force"):
                 return self._services.contacts.answer(request)
-            told = self._services.tools.answer(request)
+            told = self._services.tools.answer(request, connection)
             if told is not None:
                 return told
             match request.get("op"):
@@ -96,7 +99,7 @@ class Variables:
                 case "names":
                     return {"names": self.names()}
                 case "panel":
-                    return self._services.signals.panel(request, TOOL_DOOR, time.monotonic_ns())
+                    return self._panel(request, connection)
                 case "status":
                     return self._services.status()
             return {"error": f"op {request.get('op')!r}; get, set, names, panel, status are known"}
@@ -104,6 +107,11 @@ class Variables:
             return {"error": str(fault)}
         except (KeyError, ValueError, TypeError, AttributeError) as fault:
             return {"error": str(fault.args[0]) if fault.args else repr(fault)}
+
+    def _panel(self, request: dict[str, object], connection: object) -> dict[str, object]:
+        if {"key", "mode"} & request.keys() and self._services.tools.held_by_another(connection):
+            return {"error": "not owner: another commissioning tool has control"}
+        return self._services.signals.panel(request, TOOL_DOOR, time.monotonic_ns())
 
     # ---- reading -----------------------------------------------------------------------------------------------------
     def _get(self, text: str) -> dict[str, object]:

@@ -153,9 +153,9 @@ class Pendant(App[None]):
 
     # ---- control ---------------------------------------------------------------------------------------------------------
     async def _alive(self) -> None:
-        """Who is in control shows life; silent for a second he counts as gone (AX-312)."""
+        """What is in control shows life; silent for a second it counts as gone (AX-312)."""
         try:
-            await self.link.ask(op="axes")
+            self.holds = bool((await self.link.ask(op="alive"))["holds"])
         except (Gone, PanelError):
             self.holds = False
 

@@ -83,6 +83,14 @@ class Access:
             return Person(session.name, session.role, source, local, f"session:{session.id}", session.csrf)
         return Person("local" if local else "nobody", Role.VIEWER if local else Role.NOBODY, source, local, "")
 
+    def standing(self, key: str) -> Role:
+        """What the person behind this key may now: users and tokens may be changed at any time, also from the command line."""
+        kind, _, name = key.partition(":")
+        if kind == "session":
+            session = self.store.session(name)
+            return session.role if session is not None else Role.NOBODY
+        return next((role for label, role, _ in self.store.tokens() if label == name), Role.NOBODY)
+
     def host(self, request: HTTPConnection) -> None:
         """The name the browser asked for is ours: another site's name that leads here is refused."""
         asked = host_of(request.headers.get("host", ""))

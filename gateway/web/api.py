@@ -1,6 +1,7 @@
 """Handlers of the interface; who may call what stands in the table of `endpoints`."""
 
 import asyncio
+from collections.abc import Awaitable, Callable
 from typing import Any
 
 from starlette.responses import JSONResponse, Response
@@ -43,6 +44,7 @@ class Api:
         self.store: Store = access.store
         self.hands: Hands = live.hands
         self.secure = bool(access.web.tls_certificate)
+        self.judge: Callable[[], Awaitable[None]] = _nothing  # ends what changed users had open
         self._login = asyncio.Semaphore(1)  # argon2 takes a core for a moment: one at a time
 
     # ---- looking --------------------------------------------------------------------------------------------------------
@@ -207,8 +209,9 @@ class Api:
 
     async def logout(self, call: Call) -> Response:
         if call.person.key and call.person.key == self.hands.holder:
-            self.hands.holder = self.hands.name = ""
+            await self.hands.lose()
         self.store.close_session(call.request.cookies.get(COOKIE, ""))
+        await self.judge()
         response = JSONResponse({"ok": True})
         response.delete_cookie(COOKIE, path="/")
         return response
@@ -221,12 +224,14 @@ class Api:
         body: User = call.body
         async with self._login:
             await asyncio.to_thread(self.store.put_user, body.name, Role[body.role.upper()], body.password)
+        await self.judge()
         return {"ok": True}
 
     async def drop_user(self, call: Call) -> Row:
         body: Named = call.body
         if not self.store.drop_user(body.name):
             raise StoreError(f"no user {body.name}")
+        await self.judge()
         return {"ok": True}
 
     async def put_token(self, call: Call) -> Row:
@@ -237,10 +242,15 @@ class Api:
         body: Named = call.body
         if not self.store.drop_token(body.name):
             raise StoreError(f"no token {body.name}")
+        await self.judge()
         return {"ok": True}
 
     async def audit(self, call: Call) -> Row:
         return {"entries": self.store.audit(), "broken_at": self.store.verify()}
+
+
+async def _nothing() -> None:
+    """No connection is open."""
 
 
 def endpoints(api: Api) -> list[Endpoint]:

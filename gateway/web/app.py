@@ -71,6 +71,8 @@ def make_app(plan: RunPlan, web: Web, regions: Regions, store: Store, scope: Sco
     live = Live(plan, regions, looker, hands, plant, scope)
     access = Access(store, web, simulated=plan.simulated)
     api = Api(live, Names(plan.cell), access, described(plan, plant, live.skeleton))
+    sockets = Sockets(live, hands, access)
+    api.judge = sockets.judge
     table = endpoints(api)
     description = openapi(table, "1")
 
@@ -86,7 +88,7 @@ def make_app(plan: RunPlan, web: Web, regions: Regions, store: Store, scope: Sco
 
     @contextlib.asynccontextmanager
     async def lifespan(app: Starlette) -> AsyncIterator[None]:
-        tasks = [asyncio.create_task(live.run()), asyncio.create_task(hands.run())]
+        tasks = [asyncio.create_task(live.run()), asyncio.create_task(hands.run()), asyncio.create_task(sockets.run())]
         yield
         for task in tasks:
             task.cancel()
@@ -99,7 +101,7 @@ def make_app(plan: RunPlan, web: Web, regions: Regions, store: Store, scope: Sco
         routes=[
             *routes(table, access),
             Route("/api/openapi.json", described_api),
-            WebSocketRoute("/live", Sockets(live, hands, access).serve),
+            WebSocketRoute("/live", sockets.serve),
             Route("/", page),
             *(Route(f"/{name}", page) for name in PAGES),
             Mount("/static", StaticFiles(directory=STATIC)),

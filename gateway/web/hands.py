@@ -14,6 +14,7 @@ from gateway.cell import Axis
 from gateway.pure.records import AxisFlag, Motion
 from gateway.web.desk import Gone, Refused, Row, ServicesDesk
 from gateway.web.regions import Regions
+from gateway.web.store import Role
 
 ALIVE_S = 0.25  # we tell the services so often that the holder is there
 HOLDER_S = 3.0  # and no longer when his browser has been silent for so long: a busy computer delays it
@@ -41,6 +42,7 @@ class Hands:
         self._held: Held | None = None
         self._held_heard = 0.0
         self._held_lock = asyncio.Lock()
+        self.standing: Callable[[str], Role] = lambda key: Role.ADMIN  # what a key may now; Access knows
 
     # ---- life -----------------------------------------------------------------------------------------------------------
     async def run(self) -> None:
@@ -49,11 +51,20 @@ class Hands:
             await asyncio.sleep(ALIVE_S / 2)
             if self._held is not None and time.monotonic() - self._held_heard > KEY_S:
                 await self.let_go()
-            if self.holder and time.monotonic() - self._heard > HOLDER_S:
-                self.holder = self.name = ""  # the services notice within a second and stop on the path
+            if self.holder and (time.monotonic() - self._heard > HOLDER_S or self.standing(self.holder) < Role.OPERATOR):
+                await self.lose()
             if self.holder:
                 with contextlib.suppress(Gone, Refused):
-                    await self.desk.ask("alive")
+                    holder, answer = self.holder, await self.desk.ask("alive")
+                    if not answer["holds"] and holder == self.holder:
+                        self.holder = self.name = ""  # the services started anew, or somebody else has control
+
+    async def lose(self) -> None:
+        """The holder is gone, or may no longer: the services stop the axes on the path and end the page's control at rest."""
+        self.holder = self.name = ""
+        await self.forget()
+        with contextlib.suppress(Gone, Refused):
+            await self.desk.ask("leave")
 
     def heard(self, key: str) -> None:
         """The browser of this session is there."""

@@ -15,6 +15,8 @@ from gateway.web.store import Role
 
 LONGEST = 32768
 MOST_VIEWERS = 64
+LIFE = ("alive", "jog", "reference", "release")  # what shows that the holder is there; reading does not
+JUDGED_S = 0.25  # users are also changed from the command line
 REFUSED, TOO_MANY = 4403, 4429  # close codes: the page asks for a login, or waits
 
 
@@ -23,6 +25,8 @@ class Sockets:
 
     def __init__(self, live: Live, hands: Hands, access: Access) -> None:
         self.live, self.hands, self.access = live, hands, access
+        self._open: dict[Viewer, tuple[WebSocket, Person]] = {}
+        hands.standing = access.standing
 
     async def serve(self, socket: WebSocket) -> None:
         """From its opening to its end; nothing a browser sends ends anything but its own connection."""
@@ -41,6 +45,7 @@ class Sockets:
             return
         viewer = Viewer()
         self.live.viewers.add(viewer)
+        self._open[viewer] = (socket, person)
         sender = asyncio.create_task(self._send(socket, viewer))
         try:
             await self._hear(socket, viewer, person)
@@ -48,11 +53,35 @@ class Sockets:
             pass
         finally:
             self.live.viewers.discard(viewer)
-            if viewer.holding and person.key == self.hands.holder:  # a finger whose browser is gone is lifted
-                await self.hands.let_go()
+            self._open.pop(viewer, None)
+            if person.key and person.key == self.hands.holder:
+                if viewer.holding:  # a finger whose browser is gone is lifted
+                    await self.hands.let_go()
+                if all(other.key != person.key for _, other in self._open.values()):  # control ends with the last page of the session
+                    await self.hands.lose()
             sender.cancel()
             with contextlib.suppress(asyncio.CancelledError):
                 await sender
+
+    async def run(self) -> None:
+        """Until cancelled: connections of people that may no longer look are closed."""
+        while True:
+            await asyncio.sleep(JUDGED_S)
+            await self.judge()
+
+    async def judge(self) -> None:
+        """At once after a change of users; a lowered one keeps looking only with the role he has now."""
+        for viewer, (socket, person) in list(self._open.items()):
+            if not person.key:
+                continue
+            role = self.access.standing(person.key)
+            if role is person.role:
+                continue
+            if person.key == self.hands.holder and role < Role.OPERATOR:
+                await self.hands.lose()
+            self._open.pop(viewer, None)
+            with contextlib.suppress(RuntimeError, OSError):
+                await socket.close(REFUSED, "this login has ended, or its role has changed")
 
     async def _send(self, socket: WebSocket, viewer: Viewer) -> None:
         with contextlib.suppress(WebSocketDisconnect, RuntimeError, OSError):
@@ -66,12 +95,13 @@ class Sockets:
             text = await socket.receive_text()
             if len(text) > LONGEST:
                 return
-            self.hands.heard(person.key)
             try:
                 message = json.loads(text)
             except ValueError:
                 continue
             if isinstance(message, dict):
+                if message.get("t") in LIFE:
+                    self.hands.heard(person.key)
                 answer = await self._take(message, viewer, person)
                 if answer is not None:
                     await socket.send_text(json.dumps({"t": "told", **answer}))

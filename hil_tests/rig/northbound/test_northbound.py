@@ -24,6 +24,7 @@ from asyncua.client.client import Client
 from gateway.image import RegionReader, recv_fds
 from gateway.processes.supervisor import ask
 from gateway.pure.records import unpack_cell_state
+from gateway.toolclient import ToolClient
 from hil_tests.lab.cell_running import free_port
 from hil_tests.lab.joined_running import JoinedRun, cell_copy, running_joined
 
@@ -215,10 +216,10 @@ def test_a_broker_that_was_away_gets_what_was_kept_and_how_much_was_dropped(nort
 
 
 def toggled(north: North) -> bool:
-    """Control is asked for or given back: a look finds another owner."""
-    code = "release_control" if north.run.ask(op="status")["owner"] else "request_control"
-    answer = north.run.ask(op="tool", code=code)
-    assert "error" not in answer, answer
+    """Control is asked for and ends with its connection: looks find another owner, twice."""
+    with contextlib.closing(ToolClient(north.run.name)) as tool:
+        tool.command("request_control")
+        time.sleep(0.1)
     time.sleep(0.1)
     return True
 
