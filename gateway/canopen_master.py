@@ -286,12 +286,15 @@ class CanopenMaster:
             self._failed(node, BootRefused(place_of(error), dead=True))  # nothing the node said: tried again soon
         else:
             node.seen = time.monotonic()
-            node.booted, node.attempts, node.why = booted, 0, ""
+            fresh = booted.refused if booted.refused != node.why else ""
+            node.booted, node.attempts, node.why = booted, 0, booted.refused
             if not adopting:
                 self._link.release(plan.node, booted.mode)
             node.adopted, node.health = False, Health.READY
             notes = f" ({'; '.join(booted.notes)})" if booted.notes else ""
             self._say("drive", f"{node.name} (node {plan.node}): ready{notes}", {"node": plan.node, "options": booted.options})
+            if fresh:
+                self._say("alarm", f"{node.name} (node {plan.node}): {fresh}", {"node": plan.node})
 
     def _failed(self, node: Node, refusal: BootRefused) -> None:
         node.adopted = False

@@ -73,6 +73,12 @@ class CanopenOffice:
             else:
                 master.again()
 
+    def coupler_fault(self, bus: str, node: int) -> str:
+        """Why an I/O coupler, or its outputs, are not served; empty: they are."""
+        master = self.masters.get(bus)
+        found = master.nodes.get(node) if master is not None else None
+        return found.why if found is not None else ""
+
     def place(self, axis: str) -> "tuple[CanopenMaster, int]":
         """Master and node of an axis; KeyError in words for one that is not on CANopen."""
         if axis not in self._names:

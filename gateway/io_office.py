@@ -158,9 +158,25 @@ class IoOffice:
                 "value": int(self.said[n].value),
                 "quality": self.said[n].quality.name,
                 "forced": n in self._forced,
+                "why": self._why(n),
             }
             for n, io in enumerate(self.contacts)
         ]
+
+    def _why(self, n: int) -> str:
+        """Of a contact that is not good: what is wrong with its coupler, by object; empty: nothing known."""
+        device = self.contacts[n].device
+        if device.type != COUPLER or device.node is None or self.said[n].quality is Quality.GOOD:
+            return ""
+        return self._services.canopen.coupler_fault(device.bus, device.node)
+
+    def faults(self) -> list[str]:
+        """One sentence for each coupler that is not served whole, with the contacts that are not good."""
+        found: dict[str, list[str]] = {}
+        for n, io in enumerate(self.contacts):
+            if why := self._why(n):
+                found.setdefault(f"{io.device.bus} node {io.device.node}: {why}", []).append(io.name)
+        return [f"{why} (contacts: {', '.join(names)})" for why, names in found.items()]
 
     def force(self, name: str, value: bool | None, seconds: float) -> str:
         """None: given free.  Empty, or why not."""

@@ -8,7 +8,7 @@ from drivers.drives.io_boot import CouplerPlan
 from gateway.axes import rc_numbers
 from gateway.cell import Bus, Cell, Io
 from gateway.pure.addresses import Direction, RcBit
-from gateway.pure.contacts import Output, source_of
+from gateway.pure.contacts import OWN, Output, source_of
 from gateway.pure.coupler401 import Coupler, CouplerFamily
 from gateway.pure.datadoor import RC_NAMES
 from gateway.routeplaces import symbols_of
@@ -54,9 +54,16 @@ def couplers_of(cell: Cell, bus: str) -> list[Coupler]:
             node,
             {device.output: n for n, device in here if device.node == node and device.output is not None},
             {device.input: n for n, device in here if device.node == node and device.input is not None},
+            vital_inputs=any(device.node == node and device.input is not None and cell.io[n].signal in RC_NAMES for n, device in here),
+            vital_outputs=any(device.node == node and device.output is not None and _vital(cell.io[n].signal) for n, device in here),
         )
         for node in nodes
     ]
+
+
+def _vital(signal: str) -> bool:
+    """An output by which others know, or act on, whether the cell is alive and ready."""
+    return signal in OWN or (signal.startswith("axis.") and signal.endswith(".brake"))
 
 
 def with_couplers(cell: Cell, bus: Bus, drives: BusFamily, p5_ms: int) -> BusFamily:
@@ -77,6 +84,7 @@ def coupler_plans(cell: Cell, bus: Bus) -> list[tuple[str, CouplerPlan]]:
                 gateway=GATEWAY_NODE,
                 falls=falls(cell.io, coupler),
                 channels=max(coupler.outputs, default=-1) + 1,
+                inputs=bool(coupler.inputs),
             ),
         )
         for coupler in couplers_of(cell, bus.name)

@@ -128,6 +128,7 @@ class Booted:
     inputs: int
     options: dict[str, int] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    refused: str = ""  # of an I/O coupler: why its outputs are not driven while its inputs count
 
 
 def default_pdos(node: int, *, torque: bool) -> tuple[Pdo, ...]:

@@ -12,6 +12,7 @@ from protocols.canopen.nmt import Command, State
 
 PROFILE = 401
 ERROR_MODE, ERROR_VALUE, INTERRUPTS, RPDO1_MAP, TPDO1, CONSUMER, PRODUCER = 0x6206, 0x6207, 0x6005, 0x1600, 0x1800, 0x1016, 0x1017
+INPUTS_ONLY = 0xFF  # `Booted.mode` of a coupler whose outputs are not driven
 EVENT_MS = 100  # inputs are told again so often though nothing has changed
 
 
@@ -21,23 +22,38 @@ class CouplerPlan(NodePlan):
 
     falls: tuple[tuple[int, int, int], ...] = ()
     channels: int = 0  # outputs the cell uses: the highest channel and one
+    inputs: bool = False  # the cell uses some
 
 
 def boot(plan: CouplerPlan) -> Plan:
-    """From whatever state to operational; `Booted.mode` is the length of RPDO1 in bytes as the coupler has it.  Raises BootRefused."""
+    """From whatever state to operational; `Booted.mode` is the length of RPDO1 in bytes as the coupler has it.  Raises BootRefused.
+
+    A coupler that refuses what its outputs need (map, the watch over the gateway, error values) is started for its inputs alone.
+    """
     notes: list[str] = []
+    refused = ""
     yield Nmt(Command.RESET_COMMUNICATION, State.INITIALISING)
     identity = yield from _identity()
-    size = yield from _size(plan)
-    yield from _write(CONSUMER, 1, (plan.gateway << 16 | plan.consumer_ms).to_bytes(4, "little"), notes, must=bool(plan.falls))
     yield from _write(PRODUCER, 0, plan.heartbeat_ms.to_bytes(2, "little"), notes)
-    for octet, mask, values in plan.falls:
-        yield from _write(ERROR_VALUE, octet + 1, bytes((values,)), notes)
-        yield from _write(ERROR_MODE, octet + 1, bytes((mask,)), notes)
+    try:
+        size = yield from _outputs(plan, notes)
+    except BootRefused as refusal:
+        if refusal.dead or not plan.inputs:
+            raise
+        size, refused = INPUTS_ONLY, f"its outputs are not driven: {refusal}"
     yield from _write(INTERRUPTS, 0, b"\1", notes, must=False)
     yield from _write(TPDO1, 5, EVENT_MS.to_bytes(2, "little"), notes, must=False)
     yield Nmt(Command.START, State.OPERATIONAL)
-    return Booted(plan.node, identity, size, 0, {}, tuple(notes))
+    return Booted(plan.node, identity, size, 0, {}, tuple(notes), refused)
+
+
+def _outputs(plan: CouplerPlan, notes: list[str]) -> Generator[Step, Answer, int]:
+    size = yield from _size(plan)
+    yield from _write(CONSUMER, 1, (plan.gateway << 16 | plan.consumer_ms).to_bytes(4, "little"), notes, must=bool(plan.falls))
+    for octet, mask, values in plan.falls:
+        yield from _write(ERROR_VALUE, octet + 1, bytes((values,)), notes)
+        yield from _write(ERROR_MODE, octet + 1, bytes((mask,)), notes)
+    return size
 
 
 def adopt(plan: CouplerPlan) -> Plan:

@@ -98,6 +98,7 @@ def _list(rows: list[Row], *, as_json: bool) -> int:
         print(json.dumps({"contacts": rows}))
     for row in () if as_json else rows:
         forced = ", forced" if row["forced"] else ""
+        forced += f": {row['why']}" if row.get("why") else ""
         print(
             f"{row['name']:<20}{row['way']:<8}{row['device']} {row['channel']:<4}{row['signal']:<24}{row['value']} {row['quality']}{forced}"
         )

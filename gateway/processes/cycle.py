@@ -28,6 +28,7 @@ from gateway.native.quick import Collect, Quick
 from gateway.pathoutputs import functions_of
 from gateway.processes.buslink import BusLink
 from gateway.pure.core import Core
+from gateway.pure.coupler401 import CouplerFamily, contacts_lost
 from gateway.pure.plannerrecords import PIECE_LAYOUT, unpack_piece
 from gateway.pure.recording.messages import What
 from gateway.pure.records import (
@@ -101,6 +102,7 @@ class Cycle:
         ]
         self._driving = [bus for bus in self.buses if not (isinstance(bus.family, RhoFamily) and bus.family.drives is None)]
         self._driving = [bus for bus in self._driving if not isinstance(bus.family, ListeningFamily)]
+        self._coupled = [bus.family for bus in self.buses if isinstance(bus.family, CouplerFamily)]
         self._pack_state = quick.packer(len(axes))
         for bus, link in zip(drive_buses, self.buses, strict=True):
             link.encoders = encoders_of(cell, bus.name, self.core.belts) if self.core.belts is not None else {}
@@ -188,6 +190,7 @@ class Cycle:
         image = self._inputs() if fresh != self._image_index else self._image
         orders = self._take_orders() if waiting != self.orders.position else []
         self.tap.stepped(now, services_ns, missing)
+        core.contacts_lost = contacts_lost(self._coupled)
         values = core.step(actuals, image if self.wires is None else self.wires.over(image), orders, services_ns, now)
         if self.contacts is not None:
             self.contacts.turn(core.state, core.outputs, self.links.life[1], now)
@@ -209,9 +212,7 @@ class Cycle:
         if self.wake is not None:
             os.eventfd_write(self.wake, 1)
         self.trace.put(pack_trace(core.state.cycle, due, sent, got, ready, missing))
-        for number, bus in enumerate(self.buses):
-            if bus.family.aside:
-                self._hand_back(number, bus.family.aside)
+        self._hand_back_all()
         self.tap.turn(now)
 
     def _prepare(self, values: Sequence[SetRecord]) -> None:
@@ -233,6 +234,11 @@ class Cycle:
                 bus.family.hold(identifier)
             elif bus.port is not None:
                 bus.acyclic.append(Frame(identifier, data))
+
+    def _hand_back_all(self) -> None:
+        for number, bus in enumerate(self.buses):
+            if bus.family.aside:
+                self._hand_back(number, bus.family.aside)
 
     def _hand_back(self, number: int, frames: list[Frame]) -> None:
         for frame in frames:

@@ -316,6 +316,9 @@ class Services:
             errors.append((Reason.OUTPUT_STOPPED, text(Reason.OUTPUT_STOPPED, detail=function_words(state.path_stop))))
         if self.office.planner is not None and self.office.planner.warning:
             errors.append((Reason.INTERPOLATOR_STOP, text(Reason.INTERPOLATOR_STOP, detail=self.office.planner.warning)))
+        errors += [
+            (Reason.COUPLER_FAULT, text(Reason.COUPLER_FAULT, self.plan.cell.cell.language, words)) for words in self.contacts.faults()
+        ]
         io = self.complaints.look(self.signals, now)
         for door, refusal in list(self.values.refusals.items()):
             if now - refusal[2] > REFUSALS_KEPT_NS:

@@ -375,6 +375,15 @@ class Core:
             self._off(Reason.SERVO_ERROR)
 
     # ---- what others see ---------------------------------------------------------------------------------------------
+    @property
+    def contacts_lost(self) -> bool:
+        """A coupler that matters for readiness is away: the cell is not ready."""
+        return self._publisher.contacts_lost
+
+    @contacts_lost.setter
+    def contacts_lost(self, lost: bool) -> None:
+        self._publisher.contacts_lost = lost
+
     def _publish(self) -> None:
         state, mover, homings = self.state, self._mover, self._homings
         if homings.under_way:

@@ -12,6 +12,7 @@ class Publisher:
     def __init__(self, state: CellState, outputs: bytearray, numbers: RcNumbers, period_s: float, loops: AxisLoops = PYTHON) -> None:
         self._state, self._outputs, self._numbers, self._period = state, outputs, numbers, period_s
         self._show_axes = loops.show_axes
+        self.contacts_lost = False  # a coupler that matters for readiness is away
         self._shown: tuple[bool, bool, bool, int, int] | None = None
         self._bytes: list[tuple[int, int, int]] = []  # of the outputs: index, bits of others, ours
 
@@ -20,7 +21,7 @@ class Publisher:
         state = self._state
         at_rest = state.motion is Motion.IDLE or state.motion is Motion.STOPPED
         some, every, in_position, referenced = self._show_axes(state.axes, axes, at_rest, self._period)
-        state.ready = not state.emergency and not some & (FAULT | LOST)
+        state.ready = not state.emergency and not some & (FAULT | LOST) and not self.contacts_lost
         shown = (state.ready, every != 0, state.emergency, in_position, referenced)
         if shown != self._shown:
             self._shown, self._bytes = shown, self._image(shown, len(axes))

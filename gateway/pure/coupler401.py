@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from drivers.drives.family import BusFamily, Heard, SetRecord
+from drivers.drives.io_boot import INPUTS_ONLY
 from gateway.pure.contacts import Said
 from gateway.pure.fastwires import InputLevel
 from gateway.pure.records import Quality
@@ -26,7 +27,10 @@ class Coupler:
     node: int
     outputs: Mapping[int, int] = field(default_factory=dict)
     inputs: Mapping[int, int] = field(default_factory=dict)
+    vital_inputs: bool = False  # an enabling input hangs on it
+    vital_outputs: bool = False  # a watchdog, a brake or what tells of readiness does
     mapped: int = 0  # bytes of RPDO1 as the master found them
+    inputs_only: bool = False  # it refused what its outputs need
     released: bool = False
     heard: bytes = b""  # last TPDO1 since the release
     changed_ns: Ns = 0  # bus stamp of the first one that said so
@@ -36,8 +40,8 @@ class Coupler:
 
     @property
     def size(self) -> int:
-        """Bytes of RPDO1; 0: the cell uses no output."""
-        return max(self.mapped, max(self.outputs) // 8 + 1) if self.outputs else 0
+        """Bytes of RPDO1; 0: the cell uses no output, or the coupler refused what they need."""
+        return max(self.mapped, max(self.outputs) // 8 + 1) if self.outputs and not self.inputs_only else 0
 
 
 class CouplerFamily:
@@ -82,8 +86,19 @@ class CouplerFamily:
                 value = known and bool(coupler.heard[octet] >> channel % 8 & 1)
                 found[contact] = Said(value, Quality.GOOD if alive and known else Quality.BAD)
             for contact in coupler.outputs.values():
-                found[contact] = Said(self._shown.get(contact, False), Quality.GOOD if alive else Quality.BAD)
+                good = alive and not coupler.inputs_only
+                found[contact] = Said(self._shown.get(contact, False), Quality.GOOD if good else Quality.BAD)
         return found
+
+    @property
+    def lost(self) -> bool:
+        """A coupler that matters for readiness is away, or does not take its outputs."""
+        for coupler in self.couplers.values():
+            if coupler.vital_outputs and (coupler.inputs_only or not self._alive(coupler)):
+                return True
+            if coupler.vital_inputs and not self._alive(coupler):
+                return True
+        return False
 
     def input_at(self, node: int, channel: int) -> InputLevel | None:
         """One input as the node says it now; None while it is not good."""
@@ -137,7 +152,9 @@ class CouplerFamily:
         if coupler is None:
             self.drives.release(node, mode)
         else:
-            coupler.released, coupler.mapped, coupler.sent, coupler.silent, coupler.due = True, mode, b"", 0, 0
+            coupler.inputs_only = mode & 0xFF == INPUTS_ONLY
+            coupler.mapped = 0 if coupler.inputs_only else mode
+            coupler.released, coupler.sent, coupler.silent, coupler.due = True, b"", 0, 0
 
     def hold(self, node: int) -> None:
         """Nothing any more until it is configured again."""
@@ -149,3 +166,8 @@ class CouplerFamily:
 
     def began(self, now: Ns) -> None:
         self.drives.began(now)
+
+
+def contacts_lost(families: Sequence[BusFamily]) -> bool:
+    """On any bus."""
+    return any(family.lost for family in families if isinstance(family, CouplerFamily))

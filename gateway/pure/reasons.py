@@ -66,6 +66,7 @@ class Reason(IntEnum):
     DRIVE_ON_NOT_ALLOWED = 42
     INTERPOLATOR_STOP = 43
     MACHINE_LATE = 44
+    COUPLER_FAULT = 45
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,6 +130,7 @@ _TEXTS: dict[Reason, tuple[str, str]] = {
     Reason.OUTPUT_STOPPED: ("PPO/IOL : IPO - STOP: {0}", "PPO/IOL : IPO - STOP: {0}"),
     Reason.DRIVE_ON_NOT_AVAILABLE: ("DRIVE ON not avail.: {0}", "ANTRIEB EIN fehlt: {0}"),
     Reason.DRIVE_ON_NOT_ALLOWED: ("DRIVE ON not allowed: {0}", "ANTRIEB EIN nicht erlaubt: {0}"),
+    Reason.COUPLER_FAULT: ("I/O coupler: {0}", "E/A-Koppler: {0}"),
     Reason.INTERPOLATOR_STOP: ("warning: {0}", "Warnung: {0}"),
     Reason.MACHINE_LATE: (
         "this machine was late: simulated drives stopped: {0}",

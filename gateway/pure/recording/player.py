@@ -10,7 +10,7 @@ from typing import Protocol
 
 from drivers.drives.family import Actual, BusFamily
 from gateway.pure.core import Core
-from gateway.pure.coupler401 import CouplerFamily
+from gateway.pure.coupler401 import CouplerFamily, contacts_lost
 from gateway.pure.fastwires import FastWires
 from gateway.pure.plannerrecords import unpack_piece
 from gateway.pure.recording.messages import BEGIN, NODE, STEP, Message, Phase, What, unpack_frames, unpack_shown
@@ -100,6 +100,7 @@ class Player:
                     _, now, services_ns, missing = STEP.unpack(payload)
                     self._settle(missing)
                     image = self._image if self._wires is None else self._wires.over(self._image)
+                    self.core.contacts_lost = contacts_lost(self.families)
                     values = self.core.step(self._actuals, image, orders, services_ns, now)
                 elif what is What.OUTPUTS:
                     yield from self._compare(payload)

@@ -7,6 +7,7 @@ import signal
 import time
 from typing import Any
 
+from gateway.image import RegionReader, recv_fds
 from gateway.processes.emulator_control import EmulatorControl
 from gateway.processes.supervisor import ask
 from hil_tests.lab.joined_running import JoinedRun, cell_copy, running_joined
@@ -46,6 +47,39 @@ class Coupler:
 
 def contact(run: JoinedRun, name: str) -> dict[str, Any]:
     return next(row for row in run.ask(op="contacts")["contacts"] if row["name"] == name)
+
+
+def errors(run: JoinedRun) -> list[dict[str, Any]]:
+    """What the services report, as the page reads it."""
+    fds: dict[str, int] = {}
+    try:
+        with ask(run.name, "regions") as connection:
+            fds = recv_fds(connection)
+        payload = RegionReader(fds["links"], "links").read()
+    finally:
+        for fd in fds.values():
+            os.close(fd)
+    return list(json.loads((payload or b"{}").rstrip(b"\0 ") or b"{}").get("errors", []))
+
+
+def test_a_dead_coupler_takes_readiness_and_is_named_in_the_errors_and_beside_its_contacts() -> None:
+    with running_joined(lambda folder: cell_copy("s5-rk512", folder, more=MORE), "deadcoupler") as run:
+        run.until(lambda: contact(run, "ready_contact")["quality"] == "GOOD", "the coupler is started up", 40.0)
+        run.until(lambda: run.value("cell.ready") == 1, "ready")
+        with ask(run.name, "status") as connection:
+            status = json.loads(connection.makefile().readline())
+        pid = next(process["pid"] for process in status["processes"] if process["name"].startswith("couplers"))
+        os.kill(pid, signal.SIGSTOP)
+        try:
+            run.until(lambda: run.value("cell.ready") == 0, "ready falls: the watchdog hangs on it")
+            run.until(lambda: "no answer" in contact(run, "lamp")["why"], "io list names the object", 20.0)
+            assert "1000h:00" in contact(run, "lamp")["why"], contact(run, "lamp")
+            told = [error["text"] for error in errors(run) if error["code"] == 45]
+            assert told and "can0 node 20" in told[0] and "watchdog" in told[0] and "lamp" in told[0], told
+        finally:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGCONT)
+        run.until(lambda: run.value("cell.ready") == 1 and contact(run, "lamp")["why"] == "", "back", 40.0)
 
 
 def toggles(coupler: Coupler) -> bool:

@@ -1,6 +1,8 @@
 """AX-400, AX-401: our side of a CiA 401 coupler against an emulated one in virtual time, and what contacts show."""
 
+import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import pytest
 
@@ -13,7 +15,7 @@ from gateway.cell import Io, IoDevice
 from gateway.files import find_config
 from gateway.io_plan import falls
 from gateway.pure.contacts import FORCED, Output, Outputs, Said, Source, pack_said, source_of, unpack_said
-from gateway.pure.coupler401 import REFRESH, Coupler, CouplerFamily
+from gateway.pure.coupler401 import REFRESH, Coupler, CouplerFamily, contacts_lost
 from gateway.pure.records import AxisFlag, AxisState, CellState, Quality
 from protocols.base.machine import Frame, ms
 from protocols.canopen import cobid, eds
@@ -159,6 +161,53 @@ def test_a_coupler_that_will_not_is_not_started(plan: io_boot.CouplerPlan, answe
     with pytest.raises(BootRefused) as refused:
         bench.play(plan, answers)
     assert words in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("refused", "words"),
+    [
+        (Write(0x1016, 1, (127 << 16 | 150).to_bytes(4, "little")), r"1016h:01.*: refused 96 00 7f 00"),
+        (Write(0x6206, 1, b"\x03"), r"6206h:01: refused 03"),
+    ],
+)
+def test_a_coupler_that_refuses_what_its_outputs_need_goes_on_with_its_inputs(refused: Write, words: str) -> None:
+    bench = Bench()
+    plan = replace(PLAN, inputs=True)
+    steps, booted = io_boot.boot(plan), None
+    step = next(steps)
+    while booted is None:
+        try:
+            step = steps.send(Refused(0x06020000) if step == refused else bench.answer(step))
+        except StopIteration as end:
+            booted = end.value
+    assert re.search(words, booted.refused) and booted.refused.startswith("its outputs are not driven: ")
+    bench.family.release(NODE, booted.mode & 0xFF)
+    bench.answer(Nmt(Command.PRE_OPERATIONAL))
+    bench.answer(Nmt(Command.START))
+    bench.family.show({0: True})
+    sent = bench.cycles(2 * REFRESH)
+    assert not [frame for frame in sent if frame.identifier == cobid.rpdo(1, NODE)], "an output that could stay on is not switched on"
+    bench.emulated.wire(NODE, 17, True, bench.now)
+    bench.bus([])
+    said = bench.family.said()
+    assert said[4] == Said(True, Quality.GOOD) and said[0].quality is Quality.BAD
+
+
+@pytest.mark.parametrize(("vital_inputs", "vital_outputs"), [(True, False), (False, True), (False, False)])
+def test_a_coupler_away_takes_readiness_where_its_signals_matter(vital_inputs: bool, vital_outputs: bool) -> None:
+    bench = Bench()
+    bench.coupler.vital_inputs, bench.coupler.vital_outputs = vital_inputs, vital_outputs
+    matters = vital_inputs or vital_outputs
+    assert contacts_lost([bench.family]) is matters, "before its start-up"
+    bench.boot()
+    bench.cycles(2)
+    assert not contacts_lost([bench.family])
+    bench.family.release(NODE, io_boot.INPUTS_ONLY)
+    assert contacts_lost([bench.family]) is vital_outputs, "its inputs go on"
+    bench.boot()
+    for _ in range(60):
+        bench.family.burst([])
+    assert contacts_lost([bench.family]) is matters, "silent for longer than its patience"
 
 
 def test_outputs_with_on_loss_are_what_a_coupler_falls_to() -> None:
