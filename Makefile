@@ -11,6 +11,7 @@ SOAK ?=
 MOTION ?=
 FUZZ ?=
 MATRIX ?=
+MUTANTS ?=
 
 .DELETE_ON_ERROR:
 .PHONY: help setup tools kernel references pythons native demo lint test pytest bench soak fuzz branches losses mutants coverage-matrix docs pictures lock clean
@@ -21,7 +22,7 @@ help:
 	@echo "make lint             lint, types, import arrows only"
 	@echo "make bench            all benchmarks; rewrites docs/benchmarks.md"
 	@echo "make coverage-matrix  which demand of the manuals is proved by which test, out of the last make test of this tree (else the tests run)"
-	@echo "make mutants          would those tests notice their function breaking?"
+	@echo "make mutants          would those tests notice their function breaking? rewrites docs/proof.md (MUTANTS='-k NAME', '--sample 60 --seed 7': a part)"
 	@echo "make docs             pages made of decisions, errors, evidence; the site in build/site"
 	@echo "make pictures         docs/pictures from the last run of the page's tests"
 	@echo "make soak             a million 3964R and RK512 telegrams, a tenth of them spoiled (SOAK=50000: fewer); 1,000 motion programs (MOTION='100 20000': fewer); then make losses"
@@ -96,7 +97,7 @@ coverage-matrix: $(STAMP) references native kernel
 	@$(PY) -m hil_tests.matrix.coverage $(MATRIX)
 
 mutants: $(STAMP) references native kernel
-	@$(PY) -m hil_tests.matrix.mutants
+	@$(PY) -m hil_tests.matrix.mutants $(MUTANTS)
 
 DOCS := build/docs-env
 $(DOCS)/installed.stamp: docs/requirements.lock

@@ -15,6 +15,7 @@ from collections.abc import Iterator, Mapping
 
 from hil_tests.matrix import record, verdicts
 from hil_tests.matrix.catalogue import ROOT, Row, rows
+from hil_tests.matrix.reach import KINDS
 from hil_tests.matrix.verdicts import Entry
 
 
@@ -68,14 +69,23 @@ def run_now() -> int:
 def told(entries: Mapping[str, Entry], known: Mapping[str, Row]) -> Iterator[str]:
     for name, entry in entries.items():
         if entry["tests"]:
-            yield f"{name:<12} {entry['verdict']:<5} mutant {entry['mutant']:<7} {known[name].feature}"
+            yield f"{name:<12} {entry['verdict']:<5} mutant {entry['mutant']:<7} {entry['reach']:<18} {known[name].feature}"
             yield from (f"{'':<13}{test}" for test in entry["tests"])
     for source in dict.fromkeys(row.source for row in known.values()):
-        mine = [entries[name] for name, row in known.items() if row.source == source]
-        verdict = collections.Counter(entry["verdict"] for entry in mine)
-        killed = sum(entry["mutant"] == "killed" for entry in mine)
-        counts = ", ".join(f"{verdict[kind]} {kind}" for kind in ("pass", "fail", "none"))
-        yield f"{source}: {len(mine)} rows, {counts}; {killed} with mutants killed"
+        mine = {name: entries[name] for name, row in known.items() if row.source == source}
+        killed = sum(entry["mutant"] == "killed" for entry in mine.values())
+        yield f"{source}: {counted(mine)}; {killed} with mutants killed"
+
+
+def counted(entries: Mapping[str, Entry]) -> str:
+    """How many of these rows are proved through what a run or a command uses, how many only through the API, how many are open."""
+    reach = [entry["reach"].partition(" (")[0] if entry["verdict"] == "pass" else "open" for entry in entries.values()]
+    failed = sum(entry["verdict"] == "fail" for entry in entries.values())
+    count = collections.Counter(reach)
+    used = sum(count[kind] for kind in KINDS[:-1])
+    parts = ", ".join(f"{count[kind]} {kind}" for kind in KINDS[:-1])
+    fails = f" ({failed} of them fail)" if failed else ""
+    return f"{len(entries)} rows: {used} proved ({parts}), {count[KINDS[-1]]} proved API only, {count['open']} open{fails}"
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""A mutant: one function whose body is replaced, in place, by `raise` or by `return <default>`.
+"""A mutant: one function whose body is replaced, in place: by `raise`, by `return <default>`, or changed in one small place.
 
 The code object is exchanged, not the name: everybody who imported the function earlier meets the mutant too.  Child processes
 learn it from the environment (child/sitecustomize.py) and meet the same mutant.
@@ -15,9 +15,10 @@ import types
 import typing
 from collections.abc import Iterator
 
+from hil_tests.matrix import small
 from hil_tests.matrix.catalogue import resolve
 
-VARIABLE = "AXISGATE_MUTANT"  # "raise module:function" or "return module:function"
+VARIABLE = "AXISGATE_MUTANT"  # "raise module:function", "return module:function", or a small one's name before it
 VARIANTS = ("raise", "return")
 CHILD = pathlib.Path(__file__).resolve().parent / "child"
 DEFAULTS = {  # by the outermost type of the return annotation
@@ -37,7 +38,7 @@ def mutated(name: str, variant: str, children: bool = True) -> Iterator[None]:
     """While inside, "module:function" is broken here and in every Python child started meanwhile."""
     function = resolve(name)
     kept, environment = function.__code__, dict(os.environ)
-    function.__code__ = broken(function, variant)
+    function.__code__ = changed(name, variant)
     if children:
         os.environ[VARIABLE] = f"{variant} {name}"
         os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(CHILD), environment.get("PYTHONPATH", "")]))
@@ -51,6 +52,11 @@ def mutated(name: str, variant: str, children: bool = True) -> Iterator[None]:
             os.environ.pop(variable, None)
             if variable in environment:
                 os.environ[variable] = environment[variable]
+
+
+def changed(name: str, variant: str) -> types.CodeType:
+    """The code of a variant of "module:function", whose own code is still in place."""
+    return broken(resolve(name), variant) if variant in VARIANTS else small.code_of(name, variant)
 
 
 def broken(function: types.FunctionType, variant: str) -> types.CodeType:

@@ -5,11 +5,11 @@ function was called; it is told as `crash` and counts as not killed.
 """
 
 import contextlib
-import json
 import pathlib
+import random
 import signal
 import time
-from collections.abc import Generator, Iterator
+from collections.abc import Generator, Iterator, Mapping
 from types import FrameType, TracebackType
 
 import pytest
@@ -19,9 +19,14 @@ from _pytest.runner import runtestprotocol
 from hil_tests.matrix.catalogue import MarkError
 from hil_tests.matrix.marks import claims_of, function_id
 from hil_tests.matrix.mutant import VARIANTS, MutantError, mutated
-from hil_tests.matrix.verdicts import Pair, fingerprint
+from hil_tests.matrix.small import MOST, small_mutants
+from hil_tests.matrix.verdicts import Pair, Trial, fingerprint, save_pairs
+from hil_tests.purity import GUARDED_FOLDERS
 
 LEAST_S = 45.0  # a mutant that never ends is given up after this, or ten times the sound run; tests themselves wait up to 20 s
+LEAST_PURE_S = 10.0  # tests of pure code wait for nothing
+MOST_OF_A_RUN = 2  # small mutants of a function whose test starts processes
+SAVE_EVERY_S = 60.0
 RANK = ("hang", "skipped", "alive", "crash", "killed")  # of a test's parameters the best one counts: they are one test
 
 
@@ -32,12 +37,27 @@ class Hang(BaseException):
 class Mutants:
     """Replaces the running of a test by: once sound, then once for each function and variant."""
 
-    def __init__(self, target: pathlib.Path, root: pathlib.Path) -> None:
-        self._target, self._root = target, root
+    def __init__(self, target: pathlib.Path, sample: str | None) -> None:
+        self._target, self._sample = target, sample
         self._raised: list[BaseException] = []
+        self._chosen: set[tuple[str, str]] | None = None  # None: all of them
         self._found: dict[tuple[str, str], dict[str, str]] = {}
         self._ids: dict[tuple[str, str], set[str]] = {}
         self._files: dict[str, pathlib.Path] = {}
+        self._saved = time.monotonic()
+
+    @pytest.hookimpl(trylast=True)
+    def pytest_collection_modifyitems(self, config: pytest.Config, items: list[pytest.Item]) -> None:
+        """COUNT:SEED, so many pairs by lot: tests that have none of them are not run."""
+        if self._sample is None:
+            return
+        count, seed = map(int, self._sample.split(":"))
+        pairs = {function_id(item.nodeid): _pairs(item) for item in items}
+        every = sorted({pair for some in pairs.values() for pair in some})
+        self._chosen = set(random.Random(seed).sample(every, min(count, len(every))))
+        left = [item for item in items if not self._chosen.isdisjoint(pairs[function_id(item.nodeid)])]
+        config.hook.pytest_deselected(items=[item for item in items if item not in left])
+        items[:] = left
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtest_protocol(self, item: pytest.Item) -> bool:
@@ -51,15 +71,26 @@ class Mutants:
         sound, seconds = self._run(item, None)
         for claim in claims:
             for by in claim.by:
-                self._ids.setdefault((name, by), set()).update(claim.ids)
-                for variant in VARIANTS:
-                    verdict = self._broken(item, by, variant, seconds) if sound == "alive" else f"not run: sound test: {sound}"
-                    self._keep(name, by, variant, verdict)
+                if self._chosen is None or (name, by) in self._chosen:
+                    self._ids.setdefault((name, by), set()).update(claim.ids)
+                    self._try(item, by, sound, seconds)
+        if time.monotonic() - self._saved > SAVE_EVERY_S:
+            self._save()
         return True
 
-    def _broken(self, item: pytest.Item, by: str, variant: str, seconds: float) -> str:
+    def _try(self, item: pytest.Item, by: str, sound: str, seconds: float) -> None:
+        name = function_id(item.nodeid)
+        pure = any(part in item.path.parts for part in GUARDED_FOLDERS)
+        chosen = small_mutants(by, MOST if pure else MOST_OF_A_RUN)
+        limit = max(LEAST_PURE_S if pure else LEAST_S, 10 * seconds)
+        for variant in (*VARIANTS, *(one.name for one in chosen)):
+            if self._found.get((name, by), {}).get(variant) != "killed":
+                verdict = self._broken(item, by, variant, limit) if sound == "alive" else f"not run: sound test: {sound}"
+                self._keep(name, by, variant, verdict)
+
+    def _broken(self, item: pytest.Item, by: str, variant: str, limit: float) -> str:
         with mutated(by, variant):
-            return self._run(item, max(LEAST_S, 10 * seconds))[0]
+            return self._run(item, limit)[0]
 
     def _keep(self, name: str, by: str, variant: str, verdict: str) -> None:
         seen = self._found.setdefault((name, by), {})
@@ -81,12 +112,23 @@ class Mutants:
         return (yield)
 
     def pytest_sessionfinish(self) -> None:
-        pairs = [
-            Pair(name, by, tuple(sorted(self._ids[name, by])), seen["raise"], seen["return"], fingerprint(self._files[name], by))
-            for (name, by), seen in self._found.items()
-        ]
-        self._target.parent.mkdir(parents=True, exist_ok=True)
-        self._target.write_text(json.dumps([pair.as_dict() for pair in pairs], indent=1))
+        self._save()
+
+    def _save(self) -> None:
+        self._saved = time.monotonic()
+        save_pairs((self._pair(name, by, seen) for (name, by), seen in self._found.items()), self._target)
+
+    def _pair(self, name: str, by: str, seen: Mapping[str, str]) -> Pair:
+        trials = tuple(Trial(one.name, one.line, one.words, seen[one.name]) for one in small_mutants(by) if one.name in seen)
+        print_of = fingerprint(self._files[name], by)
+        return Pair(name, by, tuple(sorted(self._ids[name, by])), seen["raise"], seen["return"], print_of, trials)
+
+
+def _pairs(item: pytest.Item) -> set[tuple[str, str]]:
+    try:
+        return {(function_id(item.nodeid), by) for claim in claims_of(item) for by in claim.by}
+    except MarkError:
+        return set()
 
 
 def judged(raised: list[BaseException]) -> str:
@@ -152,9 +194,11 @@ def quick_hypothesis() -> None:
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--mutants", metavar="FILE", help="break each `by` function in turn and write here how the tests took it")
+    parser.addoption("--mutants-sample", metavar="COUNT:SEED", help="only so many pairs of test and function, drawn by lot")
 
 
 def pytest_configure(config: pytest.Config) -> None:
     strict_raises()
     quick_hypothesis()
-    config.pluginmanager.register(Mutants(pathlib.Path(config.getoption("--mutants")), config.rootpath), "axisgate-mutants")
+    mutants = Mutants(pathlib.Path(config.getoption("--mutants")), config.getoption("--mutants-sample"))
+    config.pluginmanager.register(mutants, "axisgate-mutants")

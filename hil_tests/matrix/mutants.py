@@ -1,20 +1,28 @@
-"""`make mutants`: each function named by a requirement mark is broken in two ways; its test must fail by an assertion.
+"""`make mutants`: each function named by a requirement mark is broken in several ways; its test must fail by an assertion.
 
-python -m hil_tests.matrix.mutants [-k EXPRESSION]     (writes build/matrix/mutants.json, completes build/coverage-matrix.json)
+python -m hil_tests.matrix.mutants                       all pairs of test and function; hours
+python -m hil_tests.matrix.mutants -k EXPRESSION         those of some tests, as pytest's -k
+python -m hil_tests.matrix.mutants --sample 60 --seed 7  so many, drawn by lot
+python -m hil_tests.matrix.mutants --page                docs/proof.md again out of what is recorded
+
+Writes build/matrix/mutants.json, completes build/coverage-matrix.json and writes docs/proof.md.  A run of a part leaves what is
+recorded of the others, as long as their files are the same.
 """
 
 import argparse
-import json
+import collections
 import os
+import pathlib
 import subprocess
 import sys
 
 from gateway.native.built import PYTHON_ONLY  # what is broken is Python: its twins in C would not notice
-from hil_tests.matrix import verdicts
+from hil_tests.matrix import proof, verdicts
 from hil_tests.matrix.catalogue import ROOT, rows
 from hil_tests.matrix.verdicts import Pair
 from hil_tests.rig.uml import guest, lane
 
+THIS_RUN = ROOT / "build" / "matrix" / "mutants-run.json"
 GUEST_RESULTS = ROOT / "build" / "uml" / "mutants.json"
 
 
@@ -23,26 +31,48 @@ def main() -> int:
     parser.add_argument(
         "-k", default="", metavar="EXPRESSION", help="only these tests, as pytest's -k; ids of rows (RHO-SER-01) count as names"
     )
+    parser.add_argument("--sample", type=int, metavar="COUNT", help="only so many pairs of test and function, drawn by lot")
+    parser.add_argument("--seed", type=int, default=0, help="of the lot (0)")
+    parser.add_argument("--page", action="store_true", help="run nothing; write docs/proof.md out of what is recorded")
     arguments = parser.parse_args()
-    verdicts.MUTANTS.unlink(missing_ok=True)
-    command = order("requirement and not vcan", arguments.k, str(verdicts.MUTANTS))
-    code = subprocess.run(command, cwd=ROOT, check=False, env={**os.environ, lane.ON_HOST: "1", PYTHON_ONLY: "1"}).returncode
-    if code not in (0, 5):
-        return 3
-    add_guest(arguments.k)
+    if arguments.sample is not None and arguments.sample < 1:
+        parser.error(f"--sample {arguments.sample}: at least 1 pair")
+    run: list[Pair] = []
+    if not arguments.page:
+        code = judge(arguments.k, f"{arguments.sample}:{arguments.seed}" if arguments.sample else None)
+        if code not in (0, 5):
+            return 3
+        run = verdicts.load_pairs(THIS_RUN) + (verdicts.load_pairs(GUEST_RESULTS) if GUEST_RESULTS.exists() else [])
+        kept = {(pair.test, pair.by): pair for pair in [*verdicts.load_pairs(), *run]}
+        verdicts.save_pairs(kept.values())
     pairs = verdicts.load_pairs()
     verdicts.save(verdicts.matrix(rows(), verdicts.load_results(), pairs))
-    return tell(pairs)
+    if not arguments.k:
+        sample = f"{arguments.sample} pairs drawn by lot with seed {arguments.seed}" if arguments.sample else ""
+        proof.write(run if arguments.sample else pairs, sample)
+    return tell(pairs if arguments.page else run)
 
 
-def order(marks: str, expression: str, target: str) -> list[str]:
-    plug_in = ["-p", "hil_tests.matrix.mutant_plugin", "--mutants", target, "-o", "timeout=0", "-p", "no:cacheprovider"]
-    return [sys.executable, "-m", "pytest", "hil_tests", "-q", "-m", marks, "-k", expression, *plug_in]
+def judge(expression: str, sample: str | None) -> int:
+    """pytest's exit code; what it found is in THIS_RUN and GUEST_RESULTS."""
+    for path in (THIS_RUN, GUEST_RESULTS):
+        path.unlink(missing_ok=True)
+    command = order("requirement and not vcan", expression, THIS_RUN, sample)
+    code = subprocess.run(command, cwd=ROOT, check=False, env={**os.environ, lane.ON_HOST: "1", PYTHON_ONLY: "1"}).returncode
+    if sample is None:  # a lot is drawn among the tests of this machine
+        add_guest(expression)
+    return code
+
+
+def order(marks: str, expression: str, target: pathlib.Path, sample: str | None = None) -> list[str]:
+    plug_in = ["-p", "hil_tests.matrix.mutant_plugin", "--mutants", str(target), "-o", "timeout=0", "-p", "no:cacheprovider"]
+    lot = ["--mutants-sample", sample] if sample else []
+    return [sys.executable, "-m", "pytest", "hil_tests", "-q", "-m", marks, "-k", expression, *plug_in, *lot]
 
 
 def add_guest(expression: str) -> None:
     """Marked tests on vcan0 meet their mutants inside the guest."""
-    collect = [*order("requirement and vcan", expression, str(GUEST_RESULTS)), "--collect-only"]
+    collect = [*order("requirement and vcan", expression, GUEST_RESULTS), "--collect-only"]
     if guest.missing() or subprocess.run(collect, cwd=ROOT, check=False, capture_output=True).returncode != 0:
         return
     GUEST_RESULTS.unlink(missing_ok=True)
@@ -51,18 +81,21 @@ def add_guest(expression: str) -> None:
         "AXISGATE_RUNTIME": "/run/axisgate",
         "AXISGATE_GUEST_REPORTS": str(GUEST_RESULTS.with_suffix(".jsonl")),
     }
-    command = order("requirement and vcan", expression, str(GUEST_RESULTS))
+    command = order("requirement and vcan", expression, GUEST_RESULTS)
     guest.Guest(GUEST_RESULTS.parent / "mutants", 1800, serial_pair=True, environment=environment).run(command)
-    both = [*json.loads(verdicts.MUTANTS.read_text()), *json.loads(GUEST_RESULTS.read_text())]
-    verdicts.MUTANTS.write_text(json.dumps(both, indent=1))
 
 
 def tell(pairs: list[Pair]) -> int:
-    alive = [pair for pair in pairs if not pair.killed]
-    for pair in alive:
-        print(f"{pair.test}\n    by {pair.by}: raise {pair.raised}, return {pair.returned}")
-    print(f"mutants: {len(pairs)} (test, function) pairs, {len(pairs) - len(alive)} killed, {len(alive)} not killed")
-    return 1 if alive else 0
+    """0: nine of ten pairs are killed without a crash."""
+    for pair in pairs:
+        if not pair.killed:
+            print(f"{pair.test}\n    by {pair.by}: {pair.verdict}; raise {pair.raised}, return {pair.returned}")
+            survivors = [trial for trial in pair.small if trial.verdict != "killed"]
+            print("".join(f"        line {trial.line}: {trial.words}: {trial.verdict}\n" for trial in survivors), end="")
+    count = collections.Counter(pair.verdict.partition(":")[0] for pair in pairs)
+    words = ", ".join(f"{number} {word}" for word, number in count.most_common())
+    print(f"mutants: {len(pairs)} (test, function) pairs: {words or 'none'}; goal {proof.GOAL:.0%} killed without a crash")
+    return 0 if proof.share(pairs) >= proof.GOAL else 1
 
 
 if __name__ == "__main__":

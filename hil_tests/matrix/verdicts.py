@@ -6,10 +6,11 @@ import json
 import pathlib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypedDict
+from typing import Any, TypedDict
 
 from hil_tests.matrix import record
 from hil_tests.matrix.catalogue import ROOT, Row
+from hil_tests.matrix.reach import kinds, reach_of
 from hil_tests.matrix.record import Result
 
 RESULTS = ROOT / "build" / "matrix" / "results.json"
@@ -24,11 +25,26 @@ class Entry(TypedDict):
     tests: list[str]
     by: list[str]
     mutant: str  # killed, alive, none
+    reach: str  # what comes to its functions: cell, program, command, API only
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """A small mutant of a function and how one test took it."""
+
+    name: str  # kind_hash
+    line: int
+    words: str  # what was changed into what
+    verdict: str
+
+    @property
+    def kind(self) -> str:
+        return self.name.partition("_")[0]
 
 
 @dataclass(frozen=True, slots=True)
 class Pair:
-    """A test with one of its functions, and how it took the two variants: killed, alive, crash, hang, skipped, not run ..."""
+    """A test with one of its functions, and how it took the variants: killed, alive, crash, hang, skipped, not run ..."""
 
     test: str
     by: str
@@ -36,14 +52,29 @@ class Pair:
     raised: str
     returned: str
     fingerprint: str  # of the test file and the function's module: an old result never counts for new code
+    small: tuple[Trial, ...] = ()
 
     @property
     def killed(self) -> bool:
-        return (self.raised, self.returned) == ("killed", "killed")
+        return self.verdict == "killed"
+
+    @property
+    def verdict(self) -> str:
+        """An exception that runs through the test proves nothing: of mutants that do not raise the test must have seen one.
+
+        killed: neither whole body is missed, and of the small changes, where the function has any, an assertion noticed one.
+        """
+        whole = (self.raised, self.returned)
+        for word in whole:
+            if word not in ("killed", "crash"):
+                return word
+        quiet = [trial.verdict for trial in self.small] or list(whole)
+        return next((word for word in ("killed", "alive", "crash", "hang") if word in quiet), "crash")
 
     def as_dict(self) -> dict[str, object]:
         names = {"test": self.test, "by": self.by, "ids": list(self.ids)}
-        return {**names, "raise": self.raised, "return": self.returned, "fingerprint": self.fingerprint}
+        small = [{"name": one.name, "line": one.line, "words": one.words, "verdict": one.verdict} for one in self.small]
+        return {**names, "raise": self.raised, "return": self.returned, "fingerprint": self.fingerprint, "small": small}
 
 
 def fingerprint(test_file: pathlib.Path, by: str) -> str:
@@ -52,20 +83,23 @@ def fingerprint(test_file: pathlib.Path, by: str) -> str:
     return hashlib.sha256(test_file.read_bytes() + (module.read_bytes() if module else b"")).hexdigest()[:16]
 
 
-def matrix(rows: Mapping[str, Row], results: Sequence[Result], pairs: Iterable[Pair]) -> dict[str, Entry]:
-    """All rows, proved or not."""
+def matrix(
+    rows: Mapping[str, Row], results: Sequence[Result], pairs: Iterable[Pair], reached: Mapping[str, str] | None = None
+) -> dict[str, Entry]:
+    """All rows, proved or not; `reached`: what comes to each function, as the sources of this tree say unless it is given."""
+    known = kinds() if reached is None else reached
     by_pair = {(pair.test, pair.by): pair for pair in pairs}
-    return {name: entry([result for result in results if name in result.ids], by_pair) for name in rows}
+    return {name: entry([result for result in results if name in result.ids], by_pair, known) for name in rows}
 
 
-def entry(results: Sequence[Result], pairs: Mapping[tuple[str, str], Pair]) -> Entry:
+def entry(results: Sequence[Result], pairs: Mapping[tuple[str, str], Pair], reached: Mapping[str, str]) -> Entry:
     outcomes = {result.outcome for result in results}
     verdict = "fail" if "failed" in outcomes else "pass" if "passed" in outcomes else "none"
     found = [pairs.get((result.test, by)) for result in results for by in result.by]
     judged = [pair for pair in found if pair is not None]
     mutant = "alive" if not all(pair.killed for pair in judged) else "killed" if judged and len(judged) == len(found) else "none"
     tests, by = sorted({result.test for result in results}), sorted({by for result in results for by in result.by})
-    return {"verdict": verdict, "tests": tests, "by": by, "mutant": mutant}
+    return {"verdict": verdict, "tests": tests, "by": by, "mutant": mutant, "reach": reach_of(by, reached)}
 
 
 def load_results() -> Sequence[Result]:
@@ -73,11 +107,20 @@ def load_results() -> Sequence[Result]:
     return last.results if last else ()
 
 
-def load_pairs() -> list[Pair]:
-    """The pairs of the last `make mutants` whose test file and module are still the same."""
-    lines = json.loads(MUTANTS.read_text()) if MUTANTS.exists() else []
-    pairs = [Pair(at["test"], at["by"], tuple(at["ids"]), at["raise"], at["return"], at["fingerprint"]) for at in lines]
-    return [pair for pair in pairs if current(pair)]
+def load_pairs(path: pathlib.Path = MUTANTS) -> list[Pair]:
+    """The pairs judged last whose test file and module are still the same."""
+    lines = [line for line in json.loads(path.read_text()) if "small" in line] if path.exists() else []
+    return [pair for pair in map(_pair, lines) if current(pair)]
+
+
+def _pair(at: Mapping[str, Any]) -> Pair:
+    trials = tuple(Trial(**one) for one in at["small"])
+    return Pair(at["test"], at["by"], tuple(at["ids"]), at["raise"], at["return"], at["fingerprint"], trials)
+
+
+def save_pairs(pairs: Iterable[Pair], path: pathlib.Path = MUTANTS) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps([pair.as_dict() for pair in pairs], indent=1))
 
 
 def current(pair: Pair) -> bool:

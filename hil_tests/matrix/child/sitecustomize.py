@@ -31,10 +31,9 @@ class Breaker(importlib.abc.MetaPathFinder):
         def exec_module(module: types.ModuleType) -> None:
             execute(module)
             from hil_tests.matrix.catalogue import resolve
-            from hil_tests.matrix.mutant import broken
+            from hil_tests.matrix.mutant import changed
 
-            function = resolve(self._name)
-            function.__code__ = broken(function, self._variant)
+            resolve(self._name).__code__ = changed(self._name, self._variant)
 
         spec.loader.exec_module = exec_module  # type: ignore[method-assign]  # one loader object, ours alone, in a process made to break
         return spec

@@ -11,7 +11,7 @@ from hil_tests.matrix import coverage, record, verdicts
 from hil_tests.matrix.catalogue import ROOT, rows
 from hil_tests.matrix.mutant_plugin import Hang, judged, time_limit
 from hil_tests.matrix.record import Result
-from hil_tests.matrix.verdicts import Pair, matrix
+from hil_tests.matrix.verdicts import Pair, Trial, matrix
 
 SAMPLE = """
 import pytest
@@ -70,6 +70,9 @@ def test_without_a_mark():
 """
 
 
+PLUG_IN = ("-p", "hil_tests.matrix.mutant_plugin", "-p", "no:timeout")
+
+
 @pytest.fixture
 def folder(tmp_path: pathlib.Path) -> pathlib.Path:
     (tmp_path / "test_sample.py").write_text(SAMPLE)
@@ -89,7 +92,7 @@ def run_pytest(folder: pathlib.Path, *options: str) -> list[dict[str, object]]:
 
 
 def test_mutants_are_judged_by_how_each_test_fails(folder: pathlib.Path) -> None:
-    pairs = run_pytest(folder, "-p", "hil_tests.matrix.mutant_plugin", "-p", "no:timeout", "--mutants")
+    pairs = run_pytest(folder, *PLUG_IN, "--mutants")
     judgement = {str(pair["test"]).partition("::")[2]: (pair["raise"], pair["return"]) for pair in pairs}
     not_run = "not run: sound test: killed"
     assert judgement == {
@@ -102,6 +105,30 @@ def test_mutants_are_judged_by_how_each_test_fails(folder: pathlib.Path) -> None
         "test_that_fails": (not_run, not_run),
         "test_that_is_skipped": ("not run: sound test: skipped",) * 2,
     }
+
+
+def test_small_changes_are_tried_and_a_crash_of_the_whole_does_not_count_for_or_against(folder: pathlib.Path) -> None:
+    pairs = {str(pair["test"]).partition("::")[2]: pair for pair in run_pytest(folder, *PLUG_IN, "--mutants")}
+    small = {name: {str(trial["words"]): trial["verdict"] for trial in trials_of(pair)} for name, pair in pairs.items()}
+    times, number = "value * 1000000 -> value / 1000000", "1000000 -> 1000001"  # two: this folder is none of pure tests
+    assert small["test_through_which_the_exception_merely_runs"] == {times: "killed", number: "killed"}
+    assert small["test_that_only_calls"] == {times: "alive", number: "alive"}
+    assert small["test_with_raises"] == {times: "alive", number: "alive"}
+
+
+def test_a_sample_is_drawn_by_its_seed(folder: pathlib.Path) -> None:
+    def drawn(sample: str) -> list[object]:
+        return [pair["test"] for pair in run_pytest(folder, *PLUG_IN, "--mutants-sample", sample, "--mutants")]
+
+    assert drawn("3:7") == drawn("3:7") and len(drawn("3:7")) == 3
+    assert {str(drawn(f"2:{seed}")) for seed in range(3)} != {str(drawn("2:0"))}
+    assert len(drawn("100:1")) == 8, "no more than there are"
+
+
+def trials_of(pair: dict[str, object]) -> list[dict[str, object]]:
+    trials = pair["small"]
+    assert isinstance(trials, list)
+    return trials
 
 
 def test_the_matrix_run_tells_ids_and_outcomes_and_fails_a_wrong_mark(folder: pathlib.Path) -> None:
@@ -173,7 +200,9 @@ def pair(test: str, raised: str = "killed", returned: str = "killed", by: str = 
         ([result("a", "passed")], [], "pass", "none"),
         ([result("a", "passed"), result("b", "failed")], [], "fail", "none"),
         ([result("a", "passed")], [pair("a")], "pass", "killed"),
-        ([result("a", "passed")], [pair("a", raised="crash")], "pass", "alive"),
+        ([result("a", "passed")], [pair("a", raised="crash")], "pass", "killed"),
+        ([result("a", "passed")], [pair("a", raised="crash", returned="crash")], "pass", "alive"),
+        ([result("a", "passed")], [pair("a", raised="alive")], "pass", "alive"),
         ([result("a", "passed")], [pair("a", returned="alive")], "pass", "alive"),
         ([result("a", "passed"), result("b", "passed")], [pair("a")], "pass", "none"),
         ([result("a", "passed", "m:f", "m:g")], [pair("a"), pair("a", "hang", by="m:g")], "pass", "alive"),
@@ -183,10 +212,38 @@ def pair(test: str, raised: str = "killed", returned: str = "killed", by: str = 
 def test_a_row_is_killed_only_when_every_test_killed_both_variants_of_every_function(
     results: list[Result], pairs: list[Pair], verdict: str, mutant: str
 ) -> None:
-    entries = matrix(rows(), results, pairs)
+    entries = matrix(rows(), results, pairs, {"m:f": "cell"})
     assert set(entries) == set(rows())
     assert (entries["RHO-SER-01"]["verdict"], entries["RHO-SER-01"]["mutant"]) == (verdict, mutant)
-    assert entries["RHO-SER-02"] == {"verdict": "none", "tests": [], "by": [], "mutant": "none"}
+    assert entries["RHO-SER-02"] == {"verdict": "none", "tests": [], "by": [], "mutant": "none", "reach": ""}
+
+
+def tried(*verdicts: str, returned: str = "killed") -> str:
+    trials = tuple(Trial(f"operator_{number}", 1, "a + b -> a - b", verdict) for number, verdict in enumerate(verdicts))
+    return Pair("a", "m:f", ("RHO-SER-01",), "crash", returned, "", trials).verdict
+
+
+def test_of_the_small_changes_of_a_function_an_assertion_must_have_noticed_one() -> None:
+    assert tried() == "killed"
+    assert tried("alive", "killed", "crash") == "killed"
+    assert tried("killed", returned="crash") == "killed"
+    assert tried("alive", "crash") == "alive"
+    assert tried("crash", "hang") == "crash"
+    assert tried("killed", returned="alive") == "alive"
+
+
+def test_the_matrix_names_what_comes_to_a_row_and_counts_api_only_rows_apart() -> None:
+    known = {"m:f": "cell", "m:g": "API only", "m:h": "command"}
+    results = [
+        Result("a", ("RHO-SER-01",), ("m:f", "m:g"), "passed"),
+        Result("b", ("RHO-SER-02",), ("m:g",), "passed"),
+        Result("c", ("RHO-SER-03",), ("m:h",), "passed"),
+        Result("d", ("RHO-SER-04",), ("m:f",), "skipped"),
+    ]
+    entries = matrix(rows(), results, [], known)
+    assert [entries[f"RHO-SER-0{number}"]["reach"] for number in (1, 2, 3)] == ["cell (1 of 2)", "API only", "command"]
+    words = coverage.counted({name: entries[name] for name in (f"RHO-SER-0{number}" for number in (1, 2, 3, 4, 5))})
+    assert words == "5 rows: 2 proved (1 cell, 0 program, 1 command), 1 proved API only, 2 open"
 
 
 def test_a_broken_test_that_never_ends_is_given_up() -> None:

@@ -1,5 +1,6 @@
 """Mutants: the body is exchanged in place, for everybody, whatever kind of function it is, and comes back."""
 
+import ast
 import asyncio
 import os
 import subprocess
@@ -10,6 +11,7 @@ import pytest
 
 from hil_tests.matrix.catalogue import MarkError, claim, resolve
 from hil_tests.matrix.mutant import MutantError, broken, default_of, mutated
+from hil_tests.matrix.small import places, small_mutants
 from protocols.base.machine import ms  # an import made before the mutant: it must meet it all the same
 
 MS = "protocols.base.machine:ms"
@@ -99,6 +101,78 @@ def test_methods_that_use_super_generators_and_coroutines_keep_their_kind(name: 
             RUNS[name](Sample())
     finally:
         function.__code__ = sound
+
+
+def test_small_mutants_of_ms_are_these_and_answer_wrongly_without_raising() -> None:
+    found = {one.words: one.name for one in small_mutants(MS)}
+    assert set(found) == {
+        "value * 1000000 -> value / 1000000",
+        "1000000 -> 1000001",
+        "return round(value * 1000000) -> return round(value * 1000000) + 1",
+    }
+    answers = {}
+    for words, name in found.items():
+        with mutated(MS, name):
+            answers[words.partition(" ")[0]] = ms(3)
+    assert answers == {"value": 0, "1000000": 3_000_003, "return": 3_000_001}
+    assert ms(3) == 3_000_000
+
+
+def test_a_child_process_meets_the_same_small_mutant() -> None:
+    name = next(one.name for one in small_mutants(MS) if one.words.startswith("1000000"))
+    with mutated(MS, name):
+        command = [sys.executable, "-c", "from protocols.base.machine import ms; print(ms(3))"]
+        assert subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip() == "3000003"
+
+
+KINDS_IN_SOURCE = """
+def f(self, a, b, items, ready):
+    if a < b:
+        raise ValueError(f"{a + 1}")
+    self.count = a + 1
+    items.append(a)
+    for n in range(b):
+        pass
+    match a:
+        case 1:
+            return items[a:b]
+    return True and ready
+"""
+
+
+def test_each_kind_of_place_is_found_and_the_words_of_an_exception_are_left() -> None:
+    tree = ast.parse(KINDS_IN_SOURCE)
+    code = next(one for one in compile(tree, "x", "exec").co_consts if hasattr(one, "co_name"))
+    changes = []
+    for number, place in enumerate(places(tree, code)):
+        changed = ast.parse(KINDS_IN_SOURCE)
+        other = list(places(changed, code))[number]
+        before = other.words()
+        other.change()
+        changes.append((place.kind, f"{before} -> {other.words()}"))
+    assert set(changes) == {
+        ("boundary", "a < b -> a <= b"),
+        ("branch", "a < b -> a < b and False"),
+        ("statement", "raise ValueError(f'{a + 1}') -> pass"),
+        ("statement", "self.count = a + 1 -> pass"),
+        ("statement", "items.append(a) -> pass"),
+        ("operator", "a + 1 -> a - 1"),
+        ("constant", "1 -> 2"),
+        ("off-by-one", "range(b) -> range(b + 1)"),
+        ("branch", "case 1 -> case 1 if False"),
+        ("off-by-one", "a:b -> a + 1:b"),
+        ("off-by-one", "a:b -> a:b + 1"),
+        ("operator", "True and ready -> True or ready"),
+        ("constant", "True -> False"),
+    }
+
+
+def test_there_are_at_most_six_of_every_kind_in_turn_and_always_the_same() -> None:
+    long = "gateway.pure.core:Core._drive"
+    chosen = small_mutants(long)
+    assert len(chosen) == 6 and len({one.name.partition("_")[0] for one in chosen}) >= 3
+    fresh = [sys.executable, "-c", f"from hil_tests.matrix.small import small_mutants as s; print([m.name for m in s({long!r})])"]
+    assert subprocess.run(fresh, capture_output=True, text=True, check=True).stdout.strip() == str([one.name for one in chosen])
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,41 @@
+"""What of a running gateway comes to a function: a cell, a motion program, a command, or nothing but a test (API only).
+
+cell: the processes of a run, without what reads motion programs; program: with it; command: the commands of axisgate.
+"""
+
+import functools
+from collections import Counter
+from collections.abc import Iterable, Mapping
+
+from hil_tests.matrix.callgraph import CallGraph
+
+KINDS = ("cell", "program", "command", "API only")
+PROCESSES, COMMANDS = "gateway.processes.", "gateway.commands."
+PLANNER = "gateway.processes.planner"  # serves motion programs and nothing else
+PROGRAMS = "motion.program"
+
+
+@functools.cache
+def kinds() -> Mapping[str, str]:
+    """Of everything the product defines, by "module:qualname": one of KINDS."""
+    graph = CallGraph()
+    mains = {name: f"{name}:main" for name, module in graph.modules.items() if "main" in module.nodes}
+    processes = [main for name, main in mains.items() if name.startswith(PROCESSES)]
+    commands = [main for name, main in mains.items() if name.startswith(COMMANDS)]
+    found = {f"{module.name}:{name}": "API only" for module in graph.modules.values() for name in module.nodes}
+    found |= dict.fromkeys(graph.reached([*processes, *commands]), "command")
+    found |= dict.fromkeys(graph.reached(processes), "program")
+    found |= dict.fromkeys(graph.reached([main for main in processes if main != mains[PLANNER]], _of_programs), "cell")
+    return found
+
+
+def _of_programs(module: str) -> bool:
+    return module in (PLANNER, PROGRAMS) or module.startswith(f"{PROGRAMS}.")
+
+
+def reach_of(functions: Iterable[str], of: Mapping[str, str]) -> str:
+    """The nearest of what comes to these functions, with how many of them it is when it is not all; "" for none."""
+    count = Counter(of.get(function, "API only") for function in functions)
+    nearest = next((kind for kind in KINDS if count[kind]), "")
+    others = count["API only"] if nearest != "API only" else 0
+    return f"{nearest} ({count.total() - others} of {count.total()})" if others else nearest
