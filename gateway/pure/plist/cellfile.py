@@ -13,16 +13,18 @@ DRIVE = tuple(range(602, 616))
 WHOLE_DRIVE = (602, 603, 610, 614)
 SINGLE = (2, 5, 9, 20)  # one whole number
 FIELDS: tuple[tuple[str, str], ...] = (  # label of P401 -> key of [[rho3.P401]]; "" is read and not needed (L3763-3781, L3903-3923)
-    (r"^servo.?b", ""),
-    (r"plug|connector", ""),
-    (r"^module|can module", ""),
-    (r"input", "module"),
-    (r"ref\.? ?mode", "ref_mode"),
-    (r"gear", "gear_factor"),
-    (r"puls", "pulses"),
-    (r"mbewert|evaluation", "evaluation"),
-    (r"set.?point output|set value output", "output"),
+    (r"^servo.?b|^servokarte", ""),
+    (r"plug|connector|stecker", ""),
+    (r"^modul|can.?modul", ""),
+    (r"input|eingang", "module"),
+    (r"ref\.?.?mod|referenz.?mod|ref\.?.?art", "ref_mode"),
+    (r"gear|getriebe", "gear_factor"),
+    (r"puls|inkr", "pulses"),
+    (r"m.?bewert|evaluation", "evaluation"),
+    (r"set.?point output|set value output|sollwert.?ausgang", "output"),
 )
+NO_AXIS = "no axis stands before it (A_1 ...)"
+NO_NUMBER = "its value is no number"
 PULSES = {16384: 1, 8192: 2, 4096: 3}  # L7586-7588
 RANGES = ("i.start", "i.end", "o.start", "o.end")
 BLOCK = re.compile(r"block\s*(\d)", re.IGNORECASE)
@@ -61,8 +63,8 @@ def import_list(text: str, name: str) -> tuple[str, Report]:
     for each in read(text):
         if isinstance(each, Unread):
             report.ignored.append(f"line {each.line}: {each.text!r}: {each.why}")
-        elif not _take(each, kept):
-            report.ignored.append(f"line {each.line}: P{each.parameter} {each.label!r}: axisgate does not use it")
+        elif why := _take(each, kept):
+            report.ignored.append(f"line {each.line}: P{each.parameter} {each.label!r}: {why}")
         else:
             report.taken.append(f"line {each.line}: P{each.parameter} {each.label} = {', '.join(map(str, each.values))}".replace("  ", " "))
     axes = sorted(kept.systems)
@@ -73,89 +75,124 @@ def import_list(text: str, name: str) -> tuple[str, Report]:
 # ------------------------------------------------------------------------------------------------ into the tables
 
 
-def _take(entry: Entry, kept: Collected) -> bool:
-    number, first = entry.parameter, entry.values[0]
-    takers: dict[int, Callable[[Entry, Collected], bool]] = {
-        15: _boards,
-        21: _range,
-        30: _bus,
-        31: _block,
-        32: _block,
-        306: _kinematic,
-        401: _system,
-    }
-    if number in takers:
-        return takers[number](entry, kept)
-    if number in SINGLE and isinstance(first, int) and not isinstance(first, bool):
-        kept.single[number] = first
-    elif number == 24:
-        kept.clear = first if isinstance(first, int) else "all"
-    elif number == 601:
-        kept.download = bool(first)
-    elif number in PER_AXIS or number in DRIVE:
-        numbers = [float(value) for value in entry.values if not isinstance(value, str)]
-        if entry.axis:
-            kept.per_axis[number].setdefault(entry.axis, []).extend(numbers)
-        else:
-            kept.per_axis[number] |= {n: [value] for n, value in enumerate(numbers, 1)}
+def _take(entry: Entry, kept: Collected) -> str:
+    """Empty, or why the entry is left aside."""
+    number = entry.parameter
+    takers: dict[int, Callable[[Entry, Collected], str]] = {
+        15: _boards, 21: _range, 24: _clear, 30: _bus, 31: _block, 32: _block, 306: _kinematic, 401: _system, 601: _download,
+        **dict.fromkeys(SINGLE, _single), **dict.fromkeys((*PER_AXIS, *DRIVE), _per_axis),
+    }  # fmt: skip
+    return takers[number](entry, kept) if number in takers else "axisgate does not use it"
+
+
+def _several(entry: Entry) -> str:
+    """Of what has one value."""
+    return f"one value is expected, {len(entry.values)} stand there" if len(entry.values) != 1 else ""
+
+
+def _number(entry: Entry) -> str:
+    return _several(entry) or (NO_NUMBER if isinstance(entry.values[0], str) else "")
+
+
+def _single(entry: Entry, kept: Collected) -> str:
+    first = entry.values[0]
+    if why := _number(entry):
+        return why
+    if isinstance(first, bool | str) or first != int(first):
+        return "a whole number is expected"
+    if kept.single.setdefault(entry.parameter, int(first)) != int(first):
+        return f"it stood above as {kept.single[entry.parameter]}, which counts"
+    return ""
+
+
+def _clear(entry: Entry, kept: Collected) -> str:
+    first = entry.values[0]
+    kept.clear = first if isinstance(first, int) else "all"
+    return _several(entry)
+
+
+def _download(entry: Entry, kept: Collected) -> str:
+    kept.download = bool(entry.values[0])
+    return _several(entry)
+
+
+def _per_axis(entry: Entry, kept: Collected) -> str:
+    if any(isinstance(value, str) for value in entry.values):
+        return NO_NUMBER
+    numbers = [float(value) for value in entry.values if not isinstance(value, str)]
+    if entry.axis:
+        kept.per_axis[entry.parameter].setdefault(entry.axis, []).extend(numbers)
     else:
-        return False
-    return True
+        kept.per_axis[entry.parameter] |= {n: [value] for n, value in enumerate(numbers, 1)}
+    return ""
 
 
-def _boards(entry: Entry, kept: Collected) -> bool:
+def _boards(entry: Entry, kept: Collected) -> str:
     kept.boards += [int(value) for value in entry.values if not isinstance(value, str)]
-    return True
+    return NO_NUMBER if any(isinstance(value, str) for value in entry.values) else ""
 
 
-def _range(entry: Entry, kept: Collected) -> bool:
+def _range(entry: Entry, kept: Collected) -> str:
     label = next((each for each in RANGES if each in entry.label.lower().replace(" ", "")), "")
     if not label and len(entry.values) == 4:
         kept.ranges |= {each: _whole(value) for each, value in zip(RANGES, entry.values, strict=True)}
-        return True
-    if label:
-        kept.ranges[label] = _whole(entry.values[0])
-    return bool(label)
+        return ""
+    if not label:
+        return "none of I.START, I.END, O.START, O.END, nor four numbers"
+    kept.ranges[label] = _whole(entry.values[0])
+    return _number(entry)
 
 
-def _kinematic(entry: Entry, kept: Collected) -> bool:
-    if "monitoring" not in entry.label.lower():
-        return False
+def _kinematic(entry: Entry, kept: Collected) -> str:
+    if not re.search(r"monitoring|berwachung", entry.label.lower()):
+        return "axisgate does not use it"
     kept.monitoring.append(_whole(entry.values[0]))
-    return True
+    return _number(entry)
 
 
-def _bus(entry: Entry, kept: Collected) -> bool:
+def _bus(entry: Entry, kept: Collected) -> str:
     label = entry.label.lower()
-    key = "inputs" if "input" in label else "outputs" if "output" in label else "baud" if "baud" in label else ""
+    found = (("inputs", r"input|eing"), ("outputs", r"output|ausg"), ("baud", r"baud"))
+    key = next((key for key, pattern in found if re.search(pattern, label)), "")
     if not key:
-        return False
+        return "neither input blocks, output blocks nor baud rate"
+    if why := _number(entry):
+        return why
     bus = entry.bus or next(n for n in range(1, 100) if key not in kept.buses[n])
     kept.buses[bus][key] = _whole(entry.values[0])
-    return True
+    return ""
 
 
-def _block(entry: Entry, kept: Collected) -> bool:
-    label = entry.label.lower()
-    key = "start" if "address" in label or "start" in label else "length" if "length" in label else "id" if "identifier" in label else ""
+def _block(entry: Entry, kept: Collected) -> str:
+    found = (("start", r"addr|start"), ("length", r"length|l(ae|\u00e4)nge"), ("id", r"identif"))
+    key = next((key for key, pattern in found if re.search(pattern, entry.label.lower())), "")
     if not key:
-        return False
+        return "neither address, length nor identifier of a block"
+    if why := _number(entry):
+        return why
     blocks = kept.blocks[entry.parameter]
     if not blocks or key in blocks[-1]:
         blocks.append({"bus": entry.bus})
     blocks[-1][key] = _whole(entry.values[0])
-    return True
+    return ""
 
 
-def _system(entry: Entry, kept: Collected) -> bool:
-    if not entry.axis:
-        return False
-    for pattern, key in FIELDS:
-        if re.search(pattern, entry.label.lower()):
-            if key and not isinstance(entry.values[0], str):
-                kept.systems[entry.axis][key] = entry.values[0]
-            return bool(key)
-    return False
+def _system(entry: Entry, kept: Collected) -> str:
+    key = next((key for pattern, key in FIELDS if re.search(pattern, entry.label.lower())), None)
+    if key is None:
+        return "no entry of a measuring system that is known"
+    if not key:
+        return "axisgate does not use it"
+    if any(isinstance(value, str) for value in entry.values):
+        return NO_NUMBER
+    if not entry.axis and len(entry.values) == 1:
+        return NO_AXIS
+    if entry.axis and len(entry.values) > 1:
+        return _several(entry)
+    for axis, value in enumerate(entry.values, entry.axis or 1):  # several numbers in a row are one for each axis
+        if not isinstance(value, str):
+            kept.systems[axis][key] = value
+    return ""
 
 
 def _whole(value: Value) -> int:
@@ -170,6 +207,7 @@ def _complete(kept: Collected, axes: list[int], report: Report) -> None:
         report.missing.append("P401: no axis with a CAN measuring system; without it the cell has no axes")
     for axis in axes:
         _complete_system(axis, kept.systems[axis], report)
+    _name_unwritten(kept, axes, report)
     for number in NEEDED:
         lacking = [axis for axis in axes if not kept.per_axis.get(number, {}).get(axis)]
         if lacking:
@@ -180,6 +218,36 @@ def _complete(kept: Collected, axes: list[int], report: Report) -> None:
     if kept.download:
         report.assumed.append("P601 = TRUE in the list: written as false until the drives' present parameters are saved")
     _give_blocks_a_bus(kept, report)
+
+
+def _name_unwritten(kept: Collected, axes: list[int], report: Report) -> None:
+    """Values that were read and cannot be written."""
+    without: dict[int, list[str]] = defaultdict(list)
+    for number in (*PER_AXIS, *DRIVE):
+        values = kept.per_axis.get(number, {})
+        for axis in sorted(set(values) - set(axes)):
+            without[axis].append(f"P{number}")
+        lacking = [axis for axis in axes if axis not in values]
+        if lacking and set(values) & set(axes) and number not in NEEDED:
+            there = _listed(axis for axis in axes if axis in values)
+            report.missing.append(f"P{number} of axis {_listed(lacking)}: values of axis {there} alone are not written")
+    for axis, numbers in sorted(without.items()) if axes else ():
+        report.missing.append(f"P401 of axis {axis}: {', '.join(numbers)} have values of it; without it the axis is not in the file")
+    if kept.ranges and len(kept.ranges) < len(RANGES):
+        lacking_ranges = ", ".join(each.upper() for each in RANGES if each not in kept.ranges)
+        report.missing.append(f"P21: {lacking_ranges}; what the list has of P21 is not written")
+    for number in (31, 32):
+        for n, block in enumerate(kept.blocks[number], 1):
+            if lost := [word for key, word in (("start", "address"), ("length", "length"), ("id", "identifier")) if key not in block]:
+                report.missing.append(f"P{number} block {n}: {', '.join(lost)}; the block is not written")
+    for bus in range(1, max(kept.buses, default=0) + 1):
+        words = (("inputs", "input blocks"), ("outputs", "output blocks"), ("baud", "baud rate"))
+        if lost := [word for key, word in words if key not in kept.buses.get(bus, {})]:
+            report.assumed.append(f"P30 of bus {bus}: {', '.join(lost)} not in the list: 0")
+
+
+def _listed(axes: Iterable[int]) -> str:
+    return ", ".join(map(str, axes))
 
 
 def _complete_system(axis: int, system: dict[str, float], report: Report) -> None:

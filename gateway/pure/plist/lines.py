@@ -25,7 +25,7 @@ _BUS = re.compile(r"^(?:.*\bCAN[ -]?)?bus\s*(?:no\.?\s*)?([12])\b\s*:?\s*$", re.
 _AXIS = re.compile(r"^(?:[A-Z][A-Z0-9]*_\d+\s+)?A_(\d{1,2})\b\s*(.*)$")
 _BOARD = re.compile(r"^SB\s?(\d)\b\s*'?(.*)$")
 _NUMBER = re.compile(r"^[-+]?\d+(?:[.,]\d+)?$")
-_WORDS = {"TRUE": True, "FALSE": False}
+_WORDS = {"TRUE": True, "FALSE": False, "WAHR": True, "FALSCH": False, "JA": True, "NEIN": False}
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,13 +19,24 @@ flock 9  # several work trees of one machine: one builds, the others wait
 if [ ! -x "$kernel" ]; then
     echo "set-up: building the guest's kernel from $source (some minutes, once)"
     work=$(mktemp -d "${TMPDIR:-/var/tmp}/axisgate-kernel.XXXXXX") || give_up "no temporary folder"
-    trap 'rm -rf "$work"' EXIT
+    job=
+    clean() {
+        [ -z "$job" ] || { kill -TERM "-$job" 2>/dev/null; wait "$job"; }
+        rm -rf "$work" "$kernel.new"
+    }
+    trap clean EXIT
+    for name in HUP INT TERM; do trap 'clean; trap - EXIT; exit 130' $name; done  # dash runs no EXIT trap when a signal ends it
     log=$cache/guest-kernel.log
-    {
+    command -v setsid >/dev/null || give_up "setsid not found (Debian: apt-get install util-linux)"
+    # A group of its own, and waited for: an interrupt is obeyed at once and ends all that builds.
+    source=$source work=$work here=$here kernel=$kernel setsid sh -c '
         tar -xJf "$source" -C "$work" --strip-components=1 &&
             make -C "$work" ARCH=um KCONFIG_ALLCONFIG="$here/kernel.config" allnoconfig &&
             make -C "$work" ARCH=um -j"$(nproc)" linux &&
             cp "$work/linux" "$kernel.new" && mv "$kernel.new" "$kernel"
-    } >"$log" 2>&1 </dev/null || give_up "not built, see $log"
+    ' >"$log" 2>&1 </dev/null 9>&- &
+    job=$!
+    wait "$job" || { job=; give_up "not built, see $log"; }
+    job=
 fi
 ln -sfn "$kernel" "$link"

@@ -124,3 +124,79 @@ def test_a_heading_in_the_form_of_the_manual_is_understood() -> None:
     entries = list(read("### **P5 clock start time**\n8\n#### **P15 servo board types**\n3 5\nP21\nI.START : 0"))
     values = [(each.parameter, each.label, each.values) for each in entries if isinstance(each, Entry)]
     assert values == [(5, "", (8,)), (15, "", (3, 5)), (21, "I.START", (0,))]
+
+
+FOUR = """P5 8
+P103 170.0 110.0 160.0 200.0
+P104 -170.0 -60.0 -160.0 -200.0
+P108 120.0 110.0 100.0 90.0
+P204 60.0 60.0 60.0 60.0
+P205 300.0 300.0 300.0 300.0
+P109 10.0
+P401
+A_1
+Eingang auf Modul : 1
+Impulse/Umdrehung : 16384
+MBewert : 16384.0
+Getriebefaktor : 121.0
+A_2
+Eingang auf Modul : 2
+Impulse/Umdrehung : 8192
+MBewert : -8192.0
+Getriebefaktor : 80.5
+Farbe : 3
+"""
+
+
+def test_axes_without_a_measuring_system_are_named_with_the_values_they_lose() -> None:
+    _, report = import_list(FOUR, "four")
+    said = [each for each in report.missing if each.startswith("P401 of axis")]
+    assert [each.split(":")[0] for each in said] == ["P401 of axis 3", "P401 of axis 4"]
+    assert all("P103, P104, P108, P204, P205 have values of it" in each for each in said)
+    assert any(each.startswith("P109 of axis 2: values of axis 1 alone are not written") for each in report.missing)
+
+
+def test_a_german_list_gives_its_gear_factors() -> None:
+    file, report = import_list(FOUR, "four")
+    assert "gear_factor = 121.0" in file and "gear_factor = 80.5" in file and not any("gear factor" in each for each in report.assumed)
+    assert [each for each in report.ignored if "P401" in each] == ["line 19: P401 'Farbe': no entry of a measuring system that is known"]
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ("P401\nGetriebefaktor : 121.0\n", "P401 'Getriebefaktor': no axis stands before it"),
+        ("P401\nA_1 Gear factor : all\n", "P401 'Gear factor': its value is no number"),
+        ("P401\nA_1 Gear factor : 1.0 2.0\n", "one value is expected, 2 stand there"),
+        ("P5 8 16\n", "one value is expected, 2 stand there"),
+        ("P9 40.5\n", "a whole number is expected"),
+        ("P2 3\nP2 4\n", "it stood above as 3, which counts"),
+        ("P103 all\n", "its value is no number"),
+        ("P21\nX.START : 3\n", "none of I.START"),
+        ("P30\nColour : 3\n", "neither input blocks"),
+        ("P31\nColour : 3\n", "neither address"),
+    ],
+)
+def test_every_line_that_is_left_aside_says_why(more: str, words: str) -> None:
+    _, report = import_list(more, "x")
+    assert any(words in each for each in report.ignored), report
+    assert not any(each in report.taken for each in report.ignored)
+
+
+def test_halves_of_ranges_and_blocks_are_named() -> None:
+    _, report = import_list("P21\nI.START : 0\nO.END : 44\nP31\nAddress : 88\nLength : 8\nP30\nBUS 2\nBaud rate : 2\n", "x")
+    said = "\n".join(report.missing)
+    assert "P21: I.END, O.START; what the list has of P21 is not written" in said
+    assert "P31 block 1: identifier; the block is not written" in said
+    assert "P30 of bus 2: input blocks, output blocks not in the list: 0" in "\n".join(report.assumed)
+
+
+def test_several_numbers_of_a_measuring_system_are_one_for_each_axis() -> None:
+    file, _ = import_list("P401\nGear factor : 121.0 80.5\n", "x")
+    assert file.index("gear_factor = 121.0") < file.index("gear_factor = 80.5") and file.count("[[rho3.P401]]") == 2
+
+
+def test_every_entry_is_taken_or_left_aside_once() -> None:
+    for text in (LIST, FOUR):
+        _, report = import_list(text, "x")
+        assert len(report.taken) + len(report.ignored) == sum(isinstance(each, Entry | Unread) for each in read(text))
