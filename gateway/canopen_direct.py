@@ -39,6 +39,10 @@ class DirectLink:
         del self.cyclic[:-4096]
         return aside
 
+    def left_out(self, identifier: int) -> int:
+        """Nothing is left out on a port of its own."""
+        return 0
+
     def release(self, node: int, mode: int) -> None:
         """This node is configured."""
         self.released[node] = mode

@@ -6,10 +6,12 @@ from collections import deque
 
 from gateway.image import RingReader, RingWriter
 from gateway.pure.records import ASIDE_LAYOUT, Aside, AsideRecord, pack_aside, unpack_aside
+from gateway.pure.storms import Storms
 from protocols.base.machine import Frame
 from protocols.canopen import cobid
 
 KEPT = 4096  # frames of a bus nobody takes
+AT_ONCE, TURNS = 256, 32  # records taken from the ring in one go, and goes in one look: what comes meanwhile waits for the next
 
 
 class Rings:
@@ -21,6 +23,7 @@ class Rings:
         self._in = RingReader(heard, "heard", ASIDE_LAYOUT)
         self._put_lock, self._take_lock = threading.Lock(), threading.Lock()  # who sends waits for nobody who reads
         self._waiting: list[deque[Frame]] = [deque(maxlen=KEPT) for _ in range(buses)]
+        self._storms = [Storms() for _ in range(buses)]
         self.links = [RingLink(self, number) for number in range(buses)]
 
     @property
@@ -36,14 +39,22 @@ class Rings:
     def take(self, bus: int) -> list[Frame]:
         """What waits for one bus."""
         with self._take_lock:
-            while records := self._in.take(256):
+            for _ in range(TURNS):
+                records = self._in.take(AT_ONCE)
                 for _, data in records:
                     record = unpack_aside(data)
                     if record.kind is Aside.FRAME and record.bus < len(self._waiting):
                         self._waiting[record.bus].append(Frame(record.identifier, record.data, record.stamp_ns))
+                if len(records) < AT_ONCE:
+                    break
             found = list(self._waiting[bus])
             self._waiting[bus].clear()
-            return found
+            return self._storms[bus].pass_on(found, time.monotonic_ns())
+
+    def left_out(self, bus: int, identifier: int) -> int:
+        """Frames of a storm that were not handed on since the last call."""
+        with self._take_lock:
+            return self._storms[bus].left_out(identifier)
 
 
 class RingLink:
@@ -64,6 +75,10 @@ class RingLink:
     def receive(self) -> list[Frame]:
         """What the cycle heard aside."""
         return self._rings.take(self._number)
+
+    def left_out(self, identifier: int) -> int:
+        """Frames of a storm of that identifier that `receive` did not hand on since the last call."""
+        return self._rings.left_out(self._number, identifier)
 
     def release(self, node: int, mode: int) -> None:
         """This node is configured: the cycle may speak to it."""

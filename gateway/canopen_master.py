@@ -18,7 +18,6 @@ from typing import Protocol, TypeVar
 
 import can
 import canopen
-from canopen.emcy import EmcyError
 from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError, SdoError
 
 from drivers.drives import canopen_steps as steps
@@ -29,7 +28,8 @@ from drivers.drives.cia402_boot import Booted, BootRefused, NodePlan
 from drivers.drives.io_boot import CouplerPlan
 from drivers.ports import cycle_bus
 from gateway.edsfile import canopen_dictionary
-from protocols.canopen import cobid
+from protocols.base.errors import ProtocolError
+from protocols.canopen import cobid, emcy
 from protocols.canopen.dictionary import ObjectDictionary
 from protocols.canopen.nmt import State
 
@@ -41,6 +41,7 @@ BOOT_UP_S = 2.0  # patience with a boot-up message or a state of the heartbeat
 WAITS_S = (1.0, 2.0, 5.0)  # before the next attempt with a node that does not answer
 REFUSED_S = 10.0  # before the next attempt with one that was refused
 TELL_S = 1.0  # at most one emergency message of a node is told in this time
+ANSWERS, SDO_BYTES = 256, 8  # of a node that may wait unread, more than a block transfer has (127); bytes of one
 LATE = 2  # heartbeats more than the drive's own patience with us before the node counts as lost
 
 logging.getLogger("canopen").setLevel(logging.CRITICAL)  # what fails is reported here, in words
@@ -86,6 +87,7 @@ class MasterLink(cycle_bus.CycleLink, Protocol):
 
     def release(self, node: int, mode: int) -> None: ...  # this node is configured
     def hold(self, node: int) -> None: ...  # it is no longer
+    def left_out(self, identifier: int) -> int: ...  # frames of a storm that receive() did not hand on since the last call
 
 
 class Receiving(can.Listener):
@@ -180,9 +182,23 @@ class CanopenMaster:
             remote = canopen.RemoteNode(number, known[id(sheet)])
             self._network.add_node(remote)
             remote.sdo.RESPONSE_TIMEOUT, remote.sdo.MAX_RETRIES = SDO_S + self._in_line_s, 1
-            remote.emcy.add_callback(functools.partial(self._on_emergency, node))
-            self._network.subscribe(cobid.heartbeat(number), self._on_heartbeat)
+            self._hear(self._network, node, remote)
             self._remote[number] = remote
+
+    def _hear(self, network: canopen.Network, node: Node, remote: canopen.RemoteNode) -> None:
+        """Own listeners in place of the package's: those keep every emergency message and answer for ever, and fail on a short frame."""
+        number = node.plan.node
+        for identifier in (cobid.emcy(number), cobid.heartbeat(number), cobid.sdo_answer(number)):
+            network.unsubscribe(identifier)
+        network.subscribe(cobid.emcy(number), functools.partial(self._on_emergency, node))
+        network.subscribe(cobid.heartbeat(number), self._on_heartbeat)
+        network.subscribe(cobid.sdo_answer(number), functools.partial(self._on_answer, remote))
+
+    @staticmethod
+    def _on_answer(remote: canopen.RemoteNode, identifier: int, data: bytearray, stamp: float) -> None:
+        """Answers nobody asked for wait for the next request, which drops them; more of them than a block transfer has are dropped here."""
+        if len(data) == SDO_BYTES and remote.sdo.responses.qsize() < ANSWERS:
+            remote.sdo.on_response(identifier, data, stamp)
 
     def _ring_failed(self, words: str) -> None:
         """At most once a second."""
@@ -234,9 +250,16 @@ class CanopenMaster:
                 node.due = 0.0
         node.news.set()
 
-    def _on_emergency(self, node: Node, error: EmcyError) -> None:
+    def _on_emergency(self, node: Node, identifier: int, data: bytearray, stamp: float) -> None:
         """In words; a storm of them is one line a second with their number."""
-        node.emergencies += 1
+        left_out = self._link.left_out(identifier)
+        node.emergencies += 1 + left_out
+        node.untold += left_out
+        try:
+            error = emcy.decode(bytes(data))
+        except ProtocolError:
+            node.untold += 1  # too short for one: counted
+            return
         before, node.emergency = node.emergency, error.code
         now = time.monotonic()
         if error.code == before or now < node.quiet_until:

@@ -55,6 +55,9 @@ class DrivesLink:
             raise failure
         return [self._out.popleft() for _ in range(len(self._out))]
 
+    def left_out(self, identifier: int) -> int:
+        return 0
+
     def release(self, node: int, mode: int) -> None:
         self.released.add(node)
 
