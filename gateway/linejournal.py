@@ -4,11 +4,13 @@
 simulated line the line process keeps its own record of both sides.  `axisgate line export` reads either.
 """
 
+import pathlib
 import time
 from collections.abc import Callable, Sequence
-from typing import Generic, TextIO, TypeVar
+from typing import Generic, Protocol, TypeVar
 
 from gateway.assembly import RunPlan
+from gateway.boundedfile import BoundedFile
 from gateway.cell import Line
 from protocols.base.dialogue import Dialogue, Entry, describe, line_of, write
 from protocols.base.machine import Damage, Machine, Ns
@@ -16,14 +18,40 @@ from protocols.base.machine import Damage, Machine, Ns
 E = TypeVar("E")
 
 
+class Lines(Protocol):
+    """Where it is written down."""
+
+    def write(self, text: str, /) -> int: ...  # OSError ends it
+
+
+class JournalFile:
+    """The file of one line, within a bound; what is written first is the head of each part."""
+
+    def __init__(self, path: pathlib.Path) -> None:
+        self._path = path
+        self._file: BoundedFile | None = None
+
+    def write(self, text: str, /) -> int:
+        octets = text.encode("ascii", "backslashreplace")
+        if self._file is None:
+            self._file = BoundedFile(self._path, octets, _missing)
+        else:
+            self._file.write(octets)
+        return len(text)
+
+
+def _missing(lines: int, reason: str) -> bytes:
+    return f"# {lines} lines are missing: {reason}\n".encode()
+
+
 class Journaled(Generic[E]):
-    """The same machine, written down.  A full disk ends the journal, never the line."""
+    """The same machine, written down.  Neither a full disk nor a folder that cannot be written ends the line."""
 
     def __init__(
-        self, machine: Machine[E], out: TextIO, name: str, settings: dict[str, str], clock: Callable[[], Ns] = time.monotonic_ns
+        self, machine: Machine[E], out: Lines, name: str, settings: dict[str, str], clock: Callable[[], Ns] = time.monotonic_ns
     ) -> None:
         self._machine, self._clock, self._start = machine, clock, clock()
-        self._out: TextIO | None = out
+        self._out: Lines | None = out
         self._latest: Ns = 0
         self._put(write([Dialogue(name, {**settings, "side": "B", "start_ns": str(self._start)})]))
 
@@ -75,5 +103,5 @@ def journaled(machine: Machine[E], plan: RunPlan, line: Line) -> Machine[E]:
     """The machine itself, or with a journal where the run is recorded and the line is a real one.  A journal is continued."""
     if plan.record is None or plan.lines[line.name] != line.port:
         return machine
-    out = (plan.record / f"line-{line.name}.txt").open("a", encoding="ascii", buffering=1)
+    out = JournalFile(plan.record / f"line-{line.name}.txt")
     return Journaled(machine, out, line.name, {"profile": line.profile, "priority": line.priority})

@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from gateway.pure.interface.phgvalues import PhgValues
 
 LONGEST = 4096
+CLIENTS = 64  # connected at once; one more is told so and sent away
 STOP = f"{PREFIX}{STOP_PROCESS}"  # is written and never read
 ASKING = ("get", "names", "status", "axes", "job", "ticket", "alive")  # requests that change nothing
 _KINDS = {
@@ -63,6 +64,7 @@ class Variables:
         self._signals = signals_of(services.cell)
         self._symbols = self._signals.symbols()
         self._operands = Operands(services)
+        self._clients = 0
 
     async def listen(self, path: pathlib.Path) -> asyncio.Server:
         """Start answering; a stale socket of a predecessor is replaced."""
@@ -71,12 +73,18 @@ class Variables:
         return await asyncio.start_unix_server(self._serve, path, limit=LONGEST)
 
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        self._clients += 1
         try:
             with contextlib.suppress(OSError, ValueError, asyncio.IncompleteReadError):
+                if self._clients > CLIENTS:
+                    writer.write(json.dumps({"error": f"{CLIENTS} tools are connected; end one of them"}).encode() + b"\n")
+                    return
                 while line := await reader.readline():
                     writer.write(json.dumps(self.answer(line, writer)).encode() + b"\n")
                     await writer.drain()
+                    await asyncio.sleep(0)  # one request a turn: a line that is here already would be answered before anything else
         finally:
+            self._clients -= 1
             self._services.tools.closed(writer)
             writer.close()
 

@@ -15,10 +15,10 @@ import os
 import signal
 import sys
 import time
-from typing import BinaryIO
 
 from drivers.ports.base import PortError
 from drivers.ports.canwire import CONTROL, COUNT, EFF_FLAG, ERR_FLAG, RECORD, RECORD_BYTES, RTR_FLAG, Control, control_record, text_record
+from gateway.boundedfile import LIMIT, BoundedFile
 
 PIPE_BYTES = 1 << 20
 WAITING_RECORDS = 65_536
@@ -29,9 +29,9 @@ WRITE_BYTES = 1 << 16
 class LogPipe:
     """The broker's end: takes everything, never waits; `lost` counts frames that are not in the log."""
 
-    def __init__(self, path: str, name: str) -> None:
+    def __init__(self, path: str, name: str, limit: int = LIMIT) -> None:
         try:
-            target = open(path, "ab", buffering=0)  # noqa: SIM115 - handed to the child
+            target = log_file(path, name, limit)  # handed to the child
         except OSError as error:
             raise PortError(f"log {path}: {error.strerror}") from error
         inside, outside = os.pipe2(os.O_CLOEXEC)
@@ -113,7 +113,7 @@ class LogPipe:
         os.waitpid(self._child, 0)
 
 
-def _child(pipe: int, target: BinaryIO, name: str) -> None:
+def _child(pipe: int, target: BoundedFile, name: str) -> None:
     """The child's life: ends when the broker closes the pipe or dies, after everything in it is written."""
     code = 1
     try:
@@ -127,11 +127,8 @@ def _child(pipe: int, target: BinaryIO, name: str) -> None:
         os._exit(code)
 
 
-def write_log(pipe: int, target: BinaryIO, name: str) -> None:
+def write_log(pipe: int, target: BoundedFile, name: str) -> None:
     """Records from the pipe to lines in the file until the pipe ends."""
-    target.write(
-        f"# axisgate broker:{name}; stamps: CLOCK_MONOTONIC; after the frame: sender, sequence, ns within the microsecond\n".encode()
-    )
     rest = b""
     while True:
         octets = rest + os.read(pipe, 65536)
@@ -140,7 +137,17 @@ def write_log(pipe: int, target: BinaryIO, name: str) -> None:
         lines, used = _lines(octets, name)
         rest = octets[used:]
         if lines:
-            target.write("".join(lines).encode())
+            target.write("".join(lines).encode(), len(lines))
+
+
+def log_file(path: str, name: str, limit: int) -> BoundedFile:
+    """The file with its first line.  OSError."""
+    head = f"# axisgate broker:{name}; stamps: CLOCK_MONOTONIC; after the frame: sender, sequence, ns within the microsecond\n"
+
+    def lost(lines: int, reason: str) -> bytes:
+        return f"# ({stamp_text(time.monotonic_ns())}) lost {lines} lines: {reason}\n".encode()
+
+    return BoundedFile(path, head.encode(), lost, limit)
 
 
 def _lines(octets: bytes, name: str) -> tuple[list[str], int]:

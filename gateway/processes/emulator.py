@@ -10,6 +10,7 @@ settings, 3 name taken or record not writable.
 
 import argparse
 import contextlib
+import errno
 import json
 import os
 import pathlib
@@ -47,6 +48,7 @@ LAYOUT = "servodyn_gc.dbc"
 Slave = ServodynSlave | Cia402Slave | BothFamilies
 RECORD_CHUNK = 32_768  # bytes written at once
 RECORD_NS = ms(250)  # at the latest
+RECORD_MOST = 4 << 30  # bytes of a file: a day of six axes at 4 ms; a flood of SYNC ends there, too
 REOPEN_NS = ms(50)
 
 
@@ -78,6 +80,8 @@ class Recorder:
         if self._file is None or not self._rows:
             return
         try:
+            if self.written + len(self._rows) > RECORD_MOST:
+                raise OSError(errno.EFBIG, f"it has {RECORD_MOST >> 20} MiB, its bound")
             self._file.write(self._rows)
             self.written += len(self._rows)
         except OSError as error:

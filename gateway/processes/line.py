@@ -109,8 +109,10 @@ class Recorder:
     def flush(self) -> None:
         """Everything reaches the file."""
         if self._file is not None and self._lines:
-            self._file.write("".join(self._lines))
-            self._file.flush()
+            try:
+                os.write(self._file.fileno(), "".join(self._lines).encode("ascii"))
+            except OSError:  # a full disk: counted, the line goes on
+                self.unrecorded += len(self._lines)
             self._lines.clear()
 
 

@@ -8,6 +8,7 @@ import argparse
 import asyncio
 import contextlib
 import signal
+import sys
 import time
 
 from drivers.drives.servodyn_words import sentence as servodyn_fault
@@ -70,6 +71,7 @@ CYCLE_GONE_NS = ms(250)  # a cycle silent for this long is told to the doors; re
 LINKS_EVERY = 20  # ticks
 REFUSALS_KEPT_NS = ms(60_000)
 WRONG = int(AxisFlag.FAULT | AxisFlag.UNCONFIGURED | AxisFlag.LOST)  # of an axis, in the list of errors
+SWITCH_S = 0.001  # threads of the masters of CANopen buses give the loop its turn after this (5 ms are usual)
 SERIAL = (LineDoor, TelegramDoor)
 
 
@@ -397,6 +399,7 @@ def main(argv: list[str] | None = None) -> int:
     die_with_parent(number=signal.SIGKILL)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     go_ahead()
+    sys.setswitchinterval(SWITCH_S)
     if arguments.spare and not called():
         return 0
     with contextlib.suppress(KeyboardInterrupt):

@@ -44,7 +44,8 @@ def heard() -> Iterator[tuple[CanopenMaster, RingWriter, list[str]]]:
 def storm(ring: RingWriter, identifier: int, size: int, count: int) -> None:
     """7,000 a second and more, as a cycle hands them on: some in each period."""
     for n in range(count):
-        ring.put(pack_aside(AsideRecord(Aside.FRAME, 0, identifier, bytes((0x10 + n % 2, 0x43, 1, 0, 0, 0, 0, 0))[:size], time.monotonic_ns())))
+        data = bytes((0x10 + n % 2, 0x43, 1, 0, 0, 0, 0, 0))[:size]
+        ring.put(pack_aside(AsideRecord(Aside.FRAME, 0, identifier, data, time.monotonic_ns())))
         if n % 50 == 49:
             time.sleep(0.002)
 
@@ -87,16 +88,11 @@ def test_a_storm_on_the_bus_of_a_running_cell_ends_no_process() -> None:
         stop = threading.Event()
         thread = threading.Thread(target=flood, args=("storm-drives", stop, 6, 0.001))
         thread.start()
-        oldest = 0.0
-        until = time.monotonic() + 8.0
-        while time.monotonic() < until:
-            oldest = max(oldest, float(run.processes()["services"]["life_age_ms"]))
-            time.sleep(0.02)
+        time.sleep(8.0)
         stop.set()
         thread.join()
         assert {name: process["pid"] for name, process in run.processes().items()} == before, run.words()
         assert len([entry for entry in run.journal("drive") if "more emergency messages" in entry["text"]]) <= 6 * 11
-        print(f"oldest sign of life {oldest} ms")
         with socket.socket(socket.AF_UNIX) as tool:
             tool.settimeout(5)
             tool.connect(str(run.folder / "run" / "storm-services.sock"))
