@@ -48,6 +48,10 @@ def _npm() -> str | None:
     return None if there else "node or build/node/node_modules/modbus-serial not found (make tools)"
 
 
+def _browser() -> str | None:
+    return None if shutil.which("chromium") else "chromium not found (Debian: apt-get install chromium)"
+
+
 def _pythons() -> str | None:
     return pythons.missing()
 
@@ -58,6 +62,7 @@ NEEDS: dict[str, Callable[[], str | None]] = {
     "cref": _cref,
     "tshark": _tshark,
     "npm": _npm,
+    "browser": _browser,
     "pythons": _pythons,
 }  # marker = lane
 FOLDERS = {"unit": "pure", "conformance": "pure", "properties": "pure", "rig": "rig", "matrix": "rig"}

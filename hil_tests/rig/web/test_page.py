@@ -18,10 +18,10 @@ from gateway.scope.recording import load
 from hil_tests.bench.web_bench import CHANNELS, recorded
 from hil_tests.lab.plc2 import ModbusPlc
 from hil_tests.lab.web_looks import CONTRAST, FILLED
-from hil_tests.lab.web_running import ADMIN, CHROMIUM, DESKTOP, PAGES, PASSWORD, TABLET, WebRun, pictures, until, web_run
+from hil_tests.lab.web_running import ADMIN, DESKTOP, PAGES, PASSWORD, TABLET, WebRun, pictures, until, web_run
 from hil_tests.lab.web_steps import Orders, schemathesis
 
-pytestmark = [pytest.mark.slow, pytest.mark.skipif(CHROMIUM is None, reason="no chromium here")]
+pytestmark = [pytest.mark.slow, pytest.mark.browser]
 HEADERS = {"x_axisgate": "1"}
 QUIET = "document.getElementById('toasts').replaceChildren()"
 RECORDS = "document.getElementById('scope-plot').dataset.records || 0"

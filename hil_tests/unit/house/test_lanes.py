@@ -1,12 +1,13 @@
 """Lanes: whose tests count where, and when a missing one is a failure."""
 
 import pathlib
+import shutil
 from typing import Literal
 
 import pytest
 
 from hil_tests import lanes
-from hil_tests.lanes import Lanes, lane_of, required
+from hil_tests.lanes import ROOT, Lanes, lane_of, required
 
 
 @pytest.mark.parametrize(
@@ -40,6 +41,30 @@ def test_root_elsewhere_than_on_debian_may_skip(monkeypatch: pytest.MonkeyPatch,
     assert required({}) is False
 
 
+PAGE = ROOT / "hil_tests" / "rig" / "web" / "test_page.py"
+
+
+@pytest.mark.parametrize(("ci", "outcome"), [("true", "failed"), ("", "skipped")])
+def test_without_chromium_the_tests_of_the_page_fail_in_ci_and_are_skipped_elsewhere(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path, ci: str, outcome: str
+) -> None:
+    """Marked as the page's tests are."""
+    assert "pytest.mark.browser" in PAGE.read_text() and "skipif" not in PAGE.read_text()
+    real = shutil.which
+    monkeypatch.setattr(shutil, "which", lambda name: None if name == "chromium" else real(name))
+    monkeypatch.setattr(lanes, "DEBIAN", tmp_path / "nowhere")
+    monkeypatch.setenv("CI", ci)
+
+    class Page:
+        def get_closest_marker(self, name: str) -> bool:
+            return name == "browser"
+
+    with pytest.raises((pytest.fail.Exception, pytest.skip.Exception)) as ended:
+        Lanes().pytest_runtest_setup(Page())  # type: ignore[arg-type]  # all of an item that is asked
+    assert ended.type is (pytest.fail.Exception if outcome == "failed" else pytest.skip.Exception)
+    assert "chromium not found" in str(ended.value)
+
+
 Outcome = Literal["passed", "failed", "skipped"]
 Phase = Literal["setup", "call", "teardown"]
 PHASES: tuple[Phase, ...] = ("setup", "call", "teardown")
@@ -62,5 +87,6 @@ def test_each_test_counts_once_by_its_worst_phase_and_an_empty_lane_says_so(monk
         "lane cref: no test selected",
         "lane tshark: no test selected",
         "lane npm: no test selected",
+        "lane browser: no test selected",
         "lane pythons: no test selected",
     ]
