@@ -47,12 +47,10 @@ def bus_settings(cell: Cell, bus: str, p5_ms: float) -> BusSettings:
         elif axis.drive.node is not None:
             absolute = MULTITURN if axis.home.by == "none" else 0
             low, high = _probe(axis, plant)
-            # sync_faults 0: what a shared machine does to the grid is told by the cycle, not by a drive that gives up (AX-310)
             nodes[axis.drive.node] = DriveSettings(
                 servo,
                 serial=axis.drive.node,
                 multiturn_turns=absolute,
-                sync_faults=0,
                 own_feed_forward=float(servo.speed_feed_forward > 0.0),
                 probe_1_from_rad=low,
                 probe_1_to_rad=high,

@@ -1,9 +1,14 @@
 """What the emulated CiA 402 drive does when its master, its bus or its SYNC stays away."""
 
+import dataclasses
+
 import pytest
 
 from drivers.emulator.cia402_states import State
 from drivers.emulator.settings import DriveSettings
+from gateway.config import load_cell
+from gateway.files import find_config, read_text
+from gateway.plant import bus_settings
 from hil_tests.lab.canopen_bus import CanopenBus, Master, rpdo1
 from hil_tests.lab.cia402_axis import PLAIN, running
 from protocols.base.machine import Frame, FrameFault
@@ -117,6 +122,24 @@ def test_jitter_beyond_the_tolerance_three_times_in_a_row_is_8700() -> None:
         assert node.status & 0x6F == 0x27
         sync_after(bus, 0.004 + late)
     assert node.read(0x603F) == 0x8700 and node.read(0x2001, 6) == 3
+
+
+def test_the_drives_of_a_simulated_cell_supervise_sync_as_real_ones_do() -> None:
+    """As `run --sim` starts them: built of the shipped cell, at its clock."""
+    cell = load_cell("demo-402.toml", read_text(find_config("demo-402", "cells")))
+    settings = bus_settings(cell, cell.bus[0].name, float(cell.cycle_ms))
+    number, first = next(iter(sorted(settings.nodes.items())))
+    bus = CanopenBus(cycle_ms=float(cell.cycle_ms), nodes={number: dataclasses.replace(first, servo=PLAIN)})
+    node = bus.node(number)
+    bus.run(0.05)
+    node.in_cycle()
+    period = cell.cycle_ms / 1000
+    for _ in range(20):
+        bus.cycle(rpdo1(number, 15, 0))
+    for late in (0.3, -0.6, 0.9):  # of a period: each a quarter and more beside the drive's own grid
+        assert node.status & 0x6F == 0x27
+        sync_after(bus, period * (1 + late))
+    assert node.read(0x603F) == 0x8700
 
 
 def test_jitter_within_the_tolerance_is_borne_and_shown() -> None:
