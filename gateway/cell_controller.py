@@ -44,6 +44,7 @@ class ControllerPoint:
     min: float = 0.0
     max: float = 0.0
     integer: bool = False
+    description: str = ""  # free text, as ioStatus tells it
 
 
 @dataclass(frozen=True, slots=True)

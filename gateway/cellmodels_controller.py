@@ -44,6 +44,7 @@ class ControllerPoint(Table):
     min: float = 0.0
     max: float = 0.0
     integer: bool = False
+    description: str = Field(default="", max_length=200)
 
 
 class Controller(Table):

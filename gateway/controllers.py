@@ -291,5 +291,5 @@ def point_of(point: ControllerPoint, board: Board) -> Point:
     """One of them."""
     return Point(
         point.name, board, point.module, point.address, point.output, point.bit or 0, point.byte or 0,
-        point.steps, point.min, point.max, point.integer,
+        point.steps, point.min, point.max, point.integer, point.description,
     )  # fmt: skip

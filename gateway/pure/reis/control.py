@@ -7,6 +7,7 @@ system markers.
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 
+from drivers.drives.servodyn_words import fault as booster_fault
 from gateway.pure.command_block import Code, Command
 from gateway.pure.interface.image import PicImage
 from gateway.pure.office import Office
@@ -34,6 +35,7 @@ OVERRIDE, ACTUAL = 1436, 1024
 AUTO, HAND = 0x0300, 0x0101  # operating mode codes (robotstar 5.9)
 AUTO_MN = 23  # RC input that says which
 WATCHDOG, LAG, POWER = 667, 647, 654
+LAST_OF_BOOSTERS = 0xFF  # one byte of the booster's telegram; a drive of CiA 402 begins at 1000h
 FAULTS = (  # first fault code of CiA 402 -> regulator error, the last that is not above it counts (AX-337)
     (0x0000, POWER), (0x2300, 657), (0x2400, POWER), (0x3100, 653), (0x3400, POWER), (0x4200, 656), (0x4300, 656), (0x4310, 656),
     (0x4400, 658), (0x4500, POWER), (0x7300, 662), (0x7400, POWER), (0x8100, WATCHDOG), (0x8400, 671), (0x8600, LAG), (0x8700, POWER),
@@ -46,8 +48,10 @@ _ROBOTS_BITS = {  # byte -> bits of it that are the robot's
 
 
 def regulator_number(fault_code: int) -> int:
-    """The regulator error that tells a drive's fault; codes of boosters and unknown ones are "error of the power pack"."""
-    return next((number for first, number in reversed(FAULTS) if fault_code >= first), POWER) if fault_code > 0xFF else POWER
+    """The regulator error that tells a drive's fault; what the manual has no number for is "error of the power pack"."""
+    if fault_code <= LAST_OF_BOOSTERS:
+        return booster_fault(fault_code).number or POWER
+    return next((number for first, number in reversed(FAULTS) if fault_code >= first), POWER)
 
 
 @dataclass(frozen=True, slots=True)

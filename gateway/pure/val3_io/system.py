@@ -67,6 +67,7 @@ class Point:
     low: float = 0.0
     high: float = 0.0
     integer: bool = False
+    description: str = ""  # free text of the configuration
 
     @property
     def path(self) -> str:

@@ -3,16 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from gateway.pure.val3_io.system import IoSystem, Point, RunTime, RunTimeFault, Status
-
-TEXTS = {
-    Status.WORKS: "works",
-    Status.LOCKED: "locked by the operator",
-    Status.SIMULATED: "simulated",
-    Status.NO_LINK: "no link",
-    Status.UNKNOWN_LINK: "link to no system input or output",
-    Status.FAULT: "device fault",
-}
+from gateway.pure.val3_io.system import IoSystem, Point, RunTime, RunTimeFault
 
 
 class CompileFault(Exception):
@@ -91,9 +82,9 @@ class Instructions:
         return int(self._system.status(variable.link))
 
     def io_description(self, variable: Dio | Aio) -> tuple[int, str, str]:
-        """ioStatus with description and physical path ("" where there is none)."""
-        status, point = self._system.status(variable.link), self._system.point(variable.link)
-        return int(status), TEXTS[status], point.path if point else ""
+        """ioStatus with the configured description and physical path (L2427; "" where there is none)."""
+        point = self._system.point(variable.link)
+        return self.io_status(variable), point.description if point else "", point.path if point else ""
 
     def _put(self, variable: Dio, value: bool) -> None:
         self._system.put(self._digital(variable.link, write=True), int(value))

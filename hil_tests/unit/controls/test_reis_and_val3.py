@@ -5,10 +5,13 @@ from typing import Any
 
 import pytest
 
+from drivers.emulator.servodyn_slave import ServodynSlave
 from gateway.pure.command_block import Code
 from gateway.pure.reasons import CommandState
 from gateway.pure.records import RC_BYTES, AxisFlag, AxisState, CellState, Motion, Quality, set_bit
 from gateway.pure.reis.control import regulator_number
+from gateway.pure.val3_io.control import Val3Control
+from gateway.pure.val3_io.variables import Dio
 from hil_tests.unit.controls.bench import AUTO, PLC, ControlBench, cell_with
 
 REIS = cell_with('kind = "reis"\nrobot_only = [7]\nplc_only = [8]')
@@ -19,6 +22,7 @@ name = "gripper"
 board = "BasicIO-1"
 module = "\\\\dout"
 address = "3"
+description = "Greifer zu"
 output = true
 bit = 705
 [[controller.point]]
@@ -112,10 +116,49 @@ def test_an_axis_that_does_not_follow_is_647_until_it_is_acknowledged(robot: Con
 
 
 @pytest.mark.parametrize(
-    "code, number", [(0x8611, 647), (0x2310, 657), (0x3210, 653), (0x4310, 656), (0x4410, 658), (0x7305, 662), (0xFF00, 654), (7, 654)]
+    "code, number", [(0x8611, 647), (0x2310, 657), (0x3210, 653), (0x4310, 656), (0x4410, 658), (0x7305, 662), (0xFF00, 654)]
 )
 def test_fault_codes_of_drives_as_regulator_errors(code: int, number: int) -> None:
     assert regulator_number(code) == number
+
+
+@pytest.mark.parametrize(
+    "code, number",
+    [
+        (1, 667),
+        (2, 667),
+        (3, 647),
+        (4, 646),
+        (7, 671),
+        (8, 657),
+        (9, 658),
+        (11, 653),
+        (12, 673),
+        (13, 656),
+        (14, 662),
+        (5, 654),
+        (0xFF, 654),
+    ],
+)
+def test_fault_codes_of_boosters_have_the_numbers_of_the_manual(code: int, number: int) -> None:
+    assert regulator_number(code) == number
+
+
+@pytest.mark.parametrize("code, number", [(1, 667), (9, 658), (12, 673)])
+def test_a_booster_fault_stands_in_the_marker_and_on_the_panel_with_its_number(robot: ControlBench, code: int, number: int) -> None:
+    moving(robot)
+    assert isinstance(robot.slave, ServodynSlave)
+    robot.slave.force_fault(1, code)
+    robot.run(0.3)
+    assert robot.reis.markers.number(ERROR) == number and robot.reis.markers.bit(1021, 0)
+    assert any(line.startswith(f"Servoregulator error {number}: ") and line.endswith("axis A1") for line in robot.told)
+
+
+def test_a_booster_without_sync_is_667(robot: ControlBench) -> None:
+    moving(robot)
+    robot.now += 100_000_000
+    robot.run(0.3)
+    assert robot.reis.markers.number(ERROR) == 667
 
 
 def test_outputs_are_shared_and_inputs_come_from_the_doors(robot: ControlBench) -> None:
@@ -219,3 +262,10 @@ def test_an_axis_that_was_never_synchronised_is_with_its_first_reference() -> No
     assert robot.reis.synchronised == {1: today[1]} and not robot.reis.markers.bit(1020, 6)
     stepped(robot, AxisFlag.REFERENCED, AxisFlag.REFERENCED)
     assert robot.reis.synchronised == today and robot.reis.markers.bit(1020, 6)
+
+
+def test_the_description_of_a_point_is_the_text_of_the_cell() -> None:
+    control = ControlBench(VAL3).control
+    assert isinstance(control, Val3Control)
+    assert control.instructions.io_description(Dio("gripper"))[1:] == ("Greifer zu", "BasicIO-1\\\\dout\\3")
+    assert control.instructions.io_description(Dio("part"))[1] == ""

@@ -17,10 +17,10 @@ class Cell:
 
     def __init__(self) -> None:
         self.image, self.board = PicImage(), Board("BasicIO-1")
-        points = [Point(f"i{n}", self.board, "Inputs", f"%I{n}", False, FIRST + n) for n in range(4)]
+        points = [Point(f"i{n}", self.board, "Inputs", f"%I{n}", False, FIRST + n, description=f"part at place {n}") for n in range(4)]
         points += [Point(f"o{n}", self.board, "Outputs", f"%Q{n}", True, FIRST + n) for n in range(4)]
         points += [
-            Point("command", self.board, "Analog", "%QW0", True, byte=100, steps=10, low=-20.0, high=20.0),
+            Point("command", self.board, "Analog", "%QW0", True, byte=100, steps=10, low=-20.0, high=20.0, description="Kraft, Sollwert"),
             Point("count", self.board, "Analog", "%QW1", True, byte=102, steps=1, low=0.0, high=100.0, integer=True),
             Point("sensor", self.board, "Analog", "%IW0", False, byte=104, steps=100, low=-10.0, high=10.0),
         ]
@@ -163,11 +163,11 @@ def test_a_simulated_output_reaches_no_device() -> None:
 def test_description_and_path() -> None:
     cell = Cell()
     cell.system.lock("i3", True)
-    assert cell.do.io_description(Dio("i3")) == (1, "locked by the operator", "BasicIO-1\\Inputs\\%I3")
-    assert cell.do.io_description(Aio("command")) == (0, "works", "BasicIO-1\\Analog\\%QW0")
-    assert cell.do.io_description(Dio()) == (-1, "no link", "")
+    assert cell.do.io_description(Dio("i3")) == (1, "part at place 3", "BasicIO-1\\Inputs\\%I3")
+    assert cell.do.io_description(Aio("command")) == (0, "Kraft, Sollwert", "BasicIO-1\\Analog\\%QW0")
+    assert cell.do.io_description(Dio()) == (-1, "", "")
     cell.board.health = Health.FAULT
-    assert cell.do.io_description(Dio("o0")) == (-3, "device fault", "BasicIO-1\\Outputs\\%Q0")
+    assert cell.do.io_description(Dio("o0")) == (-3, "", "BasicIO-1\\Outputs\\%Q0")
 
 
 @pytest.mark.requirement("VAL-AIO-01", by="gateway.pure.val3_io.variables:Instructions.aio_set")
