@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from gateway.cell_web import LOOPBACK
+
 
 @dataclass(frozen=True, slots=True)
 class ModbusRegisters:
@@ -136,6 +138,11 @@ class Modbus:
     @property
     def port(self) -> int:
         return int(self.bind.rsplit(":", 1)[1])
+
+    @property
+    def local(self) -> bool:
+        """Only programs of this computer reach it."""
+        return self.host.strip("[]") in LOOPBACK or self.host.startswith("127.")
 
     @property
     def serial(self) -> bool:

@@ -45,6 +45,9 @@ def _server(check: Context, door: Modbus, key: str) -> None:
         check.fault(f"{key}.{'roles' if door.roles else 'tls'}", "", hint)
     if door.writers and (door.allow or door.tls is not None):
         check.fault(f"{key}.writers", "", "either allow (anywhere), writers (by addresses) or roles (by certificate): keep one of them")
+    if not (door.serial or door.local or door.allow or door.writers or door.roles or door.tls):
+        hint = 'reached from other computers: name the PLC that may write, allow = ["10.0.0.5"], give writers or roles, or bind 127.0.0.1'
+        check.fault(f"{key}.bind", door.bind, hint)
     if door.device or door.value:
         check.fault(f"{key}.role", door.role, 'device and value belong to role = "client"')
     for text, where in (*((text, "allow") for text in door.allow), *((writer.from_, "writers") for writer in door.writers)):

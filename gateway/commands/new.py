@@ -1,4 +1,4 @@
-"""`axisgate new --from KIND FILE`: a commented cell file out of five questions; it passes check and plays under run --sim."""
+"""`axisgate new --from KIND FILE`: a commented cell file out of a few questions; it passes check and plays under run --sim."""
 
 import argparse
 import contextlib
@@ -15,7 +15,7 @@ from gateway.starting.questions import QUESTIONS, BadAnswer, Question, answered
 EXAMPLES = """examples:
   axisgate new --from s5-rk512 hall3.toml                        asks five questions, Enter takes the value in brackets
   axisgate new --from rho3 line2.toml --answer axes=6 --defaults asks nothing
-  axisgate new --from modbus saw.toml --answer bind=0.0.0.0:502 --json
+  axisgate new --from modbus saw.toml --answer bind=10.0.0.20:502 --answer plc=10.0.0.5 --json
 exit code: 0 written, 2 an answer no cell can be made of, or the file is there already, 3 it cannot be written"""
 
 

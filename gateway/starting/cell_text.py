@@ -1,4 +1,4 @@
-"""A commented cell file out of five answers: it passes `check` and plays under `run --sim` as it is.
+"""A commented cell file out of a few answers: it passes `check` and plays under `run --sim` as it is.
 
 Nothing in it moves metal: `target` is "simulation" until its owner has filled [safety] and says "machine".
 """
@@ -160,6 +160,7 @@ def _modbus(kind: str, answers: Mapping[str, str]) -> str:
 name           = "plc2"
 role           = "server"
 bind           = "{answers["bind"]}"
+allow          = ["{answers["plc"]}"]         # writes only from here; everybody else reads
 unit           = 1
 view           = "rho3"
 command_block  = true

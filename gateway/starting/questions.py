@@ -1,8 +1,11 @@
-"""The five questions of `axisgate new`, for each kind of cell: key, text, default, and what an answer must look like."""
+"""The questions of `axisgate new`, for each kind of cell: key, text, default, and what an answer must look like."""
 
+import ipaddress
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+from gateway.cell_modbus import Modbus
 
 
 class BadAnswer(ValueError):
@@ -50,11 +53,27 @@ def _bind(answer: str) -> str:
     return _text(answer)
 
 
+def _partner(answer: str) -> str:
+    try:
+        ipaddress.ip_network(answer, strict=False)
+    except ValueError:
+        raise ValueError("the address of the PLC, 10.0.0.5, or its network, 10.0.0.0/24; it alone may write") from None
+    return answer
+
+
+def _from_elsewhere(answer: str) -> str:
+    """Of a server other computers reach: no default, and not this computer."""
+    if not answer or ipaddress.ip_network(_partner(answer), strict=False).is_loopback:
+        raise ValueError("other computers reach this bind; the address of the PLC that may write is needed, 10.0.0.5")
+    return answer
+
+
 NAME = Question("name", "What is the machine called?", "New cell", _text)
 LINE = Question("port", "Serial line to the PLC (/dev/serial/by-id/..., tcp://HOST:PORT, or sim)?", "sim", _text)
 AXES = Question("axes", "How many axes (1..6)?", "3", _number(1, 6))
 DRIVES = Question("drives", "New CiA 402 drives, or SERVODYN boosters that stay?", "cia402", _one_of("cia402", "servodyn"))
-BIND = Question("bind", "Address of the Modbus TCP door?", "127.0.0.1:1502", _bind)
+BIND = Question("bind", "Address of the Modbus TCP server?", "127.0.0.1:1502", _bind)
+PLC = Question("plc", "Address of the PLC on Modbus TCP (it alone may write)?", "127.0.0.1", _partner)
 
 QUESTIONS: Mapping[str, tuple[Question, ...]] = {
     "s5-rk512": (
@@ -70,9 +89,17 @@ QUESTIONS: Mapping[str, tuple[Question, ...]] = {
         LINE,
         AXES,
         BIND,
+        PLC,
     ),
-    "reis": (NAME, LINE, AXES, DRIVES, BIND),
-    "modbus": (NAME, BIND, AXES, DRIVES, Question("silence", "Stop when the PLC is silent for how many ms?", "500", _number(50, 60000))),
+    "reis": (NAME, LINE, AXES, DRIVES, BIND, PLC),
+    "modbus": (
+        NAME,
+        BIND,
+        AXES,
+        DRIVES,
+        Question("silence", "Stop when the PLC is silent for how many ms?", "500", _number(50, 60000)),
+        PLC,
+    ),
 }  # fmt: skip
 
 
@@ -83,7 +110,9 @@ def answered(kind: str, given: Mapping[str, str], ask: Callable[[Question], str]
         keys = ", ".join(question.key for question in QUESTIONS[kind])
         raise BadAnswer(f"{', '.join(sorted(unknown))}: not asked for {kind}; its answers are {keys}")
     answers: dict[str, str] = {}
-    for question in QUESTIONS[kind]:
+    for each in QUESTIONS[kind]:
+        outside = each is PLC and not Modbus("", bind=answers["bind"]).local
+        question = replace(each, default="", check=_from_elsewhere) if outside else each
         answer = given[question.key] if question.key in given else ask(question)
         try:
             answers[question.key] = question.check((answer or question.default).strip())

@@ -51,12 +51,37 @@ def test_a_file_that_is_there_is_never_written_over(tmp_path: pathlib.Path) -> N
 
 
 @pytest.mark.parametrize(
-    "answer, words", [("axes=7", "a number from 1 to 6"), ("bind=1502", "HOST:PORT"), ("colour=red", "not asked for modbus")]
+    "answer, words",
+    [
+        ("axes=7", "a number from 1 to 6"),
+        ("bind=1502", "HOST:PORT"),
+        ("colour=red", "not asked for modbus"),
+        ("bind=10.0.0.20:502", "the address of the PLC that may write is needed"),
+        ("plc=hall", "the address of the PLC, 10.0.0.5"),
+    ],
 )
 def test_an_answer_no_cell_can_be_made_of_writes_nothing(answer: str, words: str, tmp_path: pathlib.Path) -> None:
     made = axisgate("new", "--from", "modbus", str(tmp_path / "cell.toml"), "--defaults", "--answer", answer)
     assert made.returncode == 2 and words in made.stderr
     assert not (tmp_path / "cell.toml").exists()
+
+
+@pytest.mark.parametrize("kind", [kind for kind in QUESTIONS if kind != "s5-rk512"])
+def test_a_server_in_the_hall_asks_for_the_plc_that_may_write(kind: str, tmp_path: pathlib.Path) -> None:
+    file = tmp_path / "cell.toml"
+    typed = {"rho3": "Hall\n\n\n3\n", "reis": "Hall\n\n3\n\n", "modbus": "Hall\n"}[kind] + "0.0.0.0:502\n"
+    typed += "\n\n\n" * (kind == "modbus") + "10.0.0.5\n"
+    made = axisgate("new", "--from", kind, str(file), typed=typed)
+    assert made.returncode == 0 and "Address of the PLC" in made.stdout, made.stderr
+    assert (server := load_cell(str(file)).modbus[0]).bind == "0.0.0.0:502" and server.allow == ("10.0.0.5",)
+    file.write_text(file.read_text().replace("allow          = ", "# allow = "))
+    checked = axisgate("check", str(file))
+    assert checked.returncode == 2 and "modbus.plc2.bind" in checked.stdout + checked.stderr
+
+
+def test_no_help_shows_an_open_address() -> None:
+    for command in ("new", "run", "check", "web", "modbus", "map"):
+        assert "0.0.0.0" not in axisgate(command, "--help").stdout, command
 
 
 def test_assess_asks_ten_questions_and_leaves_a_page_to_print(tmp_path: pathlib.Path) -> None:
