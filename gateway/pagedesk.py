@@ -12,8 +12,9 @@ from gateway.cell_web import PAGE_DOOR
 from gateway.linedoor import LineDoor
 from gateway.modbusdoor import ModbusDoor
 from gateway.pure.line_blocks import block_name
+from gateway.pure.records import set_bit
 from gateway.serialdoor import SerialDoor
-from gateway.tooldesk import ENABLING_BITS, ToolDesk
+from gateway.tooldesk import ENABLING_BITS, ENABLING_BYTE, ToolDesk
 from protocols.base.machine import Damage, Ns
 
 if TYPE_CHECKING:
@@ -37,7 +38,9 @@ class Desks:
     def wake(self, now: Ns) -> None:
         """A silent one is a dead one."""
         self._tool.wake(now)
+        kept = self._page.permits  # what the page shows as set stays set until somebody clears it, also while it asks for nothing
         self._page.wake(now)
+        self._page.permits = kept
 
     def closed(self, connection: object) -> None:
         """A connection has ended."""
@@ -57,11 +60,25 @@ class Desks:
                 return self._look()
             case "tap":
                 return self._tapped(request)
+            case "permit" if request.get("on") is False:
+                return self._clear_permits()
             case "force_input" | "unforce_input" as op:
                 return self._force(request, lay=op == "force_input")
             case "force_words" | "unforce_words" as op:
                 return self._force_words(request, lay=op == "force_words")
         return self._page.answer(request, connection)
+
+    def _clear_permits(self) -> dict[str, object]:
+        """The enabling inputs of a simulation go off again."""
+        services, now = self._services, time.monotonic_ns()
+        if not services.plan.simulated:
+            return {"error": "enabling inputs are set by their door; the page may do it in a simulation only"}
+        self._page.permits = False
+        for bit in ENABLING_BITS:
+            set_bit(services.inputs.values, bit, False)
+        services.inputs.stamps[ENABLING_BYTE] = now
+        services.flush()
+        return {"ok": True}
 
     def _look(self) -> dict[str, object]:
         """Bytes of every data block, named values with quality and age in ms, forced inputs."""

@@ -370,6 +370,7 @@ class Services:
             "owner": self.office.owner,
             **({"listening": list(self.blind)} if self.blind else {}),
             "forced": self.forces.count,
+            **({"permits": True} if self.tools.permits else {}),
             **self.canopen.status(),
             **self.signals.status(),
             **self.retain.status(),

@@ -16,6 +16,7 @@ from gateway.web.bodies import (
     ForceWord,
     Login,
     Named,
+    Permit,
     Put,
     Record,
     Token,
@@ -23,7 +24,7 @@ from gateway.web.bodies import (
     UnforceWord,
     User,
 )
-from gateway.web.catalogue import found
+from gateway.web.catalogue import found, said
 from gateway.web.endpoints import Call, Endpoint
 from gateway.web.hands import Hands
 from gateway.web.live import Live
@@ -92,10 +93,11 @@ class Api:
     async def command(self, call: Call) -> Row:
         body: Command = call.body
         rest: Row = {"velocity": body.velocity, "acceleration": body.acceleration, "targets": body.targets}
-        return await self.hands.command(call.person.key, call.person.name, body.code, body.mask, **rest)
+        return said(await self.hands.command(call.person.key, call.person.name, body.code, body.mask, **rest))
 
     async def permit(self, call: Call) -> Row:
-        return await self.hands.desk.ask("permit")
+        body: Permit = call.body
+        return await self.hands.desk.ask("permit", on=body.on)
 
     async def force(self, call: Call) -> Row:
         body: Force = call.body
@@ -268,7 +270,7 @@ def endpoints(api: Api) -> list[Endpoint]:
         row("GET", "/api/jobs/{number:int}", v, "what became of a command", api.job),
         row("POST", "/api/stop", v, "stop on the path", api.stop, changes=True),
         row("POST", "/api/command", o, "one command of the command block", api.command, Command, True),
-        row("POST", "/api/permit", s, "set the enabling inputs of a simulation", api.permit, None, True, plant=True),
+        row("POST", "/api/permit", s, "set or clear the enabling inputs of a simulation", api.permit, Permit, True, plant=True),
         row("POST", "/api/force", s, "force an RC input", api.force, Force, True),
         row("POST", "/api/unforce", s, "end a force, or all of them", api.unforce, Unforce, True),
         row("POST", "/api/force/word", s, "force a data word or bit", api.force_word, ForceWord, True),

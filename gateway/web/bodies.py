@@ -51,6 +51,12 @@ class Command(Body):
     targets: Annotated[list[Annotated[float, Field(ge=-1e9, le=1e9)]], Field(max_length=MOST_AXES)] = []
 
 
+class Permit(Body):
+    """Enabling inputs of a simulation."""
+
+    on: bool = True
+
+
 class Force(Body):
     """An RC input."""
 

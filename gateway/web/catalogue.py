@@ -1,7 +1,10 @@
 """The error catalogue (AX-422) as the page asks for it."""
 
+from typing import Any
+
 from gateway.errors_catalogue import explain, family, lookup
 from gateway.pure.errorentries import Entry, Words
+from gateway.pure.reasons import Reason, text
 
 MOST = 120
 OURS = "axisgate"
@@ -13,6 +16,18 @@ def advice(code: int) -> dict[str, list[str]]:
     if entry is None:
         return {}
     return {"cause": _both(entry.cause), "do": _both(entry.todo), "reset": _both(entry.reset_words())}
+
+
+def said(answer: dict[str, Any]) -> dict[str, Any]:
+    """A command's answer; a refused one with its sentence, English and German: what, where, and what to do."""
+    code = int(answer.get("reason", 0))
+    if "say" in answer or answer.get("state") not in ("REFUSED", "ABORTED") or code not in Reason.__members__.values():
+        return answer
+    words = [text(Reason(code), language, str(answer.get("detail", ""))) for language in ("en", "de")]
+    entry = lookup(OURS, code)
+    if entry is not None:
+        words = [f"{what}. {do[:1].upper()}{do[1:]}" for what, do in zip(words, _both(entry.todo), strict=True)]
+    return {**answer, "say": words}
 
 
 def found(words: str) -> list[dict[str, object]]:

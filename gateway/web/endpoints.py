@@ -89,7 +89,8 @@ def _judge(endpoint: Endpoint, access: Access, request: Request) -> Person:
         return person
     if access.web.read_only and not endpoint.path.endswith(ALWAYS):
         raise Denied(403, "the page is read-only ([web] read_only = true)")
-    role = Role.VIEWER if endpoint.plant and access.simulated and person.local else endpoint.role
+    guest = person.local and not person.key  # a user who logged in as viewer changes nothing, in a simulation neither
+    role = Role.VIEWER if endpoint.plant and access.simulated and guest else endpoint.role
     access.may(request, person, role)
     return person
 
@@ -97,6 +98,9 @@ def _judge(endpoint: Endpoint, access: Access, request: Request) -> Person:
 async def _body(endpoint: Endpoint, request: Request) -> BaseModel | None:
     if endpoint.body is None:
         return None
+    empty = "content-type" not in request.headers and request.headers.get("content-length", "0") == "0"
+    if empty and not any(field.is_required() for field in endpoint.body.model_fields.values()):
+        return endpoint.body()  # everything in it has a default
     if request.headers.get("content-type", "").partition(";")[0].strip() != "application/json":
         raise Denied(415, "content-type: application/json is expected")
     data = bytearray()

@@ -25,6 +25,8 @@ CODES = ("enable", "disable", "reference", "ptp_absolute", "ptp_relative", "stop
          "request_control", "release_control")  # fmt: skip
 
 
+ENDED = ["stopped: release the key, then press it again", "angehalten: Taste loslassen, dann neu drücken"]
+ANOTHER_KEY = ["another key is held: release it first", "eine andere Taste wird gehalten: erst loslassen"]
 Held = tuple[str, int, int]  # "jog", axis, direction; "reference", mask, 0
 
 
@@ -105,23 +107,25 @@ class Hands:
         return await self.desk.ask("job", job=number)
 
     # ---- hold to run ------------------------------------------------------------------------------------------------------
-    async def jog(self, key: str, axis: int, direction: int, percent: float) -> Row:
-        """The key is (still) held: begins the move at the first call, keeps it at the others."""
+    async def jog(self, key: str, axis: int, direction: int, percent: float, *, first: bool = True) -> Row:
+        """The key was pressed (`first`): begins the move; it is still held: keeps it, and begins nothing that was ended meanwhile."""
         speed = min(max(percent, SLOWEST), FASTEST)
-        return await self._hold(key, ("jog", axis, direction), lambda: self._begin(axis, direction, speed))
+        return await self._hold(key, ("jog", axis, direction), lambda: self._begin(axis, direction, speed), first)
 
-    async def reference(self, key: str, mask: int) -> Row:
+    async def reference(self, key: str, mask: int, *, first: bool = True) -> Row:
         """The same for a reference run of the axes in the mask."""
-        return await self._hold(key, ("reference", mask, 0), lambda: self.desk.command("reference", mask))
+        return await self._hold(key, ("reference", mask, 0), lambda: self.desk.command("reference", mask), first)
 
-    async def _hold(self, key: str, held: Held, begin: Callable[[], Awaitable[Row]]) -> Row:
+    async def _hold(self, key: str, held: Held, begin: Callable[[], Awaitable[Row]], first: bool) -> Row:
         self._mine(key)
-        self._held_heard = time.monotonic()
         async with self._held_lock:
-            if self._held == held:
+            if self._held == held and not first:
+                self._held_heard = time.monotonic()
                 return {"state": "RUNNING"}
             if self._held is not None:
-                return {"state": "REFUSED", "detail": "another key is held"}
+                return {"state": "REFUSED", "detail": "another key is held", "say": ANOTHER_KEY}
+            if not first:
+                return {"state": "ENDED", "detail": ENDED[0], "say": ENDED}
             answer = await begin()
             if answer["open"]:
                 self._held, self._held_heard = held, time.monotonic()
@@ -138,7 +142,8 @@ class Hands:
         if axis.modulo:
             way = direction * axis.modulo  # one round: it has no limit to stand at
         if way * direction <= 0:
-            return {"state": "REFUSED", "open": False, "words": "TARGET_LIMIT", "detail": f"{axis.name} stands at its limit"}
+            say = [f"{axis.name} is at its limit", f"{axis.name} steht an der Grenze"]
+            return {"state": "REFUSED", "open": False, "words": "TARGET_LIMIT", "detail": say[0], "say": say}
         rest: dict[str, object] = {"velocity": percent / 100.0, "acceleration": 0.5}
         targets = [0.0] * len(self.axes)
         targets[number] = way

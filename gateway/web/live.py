@@ -37,6 +37,7 @@ class Viewer:
     page: str = "overview"
     watch: tuple[str, ...] = ()
     holding: bool = False  # it holds a key that moves something
+    pressed: bool = False  # it said that a key is held, and not yet that it was released
     tick: asyncio.Event = field(default_factory=asyncio.Event)
     versions: dict[str, int] = field(default_factory=dict)
 
@@ -129,7 +130,8 @@ class Live:
             viewer.versions = {viewer.page: topic.version}
             page = topic.text
         watched = json.dumps({name: self.values[name] for name in viewer.watch if name in self.values}, separators=(",", ":"))
-        return f'{{"t":"live","name":"{viewer.page}","head":{self.head},"page":{page},"values":{watched}}}'
+        at = round(time.monotonic() * 1e3)
+        return f'{{"t":"live","at":{at},"name":"{viewer.page}","head":{self.head},"page":{page},"values":{watched}}}'
 
     async def _ask_supervisor(self) -> None:
         with contextlib.suppress(Gone):

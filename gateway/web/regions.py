@@ -100,6 +100,7 @@ class Regions:
             "stop_text": [text(Reason(state.stop_cause), language) for language in ("en", "de")] if state.stop_cause else ["", ""],
             "owner": self.status.get("owner", 0),
             "forced": self.status.get("forced", 0),
+            "permits": bool(self.status.get("permits")),
             "errors": self.status.get("errors", []),
             "enabled": sum(bool(axis.flags & AxisFlag.ENABLED) for axis in state.axes[: len(self.facts)]),
             "axes": len(self.facts),

@@ -3,17 +3,21 @@
 import asyncio
 import contextlib
 import json
+import time
 from typing import Any
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from gateway.web.access import Access, Denied, Person
+from gateway.web.catalogue import said
 from gateway.web.desk import Gone, Refused
 from gateway.web.hands import Hands, NotYours
 from gateway.web.live import MOST_WATCHED, Live, Viewer
 from gateway.web.store import Role
 
 LONGEST = 32768
+LATE_MS = 1000.0
+LATE = ["the connection is too slow to move an axis: release the key", "die Verbindung ist zu langsam zum Verfahren: Taste loslassen"]
 MOST_VIEWERS = 64
 LIFE = ("alive", "jog", "reference", "release")  # what shows that the holder is there; reading does not
 JUDGED_S = 0.25  # users are also changed from the command line
@@ -115,7 +119,7 @@ class Sockets:
             case "jog" | "reference" as what:
                 return await self._held(what, message, viewer, person)
             case "release":
-                viewer.holding = False
+                viewer.holding = viewer.pressed = False
                 if person.key == self.hands.holder:
                     await self.hands.let_go()
         return None
@@ -126,9 +130,13 @@ class Sockets:
             if self.access.web.read_only:
                 return {"error": "the page is read-only"}
             self.access.role(person, Role.OPERATOR)
-            answer = await (self._jog(message, person) if what == "jog" else self._reference(message, person))
-            viewer.holding = viewer.holding or answer["state"] not in ("REFUSED", "ABORTED")
-            return {"held": answer}
+            first = bool(message.get("first", not viewer.pressed))
+            viewer.pressed = True
+            if _late(message):
+                return {"held": {"state": "REFUSED", "detail": LATE[0], "say": LATE}}
+            answer = await (self._jog(message, person, first) if what == "jog" else self._reference(message, person, first))
+            viewer.holding = viewer.holding or answer["state"] not in ("REFUSED", "ABORTED", "ENDED")
+            return {"held": said(answer)}
         except (KeyError, ValueError, TypeError):
             return {"error": "jog: axis, direction, percent; reference: mask"}
         except Denied as denied:
@@ -136,14 +144,20 @@ class Sockets:
         except (NotYours, Gone, Refused) as why:
             return {"error": str(why)}
 
-    async def _jog(self, message: dict[str, Any], person: Person) -> dict[str, Any]:
+    async def _jog(self, message: dict[str, Any], person: Person, first: bool) -> dict[str, Any]:
         axis, direction, percent = int(message["axis"]), int(message["direction"]), float(message["percent"])
         if not 0 <= axis < len(self.hands.axes) or direction not in (-1, 1) or percent != percent:
             raise ValueError("no such axis")
-        return await self.hands.jog(person.key, axis, direction, percent)
+        return await self.hands.jog(person.key, axis, direction, percent, first=first)
 
-    async def _reference(self, message: dict[str, Any], person: Person) -> dict[str, Any]:
+    async def _reference(self, message: dict[str, Any], person: Person, first: bool) -> dict[str, Any]:
         mask = int(message["mask"])
         if not 0 < mask < 1 << len(self.hands.axes):
             raise ValueError("no such axes")
-        return await self.hands.reference(person.key, mask)
+        return await self.hands.reference(person.key, mask, first=first)
+
+
+def _late(message: dict[str, Any]) -> bool:
+    """What a page sends carries the moment of the last look it was given: a key pressed on an old picture moves nothing."""
+    at = message.get("at")
+    return at is not None and time.monotonic() * 1e3 - float(at) > LATE_MS

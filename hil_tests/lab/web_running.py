@@ -21,6 +21,7 @@ CHROMIUM = shutil.which("chromium")
 FLAGS = ["--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader", "--disable-dev-shm-usage"]
 PATIENCE_S = 40.0
 DESKTOP, TABLET = ViewportSize(width=1366, height=850), ViewportSize(width=1024, height=768)
+PHONE = ViewportSize(width=390, height=844)
 ADMIN, PASSWORD = "anna", "correct horse 7"
 PAGES = ("overview", "axes", "motion", "signals", "scope", "lines", "bus", "events", "cell", "emulator", "access")
 
@@ -63,11 +64,11 @@ class WebRun(WebAsk):
     browser: Browser
     complaints: list[str] = field(default_factory=list)  # errors in pages
 
-    def context(self, *, dark: bool = False, tablet: bool = False) -> BrowserContext:
+    def context(self, *, dark: bool = False, tablet: bool = False, phone: bool = False) -> BrowserContext:
         """A browser of its own: no cookie of another."""
         context = self.browser.new_context(
-            viewport=TABLET if tablet else DESKTOP,
-            has_touch=tablet,
+            viewport=PHONE if phone else TABLET if tablet else DESKTOP,
+            has_touch=tablet or phone,
             color_scheme="dark" if dark else "light",
             locale="en-GB",
         )
@@ -130,11 +131,11 @@ def until(holds: Callable[[], bool], what: str, patience_s: float = PATIENCE_S) 
 
 
 @contextlib.contextmanager
-def web_run(name: str = "web", *, p5_ms: int = max(10, P5_MS)) -> Iterator[WebRun]:
-    """The demo's cell with its page on a free port and PLC 1 on its line."""
+def web_run(name: str = "web", *, p5_ms: int = max(10, P5_MS), cell: str = "demo") -> Iterator[WebRun]:
+    """The demo's cell, or one made of it, with its page on a free port and PLC 1 on its line."""
     port = free_port()
     with contextlib.ExitStack() as stack:
-        run = stack.enter_context(running_cell("demo", name, plc=False, p5_ms=p5_ms, more=("--web", str(port))))
+        run = stack.enter_context(running_cell(cell, name, plc=False, p5_ms=p5_ms, more=("--web", str(port))))
         plc = S5Plc(LineControl.path(f"{name}-plc1", "a"), [axis.name for axis in run.demo.axis])
         plc.start()
         stack.callback(plc.stop)

@@ -1,5 +1,5 @@
 // The frame around the pages: navigation, state, stop, language, theme, login.
-import { Live, get, may, me, post, whoami } from "./net.js";
+import { Live, get, may, me, post, unable, whoami } from "./net.js";
 import { chip, h, mark, put, toast } from "./dom.js";
 import { language, setLanguage, t } from "./texts.js";
 
@@ -8,21 +8,29 @@ const PAGES = [
   ["events", "Events"], ["cell", "Cell"], ["emulator", "Emulator"], ["access", "Access"],
 ];
 const MOTION = ["at rest", "moving", "stopping", "stopped on the path", "referencing"];
-const ctx = { cell: null, head: null, t, get, post: order, may, me, live: null, toast, login, refresh };
+const ctx = { cell: null, head: null, t, get, post: order, may, unable, me, live: null, toast, login, refresh };
+const FIRST = /^\/api\/(command|force|unforce|set|users|tokens)/;
 let view = null;
 let name = "";
 
 async function order(path, body, done) {
+  if (me.fresh && !path.endsWith("/stop")) await whoami().catch(() => {});
+  if (me.fresh && me.local && !may("operator") && FIRST.test(path)) { login(); return null; } // before the first change, not after its refusal
   try {
     const told = await post(path, body);
-    if (told.state === "REFUSED" || told.state === "ABORTED") toast(`${t("refused")}: ${told.detail || told.words}`, "bad");
+    if (told.state === "REFUSED" || told.state === "ABORTED") toast(`${t("refused")}: ${said(told)}`, "bad");
     else if (done) toast(t(done), "good");
     return told;
   } catch (error) {
-    toast(error.message, "bad");
+    toast(t(error.message), "bad");
     if (error.status === 401) login();
     return null;
   }
+}
+
+// A refusal in the words of the page's language.
+function said(told) {
+  return told.say?.[language() === "de" ? 1 : 0] || told.detail || told.words;
 }
 
 function nav() {
@@ -37,6 +45,7 @@ function nav() {
       ? h("button", { type: "button", id: "login", onclick: login }, me.fresh ? t("Set password") : t("Log in"))
       : h("button", { type: "button", id: "logout", onclick: logout }, `${t("Log out")} ${me.name}`));
   document.getElementById("nav").replaceChildren(...links, more);
+  document.querySelector("#nav a[aria-current]")?.scrollIntoView({ inline: "center", block: "nearest" });
 }
 
 function theme() {
@@ -79,7 +88,8 @@ function head(state) {
   if (!state.services_alive) chips.push(chip("bad", t("services start again")));
   if (state.emergency) chips.push(chip("bad", t("emergency stop latched")));
   for (const [link, alive] of state.links) chips.push(alive === null ? chip("warn", `${link} ${t("not known")}`) : chip(alive ? "good" : "bad", `${link} ${alive ? t("alive") : t("silent")}`));
-  chips.push(chip(state.ready ? "good" : "warn", state.ready ? t("ready") : t("not ready")));
+  const fresh = state.cycle_alive && state.services_alive; // what a dead process said last is no state
+  chips.push(chip(state.ready && fresh ? "good" : "warn", fresh ? (state.ready ? t("ready") : t("not ready")) : `${t("ready")}: ${t("not known")}`));
   chips.push(chip(state.enabled ? "good" : "plain", `${t("drives on")} ${state.enabled}/${state.axes}`));
   chips.push(chip(state.motion ? "warn" : "plain", t(MOTION[state.motion])));
   chips.push(chip("plain", `${t("override")} ${state.override} %`));
@@ -103,17 +113,20 @@ function take(message) {
     if (message.head) head(message.head);
     if (message.name === name) view?.update?.(message.page, message.head, message.values);
   } else if (message.t === "told") {
-    const refused = message.error || (message.held?.state === "REFUSED" && (message.held.detail || message.held.words));
-    if (refused) toast(refused, "bad");
+    const refused = message.error ? t(message.error) : ["REFUSED", "ABORTED", "ENDED"].includes(message.held?.state) ? said(message.held) : "";
+    if (refused && (view?.refused ? view.refused() : true)) toast(refused, "bad");
   }
 }
 
 function connected(up, reason, code) {
   let bar = document.getElementById("lost");
   if (up) {
+    document.body.classList.remove("gone");
     if (bar) { bar.remove(); whoami().then(nav).catch(() => {}); }
     return;
   }
+  document.body.classList.add("gone");
+  view?.lift?.();
   document.getElementById("state").replaceChildren(chip("bad", t("no connection")));
   document.getElementById("state").dataset.words = "";
   if (code === 4403) login();
@@ -171,10 +184,15 @@ function whole() {
   show();
 }
 
-document.getElementById("stop").addEventListener("click", () => order("/api/stop", undefined, "Stop is ordered"));
+function stop() {
+  view?.lift?.(); // a key that is held moves nothing before it was released
+  order("/api/stop", undefined, "Stop is ordered");
+}
+
+document.getElementById("stop").addEventListener("click", stop);
 addEventListener("popstate", show);
 addEventListener("keydown", (event) => {
-  if (event.key === "Escape" && event.shiftKey) order("/api/stop", undefined, "Stop is ordered");
+  if (event.key === "Escape" && event.shiftKey) stop();
   if (event.altKey && /^[0-9]$/.test(event.key)) document.querySelectorAll("#nav a")[(Number(event.key) + 9) % 10]?.click();
   if (event.key === "/" && !/INPUT|SELECT|TEXTAREA/.test(event.target.tagName)) { const search = document.querySelector("input[type=search]"); if (search) { event.preventDefault(); search.focus(); } }
 });

@@ -25,6 +25,14 @@ export function number(value, digits = 3) {
   return value === null || value === undefined ? "" : Number(value).toFixed(digits);
 }
 
+// A button that cannot be used now, and why: the reason is its tooltip, and what a screen reader says.
+export function grey(button, why) {
+  if (button.disabled !== Boolean(why)) button.disabled = Boolean(why);
+  if (button.dataset.plain === undefined) button.dataset.plain = button.title;
+  const words = why || button.dataset.plain;
+  if (button.title !== words) button.title = words;
+}
+
 export function chip(kind, text) {
   return h("span", { class: `chip ${kind}` }, text);
 }
@@ -68,8 +76,13 @@ export class Table {
 
 export const text = (get, digits) => (row, td) => put(td, digits === undefined ? get(row) ?? "" : number(get(row), digits));
 
+const MOST_TOASTS = 3; // more would grow over the page, and over STOP
+
 export function toast(words, kind = "") {
+  const toasts = document.getElementById("toasts");
+  for (const other of [...toasts.children]) if (other.textContent === words) other.remove();
+  while (toasts.children.length >= MOST_TOASTS) toasts.firstChild.remove();
   const box = h("div", { class: `toast ${kind}` }, words);
-  document.getElementById("toasts").append(box);
+  toasts.append(box);
   setTimeout(() => box.remove(), kind === "bad" ? 9000 : 4000);
 }

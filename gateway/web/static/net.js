@@ -1,9 +1,24 @@
 // Requests and the live connection, which comes back by itself.
+import { t } from "./texts.js";
+
+const SILENT_MS = 2200; // ten looks a second come: so long without one is a lost connection, whatever the socket says
+const OPEN_MS = 4000; // a hung process takes a connection and never answers
+const STOP_MS = 3000;
+const ANSWER_MS = 15000;
 export const me = { name: "", role: "nobody", csrf: "", holds: false };
 const ROLES = ["nobody", "viewer", "operator", "setter", "admin"];
 
 export function may(role) {
   return !me.read_only && ROLES.indexOf(me.role) >= ROLES.indexOf(role);
+}
+
+// Why this person may not do what takes the role; "": may.
+export function unable(role) {
+  if (may(role)) return "";
+  if (me.read_only) return t("The page is read-only; stop on the path stays.");
+  if (me.fresh) return t("Set the first password.");
+  if (me.name === "local" || me.name === "nobody") return `${t("Log in first; this takes the role")} ${t(role)}.`;
+  return `${t("This takes the role")} ${t(role)}; ${me.name}: ${t(me.role)}.`;
 }
 
 export async function get(path) {
@@ -13,7 +28,9 @@ export async function get(path) {
 export async function post(path, body) {
   const headers = { "x-axisgate": "1", "x-axisgate-csrf": me.csrf };
   if (body !== undefined) headers["content-type"] = "application/json";
-  return answer(await fetch(path, { method: "POST", headers, body: body === undefined ? undefined : JSON.stringify(body) }));
+  const limit = AbortSignal.timeout(path === "/api/stop" ? STOP_MS : ANSWER_MS);
+  const response = await fetch(path, { method: "POST", headers, body: body === undefined ? undefined : JSON.stringify(body), signal: limit }).catch(() => { throw new Error(path === "/api/stop" ? t("STOP did not arrive: use the emergency stop.") : t("The gateway does not answer.")); });
+  return answer(response);
 }
 
 async function answer(response) {
@@ -35,11 +52,31 @@ export class Live {
     this.wait = 200;
     this.connect();
     setInterval(() => { if (me.holds) this.send({ t: "alive" }); }, 300);
-    setInterval(() => { if (this.open && Date.now() - this.heard > 3000) this.socket.close(); }, 1000);
+    setInterval(() => this.look(), 250);
+  }
+
+  // A socket to a black hole closes itself after half a minute only: it is left, and another one tried.
+  look() {
+    const limit = this.open ? SILENT_MS : OPEN_MS;
+    if (!this.socket || Date.now() - this.heard <= limit) return;
+    const old = this.socket;
+    this.socket = null;
+    this.ended("", 0);
+    old.close();
+  }
+
+  ended(reason, code) {
+    this.open = false;
+    this.at = undefined;
+    this.state(false, reason, code);
+    clearTimeout(this.again);
+    this.again = setTimeout(() => this.connect(), this.wait);
+    this.wait = Math.min(2000, this.wait * 1.6);
   }
 
   connect() {
     clearTimeout(this.again);
+    this.heard = Date.now();
     const socket = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/live`);
     this.socket = socket;
     socket.onopen = () => { this.open = true; this.wait = 200; this.heard = Date.now(); socket.send(JSON.stringify(this.wanted)); };
@@ -47,22 +84,19 @@ export class Live {
       if (socket !== this.socket) return;
       this.heard = Date.now();
       const message = JSON.parse(event.data);
-      if (message.t === "live") this.state(true, "");
+      if (message.t === "live") { this.at = message.at; this.state(true, ""); }
       this.take(message);
     };
     socket.onclose = (event) => {
       if (socket !== this.socket) return;
-      this.open = false;
-      this.state(false, event.reason, event.code);
-      this.again = setTimeout(() => this.connect(), this.wait);
-      this.wait = Math.min(2000, this.wait * 1.6);
+      this.ended(event.reason, event.code);
     };
   }
 
   renew() {
     const old = this.socket;
     this.socket = null;
-    old.close();
+    old?.close();
     this.connect();
   }
 

@@ -1,24 +1,33 @@
 // Set, actual, lag, torque, state, limits; jog and reference while a key is held.
-import { Table, chip, h, mark, number, put, text } from "../dom.js";
+import { Table, chip, grey, h, mark, number, put, text } from "../dom.js";
 import { FLAG, drive } from "../parts.js";
 import { Trend } from "../trend.js";
 
-export function mount(root, { t, cell, live, may, me, post }) {
+const FROZEN_MS = 600;
+
+export function mount(root, { t, cell, live, login, may, me, post, unable }) {
   const info = new Map(cell.axes.map((axis, n) => [axis.name, { ...axis, n }]));
   const everything = 2 ** cell.axes.length - 1;
   let chosen = cell.axes[0]?.name;
   const speed = h("input", { type: "number", id: "jog-speed", min: "0.1", max: "10", step: "0.1", value: "5" });
   const held = new Map();
+  let reported = true; // that the key pressed last was refused
 
   function order(code, mask = everything, more = {}) {
     return post("/api/command", { code, mask, ...more });
   }
   function press(button, what) {
     if (!may("operator") || held.has(button)) return;
-    const say = () => live.send(what());
-    say();
-    held.set(button, setInterval(say, 150));
+    reported = false;
+    let last = Date.now();
+    const say = (first) => {
+      if (Date.now() - last > FROZEN_MS) { release(button); return; } // the browser stood still: the finger may be long gone
+      last = Date.now();
+      live.send({ ...what(), first, at: live.at });
+    };
+    held.set(button, setInterval(say, 150, false));
     button.classList.add("down");
+    say(true);
   }
   function release(button) {
     if (!held.has(button)) return;
@@ -41,8 +50,8 @@ export function mount(root, { t, cell, live, may, me, post }) {
     () => ({ t: "jog", axis, direction, percent: Number(speed.value) || 5 }));
   const reference = (mask, attributes, title) => key({ title: t("hold until it is done"), ...attributes }, title, () => ({ t: "reference", mask }));
   const all = () => { for (const button of [...held.keys()]) release(button); };
-  document.addEventListener("visibilitychange", all);
-  window.addEventListener("blur", all);
+  for (const end of ["visibilitychange", "freeze"]) document.addEventListener(end, all);
+  for (const end of ["blur", "pagehide"]) window.addEventListener(end, all);
 
   const table = new Table([
     { title: t("axis"), cell: (row, td) => { if (!td.firstChild) td.append(h("button", { type: "button", class: "tiny", onclick: () => { chosen = row.name; trend.clear(chosen); } }, row.name)); } },
@@ -59,6 +68,7 @@ export function mount(root, { t, cell, live, may, me, post }) {
     } },
     { title: t("jog, hold"), cell: (row, td) => { if (!td.firstChild) { const n = info.get(row.name).n; td.append(h("span", { class: "bar", style: "margin:0;flex-wrap:nowrap" }, jog(n, -1), jog(n, 1))); } } },
   ], (row) => row.name, { label: t("Axes") });
+  table.element.classList.add("axes");
 
   function place(row, td) {
     const a = info.get(row.name);
@@ -67,36 +77,75 @@ export function mount(root, { t, cell, live, may, me, post }) {
   }
 
   const trend = new Trend(t);
-  const control = h("button", { type: "button", id: "control", class: "main", onclick: async () => { await post("/api/command", { code: me.holds ? "release_control" : "request_control" }); await refreshMe(); } });
+  const control = h("button", { type: "button", id: "control", class: "main", onclick: async () => {
+    if (!may("operator") && guest()) { login(); return; }
+    await post("/api/command", { code: me.holds ? "release_control" : "request_control" });
+    await refreshMe();
+  } });
+  const guest = () => !me.read_only && (me.name === "local" || me.name === "nobody");
+  const next = h("p", { class: "next", id: "next", role: "status" });
   const holder = h("span", { class: "soft", id: "holder" });
   async function refreshMe() { Object.assign(me, await (await fetch("/api/me")).json()); }
   const buttons = [
     ["enable", "Drives on"], ["disable", "Drives off"], ["fault_reset", "Reset faults"], ["resume", "Resume"], ["abandon", "Abandon rest"],
   ].map(([code, title]) => h("button", { type: "button", "data-code": code, onclick: () => order(code) }, t(title)));
   buttons.splice(2, 0, reference(everything, { "data-ref": "" }, t("Reference all, hold")));
-  const permit = cell.simulated ? h("button", { type: "button", id: "permit", onclick: () => post("/api/permit", undefined, "Enabling inputs are set") }, t("Set enabling inputs (simulation)")) : null;
-  const override = h("input", { type: "range", id: "override", min: "0", max: "100", step: "1", value: "100", "aria-label": t("override"), onchange: () => order("override", 0, { velocity: Number(override.value) / 100 }) });
+  const permit = cell.simulated ? h("button", { type: "button", id: "permit", "aria-pressed": "false", onclick: () => post("/api/permit", { on: !permitted }, permitted ? "Enabling inputs are cleared" : "Enabling inputs are set") }, t("Set enabling inputs (simulation)")) : null;
+  let permitted = false; // as the services say, not as the key was pressed
+  let turning = 0; // the slider is in somebody's hand until then
+  const override = h("input", { type: "range", id: "override", min: "0", max: "100", step: "1", value: "100", "aria-label": t("override"), oninput: () => { turning = Date.now() + 1500; put(overridden, `${override.value} %`); }, onchange: () => order("override", 0, { velocity: Number(override.value) / 100 }) });
+  const overridden = h("output", { id: "override-value" });
+  // What stands between this person and a moving axis; "": nothing.
+  function step(head) {
+    const unfit = unable("operator");
+    if (unfit) return unfit;
+    if (!me.holds) return head.holder || head.owner ? `${t("Somebody else is in control")}: ${head.holder || `${t("door")} ${head.owner}`}.` : t("Request control.");
+    if (head.missing.length) return `${t("Enabling inputs missing")}: ${head.missing.map((each) => t(`permit ${each}`)).join(", ")}.${cell.simulated && !head.permits ? ` ${t("In this simulation the page sets them.")}` : ""}`;
+    if (head.emergency) return t("The emergency stop is latched: reset faults.");
+    if (!head.enabled) return t("The drives are off: switch them on.");
+    if (!head.override) return t("The override is 0 %: raise it.");
+    return "";
+  }
   root.append(
-    h("div", { class: "bar low" }, control, holder, permit, ...buttons, h("label", {}, `${t("override")} %`, override),
+    h("div", { class: "bar low" }, control, holder, permit, ...buttons, h("label", {}, h("span", {}, `${t("override")} `, overridden), override),
       h("label", {}, t("jog speed, % (10 at most)"), speed)),
+    next,
     h("p", { class: "small soft" }, t("Jog and reference keys act while they are held: released, or with the connection lost, the axis stops on the path. The speed limit is not safety-rated.")),
     h("section", { class: "card" }, table.element),
     h("section", { class: "card", style: "margin-top:.9rem" }, trend.element));
   return {
     update(page, head) {
+      if (page && !page.gone) table.update(page.axes); // first: its keys are greyed below
       put(control, me.holds ? t("Release control") : t("Request control"));
       put(holder, head.holder ? `${t("in control")}: ${head.holder}` : head.owner ? `${t("in control")}: ${t("door")} ${head.owner}` : t("nobody is in control"));
       if (me.holds && head.holder !== me.name) refreshMe();
-      for (const button of [...buttons, override]) if (!button.classList.contains("down")) button.disabled = !me.holds;
-      root.querySelectorAll("[data-jog],[data-ref]").forEach((button) => { if (!button.classList.contains("down")) button.disabled = !me.holds; });
-      if (permit) permit.disabled = !(may("setter") || me.local);
-      control.disabled = !may("operator");
+      const why = unable("operator") || (me.holds ? "" : step(head));
+      const words = step(head);
+      put(next, words ? `${t("Next step")}: ${words}` : t("Ready: hold a jog key to move its axis."));
+      mark(next, words ? "next" : "next good");
+      for (const button of [...buttons, override]) if (!button.classList.contains("down")) grey(button, why);
+      root.querySelectorAll("[data-jog],[data-ref]").forEach((button) => { if (!button.classList.contains("down")) grey(button, why); });
+      if (Date.now() > turning) { override.value = String(Math.round(head.override)); put(overridden, `${head.override} %`); }
+      if (permit) {
+        permitted = Boolean(head.permits);
+        grey(permit, may("setter") || (me.local && guest()) ? "" : unable("setter"));
+        put(permit, permitted ? t("Clear enabling inputs (simulation)") : t("Set enabling inputs (simulation)"));
+        permit.setAttribute("aria-pressed", String(permitted));
+      }
+      if (!may("operator") && guest()) put(control, me.fresh ? t("Set password") : t("Log in"));
+      grey(control, may("operator") || guest() ? "" : unable("operator"));
       if (!page || page.gone) return;
-      table.update(page.axes);
       const row = page.axes.find((each) => each.name === chosen);
       if (row) trend.add(page.ns / 1e9, row, info.get(chosen));
     },
     theme: () => trend.theme(),
-    unmount() { all(); document.removeEventListener("visibilitychange", all); window.removeEventListener("blur", all); trend.close(); },
+    lift: all, // what was held counts as released: the key is to be pressed anew
+    refused() { all(); const first = !reported; reported = true; return first; }, // once for each press
+    unmount() {
+      all();
+      for (const end of ["visibilitychange", "freeze"]) document.removeEventListener(end, all);
+      for (const end of ["blur", "pagehide"]) window.removeEventListener(end, all);
+      trend.close();
+    },
   };
 }

@@ -1,12 +1,12 @@
 // The robot and its path in three dimensions; override, feed hold, what waits.
-import { Table, facts, h, put, text } from "../dom.js";
+import { Table, facts, grey, h, put, text } from "../dom.js";
 
 const TRAIL = 600;
 
-export function mount(root, { t, cell, me, may, post }) {
+export function mount(root, { t, cell, me, post, unable }) {
   const canvas = h("div", { class: "canvas", id: "robot", role: "img", "aria-label": t("robot and path") });
   const order = (code, more = {}) => post("/api/command", { code, mask: 2 ** cell.axes.length - 1, ...more });
-  const override = h("input", { type: "range", min: "0", max: "100", step: "1", value: "100", style: "width:14rem", "aria-label": t("override"), onchange: () => order("override", { velocity: Number(override.value) / 100 }) });
+  const override = h("input", { type: "range", min: "0", max: "100", step: "1", value: "100", style: "width:14rem", "aria-label": t("override"), oninput: () => { turning = Date.now() + 1500; }, onchange: () => order("override", { velocity: Number(override.value) / 100 }) });
   const hold = h("button", { type: "button", id: "hold", onclick: () => post("/api/stop", undefined, "Stop is ordered") }, t("Feed hold"));
   const resume = h("button", { type: "button", onclick: () => order("resume") }, t("Resume"));
   const abandon = h("button", { type: "button", onclick: () => order("abandon") }, t("Abandon rest"));
@@ -19,6 +19,7 @@ export function mount(root, { t, cell, me, may, post }) {
   const trail = [];
   let scene = null;
   let gone = false;
+  let turning = 0; // the slider is in somebody's hand until then
   let lines = null; // a robot at rest is told once: the picture may be made later
   root.append(h("div", { class: "bar low" }, control, hold, resume, abandon, h("label", {}, `${t("override")} %`, override), wipe),
     h("div", { class: "grid" },
@@ -29,8 +30,9 @@ export function mount(root, { t, cell, me, may, post }) {
   return {
     update(page, head) {
       put(control, me.holds ? t("Release control") : t("Request control"));
-      control.disabled = !may("operator");
-      for (const button of [resume, abandon, override]) button.disabled = !me.holds;
+      grey(control, unable("operator"));
+      for (const button of [resume, abandon, override]) grey(button, unable("operator") || (me.holds ? "" : t("Request control.")));
+      if (Date.now() > turning) override.value = String(Math.round(head.override));
       if (!page || page.gone) return;
       table.update(page.axes);
       const words = [[t("state"), t(["at rest", "moving", "stopping", "stopped on the path", "referencing"][head.motion])], [t("override"), `${head.override} %`], [t("order"), page.job || "-"], [t("progress"), page.job ? `${Math.round(page.progress * 100)} %` : "-"]];

@@ -1,0 +1,223 @@
+"""The page where something is wrong: a hung process, a browser that stood still, refused keys, devices that are away.  In this order."""
+
+import json
+import os
+import pathlib
+import signal
+import time
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import Page
+
+from gateway import cell_modbus
+from gateway.pure.records import Motion
+from hil_tests.lab.cell_running import free_port
+from hil_tests.lab.modbus_running import Running
+from hil_tests.lab.web_running import CHROMIUM, WebRun, pictures, until, web_run
+
+pytestmark = [pytest.mark.slow, pytest.mark.skipif(CHROMIUM is None, reason="no chromium here")]
+CLIENTS = """
+[[modbus]]
+name = "oven"
+role = "client"
+port = "tcp://127.0.0.1:{oven}"
+[[modbus.device]]
+name = "tank"
+[[modbus.value]]
+device = "tank"
+table = "holding"
+at = 60000
+type = "UINT16"
+to = "tank.level"
+[[modbus]]
+name = "far"
+role = "client"
+port = "tcp://127.0.0.1:{far}"
+[[modbus.device]]
+name = "pump"
+[[modbus.value]]
+device = "pump"
+table = "holding"
+at = 1
+type = "UINT16"
+to = "pump.speed"
+"""
+JOG = "[data-jog='5+']"
+FULL = """() => fetch('/api/me').then(r => r.json()).then(me => fetch('/api/command', {method: 'POST',
+  body: '{"code": "override"}', headers: {'content-type': 'application/json', 'x-axisgate-csrf': me.csrf}}))"""
+MANY = "import('/static/dom.js').then(d => { for (let n = 0; n < 60; n += 1) d.toast(`${n} ` + 'words '.repeat(60), 'bad'); })"
+
+
+@pytest.fixture(scope="module")
+def web(tmp_path_factory: pytest.TempPathFactory) -> Iterator[WebRun]:
+    demo = pathlib.Path(cell_modbus.__file__).parents[1] / "configs/cells/demo.toml"
+    file = tmp_path_factory.mktemp("cell") / "faults.toml"
+    with Running() as oven:
+        file.write_text(demo.read_text() + CLIENTS.replace("{oven}", str(oven.port)).replace("{far}", str(free_port())))
+        with web_run("faults", cell=str(file)) as run:
+            yield run
+
+
+@pytest.fixture(scope="module")
+def boss(web: WebRun) -> Iterator[Page]:
+    context = web.context()
+    page = web.page(context)
+    web.login(page)
+    yield page
+    context.close()
+
+
+def stays_at_rest(web: WebRun, seconds: float) -> bool:
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        if web.run.state().motion is not Motion.IDLE:
+            return False
+        time.sleep(0.02)
+    return True
+
+
+def toasts(page: Page) -> list[str]:
+    return page.locator(".toast").all_inner_texts()
+
+
+def pressed(web: WebRun, page: Page) -> None:
+    """The jog key of A6 is down and the axis moves."""
+    web.in_control(page)
+    page.evaluate(FULL)
+    until(lambda: "override 100 %" in page.inner_text("#state"), "override 100 %")
+    page.locator(JOG).hover()
+    page.mouse.down()
+    until(lambda: web.run.state().motion is Motion.RUNNING, "A6 moves", 15)
+
+
+def test_devices_that_are_away_and_reads_refused_stand_on_the_page(web: WebRun, boss: Page) -> None:
+    web.go(boss, "lines")
+    until(lambda: "exception 02h illegal data address" in boss.inner_text("#asked tr:has-text('tank')"), "the refused read")
+    assert "answers" in boss.inner_text("#asked tr:has-text('tank')")
+    until(lambda: "no connection" in boss.inner_text("#asked tr:has-text('pump')"), "the pump that was never reached")
+    assert "oven alive" in boss.inner_text("#state") and "far silent" in boss.inner_text("#state")
+    boss.screenshot(path=pictures() / "lines-modbus-devices.png", full_page=True)
+
+
+def test_after_stop_a_key_that_is_still_held_moves_nothing(web: WebRun, boss: Page) -> None:
+    pressed(web, boss)
+    boss.keyboard.press("Shift+Escape")
+    until(lambda: web.run.state().motion in (Motion.IDLE, Motion.STOPPED), "it stops")
+    web.go(boss, "axes")
+    assert not boss.evaluate("document.querySelector('button.down')")
+    boss.mouse.up()
+    boss.locator("[data-code=abandon]").click()
+    until(lambda: web.run.state().motion is Motion.IDLE, "nothing waits")
+
+
+def test_a_stop_from_elsewhere_ends_the_held_key(web: WebRun, boss: Page) -> None:
+    pressed(web, boss)
+    assert web.ask("POST", "/api/stop", x_axisgate="1")[0] == 200
+    until(lambda: web.run.state().motion is Motion.STOPPED, "it stops on the path")
+    time.sleep(1.0)
+    assert web.run.state().motion is Motion.STOPPED, "the key is still down, and moves nothing"
+    until(lambda: any("release the key" in each for each in toasts(boss)), "it says what to do")
+    boss.mouse.up()
+    boss.locator("[data-code=abandon]").click()
+    until(lambda: web.run.state().motion is Motion.IDLE, "nothing waits")
+
+
+def test_a_browser_that_stood_still_never_jogs_on(web: WebRun, boss: Page) -> None:
+    pressed(web, boss)
+    boss.evaluate("const end = Date.now() + 1500; while (Date.now() < end);")  # the key stays down meanwhile
+    until(lambda: web.run.state().motion is Motion.IDLE, "it stopped by itself")
+    assert stays_at_rest(web, 1.5), "it goes on though nobody pressed the key again"
+    boss.mouse.up()
+
+
+def test_a_page_that_lost_its_focus_never_jogs_on(web: WebRun, boss: Page) -> None:
+    pressed(web, boss)
+    boss.evaluate("window.dispatchEvent(new Event('blur'))")
+    until(lambda: web.run.state().motion is Motion.IDLE, "it stops")
+    boss.evaluate("window.dispatchEvent(new Event('focus'))")
+    assert stays_at_rest(web, 1.0)
+    boss.mouse.up()
+
+
+def test_a_key_pressed_on_an_old_picture_moves_nothing(web: WebRun, boss: Page) -> None:
+    """What waits in a network or a hung process is carried out late, or never: never."""
+    web.in_control(boss)
+    told = boss.evaluate(
+        """() => new Promise((done) => {
+        const socket = new WebSocket(location.origin.replace('http', 'ws') + '/live');
+        const answers = [];
+        socket.onmessage = (event) => {
+          const message = JSON.parse(event.data);
+          if (message.t === 'live' && !answers.length) {
+            answers.push(1);
+            socket.send(JSON.stringify({t: 'jog', axis: 5, direction: 1, percent: 5, first: true, at: message.at - 3000}));
+          }
+          if (message.t === 'told') { done(message); socket.close(); }
+        };
+        })"""
+    )
+    assert told["held"]["state"] == "REFUSED" and "too slow" in told["held"]["say"][0]
+    assert stays_at_rest(web, 0.5)
+
+
+def test_a_refused_key_says_so_once_in_words_and_stands_in_the_journal_once(web: WebRun, boss: Page) -> None:
+    web.in_control(boss)
+    boss.click("[data-code=disable]")
+    until(lambda: "drives on 0/6" in boss.inner_text("#state"), "drives are off")
+    boss.evaluate("document.getElementById('toasts').replaceChildren()")
+
+    def entries() -> int:
+        return sum("jog" in json.dumps(each) or "drives are off" in each["text"] for each in web.run.journal("command"))
+
+    before = entries()
+    boss.locator(JOG).hover()
+    boss.mouse.down()
+    until(lambda: toasts(boss) != [], "the refusal")
+    time.sleep(1.5)  # still held
+    assert toasts(boss) == ["drives are off: A6. Switch the drives on."]
+    assert entries() == before + 1
+    boss.mouse.up()
+
+
+def test_toasts_never_cover_stop(web: WebRun) -> None:
+    for phone in (False, True):
+        context = web.context(phone=phone)
+        page = web.page(context)
+        page.evaluate(MANY)
+        page.wait_for_selector(".toast")
+        stop = page.locator("#stop")
+        box = stop.bounding_box()
+        assert box is not None
+        for x, y in ((5, 5), (box["width"] - 5, box["height"] - 5), (box["width"] / 2, box["height"] / 2)):
+            found = page.evaluate("([x, y]) => document.elementFromPoint(x, y)?.id", [box["x"] + x, box["y"] + y])
+            assert found == "stop"
+        covering = page.evaluate(
+            """() => { const s = document.getElementById('stop').getBoundingClientRect();
+            return [...document.querySelectorAll('.toast, #toasts')].filter((each) => { const r = each.getBoundingClientRect();
+              return r.top < s.bottom && r.bottom > s.top && r.left < s.right && r.right > s.left && r.height; }).length; }"""
+        )
+        assert covering == 0
+        assert page.locator(".toast").count() <= 3
+        context.close()
+
+
+def test_a_hung_page_process_is_shown_within_three_seconds_and_nothing_looks_alive(web: WebRun, boss: Page) -> None:
+    web.go(boss, "overview")
+    until(lambda: boss.locator("#state .chip.good").count() > 0, "something is good")
+    pid = web.run.pid("web")
+    os.kill(pid, signal.SIGSTOP)
+    try:
+        start = time.monotonic()
+        boss.wait_for_selector("#lost", timeout=3000)
+        assert time.monotonic() - start < 3.0
+        assert boss.locator("#state .chip.good").count() == 0 and "ready" not in boss.inner_text("#state")
+        assert float(boss.evaluate("getComputedStyle(document.querySelector('main')).opacity")) < 0.7
+        boss.screenshot(path=pictures() / "lost.png")
+        boss.click("#stop")
+        until(lambda: any("use the emergency stop" in each for each in toasts(boss)), "that STOP did not arrive", 6)
+    finally:
+        os.kill(pid, signal.SIGCONT)
+    boss.wait_for_selector("#lost", state="detached")
+    until(lambda: boss.evaluate("!document.body.classList.contains('gone')"), "values are fresh again")
+    assert web.complaints == []
