@@ -1,0 +1,196 @@
+"""Reads the declarations of a program or a subroutine.  Any order is taken (constants behind variables are printed: L7163-7169)."""
+
+from gateway.pure.languages.baps2.expressions import ExpressionReader
+from gateway.pure.languages.baps2.lexer import Kind, Token
+from gateway.pure.languages.baps2.stream import Misread, Stream
+from gateway.pure.languages.baps2.tree import (
+    Constant,
+    Declaration,
+    Declared,
+    Expression,
+    External,
+    Head,
+    Number,
+    Parameter,
+    SpecialFunction,
+    TypeName,
+)
+from gateway.pure.languages.base.source import Position
+
+PLAIN = ("INTEGER", "REAL", "BINARY", "CHAR", "TEXT")
+KINEMATIC = ("POINT", "JC_POINT", "WC_FRAME", "BELT")
+TYPES = (*PLAIN, *KINEMATIC, "ARRAY", "INPUT", "OUTPUT", "FILE", "BNR_FILE", "SEMAPHORE")
+STARTERS = (*TYPES, "CONST", "PUBLIC", "DEF", "EXTERNAL", "SPC_FCT", "VALUE")
+BODY = ("BEGIN", "START", "PROGRAM_END", "SUB_END", "END", "SUBROUTINE", "PROGRAM")
+LONG_NAME = 12  # characters that count (L5677, L8837); longer names are printed (L6914)
+
+
+class DeclarationReader:
+    """Reads from a stream; declared names are entered in `names` of the expression reader at once."""
+
+    def __init__(self, stream: Stream, expressions: ExpressionReader, head: Head) -> None:
+        self._stream, self._expressions, self._head = stream, expressions, head
+        self.files: set[str] = set()
+        self.belts: set[str] = set()
+
+    def read(self) -> tuple[Declaration, ...]:
+        """All declarations in front of the body."""
+        found: list[Declaration] = []
+        while self._begins():
+            place = self._stream.place
+            try:
+                found += self._one()
+            except Misread:
+                self._pass_over(place)
+            self._stream.sign(",")
+        return tuple(found)
+
+    def _begins(self) -> bool:
+        return self._stream.is_word(STARTERS) or self._is_kinematic(self._stream.token)
+
+    def _is_kinematic(self, token: Token) -> bool:
+        return token.kind is Kind.NAME and self._stream.ahead().text == "." and token.key in self._head.kinematics
+
+    def _pass_over(self, place: int) -> None:
+        """To the next declaration or the body."""
+        if self._stream.place == place:
+            self._stream.take()
+        while not (self._begins() or self._stream.is_word(BODY) or self._stream.token.kind is Kind.END):
+            self._stream.take()
+
+    def _one(self) -> list[Declaration]:
+        if self._stream.word("CONST"):
+            self._stream.expect_sign(":", "behind CONST")
+            return list(self._constants())
+        if self._stream.word("EXTERNAL"):
+            return [self._external()]
+        if self._stream.word("SPC_FCT"):
+            return [self._special_function()]
+        public = self._stream.word("PUBLIC")
+        teach = self._stream.word("DEF")
+        kind = self.type_name()
+        if kind.base in ("INPUT", "OUTPUT", "BELT"):
+            self._stream.expect_sign(":", "behind the type")
+            return list(self._channels(kind))
+        self._stream.expect_sign(":", "behind the type")
+        return [Declared(token.position, token.key, kind, None, public, teach) for token in self._names(kind)]
+
+    def type_name(self) -> TypeName:
+        """A type as it is written."""
+        token, kinematic = self._stream.token, ""
+        if self._is_kinematic(token):
+            kinematic = token.key
+            self._stream.take()
+            self._stream.take()
+        elif self._stream.ahead().text == "." and self._stream.ahead(2).word in KINEMATIC:
+            self._stream.wrong(f"kinematic {token.text} is not declared", "kinematic-unknown")
+        word = self._stream.token.word
+        if word not in TYPES or (kinematic and word not in KINEMATIC):
+            self._stream.wrong(f"a type is expected, not {self._stream.token}")
+        self._stream.take()
+        if word == "ARRAY":
+            return self._array(token.position)
+        element = ""
+        if word in ("FILE", "INPUT", "OUTPUT") and self._stream.is_word((*PLAIN, *KINEMATIC)):
+            element = self._stream.take().word
+        return TypeName(token.position, word, kinematic, element=element)
+
+    def _array(self, at: Position) -> TypeName:
+        self._stream.expect_sign("[", "behind ARRAY")
+        low = self._expressions.read()
+        self._stream.expect_sign("..", "between the bounds")
+        high = self._expressions.read()
+        self._stream.expect_sign("]", "behind the bounds")
+        kind = self.type_name()
+        if kind.base not in (*PLAIN, "POINT", "JC_POINT"):
+            self._stream.wrong(f"{kind.base} is no type of an element", at=kind.at)
+        return TypeName(at, kind.base, kind.kinematic, low, high)
+
+    def _names(self, kind: TypeName | None) -> list[Token]:
+        found = [self._declare(self._stream.name("a name"), kind)]
+        while self._stream.sign(","):
+            if self._begins() and self._stream.ahead().text not in (",", "="):
+                break  # a comma too many in front of the next declaration
+            found.append(self._declare(self._stream.name("a name"), kind))
+        return found
+
+    def _declare(self, token: Token, kind: TypeName | None) -> Token:
+        self._expressions.names.add(token.key)
+        if len(token.text.lstrip("@")) > LONG_NAME:
+            self._stream.faults.warning("long-name", token.position, f"{token.text} has more than {LONG_NAME} characters")
+        if kind is not None and kind.base in ("FILE", "BNR_FILE"):
+            self.files.add(token.key)
+        if kind is not None and kind.base == "BELT":
+            self.belts.add(token.key)
+        return token
+
+    def _constants(self) -> list[Constant]:
+        found = []
+        while True:
+            token = self._declare(self._stream.name("the name of a constant"), None)
+            self._stream.expect_sign("=", "behind the name of a constant")
+            found.append(Constant(token.position, token.key, self._expressions.read()))
+            comma = self._stream.sign(",")
+            if self._stream.token.kind is not Kind.NAME or self._stream.ahead().text != "=" or (not comma and self._begins()):
+                return found
+
+    def _channels(self, kind: TypeName) -> list[Declared]:
+        """`610 = PROBE, 611 = HS`; a comma may be missing (D-34)."""
+        found = []
+        while True:
+            channel = self._expressions.sum()
+            self._stream.expect_sign("=", "behind the channel")
+            token = self._declare(self._stream.name("the name of the channel"), kind)
+            found.append(Declared(token.position, token.key, kind, channel))
+            self._stream.sign(",")
+            number = self._stream.token.kind is Kind.NUMBER
+            constant = self._expressions.names_it(self._stream.token) and self._stream.ahead().text == "="
+            if not (number or constant):
+                return found
+
+    def _external(self) -> External:
+        at = self._stream.token.position
+        program = "" if self._stream.is_sign(":") else self._stream.name("the name of a program").key
+        self._stream.expect_sign(":", "behind EXTERNAL")
+        tokens = self._names(None) if program else self._programs()
+        return External(at, program, tuple((token.key, token.position) for token in tokens))
+
+    def _programs(self) -> list[Token]:
+        found = [self._stream.name("the name of a program")]
+        while self._stream.sign(","):
+            found.append(self._stream.name("the name of a program"))
+        return found
+
+    def _special_function(self) -> SpecialFunction:
+        self._stream.expect_sign(":", "behind SPC_FCT")
+        at = self._stream.token.position
+        number: Expression = self._expressions.sum() if self._stream.token.kind is not Kind.NUMBER else self._number()
+        self._stream.expect_sign("=", "behind the number of the special function")
+        name = self._declare(self._stream.name("the name of the special function"), None)
+        return SpecialFunction(at, number, name.key, self.parameters())
+
+    def _number(self) -> Expression:
+        token = self._stream.take()
+        return Number(token.position, int(token.text) if token.text.isdigit() else float(token.text))
+
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Groups of parameters in brackets; one VALUE serves its group, no comma is needed between groups (L1721, 9730)."""
+        found: list[Parameter] = []
+        if not self._stream.sign("("):
+            return ()
+        while not self._stream.sign(")"):
+            by_value = self._stream.word("VALUE")
+            kind = self.type_name()
+            self._stream.expect_sign(":", "behind the type of a parameter")
+            while True:
+                token = self._stream.name("the name of a parameter")
+                found.append(Parameter(token.position, token.key, kind, by_value))
+                if not self._stream.sign(",") or self._group():
+                    break
+            if not (self._group() or self._stream.is_sign(")")):
+                self._stream.wrong(f"')' is expected behind the parameters, not {self._stream.token}")
+        return tuple(found)
+
+    def _group(self) -> bool:
+        """Whether a group of parameters begins here."""
+        return self._stream.is_word((*TYPES, "VALUE")) or self._is_kinematic(self._stream.token)

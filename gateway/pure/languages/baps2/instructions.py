@@ -1,0 +1,118 @@
+"""Compiler instructions (rho 3 releases L788-794, 1145-1148, 2190, 5725-5746, 5950): what they set in the head of a program."""
+
+import re
+
+from gateway.pure.languages.baps2.tree import Head, Instruction
+from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.source import Position
+
+WAYS = {"LINEAR": "LINEAR", "PTP": "PTP", "CIRCULAR": "CIRCULAR", "ZIRKULAR": "CIRCULAR"}
+ALIASES = {
+    "STEUERUNG": "CONTROL",
+    "KINEMATIC": "KINEMATICS",  # D-30
+    "KINEMATIK": "KINEMATICS",
+    "KINEMATIKEN": "KINEMATICS",
+    "JC_NAME": "JC_NAMES",  # D-30
+    "MK_NAMEN": "JC_NAMES",
+    "WC_NAME": "WC_NAMES",
+    "WK_NAMEN": "WC_NAMES",
+    "PROCESS_TYPE": "PROCESS_KIND",  # D-30
+    "PROZESS_ART": "PROCESS_KIND",
+    "WARNUNG": "WARNING",
+    "FEHLER": "ERROR",
+}
+MOST_KINEMATICS = 16
+_FORM = re.compile(r"(?:(?P<kinematic>[^\W\d]\w*)\s*\.\s*)?(?P<word>[^\W\d]\w*)\s*[:=]?\s*(?P<value>.*)", re.DOTALL)
+_PAIR = re.compile(r"(\d+)\s*=\s*([^\W\d]\w*)")
+_NAME = re.compile(r"[^\W\d]\w*")
+
+
+def take(text: str, at: Position, head: Head, faults: Faults, *, begun: bool) -> Instruction | None:
+    """Enters an instruction in the head; one that acts among the statements is returned (`begun`: behind BEGIN)."""
+    match = _FORM.fullmatch(text)
+    if match is None:
+        faults.error("instruction-unknown", at, f"';;{text}' is no compiler instruction")
+        return None
+    word = match["word"].upper()
+    word, value, kinematic = ALIASES.get(word, word), match["value"].strip(), (match["kinematic"] or "").upper()
+    match word:
+        case "CONTROL":
+            head.control = value.replace(" ", "").upper()
+            if head.control != "RHO3":
+                faults.error("control", at, f"control {value or 'without a name'}", "only RHO3 runs here")
+        case "KINEMATICS" if "=" in value or value.lstrip("( ").isdigit():
+            _kinematics(value, at, head, faults)
+        case "KINEMATICS" | "INT":
+            return _default(word, value, at, head, faults, begun=begun)
+        case "JC_NAMES" | "WC_NAMES":
+            _components(word, kinematic, value, at, head, faults)
+        case "PROCESS_KIND":
+            head.permanent = value.upper() in ("PERMANENT", "PERM")
+            if not head.permanent:
+                faults.error("process-kind", at, f"process kind {value or 'without a name'}", "PERMANENT is the only one")
+        case "FILE_ERROR":
+            head.file_error = _on(word, value, at, faults)
+        case "SER_IO_STOP":
+            head.serial_stop = _on(word, value, at, faults)
+        case "WARNING":
+            faults.warnings = _on(word, value, at, faults)
+        case "ERROR":
+            if value.isdigit() and int(value):
+                faults.most = int(value)
+            else:
+                faults.error("instruction-value", at, f"ERROR = {value}", "a number of errors from 1 is expected")
+        case _:
+            faults.error("instruction-unknown", at, f"';;{text}' is no compiler instruction")
+    return None
+
+
+def _kinematics(value: str, at: Position, head: Head, faults: Faults) -> None:
+    pairs = _PAIR.findall(value)
+    rest = _PAIR.sub("", value).translate(str.maketrans("", "", "(), \t"))
+    if rest or not pairs:
+        faults.error("kinematics", at, f"kinematics {value}", "the form is ;;KINEMATICS : ( 1 = NAME , 2 = NAME2 )")
+    for number, name in pairs:
+        if not 1 <= int(number) <= MOST_KINEMATICS:
+            faults.error("kinematics", at, f"kinematic number {number}", f"1..{MOST_KINEMATICS} are there")
+        elif int(number) in head.kinematics.values() or name.upper() in head.kinematics:
+            faults.error("declared-twice", at, f"kinematic {number} = {name} is declared twice")
+        else:
+            head.kinematics[name.upper()] = int(number)
+
+
+def _default(word: str, value: str, at: Position, head: Head, faults: Faults, *, begun: bool) -> Instruction | None:
+    """Default kinematic or interpolation, from here on."""
+    name = value.upper()
+    if word == "INT" and name not in WAYS:
+        faults.error("instruction-value", at, f"INT = {value}", "LINEAR, PTP or CIRCULAR is expected")
+        return None
+    if word == "KINEMATICS" and name not in head.kinematics:
+        faults.error("kinematic-unknown", at, f"kinematic {value} is not declared")
+        return None
+    name = WAYS.get(name, name) if word == "INT" else name
+    if begun:
+        return Instruction(at, word, name)
+    if word == "INT":
+        head.default_way = name
+    else:
+        head.default_kinematic = name
+    return None
+
+
+def _components(word: str, kinematic: str, value: str, at: Position, head: Head, faults: Faults) -> None:
+    names = tuple(part.strip().upper() for part in value.split(","))
+    if kinematic and kinematic not in head.kinematics:
+        faults.error("kinematic-unknown", at, f"kinematic {kinematic} is not declared")
+    if any(_NAME.fullmatch(name) is None for name in names):
+        faults.error("instruction-value", at, f"{word} = {value}", "names separated by commas are expected")
+        return
+    for name in {name for name in names if names.count(name) > 1}:
+        faults.error("declared-twice", at, f"component {name} is named twice")
+    (head.joint_names if word == "JC_NAMES" else head.world_names)[kinematic] = names
+
+
+def _on(word: str, value: str, at: Position, faults: Faults) -> bool:
+    """`+`, `-` or nothing (which means +)."""
+    if value not in ("", "+", "-"):
+        faults.error("instruction-value", at, f"{word} {value}", "+ or - is expected")
+    return value != "-"

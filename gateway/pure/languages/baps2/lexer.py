@@ -1,0 +1,110 @@
+"""Characters to tokens.  Line ends mean nothing but for comments and compiler instructions; names are compared without case.
+
+Source: rho 3 releases, the programs printed (`;` comments L1156, `(* *)` L8084, `;;` instructions L1145, `::` for them D-30).
+A `;` right behind a word that only assignments follow separates them (`AFACTOR=1;DFACTOR=1`, L11628; AX-690).
+"""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import Enum
+
+from gateway.pure.languages.baps2.words import Words
+from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.source import Position, SourceFile
+
+
+class Kind(Enum):
+    """What a token is."""
+
+    NAME = "name"
+    NUMBER = "number"
+    TEXT = "text"
+    SIGN = "sign"  # operators and punctuation
+    INSTRUCTION = "compiler instruction"
+    END = "end of file"
+
+
+@dataclass(frozen=True, slots=True)
+class Token:
+    """`text` is what the source has (texts without quotes); `word` the token of the word table, or "" for other names."""
+
+    kind: Kind
+    text: str
+    position: Position
+    word: str = ""
+
+    @property
+    def key(self) -> str:
+        """The name as names are compared."""
+        return self.text.upper()
+
+    def __str__(self) -> str:
+        return "the end of the file" if self.kind is Kind.END else f"'{self.text}'"
+
+
+_PATTERN = re.compile(
+    r"""(?P<blank>[^\S\n]+)
+      | (?P<line>\n)
+      | (?P<instruction>(?:;[ \t]*;|::)[^\n]*)
+      | (?P<separator>(?<=\w);(?=[ \t]*@?[^\W\d]\w*[ \t]*=[ \t]*[-+]?[\w.%]+[ \t]*(?:[;,]|\n|$)))
+      | (?P<comment>;[^\n]*|\(\*.*?\*\))
+      | (?P<number>\d+\.\d+|\d+\.(?![.\w])|\.\d+|\d+)
+      | (?P<name>@?[^\W\d]\w*)
+      | (?P<text>'[^'\n]*'|"[^"\n]*")
+      | (?P<sign><>|<=|>=|=<|=>|\.\.|[-+*/=<>(),:.\[\]@%])
+    """,
+    re.VERBOSE | re.DOTALL,
+)
+_SAME = {"=<": "<=", "=>": ">="}
+
+
+def tokens_of(source: SourceFile, words: Words, faults: Faults) -> Iterator[Token]:
+    """All tokens, an END token last.  What is no token is a fault and is passed over."""
+    text, at, line, start = source.text, 0, 1, 0
+    while at < len(text):
+        match = _PATTERN.match(text, at)
+        position = source.at(line, at - start + 1)
+        if match is None:
+            at += _unknown(text, at, position, faults)
+            continue
+        found, kind = match.group(), match.lastgroup
+        if kind == "number" and match.end() < len(text) and re.match(r"[^\W\d]", text[match.end()]):
+            faults.error("number-runs-into-word", position, f"'{found}' runs into the word behind it", "put a blank between them")
+        if kind not in ("blank", "line", "comment", "separator"):
+            yield _token(kind or "", found, position, words)
+        lines = found.count("\n")
+        if lines:
+            line, start = line + lines, at + found.rindex("\n") + 1
+        at = match.end()
+    yield Token(Kind.END, "", source.at(line, at - start + 1))
+
+
+def _token(kind: str, found: str, position: Position, words: Words) -> Token:
+    match kind:
+        case "number":
+            return Token(Kind.NUMBER, found, position)
+        case "text":
+            return Token(Kind.TEXT, found[1:-1], position)
+        case "name":
+            return Token(Kind.NAME, found, position, words.token(found) or "")
+        case "instruction":
+            return Token(Kind.INSTRUCTION, found.lstrip(";: \t").partition(";")[0].strip(), position)
+        case _:
+            return Token(Kind.SIGN, _SAME.get(found, found), position)
+
+
+def _unknown(text: str, at: int, position: Position, faults: Faults) -> int:
+    """Reports one character that begins no token; how many characters to pass over."""
+    if text[at] in "'\"":
+        end = text.find("\n", at)
+        faults.error("text-without-end", position, "this text has no closing quote on its line")
+        return (end if end >= 0 else len(text)) - at
+    if text.startswith("(*", at):
+        faults.error("comment-without-end", position, "this comment has no closing *)")
+        return len(text) - at
+    end = at + 1
+    while end < len(text) and not text[end].isspace() and _PATTERN.match(text, end) is None:
+        end += 1
+    faults.error("no-token", position, f"'{text[at:end]}' means nothing here")
+    return end - at

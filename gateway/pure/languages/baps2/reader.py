@@ -1,0 +1,102 @@
+"""Reads a whole source: head, declarations, main part, subroutines.  All faults of the file in one run, never an exception."""
+
+from gateway.pure.languages.baps2 import instructions
+from gateway.pure.languages.baps2.declarations import DeclarationReader
+from gateway.pure.languages.baps2.expressions import ExpressionReader
+from gateway.pure.languages.baps2.lexer import Kind
+from gateway.pure.languages.baps2.statements import ROUTINE_ENDS, StatementReader
+from gateway.pure.languages.baps2.stream import Misread, Stream
+from gateway.pure.languages.baps2.tree import Declaration, Head, Parameter, Program, Routine, Statement
+from gateway.pure.languages.baps2.words import Words
+from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.source import Position, SourceFile
+from gateway.pure.languages.base.store import ProgramStore
+
+ENDS = {"PROGRAM": ("PROGRAM_END", "END"), "SUBROUTINE": ("SUB_END", "END")}
+
+
+def read(source: SourceFile, words: Words, store: ProgramStore, faults: Faults) -> Program | None:
+    """The tree; None where not even a program begins in it."""
+    return _Reader(Stream(source, words, store, faults), faults).program()
+
+
+class _Reader:
+    def __init__(self, stream: Stream, faults: Faults) -> None:
+        self._stream, self._faults, self._head = stream, faults, Head()
+
+    def program(self) -> Program | None:
+        self._instructions()
+        first = self._stream.token
+        if first.word not in ENDS:
+            self._faults.error("no-program", first.position, f"PROGRAM is expected, not {first}")
+            self._find()
+            if self._stream.token.word not in ENDS:
+                return None
+        external = self._stream.token.word == "SUBROUTINE"
+        main = self._routine()
+        subroutines = []
+        while self._more():
+            subroutines.append(self._routine())
+        return Program(self._head, main, tuple(subroutines), external)
+
+    def _instructions(self) -> None:
+        while self._stream.token.kind is Kind.INSTRUCTION:
+            token = self._stream.take()
+            instructions.take(token.text, token.position, self._head, self._faults, begun=False)
+
+    def _find(self) -> None:
+        """The beginning of a routine."""
+        while self._stream.token.word not in ENDS and self._stream.token.kind is not Kind.END:
+            if self._stream.token.kind is Kind.INSTRUCTION:
+                self._instructions()
+            else:
+                self._stream.take()
+
+    def _more(self) -> bool:
+        """Whether another routine follows; anything else behind an end is reported once."""
+        self._instructions()
+        token = self._stream.token
+        if token.kind is not Kind.END and token.word not in ENDS:
+            self._faults.error("behind-the-end", token.position, f"only subroutines may follow here, not {token}")
+            self._find()
+        return self._stream.token.kind is not Kind.END
+
+    def _routine(self) -> Routine:
+        word = self._stream.take().word
+        at, name = self._stream.token.position, ""
+        expressions = ExpressionReader(self._stream, set())
+        declarations = DeclarationReader(self._stream, expressions, self._head)
+        parameters: tuple[Parameter, ...] = ()
+        try:
+            name = self._stream.name("the name of the program" if word == "PROGRAM" else "the name of the subroutine").key
+            parameters = declarations.parameters()
+        except Misread:
+            pass
+        expressions.names.update(parameter.name for parameter in parameters)
+        declarations.files.update(each.name for each in parameters if each.type.base in ("FILE", "BNR_FILE"))
+        found: list[Declaration] = []
+        while True:
+            self._instructions()
+            place = self._stream.place
+            found += declarations.read()
+            if self._stream.place == place:
+                break
+        return Routine(at, name, parameters, tuple(found), self._body(word, at, expressions, declarations))
+
+    def _body(self, word: str, at: Position, expressions: ExpressionReader, declarations: DeclarationReader) -> tuple[Statement, ...]:
+        """From BEGIN to the end of the routine."""
+        if not self._stream.word("BEGIN", "START"):
+            self._faults.error("no-begin", self._stream.token.position, f"BEGIN is expected, not {self._stream.token}")
+        statements = StatementReader(self._stream, expressions, declarations, self._head)
+        found: list[Statement] = []
+        while True:
+            found += statements.body(ENDS[word])
+            token = self._stream.token
+            if self._stream.word(*ENDS[word]):
+                return tuple(found)
+            if token.kind is Kind.END or token.word in ROUTINE_ENDS:
+                self._faults.error("not-closed", token.position, f"{ENDS[word][0]} is expected for {word} of line {at.line}, not {token}")
+                self._stream.word("PROGRAM_END", "SUB_END")
+                return tuple(found)
+            self._faults.error("syntax", token.position, f"{token} ends nothing here")
+            self._stream.take()

@@ -1,0 +1,345 @@
+"""Reads statements.  A name in front of `=`, `.` or `[` is assigned to, in front of `:` it is a label, else it is called."""
+
+from collections.abc import Callable, Collection, Mapping
+
+from gateway.pure.languages.baps2 import instructions
+from gateway.pure.languages.baps2.declarations import DeclarationReader
+from gateway.pure.languages.baps2.expressions import ExpressionReader
+from gateway.pure.languages.baps2.lexer import Kind
+from gateway.pure.languages.baps2.stream import Misread, Stream
+from gateway.pure.languages.baps2.tree import (
+    Binary,
+    Block,
+    CallStatement,
+    Case,
+    Choice,
+    Exclusive,
+    Expression,
+    FileOrder,
+    Head,
+    If,
+    Jump,
+    Label,
+    Leg,
+    Move,
+    Name,
+    Parallel,
+    Read,
+    Repeat,
+    Set,
+    Simple,
+    StartStop,
+    Statement,
+    Sync,
+    Synchron,
+    Wait,
+    WaitUntil,
+    Write,
+)
+from gateway.pure.languages.base.source import Position
+
+DEVICES = frozenset({"PHG", "TTY", *(f"V24_{n}" for n in range(1, 5)), *(f"SER_{n}" for n in range(1, 5))})
+CLOSERS = frozenset(
+    "END PROGRAM_END SUB_END REPEAT_END PARALLEL_END ALSO EXCLUSIVE_END CASE_END EQUAL DEFAULT ELSE SUBROUTINE PROGRAM".split()
+)
+ROUTINE_ENDS = frozenset("PROGRAM_END SUB_END SUBROUTINE PROGRAM".split())
+
+
+class StatementReader:
+    """Reads from a stream, with what the head and the declarations said."""
+
+    def __init__(self, stream: Stream, expressions: ExpressionReader, declarations: DeclarationReader, head: Head) -> None:
+        self._stream, self._expressions, self._declarations, self._head = stream, expressions, declarations, head
+        self._readers: Mapping[str, Callable[[Position], Statement]] = {
+            "MOVE": lambda at: self._move(at, self._relative_mark()),
+            "MOVE_REL": lambda at: self._move(at, True),
+            "WAIT": self._wait,
+            "IF": self._if,
+            "BEGIN": self._block,
+            "CASE": self._case,
+            "REPEAT": self._repeat,
+            "PARALLEL": self._parallel,
+            "EXCLUSIVE": self._exclusive,
+            "JUMP": lambda at: Jump(at, self._stream.name("a label").key),
+            "HALT": lambda at: Simple(at, "HALT"),
+            "BREAK": lambda at: Simple(at, "BREAK"),
+            "REF_PNT": lambda at: Simple(at, "REF_PNT", self._kinematic()),
+            "START": lambda at: StartStop(at, "START", self._stream.name("a program").key),
+            "STOP": lambda at: StartStop(at, "STOP", self._stream.name("a program").key),
+            "SYNC": self._sync,
+            "SYNCHRON": self._synchron,
+            "SYNCHRON_END": lambda at: Simple(at, "SYNCHRON_END", self._belt()),
+            "READ": self._read,
+            "WRITE": self._write,
+            "READ_BEGIN": lambda at: self._file(at, "READ_BEGIN"),
+            "WRITE_BEGIN": lambda at: self._file(at, "WRITE_BEGIN"),
+            "WRITE_END": lambda at: self._file(at, "WRITE_END"),
+            "CLOSE": lambda at: self._file(at, "CLOSE"),
+            "ASSIGN": self._assign,
+        }
+
+    def body(self, ends: Collection[str]) -> tuple[Statement, ...]:
+        """Statements up to one of these words, which is not taken, or a word that can only end something around."""
+        found: list[Statement] = []
+        while not (self._stream.is_word(ends) or self._stream.is_word(CLOSERS) or self._stream.token.kind is Kind.END):
+            if self._stream.sign(","):  # between assignments (L6275)
+                continue
+            if (statement := self.one()) is not None:
+                found.append(statement)
+        return tuple(found)
+
+    def one(self) -> Statement | None:
+        """One statement; None where it was misread or only set something."""
+        place = self._stream.place
+        try:
+            with self._stream.nested():
+                return self._statement()
+        except Misread:
+            self._pass_over(place)
+            return None
+
+    def required(self, where: str) -> Statement:
+        """One statement, which has to be there."""
+        at = self._stream.token.position
+        if self._stream.is_word(CLOSERS) or self._stream.token.kind is Kind.END:
+            self._stream.wrong(f"a statement is expected {where}, not {self._stream.token}")
+        return self.one() or Block(at, ())
+
+    def _statement(self) -> Statement | None:
+        token, following = self._stream.token, self._stream.ahead()
+        if token.kind is Kind.INSTRUCTION:
+            self._stream.take()
+            return instructions.take(token.text, token.position, self._head, self._stream.faults, begun=True)
+        if token.kind is not Kind.NAME:
+            self._stream.wrong(f"a statement is expected, not {token}")
+        is_name = self._expressions.names_it(token)
+        assigned = following.text in ("=", "[") or (following.text == "." and following.kind is Kind.SIGN)
+        if is_name and following.text == ":" and following.kind is Kind.SIGN:
+            self._stream.take()
+            self._stream.take()
+            return Label(token.position, token.key)
+        if token.word in self._readers and not (is_name and assigned) and following.text != "=":
+            self._stream.take()
+            return self._readers[token.word](token.position)
+        if assigned and (is_name or following.text == "="):
+            return self._set()
+        if not token.word:
+            self._stream.take()
+            return CallStatement(token.position, token.key, self._arguments())
+        self._stream.wrong(f"a statement is expected, not {token}")
+
+    def _pass_over(self, place: int) -> None:
+        """To a token that begins or ends a statement."""
+        if self._stream.place == place:
+            self._stream.take()
+        while self._stream.token.kind is not Kind.END:
+            token, following = self._stream.token, self._stream.ahead()
+            if token.word in self._readers or token.word in CLOSERS or token.kind is Kind.INSTRUCTION:
+                return
+            if token.kind is Kind.NAME and following.kind is Kind.SIGN and following.text in ("=", ":"):
+                return
+            self._stream.take()
+
+    # ---- names that decide the grammar
+
+    def _kinematic(self) -> str:
+        """A kinematic in front of something else."""
+        token = self._stream.token
+        if token.kind is Kind.NAME and token.key in self._head.kinematics and self._stream.ahead().text != ".":
+            return self._stream.take().key
+        return ""
+
+    def _belt(self) -> str:
+        token = self._stream.token
+        return self._stream.take().key if token.kind is Kind.NAME and token.key in self._declarations.belts else ""
+
+    def _device(self) -> str:
+        """A device or file, behind which a comma follows."""
+        token, following = self._stream.token, self._stream.ahead()
+        known = token.key in DEVICES or token.key in self._declarations.files
+        if token.kind is Kind.NAME and known and following.text == ",":
+            self._stream.take()
+            self._stream.take()
+            return token.key
+        return ""
+
+    def _relative_mark(self) -> bool:
+        """`MOVE REL`, `MOVE-REL` (L1626, L11664)."""
+        if self._stream.is_sign("-") and self._stream.ahead().word == "REL":
+            self._stream.take()
+        return self._stream.word("REL")
+
+    # ---- assignments and calls
+
+    def _set(self) -> Set:
+        at = self._stream.token.position
+        target = self._expressions.sum()
+        self._stream.expect_sign("=", "behind what is assigned to")
+        return Set(at, target, self._expressions.read())
+
+    def _arguments(self) -> tuple[Expression, ...]:
+        if not self._stream.sign("("):
+            return ()
+        found: list[Expression] = []
+        while not self._stream.sign(")"):
+            found.append(self._expressions.read())
+            if not self._stream.sign(",") and not self._stream.is_sign(")"):
+                self._stream.wrong(f"')' is expected behind the parameters, not {self._stream.token}")
+        return tuple(found)
+
+    # ---- motion
+
+    def _move(self, at: Position, relative: bool) -> Move:
+        kinematic, way = "", ""
+        factors: list[tuple[str, Expression]] = []
+        until: Expression | None = None
+        until_time: Expression | None = None
+        otherwise: Statement | None = None
+        while True:
+            if not kinematic and (found := self._kinematic()):
+                kinematic = found
+            elif self._stream.is_word(("LINEAR", "PTP", "CIRCULAR")):
+                way = self._stream.take().word
+            elif self._stream.word("WITH"):
+                factors += self._factors()
+            elif self._stream.word("UNTIL"):
+                until = self._expressions.read()
+            elif self._stream.word("MAX_TIME"):
+                self._stream.expect_sign("=", "behind MAX_TIME")
+                until_time = self._expressions.sum()
+            elif until is not None and self._stream.word("ERROR"):
+                otherwise = self.required("behind ERROR")
+            else:
+                return Move(at, relative, kinematic, way, tuple(factors), until, until_time, otherwise, self._legs())
+
+    def _factors(self) -> list[tuple[str, Expression]]:
+        found = []
+        while True:
+            token = self._stream.name("the name of a speed, an acceleration or a factor")
+            self._stream.expect_sign("=", f"behind WITH {token.text}")
+            found.append((token.key, self._expressions.sum()))
+            if not self._stream.sign(","):
+                return found
+
+    def _legs(self) -> tuple[Leg, ...]:
+        found = []
+        while True:
+            through = self._stream.word("VIA")
+            if not through:
+                self._stream.word("TO")
+            found.append(Leg(self._expressions.sum(), through))
+            if not (self._stream.sign(",") or self._stream.is_word(("TO", "VIA"))):
+                return tuple(found)
+
+    def _sync(self, at: Position) -> Sync:
+        belt = self._stream.name("a belt")
+        self._stream.sign(",")
+        if self._stream.is_sign(">=", "<=", ">", "<", "="):
+            sign = self._stream.take()
+            return Sync(at, belt.key, Binary(sign.position, sign.text, Name(belt.position, belt.key), self._expressions.sum()))
+        return Sync(at, belt.key, self._expressions.read())
+
+    def _synchron(self, at: Position) -> Synchron:
+        kinematic = self._kinematic()
+        self._stream.sign(",")
+        return Synchron(at, kinematic, self._stream.name("a belt").key)
+
+    # ---- flow
+
+    def _wait(self, at: Position) -> Statement:
+        if not self._stream.word("UNTIL"):
+            return Wait(at, self._expressions.sum())
+        condition, max_time, otherwise = self._expressions.read(), None, None
+        if self._stream.word("MAX_TIME"):
+            self._stream.expect_sign("=", "behind MAX_TIME")
+            max_time = self._expressions.sum()
+        if self._stream.word("ERROR"):
+            otherwise = self.required("behind ERROR")
+        return WaitUntil(at, condition, max_time, otherwise)
+
+    def _if(self, at: Position) -> If:
+        condition = self._expressions.read()
+        self._stream.expect_word("THEN", "behind the condition")
+        then = self.required("behind THEN")
+        return If(at, condition, then, self.required("behind ELSE") if self._stream.word("ELSE") else None)
+
+    def _block(self, at: Position) -> Block:
+        body = self.body(("END",))
+        self._close("END", "BEGIN", at)
+        return Block(at, body)
+
+    def _close(self, end: str, begin: str, at: Position) -> None:
+        """Takes the word that ends a construct; where another one stands, the construct is reported and left."""
+        if not self._stream.word(end):
+            self._stream.faults.error(
+                "not-closed", self._stream.token.position, f"{end} is expected for {begin} of line {at.line}, not {self._stream.token}"
+            )
+
+    def _case(self, at: Position) -> Case:
+        selector, choices, otherwise = self._expressions.read(), [], None
+        while self._stream.is_word(("EQUAL",)):
+            place = self._stream.take().position
+            values = [self._expressions.sum()]
+            while self._stream.sign(","):
+                values.append(self._expressions.sum())
+            self._stream.expect_sign(":", "behind the constants")
+            choices.append(Choice(place, tuple(values), self.required("behind the constants")))
+        if self._stream.word("DEFAULT"):
+            self._stream.sign(":")
+            otherwise = self.required("behind DEFAULT")
+        self._close("CASE_END", "CASE", at)
+        return Case(at, selector, tuple(choices), otherwise)
+
+    def _repeat(self, at: Position) -> Repeat:
+        times = self._expressions.sum()
+        self._stream.expect_word("TIMES", "behind the number of repetitions")
+        body = self.body(("REPEAT_END",))
+        self._close("REPEAT_END", "REPEAT", at)
+        return Repeat(at, times, body)
+
+    def _parallel(self, at: Position) -> Parallel:
+        branches = [self.body(("ALSO", "PARALLEL_END"))]
+        while self._stream.word("ALSO"):
+            branches.append(self.body(("ALSO", "PARALLEL_END")))
+        self._close("PARALLEL_END", "PARALLEL", at)
+        return Parallel(at, tuple(branches))
+
+    def _exclusive(self, at: Position) -> Exclusive:
+        semaphore = self._stream.name("a semaphore").key
+        body = self.body(("EXCLUSIVE_END",))
+        self._close("EXCLUSIVE_END", "EXCLUSIVE", at)
+        return Exclusive(at, semaphore, body)
+
+    # ---- devices and files
+
+    def _read(self, at: Position) -> Read:
+        device = self._device()
+        targets = [self._expressions.sum()]
+        while self._stream.sign(","):
+            targets.append(self._expressions.sum())
+        return Read(at, device, tuple(targets))
+
+    def _write(self, at: Position) -> Write:
+        device, values, is_open = self._device(), [], False
+        while True:
+            if self._stream.sign(".."):
+                is_open = True
+                break
+            values.append(self._expressions.read())
+            if not self._stream.sign(","):
+                is_open = self._stream.sign("..")
+                break
+        return Write(at, device, tuple(values), is_open)
+
+    def _file(self, at: Position, word: str) -> FileOrder:
+        bracket = self._stream.sign("(")  # READ_BEGIN (DATA), L2262
+        file = self._stream.name("a file or a device")
+        if bracket:
+            self._stream.expect_sign(")", "behind the file")
+        offset = self._expressions.sum() if word in ("READ_BEGIN", "WRITE_BEGIN") and self._stream.sign(",") else None
+        return FileOrder(at, word, file.key, offset)
+
+    def _assign(self, at: Position) -> FileOrder:
+        file = self._stream.name("a file or a device")
+        self._stream.expect_sign(",", "behind the file")
+        return FileOrder(at, "ASSIGN", file.key, self._expressions.sum())

@@ -1,0 +1,123 @@
+"""The tokens of a program with its included files in their place, read with one token of look-ahead and recovery after faults."""
+
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager
+from typing import NoReturn
+
+from gateway.pure.languages.baps2.lexer import Kind, Token, tokens_of
+from gateway.pure.languages.baps2.words import Words
+from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.source import Position, SourceFile
+from gateway.pure.languages.base.store import ProgramStore
+
+MOST_INCLUDED = 16  # files one in the other
+MOST_NESTED = 60  # statements and brackets one in the other
+
+
+class Misread(Exception):
+    """Inside the reader: the fault is reported, the reader goes on behind it."""
+
+
+class Stream:
+    """Tokens, and the places in which names are declared as far as the grammar needs them."""
+
+    def __init__(self, source: SourceFile, words: Words, store: ProgramStore, faults: Faults) -> None:
+        self.faults, self._words, self._store = faults, words, store
+        self._tokens: list[Token] = list(self._expanded(source))
+        self._next = 0
+        self._depth = 0
+
+    def _expanded(self, source: SourceFile) -> Iterator[Token]:
+        for token in tokens_of(source, self._words, self.faults):
+            word, _, name = token.text.partition(" ")
+            if token.kind is Kind.INSTRUCTION and word.upper() == "INCLUDE":
+                yield from self._included(source, name.strip(" =:"), token.position)
+            elif token.kind is not Kind.END or source.included_from is None:
+                yield token
+
+    def _included(self, source: SourceFile, name: str, at: Position) -> Iterator[Token]:
+        file = name.upper() if "." in name else f"{name.upper()}.QLL"
+        text = self._store.text(file)
+        if not name or text is None:
+            self.faults.error("include-missing", at, f"file {file} is not there" if name else "INCLUDE names no file")
+        elif source.includes_itself(file):
+            self.faults.error("include-loop", at, f"{file} includes itself")
+        elif source.depth() >= MOST_INCLUDED:
+            self.faults.error("include-too-deep", at, f"more than {MOST_INCLUDED} files included one in the other")
+        else:
+            yield from self._expanded(SourceFile(file, text, at))
+
+    @property
+    def token(self) -> Token:
+        """The token that is next."""
+        return self._tokens[self._next]
+
+    def ahead(self, count: int = 1) -> Token:
+        """A token further on."""
+        return self._tokens[min(self._next + count, len(self._tokens) - 1)]
+
+    @property
+    def place(self) -> int:
+        """A number that grows with each token taken."""
+        return self._next
+
+    def take(self) -> Token:
+        """The next token; the END token is never passed."""
+        token = self.token
+        if token.kind is not Kind.END:
+            self._next += 1
+        return token
+
+    def sign(self, *signs: str) -> bool:
+        """Whether one of these signs is next; it is taken."""
+        if self.token.kind is Kind.SIGN and self.token.text in signs:
+            self.take()
+            return True
+        return False
+
+    def is_sign(self, *signs: str) -> bool:
+        """Whether one of these signs is next."""
+        return self.token.kind is Kind.SIGN and self.token.text in signs
+
+    def word(self, *words: str) -> bool:
+        """Whether one of these words is next; it is taken."""
+        if self.token.word in words and self.token.word:
+            self.take()
+            return True
+        return False
+
+    def is_word(self, words: Collection[str]) -> bool:
+        """Whether one of these words is next."""
+        return bool(self.token.word) and self.token.word in words
+
+    def expect_sign(self, sign: str, where: str) -> None:
+        """Takes the sign, or reports that it is missing."""
+        if not self.sign(sign):
+            self.wrong(f"'{sign}' is expected {where}, not {self.token}")
+
+    def expect_word(self, word: str, where: str) -> None:
+        """Takes the word, or reports that it is missing."""
+        if not self.word(word):
+            self.wrong(f"{word} is expected {where}, not {self.token}")
+
+    def name(self, what: str) -> Token:
+        """Takes a name; words of the language may be names too, where one is expected."""
+        if self.token.kind is not Kind.NAME:
+            self.wrong(f"{what} is expected, not {self.token}")
+        return self.take()
+
+    def wrong(self, text: str, id: str = "syntax", at: Position | None = None) -> NoReturn:
+        """Reports a fault and leaves the construct."""
+        self.faults.error(id, at or self.token.position, text)
+        raise Misread
+
+    @contextmanager
+    def nested(self) -> Iterator[None]:
+        """One level deeper; the source may not nest without end."""
+        self._depth += 1
+        try:
+            if self._depth > MOST_NESTED:
+                self.wrong(f"more than {MOST_NESTED} levels one in the other", "nesting-too-deep")
+            yield
+        finally:
+            self._depth -= 1

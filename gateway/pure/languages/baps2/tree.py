@@ -1,0 +1,385 @@
+"""The tree of a program: what the reader makes of the tokens, before names are looked up.  Names are in upper case, as compared."""
+
+from dataclasses import dataclass, field
+
+from gateway.pure.languages.base.source import Position
+
+# ---- expressions
+
+
+@dataclass(frozen=True, slots=True)
+class Number:
+    at: Position
+    value: int | float
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    at: Position
+    value: str
+
+
+@dataclass(frozen=True, slots=True)
+class Name:
+    """A variable, constant, channel, point ('@' belongs to its name) or a function without parameters."""
+
+    at: Position
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Member:
+    """`base.name`: component of a point, or a standard variable of a kinematic."""
+
+    at: Position
+    base: "Expression"
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Index:
+    """`base[index]` of an array or a text."""
+
+    at: Position
+    base: "Expression"
+    index: "Expression"
+
+
+@dataclass(frozen=True, slots=True)
+class PointValue:
+    """`(a, b, ..)` in world coordinates, `@(a, b, ..)` in joint coordinates."""
+
+    at: Position
+    values: "tuple[Expression, ...]"
+    joint: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """A function with its parameters."""
+
+    at: Position
+    name: str
+    arguments: "tuple[Expression, ...]"
+
+
+@dataclass(frozen=True, slots=True)
+class Unary:
+    """`-x`, `+x`, `NOT x`, or `x %` (140 % is 1.4, L1878)."""
+
+    at: Position
+    sign: str
+    value: "Expression"
+
+
+@dataclass(frozen=True, slots=True)
+class Binary:
+    at: Position
+    sign: str
+    left: "Expression"
+    right: "Expression"
+
+
+Expression = Number | Text | Name | Member | Index | PointValue | Call | Unary | Binary
+
+# ---- declarations
+
+
+@dataclass(frozen=True, slots=True)
+class TypeName:
+    """A type as it is written.  `base`: token of the type word; bounds of an array; kinematic and element type where given."""
+
+    at: Position
+    base: str
+    kinematic: str = ""
+    low: Expression | None = None
+    high: Expression | None = None
+    element: str = ""  # of FILE: type of what the file holds
+
+
+@dataclass(frozen=True, slots=True)
+class Declared:
+    """One name of a declaration.  `channel`: of inputs, outputs, belts."""
+
+    at: Position
+    name: str
+    type: TypeName
+    channel: Expression | None = None
+    public: bool = False
+    teach: bool = False  # DEF
+
+
+@dataclass(frozen=True, slots=True)
+class Constant:
+    at: Position
+    name: str
+    value: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class External:
+    """`EXTERNAL program : names`; without a program the names are programs."""
+
+    at: Position
+    program: str
+    names: tuple[tuple[str, Position], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    at: Position
+    name: str
+    type: TypeName
+    by_value: bool
+
+
+@dataclass(frozen=True, slots=True)
+class SpecialFunction:
+    at: Position
+    number: Expression
+    name: str
+    parameters: tuple[Parameter, ...]
+
+
+Declaration = Declared | Constant | External | SpecialFunction
+
+# ---- statements
+
+
+@dataclass(frozen=True, slots=True)
+class Label:
+    at: Position
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Instruction:
+    """A compiler instruction among the statements: KINEMATICS = name, INT = LINEAR."""
+
+    at: Position
+    word: str
+    value: str
+
+
+@dataclass(frozen=True, slots=True)
+class Set:
+    at: Position
+    target: Expression
+    value: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """One target of a MOVE.  `through`: VIA, the point is passed."""
+
+    point: Expression
+    through: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    at: Position
+    relative: bool
+    kinematic: str
+    way: str  # "" the default, PTP, LINEAR, CIRCULAR
+    factors: tuple[tuple[str, Expression], ...]  # WITH name = value
+    until: Expression | None
+    until_time: Expression | None
+    otherwise: "Statement | None"
+    legs: tuple[Leg, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Wait:
+    at: Position
+    seconds: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class WaitUntil:
+    at: Position
+    condition: Expression
+    max_time: Expression | None
+    otherwise: "Statement | None"
+
+
+@dataclass(frozen=True, slots=True)
+class If:
+    at: Position
+    condition: Expression
+    then: "Statement"
+    otherwise: "Statement | None"
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    at: Position
+    body: "tuple[Statement, ...]"
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    at: Position
+    values: tuple[Expression, ...]
+    body: "Statement"
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    at: Position
+    selector: Expression
+    choices: tuple[Choice, ...]
+    otherwise: "Statement | None"
+
+
+@dataclass(frozen=True, slots=True)
+class Repeat:
+    at: Position
+    times: Expression
+    body: "tuple[Statement, ...]"
+
+
+@dataclass(frozen=True, slots=True)
+class Parallel:
+    at: Position
+    branches: "tuple[tuple[Statement, ...], ...]"
+
+
+@dataclass(frozen=True, slots=True)
+class Exclusive:
+    at: Position
+    semaphore: str
+    body: "tuple[Statement, ...]"
+
+
+@dataclass(frozen=True, slots=True)
+class Jump:
+    at: Position
+    label: str
+
+
+@dataclass(frozen=True, slots=True)
+class Simple:
+    """HALT, BREAK, REF_PNT and SYNCHRON_END (with its belt)."""
+
+    at: Position
+    word: str
+    name: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class StartStop:
+    at: Position
+    word: str  # START, STOP
+    program: str
+
+
+@dataclass(frozen=True, slots=True)
+class Sync:
+    """`SYNC belt, input = 1` or `SYNC belt >= mm`: the belt counter is set, or waited for."""
+
+    at: Position
+    belt: str
+    condition: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class Synchron:
+    at: Position
+    kinematic: str
+    belt: str
+
+
+@dataclass(frozen=True, slots=True)
+class Read:
+    at: Position
+    device: str  # "": the PHG
+    targets: tuple[Expression, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Write:
+    at: Position
+    device: str
+    values: tuple[Expression, ...]
+    open: bool  # `..`: the output goes on with the next WRITE
+
+
+@dataclass(frozen=True, slots=True)
+class FileOrder:
+    """READ_BEGIN, WRITE_BEGIN, WRITE_END, CLOSE, ASSIGN; `value`: offset or name."""
+
+    at: Position
+    word: str
+    file: str
+    value: Expression | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class CallStatement:
+    at: Position
+    name: str
+    arguments: tuple[Expression, ...]
+
+
+Statement = (
+    Label
+    | Instruction
+    | Set
+    | Move
+    | Wait
+    | WaitUntil
+    | If
+    | Block
+    | Case
+    | Repeat
+    | Parallel
+    | Exclusive
+    | Jump
+    | Simple
+    | StartStop
+    | Sync
+    | Synchron
+    | Read
+    | Write
+    | FileOrder
+    | CallStatement
+)
+
+# ---- programs
+
+
+@dataclass(frozen=True, slots=True)
+class Routine:
+    """The main part of a program, or a subroutine."""
+
+    at: Position
+    name: str
+    parameters: tuple[Parameter, ...]
+    declarations: tuple[Declaration, ...]
+    body: tuple[Statement, ...]
+
+
+@dataclass(slots=True)
+class Head:
+    """The compiler instructions of a program."""
+
+    control: str = ""
+    kinematics: dict[str, int] = field(default_factory=dict)  # name -> number
+    joint_names: dict[str, tuple[str, ...]] = field(default_factory=dict)  # kinematic ("": the default) -> component names
+    world_names: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    permanent: bool = False
+    file_error: bool = True  # False: a file error does not end the program
+    serial_stop: bool = True  # False: a fault of an interface does not end the program
+    default_kinematic: str = ""
+    default_way: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """A whole source: main part and subroutines."""
+
+    head: Head
+    main: Routine
+    subroutines: tuple[Routine, ...]
+    external_subroutine: bool = False  # the file has a SUBROUTINE and no PROGRAM
