@@ -2,6 +2,7 @@
 
 import errno
 import os
+import termios
 import time
 
 from drivers.ports.base import PortError
@@ -9,6 +10,14 @@ from drivers.ports.linewire import Drain, LineFormat, MarkReader
 from protocols.base.machine import Damage
 
 READ_SIZE = 4096
+
+
+PTY_MAJORS = range(136, 144)  # UNIX98 slaves (devices.txt of the kernel)
+
+
+def is_pty(fd: int) -> bool:
+    """The slave end of a pty: it carries characters only, without frame, parity or BREAK."""
+    return os.major(os.fstat(fd).st_rdev) in PTY_MAJORS
 
 
 class DescriptorPort:
@@ -22,7 +31,8 @@ class DescriptorPort:
         self.char_ns = line_format.char_ns
         self._fd = -1
         self._drain = Drain(self.char_ns)
-        self._marks = MarkReader() if marks else None
+        self._hears_at_once = False  # nothing paces what is written: an answer says that all of it has arrived
+        self._marks = MarkReader() if marks else None  # a pty asks its other end first
         low = (1 << line_format.data_bits) - 1
         self._bits = bytes(byte & low for byte in range(256)) if line_format.data_bits < 8 else None  # what a UART would send
 
@@ -39,8 +49,20 @@ class DescriptorPort:
         except OSError as error:
             raise self._gone(error) from error
         if not data:
+            if self._only_empty():
+                return []
             raise self._gone(OSError(errno.EIO, "hung up"))
+        if self._hears_at_once:
+            self._drain.answered(time.monotonic_ns())
         return self._named(self._marks.read(data) if self._marks else [data])
+
+    def _only_empty(self) -> bool:
+        """A terminal with VMIN 0 (pyserial leaves it so, and stty can set it) gives an empty read where nothing waits; one that was hung
+        up no longer tells its settings."""
+        try:
+            return termios.tcgetattr(self._fd)[6][termios.VMIN] in (0, b"\0")  # a number only where the line is not canonical
+        except termios.error:
+            return False
 
     def write(self, data: bytes) -> int:
         """How many bytes were taken."""

@@ -70,6 +70,10 @@ class Drain:
         """The line took `count` bytes at `now`; they leave one after the other behind what is still on it."""
         self._empty_at = max(self._empty_at, now) + count * self.char_ns
 
+    def answered(self, now: Ns) -> None:
+        """The far end spoke, and no line is known that delays what it hears: nothing is under way any more (AX-652)."""
+        self._empty_at = min(self._empty_at, now)
+
     def left(self, now: Ns) -> int:
         """How many characters are not out yet (a character under way counts)."""
         return -(-(self._empty_at - now) // self.char_ns) if self._empty_at > now else 0

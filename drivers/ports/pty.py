@@ -1,6 +1,7 @@
-"""A pseudo terminal whose other end is the line process (or a test): raw 8N1, marks in PARMRK form decoded here (AX-060).
+"""A pseudo terminal: raw 8N1.  Where its other end is the line process, marks in PARMRK form are decoded here (AX-060).
 
-A pty knows neither parity nor pace; the line process makes both.  `unsent` is computed from count and character time.
+A pty knows neither parity nor pace; the line process makes both and says so by a signature in the terminal's settings (AX-651).  Any other
+program writes characters as they are, FF too.  `unsent` is computed from count and character time.
 """
 
 import errno
@@ -12,7 +13,10 @@ from drivers.ports.base import PortError
 from drivers.ports.descriptor import READ_SIZE, DescriptorPort
 from drivers.ports.linewire import LineFormat
 
-__all__ = ["READ_SIZE", "PtyPort", "set_raw"]
+__all__ = ["READ_SIZE", "PtyPort", "offer_marks", "set_raw"]
+
+# Control characters that a raw terminal never looks at, and what the line process writes there; no program sets them so by chance.
+SIGNATURE = {termios.VEOL: b"A", termios.VEOL2: b"X", termios.VREPRINT: b"M", termios.VWERASE: b"K"}
 
 
 def set_raw(fd: int) -> None:
@@ -21,6 +25,19 @@ def set_raw(fd: int) -> None:
     settings[0:4] = [0, 0, termios.CS8 | termios.CREAD | termios.CLOCAL, 0]
     settings[6][termios.VMIN], settings[6][termios.VTIME] = 1, 0
     termios.tcsetattr(fd, termios.TCSANOW, settings)
+
+
+def offer_marks(fd: int) -> None:
+    """Whoever opens this pty as a port will find FF doubled and damaged characters marked."""
+    settings = termios.tcgetattr(fd)
+    for place, sign in SIGNATURE.items():
+        settings[6][place] = sign
+    termios.tcsetattr(fd, termios.TCSANOW, settings)
+
+
+def _has_marks(fd: int) -> bool:
+    control = termios.tcgetattr(fd)[6]
+    return all(control[place] == sign for place, sign in SIGNATURE.items())
 
 
 class PtyPort(DescriptorPort):
@@ -36,6 +53,8 @@ class PtyPort(DescriptorPort):
             raise PortError(error.errno, f"pty {path}: {error.strerror}; is its line process running, and the adapter inserted?") from error
         try:
             fcntl.flock(self._fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            if not _has_marks(self._fd):
+                self._marks, self._hears_at_once = None, True
             set_raw(self._fd)
             self._forget_old()
         except (OSError, termios.error) as error:

@@ -60,6 +60,7 @@ class Rfc2217Port:
             raise self._gone(error) from error
         if not data:
             raise self._gone(OSError(errno.ECONNRESET, "closed by the server"))
+        self._drain.answered(time.monotonic_ns())  # the server may be a program without a line
         return [data]
 
     def write(self, data: bytes) -> int:

@@ -1,7 +1,8 @@
 """A real serial interface through pyserial: exclusive, never blocking, damage in line order with the bytes.
 
 pyserial opens and sets the frame; it switches the parity check off, so PARMRK and INPCK are set through termios afterwards.  PARMRK says
-only "damaged" or BREAK; where the driver counts (TIOCGICOUNT) its counters tell parity, framing and overrun apart.
+only "damaged" or BREAK; where the driver counts (TIOCGICOUNT) its counters tell parity, framing and overrun apart.  A pty under its own
+name (/dev/pts/5: a simulator, socat) is taken as well: it has no frame, the format only gives the pace.
 """
 
 import contextlib
@@ -16,13 +17,14 @@ from typing import Any
 import serial
 
 from drivers.ports.base import PortError
-from drivers.ports.descriptor import DescriptorPort
+from drivers.ports.descriptor import PTY_MAJORS, DescriptorPort, is_pty
 from drivers.ports.linewire import LineFormat
 from protocols.base.machine import Damage
 
 TIOCGICOUNT = 0x545D  # struct serial_icounter_struct: cts dsr rng dcd rx tx frame overrun parity brk buf_overrun, 9 reserved
 TIOCSERGETLSR = 0x5459
 TRANSMITTER_EMPTY = 1
+NO_UART = ("ttyACM", "tnt", "ttyGS")  # USB devices that speak serial themselves, virtual null modems: the baud rate is only a word there
 HINTS = {
     errno.ENOENT: "is not there; plug the adapter in or correct the path (ls /dev/serial/by-id)",
     errno.EACCES: "may not be opened; add this user to the group of the device (ls -l), usually dialout",
@@ -52,6 +54,13 @@ def told_apart(items: list[bytes | Damage], before: Mapping[Damage, int], now: M
     names = {Damage.PARITY: marked, Damage.BREAK: Damage.BREAK if new[Damage.BREAK] > 0 else marked}
     named = [names.get(item, item) if isinstance(item, Damage) else item for item in items]
     return [Damage.OVERRUN, *named] if new[Damage.OVERRUN] > 0 else named  # the kernel does not say where characters are missing
+
+
+def _names_a_pty(path: str) -> bool:
+    try:
+        return os.major(os.stat(path).st_rdev) in PTY_MAJORS
+    except OSError:  # opening it says what is wrong
+        return False
 
 
 def _kept(path: str, frame: str, line_format: LineFormat) -> PortError:
@@ -85,12 +94,13 @@ class SerialPort(DescriptorPort):
         if not line_format.baud:
             raise ValueError(f"{path}: a real serial interface needs a baud rate; {line_format} has none")
         try:
+            frame = LineFormat(line_format.baud, 8, "N", 1) if _names_a_pty(path) else line_format
             self._serial = serial.Serial(
                 path,
                 line_format.baud,
-                bytesize=line_format.data_bits,
-                parity=line_format.parity,
-                stopbits=line_format.stop_bits,
+                bytesize=frame.data_bits,
+                parity=frame.parity,
+                stopbits=frame.stop_bits,
                 timeout=0,
                 write_timeout=0,
                 exclusive=True,
@@ -128,7 +138,10 @@ class SerialPort(DescriptorPort):
     def close(self) -> None:
         """Forgets what has not left (a close that waits for a dead partner would block for half a minute); twice does no harm."""
         if self._fd >= 0:
-            self._fd = -1
+            at_once, self._fd = is_pty(self._fd), -1
+            if at_once:  # nothing to wait for, and the flush would take from the far end what it has not read yet
+                self._serial.close()
+                return
             with contextlib.suppress(OSError, termios.error, serial.SerialException):  # the adapter may be gone already
                 self._serial.reset_output_buffer()
             self._serial.close()
@@ -138,10 +151,12 @@ class SerialPort(DescriptorPort):
         fcntl.ioctl(self._fd, termios.TIOCEXCL)
         settings = termios.tcgetattr(self._fd)
         kept = frame_of(settings, line_format.baud)
-        if kept != str(line_format):
+        self._hears_at_once = is_pty(self._fd) or os.path.basename(os.path.realpath(self.name)).startswith(NO_UART)
+        if kept != str(line_format) and not is_pty(self._fd):
             raise _kept(self.name, kept, line_format)
         check = termios.INPCK if self._serial.parity != serial.PARITY_NONE else 0
         settings[0] = settings[0] & ~(termios.IGNPAR | termios.IGNBRK | termios.BRKINT) | termios.PARMRK | check
+        settings[6][termios.VMIN], settings[6][termios.VTIME] = 1, 0  # nothing waits: EAGAIN; pyserial's VMIN 0 reads like a hang-up
         termios.tcsetattr(self._fd, termios.TCSANOW, settings)
         termios.tcflush(self._fd, termios.TCIOFLUSH)
 

@@ -60,6 +60,9 @@ class SelectPort:
     def write(self, data: bytes) -> int:
         return self._port.write(data)
 
+    def unsent(self) -> int:
+        return self._port.unsent()
+
     def wait(self, seconds: float) -> None:
         select.select([self._port.fileno()], [], [], seconds)
 
@@ -73,6 +76,10 @@ class SelectPort:
             return False
         import termios
 
+        from drivers.ports.descriptor import is_pty
+
+        if is_pty(self._port.fileno()):
+            return False  # the kernel takes the call and does nothing
         termios.tcsendbreak(self._port.fileno(), 0)
         return True
 
@@ -153,6 +160,10 @@ class PyserialPort:
             return int(self._serial.write(data) or 0)
         except OSError as error:
             raise PortError(getattr(error, "errno", None) or 0, f"serial port {self.name}: is gone ({error})") from error
+
+    def unsent(self) -> int:
+        """0 where no line is behind the address; else unknown, and the count by character time holds."""
+        return 0 if "://" in self._url else 1
 
     def wait(self, seconds: float) -> None:
         self._serial.timeout = seconds

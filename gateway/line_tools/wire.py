@@ -4,6 +4,7 @@ A stamp is the moment at which a character had come in.  Virtual time: a station
 waits, so a probe that waits four seconds for a block takes none.
 """
 
+import contextlib
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
@@ -15,6 +16,7 @@ from protocols.base.machine import Damage, Machine, Ns, ms
 
 STEPS = 100_000  # of a partner at one moment: more is a deadline that stands still
 SLICE = ms(20)
+LAST_CHARACTERS = ms(2000)  # longest wait for them at the end
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +52,7 @@ class ToolPort(Protocol):
 
     def read(self) -> list[bytes | Damage]: ...
     def write(self, data: bytes) -> int: ...
+    def unsent(self) -> int: ...  # characters that have not arrived, as far as the port knows
     def wait(self, seconds: float) -> None: ...  # until something can be read, at most so long
     def spoil(self) -> bool: ...
     def send_break(self) -> bool: ...
@@ -109,12 +112,22 @@ class RealWire:
         return self._inbox.popleft()
 
     def _take(self) -> None:
-        now = self.now()
-        for item in self._port.read():
+        now, items = self.now(), self._port.read()
+        if items and self._drained > now and not self._port.unsent():
+            self._drained = now  # no line delays what we say: this answers all of it
+        for item in items:
             for what in item if isinstance(item, bytes) else (item,):
                 self._inbox.append(Heard(now, what))
 
     def close(self) -> None:
+        """Once the last character has left: a partner that misses an acknowledgement repeats its block to the next tool."""
+        with contextlib.suppress(PortError):
+            end = self.now() + LAST_CHARACTERS
+            while self.now() < min(self._drained, end):
+                time.sleep(0.001)
+            end = self.now() + SLICE
+            while self._port.unsent() and self.now() < end:
+                time.sleep(0.001)
         self._port.close()
 
 

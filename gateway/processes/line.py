@@ -24,7 +24,7 @@ from typing import IO
 from drivers.ports.base import PortError, runtime_dir
 from drivers.ports.cable import Direction
 from drivers.ports.linewire import Note, Run
-from drivers.ports.pty import READ_SIZE, set_raw
+from drivers.ports.pty import READ_SIZE, offer_marks, set_raw
 from drivers.ports.timerfd import Timer
 from gateway.processes.line_commands import ControlSocket, carry_out
 from protocols.base.machine import Ns
@@ -39,8 +39,8 @@ OTHER = {"A": "B", "B": "A"}
 class Side:
     """An adapter: a pty pair whose slave is offered under a lasting link."""
 
-    def __init__(self, link: str) -> None:
-        self.link = link
+    def __init__(self, link: str, marks: bool) -> None:
+        self.link, self._has_marks = link, marks
         self.master = self._slave = -1
 
     @property
@@ -52,6 +52,8 @@ class Side:
         """Makes a new pty and offers it under the link at one stroke."""
         self.master, self._slave = os.openpty()
         set_raw(self._slave)  # and held open: a reader that comes and goes does not hang the line up
+        if self._has_marks:
+            offer_marks(self._slave)
         os.set_blocking(self.master, False)
         fresh = f"{self.link}.{os.getpid()}"
         with contextlib.suppress(FileNotFoundError):
@@ -124,7 +126,7 @@ class Line:
         self.name, self.baud, self.bits = name, baud, bits
         self.recorder = recorder
         self.plugged, self.stopping = True, False
-        self.sides = {"A": Side(str(folder / f"{name}-a")), "B": Side(str(folder / f"{name}-b"))}
+        self.sides = {side: Side(str(folder / f"{name}-{side.lower()}"), side not in plain) for side in OTHER}
         self.ways = {side: Direction(baud, bits, marks=OTHER[side] not in plain) for side in self.sides}  # by sender
         self.lost = self.overflow = self.damaged = 0
         self.scheduling = "normal"

@@ -46,6 +46,9 @@ class _Listened:
         """Raises Silence, or does nothing at all while the port is away."""
         return self.port.write(data) if self.port is not None else 0
 
+    def unsent(self) -> int:
+        return 0
+
     def wait(self, seconds: float) -> None:
         """The loop waits, not the port."""
 

@@ -4,7 +4,7 @@ import os
 
 from drivers.ports.base import PortError
 from drivers.ports.linewire import escape
-from drivers.ports.pty import READ_SIZE, set_raw
+from drivers.ports.pty import READ_SIZE, offer_marks, set_raw
 from protocols.base.machine import Damage
 
 
@@ -14,6 +14,7 @@ class PtyMaster:
     def __init__(self) -> None:
         self._fd, self._slave = os.openpty()  # the slave is held open, so that a partner's leaving does not end the pair
         set_raw(self._slave)
+        offer_marks(self._slave)
         os.set_blocking(self._fd, False)
         self.path = os.ttyname(self._slave)
         self.name = f"master of {self.path}"

@@ -9,6 +9,7 @@ from protocols.p3964r.characters import DLE, NAK, STX, Char, wire_block
 from protocols.p3964r.events import BlockSent, Failure, Outbox, SamePriority, SendFailed, SendRepeated, Stage
 from protocols.p3964r.profiles import ConnectCounter, Interruption, Priority, Profile
 
+DRIFT = 16  # the report of `sent` may be late by this part of the block's own time: a clock that differs from the port's count (AX-652)
 MOST_JOBS = 64  # waiting ones; nothing grows while a partner is away
 
 
@@ -51,6 +52,7 @@ class Sender:
         self._repeated_at: Ns | None = None  # when STX was given out in the middle of a burst
         self._done_at: Ns | None = None  # when a block was acknowledged
         self._early: Ns | None = None  # a DLE heard before the port said that the block had left
+        self._begun: Ns = 0  # when the block was put into the box
         self._said, self._block_in = b"", -1  # the block as it was put into the box, and the turn of that
         self._stx_in = -1  # the turn of STX
         self._revoked = False  # the first job was taken back by its owner
@@ -128,7 +130,7 @@ class Sender:
         if now == self._repeated_at or self._box.turn == self._stx_in:
             pass  # came together with what made us say STX: no answer to that one (AX-228)
         elif byte == DLE:
-            self._transmit()
+            self._transmit(now)
         elif self.due is not None:  # else our STX has not left: no answer to it; a DLE may be ahead of the port's report (AX-241)
             self._connect_failed(_kind(byte), now)
         return True
@@ -183,14 +185,14 @@ class Sender:
         self._stx_in = self._box.turn
         self._state, self.due, self._conflict = CONNECT, None, False  # the wait runs from `sent`
 
-    def _transmit(self) -> None:
+    def _transmit(self, now: Ns) -> None:
         if self._revoked:  # even after a successful connection
             self._give_up(Failure.REVOKED, Stage.CONNECT)
             return
         self._said = wire_block(self.jobs[0].block, self._profile.block_check, self.jobs[0].end)
         self._box.output += self._said
         self._block_in = self._box.turn
-        self._state, self.due, self._early = SENDING, None, None
+        self._state, self.due, self._early, self._begun = SENDING, None, None, now
 
     def _take_back(self, now: Ns) -> None:
         """A partner who said DLE waits for our block: what came with more behind it in one burst was no answer (AX-241)."""
@@ -257,7 +259,8 @@ class Sender:
         if self._state is CONNECT and self.due is None:
             self.due = now + self._profile.ack_delay
         elif self._state is SENDING:
-            if self._early is not None and now - self._early <= self._profile.early_answer:
+            late = max(self._profile.early_answer, (now - self._begun) // DRIFT)
+            if self._early is not None and now - self._early <= late:
                 self._succeed()  # the partner was faster than the port's report (AX-052)
                 return
             self._state, self.due = ANSWER, now + self._profile.ack_delay

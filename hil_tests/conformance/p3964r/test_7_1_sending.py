@@ -211,3 +211,12 @@ def test_a_block_is_replaced_until_its_first_character_is_on_the_line() -> None:
     line.hears(DLE).says(b"B\x10\x03\x51").does(lambda link, now: link.replace(1, b"A")).hears(DLE).says(STX).reports(BlockSent(1))
     line.at(ms(1)).hears(DLE).says(b"D\x10\x03\x57").hears(DLE).says(b"").reports(BlockSent(2))
     assert not line.machine.replace(2, b"E")
+
+
+@pytest.mark.parametrize(("after", "told"), [(1100, BlockSent(1)), (900, None)])
+def test_an_acknowledgement_shortly_before_a_late_report_counts_by_the_length_of_the_block(after: int, told: BlockSent | None) -> None:
+    """AX-652: a clock that differs from the port's count is late by a share of the block's time; here 1170 ms, of which 1/16 counts."""
+    line = sending(b"A" * 100).at(ms(after)).hears(DLE).at(ms(1170)).left()
+    line.reports(*([told] if told else [])).says(b"A" * 100 + b"\x10\x03\x13")
+    if told is None:
+        line.at(ms(1200)).hears(DLE).says(b"").reports(BlockSent(1))

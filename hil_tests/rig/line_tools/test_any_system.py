@@ -81,6 +81,9 @@ class Tap:
         data, self._data = self._data, b""
         return [data] if data else []
 
+    def unsent(self) -> int:
+        return 0
+
     def wait(self, seconds: float) -> None:
         pass
 
