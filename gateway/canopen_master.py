@@ -28,6 +28,7 @@ from drivers.drives.cia402_boot import Booted, BootRefused, NodePlan
 from drivers.drives.io_boot import CouplerPlan
 from drivers.ports import cycle_bus
 from gateway.edsfile import canopen_dictionary
+from gateway.sdoclient import bounded_upload
 from protocols.base.errors import ProtocolError
 from protocols.canopen import cobid, emcy
 from protocols.canopen.dictionary import ObjectDictionary
@@ -390,7 +391,7 @@ class CanopenMaster:
     # ---- SDO -------------------------------------------------------------------------------------------------------------
     def upload(self, number: int, index: int, sub: int) -> Answer:
         """One object as bytes; the caller holds the node's lock."""
-        return self._sdo(lambda: bytes(self._remote[number].sdo.upload(index, sub)))
+        return self._sdo(lambda: bounded_upload(self._remote[number].sdo, index, sub))
 
     def download(self, number: int, index: int, sub: int, data: bytes) -> Answer:
         """One object written; b"" when the node took it."""

@@ -12,6 +12,9 @@ from dataclasses import dataclass, field, replace
 from enum import Enum
 
 from drivers.drives.canopen_steps import Answer, Nmt, Pause, Read, Refused, Silent, Step, Write
+from drivers.drives.cia402_states import Command as Control
+from drivers.drives.cia402_states import State as PowerState
+from drivers.drives.cia402_states import state_of
 from protocols.canopen import cobid
 from protocols.canopen.nmt import Command, State
 from protocols.canopen.pdo import RPDO_COMMUNICATION, RPDO_MAPPING, TPDO_COMMUNICATION, TPDO_MAPPING, Mapped, mapped
@@ -25,6 +28,7 @@ TORQUE, LAG, INPUTS = Mapped(0x6077, 0, 16), Mapped(0x60F4, 0, 32), Mapped(0x60F
 EVENT_DRIVEN = 255
 MODE_TRIES, MODE_PAUSE_MS = 20, 10
 START_TRIES, START_PAUSE_MS = 40, 10
+STOP_TRIES, STOP_PAUSE_MS = 100, 20
 PDOS = 4  # of each direction that a device may have valid from the factory and that are switched off when they are not ours
 
 
@@ -199,6 +203,7 @@ def boot(plan: NodePlan) -> Plan:
     if faults:
         raise BootRefused("; ".join(faults))
     notes: list[str] = []
+    yield from _stop_first()
     yield Nmt(Command.RESET_COMMUNICATION, State.INITIALISING)
     identity = yield from _identify(plan)
     yield from _modes()
@@ -212,6 +217,20 @@ def boot(plan: NodePlan) -> Plan:
     inputs = int.from_bytes(answer, "little") if isinstance(answer, bytes) else 0
     yield from _start()
     return Booted(plan.node, identity, mode, inputs, options, tuple(notes))
+
+
+def _stop_first() -> Generator[Step, Answer, None]:
+    """A drive that is still on (the boot-up message was not its own, a master died) brakes before it is reset."""
+    for turn in range(STOP_TRIES):
+        answer = yield Read(0x6041)
+        state = state_of(int.from_bytes(answer, "little")) if isinstance(answer, bytes) else None
+        if state not in (PowerState.ENABLED, PowerState.QUICK_STOP):
+            return
+        waits = state is PowerState.QUICK_STOP and turn < STOP_TRIES // 2
+        if not waits:
+            command = Control.QUICK_STOP if turn < STOP_TRIES // 2 else Control.DISABLE_VOLTAGE
+            yield Write(0x6040, 0, command.value.to_bytes(2, "little"))
+        yield Pause(STOP_PAUSE_MS)
 
 
 def adopt(plan: NodePlan) -> Plan:

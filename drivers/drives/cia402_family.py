@@ -21,6 +21,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from drivers.drives.cia402 import Cia402Actual, Cia402Set
+from drivers.drives.cia402_states import Command
 from drivers.drives.family import Heard, Latched, SetRecord
 from protocols.base.errors import DecodeError
 from protocols.base.machine import Frame, Ns
@@ -32,6 +33,7 @@ GATEWAY_NODE = 127  # produces the heartbeat the drives watch
 BOOT_UP = bytes((State.INITIALISING,))
 TPDO2, TPDO3, TPDO4 = cobid.tpdo(2, 0), cobid.tpdo(3, 0), cobid.tpdo(4, 0)
 NO_PROBES: Mapping[int, int] = {}
+STOP_CYCLES = 10  # a node that seems lost may still hear: so long it is told quick stop
 MODE_EVERY = 8  # cycles between two RPDO2 of one node that does not show the wanted mode yet
 
 _SET, _MODE = struct.Struct("<Hi"), struct.Struct("<b")
@@ -54,6 +56,8 @@ class _Node:
     mode: int = 0
     error: int = 0
     wait: int = 0  # cycles until RPDO2 may be sent again
+    stopping: int = 0  # cycles in which it is still told to stop, though it counts as lost
+    place: int = 0  # its last 6064h
     probe: int = 0  # touch probe that measures: 1, 2; 0: none
     status: int = -1  # its byte of 60B9h, -1: not heard yet
     places: tuple[int, int] = (0, 0)  # of its last rising and falling edge
@@ -100,7 +104,7 @@ class Cia402Family:
         """Configured and operational, in this mode."""
         found = self._nodes.get(node)
         if found is not None:
-            found.released, found.mode, found.error = True, mode, 0
+            found.released, found.mode, found.error, found.stopping = True, mode, 0, 0
 
     def answers(self, node: int, mode: int) -> None:
         """Heard beside another master: one that answers SYNC was configured by him, in this mode as long as nothing else is heard."""
@@ -112,7 +116,7 @@ class Cia402Family:
         """No RPDO any more until it is configured again."""
         found = self._nodes.get(node)
         if found is not None:
-            found.released = False
+            _let_go(found)
 
     def began(self, now: Ns) -> None:
         """Nothing depends on it here."""
@@ -122,6 +126,9 @@ class Cia402Family:
         frames, modes = [SYNC], []
         for node in self._nodes.values():
             if not node.released:
+                if node.stopping:
+                    node.stopping -= 1
+                    frames.append(Frame(node.set_id, _SET.pack(Command.QUICK_STOP.value, node.place)))
                 continue
             value = values[node.index]
             if not isinstance(value, Cia402Set):
@@ -154,9 +161,10 @@ class Cia402Family:
         if node is not None:
             if len(data) != 6:
                 raise DecodeError(f"TPDO1 of node {node.number}: 6 bytes expected, {data.hex(' ')}")
+            status, position = _STATUS.unpack(data)
+            node.place = position
             if not node.released:
                 return None
-            status, position = _STATUS.unpack(data)
             if node.edges:
                 _settle(node)
             actual = Cia402Actual(
@@ -178,11 +186,17 @@ class Cia402Family:
                 node.error = int.from_bytes(frame.data[:2], "little")
         elif function == cobid.heartbeat(0) and number:
             if node is not None and frame.data == BOOT_UP:
-                node.released = False  # it was reset: whatever was configured may be gone
+                _let_go(node)  # it was reset: whatever was configured may be gone; or somebody else said so, and it moves on
                 node.status, node.edges = -1, 0
         elif function != cobid.sdo_answer(0) and frame.identifier != cobid.LSS_SLAVE:
             raise DecodeError(f"identifier {frame.identifier:#x} is nobody's on this bus: {frame.data.hex(' ')}")
         self.aside.append(frame)
+
+
+def _let_go(node: _Node) -> None:
+    """No set values any more; one that was enabled and still hears brakes."""
+    if node.released:
+        node.released, node.stopping = False, STOP_CYCLES
 
 
 def _take(node: _Node, identifier: int, data: bytes) -> None:

@@ -53,7 +53,10 @@ class SdoServer:
         if len(request) != 8:
             return self._abort(Abort.COMMAND) if self._phase is not Phase.IDLE else []
         if self._phase is Phase.BLOCK_IN and request[0] != Request.ABORT << 5:
+            before = len(self._data)
             answers = self._block_segment(request)
+            if not answers and len(self._data) == before:
+                return []  # no segment of this transfer: requests of a client that knows nothing of it must not keep it alive
         else:
             answers = self._command(request)
         self.due = NEVER if self._phase is Phase.IDLE else now + TIME_OUT_NS

@@ -14,6 +14,7 @@ from gateway.bus_tools.logs import message_of
 from gateway.bus_tools.ports import FORM, NoBus, open_bus
 from gateway.commands.common import DONE, ENVIRONMENT, FINDING, USAGE
 from gateway.listenfirst import END_IT, LISTEN_S
+from gateway.sdoclient import bounded_upload
 from protocols.base.machine import Frame
 from protocols.canopen.nmt import Command, command
 
@@ -110,7 +111,7 @@ def sdo(bus: can.BusABC, arguments: argparse.Namespace) -> int:
     try:
         client = network.add_node(arguments.node).sdo
         if arguments.read:
-            data = client.upload(index, sub)
+            data = bounded_upload(client, index, sub)
             print(f"{index:04X}h:{sub:02X} = {told(data)}")
         else:
             client.download(index, sub, encoded(arguments.write[1], arguments.write[2]))

@@ -335,3 +335,16 @@ def test_every_abort_code_has_its_situation(code: Abort) -> None:
 
 def test_every_abort_code_has_a_text() -> None:
     assert {int(code) for code in Abort} == set(sdo.TEXTS) and len(Abort) == 31
+
+
+def test_an_abandoned_block_download_frees_the_server_though_others_keep_asking() -> None:
+    """A client that dies in a block; the next one asks again and again within the time-out: its requests are no segments."""
+    bus, node = ready()
+    node.ask(sdo.initiate_block(Request.BLOCK_DOWNLOAD, NOTES, 700, False))
+    for number in (1, 2, 3):
+        node.asks(sdo.block_segment(number, bytes(7), False))
+    answers: list[bytes] = []
+    for _ in range(5):
+        bus.run(0.3)
+        answers += node.asks(sdo.initiate(Request.INITIATE_UPLOAD, (0x1000, 0)))
+    assert answers and answers[-1] == bytes.fromhex("4300100092010200"), answers
