@@ -7,6 +7,7 @@ the supervisor starts it again, and open pages connect by themselves.
 import argparse
 import os
 import pathlib
+import resource
 import signal
 
 import uvicorn
@@ -20,8 +21,10 @@ from gateway.web.place import data_file
 from gateway.web.regions import Regions
 from gateway.web.scope import Scope
 from gateway.web.store import Store
+from gateway.web.unfinished import PatientHttp, PatientServer
 
 NICE = 5
+MOST_FILES = 8192  # handshakes that never end hold one each for five seconds
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -43,9 +46,11 @@ def main(argv: list[str] | None = None) -> int:
         ws_ping_interval=10.0, ws_ping_timeout=20.0, timeout_graceful_shutdown=1, server_header=False, limit_concurrency=200,
         ssl_certfile=str(folder / web.tls_certificate) if web.tls_certificate else None,
         ssl_keyfile=str(folder / web.tls_key) if web.tls_key else None,
-        proxy_headers=False,
+        proxy_headers=False, http=PatientHttp,
     )  # fmt: skip
-    server = uvicorn.Server(config)
+    hard = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
+    resource.setrlimit(resource.RLIMIT_NOFILE, (min(hard, MOST_FILES) if hard != resource.RLIM_INFINITY else MOST_FILES, hard))
+    server = PatientServer(config)
     os.nice(NICE)  # from here on: the start itself is to be short
     server.run()
     store.close()

@@ -57,8 +57,15 @@ class Patience:
         return max((WINDOW_S - (now - self._wrong[key][0]) for key in keys if len(self._wrong.get(key, ())) >= TRIES), default=0.0)
 
     def wrong(self, *keys: str) -> None:
+        """A try that is not judged yet counts as a wrong one: tried at once, five are heard as well."""
         for key in keys:
             self._wrong.setdefault(key, deque(maxlen=TRIES)).append(time.monotonic())
+
+    def right(self, *keys: str) -> None:
+        """It was the right one."""
+        for key in keys:
+            if self._wrong.get(key):
+                self._wrong[key].pop()
 
 
 class Access:

@@ -195,10 +195,12 @@ class Api:
         wait = self.access.patience.wait_s(*keys)
         if wait:
             raise Denied(429, f"too many wrong passwords; try again in {wait:.0f} s")
+        self.access.patience.wrong(*keys)
         async with self._login:
             right = await asyncio.to_thread(self.store.right, body.name, body.password)
-        if not right:
-            self.access.patience.wrong(*keys)
+        if right:
+            self.access.patience.right(*keys)
+        else:
             self.store.note(body.name, call.person.source, "wrong password")
             raise Denied(401, "name or password is wrong")
         return self._logged_in(body.name)

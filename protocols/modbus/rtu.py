@@ -7,7 +7,7 @@ from enum import Enum, auto
 from typing import NamedTuple
 
 from protocols.base.machine import Damage, Ns
-from protocols.modbus.crc import crc, sealed
+from protocols.modbus.crc import START, crc, sealed
 from protocols.modbus.lengths import LONGEST_FRAME, request_length
 from protocols.modbus.mbap import RECEIVE_LIMIT, Closing, Request, Why
 from protocols.modbus.timing import Timing
@@ -125,6 +125,7 @@ class RtuTcpFraming:
     def __init__(self, receive_limit: Ns = RECEIVE_LIMIT) -> None:
         self._receive_limit = receive_limit
         self._half = b""
+        self._checked, self._check = 0, START  # bytes of `_half` the check has run over, and where it stands
         self._due: Ns | None = None
         self._closed = False
         self._output: list[bytes] = []
@@ -135,13 +136,14 @@ class RtuTcpFraming:
             return events
         stream, begun = self._half + data, False
         while len(stream) >= SHORTEST_FRAME:
-            size = _request_size(stream)
+            size = self._request_size(stream)
             if size == 0:
                 break
             if size < 0:
                 return [*events, self._close(Why.CHECK, stream[:LONGEST_FRAME])]
             events.append(Request(0, stream[0], stream[1 : size - 2]))
             stream, begun = stream[size:], True
+            self._checked, self._check = 0, START
         if not stream:
             self._due = None
         elif begun or not self._half:
@@ -183,15 +185,23 @@ class RtuTcpFraming:
         self._half, self._due, self._closed = b"", None, True
         return Closing(why, half)
 
+    def _request_size(self, stream: bytes) -> int:
+        """Bytes of the frame at the start of the stream; 0: not whole yet, -1: what is there is no frame."""
+        size = request_length(stream)
+        if size is None or stream[1] == 8:  # nothing tells the length (a diagnosis may carry more words): the check does
+            return self._by_check(stream)
+        if size > LONGEST_FRAME:
+            return -1
+        if size == 0 or len(stream) < size:
+            return 0
+        return -1 if crc(stream[:size]) else size
 
-def _request_size(stream: bytes) -> int:
-    """Bytes of the frame at the start of the stream; 0: not whole yet, -1: what is there is no frame."""
-    size = request_length(stream)
-    if size is None or stream[1] == 8:  # nothing tells the length (a diagnosis may carry more words): the check does
-        found = next((n for n in range(SHORTEST_FRAME, min(len(stream), LONGEST_FRAME) + 1) if crc(stream[:n]) == 0), None)
-        return found or (-1 if len(stream) >= LONGEST_FRAME else 0)
-    if size > LONGEST_FRAME:
-        return -1
-    if size == 0 or len(stream) < size:
-        return 0
-    return -1 if crc(stream[:size]) else size
+    def _by_check(self, stream: bytes) -> int:
+        """Where the check comes out first; each byte is looked at once, however many pieces it comes in."""
+        end = min(len(stream), LONGEST_FRAME)
+        while self._checked < end:
+            self._check = crc(stream[self._checked : self._checked + 1], self._check)
+            self._checked += 1
+            if self._check == 0 and self._checked >= SHORTEST_FRAME:
+                return self._checked
+        return -1 if len(stream) >= LONGEST_FRAME else 0

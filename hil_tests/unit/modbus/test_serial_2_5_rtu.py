@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from hil_tests.lab.bench import Bench
 from protocols.base.machine import Damage, Ns, ms
-from protocols.modbus.crc import crc, sealed
+from protocols.modbus.crc import START, crc, sealed
 from protocols.modbus.mbap import Closing, Request, Why
 from protocols.modbus.rtu import Dropped, Fault, RtuFraming, RtuTcpFraming
 from protocols.modbus.timing import Timing, timing
@@ -174,6 +174,35 @@ def test_over_tcp_the_check_ends_what_nothing_else_does() -> None:
     unknown, query = sealed(b"\x01\x41\x01\x02\x03"), sealed(bytes.fromhex("01 08 0000 1122 3344"))
     stream().at(0).hears(unknown + READ).reports(Request(0, 1, unknown[1:-2]), Request(0, 1, READ[1:-2]))
     stream().at(0).hears(query).reports(Request(0, 1, query[1:-2]))
+
+
+@pytest.mark.parametrize("head", [b"\x01\x41", b"\x01\x08", bytes.fromhex("01 10 0000 007B F6")])
+def test_over_tcp_a_frame_costs_the_same_byte_by_byte_as_whole(head: bytes, monkeypatch: pytest.MonkeyPatch) -> None:
+    looked = 0
+
+    def counted(data: bytes, check: int = START) -> int:
+        nonlocal looked
+        looked += len(data)
+        return crc(data, check)
+
+    monkeypatch.setattr("protocols.modbus.rtu.crc", counted)
+    frame = sealed(head + bytes(n * 7 & 0xFF for n in range(246)))
+    whole, byte_by_byte = RtuTcpFraming(), RtuTcpFraming()
+    found = whole.receive(frame, 0)
+    at_once, looked = looked, 0
+    pieces = [event for byte in frame for event in byte_by_byte.receive(bytes((byte,)), 0)]
+    assert pieces == found and len(found) == 1 and isinstance(found[0], Request)
+    assert looked == at_once <= len(frame)
+
+
+@given(st.lists(st.binary(max_size=40), max_size=12), st.integers(1, 7))
+def test_over_tcp_pieces_make_no_difference(frames: list[bytes], size: int) -> None:
+    data = b"".join(sealed(b"\x01" + frame) for frame in frames)
+    whole, pieces = RtuTcpFraming(), RtuTcpFraming()
+    found = whole.receive(data, 0)
+    told = [event for at in range(0, len(data), size) for event in pieces.receive(data[at : at + size], 0)]
+    assert [event for event in told if isinstance(event, Request)] == [event for event in found if isinstance(event, Request)]
+    assert any(isinstance(event, Closing) for event in told) == any(isinstance(event, Closing) for event in found)
 
 
 @given(st.lists(st.binary(max_size=300), max_size=10))
