@@ -37,11 +37,12 @@ class DeclarationReader:
         """All declarations in front of the body."""
         found: list[Declaration] = []
         while self._begins():
-            place = self._stream.place
+            place, depth = self._stream.place, self._stream.depth
             try:
                 found += self._one()
             except Misread:
                 self._pass_over(place)
+                self._stream.back_to(depth)
             self._stream.sign(",")
         return tuple(found)
 

@@ -4,7 +4,8 @@ from gateway.pure.languages.baps2.lexer import Kind, Token
 from gateway.pure.languages.baps2.stream import Stream
 from gateway.pure.languages.baps2.tree import Binary, Call, Expression, Index, Member, Name, Number, PointValue, Text, Unary
 
-COMPARISONS = ("=", "<>", "<", ">", "<=", ">=")
+LEVELS = {"OR": 0, "AND": 1, **dict.fromkeys(("=", "<>", "<", ">", "<=", ">="), 3), "+": 4, "-": 4, "*": 5, "/": 5, "MOD": 5}
+NOT_LEVEL = 2
 FUNCTION_WORDS = {"CHAR": "CHR", "WC_FRAME": "WC_FRAME"}  # words that are functions in front of a bracket
 
 
@@ -16,70 +17,46 @@ class ExpressionReader:
 
     def read(self) -> Expression:
         """A whole expression."""
-        with self._stream.nested():
-            return self._or()
+        return self._binary(0)
 
     def sum(self) -> Expression:
         """An expression without comparisons: targets of moves."""
-        with self._stream.nested():
-            return self._sum()
+        return self._binary(LEVELS["+"])
 
     def names_it(self, token: Token) -> bool:
         """Whether the token is a name here: declared, or no word of the language."""
         return token.kind is Kind.NAME and (not token.word or token.key in self.names)
 
-    def _word(self, *words: str) -> Token | None:
+    def _sign(self) -> str:
+        """The operator that is next, or ""."""
         token = self._stream.token
-        return self._stream.take() if token.word in words and token.key not in self.names else None
+        if token.kind is Kind.SIGN:
+            return token.text
+        return token.word if token.word in ("OR", "AND", "MOD") and token.key not in self.names else ""
 
-    def _or(self) -> Expression:
-        left = self._and()
-        while token := self._word("OR"):
-            left = Binary(token.position, "OR", left, self._and())
+    def _binary(self, lowest: int) -> Expression:
+        """Operands joined by operators of this level and higher ones."""
+        self._stream.deeper()
+        token = self._stream.token
+        if token.word == "NOT" and lowest <= NOT_LEVEL and token.key not in self.names:
+            self._stream.take()
+            left: Expression = Unary(token.position, "NOT", self._binary(NOT_LEVEL))
+        else:
+            left = self._signed()
+        while (level := LEVELS.get(sign := self._sign(), -1)) >= lowest:
+            at = self._stream.take().position
+            left = Binary(at, sign, left, self._binary(level + 1))
+        self._stream.back()
         return left
-
-    def _and(self) -> Expression:
-        left = self._not()
-        while token := self._word("AND"):
-            left = Binary(token.position, "AND", left, self._not())
-        return left
-
-    def _not(self) -> Expression:
-        if token := self._word("NOT"):
-            with self._stream.nested():
-                return Unary(token.position, "NOT", self._not())
-        return self._comparison()
-
-    def _comparison(self) -> Expression:
-        left = self._sum()
-        while self._stream.is_sign(*COMPARISONS):
-            token = self._stream.take()
-            left = Binary(token.position, token.text, left, self._sum())
-        return left
-
-    def _sum(self) -> Expression:
-        left = self._product()
-        while self._stream.is_sign("+", "-"):
-            token = self._stream.take()
-            left = Binary(token.position, token.text, left, self._product())
-        return left
-
-    def _product(self) -> Expression:
-        left = self._signed()
-        while True:
-            if self._stream.is_sign("*", "/"):
-                token = self._stream.take()
-                left = Binary(token.position, token.text, left, self._signed())
-            elif found := self._word("MOD"):
-                left = Binary(found.position, "MOD", left, self._signed())
-            else:
-                return left
 
     def _signed(self) -> Expression:
-        if self._stream.is_sign("+", "-"):
-            token = self._stream.take()
-            with self._stream.nested():
-                return Unary(token.position, token.text, self._signed())
+        token = self._stream.token
+        if token.kind is Kind.SIGN and token.text in ("+", "-"):
+            self._stream.take()
+            self._stream.deeper()
+            value: Expression = Unary(token.position, token.text, self._signed())
+            self._stream.back()
+            return value
         value = self._parts(self._operand())
         while self._stream.is_sign("%"):
             value = Unary(self._stream.take().position, "%", value)
@@ -130,10 +107,12 @@ class ExpressionReader:
         """Components and elements behind a value."""
         while True:
             token = self._stream.token
-            if self._stream.is_sign(".") and self._stream.ahead().kind is Kind.NAME and isinstance(value, Name | Member | Index):
+            if token.kind is not Kind.SIGN:
+                return value
+            if token.text == "." and self._stream.ahead().kind is Kind.NAME and isinstance(value, Name | Member | Index):
                 self._stream.take()
                 value = Member(token.position, value, self._stream.take().key)
-            elif self._stream.is_sign("["):
+            elif token.text == "[":
                 self._stream.take()
                 value = Index(token.position, value, self.read())
                 self._stream.expect_sign("]", "behind the index")

@@ -6,8 +6,8 @@ A `;` right behind a word that only assignments follow separates them (`AFACTOR=
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 from enum import Enum
+from typing import NamedTuple
 
 from gateway.pure.languages.baps2.words import Words
 from gateway.pure.languages.base.faults import Faults
@@ -25,8 +25,7 @@ class Kind(Enum):
     END = "end of file"
 
 
-@dataclass(frozen=True, slots=True)
-class Token:
+class Token(NamedTuple):
     """`text` is what the source has (texts without quotes); `word` the token of the word table, or "" for other names."""
 
     kind: Kind
@@ -56,42 +55,41 @@ _PATTERN = re.compile(
     """,
     re.VERBOSE | re.DOTALL,
 )
+SKIPPED = ("blank", "comment", "separator")
 _SAME = {"=<": "<=", "=>": ">="}
 
 
 def tokens_of(source: SourceFile, words: Words, faults: Faults) -> Iterator[Token]:
     """All tokens, an END token last.  What is no token is a fault and is passed over."""
     text, at, line, start = source.text, 0, 1, 0
-    while at < len(text):
-        match = _PATTERN.match(text, at)
-        position = source.at(line, at - start + 1)
+    name, above, size, match_at = source.name, source.included_from, len(source.text), _PATTERN.match
+    while at < size:
+        match = match_at(text, at)
         if match is None:
-            at += _unknown(text, at, position, faults)
+            at += _unknown(text, at, source.at(line, at - start + 1), faults)
             continue
-        found, kind = match.group(), match.lastgroup
-        if kind == "number" and match.end() < len(text) and re.match(r"[^\W\d]", text[match.end()]):
-            faults.error("number-runs-into-word", position, f"'{found}' runs into the word behind it", "put a blank between them")
-        if kind not in ("blank", "line", "comment", "separator"):
-            yield _token(kind or "", found, position, words)
-        lines = found.count("\n")
-        if lines:
-            line, start = line + lines, at + found.rindex("\n") + 1
-        at = match.end()
+        kind, found = match.lastgroup, match[0]
+        end = match.end()
+        if kind == "line":
+            line, start = line + 1, end
+        elif kind not in SKIPPED:
+            position = Position(name, line, at - start + 1, above)
+            if kind == "name":
+                yield Token(Kind.NAME, found, position, words.token(found) or "")
+            elif kind == "sign":
+                yield Token(Kind.SIGN, _SAME.get(found, found), position)
+            elif kind == "number":
+                if end < size and (text[end].isalpha() or text[end] == "_"):
+                    faults.error("number-runs-into-word", position, f"'{found}' runs into the word behind it", "put a blank between them")
+                yield Token(Kind.NUMBER, found, position)
+            elif kind == "text":
+                yield Token(Kind.TEXT, found[1:-1], position)
+            else:
+                yield Token(Kind.INSTRUCTION, found.lstrip(";: \t").partition(";")[0].strip(), position)
+        elif kind == "comment" and "\n" in found:
+            line, start = line + found.count("\n"), at + found.rindex("\n") + 1
+        at = end
     yield Token(Kind.END, "", source.at(line, at - start + 1))
-
-
-def _token(kind: str, found: str, position: Position, words: Words) -> Token:
-    match kind:
-        case "number":
-            return Token(Kind.NUMBER, found, position)
-        case "text":
-            return Token(Kind.TEXT, found[1:-1], position)
-        case "name":
-            return Token(Kind.NAME, found, position, words.token(found) or "")
-        case "instruction":
-            return Token(Kind.INSTRUCTION, found.lstrip(";: \t").partition(";")[0].strip(), position)
-        case _:
-            return Token(Kind.SIGN, _SAME.get(found, found), position)
 
 
 def _unknown(text: str, at: int, position: Position, faults: Faults) -> int:

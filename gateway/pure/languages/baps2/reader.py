@@ -71,7 +71,7 @@ class _Reader:
             name = self._stream.name("the name of the program" if word == "PROGRAM" else "the name of the subroutine").key
             parameters = declarations.parameters()
         except Misread:
-            pass
+            self._stream.back_to(0)
         expressions.names.update(parameter.name for parameter in parameters)
         declarations.files.update(each.name for each in parameters if each.type.base in ("FILE", "BNR_FILE"))
         found: list[Declaration] = []

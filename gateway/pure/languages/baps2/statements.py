@@ -90,13 +90,15 @@ class StatementReader:
 
     def one(self) -> Statement | None:
         """One statement; None where it was misread or only set something."""
-        place = self._stream.place
+        place, depth = self._stream.place, self._stream.depth
         try:
-            with self._stream.nested():
-                return self._statement()
+            self._stream.deeper()
+            return self._statement()
         except Misread:
             self._pass_over(place)
             return None
+        finally:
+            self._stream.back_to(depth)
 
     def required(self, where: str) -> Statement:
         """One statement, which has to be there."""

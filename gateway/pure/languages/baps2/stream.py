@@ -1,7 +1,6 @@
 """The tokens of a program with its included files in their place, read with one token of look-ahead and recovery after faults."""
 
 from collections.abc import Collection, Iterator
-from contextlib import contextmanager
 from typing import NoReturn
 
 from gateway.pure.languages.baps2.lexer import Kind, Token, tokens_of
@@ -25,7 +24,9 @@ class Stream:
         self.faults, self._words, self._store = faults, words, store
         self._tokens: list[Token] = list(self._expanded(source))
         self._next = 0
+        self._last = len(self._tokens) - 1
         self._depth = 0
+        self.token = self._tokens[0]  # the token that is next
 
     def _expanded(self, source: SourceFile) -> Iterator[Token]:
         for token in tokens_of(source, self._words, self.faults):
@@ -47,14 +48,9 @@ class Stream:
         else:
             yield from self._expanded(SourceFile(file, text, at))
 
-    @property
-    def token(self) -> Token:
-        """The token that is next."""
-        return self._tokens[self._next]
-
     def ahead(self, count: int = 1) -> Token:
         """A token further on."""
-        return self._tokens[min(self._next + count, len(self._tokens) - 1)]
+        return self._tokens[min(self._next + count, self._last)]
 
     @property
     def place(self) -> int:
@@ -64,8 +60,9 @@ class Stream:
     def take(self) -> Token:
         """The next token; the END token is never passed."""
         token = self.token
-        if token.kind is not Kind.END:
+        if self._next < self._last:
             self._next += 1
+            self.token = self._tokens[self._next]
         return token
 
     def sign(self, *signs: str) -> bool:
@@ -111,13 +108,22 @@ class Stream:
         self.faults.error(id, at or self.token.position, text)
         raise Misread
 
-    @contextmanager
-    def nested(self) -> Iterator[None]:
-        """One level deeper; the source may not nest without end."""
+    def deeper(self) -> None:
+        """One level deeper; `back` takes it back.  The source may not nest without end."""
         self._depth += 1
-        try:
-            if self._depth > MOST_NESTED:
-                self.wrong(f"more than {MOST_NESTED} levels one in the other", "nesting-too-deep")
-            yield
-        finally:
+        if self._depth > MOST_NESTED:
             self._depth -= 1
+            self.wrong(f"more than {MOST_NESTED} levels one in the other", "nesting-too-deep")
+
+    def back(self) -> None:
+        """One level less deep."""
+        self._depth -= 1
+
+    @property
+    def depth(self) -> int:
+        """Levels open."""
+        return self._depth
+
+    def back_to(self, depth: int) -> None:
+        """The level of a construct that was left by a fault."""
+        self._depth = depth

@@ -2,11 +2,14 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 
-@dataclass(frozen=True, slots=True, order=True)
-class Position:
-    """A place in a source file; `included_from` is the place of the instruction that included the file."""
+class Position(NamedTuple):
+    """A place in a source file; `included_from` is the place of the instruction that included the file.
+
+    A tuple, because a reader makes one for each token.
+    """
 
     file: str
     line: int
