@@ -16,16 +16,23 @@ from dataclasses import dataclass
 
 from gateway import retain, zeros
 from gateway.cell import Cell
+from gateway.cell_web import Web
 from gateway.clock import wall
 from gateway.config import load_cell
 from gateway.faults import CellFaults
 from gateway.files import read_text
 from gateway.retainfile import RetainError, open_file
+from gateway.safefile import put_in_place
+from gateway.web.place import data_file
 
 FORMAT = 1
 MANIFEST = "manifest.json"
 MOST_BYTES = 512 << 20  # all files of a backup together
 RETAINED = "retained data"
+KEY, USERS = "key", "users of the page"
+SECRETS = (KEY, USERS)
+SECRET_KEYS = ("key", "tls_key", "password_file")  # of a cell file: what they name is a secret
+SEEN_BYTES = 1 << 16  # of a file that may hold a private key
 
 
 class BackupError(Exception):
@@ -52,6 +59,7 @@ class Manifest:
     title: str
     parts: tuple[Part, ...]
     left_out: tuple[str, ...] = ()  # files the cell names that lie elsewhere
+    withheld: tuple[str, ...] = ()  # keys, passwords, users of the page: only in a backup that was asked to hold them
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,20 +70,24 @@ class Step:
     what: str
 
 
-def make(cell: Cell, target: pathlib.Path) -> Manifest:
-    """Writes the backup; whoever runs the cell need not stop.  OSError."""
+def make(cell: Cell, target: pathlib.Path, *, secrets: bool = False) -> Manifest:
+    """Writes the backup; whoever runs the cell need not stop.  secrets: with keys and users, readable by its owner alone.  OSError."""
     with tempfile.TemporaryDirectory(prefix="axisgate-") as folder:
         found, left_out = sources(cell, pathlib.Path(folder))
+        withheld = () if secrets else tuple(name for name, (role, _) in found.items() if role in SECRETS)
+        found = {name: source for name, source in found.items() if name not in withheld}
         parts = tuple(Part(name, role, path.stat().st_size, sum_of(path)) for name, (role, path) in found.items())
         file = pathlib.Path(cell.file)
-        manifest = Manifest(version(), wall(), file.name, cell.cell.name, parts, tuple(left_out))
+        manifest = Manifest(version(), wall(), file.name, cell.cell.name, parts, tuple(left_out), withheld)
         partial = target.with_name(target.name + ".part")
-        with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED) as archive:
+        partial.unlink(missing_ok=True)
+        fd = os.open(partial, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600 if secrets else 0o666)
+        with os.fdopen(fd, "w+b") as raw, zipfile.ZipFile(raw, "w", zipfile.ZIP_DEFLATED) as archive:
             archive.writestr(MANIFEST, json.dumps(_as_json(manifest), indent=1, ensure_ascii=False))
             for name, (_, path) in found.items():
                 archive.write(path, name)
     read(partial)  # what cannot be read back is no backup
-    partial.replace(target)
+    put_in_place(partial, target)
     return manifest
 
 
@@ -86,9 +98,17 @@ def sources(cell: Cell, scratch: pathlib.Path) -> tuple[dict[str, tuple[str, pat
     left_out = []
     for path in named_by(file):
         if path.is_relative_to(file.parent):
-            found.setdefault(str(path.relative_to(file.parent)), ("named by the cell", path))
+            found.setdefault(str(path.relative_to(file.parent)), (_role(cell, path), path))
         else:
             left_out.append(str(path))
+    users = data_file(cell, cell.web or Web(), simulated=False)
+    if users.exists():
+        found = {name: source for name, source in found.items() if source[0] != USERS}  # its log files: the copy needs none
+        copied_as_is(users, scratch / "users.sqlite")
+        found[str(users.relative_to(file.parent)) if users.is_relative_to(file.parent) else f"web/{users.name}"] = (
+            USERS,
+            scratch / "users.sqlite",
+        )
     kept = retain.path_of(cell)
     if kept.exists():
         copied(kept, scratch / "retained.sqlite")
@@ -112,13 +132,43 @@ def named_by(file: pathlib.Path) -> list[pathlib.Path]:
     return [path for path in found if not str(path).startswith(("/dev/", "/proc/", "/sys/"))]
 
 
+def _role(cell: Cell, path: pathlib.Path) -> str:
+    """What a file the cell names is."""
+    if path.name.startswith(data_file(cell, cell.web or Web(), simulated=False).name):
+        return USERS
+    words = tomllib.loads(read_text(pathlib.Path(cell.file)))
+    named = {(pathlib.Path(cell.file).resolve().parent / text).resolve() for text in _under(words, SECRET_KEYS)}
+    with contextlib.suppress(OSError), path.open("rb") as file:
+        if path in named or b"PRIVATE KEY-----" in file.read(SEEN_BYTES):
+            return KEY
+    return "named by the cell"
+
+
+def _under(value: object, keys: tuple[str, ...]) -> Iterator[str]:
+    """Texts that stand under one of these keys."""
+    if isinstance(value, dict):
+        for key, each in value.items():
+            if key in keys and isinstance(each, str):
+                yield each
+            else:
+                yield from _under(each, keys)
+    elif isinstance(value, list):
+        for each in value:
+            yield from _under(each, keys)
+
+
 def copied(source: pathlib.Path, target: pathlib.Path) -> None:
     """A consistent copy of retained data that may be in use.  OSError."""
+    copied_as_is(source, target)
+    open_file(target, repair=False).file.close()
+
+
+def copied_as_is(source: pathlib.Path, target: pathlib.Path) -> None:
+    """Of any SQLite file.  OSError."""
     try:
         closing, connect = contextlib.closing, sqlite3.connect
         with closing(connect(f"file:{source}?mode=ro", uri=True)) as here, closing(connect(target)) as there:
             here.backup(there)
-        open_file(target, repair=False).file.close()
     except sqlite3.Error as error:
         raise RetainError(f"{source}: cannot be read: {error}") from error
 
@@ -179,10 +229,12 @@ def restore(path: pathlib.Path, manifest: Manifest, folder: pathlib.Path) -> lis
                 continue
             if step.what == "replaced":
                 kept.append(_put_by(place, step.part))
-            if step.part.role == RETAINED:
+            if step.part.role in (RETAINED, USERS):
                 for log in ("-wal", "-shm"):
                     place.with_name(place.name + log).unlink(missing_ok=True)
-            os.replace(unpacked / step.part.name, place)
+            if step.part.role in SECRETS:
+                (unpacked / step.part.name).chmod(0o600)
+            put_in_place(unpacked / step.part.name, place)
     return kept
 
 
@@ -194,11 +246,26 @@ def check(folder: pathlib.Path, manifest: Manifest) -> Cell:
         for part in manifest.parts:
             if part.role == RETAINED:
                 open_file(folder / part.name, repair=False).file.close()
-        return load_cell(str(folder / manifest.cell))
+        with stand_ins(folder, manifest):
+            return load_cell(str(folder / manifest.cell))
     except CellFaults as found:
         raise BackupError("\n".join(["its cell has faults here:", *map(str, found.faults)])) from found
     except RetainError as error:
         raise BackupError(str(error)) from error
+
+
+@contextlib.contextmanager
+def stand_ins(folder: pathlib.Path, manifest: Manifest) -> Iterator[None]:
+    """Empty files where keys were withheld, as the cell asks whether they are there."""
+    made = [place for name in manifest.withheld if not (place := folder / name).exists()]
+    for place in made:
+        place.parent.mkdir(parents=True, exist_ok=True)
+        place.touch(0o600)
+    try:
+        yield
+    finally:
+        for place in made:
+            place.unlink(missing_ok=True)
 
 
 def version() -> str:
@@ -239,15 +306,16 @@ def _manifest(raw: dict[str, object]) -> Manifest:
     if not isinstance(parts, list):
         raise ValueError("parts of the manifest")
     made = tuple(Part(str(p["name"]), str(p["role"]), int(p["size"]), str(p["sha256"])) for p in parts)
-    left_out = raw.get("left_out")
-    names = tuple(map(str, left_out)) if isinstance(left_out, list) else ()
-    return Manifest(str(raw["version"]), str(raw["wall"]), str(raw["cell"]), str(raw["title"]), made, names)
+    left_out, withheld = (tuple(map(str, each)) if isinstance(each := raw.get(key), list) else () for key in ("left_out", "withheld"))
+    if any(pathlib.PurePosixPath(name).is_absolute() or ".." in pathlib.PurePosixPath(name).parts for name in withheld):
+        raise ValueError("withheld of the manifest")
+    return Manifest(str(raw["version"]), str(raw["wall"]), str(raw["cell"]), str(raw["title"]), made, left_out, withheld)
 
 
 def _as_json(manifest: Manifest) -> dict[str, object]:
     parts = [{"name": p.name, "role": p.role, "size": p.size, "sha256": p.sha256} for p in manifest.parts]
     head = {"format": FORMAT, "version": manifest.version, "wall": manifest.wall, "cell": manifest.cell, "title": manifest.title}
-    return {**head, "parts": parts, "left_out": list(manifest.left_out)}
+    return {**head, "parts": parts, "left_out": list(manifest.left_out), "withheld": list(manifest.withheld)}
 
 
 def _number(text: str) -> tuple[int, ...]:

@@ -14,6 +14,8 @@ from gateway.cell import Cell
 from gateway.clock import wall
 from gateway.families import listening
 from gateway.files import ConfigNotFound, beside
+from gateway.safefile import append_line
+from gateway.zeros import rows_of
 
 TEXT = (
     "Before the first enable on real drives:\n"
@@ -65,12 +67,13 @@ def log_of(cell: Cell) -> pathlib.Path:
 def unconfirmed(cell: Cell) -> list[str]:
     """Axes nobody has confirmed as they are now."""
     try:
-        entries = [json.loads(line) for line in log_of(cell).read_text().splitlines() if line.strip()]
+        entries = rows_of(log_of(cell).read_text(errors="replace"))[0]
     except OSError:
         entries = []
     known: dict[str, str] = {}
     for entry in entries:
-        known |= entry["axes"]
+        axes = entry.get("axes")
+        known |= {str(axis): str(digest) for axis, digest in axes.items()} if isinstance(axes, dict) else {}
     return [axis for axis, digest in fingerprint(cell).items() if known.get(axis) != digest]
 
 
@@ -93,8 +96,6 @@ def confirm(cell: Cell, axes: list[str], ask: Callable[[str], str], say: Callabl
         return False
     digests = fingerprint(cell)
     path = log_of(cell)
-    path.parent.mkdir(mode=0o755, parents=True, exist_ok=True)
-    with path.open("a") as file:
-        file.write(json.dumps({"wall": wall(), "who": name, "typed": typed, "axes": {axis: digests[axis] for axis in axes}}) + "\n")
+    append_line(path, json.dumps({"wall": wall(), "who": name, "typed": typed, "axes": {axis: digests[axis] for axis in axes}}))
     say(f"Confirmed by {name}; written to {path}")
     return True

@@ -2,26 +2,61 @@
 
 import contextlib
 import json
+import threading
+from collections.abc import Mapping
 
 from gateway import zeros
 from gateway.axes import scaling_of
 from gateway.cell import Axis, Cell
 from gateway.pure.records import AxisFlag, CellState
 from gateway.pure.wrap import beside, wrapped, wrapped_endless
+from gateway.safefile import write_whole
 from motion.units import from_si, to_si
 
+NO_PLACES: Mapping[str, int] = {}
+SHARE = 16  # of a motor turn an axis moves before its place is kept again
 AGAIN = "check the position and write it again with: axisgate axis zero"
 
 
-def remember(cell: Cell, state: CellState, placed: int = 0) -> None:
+def remember(cell: Cell, state: CellState, placed: int = 0, before: Mapping[str, int] = NO_PLACES) -> None:
     """Raw increments of the absolute axes, beside their zeros; a folder nobody may write to is no reason to fail.  placed: axes (bit n-1 =
-    axis n) whose position a program has set: what they show says nothing of their encoder.  Of endless axes those of the first round."""
-    places = _raw(cell, state, placed)
+    axis n) whose position a program has set: what they show says nothing of their encoder.  Of endless axes those of the first round.
+    before: places of axes that show none now."""
+    _write(cell, {**before, **_raw(cell, state, placed)})
+
+
+def _write(cell: Cell, places: dict[str, int]) -> None:
     if places:
-        path = zeros.path_of(cell).with_suffix(".last.json")
         with contextlib.suppress(OSError):
-            path.parent.mkdir(mode=0o755, parents=True, exist_ok=True)
-            path.write_text(json.dumps(places))
+            write_whole(zeros.path_of(cell).with_suffix(".last.json"), json.dumps(places).encode())
+
+
+class LastPlaces:
+    """Kept while the run goes on: a power failure asks nobody.  Written where an axis has left its kept place by more than a share of a
+    motor turn, by a thread of its own, so that no disk holds up the services."""
+
+    def __init__(self, cell: Cell) -> None:
+        self._cell = cell
+        self._steps = {axis.name: axis.drive.inc_per_turn / SHARE for axis in cell.axis}
+        self._kept: dict[str, int] = {}
+        self._writer: threading.Thread | None = None
+
+    def look(self, state: CellState, placed: int = 0) -> None:
+        """Once a second."""
+        if self._writer is not None and self._writer.is_alive():
+            return
+        places = _raw(self._cell, state, placed)
+        if all(abs(place - self._kept.get(name, 1 << 60)) <= self._steps[name] for name, place in places.items()):
+            return
+        self._kept |= places
+        self._writer = threading.Thread(target=_write, args=(self._cell, dict(self._kept)), name="last places", daemon=True)
+        self._writer.start()
+
+    def stop(self, state: CellState, placed: int = 0) -> None:
+        """Once more, as they stand."""
+        if self._writer is not None:
+            self._writer.join(2.0)
+        remember(self._cell, state, placed, self._kept)
 
 
 def judge(cell: Cell, state: CellState) -> list[str]:
@@ -29,6 +64,8 @@ def judge(cell: Cell, state: CellState) -> list[str]:
     try:
         last = json.loads(zeros.path_of(cell).with_suffix(".last.json").read_text())
     except (OSError, ValueError):
+        return []
+    if not isinstance(last, dict):
         return []
     found = []
     for name, now in _raw(cell, state).items():

@@ -4,6 +4,7 @@ Lines of zero/CELL.jsonl, where earlier versions wrote them, are read first.  A 
 packaged files are nobody's to write.
 """
 
+import contextlib
 import json
 import os
 import pathlib
@@ -28,11 +29,36 @@ def path_of(cell: Cell) -> pathlib.Path:
 def history(cell: Cell, axis: str) -> list[Entry]:
     """Every zero of an axis, oldest first."""
     try:
-        lines = path_of(cell).read_text().splitlines()
+        entries = rows_of(path_of(cell).read_text(errors="replace"))[0]
     except OSError:
-        lines = []
-    entries: list[Entry] = [json.loads(line) for line in lines if line.strip()]
-    return [entry for entry in [*entries, *_kept(cell)] if entry["axis"] == axis]
+        entries = []
+    return [entry for entry in [*entries, *_kept(cell)] if entry.get("axis") == axis]
+
+
+def rows_of(text: str) -> tuple[list[Entry], list[int]]:
+    """The rows of a history, and the numbers of lines that are none: cut by a full disk or a power failure, passed over."""
+    rows: list[Entry] = []
+    torn: list[int] = []
+    for number, line in enumerate(text.splitlines(), 1):
+        try:
+            row = json.loads(line) if line.strip() else None
+        except ValueError:
+            row = False
+        if isinstance(row, dict):
+            rows.append(row)
+        elif row is not None:
+            torn.append(number)
+    return rows, torn
+
+
+def torn_lines(cell: Cell) -> list[str]:
+    """A sentence for each file of this cell's histories in which lines cannot be read."""
+    said = []
+    for path in (path_of(cell), path_of(cell).with_suffix(".enable.jsonl")):
+        with contextlib.suppress(OSError):
+            if torn := rows_of(path.read_text(errors="replace"))[1]:
+                said.append(f"{path}: line {', '.join(map(str, torn))}: cut off and passed over; check what it held, then remove it")
+    return said
 
 
 def _kept(cell: Cell) -> list[Entry]:

@@ -22,23 +22,31 @@ def main(argv: list[str]) -> int:
     )
     parser.add_argument("cell", metavar="CELL", help="cell file, or the name of a shipped one")
     parser.add_argument("--to", metavar="FILE", required=True, type=pathlib.Path, help="the ZIP file to write")
+    parser.add_argument(
+        "--secrets",
+        action="store_true",
+        help="also private keys, password files and the users of the page; FILE is then yours alone (0600)",
+    )
     parser.add_argument("--json", action="store_true", help="what went into it, as JSON on standard output")
     options = parser.parse_args(argv)
     cell = load(options.cell)
     if isinstance(cell, int):
         return cell
     try:
-        manifest = backup.make(cell, options.to)
+        manifest = backup.make(cell, options.to, secrets=options.secrets)
     except (OSError, backup.BackupError) as error:
         print(f"axisgate backup: {error}", file=sys.stderr)
         return ENVIRONMENT
     if options.json:
         rows = [{"name": part.name, "role": part.role, "size": part.size, "sha256": part.sha256} for part in manifest.parts]
-        print(json.dumps({"file": str(options.to), "version": manifest.version, "parts": rows, "left_out": manifest.left_out}, indent=1))
+        missing = {"left_out": manifest.left_out, "withheld": manifest.withheld}
+        print(json.dumps({"file": str(options.to), "version": manifest.version, "parts": rows, **missing}, indent=1))
         return DONE
     for part in manifest.parts:
         print(f"{part.role:18} {part.size:>9}  {part.name}")
     for name in manifest.left_out:
         print(f"left out: {name} lies outside the folder of the cell; save it yourself")
+    for name in manifest.withheld:
+        print(f"withheld: {name} (a secret); --secrets takes it in, or save it yourself")
     print(f"{options.to}: {len(manifest.parts)} files; try it: axisgate restore {options.to} --to FOLDER --dry-run")
     return DONE

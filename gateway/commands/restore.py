@@ -52,6 +52,9 @@ def main(argv: list[str]) -> int:
     if not options.json:
         for path in kept:
             print(f"kept: {path}")
+        for name in manifest.withheld:
+            if not (options.to / name).exists():
+                print(f"not in the backup: {name} (a secret); put it there, readable by the user of the gateway alone (0600)")
         print(f"restored; next: axisgate check {options.to / manifest.cell}")
     return DONE
 

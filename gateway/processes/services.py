@@ -12,7 +12,7 @@ import sys
 import time
 
 from drivers.drives.servodyn_words import sentence as servodyn_fault
-from drivers.ports.base import PortError, runtime_dir
+from drivers.ports.base import runtime_dir
 from gateway.assembly import RunPlan, load_plan
 from gateway.axes import axis_facts, make_planner, rc_numbers
 from gateway.bridge import Bridge
@@ -27,7 +27,7 @@ from gateway.image import RegionReader, RegionWriter, RingWriter, fds_from_text
 from gateway.io_errors import IoComplaints
 from gateway.io_office import IoOffice
 from gateway.journal import Journal
-from gateway.lastplace import judge, remember
+from gateway.lastplace import LastPlaces, judge
 from gateway.latemachine import LateMachine
 from gateway.linedoor import LineDoor
 from gateway.modbusdoor import ModbusDoor, modbus_clients, side_of
@@ -62,6 +62,7 @@ from gateway.telegramdoor import TelegramDoor
 from gateway.telegramtables import named_values
 from gateway.tooldesk import ENABLING_BYTE
 from gateway.variables import Variables
+from gateway.zeros import torn_lines
 from motion.pieces import record_size
 from protocols.base.machine import ms
 
@@ -69,6 +70,8 @@ TICK_NS = ms(5)
 INHERITED_NS = ms(3_000)  # inputs a predecessor left stand this long, then they are bad (AX-143)
 CYCLE_GONE_NS = ms(250)  # a cycle silent for this long is told to the doors; restarts at once are quicker only on a fast machine
 LINKS_EVERY = 20  # ticks
+PLACES_EVERY = 200  # ticks
+SERVER_QUICK = 40  # attempts of a Modbus server to listen, 50 ms apart; then it is told and tried every second
 REFUSALS_KEPT_NS = ms(60_000)
 WRONG = int(AxisFlag.FAULT | AxisFlag.UNCONFIGURED | AxisFlag.LOST)  # of an axis, in the list of errors
 SWITCH_S = 0.001  # threads of the masters of CANopen buses give the loop its turn after this (5 ms are usual)
@@ -121,6 +124,7 @@ class Services:
         self.late_machine = LateMachine(simulated=plan.simulated)
         self.complaints = IoComplaints(fds, self.journal, self.cell.cell.language)
         self._places_judged = False
+        self.places = LastPlaces(cell)
         self.blind = {name: f"bus {name} {LISTENS}" for name in plan.listening}
         self.office.unspoken = {n: self.blind[axis.drive.bus] for n, axis in enumerate(cell.axis) if axis.drive.bus in self.blind}
         for words in self.blind.values():
@@ -165,22 +169,23 @@ class Services:
             self.clients.start()
         self.bridge.start(loop)
         self.tick()
+        late = [self._start_server(door) for door in self.doors if isinstance(door, ModbusDoor) and await self._started(door)]
+        servers = [asyncio.create_task(each) for each in late]
         for door in self.doors:
-            if isinstance(door, ModbusDoor):
-                await self._start_server(door)
-            elif isinstance(door, SERIAL):
+            if isinstance(door, SERIAL):
                 door.open(self.plan.lines[door.name])
         variables = await self.variables.listen(runtime_dir() / f"{self.plan.slug}-services.sock")
         await self._done.wait()
         variables.close()
+        for server in servers:
+            server.cancel()
         self.canopen.stop()
         self.contacts.close()
         if self.clients is not None:
             self.clients.close()
         self.retain.close()
         if not self.plan.simulated:
-            planner = self.office.planner
-            remember(self.cell, self.values.state, planner.placed if planner is not None else 0)
+            self.places.stop(self.values.state, self._placed())
         for door in self.doors:
             if isinstance(door, ModbusDoor):
                 await door.server.close()
@@ -189,19 +194,28 @@ class Services:
         self.timer.close()
         self.journal.close()
 
+    async def _started(self, door: ModbusDoor) -> str:
+        """Empty: it listens; else why it does not."""
+        try:
+            await door.server.start()
+        except OSError as error:  # a predecessor's port still in use, an address or adapter that is not there yet
+            return str(error)
+        return ""
+
     async def _start_server(self, door: ModbusDoor) -> None:
-        """A predecessor's port may still be in use for a moment."""
-        for attempt in range(40):
-            try:
-                await door.server.start()
-            except PortError as error:
-                if attempt == 39:
-                    self.journal.write("alarm", str(error))
-                    print(error, flush=True)
-                    return
-                await asyncio.sleep(0.05)
-            else:
-                return
+        """Whenever its address, port or adapter comes: quickly at first, then every second; told once, and when it is over."""
+        attempts = 0
+        while words := await self._started(door):
+            attempts += 1
+            if attempts == SERVER_QUICK:
+                self.journal.write("alarm", f"{words}; it is tried again every second", door=door.name)
+            await asyncio.sleep(0.05 if attempts < SERVER_QUICK else 1.0)
+        if attempts >= SERVER_QUICK:
+            self.journal.write("link", f"Modbus server {door.name} listens now", door=door.name)
+
+    def _placed(self) -> int:
+        planner = self.office.planner
+        return planner.placed if planner is not None else 0
 
     def _on_timer(self) -> None:
         if self.timer.expired():
@@ -226,6 +240,8 @@ class Services:
         self.links.beat(now)
         if self._ticks % LINKS_EVERY == LINKS_EVERY // 2:
             self.retain.look()
+        if self._ticks % PLACES_EVERY == 0 and self._places_judged:
+            self.places.look(self.values.state, self._placed())
         if self._ticks % LINKS_EVERY == 1:
             self.links.write(fitted(self.status(), self.links.size), now)
 
@@ -253,7 +269,7 @@ class Services:
         self.canopen.observe(state)
         if not self._places_judged and not self.plan.simulated and not any(axis.flags & AxisFlag.LOST for axis in state.axes):
             self._places_judged = True
-            for sentence in judge(self.cell, state):
+            for sentence in (*judge(self.cell, state), *torn_lines(self.cell)):
                 self.journal.write("alarm", sentence)
         self.values.life += 1
         self.office.planner = self.programs.state()

@@ -12,7 +12,7 @@ from typing import Any
 from gateway.alterplan import alter_of_cell
 from gateway.assembly import known_zeros
 from gateway.axes import assumed_permits, core_axes, rc_numbers
-from gateway.backup import BackupError, read, restore
+from gateway.backup import BackupError, read, restore, stand_ins
 from gateway.cell import Cell
 from gateway.config import load_cell
 from gateway.cyclebelts import Encoder, belts_of, encoders_of
@@ -58,7 +58,8 @@ def recorded_cell(found: Found) -> Iterator[Cell]:
         try:
             manifest = read(zipped)
             restore(zipped, manifest, place / "cell")
-            yield load_cell(str(place / "cell" / manifest.cell))
+            with stand_ins(place / "cell", manifest):
+                yield load_cell(str(place / "cell" / manifest.cell))
         except BackupError as error:
             raise RecordError(f"its cell cannot be taken: {error}; axisgate replay FILE --cell CELL takes another") from error
 
