@@ -163,6 +163,8 @@ def _settings(arguments: argparse.Namespace, wire: Wire | None) -> Settings:
     profile = known.profile if known and arguments.port.count(",") else PROFILES[arguments.profile]
     priority = arguments.station_priority or (known.priority.name.lower() if known else "high")
     layer = arguments.layer or ("raw" if known and known.passive is None else "rk512")
+    if not 1 <= arguments.words <= 256:
+        raise BadInput(f"--words {arguments.words}: 1..256 expected, as many as DB {arguments.db} has")
     spot = cases_rk512.Place(arguments.db, 0, arguments.words, arguments.missing_db, arguments.write or known is not None)
     return Settings(profile, Priority[priority.upper()], layer, arguments.stimulus, arguments.active, spot, tuple(arguments.only))
 
@@ -237,7 +239,8 @@ def run_send(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print(json.dumps({"written": words, "db": db, "word": word, "bytes": data.hex()}))
     else:
-        print(f"written: DB{db}.DW{word}{f'..DW{word + words - 1}' if words > 1 else ''}, {words} words: {data.hex(' ').upper()}")
+        last = f"..DW{word + words - 1}" if words > 1 else ""
+        print(f"written: DB{db}.DW{word}{last}, {_count(words, 'word')}: {data.hex(' ').upper()}")
     return DONE
 
 
@@ -292,7 +295,13 @@ def _listen(arguments: argparse.Namespace, names: list[str], tell: Callable[[Tol
             out = stack.enter_context(arguments.save.open("w", encoding="ascii", buffering=1))
             keep = Recorder(out, "tap", parse_format(arguments.format), time.monotonic_ns())
         monitor = Monitor(ports, time.monotonic_ns, tell, not arguments.plain, keep)
-        monitor.run(None if arguments.seconds is None else ms(1000 * arguments.seconds))
+        print(f"axisgate line {arguments.tool}: listening at {' and '.join(names)}, Ctrl-C ends it", file=sys.stderr, flush=True)
+        monitor.run(None if arguments.seconds is None else ms(1000 * arguments.seconds), lambda silence: _quiet(arguments.tool, silence))
+
+
+def _quiet(tool: str, silence: Ns) -> None:
+    words = "is the partner on, the tap in the right wire, and the format right?"
+    print(f"axisgate line {tool}: nothing heard for {silence / 1e9:.0f} s: {words}", file=sys.stderr, flush=True)
 
 
 def run_learn(arguments: argparse.Namespace) -> int:
@@ -303,8 +312,13 @@ def run_learn(arguments: argparse.Namespace) -> int:
         print(text, end="")
     else:
         arguments.output.write_text(text, encoding="utf-8")
-        print(f"{arguments.output}: {seen.blocks} blocks, {len(seen.jobs)} kinds of telegrams; next: axisgate check {arguments.output}")
+        what = f"{_count(seen.blocks, 'block')}, {_count(len(seen.jobs), 'kind')} of telegrams"
+        print(f"{arguments.output}: {what}; next: axisgate check {arguments.output}")
     return DONE
+
+
+def _count(amount: int, what: str) -> str:
+    return f"{amount} {what}" if amount == 1 else f"{amount} {what}s"
 
 
 def _learned(trace: pathlib.Path) -> tuple[Learned, str]:
@@ -320,7 +334,6 @@ def _learned_live(arguments: argparse.Namespace) -> tuple[Learned, str]:
     if len(names) != 2:
         raise BadInput("--tap A,B: two ports expected; a cell is learned from both wires")
     tolds: list[Told] = []
-    print(f"axisgate learn line: listening at {arguments.tap}, Ctrl-C ends it", file=sys.stderr, flush=True)
     with contextlib.suppress(KeyboardInterrupt):
         _listen(arguments, names, tolds.append)
     return of_line(tolds, arguments.tap, parse_format(arguments.format))

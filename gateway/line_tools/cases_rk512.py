@@ -11,7 +11,7 @@ from gateway.line_tools.cases import Case, Cases
 from gateway.pure.line_texts import said
 from protocols.base.machine import Ns, ms
 from protocols.p3964r.characters import Char
-from protocols.rk512.header import ErrorNumber
+from protocols.rk512.header import REACTION_BYTES, ErrorNumber
 
 SEND, FETCH, DX_SEND = 0x41, 0x45, 0x4F
 TYPE_DB = 0x44
@@ -103,9 +103,11 @@ def _fetch(place: Place, words: int) -> bytes:
 
 
 def _jobs(found: Cases, place: Place) -> None:
-    @found.case("fetch", "FETCH of one word and of 64 words (128 bytes): error number 00 and as many bytes")
+    most = min(place.words, WORDS_OF_A_TELEGRAM)
+
+    @found.case("fetch", said("FETCH of one word and of {} words ({} bytes): error number 00 and as many bytes", most, 2 * most))
     def fetch(bench: Bench) -> None:
-        for words in sorted({1, min(place.words, WORDS_OF_A_TELEGRAM)}):
+        for words in sorted({1, most}):
             reaction = ask(bench, place, _fetch(place, words))
             if reaction[3]:
                 raise Fail(
@@ -117,11 +119,12 @@ def _jobs(found: Cases, place: Place) -> None:
     @found.case("send", "SEND writes back what FETCH read; the reaction is 4 bytes with 00")
     def send(bench: Bench) -> None:
         _need_write(place)
-        words = min(place.words, WORDS_OF_A_TELEGRAM)
-        content = ask(bench, place, _fetch(place, words))[4:]
-        reaction = ask(bench, place, header(SEND, TYPE_DB, place.db, place.word, words) + content)
-        if reaction[3] or len(reaction) != 4:
-            raise Fail(said("SEND of {} words: reaction {}, expected 00 00 00 00", words, reaction.hex(" ")))
+        read = ask(bench, place, _fetch(place, most))
+        if read[3] or len(read) != REACTION_BYTES + 2 * most:
+            raise NotRun(said("nothing is written: FETCH of the same {} words was answered {}", most, read[:16].hex(" ")))
+        reaction = ask(bench, place, header(SEND, TYPE_DB, place.db, place.word, most) + read[REACTION_BYTES:])
+        if reaction[3] or len(reaction) != REACTION_BYTES:
+            raise Fail(said("SEND of {} words: reaction {}, expected 00 00 00 00", most, reaction.hex(" ")))
 
     @found.case("header-with-10h", "a header that holds 10h three times (FETCH DB 16 DW 16, 16 words)")
     def header_with_dle(bench: Bench) -> None:
@@ -165,7 +168,12 @@ def _refusals(found: Cases, place: Place) -> None:
 
 
 def _refusal(found: Cases, place: Place, name: str, title: str, telegram: bytes, number: int, others: tuple[int, ...]) -> None:
-    found.add(name, title, lambda bench: number_expected(bench, place, telegram, number, others))
+    def run(bench: Bench) -> None:
+        if telegram[2] == SEND and not ask(bench, place, header(FETCH, TYPE_DB, place.missing, 0, 1))[3]:
+            raise NotRun(said("DB {} is there, a SEND would write into it; --missing-db names one that is not", place.missing))
+        number_expected(bench, place, telegram, number, others)
+
+    found.add(name, title, run)
 
 
 def _amounts(found: Cases, place: Place) -> None:

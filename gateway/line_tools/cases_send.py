@@ -19,9 +19,9 @@ def _attempts(bench: Bench, silent: bool = False) -> int:
     return 1 if silent and bench.profile.silence_ends else bench.profile.connect_attempts
 
 
-def _expect_count(what: str, count: int, expected: int) -> None:
+def _expect_count(one: str, many: str, count: int, expected: int) -> None:
     if count != expected:
-        raise Fail(said("{} {}, expected {}", count, what, expected))
+        raise Fail(said("{} {}, expected {}", count, one if count == 1 else many, expected))
 
 
 def _expect_giving_up(bench: Bench, got: int | Damage | None) -> None:
@@ -49,7 +49,7 @@ def silent(bench: Bench) -> None:
         if got != Char.STX:
             break
         count += 1
-    _expect_count("connection attempts", count, _attempts(bench, silent=True))
+    _expect_count("connection attempt", "connection attempts", count, _attempts(bench, silent=True))
     _expect_giving_up(bench, got)
 
 
@@ -64,7 +64,9 @@ def _answered_with(bench: Bench, what: str, answer: bytes | None) -> None:
             bench.say(answer)
         found = bench.answer(bench.profile.retry_pause + ms(200))
         got = found if isinstance(found, int) else -1
-    _expect_count(said("connection attempts when STX is answered with {}", what), count, _attempts(bench))
+    one = said("connection attempt when STX is answered with {}", what)
+    many = said("connection attempts when STX is answered with {}", what)
+    _expect_count(one, many, count, _attempts(bench))
     _expect_giving_up(bench, found)
 
 
@@ -156,7 +158,7 @@ def all_blocks_refused(bench: Bench) -> None:
         count += 1
         bench.say(NAK)
         got = bench.answer(bench.profile.retry_pause + ms(200))
-    _expect_count("block attempts", count, bench.profile.block_attempts)
+    _expect_count("block attempt", "block attempts", count, bench.profile.block_attempts)
     _expect_giving_up(bench, got)
 
 
@@ -267,5 +269,6 @@ def _both_high(bench: Bench) -> None:
         bench.say(wire_block(bench.harmless, bench.profile.block_check))
         bench.expect(Char.DLE, bench.profile.ack_delay, "our block after the second conflict")
         return
-    _expect_count("connection attempts with both stations high", count, _attempts(bench, silent=True))
+    one, many = "connection attempt with both stations high", "connection attempts with both stations high"
+    _expect_count(one, many, count, _attempts(bench, silent=True))
     _expect_giving_up(bench, got)

@@ -15,17 +15,18 @@ from protocols.p3964r.profiles import Priority, Profile
 
 MOST_BYTES = 128  # in one telegram
 TELEGRAM_WORDS = 64
+SHORT = 32  # characters every station takes
 FAILED = {
-    (Stage.CONNECT, Failure.SILENT): "no answer to STX within QVZ/ADT {qvz:.0f} ms, {n} attempts: partner off, cable, wires or speed wrong",
-    (Stage.CONNECT, Failure.NAK): "every STX was answered with NAK ({n} attempts): the partner is not ready, its buffer is full",
-    (Stage.CONNECT, Failure.WRONG): "STX was answered with another character ({n} attempts): wrong speed or parity, echo, or no 3964R",
-    (Stage.CONNECT, Failure.DAMAGED): "the answers to STX came damaged ({n} attempts): wrong speed or parity",
+    (Stage.CONNECT, Failure.SILENT): "no answer to STX within QVZ/ADT {qvz:.0f} ms, {tries}: partner off, cable, wires or speed wrong",
+    (Stage.CONNECT, Failure.NAK): "every STX was answered with NAK ({tries}): the partner is not ready, its buffer is full",
+    (Stage.CONNECT, Failure.WRONG): "STX was answered with another character ({tries}): wrong speed or parity, echo, or no 3964R",
+    (Stage.CONNECT, Failure.DAMAGED): "the answers to STX came damaged ({tries}): wrong speed or parity",
     (Stage.CONNECT, Failure.CONFLICT): "both sent STX again and again: do both stations have the same priority?",
     (Stage.BLOCK, Failure.SILENT): "no answer to the block within QVZ/ADT {qvz:.0f} ms",
     (
         Stage.BLOCK,
         Failure.NAK,
-    ): "the block was refused (NAK): block check, parity, ZVZ/CDT {zvz:.0f} ms, or 3964 instead of 3964R at the partner",
+    ): "the block was refused (NAK): block check, parity, ZVZ/CDT {zvz:.0f} ms, or 3964 instead of 3964R at the partner{size}",
 }
 
 
@@ -108,11 +109,17 @@ class Client:
         return blocks
 
     def _why(self, failed: SendFailed) -> str:
-        text = FAILED.get((failed.stage, failed.why), f"not sent: {failed.stage.name.lower()}, {failed.why.name.lower()}")
+        repeats = [event for event in self._told if isinstance(event, SendRepeated)]
+        reason = failed.stage, failed.why
+        if failed.why is Failure.NAK and any((event.stage, event.why) == (Stage.BLOCK, Failure.NAK) for event in repeats):
+            reason = Stage.BLOCK, Failure.NAK  # it was ready at first; a NAK late in a long block answers the next STX
+        text = FAILED.get(reason, f"not sent: {failed.stage.name.lower()}, {failed.why.name.lower()}")
         if any(isinstance(event, SamePriority) for event in self._told):
             text = f"both stations have the same priority ({self.priority.name.lower()}): set one to high, the other to low"
-        attempts = sum(isinstance(event, SendRepeated) for event in self._told) + 1
-        return text.format(qvz=self.profile.ack_delay / 1e6, zvz=self.profile.char_delay / 1e6, n=attempts)
+        tries = f"{len(repeats) + 1} attempts" if repeats else "1 attempt"
+        length = len(self.traffic[-1].data)
+        size = f"; or its {length} characters are more than the partner takes" if length > SHORT else ""
+        return text.format(qvz=self.profile.ack_delay / 1e6, zvz=self.profile.char_delay / 1e6, tries=tries, size=size)
 
     # ---- the loop
     def _run(self, done: Callable[[], bool], until: Ns | None) -> bool:

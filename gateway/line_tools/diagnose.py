@@ -15,6 +15,7 @@ from protocols.p3964r.profiles import Priority, Profile
 Opener = Callable[[str], Wire]  # line format -> the line
 PATTERN = bytes(b"UZ3fLqwE" * 2)  # characters without a meaning in idle
 LISTEN = ms(1000)
+UNTOLD = ("COM", "com", "sim:")  # ports whose adapter's latency timer cannot be read; on Linux those that have one tell it
 ROUNDS = 5
 BAUDS = (9600, 19200, 4800, 2400, 1200)
 FRAMES = ("8E1", "8N1", "8O1")
@@ -25,6 +26,7 @@ def gather(opener: Opener, line_format: str, profile: Profile, priority: str, ur
     """Looks at the line step by step and stops where a fault hides the rest."""
     seen = Evidence(line_format, priority)
     seen.latency_timer_ms, seen.latency_file = latency_timer(url)
+    seen.hidden_adapter = seen.latency_timer_ms is None and (not url or url.startswith(UNTOLD))
     wire = opener(line_format)
     try:
         bench = Bench(wire, profile, Priority.LOW, None, None)

@@ -76,6 +76,8 @@ def of_line(tolds: list[Told], source: str, line_format: LineFormat) -> tuple[Le
     """The same out of what a monitor heard.  NoTrace when there was no block."""
     seen = learn(tolds)
     if not seen.blocks:
+        if seen.tests:
+            raise NoTrace(f"only the {seen.tests} test blocks of axisgate's own tools were heard at {source}")
         raise NoTrace(f"no block of 3964R was heard at {source} ({len(tolds)} characters and signs); axisgate line diagnose looks further")
     frame = f"{line_format.data_bits}{line_format.parity}{line_format.stop_bits}"
     return seen, draft(seen, source, line_format.baud, frame)
@@ -86,5 +88,7 @@ def learned(path: pathlib.Path) -> tuple[Learned, str]:
     text = path.read_text(encoding="utf-8", errors="replace")
     seen = learn(decoded(text))
     if not seen.blocks:
+        if seen.tests:
+            raise NoTrace(f"only the {seen.tests} test blocks of axisgate's own tools are in it")
         raise NoTrace(f"no block of 3964R in it ({len(text)} characters); a record has lines such as: 123456789 A 02")
     return seen, draft(seen, path.name, *line_format(text))

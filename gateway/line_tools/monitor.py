@@ -13,6 +13,7 @@ from protocols.p3964r.characters import Char
 
 TURN = 0.002  # seconds at one of two taps
 IDLE = 0.02
+QUIET: Ns = ms(5000)
 HOLD: Ns = ms(20)  # a character waits so long at most for one of the other tap that belongs before it: adapters hand over late
 
 
@@ -38,13 +39,21 @@ class Monitor:
         self._latest: Ns = 0
         self.characters = 0
 
-    def run(self, how_long: Ns | None) -> None:
-        """So long, or until interrupted."""
-        start = self._clock()
+    def run(self, how_long: Ns | None, quiet: Callable[[Ns], None] = lambda silence: None) -> None:
+        """So long, or until interrupted.  `quiet` is told how long nothing came: after QUIET, then each time it has doubled."""
+        start = since = self._clock()
+        count, due = 0, QUIET
         while how_long is None or self._clock() - start < how_long:
             for _, port in self._ports:
                 port.wait(TURN if len(self._ports) > 1 else IDLE)
             self.take()
+            if self.characters != count:
+                count, since, due = self.characters, self._clock(), QUIET
+            elif self._clock() - since >= due:
+                quiet(due)
+                due *= 2
+        if not count:
+            quiet(self._clock() - start)
         self._decode(self._clock() + HOLD)
         for told in self._decoder.flush(self._clock() + ms(1000)):
             self._tell(told)

@@ -40,6 +40,7 @@ class Evidence:
     answer_times: list[Ns] = field(default_factory=list)  # STX to DLE at our format
     latency_timer_ms: int | None = None  # what the system says of the adapter
     latency_file: str = ""
+    hidden_adapter: bool = True  # there may be a USB adapter whose latency timer the system does not tell
     checks: dict[str, Heard | None] = field(default_factory=dict)  # check we sent (right, stx, once, none) -> answer to the block
     their_difference: int | None = None  # their BCC xor the right one
     reaction: bytes | None = None  # to a FETCH; b"": no reaction
@@ -152,6 +153,9 @@ def _latency(seen: Evidence) -> list[Finding]:
             "the USB adapter's latency timer stands at {} ms: every answer waits up to so long in the adapter", seen.latency_timer_ms
         )
         found.append(Finding("USB latency timer", "warn", text, said("echo {} | sudo tee {}", LATENCY_GOOD_MS, seen.latency_file)))
+    elif seen.answer_times and SLOW_ANSWER[0] <= median(seen.answer_times) <= SLOW_ANSWER[1] and not seen.hidden_adapter:
+        text = said("answers take {:.0f} ms: the partner looks at its line in steps", median(seen.answer_times) / 1e6)
+        found.append(Finding("slow answers", "note", text, "nothing, while they stay far below QVZ/ADT"))
     elif seen.answer_times and SLOW_ANSWER[0] <= median(seen.answer_times) <= SLOW_ANSWER[1]:
         text = said("answers take {:.0f} ms, as through a USB adapter whose latency timer stands at 16 ms", median(seen.answer_times) / 1e6)
         found.append(

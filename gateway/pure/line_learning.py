@@ -66,8 +66,23 @@ class Learned:
     repeats: int = 0
     reaction_times: list[Ns] = field(default_factory=list)
     flags: int = 0
+    tests: int = 0  # blocks of our own probe and diagnosis, which say nothing of the partner
     first: Ns = 0
     last: Ns = 0
+
+
+TEST_BLOCKS = frozenset((b"UC", b"UV", b"UVW", b"U\x10V", b"U\x02\x02V", b"U\x15\x15V", b"U\x10AV", b"UAV"))
+TEST_TEXT = b"U" + bytes(range(0x20, 0x7F)) * 12  # of any length
+TEST_FETCH = bytes.fromhex("00004544FF000001FFFF")
+
+
+def is_test(data: bytes) -> bool:
+    """A block of `axisgate line probe` or `diagnose`: U and next to nothing, or the FETCH that any reaction will do for."""
+    if data in TEST_BLOCKS or data == TEST_FETCH:
+        return True
+    if data[:1] != b"U":
+        return False
+    return len(data) <= 2 or TEST_TEXT.startswith(data)
 
 
 def learn(tolds: Iterable[Told]) -> Learned:
@@ -79,6 +94,9 @@ def learn(tolds: Iterable[Told]) -> Learned:
         seen.conflicts += "conflict" in told.text
         seen.repeats += told.kind == "NAK"
         if told.kind != "BLOCK":
+            continue
+        if is_test(told.data):
+            seen.tests += 1
             continue
         seen.blocks += 1
         if not told.check_ok:
@@ -238,6 +256,8 @@ def _line(seen: Learned, baud: int, frame: str) -> list[str]:
         lines.append(f"# {seen.includes_stx} block checks are off by 02h: that side includes STX")
     if seen.raw:
         lines.append(f"# {len(seen.raw)} blocks are no RK512, the first: {seen.raw[0][:24].hex(' ')}; describe them with [[telegram]]")
+    if seen.tests:
+        lines.append(f"# {seen.tests} test blocks of axisgate line probe or diagnose were left out")
     if seen.flags:
         lines.append(f"# {seen.flags} commands name a coordination flag")
     return lines

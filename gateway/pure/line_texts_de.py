@@ -165,10 +165,12 @@ SEND = {
     ),
     "the acknowledged block": "dem quittierten Block",
     "connection attempts": "Verbindungsversuche",
+    "connection attempt": "Verbindungsversuch",
     "STX, before QVZ is over": "STX, vor Ablauf der QVZ",
     "STX and silence": "STX und Stille",
     "the block and silence": "dem Block und Stille",
     "block attempts": "Blockversuche",
+    "block attempt": "Blockversuch",
     "a DLE after giving up": "einem DLE nach dem Aufgeben",
     "; it behaves as with priority": "; sie verhaelt sich wie mit Prioritaet",
     "; it behaves as without priority": "; sie verhaelt sich wie ohne Prioritaet",
@@ -177,8 +179,10 @@ SEND = {
     "a good block after the conflict": "einem guten Block nach dem Konflikt",
     "DLE in place of a block": "DLE anstelle eines Blocks",
     "connection attempts with both stations high": "Verbindungsversuche, beide Stationen mit Prioritaet",
+    "connection attempt with both stations high": "Verbindungsversuch, beide Stationen mit Prioritaet",
     "{} characters: {}{}": "{} Zeichen: {}{}",
     "connection attempts when STX is answered with {}": "Verbindungsversuche, wenn auf STX {} kommt",
+    "connection attempt when STX is answered with {}": "Verbindungsversuch, wenn auf STX {} kommt",
     "this profile gives up after one silence": "dieses Profil gibt nach einem Schweigen auf",
     "{} after the block": "{} nach dem Block",
     "the repeated block differs from the first": "der wiederholte Block ist anders als der erste",
@@ -213,8 +217,8 @@ RK512 = {
     "a command telegram": "einem Befehlstelegramm",
     "STX of the reaction": "STX der Reaktion",
     "a number of its own": "eine eigene Nummer",
-    "FETCH of one word and of 64 words (128 bytes): error number 00 and as many bytes": (
-        "FETCH von einem Wort und von 64 Worten (128 Bytes): Fehlernummer 00 und ebenso viele Bytes"
+    "FETCH of one word and of {} words ({} bytes): error number 00 and as many bytes": (
+        "FETCH von einem Wort und von {} Worten ({} Bytes): Fehlernummer 00 und ebenso viele Bytes"
     ),
     "SEND writes back what FETCH read; the reaction is 4 bytes with 00": (
         "SEND schreibt zurueck, was FETCH gelesen hat; die Reaktion sind 4 Bytes mit 00"
@@ -223,6 +227,13 @@ RK512 = {
     "a coordination flag in bytes 9 and 10": "ein Koordinierungsmerker in Byte 9 und 10",
     "refused with {:02X}h ({}), expected {:02X}h ({})": "abgelehnt mit {:02X}h ({}), erwartet {:02X}h ({})",
     "writes into the station; allowed with --write": "schreibt in die Station; erlaubt mit --write",
+    "nothing is written: FETCH of the same {} words was answered {}": (
+        "nichts geschrieben: FETCH derselben {} Worte wurde mit {} beantwortet"
+    ),
+    "DB {} is there, a SEND would write into it; --missing-db names one that is not": (
+        "DB {} ist vorhanden, ein SEND wuerde hineinschreiben; --missing-db nennt einen, der fehlt"
+    ),
+    "the station takes more than this profile's {} characters": "die Station nimmt mehr als die {} Zeichen dieses Profils",
     "a block that does not exist": "ein Baustein, den es nicht gibt",
     "SEND to a block that does not exist": "SEND in einen Baustein, den es nicht gibt",
     "words behind the end of the block": "Worte hinter dem Ende des Bausteins",

@@ -125,6 +125,11 @@ DIAGNOSIS = {
         "ist das der richtige Anschluss, und spricht der Partner ueberhaupt 3964 oder 3964R?"
     ),
     "USB latency timer": "USB-Latenzzeit",
+    "slow answers": "langsame Antworten",
+    "answers take {:.0f} ms: the partner looks at its line in steps": (
+        "Antworten brauchen {:.0f} ms: der Partner sieht nur in Schritten nach seiner Leitung"
+    ),
+    "nothing, while they stay far below QVZ/ADT": "nichts, solange sie weit unter der QVZ bleiben",
     "the USB adapter's latency timer stands at {} ms: every answer waits up to so long in the adapter": (
         "die Latenzzeit des USB-Wandlers steht auf {} ms: jede Antwort wartet bis zu so lange im Wandler"
     ),

@@ -49,7 +49,7 @@ def _of_the_link(event: object) -> str:
         case BlockRefused(why, count):
             return f"a block of the partner was not taken, {count} characters of it came: {REFUSED[why]}"
         case ReceptionFailed(why, attempts):
-            return f"the partner gave up a block after {attempts} attempts, the first fault: {REFUSED[why]}"
+            return f"the partner gave up a block after {attempts} attempt{'s' * (attempts != 1)}, the first fault: {REFUSED[why]}"
         case SendRepeated(_, why, stage):
             return f"a block of ours is sent again: {FAILED[why]} {STAGES[stage]}"
         case SendFailed(_, why, stage):
