@@ -136,7 +136,16 @@ def core_axes(cell: Cell, p5_ms: float, zeros: Mapping[str, float] = NO_ZEROS, *
 def axis_facts(cell: Cell) -> list[AxisFacts]:
     """The axes as the office judges them."""
     return [
-        AxisFacts(axis.name, axis.unit, to_si(1.0, axis.unit), axis.limits.min, axis.limits.max, axis.modulo > 0.0) for axis in cell.axis
+        AxisFacts(
+            axis.name,
+            axis.unit,
+            to_si(1.0, axis.unit),
+            axis.limits.min,
+            axis.limits.max,
+            axis.modulo > 0.0,
+            axis.home.by == "none",
+        )
+        for axis in cell.axis
     ]
 
 

@@ -356,6 +356,8 @@ class CanopenMaster:
             case steps.Pause(ms):
                 self._stop.wait(ms / 1000.0)
                 return b""
+            case steps.Now():
+                return (time.monotonic_ns() // 1_000_000).to_bytes(8, "little")
             case steps.Sync(ms):
                 self._link.send(cobid.SYNC, b"")  # only a tool's own port takes it: the cycle's ring refuses SYNC
                 self._stop.wait(ms / 1000.0)

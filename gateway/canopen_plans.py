@@ -32,7 +32,7 @@ def _plan(cell: Cell, bus: Bus, axis: Axis, node: int, p5_ms: int, torque: bool,
     sheet = read_eds(cell, axis, simulated=simulated)
     own = sheet is not None and bool(axis.drive.eds) and sheet.path.name == pathlib.Path(axis.drive.eds).name
     identity = identity_of(sheet.dictionary) if sheet is not None and own else Identity()
-    serial = int(axis.drive.serial, 0) if axis.drive.serial[:1].isdigit() and not simulated else None
+    serial = (int(axis.drive.serial, 0) or None) if axis.drive.serial[:1].isdigit() and not simulated else None  # 0: it has none
     parameters = (*_file_parameters(sheet.dictionary, node), *homing_parameters(axis)) if sheet is not None else homing_parameters(axis)
     pdos, measuring = default_pdos(node, torque=torque), probe_of(cell, axis.name)
     if measuring is not None:

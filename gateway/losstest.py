@@ -72,7 +72,7 @@ def under_way(client: ToolClient, cell: Cell, mask: int, velocity: float) -> Non
     client.take_over()
     client.command("enable", mask)
     if not all(int(str(row["flags"])) & AxisFlag.REFERENCED for row in client.axes()):
-        client.command("reference", mask, timeout_s=100.0)
+        client.command("reference", mask, timeout_s=max(axis.home.timeout_s for axis in cell.axis) + 10.0)
     _far(client, cell, mask, velocity, low=True, wait=True)
     _far(client, cell, mask, velocity, low=False, wait=False)
 

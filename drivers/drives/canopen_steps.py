@@ -46,7 +46,12 @@ class Sync:
     pause_ms: int
 
 
-Step = Read | Write | Nmt | Pause | Sync
+@dataclass(frozen=True, slots=True)
+class Now:
+    """The time in ms as eight bytes, low byte first: a limit is kept whatever the dialogue itself costs."""
+
+
+Step = Read | Write | Nmt | Pause | Sync | Now
 
 
 @dataclass(frozen=True, slots=True)

@@ -118,6 +118,7 @@ class Cia402Drive:
         self._settings = settings or Cia402Settings()
         self._phase = Phase.LOST
         self._cycles = 0  # in the present phase
+        self._home_cycles = 0  # of the reference run, over all its phases
         self._on_before = self._reset_before = self._home_before = True
         self._asked = self._home_asked = False
         self._reset_left = 0
@@ -174,6 +175,7 @@ class Cia402Drive:
         """actual: of this SYNC, None when none came.  The set value for the next SYNC."""
         self.events = []
         self._note_edges(demand)
+        self._home_cycles += self._phase in AT_HOMING
         if isinstance(actual, Cia402Actual):
             self._hear(actual)
             self._judge(actual, demand)
@@ -249,6 +251,7 @@ class Cia402Drive:
         elif self._phase is Phase.ENABLED:
             if self._home_asked:
                 self._home_asked, self._homing, self._mode = False, Homing.RUNNING, Mode.HM
+                self._home_cycles = 0
                 self._go(Phase.TO_HOMING)
         else:
             self._home(actual, demand)
@@ -268,7 +271,7 @@ class Cia402Drive:
     def _home(self, actual: Cia402Actual, demand: Demand) -> None:
         """Source: IEC 61800-7-201, homing: bits 13, 12, 10 of the statusword; AX-304."""
         status, settings = actual.statusword, self._settings
-        given_up = not demand.home or self._cycles >= settings.homing_cycles
+        given_up = not demand.home or self._home_cycles >= settings.homing_cycles
         if self._phase is Phase.TO_HOMING:
             if actual.mode == Mode.HM:
                 self._go(Phase.START)
@@ -337,6 +340,8 @@ class Cia402Drive:
             return Command.ENABLE.value | start
         if self._phase is Phase.SWITCHING_ON and self._state is not None:
             command = next_command(self._state, State.ENABLED)
+            if self._state is State.NOT_READY:  # some drives leave statusword 0000h only at their first controlword
+                return Command.SHUTDOWN.value
             return Command.ENABLE.value if self._state is State.ENABLED else command.value if command else 0
         if self._phase is Phase.LOST:
             return Command.QUICK_STOP.value  # should it still hear us, it brakes

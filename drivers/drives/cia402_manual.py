@@ -7,7 +7,7 @@ beside the machine: there is no path, no other axis and no lag supervision but t
 from collections.abc import Generator, Sequence
 from dataclasses import dataclass
 
-from drivers.drives.canopen_steps import Answer, Pause, Read, Silent, Step, Sync, Write
+from drivers.drives.canopen_steps import Answer, Now, Pause, Read, Silent, Step, Sync, Write
 from drivers.drives.cia402 import Bit, Mode
 from drivers.drives.cia402_boot import name_of
 from drivers.drives.cia402_states import Command, State, next_command, state_of
@@ -72,7 +72,8 @@ def homing(limit_ms: int) -> Manual:
     yield from _control(Command.ENABLE.value | Bit.START_HOMING)
     yield Pause(20)
     done = Bit.HOMING_ATTAINED | Bit.TARGET_REACHED
-    for _ in range(limit_ms // POLL_MS):
+    end = (yield from _now()) + limit_ms
+    while (yield from _now()) < end:
         status = yield from _number(0x6041, signed=False)
         if status & Bit.HOMING_ERROR or not status & 0x04:
             break
@@ -160,6 +161,8 @@ def _way(goal: State) -> Generator[Step, Answer, None]:
         if state is goal:
             return
         command = next_command(state, goal) if state is not None else None
+        if state is State.NOT_READY and goal is State.ENABLED:
+            command = Command.SHUTDOWN  # some drives leave statusword 0000h only at their first controlword
         if state is State.FAULT and goal is State.DISABLED:
             raise ManualError("the drive has a fault")
         if command is not None:
@@ -169,7 +172,8 @@ def _way(goal: State) -> Generator[Step, Answer, None]:
 
 
 def _status(mask: int, value: int, limit_ms: int) -> Generator[Step, Answer, None]:
-    for _ in range(limit_ms // POLL_MS):
+    end = (yield from _now()) + limit_ms
+    while (yield from _now()) < end:
         status = yield from _number(0x6041, signed=False)
         if status & mask == value:
             return
@@ -177,6 +181,11 @@ def _status(mask: int, value: int, limit_ms: int) -> Generator[Step, Answer, Non
             raise ManualError(f"the drive left operation enabled (statusword {status:04X}h)")
         yield Pause(POLL_MS)
     raise ManualError(f"statusword: bits {mask:04X}h did not become {value:04X}h within {limit_ms} ms")
+
+
+def _now() -> Generator[Step, Answer, int]:
+    answer = yield Now()
+    return int.from_bytes(answer, "little") if isinstance(answer, bytes) else 0
 
 
 def _control(word: int) -> Generator[Step, Answer, None]:

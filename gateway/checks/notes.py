@@ -214,6 +214,15 @@ def counting(cell: Cell) -> Iterator[Notice]:
                 yield Notice("note", f"axis.{axis.name}.home", text)
 
 
+def serials(cell: Cell) -> Iterator[Notice]:
+    """0 is what a drive says that has no serial number: every such drive would be the pinned one."""
+    for axis in cell.axis:
+        text = axis.drive.serial
+        if axis.drive.type == "cia402" and text[:1].isdigit() and int(text, 0) == 0:
+            words = f"serial {text!r} pins nothing: a drive without a serial number says 0 in 1018h:04; vendor and product count"
+            yield Notice("warning", f"axis.{axis.name}.drive.serial", words)
+
+
 def many_axes(cell: Cell) -> Iterator[Notice]:
     """What old tables do not say of a cell with more axes than the old control had (AX-572)."""
     names = [axis.name for axis in cell.axis]
@@ -247,4 +256,18 @@ def _tens(value: float) -> float:
     return 10.0 * math.ceil(value / 10.0)
 
 
-NOTES = (tightest_range, line_silence, network, bus_load, polling, evidence, lag, enabling, bus_whole, counting, many_axes, not_playable)
+NOTES = (
+    tightest_range,
+    line_silence,
+    network,
+    bus_load,
+    polling,
+    evidence,
+    lag,
+    enabling,
+    bus_whole,
+    counting,
+    serials,
+    many_axes,
+    not_playable,
+)

@@ -120,7 +120,12 @@ def _commission(cell: Cell, arguments: argparse.Namespace) -> int:
     print(f"axis {axis.name}, node {plan.node}: starts up; mode {booted.mode} (CSP); stops when the gateway dies: {booted.options}")
     for note in booted.notes:
         print(f"  note: {note}")
-    print(f'pin it in the cell:  drive = {{ type = "cia402", bus = "{bus.name}", node = {plan.node}, serial = "{identity.serial}", .. }}')
+    if not identity.serial:
+        print(f"its serial number (1018h:04) is {identity.serial}: it has none that pins it; another drive of its type is not noticed")
+    else:
+        print(
+            f'pin it in the cell:  drive = {{ type = "cia402", bus = "{bus.name}", node = {plan.node}, serial = "{identity.serial}", .. }}'
+        )
     print(f"next: axisgate run CELL, then: axisgate axis try CELL {axis.name}")
     return DONE
 

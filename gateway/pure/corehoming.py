@@ -28,6 +28,7 @@ class Homings:
                 else:
                     axis.run = Referencing(plan, axis.drive.position_inc)
         self.job, self.under_way = job, True
+        self._ended()  # axes that know where they are have nothing to do
 
     def end(self, reason: Reason) -> None:
         """The job failed; runs come to rest."""

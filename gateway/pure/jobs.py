@@ -18,6 +18,7 @@ class AxisFacts:
     low: float
     high: float
     endless: bool = False  # goes round: low .. high are its positions, and a way may lead beyond
+    absolute: bool = False  # its encoder knows where it is: there is nothing to reference
 
 
 class OnLoss(Enum):

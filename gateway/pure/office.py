@@ -281,6 +281,7 @@ class Office:
             case Code.REFERENCE:
                 self._mask(job)
                 self._may_move(cell, job.mask, referenced=False)
+                self._can_be_referenced(job.mask)
                 job.watch, self._move = job.id, job
                 self._order(Order.REFERENCE, job.id, mask=job.mask)
             case Code.PTP_ABSOLUTE | Code.PTP_RELATIVE:
@@ -385,6 +386,15 @@ class Office:
         if job.mask & self.barred and job.code != Code.DISABLE:
             names = ", ".join(axis.name for n, axis in enumerate(self.axes) if (job.mask & self.barred) >> n & 1)
             raise Refusal(Reason.DRIVES_OFF, f"{names} disabled at the interface")
+
+    def _can_be_referenced(self, mask: int) -> None:
+        """An absolute axis needs no reference run, but a zero."""
+        missing = mask & ~self.enabled_mask(AxisFlag.REFERENCED)
+        names = ", ".join(axis.name for n, axis in enumerate(self.axes) if missing >> n & 1 and axis.absolute)
+        if names:
+            raise Refusal(
+                Reason.NOT_REFERENCED, f'{names}: home.by = "none" and no zero is known; set it: axisgate axis zero CELL AXIS --at POSITION'
+            )
 
     @staticmethod
     def _may_enable(cell: CellState) -> None:

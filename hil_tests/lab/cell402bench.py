@@ -63,6 +63,8 @@ class Dialogue:
             case steps.Pause(pause):
                 self.wait(pause)
                 return b""
+            case steps.Now():
+                return (self.now // 1_000_000).to_bytes(8, "little")
             case steps.Sync(pause):
                 self.say(Frame(cobid.SYNC))
                 self.wait(pause)

@@ -6,6 +6,7 @@ import pytest
 
 import configs
 from drivers.drives.canopen_plan import dictionary_map_faults
+from gateway.canopen_plans import node_plans
 from gateway.config import CellFaults, load_cell
 from protocols.canopen import eds
 
@@ -46,6 +47,22 @@ def test_a_dcf_that_maps_the_controlword_twice_is_refused_with_both_places() -> 
     assert dictionary_map_faults(dictionary, 1) == [
         "6040h stands in RPDO1 and RPDO2: one of them would switch the drive off with its stale copy"
     ]
+
+
+def test_a_serial_number_of_0_pins_nothing_and_check_says_so() -> None:
+    text = DEMO_402.replace("node = 2,", 'node = 2, serial = "0x0",').replace("node = 3,", 'node = 3, serial = "7",')
+    cell = load_cell("cell.toml", text)
+    said = {notice.where: notice.text for notice in cell.warnings if "pins nothing" in notice.text}
+    assert list(said) == ["axis.A2.drive.serial"]
+    plans = dict(node_plans(cell, cell.bus[0], 4, simulated=False))
+    assert plans["A2"].identity.serial is None and plans["A3"].identity.serial == 7
+
+
+def test_our_data_sheet_maps_no_domain() -> None:
+    """CiA 306: an object of type DOMAIN has no PDOMapping."""
+    sections = (CELLS.parent / "drives" / "axisgate_402.eds").read_text().split("\n[")
+    domains = [section for section in sections if "ObjectType=0x2\n" in section or "DataType=0x000F" in section]
+    assert domains and not [section for section in domains if "PDOMapping" in section]
 
 
 def test_the_shipped_cells_have_no_collision() -> None:

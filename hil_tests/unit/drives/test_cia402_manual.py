@@ -2,6 +2,7 @@
 
 import pytest
 
+from drivers.drives.canopen_steps import Answer, Write
 from drivers.drives.cia402_boot import Parameter, boot
 from drivers.drives.cia402_manual import Manual, ManualError, Moved, homing, interpolated, profile_position, profile_velocity
 from drivers.emulator.cia402_states import State
@@ -53,6 +54,38 @@ def test_interpolated_points_are_followed_with_each_sync() -> None:
     points = [round(10_000 * n / 100) for n in range(1, 101)]
     moved, rig, _ = carried(interpolated(points, 4))
     assert abs(moved.end_inc - moved.start_inc - 10_000) <= 200 and off(rig)
+
+
+def test_a_time_out_is_kept_though_every_answer_takes_its_time() -> None:
+    """A home that is never found: an SDO answer costs 20 ms here, as on a busy bus."""
+    creep = (1).to_bytes(4, "little")
+    never = [Parameter(0x6098, 0, b"\x21", "index pulse"), Parameter(0x6099, 1, creep, "fast"), Parameter(0x6099, 2, creep, "slow")]
+    _, dialogue = ready(*never)
+    upload = dialogue.upload
+
+    def slow(index: int, sub: int) -> Answer:
+        dialogue.wait(20)
+        return upload(index, sub)
+
+    dialogue.upload = slow  # type: ignore[method-assign]
+    start = dialogue.now
+    with pytest.raises(ManualError, match="did not find its home"):
+        dialogue.carry(homing(3_000))
+    assert 3.0 <= (dialogue.now - start) / 1e9 < 4.0
+
+
+def test_a_drive_that_waits_for_its_first_controlword_gets_one() -> None:
+    _, dialogue = ready()
+    answer, woken = dialogue.upload, False
+
+    def asleep(index: int, sub: int) -> Answer:
+        nonlocal woken
+        woken = woken or any(isinstance(step, Write) and step.index == 0x6040 and step.data != b"\0\0" for step in dialogue.steps)
+        return bytes(2) if index == 0x6041 and not woken else answer(index, sub)
+
+    dialogue.upload = asleep  # type: ignore[method-assign]
+    moved = dialogue.carry(profile_position(4_000, 100_000, 400_000))
+    assert abs(moved.end_inc - moved.start_inc - 4_000) <= 30
 
 
 def test_a_refused_object_is_named_and_a_fault_on_the_way_too() -> None:
