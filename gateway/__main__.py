@@ -22,6 +22,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     if not arguments or arguments[0] in ("-h", "--help", "help"):
         print(overview(known))
         return 0 if arguments else INVALID
+    if arguments[0] in ("--version", "-V", "version"):
+        print(version_line())
+        return 0
     name, rest = arguments[0], arguments[1:]
     if name not in known:
         print(f"axisgate: unknown command '{name}'{nearest(name, known)}; axisgate -h lists the commands", file=sys.stderr)
@@ -36,6 +39,14 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # `| head` has seen enough
         sys.stdout = open(os.devnull, "w")  # noqa: SIM115  nothing is flushed into the closed pipe at the end
         return 0
+
+
+def version_line() -> str:
+    """What runs here, for a report of a fault."""
+    import platform
+    from importlib.metadata import version
+
+    return f"axisgate {version('axisgate')}, Python {platform.python_version()}, {platform.system()} {platform.machine()}"
 
 
 def load(entry: EntryPoint) -> Command:
@@ -57,7 +68,7 @@ def reason(entry: EntryPoint, missing: ModuleNotFoundError) -> str:
 def overview(known: Mapping[str, EntryPoint]) -> str:
     width = max((len(name) for name in known), default=0)
     lines = [f"  {name:<{width}}  {first_line(entry)}" for name, entry in sorted(known.items())]
-    return "\n".join(["usage: axisgate COMMAND ...   (axisgate COMMAND -h tells more)", "", *lines])
+    return "\n".join(["usage: axisgate COMMAND ...   (axisgate COMMAND -h explains it; axisgate --version)", "", *lines])
 
 
 def first_line(entry: EntryPoint) -> str:

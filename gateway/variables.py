@@ -11,6 +11,7 @@ import pathlib
 import time
 from typing import TYPE_CHECKING
 
+from gateway.cell import Cell
 from gateway.dbsignals import signals_of
 from gateway.doors import BaseDoor
 from gateway.linedoor import LineDoor
@@ -34,6 +35,8 @@ from gateway.pure.addresses import (
 from gateway.pure.addresses import Kind as OperandKind
 from gateway.pure.functions.system_variables import STOP_PROCESS, VariableError
 from gateway.pure.line_blocks import AREA_BYTES
+from gateway.pure.names import Kind as NameKind
+from gateway.pure.names import lookup
 from gateway.pure.phg.catalogue import PREFIX, variable_of
 from gateway.pure.recording.messages import Source
 from gateway.pure.records import get_bit
@@ -139,7 +142,8 @@ class Variables:
                 raw = data[2 * place.word : 2 * place.word + size]
                 if len(raw) < size:
                     return {"error": f"{place}: the block has {len(data) // 2} words"}
-                return {"address": text, "place": str(place), "door": door.name, **_columns(raw, place.part)}
+                unit = entry_unit(self._services.cell, door.name, place)
+                return {"address": text, "place": str(place), "door": door.name, **_columns(raw, place.part), **unit}
             case CellName(name):
                 return self._named(text, name)
             case Register():
@@ -230,7 +234,7 @@ class Variables:
                 "source": sample.source,
             }
         try:
-            return {"address": text, "place": name, "value": values.get(name)}
+            return {"address": text, "place": name, "value": values.get(name), **name_unit(self._services.cell, name)}
         except KeyError:
             close = difflib.get_close_matches(name, self.names(), n=1)
             hint = f", did you mean {close[0]}?" if close else ""
@@ -369,3 +373,26 @@ def _floats(raw: bytes) -> dict[str, object]:
         with contextlib.suppress(ProtocolError):
             found[kind.name] = decode(kind, raw)
     return found
+
+
+def name_unit(cell: Cell, name: str) -> dict[str, object]:
+    """Unit of a name of the cell; nothing for bits, counters and codes."""
+    found = lookup(name)
+    if found is None:
+        return {}
+    if found.name.kind is NameKind.PERCENT:
+        return {"unit": "%"}
+    axis = next((axis for axis in cell.axis if axis.name == found.which), None)
+    return {"unit": axis.unit} if axis is not None and found.name.kind is NameKind.WAY else {}
+
+
+def entry_unit(cell: Cell, line: str, place: DataWord) -> dict[str, object]:
+    """What one step of that word is, where an entry of the cell says so: 0.1 mm."""
+    from gateway.checks.blocks import place_of
+
+    for block in cell.db:
+        if block.number == place.db and block.line == line:
+            return next(
+                ({"unit": entry.unit} for entry in block.entries if entry.unit not in ("", "1") and place_of(block, entry) == place), {}
+            )
+    return {}

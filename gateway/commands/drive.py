@@ -34,9 +34,9 @@ def main(argv: list[str]) -> int:
         prog="axisgate drive", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("what", choices=("scan", "commission", "loss-test"))
-    parser.add_argument("place", help="scan: CAN port (socketcan:can0, broker:NAME); else the cell")
+    parser.add_argument("place", help="the cell, or its name; scan also takes a CAN port (socketcan:can0, broker:NAME)")
     parser.add_argument("axis", nargs="?", help="commission: name of the axis")
-    parser.add_argument("--port", help="commission: CAN port in place of the cell's")
+    parser.add_argument("--port", help="scan, commission: CAN port in place of the cell's")
     parser.add_argument("--mode", choices=("pp", "pv", "hm", "ip"), help="commission: move once by SDO in this mode, at first_enable speed")
     parser.add_argument("--way", type=float, help="commission --mode: way in the axis' unit (default: first_enable travel)")
     parser.add_argument("--lose", choices=("gateway", "sync", "heartbeat"), action="append", help="loss-test: only this (default: all)")
@@ -49,7 +49,7 @@ def main(argv: list[str]) -> int:
     arguments = parser.parse_args(argv)
     try:
         if arguments.what == "scan":
-            return _scan(arguments.place, as_json=arguments.json)
+            return _scan_place(arguments)
         cell = load(arguments.place)
         if isinstance(cell, int):
             return cell
@@ -59,6 +59,25 @@ def main(argv: list[str]) -> int:
     except (PortError, ToolError, ManualError) as error:
         print(f"axisgate drive {arguments.what}: {error}", file=sys.stderr)
         return ENVIRONMENT
+
+
+def _scan_place(arguments: argparse.Namespace) -> int:
+    """A CAN port, or every CANopen bus of a cell, at --port or at the port the cell names."""
+    if ":" in arguments.place and not arguments.place.endswith(".toml"):
+        return _scan(arguments.place, as_json=arguments.json)
+    cell = load(arguments.place)
+    if isinstance(cell, int):
+        return cell
+    buses = [bus for bus in cell.bus if bus.protocol == "canopen"]
+    if not buses:
+        print(f"axisgate drive scan: {arguments.place} has no CANopen bus; SERVODYN boosters answer no scan", file=sys.stderr)
+        return USAGE
+    simulated = [bus.name for bus in buses if bus.simulated and not arguments.port]
+    if simulated:
+        words = f'bus {simulated[0]} has port = "sim"; name one: axisgate drive scan {arguments.place} --port socketcan:can0'
+        print(f"axisgate drive scan: {words}", file=sys.stderr)
+        return USAGE
+    return max(_scan(arguments.port or bus.port, as_json=arguments.json) for bus in buses)
 
 
 def _scan(url: str, *, as_json: bool) -> int:

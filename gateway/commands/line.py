@@ -115,6 +115,7 @@ def _write_report(report: dict[str, object], results: list[Result], arguments: a
         return
     language = _language(arguments)
     print(", ".join(f"{count} {in_language(word, language)}" for word, count in counted(results).items() if count))
+    print(report["conclusion"])
     if not arguments.no_report:
         print(in_language(said("report: {}.html, {}.json", name, name), language))
     print(report["text"])

@@ -227,6 +227,19 @@ class Bench:
             raise Fail(said("block check {:02X}h, expected {:02X}h: the station counts a doubled DLE once", got, check))
         raise Fail(said("block check {}, expected {:02X}h", named(got), check))
 
+    def swallow(self, quiet: Ns) -> None:
+        """Answers whatever the station still sends with DLE, right or wrong, until it is quiet: it shall repeat nothing."""
+        for _ in range(MOST_BLOCKS):
+            got = self.answer(quiet)
+            if got is None:
+                return
+            if got == Char.STX:
+                self.say(bytes((Char.DLE,)))
+            while self.answer(self.profile.char_delay) is not None:
+                pass
+            self.say(bytes((Char.DLE,)))
+        raise Inconclusive("the station does not fall silent")
+
     def settle(self, quiet: Ns | None = None) -> None:
         """Politely takes whatever the station still has to say until it is quiet."""
         wait = self.profile.char_delay + QUIET if quiet is None else quiet

@@ -17,6 +17,7 @@ SEND, FETCH, DX_SEND = 0x41, 0x45, 0x4F
 TYPE_DB = 0x44
 NO_FLAG = b"\xff\xff"
 WORDS_OF_A_TELEGRAM = 64
+PLANTED = bytes.fromhex("5510 4110 1003 1010 1055 0210 0010 10ff")  # 10h alone, in pairs, in front of 41h, ETX and 00h
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,6 +94,7 @@ def cases(place: Place) -> list[Case]:
     """The list for a station at which `place` may be touched."""
     found = Cases("rk512")
     _jobs(found, place)
+    _planted(found, place)
     _refusals(found, place)
     _amounts(found, place)
     return found.all
@@ -140,6 +142,31 @@ def _jobs(found: Cases, place: Place) -> None:
         if reaction[3] not in (0, ErrorNumber.LOCKED):
             raise Warn(said("{:02X}h ({}), expected 00h or 32h", reaction[3], words_of(reaction[3])))
         bench.remark("executed: the flag was free or is not looked at" if not reaction[3] else "32h: locked, or flags are not served")
+
+
+def _planted(found: Cases, place: Place) -> None:
+    @found.case("send-10h", "10h written into the block comes back whole: the station doubles every DLE it sends")
+    def send_dle(bench: Bench) -> None:
+        _need_write(place)
+        words = min(place.words, len(PLANTED) // 2)
+        before = ask(bench, place, _fetch(place, words))[4:]
+        if len(before) != 2 * words:
+            raise Fail(said("FETCH of {} words brought {} bytes, expected {}", words, len(before), 2 * words))
+        try:
+            _write(bench, place, PLANTED[: 2 * words])
+            back = ask(bench, place, _fetch(place, words))[4:]
+            if back != PLANTED[: 2 * words]:
+                raise Fail(said("{} was written, {} came back", PLANTED[: 2 * words].hex(" "), back.hex(" ")))
+        finally:
+            bench.swallow(bench.profile.ack_delay + ms(300))
+            _write(bench, place, before)
+
+
+def _write(bench: Bench, place: Place, content: bytes) -> None:
+    """Words that nobody but this case wants there."""
+    reaction = ask(bench, place, header(SEND, TYPE_DB, place.db, place.word, len(content) // 2) + content)
+    if reaction[3] or len(reaction) != 4:
+        raise Fail(said("SEND of {} words: reaction {}, expected 00 00 00 00", len(content) // 2, reaction.hex(" ")))
 
 
 def _need_write(place: Place) -> None:

@@ -16,6 +16,7 @@ Opener = Callable[[str], Wire]  # line format -> the line
 PATTERN = bytes(b"UZ3fLqwE" * 2)  # characters without a meaning in idle
 LISTEN = ms(1000)
 UNTOLD = ("COM", "com", "sim:")  # ports whose adapter's latency timer cannot be read; on Linux those that have one tell it
+PATIENCE = ms(10_000)  # with an answer that did not come in time
 ROUNDS = 5
 BAUDS = (9600, 19200, 4800, 2400, 1200)
 FRAMES = ("8E1", "8N1", "8O1")
@@ -35,11 +36,13 @@ def gather(opener: Opener, line_format: str, profile: Profile, priority: str, ur
         seen.pattern, seen.returned = PATTERN, _listen(bench, ms(300))
         bench.pass_time(wire.now() + profile.char_delay)
         seen.answers[line_format] = _stx(bench)
+        if not seen.answers[line_format]:
+            _late(bench, seen)
         if seen.answers[line_format][:1] == [Char.DLE] and not _disturbed(seen):
             _partner(bench, seen)
     finally:
         wire.close()
-    if scan and seen.answers[line_format][:1] != [Char.DLE] and not _disturbed(seen):
+    if scan and seen.late is None and seen.answers[line_format][:1] != [Char.DLE] and not _disturbed(seen):
         _scan(opener, seen, profile)
     return seen
 
@@ -63,6 +66,15 @@ def _stx(bench: Bench) -> list[Heard]:
     bench.say(bytes((Char.STX,)))
     got = bench.answer(bench.profile.ack_delay)
     return [] if got is None else [got, *_listen(bench, bench.profile.char_delay + ms(100))]
+
+
+def _late(bench: Bench, seen: Evidence) -> None:
+    """Who says nothing in time may say it later: that is a slow partner, not a silent one."""
+    start = bench.mark
+    got = bench.answer(PATIENCE)
+    if got is not None:
+        seen.late, seen.late_after = got, bench.mark - start
+        _listen(bench, bench.profile.char_delay + ms(100))
 
 
 def _scan(opener: Opener, seen: Evidence, profile: Profile) -> None:

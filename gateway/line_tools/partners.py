@@ -253,6 +253,17 @@ def includes_stx(block: bytes) -> int:
     return block[-1] ^ Char.STX
 
 
+class NeverDoubles(Station):
+    """Sends a DLE of its data once; reads doubled ones as it should."""
+
+    def take_output(self) -> bytes:
+        output = super().take_output()
+        if not _is_block(output):
+            return output
+        body = output[:-3].replace(DLE + DLE, DLE) + output[-3:-1]
+        return body + bytes((check_of(body),))
+
+
 def _is_block(output: bytes) -> bool:
     """Characters after STX, in distinction to single control characters."""
     return len(output) >= 4 and (DLE + ETX) in output
@@ -282,6 +293,8 @@ PARTNERS: dict[str, Partner] = {
     "silent": Partner("never answers", Silent),
     "no-nak": Partner("never says NAK", NoNak),
     "drops-its-job": Partner("gives way in a conflict and forgets its own job", DropsItsJob),
+    "never-doubles": Partner("sends a DLE of its data once", NeverDoubles),
+    "slow-3s": Partner("everything 3 s late, behind every acknowledgement delay", lambda p, q: Late(p, q, late=ms(3000))),
     "slow-21ms": Partner("everything 21 ms late", Late),
     "naks-conflicts": Partner("answers a conflicting STX with NAK", NaksConflicts),
     "two-attempts": Partner("2 attempts only", _two),

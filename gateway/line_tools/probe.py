@@ -133,6 +133,33 @@ def counted(results: Sequence[Result]) -> dict[str, int]:
     return {word: sum(result.verdict == word for result in results) for word in words}
 
 
+def conclusion(results: Sequence[Result], settings: Settings) -> str:
+    """What all of it comes to, in one sentence."""
+    count = counted(results)
+    layers = "3964R and RK512" if settings.layer == "rk512" else "3964R"
+    layers = layers if settings.profile.block_check else layers.replace("3964R", "3964")
+    asked = sum(count[word] for word in ("PASS", "FAIL", "WARN"))
+    late, left = count[Inconclusive.word], count[NotRun.word]
+    if not asked:
+        return said("Conclusion: nothing can be said of the station: no test was carried out to its end.")
+    if not count["PASS"]:
+        text = "Conclusion: the station does not speak {} here: none of {} tests passed; axisgate line diagnose looks for the cause."
+        return said(text, layers, asked)
+    if count["FAIL"]:
+        first = next(result for result in results if result.verdict == "FAIL")
+        text = "Conclusion: the station does not keep to {}: {} of {} tests fail, the first is {} ({})."
+        return said(text, layers, count["FAIL"], asked, first.case.name, first.reason)
+    if count["WARN"]:
+        text = "Conclusion: the station speaks {}; {} of {} tests show a difference that its partner must allow."
+        return said(text, layers, count["WARN"], asked)
+    if late:
+        text = "Conclusion: nothing speaks against {}, but {} tests are inconclusive: the bench was late; try again."
+        return said(text, layers, late)
+    if left:
+        return said("Conclusion: the station speaks {} in all {} tests that were run; {} were not run.", layers, asked, left)
+    return said("Conclusion: the station speaks {} in all {} tests.", layers, asked)
+
+
 def stamp() -> str:
     """Moment of a report, local time."""
     return time.strftime("%Y-%m-%d %H:%M:%S")

@@ -5,7 +5,7 @@ import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from gateway.line_tools.bench import Notes, named
-from gateway.line_tools.probe import Result, Settings, counted
+from gateway.line_tools.probe import Result, Settings, conclusion, counted
 from gateway.pure.line_texts import in_language, said
 from protocols.base.machine import Damage
 
@@ -74,6 +74,7 @@ def as_dict(
         "layer": settings.layer,
         "uncertainty": in_language(UNCERTAINTY, language),
         "counts": counted(results),
+        "conclusion": in_language(conclusion(results, settings), language),
         "tests": [_test(result, language) for result in results],
         "text": in_language(TEXT, language),
         "banner": in_language(BANNER, language),
@@ -138,7 +139,7 @@ def to_html(report: Mapping[str, object]) -> str:
     return (
         f'<!DOCTYPE html><html lang="{language}"><meta charset="utf-8"><meta name="viewport" content="width=device-width">'
         f"<title>{word('3964R probe')} {_e(report['at'])}</title><style>{STYLE}</style>"
-        f"<h1>{word('3964R probe')}</h1><p>{_e(report['at'])}: <b>{summary}</b></p>"
+        f"<h1>{word('3964R probe')}</h1><p>{_e(report['at'])}: <b>{summary}</b></p><p>{_e(report['conclusion'])}</p>"
         f"{_faults(tests, word)}<table>{facts}</table>"
         f"<h2>{word('Tests')}</h2><table><tr><th>{word('Test')}<th>{word('Verdict')}<th>{word('Reason, measured times, characters')}"
         f"{''.join(_row(test, word) for test in tests)}</table>"

@@ -37,6 +37,8 @@ class Evidence:
     pattern: bytes = b""  # said into the idle line
     returned: list[Heard] = field(default_factory=list)  # and what came
     answers: dict[str, list[Heard]] = field(default_factory=dict)  # line format -> what came after STX
+    late: Heard | None = None  # what came after the acknowledgement delay, at our format
+    late_after: Ns = 0  # after our STX
     answer_times: list[Ns] = field(default_factory=list)  # STX to DLE at our format
     latency_timer_ms: int | None = None  # what the system says of the adapter
     latency_file: str = ""
@@ -131,9 +133,18 @@ def _partner(seen: Evidence) -> list[Finding]:
         heard = "; ".join(f"{name}: {_shown(what)}" for name, what in seen.answers.items() if what)
         text = said("something answers, but no DLE: {}", heard)
         return [Finding("no 3964R", "fault", text, "is this the right port, and does the partner speak 3964 or 3964R at all?")]
+    if seen.late is not None:
+        return [_slow(seen.late, seen.late_after)]
     text = said("nothing answers at {}", ", ".join(seen.answers) or seen.our_format)
     todo = "partner off or its interface not started; TXD and RXD exchanged (cross pins 2 and 3, or TTY sender and receiver); cable"
     return [Finding("partner silent", "fault", text, todo)]
+
+
+def _slow(what: Heard, after: Ns) -> Finding:
+    named = "DLE" if what == Char.DLE else _shown([what])
+    text = said("STX is answered with {} after {:.1f} s: later than the acknowledgement delay allows", named, after / 1e9)
+    todo = "the partner is there but slow: a busy program, or a converter in between; a longer QVZ (ack_delay) on our side allows for it"
+    return Finding("partner slow", "fault", text, todo)
 
 
 def _wrong_format(ours: str, theirs: str) -> Finding:

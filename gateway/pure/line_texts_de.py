@@ -226,6 +226,39 @@ RK512 = {
     "a header that holds 10h three times (FETCH DB 16 DW 16, 16 words)": "ein Kopf mit dreimal 10h (FETCH DB 16 DW 16, 16 Worte)",
     "a coordination flag in bytes 9 and 10": "ein Koordinierungsmerker in Byte 9 und 10",
     "refused with {:02X}h ({}), expected {:02X}h ({})": "abgelehnt mit {:02X}h ({}), erwartet {:02X}h ({})",
+    "10h written into the block comes back whole: the station doubles every DLE it sends": (
+        "10h im Baustein kommt heil zurueck: die Station verdoppelt jedes DLE, das sie sendet"
+    ),
+    "{} was written, {} came back": "{} wurde geschrieben, {} kam zurueck",
+    "STX is answered with {} after {:.1f} s: later than the acknowledgement delay allows": (
+        "STX wird nach {1:.1f} s mit {0} beantwortet: spaeter als die Quittungsverzugszeit erlaubt"
+    ),
+    "the partner is there but slow: a busy program, or a converter in between; a longer QVZ (ack_delay) on our side allows for it": (
+        "der Partner ist da, aber langsam: ausgelastetes Programm oder Umsetzer dazwischen; eine laengere QVZ (ack_delay) bei "
+        "uns laesst ihn zu"
+    ),
+    "Conclusion: nothing can be said of the station: no test was carried out to its end.": (
+        "Ergebnis: ueber die Station laesst sich nichts sagen: kein Test wurde zu Ende gefuehrt."
+    ),
+    "Conclusion: the station does not speak {} here: none of {} tests passed; axisgate line diagnose looks for the cause.": (
+        "Ergebnis: die Station spricht hier kein {}: keiner von {} Tests ist bestanden; axisgate line diagnose sucht die Ursache."
+    ),
+    "Conclusion: the station does not keep to {}: {} of {} tests fail, the first is {} ({}).": (
+        "Ergebnis: die Station haelt {} nicht ein: {} von {} Tests sind nicht bestanden, der erste ist {} ({})."
+    ),
+    "Conclusion: the station speaks {}; {} of {} tests show a difference that its partner must allow.": (
+        "Ergebnis: die Station spricht {}; {} von {} Tests zeigen eine Abweichung, die ihr Partner dulden muss."
+    ),
+    "Conclusion: nothing speaks against {}, but {} tests are inconclusive: the bench was late; try again.": (
+        "Ergebnis: nichts spricht gegen {}, aber {} Tests sind ohne Aussage: der Pruefstand war zu spaet; wiederholen."
+    ),
+    "Conclusion: the station speaks {} in all {} tests that were run; {} were not run.": (
+        "Ergebnis: die Station spricht {} in allen {} ausgefuehrten Tests; {} wurden nicht ausgefuehrt."
+    ),
+    "Conclusion: the station speaks {} in all {} tests.": "Ergebnis: die Station spricht {} in allen {} Tests.",
+    "partner slow": "Partner langsam",
+    "3964R and RK512": "3964R und RK512",
+    "3964 and RK512": "3964 und RK512",
     "writes into the station; allowed with --write": "schreibt in die Station; erlaubt mit --write",
     "nothing is written: FETCH of the same {} words was answered {}": (
         "nichts geschrieben: FETCH derselben {} Worte wurde mit {} beantwortet"

@@ -57,7 +57,7 @@ SPARE = 6  # repetitions of one run that a busy machine may spoil
 COMES_UP_S = 60.0
 DRIVES_OFF, RESYNCHRONISED, LINK_LOST, INPUT_LOST = 2, 20, 21, 26  # reasons; the last three: PLC 2 was not served in time
 KEPT_ROWS = 500
-STOLEN = (16, 17, 18, 27)  # reasons: drive fault, drive lost, following error, overrun
+STOLEN = (16, 17, 18, 27, 44)  # reasons: drive fault, drive lost, following error, overrun, machine late
 
 
 class Disturbed(Exception):

@@ -9,6 +9,7 @@ from typing import TextIO
 from drivers.ports.base import PortError, runtime_dir
 from gateway.config import load_cell
 from gateway.files import find_config
+from gateway.pure.reasons import Reason, text
 from hil_tests.lab.plc1 import Block, S5Plc
 from hil_tests.lab.plc2 import ModbusPlc
 from protocols.base.step5 import Step5Type, encode
@@ -69,8 +70,8 @@ class Hand:
         one.wait_cycles(2)
         try:
             end = one.wait(lambda block: not block.bit(*BUSY) and (block.bit(*DONE) or block.bit(*ERROR)), 30, "the move")
-        except TimeoutError as error:
-            return str(error)
+        except TimeoutError:
+            return f"the move did not end in 30 s; {said(one.status)}"
         return said(end)
 
     def end(self) -> None:
@@ -80,8 +81,29 @@ class Hand:
 
 def said(block: Block) -> str:
     """DB 11 in words."""
-    outcome = "done" if block.bit(*DONE) else f"refused or ended, error {block.word(1)}"
+    outcome = "done" if block.bit(*DONE) else f"refused or ended, error {words_of(block.word(1))}"
     return f"{outcome}; A1 stands at {block.word(2)} (KF, 0.1 mm)"
+
+
+def carried_out(hand: Hand, wish: str) -> str:
+    """A wish that cannot be met is no end of this program."""
+    try:
+        return hand.obey(wish)
+    except TimeoutError:
+        return f"not carried out: {why(hand.one.status)}; try: on"
+
+
+def why(block: Block) -> str:
+    """What DB 11 says of it."""
+    return f"error {words_of(block.word(1))}" if block.word(1) else "DB 11 names no error, or was never fetched"
+
+
+def words_of(code: int) -> str:
+    """The number the PLC gets, and the sentence that belongs to it."""
+    if code not in set(Reason):
+        return f"{code} (axisgate explain {code})"
+    sentence = text(Reason(code), detail="..").replace(": ..", "").replace(" ..", "")
+    return f"{code} ({sentence})" if code else "0"
 
 
 def main(argv: list[str], typed: TextIO = sys.stdin) -> int:
@@ -93,8 +115,11 @@ def main(argv: list[str], typed: TextIO = sys.stdin) -> int:
         for line in typed:
             if line.strip() == "q":
                 break
-            print(hand.obey(line.strip()), flush=True)
-    except (TimeoutError, PortError) as error:
+            print(carried_out(hand, line.strip()), flush=True)
+    except TimeoutError:
+        print(f"no drives on, or not referenced: {why(hand.one.status)}; is the run up?  axisgate run demo --sim", file=sys.stderr)
+        return 3
+    except PortError as error:
         print(f"{error}\nis it up?  axisgate run demo --sim", file=sys.stderr)
         return 3
     finally:

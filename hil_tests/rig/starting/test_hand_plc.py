@@ -11,7 +11,16 @@ from hil_tests.lab.hand_plc import HELP, Hand
 PAGE = pathlib.Path(__file__).resolve().parents[3] / "docs" / "guide" / "tutorial.md"
 
 
-MACHINE = ("error 16;", "error 17;", "error 18;", "error 20;", "error 22;", "error 26;", "error 27;")  # what a busy machine does to drives
+MACHINE = (
+    "error 16;",
+    "error 17;",
+    "error 18;",
+    "error 20;",
+    "error 22;",
+    "error 26;",
+    "error 27;",
+    "error 44;",
+)  # what a busy machine does to drives
 SPARE = 8
 MOVE_S = 30.0  # obey gives a move up after that; as long again for getting ready
 pytestmark = pytest.mark.timeout(60.0 + 2 * SPARE * MOVE_S)
@@ -52,5 +61,7 @@ def test_a_person_moves_an_axis_over_the_line(answers: dict[str, str]) -> None:
 
 
 def test_wrong_numbers_are_refused_with_the_error_the_page_shows(answers: dict[str, str]) -> None:
-    assert answers["20000"] == "refused or ended, error 4; A1 stands at 1200 (KF, 0.1 mm)"
-    assert answers["kg"] == "refused or ended, error 5; A1 stands at 1200 (KF, 0.1 mm)" and answers["kg"] in PAGE.read_text()
+    assert answers["20000"] == "refused or ended, error 4 (target outside the limits); A1 stands at 1200 (KF, 0.1 mm)"
+    assert (
+        answers["kg"] == "refused or ended, error 5 (number format); A1 stands at 1200 (KF, 0.1 mm)" and answers["kg"] in PAGE.read_text()
+    )

@@ -26,6 +26,7 @@ def diagnosed(partner: str, priority: str = "low") -> dict[str, Finding]:
         ("parity-odd", "wrong parity or frame", "fault", "the partner answers at 9600 8O1"),
         ("latency-16ms", "USB latency timer", "warn", "as through a USB adapter whose latency timer stands at 16 ms"),
         ("silent", "partner silent", "fault", "nothing answers at 9600 8E1"),
+        ("slow-3s", "partner slow", "fault", "STX is answered with DLE after 3.0 s: later than"),
         ("includes-stx", "BCC off by 02h", "fault", "begins the exclusive or with STX"),
         ("counts-once", "BCC counts 10h once", "fault", "counts a doubled 10h once"),
         ("naks-conflicts", "refuses conflicts", "warn", "answers a conflicting STX with NAK"),

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import pytest
 
 from gateway.line_tools.cases_rk512 import Place
-from gateway.line_tools.partners import Late, Station, make
-from gateway.line_tools.probe import Result, Settings, all_cases, counted, exit_code, probe
+from gateway.line_tools.partners import Blocks, Late, Station, make
+from gateway.line_tools.probe import Result, Settings, all_cases, conclusion, counted, exit_code, probe
 from gateway.line_tools.report import BANNER, TEXT, as_dict, to_html, to_json
 from gateway.line_tools.wire import Heard, VirtualWire
 from hil_tests.lab.rk512_active import ActiveStation
@@ -245,3 +245,44 @@ def test_a_spoiled_character_reaches_the_station_as_one() -> None:
     assert wire.spoil() and wire.send_break()
     wire.hear(wire.now() + ms(10))
     assert station.heard == (Damage.PARITY, Damage.BREAK)
+
+
+def probed_with(partner: str, write: bool, *only: str) -> tuple[dict[str, Result], Blocks]:
+    station = make(partner, RHO3, Priority.LOW)
+    before = bytes(station.blocks.content[10])
+    place = dataclasses.replace(PLACE, write=write)
+    results = probe(VirtualWire(station, CHAR), Settings(RHO3, Priority.LOW, place=place, only=only))
+    assert bytes(station.blocks.content[10]) == before, "what was read is written back"
+    return {result.case.name: result for result in results}, station.blocks
+
+
+def test_a_station_that_never_doubles_dle_fails_once_10h_is_planted() -> None:
+    """Without --write its blocks hold no 10h that could tell."""
+    results, _ = probed_with("never-doubles", True, "rk512.send-10h")
+    assert results["rk512.send-10h"].verdict == "FAIL" and "doubled" in results["rk512.send-10h"].reason, results
+    assert probed_with("good", True, "rk512.send-10h")[0]["rk512.send-10h"].verdict == "PASS"
+    asked = probed_with("good", False, "rk512.send-10h")[0]["rk512.send-10h"]
+    assert (asked.verdict, asked.reason) == ("NOT RUN", "writes into the station; allowed with --write")
+
+
+@pytest.mark.parametrize(
+    ("partner", "only", "begins"),
+    [
+        ("good", ("rk512",), "Conclusion: the station speaks 3964R and RK512 in all"),
+        (
+            "never-doubles",
+            ("rk512.fetch", "rk512.send-10h"),
+            "not keep to 3964R and RK512: 1 of 2 tests fail, the first is rk512.send-10h",
+        ),
+        ("silent", ("rk512.fetch",), "the station does not speak 3964R and RK512 here: none of 1 tests passed"),
+        ("good", ("rk512.follow-on-258",), "nothing can be said of the station"),
+        ("good", ("rk512.fetch", "rk512.follow-on-258"), "in all 1 tests that were run; 1 were not run"),
+    ],
+)
+def test_a_probe_ends_with_one_sentence(partner: str, only: tuple[str, ...], begins: str) -> None:
+    settings = Settings(RHO3, Priority.LOW, place=PLACE, only=only)
+    results = probe(VirtualWire(make(partner, RHO3, Priority.LOW), CHAR), settings)
+    said = conclusion(results, settings)
+    assert begins in said and said.startswith("Conclusion: ") and said.endswith(".")
+    german = as_dict(results, settings, "sim:x", "9600 8E1", "now", True, {}, "de")
+    assert str(german["conclusion"]).startswith("Ergebnis: ") and str(german["conclusion"]) in to_html(german).replace("&#x27;", "'")
