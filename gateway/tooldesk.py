@@ -111,7 +111,7 @@ class ToolDesk:
             case "job":
                 return self._job(int(str(request["job"])))
             case "sdo":
-                return self._sdo(request)
+                return self._sdo(request, connection)
             case "ticket":
                 return self._tickets.get(int(str(request["ticket"])), {"error": "no such ticket"})
             case "permit":
@@ -216,12 +216,14 @@ class ToolDesk:
         services.flush()
         return {"ok": True}
 
-    def _sdo(self, request: dict[str, object]) -> dict[str, object]:
+    def _sdo(self, request: dict[str, object], connection: object) -> dict[str, object]:
         """In a thread: doors do not wait for a node; `ticket` tells the outcome."""
         master, node = self._services.canopen.place(str(request["axis"]))
         index, sub = int(str(request["index"])), int(str(request.get("sub", 0)))
         raw = request.get("data")
         data = None if raw is None else bytes.fromhex(str(raw))
+        if data is not None and self.held_by_another(connection):
+            raise ValueError(f"not owner: another {self._name} has control; it alone writes objects")
         with self._sdo_lock:
             if self._under_way >= MOST_SDO:
                 raise ValueError(f"{MOST_SDO} SDO requests are under way; wait for one of them, then ask again")
