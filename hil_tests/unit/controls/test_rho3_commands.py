@@ -116,6 +116,22 @@ def test_a_disabled_axis_goes_off_at_once_and_stays_off_until_a_new_start(bench:
     assert bench.enabled() == [False, True]
 
 
+@pytest.mark.requirement("RHO-PLC-13", by="gateway.pure.interface.errors:Faults._clear")
+def test_bit_62_leaves_emergency_stop_and_a_servo_error_that_only_control_reset_takes(bench: ControlBench) -> None:
+    on(bench)
+    bench.silent = {2}
+    bench.run(0.3)
+    bench.silent = set()
+    bench.run(0.5)
+    bench.rho3.interface.faults.came(91)
+    bench.put(off=(CHAIN,)).put(CHAIN).run(0.1)
+    assert {91, 528, 789} <= set(bench.codes())
+    bench.pulse(ACK)
+    assert 91 not in bench.codes() and {528, 789} <= set(bench.codes()) and bench.output(67)
+    bench.pulse(RESET)
+    assert bench.codes() == [] and not bench.output(67)
+
+
 def test_emergency_stop_is_the_latch_of_the_cycle(bench: ControlBench) -> None:
     on(bench)
     bench.put(off=(CHAIN,)).run(0.3)
@@ -152,6 +168,27 @@ def test_a_program_moves_by_the_same_office(playing: ControlBench) -> None:
     assert 5.0 < playing.place() < 1500.0
     assert playing.settle(playing.give(Code.PTP_ABSOLUTE, 1, targets=(10.0,))).state is CommandState.REFUSED, "the axes are busy"
     assert playing.output(384) and playing.output(392)
+    playing.run(12.0)
+    assert abs(playing.place() - 1500.0) < 0.1 and playing.rho3.processes.processes == ()
+
+
+@pytest.mark.requirement("RHO-PLC-13", by=("gateway.pure.interface.errors:Faults.update", "gateway.pure.interface.errors:kind_of"))
+def test_bit_62_clears_a_runtime_error_and_the_process_goes_on_to_its_end(playing: ControlBench) -> None:
+    playing.rho3.start("FAR")
+    playing.run(0.5)
+    playing.rho3.interface.faults.came(380)
+    playing.run(0.1)
+    assert playing.codes() == [380]
+    before = playing.place()
+    playing.put(ACK)
+    assert playing.codes() == [], "with the edge"
+    playing.rho3.interface.faults.came(91)
+    playing.run(0.1)
+    playing.put(off=(ACK,))
+    assert playing.codes() == [91], "neither the bit that stands nor its fall clears anything"
+    playing.put(ACK)
+    assert playing.codes() == [] and motion(playing) is Motion.RUNNING and playing.place() > before
+    assert [process.name for process in playing.rho3.processes.processes] == ["FAR"]
     playing.run(12.0)
     assert abs(playing.place() - 1500.0) < 0.1 and playing.rho3.processes.processes == ()
 

@@ -20,26 +20,34 @@ LIMITED = ServoSettings(soft_limit_min_inc=-2 * TURN, soft_limit_max_inc=2 * TUR
 # ------------------------------------------------------------------------------------------------ ENABLE LIMIT SWITCH
 
 
-@pytest.mark.requirement("RHO-CAN-21", by="gateway.pure.core:Core._drive")
+@pytest.mark.requirement("RHO-CAN-21", by="gateway.pure.axisloops:InPython.drive_axes")
+@pytest.mark.requirement("RHO-CAN-21", by="gateway.pure.corehoming:Homings.step")
 def test_the_bit_is_set_once_referencing_and_its_offset_are_done() -> None:
+    """By the set values on the bus, axis by axis: the demo's A1 to A3 move 5 or 10 mm on from their reference point."""
     bench = CellBench()
-    during, after = set(), set()
+    bits: list[list[bool]] = []
+    places: list[list[float]] = []
+
+    def heard() -> None:
+        bits.append([CODEC.decode_set(frame)[1].limit_switch for frame in bench.burst[1:]])
+        places.append([axis.set for axis in bench.core.state.axes[:6]])
+
+    bench.each = heard
     bench.run(0.3)
     for code in (Code.REQUEST_CONTROL, Code.OVERRIDE, Code.ENABLE):
         bench.settle(bench.give(code))
-    job = bench.give(Code.REFERENCE)
-    while job.open:
-        during |= {CODEC.decode_set(frame)[1].limit_switch for frame in bench.burst[1:]} if bench.core.state.job else set()
-        if not all(axis.flags & 2 for axis in bench.core.state.axes[:6]):
-            bench.cycle()
-        else:
-            break
-    bench.settle(job)
-    bench.cycle(2)
-    after = {CODEC.decode_set(frame)[1].limit_switch for frame in bench.burst[1:]}
-    bits_before_any_axis_was_done = during
-    assert False in bits_before_any_axis_was_done
-    assert after == {True}
+    assert not any(map(any, bits)), "drives on is not enough"
+    bench.settle(bench.give(Code.REFERENCE))
+    ends = [axis.set for axis in bench.core.state.axes[:6]]
+    bench.run(0.1)
+    for n, end in enumerate(ends):
+        rises = [k for k in range(1, len(bits)) if bits[k][n] and not bits[k - 1][n]]
+        assert len(rises) == 1 and bits[-1][n], f"axis {n + 1}: once, and it stays"
+        assert places[rises[0]][n] == pytest.approx(end, abs=1e-6), f"axis {n + 1}: at the end of its way, the offset included"
+    for code in (Code.DISABLE, Code.ENABLE):
+        bench.settle(bench.give(code))
+        bench.run(0.1)
+        assert bits[-1] == [True] * 6, "drives off and on again do not take it away"
 
 
 def guarded(axis: OneAxis, turns: float) -> float:

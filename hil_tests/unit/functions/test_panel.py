@@ -181,6 +181,28 @@ def test_keys_pressed_while_disabled_are_read_by_read_phg_in_order() -> None:
     assert plant.display.read() is None
 
 
+@pytest.mark.requirement("RHO-PLC-22", by=("gateway.pure.functions.plc:Functions.press", "gateway.pure.functions.display:Display.read"))
+def test_keys_typed_before_a_process_reads_wait_for_it_and_the_system_gets_none_of_them() -> None:
+    """L6715-6717: entered in advance with DIS_PHGM_RCI = 1, even where no process is at its READ PHG yet."""
+    plant = Plant()
+    plant.functions.press("A")
+    assert plant.display.system_key() == "A", "before: a key is the system's at once"
+    plant.put(OFF).cycle()
+    for key in "12":
+        plant.functions.press(key)
+        plant.cycle(5)
+        assert plant.display.system_key() is None
+    got = [plant.display.read()]  # the process starts late, reads, and the operator types on
+    plant.functions.press("3")
+    plant.cycle()
+    got += [plant.display.read(), plant.display.read(), plant.display.read()]
+    assert got == ["1", "2", "3", None]
+    plant.functions.press("4")
+    plant.functions.press("5")
+    plant.put(OFF, False).cycle()
+    assert [plant.display.system_key() for _ in range(3)] == ["4", "5", None], "enabled again: the system reads what is left, in order"
+
+
 @pytest.mark.requirement("RHO-PLC-22", by="gateway.pure.functions.display:Display.press")
 def test_keys_are_bounded_and_read_begin_forgets_them() -> None:
     display = Display()

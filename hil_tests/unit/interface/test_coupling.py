@@ -17,6 +17,8 @@ from gateway.pure.interface.coupling import (
 )
 from gateway.pure.interface.image import PicImage
 
+COUPLING = "gateway.pure.interface.coupling:"
+
 
 def numbered() -> PicImage:
     return PicImage(bytearray(range(128)), bytearray(range(128, 256)))
@@ -89,6 +91,26 @@ def test_13_2_the_expanded_interface_is_88_bytes_both_ways() -> None:
             with pytest.raises(CouplingFault, match=f"frame of {length} bytes, 88"):
                 coupling.from_plc(bytes(length), image)
         assert image.inputs[:88] == frame
+
+
+@pytest.mark.requirement("RHO-PLC-30", by=(COUPLING + "Coupling.to_plc", COUPLING + "Coupling.from_plc", COUPLING + "flag_byte"))
+def test_13_2_1_the_printed_program_finds_every_signal_in_its_flags() -> None:
+    """P0 K15AH: input array as of M 90; P1 K100H: output array as of M 0; P2 and P3 K88D (L11100-11113)."""
+    coupling, image, flags = Coupling(19), PicImage(), bytearray(256)
+    received, transmitted = flag_byte(0x15A), flag_byte(0x100)
+    assert (received, transmitted) == (90, 0) and transmitted + coupling.from_plc_bytes <= received, "the arrays lie one behind the other"
+    for number in range(128 * 8):  # every RC output that goes over, alone
+        image.outputs[:] = bytes(128)
+        image.put(number, True)
+        flags[received : received + 88] = coupling.to_plc(image)
+        where = [(byte, bit) for byte in range(256) for bit in range(8) if flags[byte] >> bit & 1]
+        assert where == ([(90 + number // 8, number % 8)] if number < 88 * 8 else []), number
+    flags = bytearray(256)
+    flags[transmitted + 87] = 0x80
+    flags[received + 8] = 0xFF  # of the other array
+    coupling.from_plc(bytes(flags[transmitted : transmitted + 88]), image)
+    assert [number for number in range(128 * 8) if image.input(number)] == [87 * 8 + 7]
+    assert [flag_byte(0x15A + byte) for byte in (0, 37, 87)] == [90, 127, 177]
 
 
 @pytest.mark.requirement("RHO-PLC-30", by="gateway.pure.interface.coupling:flag_index")

@@ -128,6 +128,46 @@ def test_world_points_and_the_functions_jc_and_wc_follow_the_frame_and_joint_poi
     assert close(machine.oc(axes), (100, 200, 40, 0, 0, 10)), "original coordinates"
 
 
+@pytest.mark.requirement("RHO-MOT-34", by=(KINEMATIC + "jc", KINEMATIC + "wc", KINEMATIC + "joint_point"))
+def test_jc_and_wc_of_one_point_in_each_frame_by_hand() -> None:
+    """A portal: axes are x, y, z, so what a frame does can be said in numbers."""
+    systems = WcSystems()
+    machine = portal(systems)
+    point, joints = (10.0, 20.0, 30.0, 0.0, 0.0, 0.0), (500.0, 600.0, 700.0, 0.0, 0.0, 0.0)
+    by_hand = {  # frame: (axes of JC(point), place of WC(@joints))
+        WC_UR: ((10, 20, 30), (500, 600, 700)),
+        WcFrame(100, 0, 0, 0, 0, 0): ((110, 20, 30), (400, 600, 700)),
+        WcFrame(0, 0, 0, 0, 0, 90): ((-20, 10, 30), (600, -500, 700)),
+        WcFrame(100, 200, 300, 0, 0, 180): ((90, 180, 330), (-400, -400, 400)),
+    }
+    for frame, (axes, place) in by_hand.items():
+        systems.select("PAINT_1", frame)
+        assert machine.jc(point, NEAR)[:3] == pytest.approx(axes, abs=1e-9), frame
+        assert machine.wc(joints)[:3] == pytest.approx(place, abs=1e-9), frame
+        assert machine.joint_point(joints) == joints, "@POS and @points"
+
+
+@pytest.mark.requirement("RHO-MOT-34", by=(KINEMATIC + "check_working_range", KINEMATIC + "set_working_range"))
+def test_limit_min_and_limit_max_are_places_of_the_frame_and_belong_to_the_range() -> None:
+    systems = WcSystems()
+    machine = portal(systems)
+    machine.set_working_range((0, 0, 0, -180, -180, -180), (300, 300, 50, 180, 180, 180))
+    systems.select("PAINT_1", WcFrame(100, 0, 0, 0, 0, 0))
+    for x, inside in ((99.999, False), (100.0, True), (100.001, True), (399.999, True), (400.0, True), (400.001, False)):
+        joints = (x, 10.0, 10.0, 0.0, 0.0, 0.0)
+        if inside:
+            machine.check_place(joints)
+            continue
+        with pytest.raises(LimitError) as beyond:
+            machine.check_place(joints)
+        assert beyond.value.axis == "PAINT_1 component 1" and beyond.value.value == pytest.approx(x - 100)
+    machine.set_working_range(upper=(0, 300, 50, 180, 180, 180))  # LIMIT_MIN may equal LIMIT_MAX
+    with pytest.raises(LimitError):
+        machine.check_place((100.001, 10.0, 10.0, 0.0, 0.0, 0.0))
+    with pytest.raises(MotionError, match="component 2 of LIMIT_MIN is 301, of LIMIT_MAX 300"):
+        machine.set_working_range(lower=(0, 301, 0, -180, -180, -180))
+
+
 @pytest.mark.requirement("RHO-MOT-34", by=(KINEMATIC + "check_working_range", KINEMATIC + "set_working_range"))
 def test_the_working_range_moves_with_the_frame_and_the_software_limits_stay() -> None:
     systems = WcSystems()

@@ -185,6 +185,26 @@ def test_40_where_15_are_allowed_becomes_three_clocks_of_13_33_of_all_axes() -> 
 
 
 @pytest.mark.requirement("RHO-MOT-45", by="motion.timing.limiter:limited")
+def test_the_axis_nearest_its_own_limit_decides_and_the_way_of_the_clocks_is_the_way_that_was_asked_for() -> None:
+    steps, most = (6.0, -44.0, 10.0), (15.0, 20.0, 4.0)
+    found = limited(steps, most, Monitoring.ALWAYS, automatic=True)
+    assert found.count == 3, "axis 3 is 2.5 times beyond its limit, axis 2 only 2.2 times"
+    assert [way * found.count for way in found.step] == pytest.approx(steps)
+    assert all(abs(way) <= limit for way, limit in zip(found.step, most, strict=True))
+    for asked, count in ((15.0, 1), (15.1, 2), (30.0, 2), (30.1, 3), (-30.1, 3), (45.0, 3)):
+        clocks = limited((asked,), (15.0,), Monitoring.ALWAYS, automatic=True)
+        assert (clocks.count, clocks.warning) == (count, "Interpolator Stop" if count > 1 else ""), asked
+    for mode in (Monitoring.ABORT, Monitoring.MANUAL):
+        assert limited((15.0, -20.0, 4.0), most, mode, automatic=False).count == 1, "at the limit is within it"
+    with pytest.raises(AxisTooFast) as aborted:
+        limited(steps, most, Monitoring.ABORT, automatic=True, last=True)
+    assert aborted.value.axis == 1, "the first beyond its limit is named, the last part of a block not spared"
+    for wrong in ((15.0, 20.0), (15.0, 20.0, 4.0, 4.0), (15.0, 20.0, 0.0), (15.0, -20.0, 4.0)):
+        with pytest.raises(MotionError, match="limits > 0"):
+            limited(steps, wrong, Monitoring.NONE, automatic=True)
+
+
+@pytest.mark.requirement("RHO-MOT-45", by="motion.timing.limiter:limited")
 def test_the_other_modes_of_p306() -> None:
     assert limited((40.0,), (15.0,), Monitoring.NONE, automatic=True).count == 1
     assert limited((40.0,), (15.0,), Monitoring.MANUAL, automatic=True).count == 1

@@ -42,6 +42,37 @@ def test_14_1_the_table_of_the_option_byte() -> None:
     assert after(Operation.CONTROL_RESET, 16) == (keep, keep), "bit 4: unchanged"
 
 
+@pytest.mark.requirement("RHO-MOT-49", by="motion.program.factors:FactorTable.happened")
+def test_14_1_speed_acceleration_and_deceleration_are_reset_together_and_of_the_kinematic_concerned_alone() -> None:
+    half = Factors(0.5, 0.4, 0.3)
+
+    def left(operation: Operation, option: int, kinematic: int | None) -> tuple[Factors, Factors, Factors]:
+        table = FactorTable(2, option)
+        for number in (1, 2):
+            table.set_kinematic(number, velocity=0.5, acceleration=0.4, deceleration=0.3)
+        table.set_global(velocity=0.5, acceleration=0.4, deceleration=0.3)
+        table.happened(operation, kinematic)
+        return table.global_factors(), table.kinematic_factors(1), table.kinematic_factors(2)
+
+    full = Factors(1.0, 1.0, 1.0)
+    assert left(Operation.CONTROL_RESET, 97, 1) == (full, full, half)
+    assert left(Operation.CONTROL_RESET, 97, 2) == (full, half, full)
+    assert left(Operation.CONTROL_RESET, 97, None) == (full, full, full)
+    assert left(Operation.AUTO_TO_MANUAL, 97, 1) == left(Operation.MANUAL_TO_AUTO, 97, 1) == (full, half, half)
+    assert left(Operation.AUTO_TO_MANUAL, 2, 2) == left(Operation.MANUAL_TO_AUTO, 4, 2) == (half, half, full)
+    assert left(Operation.PROCESS_START, 0, 2) == (half, half, full)
+    assert left(Operation.PROCESS_START, 0, None) == (half, full, full)
+
+
+@pytest.mark.requirement("RHO-MOT-49", by="motion.program.factors:resets")
+def test_14_1_an_option_byte_is_0_to_255() -> None:
+    assert resets(Operation.PROCESS_START, 0) == (True, False)
+    assert resets(Operation.CONTROL_RESET, 255) == (True, False)
+    for wrong in (-1, 256):
+        with pytest.raises(MotionError, match=f"option byte {wrong} is outside 0 .. 255"):
+            resets(Operation.CONTROL_RESET, wrong)
+
+
 def test_every_bit_acts_on_its_own_entry_alone() -> None:
     for operation, bit in product(Operation, range(8)):
         changed = resets(operation, 1 << bit) != resets(operation, 0)

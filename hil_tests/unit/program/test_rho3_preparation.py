@@ -11,6 +11,7 @@ from motion.program.blocks import Block, Interpolation
 from motion.program.preparation import InputKind, Preparation, Read, channel
 
 P5 = 0.004
+PREPARATION = "motion.program.preparation:Preparation."
 
 
 class Inputs:
@@ -58,6 +59,29 @@ def test_block_search_5_prepares_at_most_5_blocks_and_an_input_acts_after_5() ->
     for wrong in (0, 12):
         with pytest.raises(MotionError, match="BLOCK_SEARCH"):
             ahead.block_search(wrong)
+
+
+@pytest.mark.requirement(
+    "RHO-MOT-44", by=("motion.program.preparation:Preparation.turn", "motion.program.preparation:Preparation.block_search")
+)
+@pytest.mark.parametrize("search", [1, 2, 5, 11])
+def test_exactly_so_many_blocks_are_prepared_and_the_change_acts_behind_them(search: int) -> None:
+    arm, inputs, count = Arm(portal(), (0.0, 0.0, 0.0), P5), Inputs(), 16
+    ahead = Preparation(arm, program(inputs, count, dict.fromkeys(range(1, count + 1), 1001)), inputs.read, P5)
+    ahead.block_search(search)
+    prepared = set()
+    for _ in range(4000):
+        ahead.turn()
+        arm.step()
+        if not ahead.ended:
+            prepared.add(arm.prepared)
+        if arm.place().block == 3 and arm.place().share > 0.5:
+            inputs.value = 1.0
+        if ahead.ended and arm.place().waiting == 0 and arm.remaining_s == 0.0:
+            break
+    assert max(prepared) == search
+    assert inputs.seen == [0.0] * (3 + search) + [1.0] * (count - 3 - search)
+    assert arm.joints[0] == pytest.approx(0.02 * count), "the program ends at its last point"
 
 
 @pytest.mark.requirement("RHO-MOT-51", by="motion.program.preparation:Preparation._now_read")

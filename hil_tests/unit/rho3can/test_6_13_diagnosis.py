@@ -12,6 +12,33 @@ INPUTS = (Block(88, 4, 541), Block(92, 2, 542), Block(94, 2, 543))
 OUTPUTS = (Block(88, 2, 471), Block(90, 1, 472))
 
 
+@pytest.mark.requirement("RHO-CAN-26", by="gateway.pure.rho3can.blocks:IoBus.cycle")
+def test_every_faulty_module_is_listed_by_its_own_kind_and_leaves_the_list_alone() -> None:
+    bus = IoBus(IoSettings(2, INPUTS, OUTPUTS), 0)
+
+    def cycle(number: int, **frames: int) -> list[IoError]:
+        for name, count in frames.items():
+            block = INPUTS[int(name[1:]) - 1]
+            for _ in range(count):
+                bus.receive(Frame(block.identifier, bytes([number] * block.length)), ms(number))
+        return bus.cycle(ms(number))
+
+    assert cycle(1, b2=1) == [] and bus.errors == [], "modules may come one cycle late at the start"
+    assert cycle(2, b1=1, b2=1) == [IoError(Trouble.SILENT, 2, 3)]
+    for number in (3, 4):
+        cycle(number, b1=1, b2=1, b3=1)
+    assert bus.errors == []
+    assert cycle(5, b1=1, b2=2) == [IoError(Trouble.SILENT, 2, 3)]
+    assert bus.errors == [IoError(Trouble.INADMISSIBLE, 2, 2), IoError(Trouble.SILENT, 2, 3)], "both, each with its kind"
+    cycle(6, b1=1, b2=2, b3=1)
+    assert bus.errors == [IoError(Trouble.INADMISSIBLE, 2, 2)], "module 3 is well, module 2 still sends twice"
+    cycle(7, b1=1, b2=1)
+    assert bus.errors == [IoError(Trouble.SILENT, 2, 3)], "and the other way round"
+    cycle(8, b1=1, b2=1, b3=1)
+    assert bus.errors == []
+    assert cycle(9) == [IoError(Trouble.SILENT, 2, number) for number in (1, 2, 3)]
+
+
 @pytest.mark.requirement("RHO-CAN-26", by=("gateway.pure.rho3can.blocks:IoBus.cycle", "gateway.pure.rho3can.blocks:IoBus.live"))
 def test_two_faulty_modules_are_both_listed_and_the_bits_of_all_blocks_are_shown_as_they_are_now() -> None:
     bus = IoBus(IoSettings(2, INPUTS, OUTPUTS), 0)

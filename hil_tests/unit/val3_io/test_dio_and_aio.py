@@ -114,6 +114,27 @@ def test_an_assignment_returns_the_bool_and_dio_to_dio_is_none() -> None:
     assert cell.do.assign(Dio("o2"), cell.do.value(Dio("i0")) is True) and cell.outputs()[2]
 
 
+@pytest.mark.requirement("VAL-DIO-05", by="gateway.pure.val3_io.variables:Instructions.assign")
+def test_an_assignment_gives_its_condition_on_whatever_the_output_does_and_refuses_a_dio_before_it_writes() -> None:
+    """L2304: it assigns the condition and returns it; L2314: = between two dio has gone, (diIn == true) stands for it."""
+    cell = Cell()
+    cell.system.lock("o1", True)
+    assert cell.do.assign(Dio("o1"), True) is True and cell.outputs() == [False] * 4, "a locked output stays, if(diOut = true) is true"
+    chained = cell.do.assign(Dio("o3"), cell.do.assign(Dio("o0"), True))
+    assert chained is True and cell.outputs() == [True, False, False, True]
+    for source in (Dio("i0"), Dio("o2"), Dio()):
+        with pytest.raises(CompileFault) as refused:
+            cell.do.assign(Dio("o0"), source)
+        assert "diOut = (diIn == true)" in str(refused.value)
+        assert cell.outputs() == [True, False, False, True], "nothing was written"
+    for level in (True, False, True):
+        cell.input(2, level)
+        assert cell.do.assign(Dio("o2"), cell.do.value(Dio("i2")) is True) is level and cell.outputs()[2] is level
+    with pytest.raises(RunTimeFault) as unlinked:
+        cell.do.assign(Dio(), True)
+    assert unlinked.value.code == 123
+
+
 @pytest.mark.requirement("VAL-DIO-06", by="gateway.pure.val3_io.system:IoSystem.status")
 def test_io_status() -> None:
     cell = Cell()
