@@ -13,12 +13,14 @@ import time
 
 from drivers.drives.servodyn_words import sentence as servodyn_fault
 from drivers.ports.base import runtime_dir
+from gateway.alarmfile import AlarmFile
 from gateway.assembly import RunPlan, load_plan
 from gateway.axes import axis_facts, make_planner, rc_numbers
 from gateway.bridge import Bridge
 from gateway.canopen_office import CanopenOffice
 from gateway.cell import Line
 from gateway.cell_modbus import Modbus
+from gateway.cell_web import PAGE_DOOR
 from gateway.dbsignals import inputs_of
 from gateway.doors import BaseDoor, CellValues, Post, on_loss_of
 from gateway.families import LISTENS
@@ -38,6 +40,7 @@ from gateway.pure.office import Office
 from gateway.pure.plannerrecords import function_words
 from gateway.pure.reasons import CommandState, Reason, text
 from gateway.pure.records import (
+    ALL_PERMITS,
     CELL_STATE_LAYOUT,
     ORDER_LAYOUT,
     RC_BYTES,
@@ -45,6 +48,7 @@ from gateway.pure.records import (
     AxisState,
     CellState,
     InputImage,
+    Motion,
     Quality,
     get_bit,
     pack_inputs,
@@ -60,7 +64,7 @@ from gateway.signaldesk import RcOutputs, SignalDesk
 from gateway.statusfit import fitted
 from gateway.telegramdoor import TelegramDoor
 from gateway.telegramtables import named_values
-from gateway.tooldesk import ENABLING_BYTE
+from gateway.tooldesk import ENABLING_BYTE, TOOL_DOOR
 from gateway.variables import Variables
 from gateway.zeros import torn_lines
 from motion.pieces import record_size
@@ -72,6 +76,7 @@ CYCLE_GONE_NS = ms(250)  # a cycle silent for this long is told to the doors; re
 LINKS_EVERY = 20  # ticks
 PLACES_EVERY = 200  # ticks
 SERVER_QUICK = 40  # attempts of a Modbus server to listen, 50 ms apart; then it is told and tried every second
+ACKNOWLEDGE = 62  # RC input: error acknowledgement
 REFUSALS_KEPT_NS = ms(60_000)
 WRONG = int(AxisFlag.FAULT | AxisFlag.UNCONFIGURED | AxisFlag.LOST)  # of an axis, in the list of errors
 SWITCH_S = 0.001  # threads of the masters of CANopen buses give the loop its turn after this (5 ms are usual)
@@ -122,6 +127,7 @@ class Services:
         self.signals = SignalDesk(self, self.started_ns)
         self._state_index, self._piece_size = -1, record_size(len(cell.axis))
         self.late_machine = LateMachine(simulated=plan.simulated)
+        self.alarms = AlarmFile(plan)
         self.complaints = IoComplaints(fds, self.journal, self.cell.cell.language)
         self._places_judged = False
         self.places = LastPlaces(cell)
@@ -193,6 +199,7 @@ class Services:
                 door.close()
         self.timer.close()
         self.journal.close()
+        self.alarms.close()
 
     async def _started(self, door: ModbusDoor) -> str:
         """Empty: it listens; else why it does not."""
@@ -306,6 +313,21 @@ class Services:
     def _stopped_words(self, state: CellState) -> str:
         return ", ".join(axis.name for n, axis in enumerate(self.office.axes) if state.axes[n].flags & (AxisFlag.FAULT | AxisFlag.LOST))
 
+    def _cause_ended(self, state: CellState) -> bool:
+        """What stopped the axes is away and no rest of a move waits: it is history, no error (AX-642)."""
+        if state.motion in (Motion.STOPPED, Motion.STOPPING):
+            return False
+        match state.stop_cause:
+            case Reason.STOPPED_BY_DOOR | Reason.SERVICES_LOST | Reason.ABANDONED | Reason.EMERGENCY_STOP:
+                return True  # a latched emergency stop is an error of its own
+            case Reason.LINK_LOST:
+                return all(door.watch.alive or not door.watch.losses for door in self.doors)
+            case Reason.INPUT_LOST:
+                return state.permits & int(ALL_PERMITS) == int(ALL_PERMITS)
+            case Reason.DRIVE_LOST:
+                return not any(axis.flags & AxisFlag.LOST for axis in state.axes[: len(self.office.axes)])
+        return False
+
     def _collect_errors(self, state: CellState, now: int) -> None:
         errors: list[tuple[int, str]] = [(Reason.NOT_READY, text(Reason.NOT_READY, detail=words)) for words in self.blind.values()]
         if state.emergency:
@@ -328,7 +350,8 @@ class Services:
         strayed = self.office.strayed(self.plan.cell.cell.language)
         if strayed:
             errors.append((Reason.FOLLOWING_ERROR, text(Reason.FOLLOWING_ERROR, detail=strayed)))
-        if state.stop_cause and state.stop_cause not in (e[0] for e in errors) and not self.late_machine.blamed:
+        ended = self._cause_ended(state)
+        if state.stop_cause and not ended and state.stop_cause not in (e[0] for e in errors) and not self.late_machine.blamed:
             errors.append((state.stop_cause, text(Reason(state.stop_cause))))
         if state.path_stop and Reason.OUTPUT_IN_USE not in (e[0] for e in errors):
             errors.append((Reason.OUTPUT_STOPPED, text(Reason.OUTPUT_STOPPED, detail=function_words(state.path_stop))))
@@ -342,6 +365,8 @@ class Services:
             if now - refusal[2] > REFUSALS_KEPT_NS:
                 del self.values.refusals[door]
         self.values.errors = errors + io
+        self.alarms.look(self.values.errors)
+        self.alarms.inputs({number: self.input_bit(number) for number in (self.numbers.reset, ACKNOWLEDGE)})
         self.signals.note([*errors, *((code, words) for code, words in io if code == Reason.DRIVE_NOT_STARTED)], now)
 
     # ---- orders ------------------------------------------------------------------------------------------------------
@@ -352,6 +377,7 @@ class Services:
         self.signals.inputs_came(now)
         for event in self.office.take_events():
             self.journal.write("command", event.sentence(), door=event.door, code=event.code, what=event.what, reason=int(event.reason))
+            self.alarms.event(event, {TOOL_DOOR: "commissioning tool", PAGE_DOOR: "page"})
             if event.what in ("refused", "aborted"):
                 refusal = (int(event.reason), event.sentence(self.cell.cell.language), time.monotonic_ns())
                 self.values.refusals[event.door] = refusal

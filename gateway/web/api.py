@@ -34,6 +34,7 @@ from gateway.web.store import SESSION_S, Role, Store, StoreError
 from gateway.web.wordforces import forced_words
 
 Row = dict[str, Any]
+ALARM_FILTER = (("q", "string"), ("state", "string"), ("source", "string"), ("from", "string"), ("to", "string"))
 KINDS = {"scope": "application/octet-stream", "csv": "text/csv", "mf4": "application/octet-stream"}
 
 
@@ -77,6 +78,12 @@ class Api:
 
     async def errors(self, call: Call) -> Row:
         return {"errors": found(call.query.get("q", "")[:100])}
+
+    async def alarms(self, call: Call) -> Row:
+        return await self.live.alarms.found(call.query)
+
+    async def alarms_file(self, call: Call) -> Response:
+        return await self.live.alarms.file(call.query)
 
     async def job(self, call: Call) -> Row:
         return await self.hands.job(int(call.path["number"]))
@@ -269,6 +276,8 @@ def endpoints(api: Api) -> list[Endpoint]:
         row("GET", "/api/value", v, "one value by name or address, also phg.33282.1.2", api.value, query=(("address", "string"),)),
         row("GET", "/api/tree", v, "branches of all values", api.tree),
         row("GET", "/api/errors", v, "the error catalogue by number, family and number, or words", api.errors, query=(("q", "string"),)),
+        row("GET", "/api/alarms", v, "alarms that came, were acknowledged and went", api.alarms, query=ALARM_FILTER),
+        row("GET", "/api/alarms/file", v, "the same as csv or json", api.alarms_file, query=(("as", "string"), *ALARM_FILTER)),
         row("GET", "/api/jobs/{number:int}", v, "what became of a command", api.job),
         row("POST", "/api/stop", v, "stop on the path", api.stop, changes=True),
         row("POST", "/api/command", o, "one command of the command block", api.command, Command, True),

@@ -11,7 +11,9 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+from gateway.alarmfile import path_of
 from gateway.assembly import RunPlan
+from gateway.web.alarms import AlarmHistory
 from gateway.web.busview import BusView
 from gateway.web.catalogue import advice
 from gateway.web.desk import Gone, Refused, ServicesDesk, supervisor
@@ -60,6 +62,7 @@ class Live:
         self.plan, self.regions, self.desk, self.hands, self.plant = plan, regions, desk, hands, plant
         self.viewers: set[Viewer] = set()
         self.events = Events(plan.journal)
+        self.alarms = AlarmHistory(path_of(plan))
         self.lines = LineViews(plan.cell, desk)
         self.buses = [BusView(bus, plan.buses[bus.name]) for bus in plan.cell.bus if bus.name in plan.buses]
         self.skeleton = Skeleton(plan.cell)
@@ -195,7 +198,7 @@ class Live:
 
     async def _events(self) -> Row:
         self.events.look()
-        return {"events": list(self.events.kept)[-200:]}
+        return {"events": list(self.events.kept)[-200:], "alarms": self.alarms.version}
 
     async def _emulator(self) -> Row:
         return {**await self.plant.look(), "doors": self.regions.status.get("doors", [])}

@@ -4,7 +4,18 @@ import pathlib
 import re
 
 STATIC = pathlib.Path(__file__).resolve().parents[3] / "gateway" / "web" / "static"
-SAME = {"SAFETY", "en", "KF / DH", "KH", "KM", "KG", "Modbus", "pointercancel"}  # handled by themselves, or the same in both
+SAME = {
+    "SAFETY",
+    "en",
+    "KF / DH",
+    "KH",
+    "KM",
+    "KG",
+    "Modbus",
+    "pointercancel",
+    "freeze",
+    "pagehide",
+}  # by themselves, or the same in both
 
 
 def used() -> set[str]:

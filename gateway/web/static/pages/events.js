@@ -1,7 +1,9 @@
 // What happened, and what every number means.
-import { Table, facts, h, put, text } from "../dom.js";
+import { Table, chip, facts, h, put, text } from "../dom.js";
 import { errors } from "../parts.js";
 import { language } from "../texts.js";
+
+const FILES = "csv json".split(" ");
 
 export function mount(root, { t, get }) {
   const standing = h("div");
@@ -24,6 +26,36 @@ export function mount(root, { t, get }) {
         facts([[t("Cause"), row.cause[i()]], [t("Goes away"), row.reset[i()]], [t("The partner sees"), row.shown[i()]], [t("Source"), row.source]])));
     } },
   ], (row) => `${row.family} ${row.code}`, { tall: true, label: t("Error catalogue") });
+  // Alarms over time, kept over restarts.
+  const when = (wall) => (wall || "").slice(0, 19).replace("T", " ");
+  const alarms = new Table([
+    { title: t("came"), cell: text((row) => when(row.came)) },
+    { title: t("acknowledged"), cell: text((row) => (row.acknowledged ? `${when(row.acknowledged)}  ${row.by}` : "")) },
+    { title: t("gone"), cell: (row, td) => { if (row.gone) { put(td, when(row.gone)); return; } if (!td.querySelector(".chip")) td.replaceChildren(chip("bad", t("is set"))); } },
+    { title: t("number"), n: true, cell: text((row) => row.code) },
+    { title: t("Source"), cell: text((row) => row.source) },
+    { title: t("text"), free: true, cell: text((row) => row.text) },
+  ], (row) => row.number, { tall: true, label: t("Alarm history"), row: (row) => (row.gone ? (row.acknowledged ? "" : "stale") : "badq") });
+  const choice = (id, label, values) => h("select", { id, "aria-label": label, onchange: () => history() }, values.map(([value, title]) => h("option", { value }, title)));
+  const word = h("input", { type: "search", id: "alarm-words", placeholder: t("axis, number or word"), "aria-label": t("filter"), oninput: () => { clearTimeout(wait); wait = setTimeout(history, 200); } });
+  const state = choice("alarm-state", t("state"), [["", t("all")], ["standing", t("is set")], ["open", t("not acknowledged")], ["gone", t("gone")]]);
+  const source = choice("alarm-source", t("Source"), [["", t("every source")]]);
+  const from = h("input", { type: "date", id: "alarm-from", "aria-label": t("from day"), onchange: () => history() });
+  const to = h("input", { type: "date", id: "alarm-to", "aria-label": t("to day"), onchange: () => history() });
+  const count = h("span", { class: "soft", id: "alarm-count", role: "status" });
+  const files = FILES.map((kind) => h("a", { class: "button", id: `alarms-${kind}`, download: "" }, kind.toUpperCase()));
+  let version = null;
+  async function history() {
+    const query = new URLSearchParams({ q: word.value, state: state.value, source: source.value, from: from.value, to: to.value });
+    files.forEach((file, n) => { file.href = `/api/alarms/file?as=${FILES[n]}&${query}`; });
+    try {
+      const told = await get(`/api/alarms?${query}`);
+      const was = source.value;
+      source.replaceChildren(h("option", { value: "" }, t("every source")), ...told.sources.map((each) => h("option", { value: each, selected: each === was }, each)));
+      put(count, `${told.total} ${t("alarms")}`);
+      alarms.update(told.alarms.slice(0, 300));
+    } catch (error) { put(count, t(error.message)); }
+  }
   let wait = 0;
   const wanted = h("input", { type: "search", id: "catalogue", placeholder: t("number or word"), "aria-label": t("Error catalogue"), oninput: () => { clearTimeout(wait); wait = setTimeout(know, 150); } });
   const know = () => get(`/api/errors?q=${encodeURIComponent(wanted.value)}`).then((told) => known.update(told.errors)).catch(() => {});
@@ -32,12 +64,14 @@ export function mount(root, { t, get }) {
   const gone = h("p", { class: "badq" });
   root.append(h("div", { class: "grid" },
     h("section", { class: "card w12" }, h("h2", {}, t("Errors, first one first")), standing),
+    h("section", { class: "card w12", id: "alarms" }, h("div", { class: "bar" }, h("h2", { style: "margin:0" }, t("Alarm history")), state, source, from, to, count, h("span", { class: "soft" }, t("take away as")), ...files), h("div", { class: "bar" }, word), alarms.element),
     h("section", { class: "card w6" }, h("div", { class: "bar" }, h("h2", { style: "margin:0" }, t("Events")), kinds, filter), gone, table.element),
     h("section", { class: "card w6" }, h("div", { class: "bar" }, h("h2", { style: "margin:0" }, t("Error catalogue")), wanted), known.element)));
   return {
     update(page, head) {
       errors(standing, head, t, language());
       put(gone, page?.gone || "");
+      if (page && "alarms" in page && page.alarms !== version) { version = page.alarms; history(); }
       if (page?.events) { last = page.events; fill(); }
     },
   };
