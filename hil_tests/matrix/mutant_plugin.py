@@ -8,20 +8,26 @@ import contextlib
 import pathlib
 import random
 import signal
+import sys
+import threading
 import time
-from collections.abc import Generator, Iterator, Mapping
-from types import FrameType, TracebackType
+from collections.abc import Collection, Generator, Iterator, Mapping
+from types import CodeType, FrameType, TracebackType
+from typing import TYPE_CHECKING
 
 import pytest
 from _pytest.raises import RaisesExc
 from _pytest.runner import runtestprotocol
 
-from hil_tests.matrix.catalogue import MarkError
+from hil_tests.matrix.catalogue import MarkError, resolve
 from hil_tests.matrix.marks import claims_of, function_id
 from hil_tests.matrix.mutant import VARIANTS, MutantError, mutated
-from hil_tests.matrix.small import MOST, small_mutants
+from hil_tests.matrix.small import MOST, Small, small_mutants
 from hil_tests.matrix.verdicts import Pair, Trial, fingerprint, save_pairs
 from hil_tests.purity import GUARDED_FOLDERS
+
+if TYPE_CHECKING:
+    from _typeshed import TraceFunction
 
 LEAST_S = 45.0  # a mutant that never ends is given up after this, or ten times the sound run; tests themselves wait up to 20 s
 LEAST_PURE_S = 10.0  # tests of pure code wait for nothing
@@ -42,6 +48,7 @@ class Mutants:
         self._raised: list[BaseException] = []
         self._chosen: set[tuple[str, str]] | None = None  # None: all of them
         self._found: dict[tuple[str, str], dict[str, str]] = {}
+        self._small: dict[tuple[str, str], tuple[Small, ...]] = {}
         self._ids: dict[tuple[str, str], set[str]] = {}
         self._files: dict[str, pathlib.Path] = {}
         self._saved = time.monotonic()
@@ -68,20 +75,21 @@ class Mutants:
         except MarkError as error:
             print(f"\n{name}: {error}")
             return True
-        sound, seconds = self._run(item, None)
+        with lines_run({resolve(by).__code__: by for claim in claims for by in claim.by}) as lines:
+            sound, seconds = self._run(item, None)
         for claim in claims:
             for by in claim.by:
                 if self._chosen is None or (name, by) in self._chosen:
                     self._ids.setdefault((name, by), set()).update(claim.ids)
-                    self._try(item, by, sound, seconds)
+                    self._try(item, by, sound, seconds, lines[by])
         if time.monotonic() - self._saved > SAVE_EVERY_S:
             self._save()
         return True
 
-    def _try(self, item: pytest.Item, by: str, sound: str, seconds: float) -> None:
+    def _try(self, item: pytest.Item, by: str, sound: str, seconds: float, lines: Collection[int]) -> None:
         name = function_id(item.nodeid)
         pure = any(part in item.path.parts for part in GUARDED_FOLDERS)
-        chosen = small_mutants(by, MOST if pure else MOST_OF_A_RUN)
+        chosen = self._small.setdefault((name, by), small_mutants(by, MOST if pure else MOST_OF_A_RUN, lines))
         limit = max(LEAST_PURE_S if pure else LEAST_S, 10 * seconds)
         for variant in (*VARIANTS, *(one.name for one in chosen)):
             if self._found.get((name, by), {}).get(variant) != "killed":
@@ -119,7 +127,7 @@ class Mutants:
         save_pairs((self._pair(name, by, seen) for (name, by), seen in self._found.items()), self._target)
 
     def _pair(self, name: str, by: str, seen: Mapping[str, str]) -> Pair:
-        trials = tuple(Trial(one.name, one.line, one.words, seen[one.name]) for one in small_mutants(by) if one.name in seen)
+        trials = tuple(Trial(one.name, one.line, one.words, seen[one.name]) for one in self._small[name, by])
         print_of = fingerprint(self._files[name], by)
         return Pair(name, by, tuple(sorted(self._ids[name, by])), seen["raise"], seen["return"], print_of, trials)
 
@@ -129,6 +137,33 @@ def _pairs(item: pytest.Item) -> set[tuple[str, str]]:
         return {(function_id(item.nodeid), by) for claim in claims_of(item) for by in claim.by}
     except MarkError:
         return set()
+
+
+@contextlib.contextmanager
+def lines_run(functions: Mapping[CodeType, str]) -> Iterator[dict[str, set[int]]]:
+    """The lines of each function that run meanwhile in this process, by its name."""
+    lines: dict[str, set[int]] = {name: set() for name in functions.values()}
+
+    def called(frame: FrameType, _event: str, _argument: object) -> "TraceFunction | None":
+        name = functions.get(frame.f_code)
+        if name is None:
+            return None
+
+        def stepped(inner: FrameType, event: str, _argument: object) -> "TraceFunction":
+            if event == "line":
+                lines[name].add(inner.f_lineno)
+            return stepped
+
+        return stepped
+
+    before = sys.gettrace()
+    sys.settrace(called)
+    threading.settrace(called)
+    try:
+        yield lines
+    finally:
+        sys.settrace(before)
+        threading.settrace(before)
 
 
 def judged(raised: list[BaseException]) -> str:

@@ -24,9 +24,10 @@ Made by `make mutants`; never edited. Which row of the manuals (`docs/requiremen
 HOW = """
 A *pair* is a test and a function named in its mark. The function is broken, the test runs, and only an assertion of the test counts:
 an exception that runs through it is a *crash* and proves nothing. Each function is broken in whole (`raise`: it raises; `return`: it
-returns the empty value of its annotation) and in up to six small ways that do not raise, chosen by a hash of the place (two where the
-test starts processes). A pair is killed when its test misses the whole function and an assertion notices a small change, where there
-is one to make. Not every small change matters to the one test of a pair; the last table says how many of them any test noticed.
+returns the empty value of its annotation) and in up to six small ways that do not raise, on lines the test runs, chosen by a hash of
+the place (two where the test starts processes). A pair is killed when its test misses the whole function and an assertion notices a
+small change, where there is one to make. Not every small change matters to the one test of a pair; the last line says how many of
+them any test noticed.
 """
 
 

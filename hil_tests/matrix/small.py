@@ -11,7 +11,7 @@ import inspect
 import itertools
 import pathlib
 import types
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple, TypeVar
 
@@ -50,35 +50,68 @@ class Small:
     code: types.CodeType
 
 
-def small_mutants(by: str, most: int = MOST) -> tuple[Small, ...]:
-    """The chosen ones of "module:function"; none where it has no source."""
-    return _made(by)[:most]
+def small_mutants(by: str, most: int = MOST, lines: Collection[int] = ()) -> tuple[Small, ...]:
+    """The chosen ones of "module:function"; none where it has no source.
+
+    `lines`: those a test runs of it; a change elsewhere it could not notice.  Empty: not known, all are taken.
+    """
+    code = resolve(by).__code__
+    found = _queue(by, code)
+    if lines:
+        found = [one for one in found if not one.span.isdisjoint(lines)]
+    made = (_mutant(code, one) for one in found)
+    return tuple(itertools.islice((one for one in made if one is not None), most))
 
 
 def code_of(by: str, name: str) -> types.CodeType:
-    return next(one.code for one in _made(by) if one.name == name)
-
-
-@functools.lru_cache(maxsize=8)
-def _made(by: str) -> tuple[Small, ...]:
     code = resolve(by).__code__
+    found = next(_mutant(code, one) for one in _queue(by, code) if one.name == name)
+    assert found is not None
+    return found.code
+
+
+class _Candidate(NamedTuple):
+    name: str
+    number: int  # of the place in its function
+    span: frozenset[int]  # lines of its statement
+
+
+@functools.lru_cache(maxsize=64)
+def _queue(by: str, code: types.CodeType) -> list[_Candidate]:
+    """All changes of a function, the kinds in turn."""
     path = pathlib.Path(code.co_filename)
     if not path.is_file():
-        return ()
-    text = path.read_text(encoding="utf-8")
-    queues: dict[str, list[tuple[str, int]]] = {kind: [] for kind in KINDS}
-    for number, place in enumerate(places(ast.parse(text), code)):
+        return []
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    spans = _spans(tree)
+    queues: dict[str, list[_Candidate]] = {kind: [] for kind in KINDS}
+    for number, place in enumerate(places(tree, code)):
         mark = hashlib.sha256(f"{by}|{place.kind}|{place.words()}|{number}".encode()).hexdigest()[:8]
-        queues[place.kind].append((mark, number))
+        span = min((one for one in spans if place.line in one), key=len, default=frozenset([place.line]))
+        queues[place.kind].append(_Candidate(f"{place.kind}_{mark}", number, span))
     turns = itertools.zip_longest(*(sorted(queue) for queue in queues.values()))
-    made = (_mutant(text, code, *one) for turn in turns for one in turn if one is not None)
-    return tuple(itertools.islice((one for one in made if one is not None), MOST))
+    return [one for turn in turns for one in turn if one is not None]
 
 
-def _mutant(text: str, code: types.CodeType, mark: str, number: int) -> Small | None:
+def _spans(tree: ast.Module) -> list[frozenset[int]]:
+    """Lines of each statement; of one with a block in it those before the block."""
+    found = []
+    for node in ast.walk(tree):
+        if isinstance(node, ast.stmt):
+            block = getattr(node, "body", None) or getattr(node, "cases", None)
+            first = block[0].pattern if block and isinstance(block[0], ast.match_case) else block[0] if block else None
+            last = first.lineno - 1 if first is not None else node.end_lineno or node.lineno
+            found.append(frozenset(range(node.lineno, max(last, node.lineno) + 1)))
+        elif isinstance(node, ast.match_case):
+            found.append(frozenset([node.pattern.lineno]))
+    return found
+
+
+@functools.lru_cache(maxsize=512)
+def _mutant(code: types.CodeType, candidate: _Candidate) -> Small | None:
     """None: what comes out does not fit the function, or is the same."""
-    tree = ast.parse(text)
-    place = next(itertools.islice(places(tree, code), number, None))
+    tree = ast.parse(pathlib.Path(code.co_filename).read_text(encoding="utf-8"))
+    place = next(itertools.islice(places(tree, code), candidate.number, None))
     before = place.words()
     place.change()
     after = place.words()
@@ -86,7 +119,7 @@ def _mutant(text: str, code: types.CodeType, mark: str, number: int) -> Small | 
     made = next((one for one in _codes(compiled) if _same_place(one, code)), None)
     if made is None or made == code or (made.co_freevars, made.co_flags) != (code.co_freevars, code.co_flags):
         return None
-    return Small(f"{place.kind}_{mark}", place.line, f"{_short(before)} -> {_short(after)}", made)
+    return Small(candidate.name, place.line, f"{_short(before)} -> {_short(after)}", made)
 
 
 def _short(text: str) -> str:

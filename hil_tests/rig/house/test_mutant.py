@@ -9,8 +9,10 @@ from collections.abc import Callable, Iterator, Sequence
 
 import pytest
 
+from gateway.pure.functions.display import Display
 from hil_tests.matrix.catalogue import MarkError, claim, resolve
 from hil_tests.matrix.mutant import MutantError, broken, default_of, mutated
+from hil_tests.matrix.mutant_plugin import lines_run
 from hil_tests.matrix.small import places, small_mutants
 from protocols.base.machine import ms  # an import made before the mutant: it must meet it all the same
 
@@ -173,6 +175,17 @@ def test_there_are_at_most_six_of_every_kind_in_turn_and_always_the_same() -> No
     assert len(chosen) == 6 and len({one.name.partition("_")[0] for one in chosen}) >= 3
     fresh = [sys.executable, "-c", f"from hil_tests.matrix.small import small_mutants as s; print([m.name for m in s({long!r})])"]
     assert subprocess.run(fresh, capture_output=True, text=True, check=True).stdout.strip() == str([one.name for one in chosen])
+
+
+def test_only_what_the_test_runs_is_changed_where_that_is_known() -> None:
+    press = "gateway.pure.functions.display:Display.press"
+    lines = sorted({line for *_, line in resolve(press).__code__.co_lines() if line})
+    assert [one.words for one in small_mutants(press, lines=lines[-1:])] == ["self._keys.append(key) -> pass"]
+    with lines_run({resolve(press).__code__: press}) as seen:
+        Display().press("1")
+    assert seen[press] == {lines[1], lines[-1]}, "the key found its place: none is counted as lost"
+    assert not any("lost_keys" in one.words for one in small_mutants(press, lines=seen[press]))
+    assert any("lost_keys" in one.words for one in small_mutants(press))
 
 
 @pytest.mark.parametrize(

@@ -30,7 +30,7 @@ def ptp(cell: Planned, zone: float) -> tuple[Array, float]:
     return made.sets[:, :2] * 1e3, made.period
 
 
-@pytest.mark.requirement("RHO-MOT-01", by=("motion.planner.ranges:axis_range", "motion.paths.joints:joint_blend"))
+@pytest.mark.requirement("RHO-MOT-01", by="motion.planner.ranges:axis_range")
 def test_the_range_doubles_with_its_factor_and_no_axis_stops_or_changes_its_speed_in_a_step(cell: Planned) -> None:
     begins, deviations = [], []
     for zone in (20.0, 40.0):  # P213 = 20 mm, R_PTP = 1 and 2
