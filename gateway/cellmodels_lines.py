@@ -7,6 +7,7 @@ from pydantic import BeforeValidator, Field
 from gateway.cellmodels_base import BAUDS, Name, OnLoss, Table, unit
 
 STEP5_TYPES = ("bit", "KF", "DH", "KH", "KM", "KY", "KC", "KT", "KZ", "KG", "REAL", "BCD")
+LONGEST = 4000  # bytes of a block at the station that takes most; each profile has its own limit, which `check` knows
 ENGLISH = {"I": "E", "Q": "A", "F": "M", "C": "Z", "DB": "D", "DX": "X"}  # S7 and English STEP 5; users.md 3.2
 
 
@@ -135,16 +136,16 @@ OwnName = r"[a-z]\w*(\.\w+)+"  # as gateway.pure.addresses reads it
 
 
 class TelegramMatch(Table):
-    byte: int = Field(ge=0, le=137)
+    byte: int = Field(ge=0, le=LONGEST - 1)
     hex: Hex = ""
     text: Text = ""
 
 
 class TelegramField(Table):
-    byte: int = Field(ge=0, le=137)
+    byte: int = Field(ge=0, le=LONGEST - 1)
     type: TelegramType
     to: str = Field(pattern=rf"^{OwnName}$", json_schema_extra={"allowed": "a name of the cell's own, as order.number"})
-    count: int = Field(default=1, ge=1, le=138)
+    count: int = Field(default=1, ge=1, le=LONGEST)
     unit: TelegramUnit = ""
     scale: float = 1.0
     byte_order: Literal["big", "little"] | None = None
@@ -157,7 +158,7 @@ class TelegramPart(Table):
     text: Text = ""
     type: TelegramType | Literal[""] = ""
     from_: str = Field(default="", alias="from")
-    count: int = Field(default=1, ge=1, le=138)
+    count: int = Field(default=1, ge=1, le=LONGEST)
     unit: TelegramUnit = ""
     scale: float = 1.0
     byte_order: Literal["big", "little"] | None = None
@@ -169,7 +170,7 @@ class Telegram(Table):
     line: str
     name: Name
     match: list[TelegramMatch] = []
-    length: int | None = Field(default=None, ge=1, le=138, json_schema_extra=unit("bytes"))
+    length: int | None = Field(default=None, ge=1, le=LONGEST, json_schema_extra=unit("bytes"))
     fields: list[TelegramField] = []
     then: str = Field(default="", pattern=rf"^signal +{OwnName}$", json_schema_extra={"allowed": '"signal order.new"'})
     when: str = Field(

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator
 
 from gateway.cell import Cell, Line, Telegram, TelegramField, TelegramMatch, TelegramPart
+from gateway.pure.dialects import link_profile
 from gateway.pure.names import lookup
 from gateway.pure.values import Values
 from protocols.telegrams.builder import parse_when
@@ -19,7 +20,7 @@ def incoming(telegram: Telegram, line: Line) -> Incoming:
     """What the reader needs."""
     matches = tuple(Match(match.byte, raw_bytes(match)) for match in telegram.match)
     fields = tuple(_field(field, field.to, field.byte, line) for field in telegram.fields)
-    return Incoming(telegram.name, matches, fields, telegram.length, signal_of(telegram))
+    return Incoming(telegram.name, matches, fields, telegram.length, signal_of(telegram), link_profile(line).most_received)
 
 
 def outgoing(telegram: Telegram, line: Line) -> Outgoing:
@@ -30,7 +31,7 @@ def outgoing(telegram: Telegram, line: Line) -> Outgoing:
         made = _field(part, part.from_, at, line) if part.type else raw_bytes(part)
         at += made.size if isinstance(made, Field) else len(made)
         parts.append(made)
-    return Outgoing(telegram.name, tuple(parts))
+    return Outgoing(telegram.name, tuple(parts), link_profile(line).max_data)
 
 
 def raw_bytes(part: TelegramMatch | TelegramPart) -> bytes:

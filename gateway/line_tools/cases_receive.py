@@ -202,14 +202,14 @@ def nak_as_data(bench: Bench) -> None:
 
 def _length(name: str, title: str, extra: int | None, fixed: int = 0) -> None:
     def run(bench: Bench) -> None:
-        size = fixed if extra is None else bench.profile.max_data + extra
-        data = (b"U" + bytes(range(0x20, 0x7F)) * 12)[:size]
+        size = fixed if extra is None else bench.profile.most_received + extra
+        data = (b"U" + bytes(range(0x20, 0x7F)) * 43)[:size]
         if extra is not None and extra > 0:
             bench.connect()
             bench.say(wire_block(data, bench.profile.block_check))
             got = bench.answer(bench.profile.ack_delay)
             if got == Char.DLE:  # its own buffer may be longer: what a maker's table says is the least
-                raise Warn(said("the station takes more than this profile's {} characters", bench.profile.max_data))
+                raise Warn(said("the station takes more than this profile's {} characters", bench.profile.most_received))
             if got != Char.NAK:
                 raise Fail(said("after {}: {}, expected NAK", said("a block of {} characters", size), named(got)))
         else:

@@ -186,9 +186,9 @@ def late_dle(bench: Bench) -> None:
 
 
 # ---- both at once
-def _settle_conflict(bench: Bench) -> None:
+def _settle_conflict(bench: Bench, repeated: bool = False) -> None:
     """Its STX and ours have met; who goes on?  Both blocks must come through."""
-    if bench.priority is Priority.LOW:
+    if bench.priority is Priority.LOW or (repeated and bench.profile.yields_to_second_conflict):
         got = bench.answer(bench.profile.ack_delay)
         if got != Char.DLE:
             raise Fail(said("without priority it must withdraw and answer our STX with DLE: {}{}", named(got), _same(got)))
@@ -226,7 +226,7 @@ def in_repeat(bench: Bench) -> None:
     bench.say(NAK)
     bench.expect(Char.STX, bench.profile.retry_pause + ms(200), "NAK to STX")
     bench.say(STX)
-    _settle_conflict(bench)
+    _settle_conflict(bench, repeated=True)
 
 
 @CONFLICT.case("rounds", "five conflicts in a row: no job is lost on either side")

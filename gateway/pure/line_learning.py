@@ -72,7 +72,7 @@ class Learned:
 
 
 TEST_BLOCKS = frozenset((b"UC", b"UV", b"UVW", b"U\x10V", b"U\x02\x02V", b"U\x15\x15V", b"U\x10AV", b"UAV"))
-TEST_TEXT = b"U" + bytes(range(0x20, 0x7F)) * 12  # of any length
+TEST_TEXT = b"U" + bytes(range(0x20, 0x7F)) * 43  # of any length
 TEST_FETCH = bytes.fromhex("00004544FF000001FFFF")
 
 

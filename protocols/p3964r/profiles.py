@@ -85,6 +85,7 @@ class Profile:
     silence_ends: bool = False  # a STX nobody answers is not repeated [WAGO]
     retry_pause: Ns = 0  # before a repeat; no manual has one
     max_data: int = 138  # characters of a block, a doubled DLE counted once [rho3]
+    max_received: int | None = None  # the same of a block received; None: as many [LINUX]
     block_check: bool = True  # False: procedure 3964 without the check character
     end: Char = Char.ETX  # what we send; ETX and ETB are both understood
     follow_on_end: Char = Char.ETX  # the same at follow-on telegrams of the layer above [BUEP64]
@@ -93,7 +94,7 @@ class Profile:
     broken_pair: BrokenPair = BrokenPair.NAK_AT_END
     too_long: TooLong = TooLong.NAK_AT_END
     interruption: Interruption = Interruption.IGNORE
-    yields_to_second_conflict: bool = False  # with priority, but a repeat met the partner's STX again: receive [LINUX]
+    yields_to_second_conflict: bool = False  # with priority, but a repeat, of STX or of the block, met the partner's STX: receive [LINUX]
     no_buffer_wait: Ns = ms(400)  # STX while no buffer is free: silence so long, then NAK; 0: NAK at once [VIPA] (AX-006)
     no_buffer_poll: Ns = 0  # a buffer that gets free is noticed at these steps only [CP340]; 0: at once
     nak_at_start: bool = False  # one NAK when the interface becomes ready [CP340] (AX-009)
@@ -102,6 +103,11 @@ class Profile:
     bauds: tuple[int, int] = (300, 19200)  # usual least and largest
     settable: Settable | None = None  # None: fixed
     open_fields: tuple[str, ...] = ()
+
+    @property
+    def most_received(self) -> int:
+        """Characters of a block the station takes."""
+        return self.max_data if self.max_received is None else self.max_received
 
     def plain(self) -> "Profile":
         """The same station under procedure 3964: no block check, its own acknowledgement delay."""
@@ -241,7 +247,9 @@ LINUX = Profile(
     "behaviour of the Linux R3964 line discipline (no longer in the kernel)",
     connect_counter=ConnectCounter.SHARED,
     max_data=256,
+    max_received=4000,
     priority=Priority.HIGH,
+    broken_pair=BrokenPair.DROP_DLE,
     interruption=Interruption.BACK_OFF,
     yields_to_second_conflict=True,
 )

@@ -36,6 +36,7 @@ class Receiver:
 
     def __init__(self, profile: Profile, box: Outbox, keep_one: bool) -> None:
         self._profile, self._box, self._keep_one = profile, box, keep_one
+        self._most = profile.most_received
         self._cut = profile.too_long is TooLong.NAK_AT_ONCE
         self._state = IDLE
         self._due: Ns | None = None  # end of the gap, of the wait for a buffer, or of the quiet after stray characters
@@ -136,7 +137,7 @@ class Receiver:
         end = data.find(DLE_BYTE, at)
         run = data[at:] if end < 0 else data[at:end]
         if self._cut:
-            run = run[: self._profile.max_data + 1 - self._count]  # the first one too many ends the block
+            run = run[: self._most + 1 - self._count]  # the first one too many ends the block
         self._check ^= check_of(run)
         self._store(run)
         self._untouched = False
@@ -145,7 +146,7 @@ class Receiver:
 
     def _store(self, run: bytes) -> None:
         self._count += len(run)
-        if self._count <= self._profile.max_data:
+        if self._count <= self._most:
             self._data += run
         elif self._cut:
             self._refuse(self._why or Refusal.LENGTH)

@@ -48,7 +48,6 @@ class Sender:
         self._number = 0
         self._connects, self._blocks = 0, 0  # failed attempts of the first job
         self._conflict = False  # the partner's STX was heard and ignored
-        self._conflicts = 0  # attempts of the first job that met the partner's STX
         self._repeated_at: Ns | None = None  # when STX was given out in the middle of a burst
         self._done_at: Ns | None = None  # when a block was acknowledged
         self._early: Ns | None = None  # a DLE heard before the port said that the block had left
@@ -99,7 +98,7 @@ class Sender:
 
     def forget_attempts(self) -> None:
         """The partner sent a block, good or bad, to its end: the job that gave way to it starts anew."""
-        self._connects, self._blocks, self._conflicts = 0, 0, 0
+        self._connects, self._blocks = 0, 0
 
     # ---- the table
     def hear(self, byte: int, now: Ns) -> bool:
@@ -159,9 +158,8 @@ class Sender:
 
     def _meet(self) -> bool:
         """Both stations sent STX: with priority go on, without keep the job and listen (7.1)."""
-        again = self._conflicts and self._profile.yields_to_second_conflict and not self._conflict
-        if self._priority is Priority.HIGH and not again:
-            self._conflicts += not self._conflict
+        repeated = self._connects + self._blocks > 0
+        if self._priority is Priority.HIGH and not (repeated and self._profile.yields_to_second_conflict):
             self._conflict = True
             if not self.overtook and self._blocks == 0:
                 self.overtook = self.jobs[0].number
@@ -247,7 +245,7 @@ class Sender:
     def _finish(self, event: BlockSent | SendFailed) -> None:
         self._box.tell(event)
         self.jobs.popleft()
-        self._connects, self._blocks, self._conflicts = 0, 0, 0
+        self._connects, self._blocks = 0, 0
         self._state, self.due, self._revoked = IDLE, None, False
 
     def _stage(self) -> Stage:
@@ -285,7 +283,7 @@ class Sender:
             stage = Stage.WAITING
         self.jobs.clear()
         self._revoked, self.overtook = False, 0
-        self._connects, self._blocks, self._conflicts = 0, 0, 0
+        self._connects, self._blocks = 0, 0
         self._state, self.due = IDLE, None
 
 

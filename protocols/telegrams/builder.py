@@ -6,14 +6,14 @@ from enum import Enum
 
 from protocols.base.errors import EncodeError
 from protocols.telegrams.fields import Field, Value, encode
-from protocols.telegrams.layout import MAX_BLOCK, Outgoing
+from protocols.telegrams.layout import Outgoing
 
 
 def build(telegram: Outgoing, lookup: Callable[[str], Value]) -> bytes:
     """The block of this moment.  EncodeError names telegram, value and range; `lookup` raises KeyError for a name without a value."""
     block = b"".join(part if isinstance(part, bytes) else _value(telegram, part, lookup) for part in telegram.parts)
-    if not 1 <= len(block) <= MAX_BLOCK:
-        raise EncodeError(f"{telegram.name}: {len(block)} bytes, range 1..{MAX_BLOCK}")
+    if not 1 <= len(block) <= telegram.most:
+        raise EncodeError(f"{telegram.name}: {len(block)} bytes, range 1..{telegram.most}")
     return block
 
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from protocols.telegrams.fields import POINTS, TEXTS, Field, Kind
-from protocols.telegrams.layout import MAX_BLOCK, Incoming, Outgoing
+from protocols.telegrams.layout import Incoming, Outgoing
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,7 +18,9 @@ class Finding:
 
 def incoming_faults(telegram: Incoming) -> Iterator[Finding]:
     """Everything wrong inside one telegram the partner sends."""
-    limit = MAX_BLOCK if telegram.length is None else telegram.length
+    limit = telegram.most if telegram.length is None else telegram.length
+    if limit > telegram.most:
+        yield Finding("length", None, f"{limit} bytes; a block of this line's profile has 1..{telegram.most}")
     covered: dict[int, str] = {}
     for number, match in enumerate(telegram.matches):
         if not match.data:
@@ -46,8 +48,8 @@ def _place(key: str, number: int, place: tuple[int, int, str], covered: dict[int
 
 def outgoing_faults(telegram: Outgoing) -> Iterator[Finding]:
     """Everything wrong inside one telegram we build."""
-    if not 1 <= telegram.length <= MAX_BLOCK:
-        yield Finding("build", None, f"{telegram.length} bytes; a block has 1..{MAX_BLOCK}")
+    if not 1 <= telegram.length <= telegram.most:
+        yield Finding("build", None, f"{telegram.length} bytes; a block has 1..{telegram.most}")
     for number, part in enumerate(telegram.parts):
         if isinstance(part, Field):
             yield from field_faults("build", number, part)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from protocols.telegrams.fields import Field, Value
 
-MAX_BLOCK = 138  # bytes of a block, a doubled DLE counted once (rho 3 Releases part 1, 7.1)
+MAX_BLOCK = 138  # bytes of a block, a doubled DLE counted once (rho 3 Releases part 1, 7.1); other stations have limits of their own
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +28,7 @@ class Incoming:
     fields: tuple[Field, ...] = ()
     length: int | None = None  # None: any length that holds matches and fields
     signal: str = ""
+    most: int = MAX_BLOCK  # bytes a block of this line may have
 
     @property
     def needed(self) -> int:
@@ -49,6 +50,7 @@ class Outgoing:
 
     name: str
     parts: tuple[bytes | Field, ...]
+    most: int = MAX_BLOCK  # bytes a block of this line may have
 
     @property
     def length(self) -> int:

@@ -5,7 +5,9 @@ from dataclasses import fields, replace
 import pytest
 
 from hil_tests.lab.bench import Bench
+from protocols.base.errors import EncodeError
 from protocols.base.machine import Damage, Ns, ms
+from protocols.p3964r.characters import check_of, wire_block
 from protocols.p3964r.events import (
     BlockReceived,
     BlockRefused,
@@ -175,6 +177,34 @@ def test_linux_with_priority_receives_in_a_second_conflict() -> None:
     assert isinstance(line.told()[-1], SendRepeated)
     line.at(ms(551)).hears(STX).says(DLE).hears(BLOCK_B).says(DLE + STX).reports(BlockReceived(b"B")).left()
     line.at(ms(560)).hears(STX).says(b"")  # a new start: the first conflict again
+
+
+@pytest.mark.parametrize("answer", [NAK, b"x"])
+def test_linux_with_priority_receives_in_the_first_conflict_of_a_repeat(answer: bytes) -> None:
+    """Its discipline looks at the number of repeats, not of conflicts."""
+    line = wishing(LINUX).at(ms(1)).hears(answer).says(STX).left().at(ms(2)).hears(STX).says(DLE)
+    assert line.told() == [SendRepeated(1, Failure.NAK if answer == NAK else Failure.WRONG, Stage.CONNECT)]
+    line.hears(BLOCK_B).says(DLE + STX).reports(BlockReceived(b"B"))
+
+
+def test_linux_with_priority_receives_in_a_conflict_after_a_refused_block() -> None:
+    line = wishing(LINUX).at(ms(1)).hears(DLE).says(BLOCK_A).hears(NAK).says(STX).left().at(ms(2)).hears(STX).says(DLE)
+    assert line.told() == [SendRepeated(1, Failure.NAK, Stage.BLOCK)]
+    line.hears(BLOCK_B).says(DLE + STX).reports(BlockReceived(b"B"))
+
+
+def test_linux_takes_4000_characters_and_sends_256() -> None:
+    for size, answer in ((4000, DLE), (4001, NAK)):
+        line = Bench(Link(LINUX, Priority.LOW)).hears(STX).says(DLE).hears(wire_block(bytes(size))).says(answer)
+        assert isinstance(line.told()[0], BlockReceived) is (answer == DLE)
+    with pytest.raises(EncodeError, match="block of 257 bytes, limit 256"):
+        Link(LINUX, Priority.LOW).send(bytes(257), 0)
+
+
+def test_linux_drops_a_lone_dle_and_takes_what_follows() -> None:
+    body = b"A\x10BC\x10\x03"
+    line = Bench(Link(LINUX, Priority.LOW)).hears(STX).says(DLE).hears(body + bytes((check_of(body),))).says(DLE)
+    line.reports(BlockReceived(b"ABC"))
 
 
 def test_others_with_priority_never_receive_in_a_conflict() -> None:

@@ -115,7 +115,7 @@ def test_a_cell_is_learned_live_from_two_taps_that_only_listen(
         words = ("--tap", ports, "--seconds", "4", "--save", str(trace), "-o", str(draft))
         done = axisgate("learn", "line", *words, seconds=30)
         assert done.returncode == 0, done.stderr
-        assert "2 blocks, 1 kinds of telegrams; next: axisgate check" in done.stdout
+        assert "2 blocks, 1 kind of telegrams; next: axisgate check" in done.stdout
     finally:
         for process, _, _ in taps:
             end(process)

@@ -81,7 +81,8 @@ SECOND = '\n[[telegram]]\nline = "V24_1"\nname = "{name}"\n{rest}\n'
             "telegram.ORDER.fields[0].type",
             "did you mean INTEGER?",
         ),
-        (replaced("length = 18", "length = 139"), "telegram.ORDER.length", "allowed 1..138 bytes"),
+        (replaced("length = 18", "length = 139"), "telegram.ORDER.length", "profile has 1..138"),
+        (replaced("length = 18", "length = 4001"), "telegram.ORDER.length", "allowed 1..4000 bytes"),
         (replaced("count = 2", 'count = 2, unit = "mm", scale = 2.0'), "telegram.ORDER.fields[3]", "CHARACTER has no scale"),
         (replaced('unit = "mm"', 'unit = "0.1 mm", scale = 0.1'), "telegram.ORDER.fields[2]", "says it too"),
         (replaced('unit = "mm"', 'unit = "0 mm"'), "telegram.ORDER.fields[2]", "worth more than nothing"),
@@ -175,3 +176,16 @@ def test_a_rk512_line_keeps_its_supervision_and_a_line_without_telegrams_is_warn
 def test_a_faulty_telegram_is_left_out_whole_and_the_names_it_writes_are_no_second_fault() -> None:
     faults = faults_of(replaced('"INTEGER", to = "order.number"', '"INTEGRE", to = "order.number"'))
     assert [fault.key for fault in faults] == ["telegram.ORDER.fields[0].type"]
+
+
+def test_a_telegram_may_be_as_long_as_a_block_of_its_lines_profile() -> None:
+    """CP 340: 1,024 characters both ways; the Linux discipline takes 4,000 and sends 256."""
+
+    def told(profile: str, length: int, built: int) -> list[str]:
+        text = HEAD.replace("rho3", profile) + ORDER.replace("length = 18", f"length = {length}")
+        text += DONE.replace('{ text = "DN" }', f'{{ text = "{"D" * (built - 10)}" }}')
+        return [fault.key for fault in faults_of(text)]
+
+    assert told("siemens-cp340", 1024, 1024) == [] and told("linux", 4000, 256) == []
+    assert told("siemens-cp340", 1025, 1025) == ["telegram.ORDER.length", "telegram.DONE.build"]
+    assert told("linux", 18, 257) == ["telegram.DONE.build"] and told("rho3", 18, 139) == ["telegram.DONE.build"]
