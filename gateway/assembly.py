@@ -33,6 +33,12 @@ ORDERS = 256  # records in the command ring: far more than one door can issue in
 DOOR_BYTES = 256  # command words (128 bytes at most) and status words (128) of one door
 LINKS_BYTES = 16384
 MS = 1_000_000
+WATCHED_MS: Mapping[str, int] = {  # processes with no region of their own: how long their loops may take (AX-626)
+    "gateway.processes.broker": 1_000,
+    "gateway.processes.adapter": 5_000,  # some libraries take seconds to open
+    "gateway.processes.web": 5_000,  # of low priority
+    "gateway.processes.northbound": 5_000,
+}
 CYCLE_RINGS = ("trace", "scope", "record", "recorder")  # what it says to whoever listens, and who that is
 CHIPS_LIFE_MS = 1_000  # a chip behind USB may take its time; its contacts are marked meanwhile
 PLANNER_LIFE_MS = 10_000  # a law of a long run takes a second, much more on a busy machine; nothing depends on it meanwhile (AX-420)
@@ -150,9 +156,17 @@ def plan_run(
     core = core_processes(cell, period_ms, doors, simulated=simulated, page=web is not None)
     if stretched:
         core[0] = replace(core[0], life_limit_ns=STRETCHED_LIFE_MS * MS)
-    children, zeros, programs = (*sims, *cables, *core), known_zeros(cell), plan_programs(cell)
+    children, zeros, programs = watched((*sims, *cables, *core)), known_zeros(cell), plan_programs(cell)
     return RunPlan(
         slug, cell, simulated, folder, period_ms, buses, lines, binds, doors, record, children, zeros, web, programs, stretched=stretched
+    )
+
+
+def watched(children: Sequence[Child]) -> tuple[Child, ...]:
+    """Those without a region of their own get one for their life counter."""
+    return tuple(
+        replace(child, life=f"life-{n}", life_limit_ns=WATCHED_MS[child.module] * MS) if child.module in WATCHED_MS else child
+        for n, child in enumerate(children)
     )
 
 
@@ -327,6 +341,7 @@ def make_regions(plan: RunPlan) -> dict[str, int]:
         fds["blocks"] = create_ring("blocks", plannerrecords.SAY_SIZE, plannerrecords.BLOCKS, plannerrecords.SAY_LAYOUT)
         fds["pieces"] = create_ring("pieces", plannerrecords.piece_size(axes), plannerrecords.PIECES, plannerrecords.PIECE_LAYOUT)
         fds["planner"] = create_region("planner", plannerrecords.PLANNER_BYTES, "planner/1 json")
+    fds |= {child.life: create_region(child.life, 8) for child in plan.children if child.module in WATCHED_MS and child.life}
     fds |= make_joined(plan.cell)
     for door in plan.doors:
         fds[f"door-{door.number}"] = create_region(f"door-{door.number}", DOOR_BYTES, f"door/1 {DOOR_BYTES}")

@@ -15,6 +15,7 @@ import time
 from drivers.ports.adapter import SAMPLES, AdapterPort
 from drivers.ports.base import PortError
 from drivers.ports.broker import BrokerPort
+from gateway.life import Life
 from gateway.pure.latency import Measured, verdict
 from gateway.realtime import die_with_parent, go_realtime
 from protocols.base.machine import Frame, Ns
@@ -158,9 +159,11 @@ def main(argv: list[str] | None = None) -> int:
     for warning in go_realtime(PRIORITY):
         print(warning, flush=True)
     relay = Relay(arguments.bus, arguments.port, arguments.bitrate, arguments.fresh_ms * MS, listen_only=arguments.listen_only)
+    life = Life()
     print("ready", flush=True)
     while not stop:
         relay.turn()
+        life.beat()
     relay.close()
     return 0
 

@@ -31,6 +31,7 @@ from drivers.ports.canwire import (
     control_record,
     text_record,
 )
+from gateway.life import BEAT_S, Life
 from gateway.processes.broker_log import LogPipe
 from gateway.realtime import die_with_parent, go_realtime
 
@@ -118,7 +119,7 @@ class Broker:
 
     def turn(self) -> None:
         """Wait for something to do, then do all of it once."""
-        timeout = -1.0 if self._log is None or not self._log.waiting() else 0.05
+        timeout = BEAT_S if self._log is None or not self._log.waiting() else 0.05
         for fd, events in self._epoll.poll(timeout):
             client = self._clients.get(fd)
             if client is not None:
@@ -321,9 +322,11 @@ def run(broker: Broker) -> None:
     for number in (signal.SIGTERM, signal.SIGINT, signal.SIGUSR1):
         signal.signal(number, lambda caught, _: wanted.add(caught))
     broker.register(inside)
+    life = Life()
     print("ready", flush=True)
     while not wanted & {signal.SIGTERM, signal.SIGINT}:
         broker.turn()
+        life.beat()
         if wanted:
             with contextlib.suppress(BlockingIOError):
                 os.read(inside, 64)

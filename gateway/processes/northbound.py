@@ -18,6 +18,7 @@ from gateway.assembly import RunPlan, load_plan
 from gateway.cell_northbound import Northbound, place_of
 from gateway.image import fds_from_text
 from gateway.journal import Journal
+from gateway.life import BEAT_S, Life
 from gateway.northbound.journald import Journald, there
 from gateway.northbound.metrics import Metrics
 from gateway.northbound.snapshot import values
@@ -43,6 +44,7 @@ class Northside:
     async def run(self) -> None:
         """Until SIGTERM."""
         asyncio.get_running_loop().add_signal_handler(signal.SIGTERM, self._done.set)
+        beats = asyncio.create_task(self._beats())
         while self.regions.axes.read() is None and not self._done.is_set():
             await asyncio.sleep(SAMPLE_S)
         self.regions.look()
@@ -53,7 +55,14 @@ class Northside:
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
+        beats.cancel()
         self.journal.close()
+
+    async def _beats(self) -> None:
+        life = Life()
+        while True:
+            life.beat()
+            await asyncio.sleep(BEAT_S)
 
     def _parts(self) -> list[Coroutine[object, object, None]]:
         settings = self.settings

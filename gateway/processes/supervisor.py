@@ -23,6 +23,7 @@ from gateway.assembly import Child, RunPlan, command_line, make_regions
 from gateway.clock import now_ns
 from gateway.image import ImageError, RegionReader, fds_to_text, send_fds
 from gateway.journal import Journal
+from gateway.life import VARIABLE as LIFE
 from gateway.processes.spare import OPTION, Spare
 from gateway.pure.lifewatch import LifeWatch, Load
 from gateway.realtime import die_with_parent, processor_ns, survive_hang_up, wants_processor
@@ -138,13 +139,17 @@ class Supervisor:
         fds = {name: self.fds[name] for name in child.regions}
         command = [*command_line(child), *(("--plan", str(self._plan_fd), "--fds", fds_to_text(fds)) if child.regions else ())]
         keep = (self._plan_fd, *fds.values()) if child.regions else ()
+        environment = os.environ | ONE_THREAD
+        if child.life and child.life not in fds:  # a counter alone, which it finds without arguments
+            keep = (*keep, self.fds[child.life])
+            environment[LIFE] = str(self.fds[child.life])
         return subprocess.Popen(
             [*command, OPTION] if spare else command,
             stdin=subprocess.PIPE if spare else subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             pass_fds=keep,
-            env=os.environ | ONE_THREAD,
+            env=environment,
             start_new_session=True,
             preexec_fn=functools.partial(_ready_to_run, os.getpid()),  # noqa: PLW1509 there is no thread here
         )

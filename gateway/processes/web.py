@@ -14,6 +14,7 @@ import uvicorn
 
 from gateway.assembly import load_plan
 from gateway.image import RingReader, fds_from_text
+from gateway.life import Life
 from gateway.pure.scope.records import SCOPE_LAYOUT
 from gateway.realtime import die_with_parent
 from gateway.web.app import make_app
@@ -25,6 +26,18 @@ from gateway.web.unfinished import PatientHttp, PatientServer
 
 NICE = 5
 MOST_FILES = 8192  # handshakes that never end hold one each for five seconds
+
+
+class LivingServer(PatientServer):
+    """Shows life whenever its loop comes round, ten times a second."""
+
+    def __init__(self, config: uvicorn.Config) -> None:
+        super().__init__(config)
+        self._life = Life()
+
+    async def on_tick(self, counter: int) -> bool:
+        self._life.beat()
+        return await super().on_tick(counter)
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -50,7 +63,7 @@ def main(argv: list[str] | None = None) -> int:
     )  # fmt: skip
     hard = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
     resource.setrlimit(resource.RLIMIT_NOFILE, (min(hard, MOST_FILES) if hard != resource.RLIM_INFINITY else MOST_FILES, hard))
-    server = PatientServer(config)
+    server = LivingServer(config)
     os.nice(NICE)  # from here on: the start itself is to be short
     server.run()
     store.close()
