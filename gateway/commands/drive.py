@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from drivers.drives.cia402_manual import ManualError
 from drivers.ports.base import PortError
-from gateway.cell import Bus, Cell
+from gateway.cell import Axis, Bus, Cell
 from gateway.commands.common import BANNER, DONE, ENVIRONMENT, FINDING, USAGE, load
 from gateway.firstenable import TEXT, confirm, unconfirmed
 from gateway.toolclient import ToolError, running, simulated
@@ -21,10 +21,12 @@ if TYPE_CHECKING:
 EXAMPLES = """examples:
   axisgate drive scan socketcan:can0                 nodes 1..127 with identity; nothing is written
   axisgate drive commission cell.toml X              start-up of one drive as the cell would do it, and the line that pins it
+  axisgate drive commission demo-402 A2 --sim        the same without metal, on emulated drives
   axisgate drive commission cell.toml X --mode pp --way 2    and then 2 mm (or deg) in profile position; also pv, hm, ip
   axisgate drive loss-test demo-402                  stop time and way when SYNC, heartbeat or the gateway is lost (emulated drives)
   axisgate drive loss-test cell.toml --running       the cell that runs: its cycle ends in a move; measures, writes last_stop_test
 """
+LOCAL = "broker:"  # a bus of this machine: no metal behind it
 AGREED = "THE AXES MAY MOVE"
 PROFILES = {401: "I/O", 402: "drive", 406: "encoder"}
 
@@ -37,6 +39,7 @@ def main(argv: list[str]) -> int:
     parser.add_argument("place", help="the cell, or its name; scan also takes a CAN port (socketcan:can0, broker:NAME)")
     parser.add_argument("axis", nargs="?", help="commission: name of the axis")
     parser.add_argument("--port", help="scan, commission: CAN port in place of the cell's")
+    parser.add_argument("--sim", action="store_true", help="commission: emulated drives on a bus of their own, no metal")
     parser.add_argument("--mode", choices=("pp", "pv", "hm", "ip"), help="commission: move once by SDO in this mode, at first_enable speed")
     parser.add_argument("--way", type=float, help="commission --mode: way in the axis' unit (default: first_enable travel)")
     parser.add_argument("--lose", choices=("gateway", "sync", "heartbeat"), action="append", help="loss-test: only this (default: all)")
@@ -101,10 +104,7 @@ def _bus_of(cell: Cell, name: str) -> Bus:
 
 
 def _commission(cell: Cell, arguments: argparse.Namespace) -> int:
-    from gateway.canopen_master import Health
-    from gateway.canopen_plans import node_plans
-    from gateway.commissioning import IP_PERIOD_MS, direct, inc_to_unit, move_plan, start_up
-    from gateway.listenfirst import refuse_other_master
+    from gateway.simulateddrives import simulated_drives
 
     axes = {axis.name: axis for axis in cell.axis if axis.drive.type == "cia402"}
     axis = axes.get(arguments.axis or "")
@@ -112,11 +112,22 @@ def _commission(cell: Cell, arguments: argparse.Namespace) -> int:
         print(f"axisgate drive commission: name a CiA 402 axis of the cell: {', '.join(axes) or 'it has none'}", file=sys.stderr)
         return USAGE
     bus = _bus_of(cell, axis.drive.bus)
-    url = arguments.port or bus.port
-    plan = dict(node_plans(cell, bus, cell.cycle_ms, simulated=arguments.port is not None or bus.simulated))[axis.name]
+    if arguments.sim or (arguments.port is None and bus.simulated):
+        with simulated_drives(cell, bus) as url:
+            return _commission_on(cell, bus, axis, url, arguments)
+    return _commission_on(cell, bus, axis, arguments.port or bus.port, arguments)
+
+
+def _commission_on(cell: Cell, bus: Bus, axis: Axis, url: str, arguments: argparse.Namespace) -> int:
+    from gateway.canopen_master import Health
+    from gateway.canopen_plans import node_plans
+    from gateway.commissioning import IP_PERIOD_MS, direct, inc_to_unit, move_plan, start_up
+    from gateway.listenfirst import refuse_other_master
+
+    plan = dict(node_plans(cell, bus, cell.cycle_ms, simulated=url.startswith(LOCAL)))[axis.name]
     if arguments.mode == "ip":
         plan = replace(plan, period_us=IP_PERIOD_MS * 1000)  # the clock of the tool's own SYNC
-    if arguments.mode and not _may_move(cell, bus, url):
+    if arguments.mode and not _may_move(cell, url):
         return ENVIRONMENT
     with direct(url) as link:
         refuse_other_master(link.port, url, "canopen")
@@ -149,9 +160,9 @@ def _commission(cell: Cell, arguments: argparse.Namespace) -> int:
     return DONE
 
 
-def _may_move(cell: Cell, bus: Bus, url: str) -> bool:
+def _may_move(cell: Cell, url: str) -> bool:
     """On metal only after the confirmation before the first enable."""
-    axes = [] if url.startswith("broker:") or (bus.simulated and url == bus.port) else unconfirmed(cell)
+    axes = [] if url.startswith(LOCAL) else unconfirmed(cell)
     if not axes:
         return True
     if not sys.stdin.isatty():

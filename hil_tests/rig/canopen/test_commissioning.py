@@ -2,6 +2,7 @@
 
 import datetime
 import json
+import os
 import pathlib
 import subprocess
 import sys
@@ -17,6 +18,11 @@ from gateway.files import find_config
 from gateway.toolclient import ToolError, simulated
 from hil_tests.lab.bus_running import running_bus
 from hil_tests.lab.durand_drive import DurandDrive
+
+
+def find_page(name: str) -> str:
+    """A page of the guide, as it is shipped in the repository."""
+    return (pathlib.Path(__file__).parents[3] / "docs" / "guide" / name).read_text()
 
 
 def test_try_both_ways_then_stop_times_at_a_lost_heartbeat(tmp_path: pathlib.Path) -> None:
@@ -124,3 +130,38 @@ def test_a_servodyn_cell_has_no_heartbeat_to_lose() -> None:
     with pytest.raises(ToolError, match=r"axes A1, .*: a SERVODYN drive says nothing without SYNC"):
         losstest_bus.drives_of(load_cell("demo"))
     assert drive_command.main(["loss-test", "demo-402", "--running", "--lose", "sync"]) == 2
+
+
+def test_the_guide_works_word_for_word_without_metal(tmp_path: pathlib.Path) -> None:
+    """The commands of the page in their order; those that run until they are ended, beside the others."""
+    page = find_page("commissioning-drives.md")
+    commands = [line.split() for line in page.splitlines() if line.startswith("    ")]
+    assert len(commands) == 7
+    environment = {**os.environ, "AXISGATE_RUNTIME": str(tmp_path / "run")}
+    running: list[subprocess.Popen[str]] = []
+    told: list[str] = []
+    try:
+        for words in commands:
+            command = [sys.executable, *(words[1:] if words[0] == "python" else ["-m", "gateway", *words[1:]])]
+            if "broker" in command[2] or "emulate" in command:
+                running.append(subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment))
+                assert "ready\n" in iter(running[-1].stdout.readline, "")  # type: ignore[union-attr]
+            else:
+                done = subprocess.run(command, check=False, capture_output=True, text=True, env=environment, timeout=60)
+                assert done.returncode == 0, (words, done)
+                told.append(done.stdout + done.stderr)
+    finally:
+        for process in reversed(running):
+            process.terminate()
+            process.communicate(timeout=10)
+    assert "6 nodes answer on broker:lab" in told[0] and "pin it in the cell" in told[2] and "PP moved it by" in told[3]
+    assert "pin it in the cell" in told[4]
+
+
+def test_the_cells_own_port_named_by_hand_is_still_the_machine(capsys: pytest.CaptureFixture[str]) -> None:
+    """The confirmation counts on every port with metal behind it."""
+    cell = load_cell("demo-402")
+    for url in ("socketcan:can0", "slcan:/dev/ttyACM0@500000"):
+        assert not drive_command._may_move(cell, url)
+        assert "not confirmed for A1, A2" in capsys.readouterr().err
+    assert drive_command._may_move(cell, "broker:lab")
