@@ -56,12 +56,15 @@ Branch = tuple[Joints, Configuration]
 
 
 class KinematicsError(MotionError):
-    """A pose that this robot cannot take; `number` is the VAL 3 run-time error, `axis` the axis to blame where one is."""
+    """A pose that this robot cannot take; `number` is the VAL 3 run-time error, `axis` the axis to blame where one is, `at` the place on
+    the curve that leads there, where one does, and `joints` those before it."""
 
     number = 530
 
-    def __init__(self, message: str, axis: str = "", number: int | None = None) -> None:
+    def __init__(self, message: str, axis: str = "", number: int | None = None, at: float | None = None) -> None:
         self.axis = axis
+        self.at = at
+        self.joints: Joints = ()
         if number is not None:
             self.number = number
         super().__init__(f"{RHO3_TEXT}: {message} (VAL 3 error {self.number})")

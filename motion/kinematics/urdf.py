@@ -114,8 +114,7 @@ class Urdf:
             if size < CLOSE:
                 return tuple(float(value) for value in q)
             jacobian = self._error_jacobian(goal, q)
-            normal = jacobian.T @ jacobian + damping * min(1.0, size) * np.eye(self.axes)
-            trial: Array = np.clip(q - np.linalg.solve(normal, jacobian.T @ error), self._lower, self._upper)
+            trial: Array = np.clip(q - _damped(jacobian, error, damping * min(1.0, size)), self._lower, self._upper)
             missed, left = self._miss(goal, trial)
             if left < size:
                 q, error, size, damping = trial, missed, left, max(damping * 0.3, 1e-9)
@@ -168,6 +167,19 @@ class Urdf:
             unit = "m" if self._model.joints[number + 1].shortname().startswith("JointModelP") else "rad"
             limits.append(AxisLimits(name, lower, upper, speed, ASSUMED_ACCEL * speed, ASSUMED_ACCEL * ASSUMED_JERK * speed, unit))
         return tuple(limits)
+
+
+def _damped(jacobian: Array, error: Array, damping: float) -> Array:
+    """The step of damped least squares.  Of more axes than the pose has numbers the shortest one, by the smaller of both systems: the other
+    one is singular but for its damping."""
+    rows, columns = jacobian.shape
+    wide = columns > rows
+    normal = (jacobian @ jacobian.T if wide else jacobian.T @ jacobian) + damping * np.eye(min(rows, columns))
+    try:
+        found = np.linalg.solve(normal, error if wide else jacobian.T @ error)
+    except np.linalg.LinAlgError:  # a pole, and hardly any damping left
+        found = np.linalg.lstsq(normal, error if wide else jacobian.T @ error, rcond=None)[0]
+    return np.asarray(jacobian.T @ found if wide else found, dtype=np.float64)
 
 
 def _radical(number: int, base: int) -> float:

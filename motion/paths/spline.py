@@ -10,6 +10,8 @@ import math
 from collections.abc import Sequence
 from itertools import pairwise
 
+import numpy as np
+
 from motion.frames import Pose, Rotation, Vector, product, rotate, transposed
 from motion.orientation import angle_between, is_half_turn, rotation_vector, slerp
 from motion.paths.base import PathError, add, dot, norm, scale, sub
@@ -72,7 +74,7 @@ def fit(
     """A spline through dense points that nowhere leaves the chords by more than tolerance (m, one for all or one for each chord): where
     its swing would, the tension at both ends of that chord is lowered until the hull of the interval's control points lies inside the
     tube.  The rest: see spline()."""
-    tubes = [float(tolerance)] * (len(points) - 1) if isinstance(tolerance, int | float) else [float(v) for v in tolerance]
+    tubes = _each(tolerance, len(points) - 1)
     if len(tubes) != len(points) - 1 or not all(tube > 0 for tube in tubes):
         raise PathError(f"tolerance {tolerance} is not a length > 0")
     tensions = _shares("tension", tension, len(points))
@@ -107,8 +109,13 @@ def beside(interval: Polynomial, a: Vector, b: Vector) -> float:
     return max(norm(sub(step, scale(u, min(max(dot(step, u), 0.0), way)))) for step in steps)
 
 
+def _each(value: Sequence[float] | float, count: int) -> list[float]:
+    """One for all, a number of any kind (those of NumPy are no float all), or one for each."""
+    return [float(v) for v in value] if isinstance(value, Sequence | np.ndarray) else [float(value)] * count
+
+
 def _shares(name: str, value: Sequence[float] | float, count: int) -> list[float]:
-    shares = [float(value)] * count if isinstance(value, int | float) else [float(v) for v in value]
+    shares = _each(value, count)
     if len(shares) != count or not all(0.0 <= v <= 1.0 for v in shares):
         raise PathError(f"{name} {value} is not {count} values of 0 .. 1")
     return shares if name == "orientation weight" else [max(v, LOOSEST) for v in shares]

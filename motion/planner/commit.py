@@ -22,10 +22,10 @@ LONGEST_S, COLUMNS = 0.5, 7  # a piece of so many columns at most: the cycle loo
 
 
 class TooLongError(MotionError):
-    """A law of more pieces than the ring holds.  s: on its path, where they end."""
+    """A law of more pieces than the ring holds.  s: on its path, where they end; block: of the path there, once it is known."""
 
     def __init__(self, seconds: float, possible: float, s: float) -> None:
-        self.s = s
+        self.s, self.block = s, 0
         super().__init__(
             f"a motion of {seconds:.0f} s without a stop is too long, {possible:.0f} s are possible here: run it faster, or stop in between"
         )

@@ -1,13 +1,16 @@
 """TCP curve + kinematics -> path of the axes: quintic Hermite pieces, halved until they follow the inverse to a tolerance.
 
 Values come from the inverse, slopes from the Jacobian (q' = J^-1 x'), bends from its change along q' (q'' = J^-1 (x'' - J' q')).
-The branch is kept by continuity: every inverse starts from the joints before it, so a path never jumps from one arm
-configuration to another (VAL 3 L5547-5554: a change of configuration cannot be forced on a line).
+The branch is kept by continuity: every inverse starts from the joints before it, and an interval counts only when its quintics follow
+the curve, so a path never jumps from one arm configuration to another (VAL 3 L5547-5554: a change of configuration cannot be forced on
+a line).  Beside a wrist pole the intervals become as short as the swing of the axes is; through the pole itself, where the inverse says
+nothing of axes 4 and 6 alone, the quintics are judged by where they lead the tool (AX-660).
 
 Additional axes that carry the robot or the workpiece have their own course e(s), which is given; what the arm has to do is what they
 leave over of the twist: J q' = x' - J_e e', and one order on J q'' = x'' - J' (q', e') - J_e e'' (AX-565).
 """
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -15,7 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.frames import IDENTITY, Pose
-from motion.kinematics.base import Joints, Kinematics, SingularPose
+from motion.kinematics.base import Joints, Kinematics, KinematicsError, SingularPose
+from motion.orientation import angle_between
 from motion.paths.base import Curve
 from motion.paths.corner import hermite
 from motion.paths.joints import JointPath, joint_path
@@ -26,8 +30,16 @@ from motion.planner.extra import states
 
 TOLERANCE = 2e-9  # m or rad between path and inverse (1e-6 is owed): parts cut out of it still fit each other
 PROBES = (0.15, 0.35, 0.5, 0.65, 0.85)
-SHORTEST = 1e-6  # of the curve: an interval that has to be halved further does not follow the inverse at all
-JUMP = 0.5  # m or rad between neighbouring knots: another branch
+SHORTEST = 1e-12  # of the curve: an interval that has to be halved further does not follow the inverse at all
+BORDER = 1e-4  # of the curve: so near to where it leaves the reach a place is told
+LARGEST = 0.5  # m or rad between neighbouring knots
+AT_POLE = 5e-8  # m or rad of the tool: a curve that misses a pole by no more is led straight through it
+HERE = 1e-8  # m or rad of the tool: axes that stand so near to the beginning of the curve stand there
+SINGULAR = 1e-3  # smallest singular value of the Jacobian: less, and the axes lose digits of the pose
+POLE = 1e-9  # and less than this: the Jacobian says nothing of how the axes go on
+STENCIL, STENCIL_STEP = (-8, -7, -6, -5, -4, -3, -2, -1, 1, 2, 3, 4, 5, 6, 7, 8), 5e-3  # places around a pole that say how; of the curve
+ENOUGH = 8  # of them
+STANDS = 1e-5  # m or rad: so far beside their place on a pole the axes may begin
 EPSILON = 1e-5  # rad or m, step for the change of the Jacobian
 
 Array = NDArray[np.float64]
@@ -39,6 +51,7 @@ class _Knot(NamedTuple):
     q: Joints
     state: State
     tool: Rate
+    least: float  # singular value of the Jacobian of the arm
 
 
 def joint_path_of(
@@ -58,7 +71,7 @@ def joint_path_of(
     jump.
     """
     flange = Mounted(curve, frame, tool)
-    knots = [_knot(curve, flange, kinematics, course, 0.0, near)]
+    knots = [_knot(curve, flange, kinematics, course, 0.0, near, stands=True)]
     edges = _edges(curve)
     rows: list[list[tuple[float, ...]]] = []
     for edge in edges[1:]:
@@ -90,13 +103,19 @@ def _follow(
         here = knots[-1]
         step = min(step, edge - here.s)
         target = edge if edge - here.s - step < 1e-9 * curve.length else here.s + step
-        there = _knot(curve, flange, kinematics, course, target, here.q)
-        columns = [hermite(there.s - here.s, a, b) for a, b in zip(here.state, there.state, strict=True)]
-        tool = None
-        if _fits(flange, kinematics, here, there, columns, tolerance):
-            tool = tool_rows(
-                lambda s: rate_of(curve.derivatives(s)), here.s, there.s, (here.tool, there.tool), made, step <= FINEST * curve.length
-            )
+        try:
+            there = _target(curve, flange, kinematics, course, target, here, edge)
+            columns = [hermite(there.s - here.s, a, b) for a, b in zip(here.state, there.state, strict=True)]
+            tool = None
+            if _fits(flange, kinematics, here, there, columns, tolerance):
+                tool = tool_rows(
+                    lambda s: rate_of(curve.derivatives(s)), here.s, there.s, (here.tool, there.tool), made, step <= FINEST * curve.length
+                )
+        except KinematicsError as error:  # beyond here, but how far?
+            if step <= BORDER * curve.length:
+                error.at, error.joints = target, here.q
+                raise
+            tool = None
         if tool is not None:
             rows.append([*columns, *tool])
             knots.append(there)
@@ -105,21 +124,40 @@ def _follow(
         elif step > SHORTEST * curve.length:
             step *= 0.5
         else:
-            raise SingularPose(f"the axes jump at {here.s:.6g} of {curve.length:.6g} on the path")
+            jump = SingularPose(f"the axes jump at {here.s:.6g} of {curve.length:.6g} on the path", at=target)
+            jump.joints = here.q
+            raise jump
+
+
+def _target(curve: Curve, flange: Mounted, kinematics: Kinematics, course: Sequence[Row], target: float, here: _Knot, edge: float) -> _Knot:
+    """The next knot: not on a pole, unless the curve ends there."""
+    there = _knot(curve, flange, kinematics, course, target, here.q)
+    if target == edge or there.least > POLE:
+        return there
+    return _knot(curve, flange, kinematics, course, here.s + 0.83 * (target - here.s), here.q)
 
 
 def _fits(flange: Mounted, kinematics: Kinematics, here: _Knot, there: _Knot, columns: list[tuple[float, ...]], tolerance: float) -> bool:
-    """Whether the pieces follow the inverse at the probes."""
-    if max(abs(a - b) for a, b in zip(here.q, there.q, strict=True)) > JUMP:
+    """Whether the pieces follow the inverse at the probes, or at a pole the curve itself."""
+    if max(abs(a - b) for a, b in zip(here.q, there.q, strict=True)) > LARGEST:
         return False
     h = there.s - here.s
+    at_pole = min(here.least, there.least) < SINGULAR or kinematics.configuration(here.q) != kinematics.configuration(there.q)
     for probe in PROBES:
         u = probe * h
         guess = tuple(_value(row, u) for row in columns)
-        exact = kinematics.inverse(flange.at(here.s + u), guess)
+        pose = flange.at(here.s + u)
+        if at_pole and _apart(kinematics.forward(guess), pose) <= AT_POLE:
+            continue
+        exact = kinematics.inverse(pose, guess)
         if max(abs(a - b) for a, b in zip(guess, exact, strict=True)) > tolerance:
             return False
     return True
+
+
+def _apart(one: Pose, two: Pose) -> float:
+    """m or rad."""
+    return max(math.dist(one.position, two.position), angle_between(one.rotation, two.rotation))
 
 
 def _made(columns: list[tuple[float, ...]], u: float) -> tuple[float, float]:
@@ -134,13 +172,18 @@ def _value(row: tuple[float, ...], u: float) -> float:
     return value
 
 
-def _knot(curve: Curve, flange: Mounted, kinematics: Kinematics, course: Sequence[Row], s: float, near: Joints) -> _Knot:
+def _knot(
+    curve: Curve, flange: Mounted, kinematics: Kinematics, course: Sequence[Row], s: float, near: Joints, *, stands: bool = False
+) -> _Knot:
+    """stands: the axes are at `near` already, where that leads the tool there."""
     arm, extra = kinematics.axes - len(course), states(tuple(course), s)
-    q = kinematics.inverse(flange.at(s), (*near[:arm], *(value for value, _, _ in extra)))
+    near, pose = (*near[:arm], *(value for value, _, _ in extra)), flange.at(s)
+    q = near if stands and _apart(kinematics.forward(near), pose) <= HERE else kinematics.inverse(pose, near)
     by_s = flange.derivatives(s)
     first: Array = np.array([*by_s.p1, *by_s.w])
     second: Array = np.array([*by_s.p2, *by_s.w1])
     jacobian = kinematics.jacobian(q)
+    least = float(np.linalg.svd(jacobian[:, :arm], compute_uv=False)[-1])
     e1: Array = np.array([slope for _, slope, _ in extra])
     e2: Array = np.array([bend for _, _, bend in extra])
     q1 = np.concatenate([_solved(jacobian[:, :arm], first - jacobian[:, arm:] @ e1), e1])
@@ -151,7 +194,29 @@ def _knot(curve: Curve, flange: Mounted, kinematics: Kinematics, course: Sequenc
         second = second - (ahead - behind) @ q1 / (2 * e)
     q2 = np.concatenate([_solved(jacobian[:, :arm], second - jacobian[:, arm:] @ e2), e2])
     state = tuple((a, float(b), float(c)) for a, b, c in zip(q, q1, q2, strict=True))
-    return _Knot(s, tuple(q), state, rate_of(curve.derivatives(s)))
+    tool = rate_of(curve.derivatives(s))
+    if least < POLE and (found := _at_pole(curve.length, flange, kinematics, course, s, q if stands else near)) is not None:
+        if not stands:
+            q, state = tuple(value for value, _, _ in found), found
+        elif max(abs(a - b) for a, (b, _, _) in zip(q, found, strict=True)) < STANDS:
+            state = tuple((a, slope, bend) for a, (_, slope, bend) in zip(q, found, strict=True))
+    return _Knot(s, tuple(q), state, tool, least)
+
+
+def _at_pole(length: float, flange: Mounted, kinematics: Kinematics, course: Sequence[Row], s: float, near: Joints) -> State | None:
+    """Where the axes of the curve beside a pole lead on it: a polynomial through them.  None: they cannot be there at all."""
+    arm, step = kinematics.axes - len(course), STENCIL_STEP * length
+    places = sorted(sorted((k for k in STENCIL if 0.0 <= s + k * step <= length), key=abs)[:ENOUGH])
+    rows: list[Joints] = []
+    try:
+        for k in places:
+            at = s + k * step
+            near = kinematics.inverse(flange.at(at), (*near[:arm], *(value for value, _, _ in states(tuple(course), at))))
+            rows.append(near)
+    except KinematicsError:
+        return None
+    made = np.linalg.solve(np.vander(places, increasing=True).astype(np.float64), np.array(rows))
+    return tuple((float(a), float(b) / step, 2.0 * float(c) / step**2) for a, b, c in made[:3].T)
 
 
 def _solved(jacobian: Array, twist: Array) -> Array:

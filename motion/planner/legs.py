@@ -9,13 +9,14 @@ from dataclasses import dataclass
 
 from motion.errors import LimitError, MotionError
 from motion.frames import Pose
-from motion.kinematics.base import FREE, Joints, KinematicsError, OutOfLimits
+from motion.kinematics.base import FREE, Joints, KinematicsError, OutOfLimits, SingularPose
 from motion.limits import AxisLimits, check_targets
 from motion.paths.arc import arc, around
 from motion.paths.base import Curve, PathError
 from motion.paths.joints import JointPath, joint_line
 from motion.paths.line import line, standing_still
-from motion.planner.extra import Course, places, straight
+from motion.planner.along import followed
+from motion.planner.extra import Course, straight
 from motion.planner.relative import check_absolute, resolved, unwound
 from motion.planner.robot import Machine
 from motion.planner.toolspeed import limited
@@ -27,17 +28,15 @@ from motion.units import Kind, from_si, kind_of
 JOINT_LIMIT = 520  # VAL 3: joint position outside the software limits
 MULTI_TURN = 544  # VAL 3: a Cartesian path drives a multi-turn joint out of its range
 CONFIGURATION = 533  # VAL 3: unreachable in the given configuration
-STEP_M, STEP_RAD = 0.02, 0.1  # how densely a block is looked at when it is added
-LARGEST_TURN = 0.4  # rad of the tool between two looks where it goes along, too
 SAME_JOINT = 1e-5  # rad or m: what is nearer is the same place
 DUST = 1e-9  # of a slope
-JUMP = 1.0  # rad or m between neighbouring looks: the arm would have to change its configuration
+NEXT = 1.0  # rad or m: of all ways to stand at the next place the one that goes on is nearer
 
 
 @dataclass(frozen=True)
 class Leg:
     """start, end: (axes,) where the axes stand; length: of curve or path, the same parameter s; course: of the additional axes along a
-    curve; stands: nothing moves but additional axes, and the arm so that the tool stays where it is."""
+    curve; stands: nothing moves but additional axes, and the arm so that the tool stays where it is; axes: what they do along the curve."""
 
     number: int
     block: Block
@@ -48,6 +47,7 @@ class Leg:
     end: Joints
     course: Course = ()
     stands: bool = False
+    axes: JointPath | None = None
 
 
 def told(error: MotionError, number: int, machine: Machine) -> BlockError:
@@ -90,9 +90,10 @@ def make_leg(number: int, block: Block, standing: Joints, machine: Machine) -> L
             return None if extra == tuple(standing[machine.arm :]) else _only_extra(number, block, standing, extra)
         curve = standing_still(start, max(abs(b - a) for a, b in zip(standing[machine.arm :], extra, strict=True)))
     course = straight(standing[machine.arm :], extra, curve.length)
-    end = (*follow(curve, course, block, standing, machine), *extra)
+    axes = _along(curve, course, block, standing, machine)
+    end = (*axes.q(axes.length)[: machine.arm], *extra)
     check_end(block, standing, end, machine)
-    return Leg(number, block, curve, None, curve.length, standing, end, course, stands)
+    return Leg(number, block, curve, None, curve.length, standing, end, course, stands, axes)
 
 
 def _ptp(number: int, block: Block, standing: Joints, machine: Machine) -> Leg | None:
@@ -175,46 +176,31 @@ def extra_of(block: Block, standing: Joints, machine: Machine) -> Joints:
     return tuple(wanted)
 
 
-def follow(curve: Curve, course: Course, block: Block, standing: Joints, machine: Machine) -> Joints:
-    """Joints of the arm at the end of the curve, on the branch it starts in; every few mm or degrees is looked at, of what carries it
-    as well."""
-    back = block.tool.pose.inverse()
-    step = STEP_M if any(curve.derivatives(0.0).p1) else STEP_RAD
-    count, arm = max(2, math.ceil(curve.length / step), math.ceil(_turning(curve, block) / LARGEST_TURN)), machine.arm
-    if machine.carried:
-        for row, axis in zip(course, machine.limits[arm:], strict=True):
-            away = abs(places((row,), curve.length)[0] - row[0])
-            count = max(count, math.ceil(away / (STEP_M if kind_of(axis.unit) is Kind.LINEAR else STEP_RAD)))
-    q = tuple(standing[:arm])
-    for k in range(1, count + 1):
-        at = curve.length * k / count
-        try:
-            found = machine.inverse(curve.at(at) @ back, (*q, *places(course, at)))[:arm]
-        except KinematicsError as error:
-            blamed = _run_out_of(machine, (curve.at(at) @ back), q) if isinstance(error, OutOfLimits) else None
-            if blamed is not None and turns_more(blamed):
-                raise run_out(blamed, _where(curve, at)) from error
-            raise BlockError(
-                f"{_words(error)}, {_where(curve, at)} along the path", code=error.number, axis=error.axis, source="VAL 3"
-            ) from error
-        far = max(range(len(q)), key=lambda n: abs(found[n] - q[n]))
-        if abs(found[far] - q[far]) > JUMP:
-            blamed = _run_out_of(machine, curve.at(at) @ back, q)
-            if blamed is not None:
-                raise run_out(blamed, _where(curve, at))
-            raise KinematicsError(
-                f"the joints would have to jump {_where(curve, at)} along the path: it meets a singularity or another configuration",
-                machine.name(far),
-                540,
-            )
-        q = tuple(found)
-    return q
+def _along(curve: Curve, course: Course, block: Block, standing: Joints, machine: Machine) -> JointPath:
+    """What the axes do along the curve, on the branch they stand in; what is in their way, with its place."""
+    try:
+        return followed(curve, standing, block.tool.pose, course, machine)
+    except KinematicsError as error:
+        if error.at is None:
+            raise
+        where, flange, q = _where(curve, error.at), curve.at(error.at) @ block.tool.pose.inverse(), error.joints[: machine.arm]
+        jumps = isinstance(error, SingularPose)
+        blamed = _run_out_of(machine, flange, q) if jumps or isinstance(error, OutOfLimits) else None
+        if blamed is not None and (jumps or turns_more(blamed)):
+            raise run_out(blamed, where) from error
+        if jumps:
+            what = f"the joints would have to jump {where} along the path: it meets a singularity or another configuration"
+            raise SingularPose(what, _farthest(machine, flange, error.joints)) from error
+        raise BlockError(f"{_words(error)}, {where} along the path", code=error.number, axis=error.axis, source="VAL 3") from error
 
 
-def _turning(curve: Curve, block: Block) -> float:
-    """rad by which the tool turns along it, at most."""
-    places = (0.0, 0.25, 0.5, 0.75, 1.0) if block.kind is Interpolation.CIRCULAR else (0.0,)
-    return curve.length * max(math.hypot(*curve.derivatives(share * curve.length).w) for share in places)
+def _farthest(machine: Machine, flange: Pose, q: Joints) -> str:
+    """Name of the axis that would jump; empty: none is known."""
+    try:
+        found = machine.inverse(flange, q)
+    except KinematicsError:
+        return ""
+    return machine.name(max(range(machine.arm), key=lambda n: abs(found[n] - q[n])))
 
 
 def turns_more(axis: AxisLimits) -> bool:
@@ -240,7 +226,7 @@ def _run_out_of(machine: Machine, flange: Pose, q: Joints) -> AxisLimits | None:
             value + math.tau * round((here - value) / math.tau) if kind_of(axis.unit) is Kind.ROTARY else value
             for value, here, axis in zip(joints, q, machine.limits, strict=False)
         ]
-        if max(abs(there - here) for there, here in zip(near, q, strict=True)) <= JUMP:
+        if max(abs(there - here) for there, here in zip(near, q, strict=True)) <= NEXT:
             return next((axis for axis, there in zip(machine.limits, near, strict=False) if not axis.lower <= there <= axis.upper), None)
     return None
 

@@ -292,17 +292,31 @@ class Planner:
             row, *later = yield from quicker(row, self.machine, self._laws.seconds(self.factors), self.factors)
             self._fresh.extendleft(stretch for part in reversed(later) for stretch in reversed(part))
         run = make_run(row, self.machine, self.factors)
-        if row[-1].stop:
-            pace = row[0].source.pace
-            if pace.time is not None and all(stretch.block == row[0].block for stretch in row):
-                law = time_given(run.path.length, pace.time, pace.ramp, width_s(run.limits))
-            else:
-                law = (yield from self._laws.law(run, self.factors)).later(PAUSE_S if self._planned else 0.0)
-            yield
-            return self._commit(run, law, self.end, None, _Origin(None, 0, 0.0))
-        width = width_s(run.limits)
-        made = swift(run.path, run.limits, width)
-        return self._commit(run, made.law, self.end, None, _Origin(made, 0, width))
+        try:
+            if row[-1].stop:
+                pace = row[0].source.pace
+                if pace.time is not None and all(stretch.block == row[0].block for stretch in row):
+                    law = time_given(run.path.length, pace.time, pace.ramp, width_s(run.limits))
+                else:
+                    law = (yield from self._laws.law(run, self.factors)).later(PAUSE_S if self._planned else 0.0)
+                yield
+                return self._commit(run, law, self.end, None, _Origin(None, 0, 0.0))
+            width = width_s(run.limits)
+            made = swift(run.path, run.limits, width)
+            return self._commit(run, made.law, self.end, None, _Origin(made, 0, width))
+        except TooLongError as error:
+            fewer = self._half(row, error)
+        yield
+        return (yield from self._from_rest(fewer))
+
+    def _half(self, row: list[Stretch], error: TooLongError) -> list[Stretch]:
+        """Fewer stretches of a motion whose law has more pieces than the ring holds: it is handed on in parts, as one is that becomes known
+        block by block.  A single one that has too many is an error."""
+        if len(row) == 1 or row[0].source.pace.time is not None:
+            raise BlockError(str(error), block=error.block) from error
+        middle = len(row) // 2
+        self._fresh.extendleft(reversed(row[middle:]))
+        return row[:middle]
 
     def _extended(self, at: float, first_id: int, ready: int) -> Work[list[TimedPiece]]:
         """The last law is replaced from this piece on by one that goes on along what has become known since.  In one slice: the axes
@@ -323,7 +337,14 @@ class Planner:
             self._planned[-1] = replace(last, quick=None)
             return []
         law = Law(made.law.s[cut:], made.law.speed[cut:], made.law.accel[cut:], STEP_S, _state(made.law, cut))
-        pieces = self._commit(run, law, at, first_id, _Origin(made, cut, last.width))
+        try:
+            pieces = self._commit(run, law, at, first_id, _Origin(made, cut, last.width))
+        except TooLongError:  # fewer stretches at once; a single one goes on from rest
+            self._fresh.extendleft(reversed(row))
+            if len(row) > 1:
+                return (yield from self._extended(at, first_id, len(row) // 2))
+            self._planned[-1] = replace(last, quick=None)
+            return []
         yield from ()  # nowhere left for a while
         place = len(self._planned) - 2
         self._planned[place] = replace(last, end=at, cuts=tuple(c for c in last.cuts if c[0] < at), quick=None)
@@ -338,7 +359,8 @@ class Planner:
         try:
             pieces = timed_pieces(path, limits, law, first_id=number, mask=self.mask, blocks=blocks, new_tail=first_id is not None)
         except TooLongError as error:
-            raise BlockError(str(error), block=run.place(error.s)[0]) from error
+            error.block = run.place(error.s)[0]
+            raise
         self.next_id = number + len(pieces)
         self._marks = [mark for mark in self._marks if mark.piece < number] + marks_of(run, law, pieces, goes_on=first_id is not None)
         cuts, at = [], begin

@@ -16,17 +16,15 @@ from functools import partial
 import numpy as np
 
 from motion.errors import MotionError
-from motion.frames import Pose
 from motion.kinematics.base import Joints
 from motion.limits import TOUCH
-from motion.paths.base import Curve, PathError
+from motion.paths.base import PathError
 from motion.paths.corner import clipped, corner, directions, radius_for
 from motion.paths.joints import JointPath, joint_blend, joint_part
 from motion.paths.polynomial import part
 from motion.planner.added import own_ramp, sum_keeps
-from motion.planner.exact import exact_path
-from motion.planner.extra import Course, joining, shifted, states, with_course
-from motion.planner.jointpath import joint_path_of
+from motion.planner.along import followed
+from motion.planner.extra import joining, shifted, states
 from motion.planner.legs import JOINT_LIMIT, Leg, check_end, check_numbers, make_leg, run_out, told, turns_more
 from motion.planner.ranges import axis_range, first_at
 from motion.planner.relative import shown, unwound
@@ -276,17 +274,13 @@ class Route:
         """Path of the axes along a leg from s = start to s = end."""
         if leg.path is not None:
             return joint_part(leg.path, start, end)
+        if leg.axes is not None:
+            return joint_part(leg.axes, start, end)
         assert leg.curve is not None
         tail = self._now.tail
         if near is None:
             near = leg.start if start == 0.0 or tail is None else tail.q(tail.length)
-        return self._followed(part(leg.curve, start, end), near, leg.block.tool.pose, shifted(leg.course, start))
-
-    def _followed(self, curve: Curve, near: Joints, tool: Pose, course: Course) -> JointPath:
-        kinematics, own = self._machine.kinematics, near[: self._machine.arm]
-        if self._machine.carried:
-            return joint_path_of(curve, kinematics, near, tool=tool, course=course)
-        return with_course(exact_path(curve, kinematics, own, tool) or joint_path_of(curve, kinematics, own, tool=tool), course)
+        return followed(part(leg.curve, start, end), near, leg.block.tool.pose, shifted(leg.course, start), self._machine)
 
     def _run_out(self, leg: Leg) -> None:
         self._main(leg, leg.length, stop=True)
@@ -432,7 +426,7 @@ class Route:
             ):
                 curve = corner(last.curve, leg.curve, leave, reach)
                 course = joining(curve.length, states(last.course, last.length - leave), states(leg.course, reach))
-                return self._followed(curve, here, last.block.tool.pose, course)
+                return followed(curve, here, last.block.tool.pose, course, self._machine)
             onward = self._axes_of(leg, 0.0, reach, leg.start)
             made = joint_blend(tail, tail.length, onward, onward.length, leave + reach)
             return limited(made, self._machine, last.block, leg.block)

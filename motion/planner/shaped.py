@@ -15,7 +15,7 @@ from motion.planner.runs import Run
 from motion.program.blocks import Shape
 from motion.program.slopes import Clock
 from motion.timing.jerk import slowing
-from motion.timing.law import Law
+from motion.timing.law import Law, check_seconds
 from motion.timing.sinesquare import STEP_S, sine_square
 
 LOOKS = 8  # at each quintic of the path
@@ -63,7 +63,7 @@ def _added(run: Run) -> Law | None:
             return None
         clocks.append(stretch.clock)
     ends = np.cumsum([clock.duration for clock in clocks])
-    count = max(math.ceil(float(ends[-1]) / STEP_S), 2)
+    count = max(math.ceil(check_seconds(float(ends[-1])) / STEP_S), 2)
     times = np.linspace(0.0, float(ends[-1]), count + 1)
     index = np.minimum(np.searchsorted(ends, times, side="right"), len(clocks) - 1)
     s = np.zeros(count + 1)

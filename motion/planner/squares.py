@@ -1,8 +1,11 @@
 """Corners that cost more time than stopping in them are not rounded: a row of stretches, split where it stops (motion.timing.choice)."""
 
 import functools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
 
 from motion.planner.robot import Machine
 from motion.planner.route import Kind, Stretch
@@ -13,7 +16,7 @@ from motion.timing.choice import groups, passed
 from motion.timing.jerk import estimate
 from motion.timing.slices import Work
 
-MOST = 16  # corners in a row that are looked at: longer rows are short segments, where stopping is never quicker
+MOST = 16  # corners in a row that are looked at one by one: a longer row is, in parts, where stopping in all of them may be quicker
 
 
 def quicker(
@@ -21,11 +24,13 @@ def quicker(
 ) -> Work[list[list[Stretch]]]:
     """Rows from rest to rest in place of `row`, which ends at rest; seconds: what a run takes.
 
-    Corners of block slope, with a programmed speed or time, or of a row that is too long stay as they are.
+    Corners of block slope, with a programmed speed or time stay as they are.
     """
     corners = [stretch for stretch in row if stretch.kind is Kind.CORNER]
-    if not 0 < len(corners) <= MOST or any(_fixed(stretch) for stretch in row):
+    if not corners or any(_fixed(stretch) for stretch in row):
         return [list(row)]
+    if len(corners) > MOST:
+        return (yield from _in_parts(row, machine, seconds, factors))
     legs: list[list[Stretch]] = [[]]
     for stretch in row:
         if stretch.kind is Kind.CORNER:
@@ -54,8 +59,62 @@ def quicker(
             known[first, last] = yield from seconds(run(first, last))
         return known[first, last]
 
-    chosen = yield from passed([True] * len(corners), quick, exact)
+    ways = [_shortest(way, machine) for way in _ways(row, machine.axes)]
+    chosen = yield from passed([True] * len(corners), quick, exact, ways.__getitem__)
     return [joined(*group) for group in groups(chosen)]
+
+
+def _in_parts(
+    row: Sequence[Stretch], machine: Machine | Team, seconds: Callable[[Run], Work[float]], factors: Factors
+) -> Work[list[list[Stretch]]]:
+    """A long row as it is, unless parts of it that end at rest are quicker together."""
+    passing = yield from seconds(make_run(row, machine, factors))
+    if passing <= sum(_shortest(way, machine) for way in _ways(row, machine.axes)):
+        return [list(row)]
+    found: list[list[Stretch]] = []
+    for part in _parts(row):
+        found += yield from quicker(part, machine, seconds, factors)
+    taken = 0.0
+    for one in found:
+        taken += yield from seconds(make_run(one, machine, factors))
+    return found if taken < passing else [list(row)]
+
+
+def _parts(row: Sequence[Stretch]) -> list[list[Stretch]]:
+    """With as many corners as are looked at; the corners between them are stopped in."""
+    parts: list[list[Stretch]] = [[]]
+    count = 0
+    for stretch in row:
+        count += stretch.kind is Kind.CORNER
+        if count <= MOST:
+            parts[-1].append(stretch)
+            continue
+        to, on = _square(stretch)
+        parts[-1].append(to)
+        parts.append([on])
+        count = 0
+    return parts
+
+
+def _shortest(way: NDArray[np.float64], machine: Machine | Team) -> float:
+    """Seconds from rest to rest that the axes take at least for a way (axes,) of each."""
+    limits = [axis for each in ((machine,) if isinstance(machine, Machine) else machine.machines) for axis in each.limits]
+    speed, accel, jerk = (np.array([getattr(axis, name) for axis in limits]) for name in ("speed", "accel", "jerk"))
+    return float(np.max(np.maximum(np.maximum(way / speed, 2.0 * np.sqrt(way / accel)), np.cbrt(32.0 * way / jerk))))
+
+
+def _ways(row: Sequence[Stretch], count: int) -> Iterator[NDArray[np.float64]]:
+    """(axes,) from corner to corner, each with the halves of both."""
+    way = np.zeros(count)
+    for stretch in row:
+        q = stretch.path.at(np.array([0.0, 0.5, 1.0]) * stretch.path.length)[:, :count]
+        first, second = np.abs(np.diff(q, axis=0))
+        if stretch.kind is Kind.CORNER:
+            yield way + first
+            way = second
+        else:
+            way = way + np.abs(q[-1] - q[0])
+    yield way
 
 
 def _fixed(stretch: Stretch) -> bool:

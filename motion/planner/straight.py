@@ -6,7 +6,7 @@ import numpy as np
 
 from motion.planner.runs import Run
 from motion.profile import Profile
-from motion.timing.law import Law
+from motion.timing.law import Law, check_seconds
 
 STRAIGHT = 1e-9  # largest second derivative of a path that counts as straight
 STEP_S = 1e-3
@@ -32,7 +32,7 @@ def straight_law(run: Run) -> Law | None:
     profile.configure(path.length, accel, jerk)
     if not profile.to_end((0.0, 0.0, 0.0), speed):
         return None
-    count = max(math.ceil(profile.duration / STEP_S), 2)
+    count = max(math.ceil(check_seconds(profile.duration) / STEP_S), 2)
     states = np.array([profile.at(profile.duration * k / count) for k in range(count + 1)])
     states[0], states[-1] = (0.0, 0.0, 0.0), (path.length, 0.0, 0.0)
     return Law(states[:, 0], states[:, 1], states[:, 2], profile.duration / count)

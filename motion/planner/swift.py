@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from motion.errors import MotionError
 from motion.paths.joints import JointPath
 from motion.timing import topp
-from motion.timing.law import Law
+from motion.timing.law import Law, check_seconds
 from motion.timing.limits import LawLimits, speed_squares
 
 Array = NDArray[np.float64]
@@ -169,7 +169,7 @@ def _braking(first: Array, accel: Array, grid: Array, speed: float) -> Array:
 def _sampled(grid: Array, raw: topp.Topp) -> tuple[Array, Array]:
     """s and sdot of the raw law at STEP_S, 2 STEP_S .. behind its start, to its end."""
     times, root = raw.times, np.sqrt(raw.b)
-    moments = np.arange(1, int(np.ceil(times[-1] / STEP_S - 1e-9)) + 1) * STEP_S
+    moments = np.arange(1, int(np.ceil(check_seconds(float(times[-1])) / STEP_S - 1e-9)) + 1) * STEP_S
     index = np.clip(np.searchsorted(times, moments, side="right") - 1, 0, len(times) - 2)
     u = (raw.b[index + 1] - raw.b[index]) / (2 * raw.step)
     t = np.minimum(moments, times[-1]) - times[index]

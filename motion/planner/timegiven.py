@@ -10,7 +10,7 @@ from motion.paths.joints import JointPath
 from motion.planner.robot import Machine
 from motion.program.blocks import Block
 from motion.program.errors import BlockError
-from motion.timing.law import Law
+from motion.timing.law import Law, check_seconds
 
 STEP_S = 1e-3
 PROFILE, ADDITIONAL = 611, 706  # speed profile cannot be computed; additional axes cannot keep the time (L4757, L4768)
@@ -43,7 +43,7 @@ def check_time(path: JointPath, block: Block, number: int, machine: Machine) -> 
 
 def time_given(length: float, seconds: float, ramp: float, width: float) -> Law:
     """s(t) from rest to rest in exactly `seconds` (rounded to the sample); width: s of the mean that rounds the profile."""
-    total = max(round(seconds / STEP_S), 4)
+    total = max(round(check_seconds(seconds) / STEP_S), 4)
     up = min(max(round(ramp * total), 2), total // 2)
     count = max(min(round(width / STEP_S), up), 1)
     t = np.arange(total - count + 1, dtype=np.float64)

@@ -52,9 +52,14 @@ def fastest(legs: Sequence[JointPath], corners: Sequence[Rounded | None], limits
     return [run(first, last) for first, last in groups(chosen)], chosen
 
 
-def passed(may: Sequence[bool], quick: Callable[[int, int], float], exact: Callable[[int, int], Work[float]]) -> Work[list[bool]]:
+def passed(
+    may: Sequence[bool],
+    quick: Callable[[int, int], float],
+    exact: Callable[[int, int], Work[float]],
+    least: Callable[[int], float] = lambda leg: 0.0,
+) -> Work[list[bool]]:
     """For each corner whether it is passed.  may: whether it can be; quick, exact: seconds of legs first .. last, all corners between
-    them passed, as estimated and as the law has it."""
+    them passed, as estimated and as the law has it; least: no law of one leg from rest to rest is quicker."""
     chosen: list[bool] = []
     for k, possible in enumerate(may):
         better = possible and quick(k, k + 1) < CLEAR * (quick(k, k) + quick(k + 1, k + 1))
@@ -63,15 +68,11 @@ def passed(may: Sequence[bool], quick: Callable[[int, int], float], exact: Calla
             better = (yield from exact(k, k + 1)) < (yield from exact(k, k)) + (yield from exact(k + 1, k + 1))
         chosen.append(better)
     taken, alone = groups(chosen), [(k, k) for k in range(len(may) + 1)]
-    together = 0.0
-    for one in taken:
-        together += quick(*one)
-        yield
-    if together < CLEAR * sum(quick(*one) for one in alone):
-        return chosen
     together = apart = 0.0
     for one in taken:
         together += yield from exact(*one)
+    if together <= sum(least(leg) for leg, _ in alone):
+        return chosen
     for one in alone:
         apart += yield from exact(*one)
     return chosen if together <= apart else [False] * len(may)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from motion.paths.joints import JointPath
 from motion.timing import topp
 from motion.timing.interior import Rows, fastest
-from motion.timing.law import Law
+from motion.timing.law import Law, check_seconds
 from motion.timing.limits import LawLimits, speed_squares
 from motion.timing.needed import needed
 from motion.timing.slices import Work, whole
@@ -26,7 +26,7 @@ from motion.timing.slices import Work, whole
 Array = NDArray[np.float64]
 
 GRID, MOST_GRID, GRID_S = 1500, 15_000, 2e-3  # intervals of s for the first guess; more where one would last longer than this
-QUICK_GRID = 200
+QUICK_GRID, MOST_QUICK, A_PIECE = 200, 2000, 8  # of an estimate; so many for the shortest polynomial of the path, if there is room
 STEP, FEWEST, MOST = 0.7e-3, 300, 15_000  # s and number of the intervals in time: longer runs belong into windows (timing.splice)
 ROUNDS = 3
 JERK_USED = 1.02  # of the jerk limit, in the rows: what the differences at 1 ms show stays below JERK_GOOD (AX-386)
@@ -76,8 +76,11 @@ def jerk_limited_work(path: JointPath, limits: LawLimits, start: tuple[float, fl
 
 
 def estimate(path: JointPath, limits: LawLimits) -> float:
-    """Seconds a law of this path takes, within a few per cent, at a fiftieth of the cost."""
-    return _second(path, limits, (0.0, 0.0, 0.0), QUICK_GRID).duration + _ramp(limits)
+    """Seconds a law of this path takes, within a few per cent, at a fiftieth of the cost.  A corner smaller than the ramps is as slow as
+    its change of curvature makes it."""
+    shortest = float(np.min(np.diff(path.knots)))
+    count = int(min(max(A_PIECE * path.length / shortest, QUICK_GRID), MOST_QUICK))
+    return _second(path, limits, (0.0, 0.0, 0.0), count, bends=True).duration + _ramp(limits)
 
 
 def _slowed(path: JointPath, limits: LawLimits, law: Law) -> Law:
@@ -122,7 +125,7 @@ def slowing(path: JointPath, limits: LawLimits, law: Law) -> float:
 
 def _differences(path: JointPath, limits: LawLimits, law: Law, period_s: float, phase: float = 0.0) -> tuple[Array, list[Array]]:
     """s of the samples and the shares at each; a moving start is not judged before its third sample."""
-    s = law.at(np.arange(phase * period_s, law.duration + 4 * period_s, period_s))
+    s = law.at(np.arange(phase * period_s, check_seconds(law.duration) + 4 * period_s, period_s))
     s = np.concatenate([np.full(3 if law.at_rest else 0, law.s[0]), s])
     q = path.at(s)
     bounds = limits.at(s)
@@ -146,7 +149,7 @@ def _excess(path: JointPath, limits: LawLimits, law: Law) -> tuple[Array, Array,
 def _guess(path: JointPath, limits: LawLimits, start: tuple[float, float, float]) -> Law:
     """The acceleration-limited law averaged over the time a full ramp takes: breaks limits a little, which the rounds mend."""
     second = _second(path, limits, start, GRID)
-    if second.duration > GRID * GRID_S:
+    if check_seconds(second.duration) > GRID * GRID_S:
         second = _second(path, limits, start, int(min(second.duration / GRID_S, MOST_GRID)))
     ramp = _ramp(limits)
     duration = second.duration + ramp
@@ -157,10 +160,16 @@ def _guess(path: JointPath, limits: LawLimits, start: tuple[float, float, float]
     return Law.sampled(smooth, float(t[1]), start)
 
 
-def _second(path: JointPath, limits: LawLimits, start: tuple[float, float, float], count: int) -> topp.Topp:
-    """The acceleration-limited law on so many intervals."""
+def _second(path: JointPath, limits: LawLimits, start: tuple[float, float, float], count: int, *, bends: bool = False) -> topp.Topp:
+    """The acceleration-limited law on so many intervals; bends: and no faster than the jerk of the path's own bends at a steady speed."""
     s = np.linspace(start[0], path.length, count + 1)
-    return topp.solve(path.at(s, 1), path.at(s, 2), float(s[1] - s[0]), limits.at(s)[1], speed_squares(path, s, limits), start[1] ** 2)
+    _, accel, jerk = limits.at(s)
+    most = speed_squares(path, s, limits)
+    if bends:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            shares = np.nan_to_num(np.abs(path.at(s, 3)) / jerk)
+            most = np.minimum(most, np.max(shares, axis=1) ** (-2 / 3))
+    return topp.solve(path.at(s, 1), path.at(s, 2), float(s[1] - s[0]), accel, most, start[1] ** 2)
 
 
 def _ramp(limits: LawLimits) -> float:

@@ -6,8 +6,21 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from motion.errors import MotionError
+
 Array = NDArray[np.float64]
 CALM = 24  # points at the ends that are smoothed less and less
+LONGEST_S, POSSIBLE_S = 1000.0, 400.0  # no longer law is made: pieces hold so much of one at most (motion.planner.commit)
+
+
+def check_seconds(seconds: float) -> float:
+    """The same; MotionError where a law of this duration can be neither made nor handed on."""
+    if seconds < LONGEST_S:
+        return seconds
+    long = f"{seconds:.0f} s" if math.isfinite(seconds) else "endless time"
+    raise MotionError(
+        f"a motion of {long} without a stop is too long, at most {POSSIBLE_S:.0f} s are possible: run it faster, or stop in between"
+    )
 
 
 @dataclass(frozen=True)

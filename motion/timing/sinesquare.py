@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from motion.timing.law import Law
+from motion.timing.law import Law, check_seconds
 
 Array = NDArray[np.float64]
 STEP_S = 0.8e-3
@@ -72,7 +72,7 @@ class SineSquare:
 
     def law(self) -> Law:
         """On an even grid."""
-        count = max(math.ceil(self.duration / STEP_S), 2)
+        count = max(math.ceil(check_seconds(self.duration) / STEP_S), 2)
         rows = self.states(np.linspace(0.0, self.duration, count + 1))
         rows[0], rows[-1] = (0.0, 0.0, 0.0), (self.length, 0.0, 0.0)
         return Law(rows[:, 0], rows[:, 1], rows[:, 2], self.duration / count)

@@ -113,7 +113,7 @@ def test_what_cannot_be_reached_is_told_with_block_and_axis_and_the_next_one_beg
     lines += "ptp rel joints 0 0 0 0 0 -20 extra=5mm\n"
     with pytest.raises(TextFaults, match="line 11: extra: needs a pose"):
         read(ARM + lines)
-    assert told(lines.replace(" extra=5mm", "")) == [(2, "J2", 520), (3, "", 530)]
+    assert told(lines.replace(" extra=5mm", "")) == [(2, "J2", 520), (3, "J5", 531)]
     assert told("linear rel pose 0 0 5 0 0 0 extra=5mm") == [(1, "", 154)]
 
 

@@ -1,6 +1,7 @@
 """Blocks that take minutes: as many pieces as a ring and a follower hold, and the same way, speed and limits as ever.  AX-606."""
 
 import pathlib
+import random
 from dataclasses import replace
 
 import numpy as np
@@ -198,3 +199,46 @@ def test_what_an_axis_slows_down_is_also_told_in_front_of_mach_pos() -> None:
     text = "axes mm mm mm deg\nstart 50 50 50 0\nlinear pose 450 50 50 0 0 0 path=9000\nmach_pos joints 0 0 0 0\nptp joints 1 0 0 0\n"
     sections_of(read(text), replace(robot("portal"), too_fast=TooFast.WARN), (), slowed=slowed)
     assert list(slowed) == [1]
+
+
+def test_what_would_take_endless_is_told_and_no_law_is_tried() -> None:
+    """rates and times of the text's own ranges: a law of a day has more points than a machine has memory."""
+    arc = ARC.replace("path=12", "path=0.001")
+    for text in (
+        arc,
+        arc.replace("path=0.001", "pathaccel=0.001"),
+        arc.replace("path=0.001", "time=1000000"),
+        arc.replace("path=0.001", "path=0.001 shape=sin2"),
+        ARC.replace("circular via pose 450 0 200 180 0 0 to", "linear").replace("path=12", "path=0.001"),
+        ARC.replace("circular via pose 450 0 200 180 0 0 to", "spline pose 400 0 200 180 0 0\nspline").replace("path=12", "path=0.001"),
+    ):
+        faults = sections_of(read(text), robot("tx60-like"), ())[1]
+        assert len(faults) == 1 and "s without a stop is too long" in str(faults[0]), text
+
+
+def rounded_lines(count: int) -> str:
+    """Lines of 20 .. 170 mm in a box, as fast as the axes go, with radii of 10 mm."""
+    chance, (x, y, z) = random.Random(3), (0.0, 0.0, 0.0)
+    lines = ["robot tx60-like", "angles val3", "start 0 30 90 0 60 0", "set radius=10"]
+    while len(lines) < count + 4:
+        dx, dy, dz = (chance.uniform(-100, 100) for _ in range(3))
+        if abs(x + dx) < 80 and abs(y + dy) < 80 and abs(z + dz) < 50:
+            x, y, z = x + dx, y + dy, z + dz
+            lines.append(f"linear rel pose {dx:.3f} {dy:.3f} {dz:.3f} 0 0 0")
+    return "\n".join(lines)
+
+
+def test_many_rounded_lines_known_at_once_are_handed_on_in_parts_as_those_known_one_by_one() -> None:
+    program, machine = read(rounded_lines(200)), robot("tx60-like")
+    assert sections_of(program, machine, ())[1] == []
+    planner = Planner(machine, program.start)
+    for block in program.blocks:
+        planner.add(block)
+    planner.finish()
+    pieces, tau = [], 0.0
+    while made := planner.plan(tau, hurry=True):
+        pieces += made
+        tau = max(planner.end - 0.5 * planner.ahead_s, tau)
+    pieces += planner.plan(planner.end, hurry=True)
+    assert not planner.open and planner.place(planner.end) == (200, 1.0)
+    assert sum(piece.duration for piece in pieces) > 15.0
