@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 
 from drivers.ports.adapterurl import is_adapter
 from drivers.ports.base import PortError, runtime_dir
+from gateway import statefolder
 from gateway.cell import Bus, Cell
 from gateway.cell_web import Web
 from gateway.families import DRIVE_PROTOCOLS, listening
@@ -102,7 +103,7 @@ class RunPlan:
 
     @property
     def journal(self) -> pathlib.Path:
-        return self.folder / "journal.jsonl"
+        return statefolder.journal(self.folder, self.slug)
 
     def modbus_place(self, name: str) -> str:
         """Where that Modbus server or client is, in words."""

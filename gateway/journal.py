@@ -31,6 +31,7 @@ class Journal:
         self.lost_in_all = 0
         if path is not None:
             with contextlib.suppress(OSError):  # the first record reports it
+                path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
                 self._current(path)
 
     def write(self, kind: str, text: str, **facts: object) -> None:

@@ -13,18 +13,16 @@ Never used by the cycle.  What may start a move is no retained value: only GROUP
 
 import contextlib
 import math
-import os
 import pathlib
 import threading
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from fnmatch import fnmatchcase
 
-from drivers.ports.base import runtime_dir
 from gateway.cell import Cell
-from gateway.files import PACKAGED
 from gateway.retainfile import Record, RetainError, RetainFile, Value, open_file
 from gateway.retaingroups import group_of
+from gateway.statefolder import place
 
 PAUSE_S = 0.05  # changes within it become one transaction
 RETRY_S = 1.0  # after a write that failed
@@ -214,10 +212,8 @@ def _storable(value: Value) -> bool:
 
 
 def path_of(cell: Cell) -> pathlib.Path:
-    """Where the data of this cell stand: retain/NAME.sqlite beside its file; in the runtime folder for shipped cells."""
-    file = pathlib.Path(cell.file).resolve()
-    folder = runtime_dir() if file.is_relative_to(PACKAGED) or not os.access(file.parent, os.W_OK) else file.parent
-    return folder / "retain" / f"{file.stem}.sqlite"
+    """Where the data of this cell stand: retain/NAME.sqlite beside its file, or as gateway.statefolder says."""
+    return place(cell.file, "retain", f"{pathlib.Path(cell.file).resolve().stem}.sqlite")
 
 
 def history(path: pathlib.Path, kind: str) -> list[Record]:

@@ -1,19 +1,17 @@
 """Zeros of absolute axes: one record for each that was ever set, in the retained data of the cell (gateway.retain); the last one counts.
 
-Lines of zero/CELL.jsonl, where earlier versions wrote them, are read first.  A shipped cell keeps its data in the runtime folder:
-packaged files are nobody's to write.
+Lines of zero/CELL.jsonl, where earlier versions wrote them, are read first.  Where the files of a cell lie:
+gateway.statefolder.
 """
 
 import contextlib
 import json
-import os
 import pathlib
 
-from drivers.ports.base import runtime_dir
 from gateway.axes import scaling_of
 from gateway.cell import Axis, Cell
 from gateway.clock import wall
-from gateway.files import PACKAGED
+from gateway.statefolder import place
 from motion.units import to_si
 
 Entry = dict[str, object]
@@ -21,9 +19,7 @@ Entry = dict[str, object]
 
 def path_of(cell: Cell) -> pathlib.Path:
     """Where earlier versions kept the history of this cell; the last places of its axes lie beside it."""
-    file = pathlib.Path(cell.file).resolve()
-    folder = runtime_dir() if file.is_relative_to(PACKAGED) or not os.access(file.parent, os.W_OK) else file.parent
-    return folder / "zero" / f"{file.stem}.jsonl"
+    return place(cell.file, "zero", f"{pathlib.Path(cell.file).resolve().stem}.jsonl")
 
 
 def history(cell: Cell, axis: str) -> list[Entry]:

@@ -19,6 +19,7 @@ from gateway.listenfirst import refuse_on
 from gateway.processes.supervisor import Supervisor
 from gateway.realtime import die_with_parent, realtime_allowed
 from gateway.shadow import command as shadow
+from gateway.statefolder import usable, warning
 
 EXAMPLES = """examples:
   axisgate run demo --sim                       the demo's cell, everything simulated
@@ -79,6 +80,7 @@ def _start(arguments: argparse.Namespace, cell: Cell) -> int:
     if arguments.record:
         arguments.record.mkdir(parents=True, exist_ok=True)
     try:
+        usable()
         plan = plan_run(
             cell,
             simulated=simulated,
@@ -97,6 +99,8 @@ def _start(arguments: argparse.Namespace, cell: Cell) -> int:
             page_port_free(plan.web)
         _look_first(cell, arguments.bus, simulated=plan.simulated and arguments.bus is None)
         say_at_start(BANNER)
+        if words := warning(cell.file, simulated=plan.simulated):
+            say_at_start(words)
         if stretched:
             say_at_start(STRETCHED.format(p5=plan.p5_ms))
         for name in plan.listening:

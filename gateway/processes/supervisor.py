@@ -405,6 +405,7 @@ class Supervisor:
             "cell": self.plan.cell.cell.name,
             "file": str(pathlib.Path(self.plan.cell.file).resolve()),
             "folder": str(self.plan.folder),
+            "journal": str(self.plan.journal),
             "simulated": self.plan.simulated,
             "p5_ms": self.plan.p5_ms,
             "listening": list(self.plan.listening),  # buses nothing is sent on
