@@ -13,7 +13,7 @@ from hil_tests.lab.plc1 import S5Plc
 
 DRIVES_ON, FEED, REFERENCE = 0, 1, 3  # bits of DB 10, DW 0
 REFERENCED, DONE = 1, 9  # bits of DB 11, DW 0
-NUMBER = 6  # DW of DB 10
+SPEED, NUMBER = 5, 6  # DW of DB 10
 PROGRAM = "robot portal\nangles rho3\naxes mm mm mm deg\nstart 10 10 5 0\nptp joints 60 30 25 5\nptp joints 80 20 15 0\n"
 
 
@@ -31,6 +31,7 @@ def test_an_old_program_selects_a_motion_program_by_its_number(tmp_path: pathlib
             plc.start()
             plc.bit(0, FEED, True)
             plc.word(1, 100)
+            plc.word(SPEED, 100)
             plc.wait_cycles(2)
             plc.bit(0, DRIVES_ON, True)
             plc.wait_cycles(4)
