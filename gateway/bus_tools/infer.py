@@ -6,6 +6,7 @@ import json
 import pathlib
 import sys
 
+from drivers.ports.canwire import MAX_ID
 from gateway.bus_tools.logs import BadLog, read_log
 from gateway.errors import Exit
 from gateway.pure.bus_inference.dbc import SURE, as_dbc, names
@@ -51,7 +52,7 @@ def frames(path: pathlib.Path) -> list[Frame]:
     if path.suffix == ".log":
         with path.open(encoding="utf-8", errors="replace") as file:
             return list(frames_of(file))
-    return list(read_log(path))
+    return [frame for frame in read_log(path) if frame.identifier <= MAX_ID]  # data frames of drives
 
 
 def told(found: Inferred, output: pathlib.Path | None) -> list[str]:

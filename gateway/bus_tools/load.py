@@ -6,6 +6,7 @@ import pathlib
 import sys
 from collections.abc import Iterable, Sequence
 
+from drivers.ports.canwire import RTR_FLAG
 from gateway.bus_tools.logs import READABLE, BadLog, read_log
 from gateway.bus_tools.plan import bitrate, traffic
 from gateway.cell import Bus, Cell
@@ -121,9 +122,10 @@ def measured(frames: Iterable[Frame], rate: int, window: Ns = 10_000_000) -> dic
     first = last = 0
     windows: dict[int, int] = {}
     for frame in frames:
-        length = frame_bits(frame.identifier & 0x1FFFFFFF, frame.data, extended=bool(frame.identifier >> 31))
+        data = b"" if frame.identifier & RTR_FLAG else frame.data
+        length = frame_bits(frame.identifier & 0x1FFFFFFF, data, extended=bool(frame.identifier >> 31))
         bits, count = bits + length, count + 1
-        plain += length - (67 if frame.identifier >> 31 else 47) - 8 * len(frame.data)
+        plain += length - (67 if frame.identifier >> 31 else 47) - 8 * len(data)
         first, last = first or frame.stamp_ns, frame.stamp_ns
         windows[frame.stamp_ns // window] = windows.get(frame.stamp_ns // window, 0) + length
     seconds = (last - first) / 1e9

@@ -45,6 +45,7 @@ def main(argv: list[str]) -> int:
         return ENVIRONMENT
     finally:
         writer.close()
-    print(f"{count} frames in {arguments.output}, {summary.errors} error frames")
+    fd = f", {summary.fd} frames of CAN FD passed over" if summary.fd else ""
+    print(f"{count} frames in {arguments.output}, {summary.errors} error frames{fd}")
     print(f"next: axisgate bus monitor --from {arguments.output} --summary")
     return DONE

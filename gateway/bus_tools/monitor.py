@@ -13,9 +13,9 @@ import cantools
 from cantools.database.can import Database
 from cantools.database.errors import Error as DatabaseError
 
-from drivers.ports.canwire import EFF_FLAG
+from drivers.ports.canwire import EFF_FLAG, RTR_FLAG
 from gateway.bus_tools.load import measured
-from gateway.bus_tools.logs import BadLog, frame_of, read_log
+from gateway.bus_tools.logs import ID_BITS, BadLog, frame_of, read_log
 from gateway.bus_tools.ports import FORM, NoBus, open_bus
 from gateway.commands.common import DONE, ENVIRONMENT, USAGE
 from gateway.files import ConfigNotFound, find_config
@@ -61,10 +61,13 @@ class Summary:
     seen: dict[int, Seen] = field(default_factory=dict)
     frames: list[Frame] = field(default_factory=list)
     errors: int = 0
+    remotes: int = 0
+    fd: int = 0  # frames of CAN FD, passed over
 
     def take(self, frame: Frame) -> None:
         self.seen.setdefault(frame.identifier, Seen()).take(frame)
         self.frames.append(frame)
+        self.remotes += bool(frame.identifier & RTR_FLAG)
 
     def lines(self, decode: Decode, rate: int) -> Iterator[str]:
         yield f"{'identifier':>14}{'frames':>8}{'period ms':>11}{'min':>9}{'max':>9}  changed  last"
@@ -74,7 +77,9 @@ class Summary:
             yield f"{named(identifier):>14}{one.count:8}{times}{one.changes:9}  {decode(Frame(identifier, one.last))}"
         total = measured(self.frames, rate)
         load = f"load {total['load_percent']:.2f} %, busiest 10 ms {total['busiest_percent']:.1f} %"
-        yield f"{total['frames']} frames, {load}, error frames {self.errors}"
+        yield f"{total['frames']} frames, {load}, remote frames {self.remotes}, error frames {self.errors}"
+        if self.fd:
+            yield f"{self.fd} frames of CAN FD passed over: the buses here are classic CAN"
 
 
 def main(argv: list[str]) -> int:
@@ -119,7 +124,9 @@ def live(bus: can.BusABC, seconds: float | None, summary: Summary) -> Iterator[F
             message = bus.recv(0.2 if end is None else max(0.0, min(0.2, end - time.monotonic())))
             if message is not None and message.is_error_frame:
                 summary.errors += 1
-            elif message is not None and not message.is_remote_frame:
+            elif message is not None and message.is_fd:
+                summary.fd += 1
+            elif message is not None:
                 yield frame_of(message)
     except KeyboardInterrupt:
         return
@@ -142,13 +149,18 @@ def show(frames: Iterable[Frame], decode: Decode, arguments: argparse.Namespace,
 def _line(frame: Frame, start: Ns, decode: Decode, *, as_json: bool) -> str:
     since = (frame.stamp_ns - start) / 1e6
     if as_json:
-        return json.dumps({"ms": round(since, 3), "id": frame.identifier & ~EFF_FLAG, "data": frame.data.hex(), "text": decode(frame)})
+        remote = {"remote": True, "dlc": len(frame.data)} if frame.identifier & RTR_FLAG else {}
+        data = "" if remote else frame.data.hex()
+        return json.dumps({"ms": round(since, 3), "id": frame.identifier & ID_BITS, "data": data, "text": decode(frame), **remote})
+    if frame.identifier & RTR_FLAG:
+        return f"{since:12.3f} ms {named(frame.identifier):>14}  {decode(frame)}"
     return f"{since:12.3f} ms {named(frame.identifier):>14}  {frame.data.hex(' '):24} {decode(frame)}"
 
 
 def named(identifier: int) -> str:
     """ "100 (64h)"; extended identifiers by hexadecimals alone."""
-    return f"{identifier & ~EFF_FLAG:08X}h" if identifier & EFF_FLAG else f"{identifier} ({identifier:X}h)"
+    identifier &= ~RTR_FLAG
+    return f"{identifier & ID_BITS:08X}h" if identifier & EFF_FLAG else f"{identifier} ({identifier:X}h)"
 
 
 def decoder(dbc: str | None, *, canopen: bool) -> Decode:
@@ -157,6 +169,8 @@ def decoder(dbc: str | None, *, canopen: bool) -> Decode:
     known = {m.frame_id: m for m in database.messages} if isinstance(database, Database) else {}
 
     def decode(frame: Frame) -> str:
+        if frame.identifier & RTR_FLAG:
+            return f"remote frame, asks for {len(frame.data)} bytes"
         message = known.get(frame.identifier & ~EFF_FLAG)
         if message is None:
             return canopen_text(frame) if canopen else ""

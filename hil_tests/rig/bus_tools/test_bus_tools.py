@@ -8,6 +8,7 @@ import sys
 import threading
 import time
 
+import can
 import pytest
 
 from gateway.commands.bus import main
@@ -155,3 +156,69 @@ def test_a_recording_named_as_a_cell_is_told_and_a_closed_pipe_is_no_fault(
     order = f"{sys.executable} -m gateway bus monitor --from {source} | head -2"
     done = subprocess.run(order, shell=True, capture_output=True, text=True, check=True)
     assert len(done.stdout.splitlines()) == 2 and not done.stderr
+
+
+def test_remote_frames_are_shown_counted_recorded_and_replayed(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Node guarding of an old master: 48 questions, by python-can."""
+    target = tmp_path / "guarding.blf"
+
+    def ask() -> None:
+        time.sleep(0.5)
+        with can.Bus(interface="broker", channel="remote") as port:
+            for n in range(48):
+                port.send(can.Message(arbitration_id=0x701 + n % 3, is_extended_id=False, is_remote_frame=True, dlc=1))
+            time.sleep(0.2)
+
+    with running_bus(tmp_path, name="remote", log=False):
+        thread = threading.Thread(target=ask)
+        thread.start()
+        assert main(["log", "broker:remote", "-o", str(target), "--seconds", "1.5"]) == 0
+        thread.join()
+    assert "48 frames" in capsys.readouterr().out
+    assert main(["monitor", "--from", str(target), "--summary"]) == 0
+    told = capsys.readouterr().out
+    assert "remote frames 48" in told and "1793 (701h)" in told and "remote frame, asks for 1 bytes" in told, told
+    assert main(["monitor", "--from", str(target), "--canopen"]) == 0
+    assert capsys.readouterr().out.count("remote frame") == 48
+    assert main(["load", "--log", str(target), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["frames"] == 48
+    with running_bus(tmp_path, name="again", log=False), can.Bus(interface="broker", channel="again") as listener:
+        assert main(["replay", str(target), "broker:again", "--speed", "0"]) == 0
+        heard = [listener.recv(1.0) for _ in range(48)]
+    assert all(one is not None and one.is_remote_frame and one.dlc == 1 for one in heard)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [
+        ("fd.log", "(1.000000) can0 123##1112233445566778899\n", "is CAN FD"),
+        ("fdtext.log", "# ours\n(1.000000) can0 123##1112233445566778899\n", "line 2 is CAN FD"),
+        ("relative.asc", "date Mon Nov 23 10:00:00 am 2026\nbase hex  timestamps relative\n   0.1 1  123  Rx d 1 00\n", "relative"),
+        ("letter.log", "Dear Sir or Madam, this is a letter and no log\n" * 60, "none of its first 50 lines"),
+        ("letter.blf", "no binary log at all, but long enough to be read as a head" * 10, "torn or no .blf recording"),
+        ("letter.csv", "a;b;c\n1;2;3\n", "torn or no .csv recording"),
+        ("bytes.log", "\x00\xff\x80" * 100, ""),
+    ],
+)
+def test_what_is_no_recording_of_classic_can_is_a_sentence(
+    tmp_path: pathlib.Path, name: str, content: str, words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / name
+    path.write_bytes(content.encode("latin-1"))
+    for command in (["monitor", "--from", str(path)], ["load", "--log", str(path)]):
+        code = main(command)
+        told = capsys.readouterr().err
+        assert code == 2 and str(path) in told and words in told and "Traceback" not in told, (command, told)
+
+
+def test_a_torn_blf_says_after_how_many_frames(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "whole.blf"
+    with can.Logger(str(path)) as writer:
+        for n in range(2000):
+            writer(can.Message(timestamp=n / 1000, arbitration_id=n % 100, data=bytes((n & 255,) * 8), is_extended_id=False))
+    torn = tmp_path / "torn.blf"
+    data = bytearray(path.read_bytes())
+    data[200:260] = bytes(60)
+    torn.write_bytes(data[: len(data) * 2 // 3])
+    assert main(["load", "--log", str(torn)]) == 2
+    assert "torn or no .blf recording" in capsys.readouterr().err
