@@ -4,6 +4,7 @@ PYTHON ?= python3
 VENV := .venv
 PY := $(VENV)/bin/python
 STAMP := $(VENV)/installed.stamp
+JUDGES := $(VENV)/judges.stamp
 REFERENCES := $(patsubst hil_tests/bench/%.c,build/%,$(wildcard hil_tests/bench/*.c))
 DEMO ?=
 BENCH ?=
@@ -14,7 +15,7 @@ MATRIX ?=
 MUTANTS ?=
 
 .DELETE_ON_ERROR:
-.PHONY: help setup tools kernel references pythons native demo lint test pytest bench soak fuzz branches losses mutants coverage-matrix docs pictures lock clean
+.PHONY: help setup judges tools kernel references pythons native demo lint test pytest bench soak fuzz branches losses mutants coverage-matrix docs pictures lock clean
 
 help:
 	@echo "make demo             six emulated drives, two PLCs, one cable to unplug (DEMO='--seed 7' hands options on)"
@@ -41,6 +42,13 @@ $(STAMP): requirements.lock pyproject.toml
 	@$(PY) -m pip install --quiet --disable-pip-version-check -r requirements.lock
 	@$(PY) -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
 	@touch $@
+
+$(JUDGES): $(STAMP) hil_tests/requirements.lock
+	@echo "set-up: installing hil_tests/requirements.lock into $(VENV): the judges of the tests, about 1 GB"
+	@$(PY) -m pip install --quiet --disable-pip-version-check -r requirements.lock -r hil_tests/requirements.lock
+	@touch $@
+
+judges: $(JUDGES)
 
 tools:
 	@sh hil_tests/rig/setup.sh tools $(PYTHON)
@@ -80,7 +88,7 @@ demo: $(STAMP) native
 	echo "    make demo DEMO=--own-time    plays the demo in it"; \
 	exit 4
 
-lint: $(STAMP)
+lint: $(JUDGES)
 	@mkdir -p build
 	$(VENV)/bin/ruff format --check --quiet .
 	$(VENV)/bin/ruff check --quiet .
@@ -89,7 +97,7 @@ lint: $(STAMP)
 	@$(VENV)/bin/lint-imports --no-cache > build/import-contracts.txt 2>&1 && tail -n 2 build/import-contracts.txt || { cat build/import-contracts.txt; exit 1; }
 
 # Lint and branches first, all tests whatever they said; pytest's closing line is the last one.
-test: $(STAMP) references native kernel pythons
+test: $(JUDGES) references native kernel pythons
 	@mkdir -p build; lint=0; $(MAKE) --no-print-directory lint || lint=1; \
 	branches=0; $(MAKE) --no-print-directory branches || branches=1; \
 	$(PY) -m pytest --matrix=build/matrix/results.json; tests=$$?; \
@@ -97,13 +105,13 @@ test: $(STAMP) references native kernel pythons
 	test $$branches -eq 0 || { echo "make test: a branch of the serial protocols is not tested (above the tests)" >&2; exit 1; }; \
 	exit $$tests
 
-bench: $(STAMP) references native
+bench: $(JUDGES) references native
 	@$(VENV)/bin/axisgate bench $(or $(BENCH),all)
 
-coverage-matrix: $(STAMP) references native kernel
+coverage-matrix: $(JUDGES) references native kernel
 	@$(PY) -m hil_tests.matrix.coverage $(MATRIX)
 
-mutants: $(STAMP) references native kernel
+mutants: $(JUDGES) references native kernel
 	@$(PY) -m hil_tests.matrix.mutants $(MUTANTS)
 
 DOCS := build/docs-env
@@ -118,10 +126,10 @@ docs: $(STAMP) $(DOCS)/installed.stamp  # pages that stand in the tree, then the
 	@NO_MKDOCS_2_WARNING=1 $(DOCS)/bin/mkdocs build --quiet --strict --config-file build/mkdocs.yml
 	@echo "docs: build/site/index.html"
 
-pictures: $(STAMP)  # the page's pictures from the last run of its tests (hil_tests/rig/web) into docs/pictures
+pictures: $(JUDGES)  # the page's pictures from the last run of its tests (hil_tests/rig/web) into docs/pictures
 	@$(PY) docs/keep_pictures.py
 
-soak: $(STAMP)
+soak: $(JUDGES)
 	@$(PY) -m hil_tests.soak $(SOAK)
 	@$(PY) -m hil_tests.soak.motion $(MOTION)
 	@$(MAKE) --no-print-directory losses
@@ -142,8 +150,10 @@ fuzz: $(STAMP)
 
 lock:  # renews requirements.lock from the ranges of pyproject.toml, in an environment of its own
 	$(PYTHON) -m venv build/lock && build/lock/bin/python -m pip install --quiet --editable '.[test]'
-	{ echo "# Exact versions that make installs into .venv (ranges: pyproject.toml).  Renew: make lock"; \
-	  build/lock/bin/python -m pip freeze --exclude-editable; } > requirements.lock
+	{ head -n 1 requirements.lock; build/lock/bin/python -m pip freeze --exclude-editable; } > build/lock/small.txt
+	build/lock/bin/python -m pip install --quiet --editable '.[test,judges]' -c build/lock/small.txt
+	{ head -n 1 hil_tests/requirements.lock; build/lock/bin/python -m pip freeze --exclude-editable | grep -vxFf build/lock/small.txt; } > build/lock/judges.txt
+	mv build/lock/small.txt requirements.lock && mv build/lock/judges.txt hil_tests/requirements.lock
 
 clean:
 	rm -rf build gateway/native/*.so .mypy_cache .ruff_cache .pytest_cache .hypothesis

@@ -13,6 +13,7 @@ from collections.abc import Callable, Generator, Iterator, Mapping
 import pytest
 
 from gateway.native import built
+from hil_tests.judges import LeftOut
 from hil_tests.lab import pythons
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
@@ -90,6 +91,15 @@ class Lanes:
     def __init__(self) -> None:
         self._worst: dict[str, str] = {}
         self._lane: dict[str, str] = {}
+        self._left_out = LeftOut()
+
+    def pytest_ignore_collect(self, collection_path: pathlib.Path) -> bool | None:
+        return True if self._left_out.ignored(collection_path) else None
+
+    @pytest.hookimpl(trylast=True)
+    def pytest_sessionfinish(self, session: pytest.Session) -> None:
+        if self._left_out.modules and required() and session.exitstatus == 0:
+            session.exitstatus = pytest.ExitCode.TESTS_FAILED  # an empty lane is not a green one
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtest_setup(self, item: pytest.Item) -> None:
@@ -119,3 +129,5 @@ class Lanes:
             reason = missing(lane) if lane in NEEDS and counts["skipped"] else None
             if told or lane in NEEDS:
                 yield f"lane {lane}: {told or 'no test selected'}{f' ({reason})' if reason else ''}"
+        if line := self._left_out.line():
+            yield line

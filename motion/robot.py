@@ -136,7 +136,12 @@ def _geometric(robot: Robot) -> Kinematics:
         case PortalGeometry(letters, flange):
             return Portal(letters, limits, flange)
         case UrdfGeometry(text, frame):
-            from motion.kinematics.urdf import Urdf  # pinocchio is loaded only where a URDF is used
+            try:
+                from motion.kinematics.urdf import Urdf  # pinocchio is loaded only where a URDF is used
+            except ImportError as error:
+                raise MotionError(
+                    f"a robot of a URDF needs pinocchio, which is not there ({error}): pip install 'axisgate[urdf]'"
+                ) from error
 
             return Urdf(text, frame, limits)
 
