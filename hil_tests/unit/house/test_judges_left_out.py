@@ -34,7 +34,7 @@ def test_a_urdf_without_pinocchio_says_what_to_install(monkeypatch: pytest.Monke
     monkeypatch.setitem(sys.modules, "pinocchio", None)
     monkeypatch.delitem(sys.modules, "motion.kinematics.urdf", raising=False)
     robot = cast(Robot, SimpleNamespace(geometry=UrdfGeometry("<robot/>", "flange"), own=()))
-    with pytest.raises(MotionError, match="needs pinocchio.*install .axisgate.urdf"):
+    with pytest.raises(MotionError, match=r"needs pinocchio.*install .axisgate.urdf"):
         _geometric(robot)
 
 
