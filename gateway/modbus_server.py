@@ -80,6 +80,7 @@ class ModbusServer:
             raise ValueError(f"held_bytes: {self.limits.held_bytes}; at least {2 * CHUNK_ANSWERS} bytes")
         self.desk = Desk(view_for, unit, on_request, Station(identity, unit), line=rtu)
         self.rtu, self.tls = rtu, tls
+        self.on_refused: Callable[[str, str], None] | None = None  # a partner's address, and why its TLS handshake failed
         self.rights_for = rights_for
         self._allow = None if allow is None else [ipaddress.ip_network(text, strict=False) for text in allow]
         self._host, self._port = host, port
@@ -113,10 +114,11 @@ class ModbusServer:
         """Listens; PortError names the port and what to do when it cannot."""
         listener = _listen(self._host, self._port)
         self._port = listener.getsockname()[1]
-        self._server = await asyncio.get_running_loop().create_server(
-            lambda: _Connection(self), sock=listener, ssl=self.tls, ssl_handshake_timeout=TLS_HANDSHAKE_S if self.tls else None
-        )
+        self._server = await asyncio.get_running_loop().create_server(self._partner, sock=listener)
         self._sweep_later()
+
+    def _partner(self) -> "_Connection | _Handshake":
+        return _Connection(self) if self.tls is None else _Handshake(self, self.tls)
 
     async def close(self) -> None:
         """Ends listening and all connections; afterwards nothing of this server is left in the loop."""
@@ -169,6 +171,38 @@ class ModbusServer:
         for connection in list(self._connections):
             connection.sweep(now)
         self._sweep_later()
+
+
+class _Handshake(asyncio.Protocol):
+    """A partner before its TLS handshake is done: who fails it is reported, asyncio itself says nothing."""
+
+    def __init__(self, server: ModbusServer, context: ssl.SSLContext) -> None:
+        self._server, self._context = server, context
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        assert isinstance(transport, asyncio.Transport)
+        transport.pause_reading()  # its first bytes are the handshake's
+        self._task = asyncio.get_running_loop().create_task(self._secured(transport))
+
+    async def _secured(self, transport: asyncio.Transport) -> None:
+        peer = transport.get_extra_info("peername")
+        connection = _Connection(self._server)
+        loop = asyncio.get_running_loop()
+        try:
+            secured = await loop.start_tls(transport, connection, self._context, server_side=True, ssl_handshake_timeout=TLS_HANDSHAKE_S)
+        except OSError as error:  # ssl.SSLError, a time-out, a connection closed
+            transport.abort()
+            if peer is not None and self._server.on_refused is not None:
+                self._server.on_refused(str(peer[0]), _reason(error))
+            return
+        if secured is not None:
+            connection.connection_made(secured)
+
+
+def _reason(error: OSError) -> str:
+    if isinstance(error, ssl.SSLError) and error.reason:
+        return error.reason.lower().replace("_", " ")
+    return str(error) or type(error).__name__
 
 
 class _Connection(asyncio.BufferedProtocol):

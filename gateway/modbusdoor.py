@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from gateway.cell_controller import Controller
 from gateway.cell_modbus import Modbus, ModbusRole
-from gateway.doors import BaseDoor
+from gateway.doors import BaseDoor, Tell
 from gateway.modbus_line import ModbusLine
 from gateway.modbus_server import Limits, ModbusServer
 from gateway.pure.modbus_registers import Placed, Registers, RegistersView, place
@@ -22,7 +22,7 @@ from gateway.pure.modbus_view import RhoView
 from gateway.pure.recording.messages import Source
 from gateway.pure.records import InputImage, Quality
 from gateway.recording.told import ServicesTap
-from protocols.base.machine import ms
+from protocols.base.machine import Ns, ms
 from protocols.modbus.rights import Rights, Span
 from protocols.modbus.station import Identity
 from protocols.modbus.view import View
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from gateway.processes.services import Services
     from gateway.pure.datadoor import DataBlock, DataDoor
 
+REFUSAL_EVERY, MOST_REFUSED = ms(60_000), 256  # of one address in the journal; addresses kept
 WRITES = (5, 6, 15, 16, 21, 22, 23)
 Bind = tuple[str, int] | str  # host and port, or the url of a serial port
 
@@ -202,6 +203,7 @@ class ModbusDoor(BaseDoor):
             from gateway.modbus_tls import TlsRights, server_context  # cryptography only where a cell asks for it
 
             server.tls = server_context(settings.tls, folder)
+            server.on_refused = Refusals(settings.name, self._tell).heard
             server.rights_for = TlsRights({role.role: role_rights(role) for role in settings.roles})
         elif settings.writers:
             server.rights_for = self.writers = WriterRights(settings)
@@ -213,6 +215,26 @@ class ModbusDoor(BaseDoor):
             self._writer = address
         if self._writer in ("", address):
             self.heard(time.monotonic_ns())
+
+
+class Refusals:
+    """Partners whose TLS handshake fails: each address once a minute in the journal, with how often meanwhile."""
+
+    def __init__(self, name: str, journal: Tell) -> None:
+        self._name, self._journal = name, journal
+        self._told: dict[str, tuple[Ns, int]] = {}
+
+    def heard(self, address: str, why: str) -> None:
+        now = time.monotonic_ns()
+        last, more = self._told.get(address, (-REFUSAL_EVERY, 0))
+        if now - last < REFUSAL_EVERY:
+            self._told[address] = last, more + 1
+            return
+        if len(self._told) >= MOST_REFUSED:
+            self._told.clear()
+        self._told[address] = now, 0
+        again = f"; {more} more since the last report" if more else ""
+        self._journal("link", f"{self._name}: TLS client {address} is refused: {why}{again}; check its certificate, key and CA")
 
 
 def identity(settings: Modbus) -> Identity:

@@ -85,7 +85,9 @@ def _registers(check: Context, door: Modbus, key: str) -> None:
             continue
         axis = table.from_.split(".")[1] if table.from_.startswith("axis.") else "*"
         if not table.from_.startswith(PREFIX) and (found is None or (axis != "*" and axis not in axes)):
-            check.fault(where, table.from_, near(table.from_, spelled(axes, [])) or "no such value; `axisgate var --names` lists them")
+            check.fault(
+                where, table.from_, near(table.from_, spelled(axes, [])) or "no such value; `axisgate var` lists those of a running cell"
+            )
             continue
         for placed in place(table.at, table.from_, table.type, axes):
             for register in range(placed.at, placed.at + placed.words):

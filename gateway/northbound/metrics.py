@@ -86,7 +86,9 @@ class Metrics:
         units = {name: {"axis": name, "unit": unit} for name, unit, _ in self._regions.facts}
         rows = self._regions.drives()
         for name, words in (("actual", "position"), ("set", "set position"), ("lag", "position lag"), ("speed", "of the axis, per second")):
-            page.metric(f"axisgate_axis_{name}", "gauge", words, [(units[row["name"]], float(row[name])) for row in rows])
+            per = "/s" if name == "speed" else ""
+            labels = {axis: {**label, "unit": label["unit"] + per} for axis, label in units.items()}
+            page.metric(f"axisgate_axis_{name}", "gauge", words, [(labels[row["name"]], float(row[name])) for row in rows])
         own = [({"axis": str(row["name"])}, row) for row in rows]
         page.metric(
             "axisgate_axis_torque_percent", "gauge", "share of the rated torque", [(axis, float(row["torque"])) for axis, row in own]

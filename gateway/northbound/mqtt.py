@@ -4,6 +4,7 @@ import asyncio
 import importlib
 import json
 import pathlib
+import time
 from typing import Any
 
 from gateway.cell_northbound import NorthMqtt, place_of
@@ -12,6 +13,8 @@ from gateway.northbound.snapshot import Value
 from gateway.pure.outbox import Outbox
 
 paho: Any = importlib.import_module("paho.mqtt.client")  # its stubs are those of version 1
+RETAINED_S = 1.0  # the broker keeps a message with all values; after a change it is renewed within this
+KEPT, PASSING = "+-"  # how a message in the outbox begins: the broker retains it, or passes it on only
 WHOLE_EVERY = 60  # messages: one with all values, so that whoever came late or missed some knows them
 RECONNECT_S = (1, 8)
 
@@ -25,6 +28,7 @@ class MqttOut:
         self.topic = f"{settings.topic}/{slug}"
         self._loop, self._last, self._numbers = loop, dict[str, Value](), dict[int, int]()
         self._dropped, self._since_whole = 0, WHOLE_EVERY
+        self._whole_at = 0.0
         self._client = paho.Client(paho.CallbackAPIVersion.VERSION2, client_id=f"axisgate-{slug}", clean_session=True)
         self._client.max_inflight_messages_set(self.box.window)
         self._client.reconnect_delay_set(*RECONNECT_S)
@@ -46,14 +50,18 @@ class MqttOut:
 
     def tell(self, values: dict[str, Value]) -> None:
         """A look at all values: what changed becomes one message."""
-        whole = self._since_whole >= WHOLE_EVERY or self.box.dropped != self._dropped
+        now = time.monotonic()
+        behind = self._since_whole > 0 and now - self._whole_at >= RETAINED_S  # what the broker keeps is old
+        whole = self._since_whole >= WHOLE_EVERY or self.box.dropped != self._dropped or behind
         news = values if whole else {name: value for name, value in values.items() if self._last.get(name) != value}
         self._last = dict(values)
         if news:
             self._since_whole, self._dropped = 0 if whole else self._since_whole + 1, self.box.dropped
             number = self.box.number + 1
+            if whole:
+                self._whole_at = now
             message = {"n": number, "wall": wall(), "dropped": self.box.dropped, "values": news}
-            self.box.put(number, json.dumps(message, ensure_ascii=False))
+            self.box.put(number, (KEPT if whole else PASSING) + json.dumps(message, ensure_ascii=False))
         self._send()
 
     def close(self) -> None:
@@ -66,7 +74,8 @@ class MqttOut:
     def _send(self) -> None:
         while self.connected and (message := self.box.next()) is not None:
             number, text = message
-            self._numbers[self._client.publish(f"{self.topic}/values", text, qos=1).mid] = number
+            retain = text[0] == KEPT
+            self._numbers[self._client.publish(f"{self.topic}/values", text[1:], qos=1, retain=retain).mid] = number
 
     def _soon(self, what: Any, *arguments: Any) -> None:
         if not self._loop.is_closed():

@@ -2,6 +2,7 @@
 
 import asyncio
 import datetime
+import json
 import pathlib
 import socket
 import ssl
@@ -17,10 +18,11 @@ from cryptography.x509.oid import NameOID
 
 from drivers.ports.base import PortError
 from gateway.cell_modbus import Modbus, ModbusRole, ModbusTls
+from gateway.journal import Journal
 from gateway.modbus_client import Device, Link, ModbusClient, ModbusRefused
 from gateway.modbus_tls import ROLE_OID, TlsRights, client_context, role_of, server_context
 from gateway.modbusclients import secured
-from gateway.modbusdoor import role_rights
+from gateway.modbusdoor import Refusals, role_rights
 from hil_tests.lab.modbus_running import Running
 from protocols.modbus.view import Kind
 
@@ -201,3 +203,22 @@ def test_a_client_whose_server_is_of_another_authority_says_so(running: Running,
     assert opened is not None
     with pytest.raises(PortError, match="both sides need certificates"):
         opened()
+
+
+def test_who_fails_the_handshake_stands_in_the_journal_once_a_minute(running: Running, plant: Authority, tmp_path: pathlib.Path) -> None:
+    journal = Journal(tmp_path / "journal", "services")
+    running.server.on_refused = Refusals("plc2", journal.write).heard
+
+    def told() -> list[str]:
+        return [json.loads(line)["text"] for line in (tmp_path / "journal").read_text().splitlines()]
+
+    stranger = Authority(plant.folder, "abroad").issue("spy", "engineer")
+    for _ in range(3):
+        with pytest.raises(OSError):
+            ask_or_die(running, client_context(ModbusTls(stranger.certificate, stranger.key, "plant.pem"), plant.folder))
+    running.until(lambda: len(told()) == 1, "the refusal")
+    assert told()[0].startswith("plc2: TLS client 127.0.0.1 is refused: ") and "verify failed" in told()[0]
+    assert told()[0].endswith("check its certificate, key and CA")
+    with connect(running, client_context(plant.issue("welcome", "viewer"), plant.folder)) as connection:
+        assert ask(connection, READ) == "03 02 00 00", "others are served as before"
+    assert len(told()) == 1

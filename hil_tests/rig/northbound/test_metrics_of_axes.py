@@ -33,7 +33,7 @@ def test_every_axis_of_a_cell_of_32_has_its_numbers_in_its_unit(tmp_path: pathli
     assert place == {f'axis="{name}",unit="mm"': round(100.0 * n, 4) for n, name in enumerate(names)} and len(place) == 32
     last, first = f'axis="{names[31]}"', f'axis="{names[0]}"'
     assert told["axisgate_axis_set", f'{last},unit="mm"'] == 3101.0 and told["axisgate_axis_lag", f'{last},unit="mm"'] == 1.0
-    assert told["axisgate_axis_speed", f'{last},unit="mm"'] == 20.0 and told["axisgate_axis_torque_percent", last] == 50.0
+    assert told["axisgate_axis_speed", f'{last},unit="mm/s"'] == 20.0 and told["axisgate_axis_torque_percent", last] == 50.0
     assert told["axisgate_axis_fault_code", last] == 0x2310 and told["axisgate_axis_fault_code", first] == 0
     flags = {
         name: (told[f"axisgate_axis_{name}", first], told[f"axisgate_axis_{name}", last]) for name in ("enabled", "fault", "referenced")
