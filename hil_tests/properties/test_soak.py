@@ -42,7 +42,9 @@ def test_both_send_at_once_1000_rounds(left: Profile, right: Profile) -> None:
 
     meeting = Meeting(left, right, (Priority.HIGH, Priority.LOW)).rounds(ROUNDS)
     assert meeting.complete(ROUNDS), f"{meeting.name}: {meeting.sent} sent, {meeting.failed} failed"
-    assert meeting.named == []
+    # the Linux discipline takes the other's NAK at the start for an answer, and gives way in the repeat, as the other does (AX-653)
+    both_give_way = left.yields_to_second_conflict and right.nak_at_start
+    assert meeting.named == ([Priority.LOW] if both_give_way else [])
 
 
 @pytest.mark.parametrize("name", sorted(PROFILES))

@@ -164,7 +164,7 @@ class Link:
             if due == self._sender.due:
                 self._sender.expire(now)
             else:
-                if self._gave_way and self._receiver.heard_only_dle:
+                if self._gave_way and self.priority is Priority.LOW and self._receiver.heard_only_dle:
                     self._box.tell(SamePriority(Priority.LOW))
                 self._receiver.expire(now)
                 self._gave_way = self._gave_way and self._receiver.busy

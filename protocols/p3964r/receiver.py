@@ -29,6 +29,7 @@ class State(Enum):
 
 IDLE, NO_BUFFER, DATA, ESCAPED, CHECK, DEAF = State  # asked at every character: State.DATA costs a search in its class
 INSIDE = (DATA, ESCAPED, CHECK)
+BLOCK_ENDS = (bytes((DLE, ETX)), bytes((DLE, ETB)))
 
 
 class Receiver:
@@ -51,6 +52,8 @@ class Receiver:
         self._early = False  # what was heard of the block came in one burst with the STX
         self._opened_in, self._ended_in = -1, -1  # turns of the box: our answer to STX, to the end of a block
         self._strays = 0
+        self._wish = False  # the last of them was STX: a partner that waits for DLE, if nothing follows (AX-654)
+        self._passed = b""  # the last two of them
         self._refusals, self._first_why = 0, Refusal.GAP
         self._awaits_repeat = False
         self._free = True
@@ -91,8 +94,8 @@ class Receiver:
 
     def _other_than_begun(self, byte: int) -> bool:
         """The first character after our DLE, where it is a wish again or shows that there was none.  True: it is taken."""
-        if self._doubted and self._before_our_dle():
-            self._close_again()
+        if self._doubted and self._before_our_dle() and not (byte == STX and self._box.turn == self._opened_in):
+            self._close_again(byte)
         elif byte in (STX, NAK) and self._box.turn == self._opened_in:
             self._wish_again(byte)
             return True
@@ -113,8 +116,10 @@ class Receiver:
                 return
             if byte != NAK:  # the partner gave up or started; never answered, so two stations cannot loop
                 self._stray(now)
+            self._pass_over(byte)
         elif state is DEAF:
             self._strays += 1
+            self._pass_over(byte)
         # NO_BUFFER: still the same wish to send (AX-006)
         self._untouched = False
         self._early = self._box.turn == self._opened_in and self._state in INSIDE
@@ -169,6 +174,7 @@ class Receiver:
         self._why = self._why or why
 
     def damaged(self, kind: Damage, now: Ns) -> None:
+        self._wish, self._passed = False, b""
         if kind is Damage.BREAK:
             self._break(now)
         elif self._state is IDLE:
@@ -236,8 +242,20 @@ class Receiver:
         self._why, self._data, self._count, self._check = None, bytearray(), 0, 0
 
     # ---- idle
+    def _pass_over(self, byte: int) -> None:
+        """Behind DLE ETX a 02h is the check of a block whose sender waits for DLE as well, but to hear that it was taken."""
+        refused = self._state is IDLE and self._profile.stray is Stray.NAK_AT_ONCE
+        self._wish = byte == STX and self._passed not in BLOCK_ENDS and not refused
+        self._passed = (self._passed + bytes((byte,)))[-2:]
+
+    def _grant(self, now: Ns) -> None:
+        """The line has been quiet since the last stray character, which was STX: nobody but a partner that waits is silent behind one."""
+        self._strays -= 1
+        self._open(now)
+
     def _open(self, now: Ns) -> None:
         self.settle()
+        self._wish, self._passed = False, b""
         self._doubted = self._torn or (self._restless and now - self._heard_at < self._profile.char_delay)
         self._restless = False
         self._awaits_repeat, self._repeat_due = False, None
@@ -271,12 +289,13 @@ class Receiver:
             self._untouched = False
             self._rest()
 
-    def _close_again(self) -> None:
+    def _close_again(self, byte: int) -> None:
         """That STX was a character out of the rest of a block: nothing was opened, and nothing is until the line is quiet (AX-240)."""
         if self._box.turn == self._opened_in:
             del self._box.output[-1:]
         self._strays += 1
         self._state, self._untouched = DEAF, False
+        self._pass_over(byte)
 
     def _turn_away(self) -> None:
         self._box.say(NAK)
@@ -319,6 +338,8 @@ class Receiver:
             self._report_failure()
             return
         match self._state:
+            case State.IDLE if self._wish:
+                self._grant(now)
             case State.IDLE:
                 self.settle()
                 if self._profile.stray is Stray.NAK_AFTER_QUIET:
@@ -328,7 +349,10 @@ class Receiver:
             case State.DEAF:
                 self._rest()
                 self._torn = False
-                self.settle()
+                if self._wish:
+                    self._grant(now)
+                else:
+                    self.settle()
             case _:
                 self._torn = True
                 self._refuse(self._why or Refusal.GAP)
@@ -362,7 +386,7 @@ class Receiver:
     def lost(self) -> None:
         """The port is gone.  A block already acknowledged stays in the buffer: the partner will not send it again."""
         self.settle()
-        self._torn = self._restless = False
+        self._torn = self._restless = self._wish = False
         self._opened_in = self._ended_in = -1
         if self.busy:
             self._box.tell(BlockRefused(Refusal.LOST, self._count))

@@ -47,6 +47,7 @@ class Sender:
         self.jobs: deque[Job] = deque()  # not yet sent or given up
         self._number = 0
         self._connects, self._blocks = 0, 0  # failed attempts of the first job
+        self._yielded = False  # the first job gave way in a repeat, in spite of priority
         self._conflict = False  # the partner's STX was heard and ignored
         self._repeated_at: Ns | None = None  # when STX was given out in the middle of a burst
         self._done_at: Ns | None = None  # when a block was acknowledged
@@ -98,7 +99,7 @@ class Sender:
 
     def forget_attempts(self) -> None:
         """The partner sent a block, good or bad, to its end: the job that gave way to it starts anew."""
-        self._connects, self._blocks = 0, 0
+        self._connects, self._blocks, self._yielded = 0, 0, False
 
     # ---- the table
     def hear(self, byte: int, now: Ns) -> bool:
@@ -158,7 +159,7 @@ class Sender:
 
     def _meet(self) -> bool:
         """Both stations sent STX: with priority go on, without keep the job and listen (7.1)."""
-        repeated = self._connects + self._blocks > 0
+        repeated = self._connects + self._blocks > 0 and not self._yielded
         if self._priority is Priority.HIGH and not (repeated and self._profile.yields_to_second_conflict):
             self._conflict = True
             if not self.overtook and self._blocks == 0:
@@ -166,7 +167,10 @@ class Sender:
             return True
         if self._box.turn == self._stx_in:
             del self._box.output[-1:]  # our STX was not given out yet: now it never is
-        self._connects += 1
+        if self._priority is Priority.HIGH:
+            self._connects, self._blocks, self._yielded = 0, 0, True  # once: else both give way in every repeat and neither gets through
+        else:
+            self._connects += 1
         self._state, self.due = IDLE, None
         return False
 
@@ -246,7 +250,7 @@ class Sender:
         self._box.tell(event)
         self.jobs.popleft()
         self._connects, self._blocks = 0, 0
-        self._state, self.due, self._revoked = IDLE, None, False
+        self._state, self.due, self._revoked, self._yielded = IDLE, None, False, False
 
     def _stage(self) -> Stage:
         return Stage.BLOCK if self._state in ON_THE_LINE else Stage.CONNECT
@@ -282,7 +286,7 @@ class Sender:
             self._box.tell(SendFailed(job.number, Failure.LOST, stage))
             stage = Stage.WAITING
         self.jobs.clear()
-        self._revoked, self.overtook = False, 0
+        self._revoked, self._yielded, self.overtook = False, False, 0
         self._connects, self._blocks = 0, 0
         self._state, self.due = IDLE, None
 

@@ -3,6 +3,8 @@
 Here a burst matters: what a port hands over at once did not wait for our answer.  So no Bench, which also feeds byte by byte.
 """
 
+import itertools
+
 import pytest
 
 from protocols.base.machine import Damage, Ns, ms
@@ -55,8 +57,9 @@ def test_the_rest_of_a_torn_block_that_comes_in_one_burst_is_no_block(name: str)
     profile = PROFILES[name]
     line, quiet = torn(profile).at(ms(1000)).hears(TAIL).says(b"").reports(), profile.char_delay
     line.at(ms(1000) + quiet - 1).hears(STX).says(b"").reports()  # behind the rest without a pause: may belong to it
-    line.at(ms(1000) + 2 * quiet - 1).says(b"").reports(StrayCharacters(len(TAIL) + 1))
-    line.hears(STX).says(DLE).hears(GOOD_AB).says(DLE).reports(BlockReceived(b"AB"))
+    line.at(ms(1000) + 2 * quiet - 2).says(b"").reports()
+    line.at(ms(1000) + 2 * quiet - 1).says(DLE).reports(StrayCharacters(len(TAIL)))  # nothing followed: it waits for us (AX-654)
+    line.hears(GOOD_AB).says(DLE).reports(BlockReceived(b"AB"))
 
 
 def test_the_rest_of_a_torn_block_that_comes_one_by_one_does_not_wait_for_our_dle() -> None:
@@ -121,3 +124,94 @@ def test_a_sender_that_hears_the_rest_of_a_block_does_not_give_way_to_a_02h_in_i
     assert [type(event) for event in line.told] == [SendRepeated, StrayCharacters]
     line.at(ms(222)).hears(DLE).says(b"A\x10\x03\x52").hears(DLE)
     assert line.told[-1] == BlockSent(1)
+
+
+# ---- a wish behind garbage (AX-654)
+@pytest.mark.parametrize("garbage", [b"A", b"\x03", b"AB\x15", b"\x10\x10"])
+@pytest.mark.parametrize("wishes", [1, 2, 5])
+def test_a_wish_in_the_burst_behind_garbage_is_answered_at_once_and_once(garbage: bytes, wishes: int) -> None:
+    line = Line().hears(garbage + STX * wishes).says(DLE)
+    line.told.clear()
+    line.at(ms(5)).hears(GOOD_AB).says(DLE).reports(BlockReceived(b"AB"))
+
+
+def test_two_stx_with_more_behind_them_in_one_burst_are_no_wish() -> None:
+    line = Line().hears(b"A" + STX + STX + b"B").says(b"").at(ms(220)).says(b"").reports(StrayCharacters(1), StrayCharacters(2))
+    line.hears(STX).says(DLE)
+
+
+def test_a_spoiled_character_behind_a_wish_takes_it_back() -> None:
+    line = torn().at(ms(1000)).hears(TAIL).at(ms(1100)).hears(STX)
+    line.told += line.link.damaged(Damage.PARITY, ms(1101))
+    line.at(ms(1321)).says(b"").reports(StrayCharacters(len(TAIL) + 2))
+
+
+def test_a_wish_behind_the_end_of_a_block_in_one_burst_is_granted_when_the_line_is_quiet() -> None:
+    line = Line().hears(STX).says(DLE).at(ms(5)).hears(GOOD_AB + STX).says(DLE).reports(BlockReceived(b"AB"))
+    line.at(ms(225)).says(DLE).at(ms(226)).hears(GOOD_AB).says(DLE).reports(BlockReceived(b"AB"))
+
+
+def test_a_partner_that_was_told_nak_at_once_asks_again_by_itself() -> None:
+    line = Line(PROFILES["vipa-cp240"]).hears(STX).says(DLE).at(ms(5)).hears(GOOD_AB + STX).says(DLE + NAK)
+    line.at(ms(300)).says(b"").reports(BlockReceived(b"AB"), StrayCharacters(1))
+
+
+LETTERS = (b"A", STX, DLE)
+GARBAGE = [b"".join(word) for size in (1, 2, 3) for word in itertools.product(LETTERS, repeat=size)]
+
+
+@pytest.mark.parametrize("name", ["siemens-cp341", "rho3", "linux"])
+@pytest.mark.parametrize("pause", [None, 1, 50, 150, 219, 400])
+def test_a_strict_sender_is_served_within_two_seconds_of_any_garbage(name: str, pause: int | None) -> None:
+    """Garbage, then at once (None: in the same burst) or later a station that says STX, waits, and repeats after QVZ or NAK only."""
+    profile, bad = PROFILES[name], dict[bytes, int]()
+    for garbage in GARBAGE:
+        line = Line(profile)
+        line.hears(garbage + (STX if pause is None else b""))
+        line.link.sent(0) if line.link.take_output() else None
+        begun = 0
+        if pause is not None:
+            begun = ms(pause)
+            _until(line, begun)
+            line.at(begun).hears(STX)
+        took = _strict_sender(line, begun, profile.ack_delay)
+        if took is None or took > ms(2000):
+            bad[garbage] = -1 if took is None else took // ms(1)
+    assert not bad
+
+
+def _until(line: Line, moment: Ns) -> None:
+    """What is said meanwhile goes to no one who waits for it."""
+    while (due := line.link.deadline()) is not None and due <= moment:
+        line.at(due)
+        if line.link.take_output():
+            line.told += line.link.sent(due)
+
+
+def _strict_sender(line: Line, begun: Ns, patience: Ns) -> Ns | None:
+    """Its STX was said at `begun`; how long until its block is delivered and acknowledged."""
+    state, waits = "connect", begun + patience
+    while line.now < begun + ms(8000):
+        said = line.link.take_output()
+        if said:
+            line.told += line.link.sent(line.now)
+        if said[-1:] == DLE and state == "answer" and any(isinstance(event, BlockReceived) for event in line.told):
+            return line.now - begun
+        next_due = line.link.deadline()
+        now = line.now + ms(1) if said else min(waits, waits if next_due is None else next_due)
+        if said[-1:] == DLE and state == "connect":
+            state, waits = "answer", now + patience
+            line.at(now).hears(GOOD_AB)
+        elif said or now >= waits:
+            state, waits = "connect", now + patience
+            line.at(now).hears(STX)
+        else:
+            line.at(now)
+    return None
+
+
+@pytest.mark.parametrize("end", [b"\x10\x03", b"\x10\x17"])
+def test_a_check_of_02h_at_the_end_of_a_rest_is_no_wish(end: bytes) -> None:
+    """A DLE there would acknowledge the torn block."""
+    line = torn().at(ms(1000)).hears(STX + b"AC").says(b"").at(ms(1010)).hears(end).at(ms(1012)).hears(STX).says(b"")
+    line.at(ms(1232)).says(b"").reports(StrayCharacters(6))

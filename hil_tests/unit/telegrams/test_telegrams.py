@@ -117,6 +117,7 @@ def test_a_sound_telegram_has_no_findings() -> None:
         (Incoming("T", (Match(0, b"\0\0"),), (Field(Kind.INTEGER, "a", 1),), 18), "a overlaps match[0]: both cover byte 1"),
         (Incoming("T", (), (Field(Kind.REAL, "a", 0), Field(Kind.WORD, "b", 3)), 18), "b overlaps a: both cover byte 3"),
         (Incoming("T", (), (Field(Kind.REAL, "a", 15),), 18), "a covers bytes 15..18, beyond the length: bytes 0..17"),
+        (Incoming("T", (Match(0, b"A"),), (), 139), "139 bytes; a block of this line's profile has 1..138"),
         (Incoming("T", (Match(137, b"AB"),)), "match[0] covers bytes 137..138, beyond the length: bytes 0..137"),
         (Incoming("T", (Match(0, b""),)), "no bytes to recognise"),
         (Incoming("T", (), (Field(Kind.BYTE, "a", 0), Field(Kind.BYTE, "a", 1))), "a is written twice"),
