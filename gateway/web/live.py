@@ -178,7 +178,9 @@ class Live:
 
     async def _lines(self) -> Row:
         status = self.regions.status
-        return {"lines": await self.lines.look(), "doors": status.get("doors", []), "asked": asked_links(status)}
+        clock_ms = round((time.time() - time.monotonic()) * 1e3, -1)  # stamps of lines are of the monotonic clock
+        told = {"lines": await self.lines.look(), "doors": status.get("doors", []), "asked": asked_links(status)}
+        return {**told, "clock_ms": clock_ms}
 
     async def _bus(self) -> Row:
         for view in self.buses:

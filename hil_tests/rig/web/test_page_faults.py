@@ -3,6 +3,7 @@
 import json
 import os
 import pathlib
+import re
 import signal
 import time
 from collections.abc import Iterator
@@ -97,6 +98,10 @@ def test_devices_that_are_away_and_reads_refused_stand_on_the_page(web: WebRun, 
     assert "answers" in boss.inner_text("#asked tr:has-text('tank')")
     until(lambda: "no connection" in boss.inner_text("#asked tr:has-text('pump')"), "the pump that was never reached")
     assert "oven alive" in boss.inner_text("#state") and "far silent" in boss.inner_text("#state")
+    shown = boss.inner_text("[aria-label='Lines plc1'] tbody tr td:first-child")
+    here = boss.evaluate("Date.now() % 60000")
+    assert re.fullmatch(r"\d\d:\d\d:\d\d\.\d{3}", shown), "the time of day"
+    assert (here - (int(shown[6:8]) * 1000 + int(shown[9:]))) % 60_000 < 15_000
     boss.screenshot(path=pictures() / "lines-modbus-devices.png", full_page=True)
 
 

@@ -10,7 +10,7 @@ from functools import cache
 from importlib import import_module
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-TYPED = re.compile(r"axisgate ([a-z][a-z0-9-]*)((?: (?!axisgate)[^\s;,:`'\"()]+)*? )(--[a-z][a-z-]+)")
+TYPED = re.compile(r"axisgate ([a-z][a-z0-9-]*)((?: (?!axisgate)[^\s;,:`'\"()]+)*? )(--[a-z][a-z0-9-]+)")
 
 
 @cache

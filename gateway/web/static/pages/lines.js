@@ -50,8 +50,13 @@ export function mount(root, { t, cell }) {
       return { ...seen, link: link.name, url: link.url, device, connected: link.connected, asked: seen.requests, words: [link.connected ? "" : link.why, ...refused].filter(Boolean).join("; ") };
     })));
   }
-  function exchange(row, first) {
-    return h("tr", { class: row.ok ? "" : "badq" }, h("td", { class: "n" }, `${(row.ms - first).toFixed(1)} ms`), h("td", {}, `${row.client} / ${row.unit}`), h("td", { class: "n" }, `FC ${row.function}`),
+  // The time of day at the browser, to the millisecond.
+  function clock(ms, offset) {
+    const at = new Date(ms + offset);
+    return `${at.toLocaleTimeString("de-DE", { hour12: false })}.${String(at.getMilliseconds()).padStart(3, "0")}`;
+  }
+  function exchange(row, offset) {
+    return h("tr", { class: row.ok ? "" : "badq" }, h("td", { class: "n" }, clock(row.ms, offset)), h("td", {}, `${row.client} / ${row.unit}`), h("td", { class: "n" }, `FC ${row.function}`),
       h("td", { class: "free" }, row.asked), h("td", { class: "free mono small" }, row.answered), h("td", { class: "free mono small" }, row.hex.replace(/(..)(?=.)/g, "$1 ")));
   }
   const SIDES = { A: t("partner"), B: "axisgate" };
@@ -71,11 +76,10 @@ export function mount(root, { t, cell }) {
       for (const [name, told] of Object.entries(page.lines)) {
         const box = boxes.get(name);
         if (!box) continue;
-        if (box.modbus) { box.body.replaceChildren(...told.slice(-60).reverse().map((row) => exchange(row, told[0].ms))); continue; }
+        if (box.modbus) { box.body.replaceChildren(...told.slice(-60).reverse().map((row) => exchange(row, page.clock_ms))); continue; }
         const rows = told.filter((row) => dull.checked || row.kind.length > 3).slice(-60).reverse();
-        const first = told[0]?.ms ?? 0;
         box.body.replaceChildren(...rows.map((row) => h("tr", { class: row.ok === false || ["BROKEN", "DAMAGED", "STRAY"].includes(row.kind) ? "badq" : "" },
-          h("td", { class: "n" }, `${(row.ms - first).toFixed(1)} ms`), h("td", {}, SIDES[row.side]), h("td", {}, row.kind), h("td", { class: "free" }, row.text), h("td", { class: "free mono small" }, row.hex))));
+          h("td", { class: "n" }, clock(row.ms, page.clock_ms)), h("td", {}, SIDES[row.side]), h("td", {}, row.kind), h("td", { class: "free" }, row.text), h("td", { class: "free mono small" }, row.hex))));
       }
     },
   };
