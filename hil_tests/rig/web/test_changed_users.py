@@ -102,7 +102,7 @@ class Jogging:
                         self.socket.recv(timeout=0.001)
 
     def begin(self) -> None:
-        self.person.post("/api/permit")
+        self.cell.boss.post("/api/permit")
         for code in ("fault_reset", "override", "enable"):
             self.person.post("/api/command", code=code, mask=63)
             time.sleep(0.3)
