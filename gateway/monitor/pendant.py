@@ -82,7 +82,7 @@ class Pendant(App[None]):
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("f1", "help", "keys", priority=True),
         Binding("f2", "control", "control", priority=True),
-        Binding("f10,ctrl+q", "quit", "end", priority=True),
+        Binding("f10,ctrl+q,ctrl+c", "quit", "end", priority=True),
     ]
 
     def __init__(self, run: str) -> None:

@@ -299,9 +299,10 @@ def dialogue(screens: Iterator[str], *words: str) -> None:
             generator.send(False)
 
 
-def test_the_pendant_in_a_real_terminal(run: CellRun) -> None:
+@pytest.mark.parametrize("end", ["\x11", "\x03"], ids=["ctrl-q", "ctrl-c"])
+def test_the_pendant_in_a_real_terminal(run: CellRun, end: str) -> None:
     """Its display, a mode chosen by direct selection, and its end."""
-    dialogue(screen_of("m7.1\r\x11", "see", "--pendant"), "Basic level", *["Mode="] * 4, "7.1 Axis display")
+    dialogue(screen_of(f"m7.1\r{end}", "see", "--pendant"), "Basic level", *["Mode="] * 4, "7.1 Axis display")
 
 
 def test_variables_of_the_phg_stand_in_registers_blocks_and_var(run: CellRun) -> None:
