@@ -63,11 +63,11 @@ references: tools
 
 # Packages for the other Pythons of this machine, those of another minor version (lane pythons).
 pythons: $(STAMP)
-	@$(PY) -m hil_tests.lab.pythons || echo "pythons: not all prepared; lane pythons says which"
+	@$(PY) -m hil_tests.lab.running.pythons || echo "pythons: not all prepared; lane pythons says which"
 
 # Parts of the cycle in C (AX-320).  Without a compiler or Python's headers their Python twins run, and a line says so.
 native: $(STAMP)
-	@$(PY) -m gateway.native.build || true
+	@$(PY) -m gateway.cycle.native.build || true
 
 build/%: hil_tests/bench/%.c
 	@mkdir -p build
@@ -140,7 +140,7 @@ losses: $(STAMP)  # 100 deaths of the cycle: killed and stopped, boosters and Ci
 SERIAL := protocols/p3964r,protocols/rk512,protocols/buep64,protocols/telegrams
 branches: $(STAMP)
 	@mkdir -p build
-	@COVERAGE_FILE=build/branches $(PY) -m coverage run --branch --source=$(SERIAL) -m pytest -q -p no:cacheprovider $(foreach part,p3964r rk512 buep64,hil_tests/conformance/$(part)) hil_tests/unit/telegrams
+	@COVERAGE_FILE=build/branches $(PY) -m coverage run --branch --source=$(SERIAL) -m pytest -q -p no:cacheprovider $(foreach part,p3964r rk512 buep64,hil_tests/requirements/$(part)) hil_tests/unit/protocols/telegrams
 	@COVERAGE_FILE=build/branches $(PY) -m coverage report --show-missing --skip-covered --fail-under=100
 
 fuzz: $(STAMP)
@@ -156,4 +156,4 @@ lock:  # renews requirements.lock from the ranges of pyproject.toml, in an envir
 	mv build/lock/small.txt requirements.lock && mv build/lock/judges.txt hil_tests/requirements.lock
 
 clean:
-	rm -rf build gateway/native/*.so .mypy_cache .ruff_cache .pytest_cache .hypothesis
+	rm -rf build gateway/cycle/native/*.so .mypy_cache .ruff_cache .pytest_cache .hypothesis

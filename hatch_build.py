@@ -13,12 +13,14 @@ class NativeParts(BuildHookInterface):
     def initialize(self, version: str, build_data: dict[str, object]) -> None:
         if self.target_name != "wheel" or version == "editable":
             return
-        done = subprocess.run([sys.executable, "-m", "gateway.native.build"], cwd=self.root, capture_output=True, text=True, check=False)
+        done = subprocess.run(
+            [sys.executable, "-m", "gateway.cycle.native.build"], cwd=self.root, capture_output=True, text=True, check=False
+        )
         if done.returncode:
             self.app.display_warning(f"without all parts in C, their Python twins run: {done.stderr.strip()}")
-        made = sorted(pathlib.Path(self.root).glob(f"gateway/native/*{suffix()}"))
+        made = sorted(pathlib.Path(self.root).glob(f"gateway/cycle/native/*{suffix()}"))
         if made:
-            build_data["force_include"] = {str(file): f"gateway/native/{file.name}" for file in made}
+            build_data["force_include"] = {str(file): f"gateway/cycle/native/{file.name}" for file in made}
             build_data["pure_python"], build_data["infer_tag"] = False, True
 
 

@@ -2,8 +2,8 @@
 
 import re
 
-from gateway.errors_catalogue import catalogue
-from gateway.pure.errorentries import RESETS, Entry, Family
+from gateway.files.error_catalogue import catalogue
+from gateway.pure.image.error_entries import RESETS, Entry, Family
 
 HEAD = """# Errors
 

@@ -3,7 +3,7 @@
 import pathlib
 import re
 
-from gateway.files import read_evidence
+from gateway.files.find import read_evidence
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 TABLE = re.compile(r"\| function \| evidence \| judged by \|\n\|---\|---\|---\|\n(?:\|.*\n)*")

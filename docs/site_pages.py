@@ -18,14 +18,14 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from gateway.__main__ import load
-from gateway.cellmap import SHEETS
-from gateway.cellmodels import CellFile
+from gateway.cell_file.load import load_cell
+from gateway.cell_file.models.cell import CellFile
 from gateway.commands.assess import WORDS
-from gateway.config import load_cell
-from gateway.files import read_signals
-from gateway.progress import steps
-from gateway.pure.sheets import render
-from gateway.starting.assessment import ASKED, assess
+from gateway.files.find import read_signals
+from gateway.pure.reports.tables import render
+from gateway.tools.address_map import SHEETS
+from gateway.tools.new_cell.assessment import ASKED, assess
+from gateway.tools.progress import steps
 
 HERE = pathlib.Path(__file__).resolve().parent
 TARGET = HERE.parent / "build" / "docs-src"

@@ -12,7 +12,7 @@ import pytest
 
 from hil_tests.host import REPORTS as RIGS_REPORTS
 from hil_tests.host import Host
-from hil_tests.lab.bench import played
+from hil_tests.lab.virtual.bench import played
 from hil_tests.lanes import Lanes
 from hil_tests.matrix.marks import Marks
 from hil_tests.numbers import one_thread

@@ -10,11 +10,11 @@ import tempfile
 from collections.abc import Sequence
 
 from drivers.ports.base import PortError, runtime_dir
-from drivers.ports.can import open_can
-from gateway.realtime import realtime_allowed
+from drivers.ports.can.open import open_can
+from gateway.runtime.realtime import realtime_allowed
 from hil_tests import demo_page
-from hil_tests.lab.awake import awake
-from hil_tests.lab.scenario import Scenario, ScenarioFailed
+from hil_tests.lab.running.awake import awake
+from hil_tests.lab.running.scenario import Scenario, ScenarioFailed
 from hil_tests.rig.uml import guest
 
 EXAMPLES = """examples:

@@ -4,14 +4,14 @@ import html
 import pathlib
 from collections.abc import Sequence
 
-from gateway.files import find_config, read_text
-from gateway.motionplot import STYLE, way_charts
-from gateway.robotfile import load_robot
-from gateway.svg import draw
-from hil_tests.lab.judge import Verdict
+from gateway.files.find import find_config, read_text
+from gateway.files.robots import load_robot
+from gateway.pure.reports.svg import draw
+from gateway.tools.motion.plot import STYLE, way_charts
+from hil_tests.lab.judges.judge import Verdict
 from motion.planner.robot import machine_of
 from motion.planner.trace import route_of
-from motion.program.text import read
+from motion.program.text.reader import read
 
 SHOWN = (("SCARA: pick and place", "scara-pick-and-place", "scara"), ("Six-axis arm: U cycle and circle", "arm-u-cycle", "arm6"))
 

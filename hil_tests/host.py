@@ -1,11 +1,11 @@
 """The rig's tests of a whole run, in a process of their own, one module after the other; what a busy machine spoilt is played again.
 
-Modules that stand a busy machine (BESIDE in hil_tests/places.py) are played beside the pure tests and the guests, where those have a
+Modules that stand a busy machine (BESIDE in hil_tests/test_folders.py) are played beside the pure tests and the guests, where those have a
 clock of their own, by a process like that; the others when all these have ended, alone.  What failed beside them counts as not
 played: it is played with the others, and what it says there is its verdict.
 
 A shared machine takes the processor away for tens of milliseconds, and a cell that runs on it then stops, as it must.  Witnesses
-(hil_tests/lab/stolen.py) write it down: one of the highest priority a processor for 10 ms and more in which nobody ran there, an
+(hil_tests/lab/judges/stolen.py) write it down: one of the highest priority a processor for 10 ms and more in which nobody ran there, an
 ordinary one for 40 ms and more in which such a process was not served.  A module of which a test failed while they saw that is played
 again at the end, whole, in a guest with a clock of its own, where nothing is late.  What cannot be played there (NO_OWN_TIME), or
 everything where there is no such guest, is played on the host in a fresh process and at a slower clock (AGAIN_P5_MS): every rule under
@@ -24,15 +24,15 @@ from collections.abc import Sequence
 import pytest
 
 from hil_tests import lanes, reports
-from hil_tests.lab.awake import awake
-from hil_tests.lab.stolen import everywhere, left_alone, stolen, witness
+from hil_tests.lab.judges.stolen import everywhere, left_alone, stolen, witness
+from hil_tests.lab.running.awake import awake
 from hil_tests.pair import forget_the_dead, surroundings, whole_run
-from hil_tests.places import BESIDE, NO_OWN_TIME, of_one, unhurried
 from hil_tests.rig.uml import guest
 from hil_tests.rig.uml.lane import Guests, folder_of, of_the_guest
+from hil_tests.test_folders import BESIDE, NO_OWN_TIME, of_one, unhurried
 
 REPORTS = "AXISGATE_TEST_RIG"  # set in that process: file for its reports
-P5 = "AXISGATE_TEST_P5"  # ms; hil_tests/lab/cell_running.py
+P5 = "AXISGATE_TEST_P5"  # ms; hil_tests/lab/running/cell_running.py
 AGAIN_P5_MS = (16, 32, 32, 32)  # of the repetitions
 MOST_AGAIN = 35  # modules, of some forty; more than these is no matter of the machine
 POLL_S = 0.2

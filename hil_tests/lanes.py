@@ -12,9 +12,9 @@ from collections.abc import Callable, Generator, Iterator, Mapping
 
 import pytest
 
-from gateway.native import built
+from gateway.cycle.native import built
 from hil_tests.judges import LeftOut
-from hil_tests.lab import pythons
+from hil_tests.lab.running import pythons
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 REFERENCES = ROOT / "build"  # C references: hil_tests/bench/NAME.c becomes build/NAME
@@ -37,7 +37,7 @@ def _cref() -> str | None:
     if unbuilt:
         return f"build/{', build/'.join(unbuilt)} not built (make references)"
     parts = [part for part in built.PARTS if not built.library(part).exists()]
-    return f"gateway/native: {', '.join(parts)} not built (make native)" if parts else None
+    return f"gateway/cycle/native: {', '.join(parts)} not built (make native)" if parts else None
 
 
 def _tshark() -> str | None:

@@ -14,8 +14,8 @@ import sys
 import pytest
 
 from hil_tests import reports
-from hil_tests.places import unhurried
 from hil_tests.rig.uml.lane import of_the_guest
+from hil_tests.test_folders import unhurried
 
 MATE = "AXISGATE_TEST_MATE"  # set in the mate: folder of claims and reports
 REPORTS = "reports.jsonl"

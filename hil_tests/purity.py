@@ -55,9 +55,11 @@ ALLOWED: dict[str, frozenset[str]] = {
     "motion": frozenset({"motion", "numpy", "ruckig", "pinocchio"}),
     "drivers/drives": frozenset({"protocols", "drivers.drives", "ruckig", "numpy"}),
     "drivers/emulator": frozenset({"protocols", "drivers.emulator"}),
-    "gateway/pure": frozenset({"protocols", "motion", "drivers.drives", "gateway.pure", "gateway.cell", "gateway.errors"}),
-    "gateway/cell.py": frozenset({"gateway.cell", *TABLES, "datetime"}),  # the type of a date that stands in the file
-    "gateway/errors.py": frozenset({"gateway.errors", "gateway.pure"}),
+    "gateway/pure": frozenset(
+        {"protocols", "motion", "drivers.drives", "gateway.pure", "gateway.pure.cell.cell", "gateway.runtime.exit_codes"}
+    ),
+    "gateway/pure/cell/cell.py": frozenset({"gateway.pure.cell.cell", *TABLES, "datetime"}),  # the type of a date that stands in the file
+    "gateway/runtime/exit_codes.py": frozenset({"gateway.runtime.exit_codes", "gateway.pure"}),
 }
 PURE_MODULES = ("protocols.", "motion.", "drivers.drives.", "drivers.emulator.", "gateway.pure.")
 GUARDED_FOLDERS = ("unit", "conformance", "properties")

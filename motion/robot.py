@@ -1,15 +1,18 @@
 """What a robot is, as plain data, and the kinematics made of it; how much of it one cell may hold.
 
-The files below configs/robots are read at the edge (gateway.robotfile) and arrive here as `Robot`.
+The files below configs/robots are read at the edge (gateway.files.robots) and arrive here as `Robot`.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 
-from motion.conventions import Convention, convention
 from motion.errors import MotionError
-from motion.frames import IDENTITY, Pose, Vector
+from motion.execution.pieces import MAX_AXES
+from motion.geometry.conventions import Convention, convention
+from motion.geometry.frames import IDENTITY, Pose, Vector
+from motion.geometry.limits import AxisLimits
+from motion.geometry.workspace import Workspace
 from motion.kinematics.arm6 import Arm6, ArmGeometry
 from motion.kinematics.base import Kinematics
 from motion.kinematics.coupled import Coupled
@@ -17,9 +20,6 @@ from motion.kinematics.group import Additional, Group, Role
 from motion.kinematics.identity import Identity
 from motion.kinematics.portal import Portal
 from motion.kinematics.scara import Scara
-from motion.limits import AxisLimits
-from motion.pieces import MAX_AXES
-from motion.workspace import Workspace
 
 MOST_KINEMATICS, MOST_AXES, MOST_BELTS = 16, MAX_AXES, 8
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 from drivers.drives.cia402_boot import CONTROLWORD, Pdo, map_faults
-from protocols.canopen import cobid
+from protocols.canopen import cob_id as cobid
 from protocols.canopen.dictionary import ObjectDictionary
 from protocols.canopen.pdo import RPDO_COMMUNICATION, RPDO_MAPPING, mapped
 

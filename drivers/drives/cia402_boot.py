@@ -15,7 +15,7 @@ from drivers.drives.canopen_steps import Answer, Nmt, Pause, Read, Refused, Sile
 from drivers.drives.cia402_states import Command as Control
 from drivers.drives.cia402_states import State as PowerState
 from drivers.drives.cia402_states import state_of
-from protocols.canopen import cobid
+from protocols.canopen import cob_id as cobid
 from protocols.canopen.nmt import Command, State
 from protocols.canopen.pdo import RPDO_COMMUNICATION, RPDO_MAPPING, TPDO_COMMUNICATION, TPDO_MAPPING, Mapped, mapped
 from protocols.canopen.sdo import Abort

@@ -25,7 +25,7 @@ from drivers.drives.cia402_states import Command
 from drivers.drives.family import Heard, Latched, SetRecord
 from protocols.base.errors import DecodeError
 from protocols.base.machine import Frame, Ns
-from protocols.canopen import cobid
+from protocols.canopen import cob_id as cobid
 from protocols.canopen.nmt import State, heartbeat
 
 SYNC = Frame(cobid.SYNC)

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 
 from drivers.drives.cia402_family import GATEWAY_NODE
 from protocols.base.machine import Frame, Ns, ms
-from protocols.canopen import cobid
+from protocols.canopen import cob_id as cobid
 from protocols.servodyn.plan import SYNC_ID
 
 SILENT_NS = ms(3000)  # a master that was heard and says nothing for so long is gone

@@ -1,7 +1,7 @@
 """Opens a byte port by its address: the one place that knows which addresses there are."""
 
 from drivers.ports.base import BytePort
-from drivers.ports.linewire import parse_format
+from drivers.ports.serial.line_format import parse_format
 
 KINDS = '"/dev/ttyUSB0", "pty:/path", "tcp://host:port", "rfc2217://host:port"'
 
@@ -10,20 +10,20 @@ def open_bytes(url: str, format: str = "9600 8E1") -> BytePort:
     """Opens the port.  Raises PortError when it cannot be opened, ValueError when address or format are not readable."""
     line_format = parse_format(format)
     if url.startswith("pty:"):
-        from drivers.ports.pty import PtyPort
+        from drivers.ports.serial.pty import PtyPort
 
         return PtyPort(url[4:], line_format)
     if url.startswith("tcp://"):
-        from drivers.ports.tcp import TcpPort
+        from drivers.ports.net.tcp import TcpPort
 
         host, port = tcp_address(url)
         return TcpPort(host, port, line_format)
     if url.startswith("rfc2217://"):
-        from drivers.ports.rfc2217 import Rfc2217Port
+        from drivers.ports.serial.rfc2217 import Rfc2217Port
 
         return Rfc2217Port(url, line_format)
     if url.startswith("/"):
-        from drivers.ports.serial import SerialPort
+        from drivers.ports.serial.device import SerialPort
 
         return SerialPort(url, line_format)
     raise ValueError(f'port "{url}": expected {KINDS}')

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping
 
-from gateway.cell import Cell, Notice
 from gateway.checks import (
     alter,
     axes,
@@ -12,23 +11,24 @@ from gateway.checks import (
     canopen,
     contacts,
     controller,
-    doors,
     lines,
     modbus,
     northbound,
     notes,
     programs,
     retain,
-    rho3can,
     robots,
     routes,
     shared,
     telegrams,
     web,
 )
+from gateway.checks import command_sources as doors
+from gateway.checks import rho3_can as rho3can
 from gateway.checks.context import Context
-from gateway.faults import Fault
-from gateway.pure.signals import SignalList
+from gateway.pure.cell.cell import Cell, Notice
+from gateway.pure.cell.faults import Fault
+from gateway.pure.image.signals import SignalList
 
 __all__ = ["cross_faults", "notices"]
 

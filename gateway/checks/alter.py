@@ -1,9 +1,9 @@
 """[alter]: six whole words that a door writes, a byte of life beside them, two words of answer that nobody else writes."""
 
-from gateway.axes import rc_numbers
-from gateway.cell_alter import Alter
+from gateway.assembly.axes import rc_numbers
 from gateway.checks.context import Context
-from gateway.pure.permits import free_outputs
+from gateway.pure.cell.alter import Alter
+from gateway.pure.cycle.enabling_inputs import free_outputs
 
 WORD, BITS = 16, 1024
 

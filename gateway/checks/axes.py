@@ -1,8 +1,8 @@
 """Axes: limits that do not contradict each other, homing that can end, P401 signs, check positions, the plant."""
 
-from gateway.cell import Axis, PlantAxis
 from gateway.checks.context import Context, near, number
-from gateway.pure.records import MOST_AXES
+from gateway.pure.cell.cell import Axis, PlantAxis
+from gateway.pure.image.records.cell import MOST_AXES
 
 
 def limits(check: Context) -> None:

@@ -1,8 +1,8 @@
 """[[belt]]: names once, eight at most, encoders that nobody else is heard as, belts that programs name."""
 
-from gateway.cell_belts import Belt
+from gateway.assembly.drive_buses import DRIVE_PROTOCOLS
 from gateway.checks.context import Context, twice
-from gateway.families import DRIVE_PROTOCOLS
+from gateway.pure.cell.belts import Belt
 from protocols.servodyn.plan import SLOTS, SYNC_ID, actual_id, set_id
 
 MOST = 8

@@ -1,13 +1,13 @@
 """Data blocks: places, types, names, ranges, who writes which word, and the bits of the handshakes."""
 
-from gateway.cell import Axis, Db, Entry, Handshake
+from gateway.assembly.data_block_signals import flag_operand, operand, rc_place
 from gateway.checks.context import Context, near, number
 from gateway.checks.controller import names_of, phg_fault
-from gateway.dbsignals import flag_operand, operand, rc_place
-from gateway.pure.addresses import AddressFault, DataBit, DataWord, Direction, Operand, Part, bits_of, parse
-from gateway.pure.names import Found, Kind, lookup, spelled
-from gateway.pure.phg.catalogue import PREFIX
-from gateway.pure.reasons import Reason
+from gateway.pure.cell.cell import Axis, Db, Entry, Handshake
+from gateway.pure.controllers.rho3.pendant.catalogue import PREFIX
+from gateway.pure.image.addresses import AddressFault, DataBit, DataWord, Direction, Operand, Part, bits_of, parse
+from gateway.pure.image.names import Found, Kind, lookup, spelled
+from gateway.pure.image.reasons import Reason
 
 SERVING = ("rk512", "buep64")  # layers
 DOUBLE = ("DH", "KG", "REAL")

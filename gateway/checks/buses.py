@@ -2,11 +2,11 @@
 
 import re
 
-from drivers.ports.adapterurl import adapter_of, is_adapter
 from drivers.ports.base import PortError
-from gateway.cell import Axis
+from drivers.ports.can.adapter_url import adapter_of, is_adapter
 from gateway.checks.context import Context, twice
-from gateway.files import ConfigNotFound, beside
+from gateway.files.find import ConfigNotFound, beside
+from gateway.pure.cell.cell import Axis
 
 OURS = re.compile(r"^(sim|socketcan:[\w.-]{1,15}|broker:[\w-]+|memory:[\w-]+)$")
 MODULES = 6  # axes on a bus (rho3 2.1, L7250)

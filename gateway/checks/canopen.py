@@ -5,10 +5,10 @@ from collections.abc import Iterator
 from drivers.drives.canopen_plan import Used, collisions, dictionary_map_faults, gateway_identifiers, io_pdos, node_identifiers, restricted
 from drivers.drives.cia402_boot import default_pdos, probe_pdos
 from drivers.drives.cia402_family import GATEWAY_NODE
-from gateway.canopen_sheets import read_eds
-from gateway.cell import Axis, Bus, Cell, Notice
+from gateway.assembly.programs import probe_of
 from gateway.checks.context import Context
-from gateway.programplan import probe_of
+from gateway.files.eds_sheets import read_eds
+from gateway.pure.cell.cell import Axis, Bus, Cell, Notice
 from protocols.servodyn import plan
 
 SHOWN = 3  # faults of a data sheet told one by one

@@ -1,14 +1,14 @@
 """Contacts: a device that is complete, one input or output a contact, signals that exist, one writer each, polling that fits."""
 
-from gateway.cell import Io
+from gateway.assembly.contacts import CHIP, COUPLER, MODBUS
+from gateway.assembly.routes import symbols_of
+from gateway.assembly.telegrams import named_values
 from gateway.checks.context import Context, near
-from gateway.io_plan import CHIP, COUPLER, MODBUS
-from gateway.pure.addresses import Direction
-from gateway.pure.contacts import CONTACTS, WATCHDOG, Source, source_of
-from gateway.pure.datadoor import RC_NAMES
-from gateway.pure.names import Kind, lookup
-from gateway.routeplaces import symbols_of
-from gateway.telegramtables import named_values
+from gateway.pure.arbitration.data_blocks import RC_NAMES
+from gateway.pure.buses.contacts import CONTACTS, WATCHDOG, Source, source_of
+from gateway.pure.cell.cell import Io
+from gateway.pure.image.addresses import Direction
+from gateway.pure.image.names import Kind, lookup
 
 CHANNELS = 64  # digital inputs or outputs of PDO 1 (CiA 401)
 TCP_REQUEST_MS, RTU_CHARACTER_MS, RTU_REQUEST_CHARS = 2.0, 11 / 9.6, 8 + 7  # one question and its answer, at 9600 Bd

@@ -4,9 +4,9 @@ import difflib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 
-from gateway.cell import Cell
-from gateway.faults import Fault
-from gateway.pure.signals import SignalList
+from gateway.pure.cell.cell import Cell
+from gateway.pure.cell.faults import Fault
+from gateway.pure.image.signals import SignalList
 
 
 @dataclass

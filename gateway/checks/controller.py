@@ -3,23 +3,23 @@
 import pathlib
 from collections.abc import Iterator
 
-from gateway.cell import Cell, Notice
-from gateway.cell_controller import Controller, ControllerPoint, ProcessStep
+from gateway.assembly.controllers import Control, dat_tables, make_control
 from gateway.checks.context import Context, number
-from gateway.controllers import Control, dat_tables, make_control
-from gateway.pure.errorlist import ErrorList
-from gateway.pure.functions.system_variables import VariableError
-from gateway.pure.interface.control import RhoControl
-from gateway.pure.interface.fastio import InputFault
-from gateway.pure.office import Office
-from gateway.pure.phg.catalogue import PREFIX
+from gateway.pure.arbitration.dispatcher import CommandDispatcher
+from gateway.pure.cell.cell import Cell, Notice
+from gateway.pure.cell.controller import Controller, ControllerPoint, ProcessStep
+from gateway.pure.controllers.rho3.functions.system_variables import VariableError
+from gateway.pure.controllers.rho3.pendant.catalogue import PREFIX
+from gateway.pure.controllers.rho3.signals.control import RhoControl
+from gateway.pure.controllers.rho3.signals.fast_io import InputFault
+from gateway.pure.image.error_list import ErrorList
 
 STEP_KEYS = ("to", "program", "output", "input", "wait_ms")
 
 
 def trial(cell: Cell) -> Control | None:
     """The control of the cell, driving nothing; ValueError: a parameter does not fit."""
-    return make_control(cell, {}, {}, Office((), lambda *_: b"", 1), ErrorList(), 0)[0]
+    return make_control(cell, {}, {}, CommandDispatcher((), lambda *_: b"", 1), ErrorList(), 0)[0]
 
 
 def names_of(cell: Cell) -> frozenset[str]:

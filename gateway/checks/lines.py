@@ -3,10 +3,10 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
-from gateway.cell import Cell, Db, Line, Notice, Times
 from gateway.checks.context import Context, number
-from gateway.checks.figures import character_ms, job_ms
-from gateway.pure.dialects import link_profile, rk512_dialect
+from gateway.pure.cell.cell import Cell, Db, Line, Notice, Times
+from gateway.pure.lines.line_profiles import link_profile, rk512_dialect
+from gateway.pure.reports.transfer_times import character_ms, job_ms
 from protocols.p3964r.profiles import NETWORK, PROFILES, Profile, least_char_delay
 from protocols.rk512.dialects import Dialect
 

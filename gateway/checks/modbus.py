@@ -3,17 +3,17 @@
 import ipaddress
 from collections.abc import Iterator, Sequence
 
-from gateway.cell_modbus import Modbus, ModbusValue
+from gateway.assembly.modbus_views import PICTURES
 from gateway.checks.context import Context, near, twice
 from gateway.checks.controller import phg_fault
-from gateway.modbuspictures import PICTURES
-from gateway.pure.modbus_pictures import STATES_AT
-from gateway.pure.modbus_registers import place
-from gateway.pure.modbus_view import FLAGS_AT
-from gateway.pure.names import lookup, spelled
-from gateway.pure.phg.catalogue import PREFIX
-from gateway.pure.reis.binary import BYTES
-from gateway.pure.reis.markers import SIZE
+from gateway.pure.cell.modbus import Modbus, ModbusValue
+from gateway.pure.controllers.reis.binary import BYTES
+from gateway.pure.controllers.reis.markers import SIZE
+from gateway.pure.controllers.rho3.pendant.catalogue import PREFIX
+from gateway.pure.image.names import lookup, spelled
+from gateway.pure.modbus.other_views import STATES_AT
+from gateway.pure.modbus.registers import place
+from gateway.pure.modbus.rho3_view import FLAGS_AT
 from protocols.modbus.numbers import words_of
 
 RC_END, BLOCK, BLOCK_END = 64, 1000, 1064

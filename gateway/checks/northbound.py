@@ -2,8 +2,8 @@
 
 import pathlib
 
-from gateway.cell_northbound import LOOPBACK, place_of
 from gateway.checks.context import Context
+from gateway.pure.cell.northbound import LOOPBACK, place_of
 
 
 def reachable(context: Context) -> None:

@@ -4,20 +4,20 @@ import math
 import re
 from collections.abc import Iterator
 
-from gateway.axes import scaling_of
-from gateway.cell import Axis, Cell, Db, Entry, Line, Notice
+from gateway.assembly.axes import scaling_of
 from gateway.checks.blocks import counts_of, place_of, split_unit
 from gateway.checks.context import number
-from gateway.checks.figures import cycle_us, job_ms, sdo_us, silence_s
-from gateway.pure.addresses import DataWord
-from gateway.pure.bus_traffic import judge
-from gateway.pure.command_block import AXES as TABLED
-from gateway.pure.command_block import MASKED
-from gateway.pure.dialects import link_profile
-from gateway.pure.interface.drives import AXES as SIGNALLED
-from gateway.pure.names import Kind, lookup
-from gateway.pure.permits import SIGNAL_AXES
-from motion.units import to_si
+from gateway.pure.arbitration.command_block import AXES as TABLED
+from gateway.pure.arbitration.command_block import MASKED
+from gateway.pure.buses.load import judge
+from gateway.pure.cell.cell import Axis, Cell, Db, Entry, Line, Notice
+from gateway.pure.controllers.rho3.signals.drives import AXES as SIGNALLED
+from gateway.pure.cycle.enabling_inputs import SIGNAL_AXES
+from gateway.pure.image.addresses import DataWord
+from gateway.pure.image.names import Kind, lookup
+from gateway.pure.lines.line_profiles import link_profile
+from gateway.pure.reports.transfer_times import cycle_us, job_ms, sdo_us, silence_s
+from motion.geometry.units import to_si
 from protocols.p3964r.profiles import NETWORK
 
 EVERY = re.compile(r"(?:every|alle) (\d+) ms")
@@ -95,7 +95,7 @@ def network(cell: Cell) -> Iterator[Notice]:
 
 def bus_load(cell: Cell) -> Iterator[Notice]:
     """Worst-case load of every drive bus."""
-    from gateway.bus_tools.plan import bitrate, traffic  # they take their figures from this package
+    from gateway.assembly.bus_frames import bitrate, traffic  # they take their figures from this package
 
     for bus in cell.bus:
         if not any(axis.drive.bus == bus.name for axis in cell.axis):
@@ -114,7 +114,7 @@ def bus_load(cell: Cell) -> Iterator[Notice]:
 
 def bus_whole(cell: Cell) -> Iterator[Notice]:
     """What `bus_load` leaves out: it counts SYNC, set and actual values alone, as the users' chapter writes it."""
-    from gateway.bus_tools.plan import bitrate, traffic  # they take their figures from this package
+    from gateway.assembly.bus_frames import bitrate, traffic  # they take their figures from this package
 
     for bus in cell.bus:
         if not any(axis.drive.bus == bus.name for axis in cell.axis):

@@ -3,19 +3,19 @@
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from gateway.axes import rc_numbers
-from gateway.canopen_sheets import read_eds
-from gateway.cell import Cell, Notice
-from gateway.cell_belts import Measuring
-from gateway.cell_program import Program
+from gateway.assembly.axes import rc_numbers
+from gateway.assembly.controllers import boards_of, p11_of
+from gateway.assembly.drive_buses import DRIVE_PROTOCOLS, make_family
+from gateway.assembly.fast_inputs import fast_wires
+from gateway.assembly.programs import bnr_files, machines_of_cell, numbers_by_axis, numbers_of, robots_of, written_for
 from gateway.checks.context import Context, twice
-from gateway.controllers import boards_of, p11_of
-from gateway.families import DRIVE_PROTOCOLS, make_family
-from gateway.fastwires import fast_wires
-from gateway.files import ConfigNotFound, beside, read_text
-from gateway.programplan import bnr_files, machines_of_cell, numbers_by_axis, numbers_of, robots_of, written_for
-from gateway.pure.interface.fastio import BOARDS, FastInputs
-from gateway.pure.permits import free_outputs
+from gateway.files.eds_sheets import read_eds
+from gateway.files.find import ConfigNotFound, beside, read_text
+from gateway.pure.cell.belts import Measuring
+from gateway.pure.cell.cell import Cell, Notice
+from gateway.pure.cell.programs import Program
+from gateway.pure.controllers.rho3.signals.fast_io import BOARDS, FastInputs
+from gateway.pure.cycle.enabling_inputs import free_outputs
 
 if TYPE_CHECKING:
     from motion.program.blocks import Block
@@ -50,10 +50,10 @@ def programs(check: Context) -> None:
 
 
 def _read(check: Context, key: str, table: Program) -> None:
-    from gateway.pure.programteam import machines_in
+    from gateway.pure.planning.team import machines_in
     from motion.errors import MotionError
-    from motion.program.text import read
-    from motion.program.textteam import read_team, several
+    from motion.program.text.reader import read
+    from motion.program.text.team import read_team, several
 
     file, cell = table.file, check.cell
     try:

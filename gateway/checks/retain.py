@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator
 
-from gateway.cell import Cell, Notice
+from gateway.assembly.telegrams import named_values
 from gateway.checks.context import Context
-from gateway.retaingroups import GROUPS
-from gateway.telegramtables import named_values
+from gateway.pure.cell.cell import Cell, Notice
+from gateway.runtime.retained.groups import GROUPS
 
 CONTROLLED = ("flags", "counter")
 

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from itertools import accumulate
 from typing import TYPE_CHECKING
 
-from gateway.cell import Axis
+from gateway.cell_file.rho3_parameters import COMPONENTS
 from gateway.checks.context import Context, twice
-from gateway.pure.records import MOST_AXES
-from gateway.rho3params import COMPONENTS
+from gateway.pure.cell.cell import Axis
+from gateway.pure.image.records.cell import MOST_AXES
 
 if TYPE_CHECKING:
     from motion.robot import Robot
@@ -20,7 +20,7 @@ def robots(check: Context) -> None:
     _named(check)
     if count < 2:
         return
-    from motion.program.textwords import Fault, name
+    from motion.program.text.words import Fault, name
     from motion.robot import MOST_KINEMATICS
 
     if count > MOST_KINEMATICS:
@@ -115,8 +115,8 @@ def components(check: Context) -> None:
 
 def _files(check: Context) -> "list[Robot | None]":
     """The file of each robot; None for one that is not there or is wrong, which is told where programs are looked at."""
-    from gateway.files import ConfigNotFound, beside
-    from gateway.robotfile import RobotFaults, load_robot
+    from gateway.files.find import ConfigNotFound, beside
+    from gateway.files.robots import RobotFaults, load_robot
     from motion.errors import MotionError
 
     found: list[Robot | None] = []

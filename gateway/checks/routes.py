@@ -3,20 +3,20 @@
 import math
 from collections.abc import Iterator
 
-from gateway.canopen_sheets import read_eds
-from gateway.cell import Cell, Db, Notice
-from gateway.cell_routes import Route
+from gateway.assembly.routes import BOUNDED, POLL_MS, Compiled, compile_route, devices_of, lines_of, symbols_of
+from gateway.assembly.telegrams import named_values
 from gateway.checks.blocks import place_of as entry_place
 from gateway.checks.context import Context, near, number
 from gateway.checks.controller import names_of, wired
-from gateway.checks.figures import job_ms
-from gateway.pure.addresses import AddressFault, DataBit, DataWord, Part
-from gateway.pure.names import Kind, lookup
+from gateway.files.eds_sheets import read_eds
+from gateway.pure.cell.cell import Cell, Db, Notice
+from gateway.pure.cell.routes import Route
+from gateway.pure.image.addresses import AddressFault, DataBit, DataWord, Part
+from gateway.pure.image.names import Kind, lookup
+from gateway.pure.reports.transfer_times import job_ms
+from gateway.pure.routes.addresses import Place, World
 from gateway.pure.routes.forms import BIT, FLOATS, span_of
 from gateway.pure.routes.judge import Span, rings, two_writers
-from gateway.pure.routes.places import Place, World
-from gateway.routeplaces import BOUNDED, POLL_MS, Compiled, compile_route, devices_of, lines_of, symbols_of
-from gateway.telegramtables import named_values
 from protocols.canopen.dictionary import Entry
 from protocols.canopen.types import Kind as DataKind
 from protocols.modbus.numbers import words_of
@@ -146,7 +146,7 @@ def _parameter(check: Context, key: str, text: str, place: Place) -> None:
     if not any(bus.name == axis.drive.bus and bus.protocol == "canopen" for bus in check.cell.bus):
         check.fault(key, text, f"the drive of {axis.name} is not on a CANopen bus: it has no parameters a route can write")
         return
-    from gateway.canopen_plans import OWN  # which imports figures of these checks
+    from gateway.assembly.canopen_nodes import OWN  # which imports figures of these checks
 
     kept = place.db in LIMITS or place.db in OWN
     if kept or not 0x2000 <= place.db < 0xA000:
@@ -227,7 +227,7 @@ def _name(check: Context, key: str, text: str, name: str) -> None:
 
 
 def _near_value(check: Context, name: str) -> str:
-    from gateway.pure.names import spelled
+    from gateway.pure.image.names import spelled
 
     known = [*spelled(sorted(check.known["axis"]), ()), *named_values(check.cell).names(), *names_of(check.cell)]
     return near(name, known) or "axisgate var lists them"

@@ -1,9 +1,9 @@
 """[[shared_output]]: axes that are there, each on one output alone, on RC outputs nobody else writes."""
 
-from gateway.axes import rc_numbers
-from gateway.cell_shared import SharedOutput
+from gateway.assembly.axes import rc_numbers
 from gateway.checks.context import Context, twice
-from gateway.pure.permits import free_outputs
+from gateway.pure.cell.shared_outputs import SharedOutput
+from gateway.pure.cycle.enabling_inputs import free_outputs
 
 WORD, BITS = 16, 1024
 

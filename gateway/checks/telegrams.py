@@ -2,10 +2,10 @@
 
 from collections.abc import Iterable, Iterator
 
-from gateway.cell import Cell, Line, Notice, Telegram, TelegramMatch, TelegramPart
+from gateway.assembly.telegrams import factor_of, incoming, is_incoming, outcomes, outgoing, signals, watched, written
 from gateway.checks.context import Context, near
-from gateway.pure.names import lookup, spelled
-from gateway.telegramtables import factor_of, incoming, is_incoming, outcomes, outgoing, signals, watched, written
+from gateway.pure.cell.cell import Cell, Line, Notice, Telegram, TelegramMatch, TelegramPart
+from gateway.pure.image.names import lookup, spelled
 from protocols.telegrams.builder import Edge, parse_when
 from protocols.telegrams.fields import TEXTS, Field, Kind
 from protocols.telegrams.judge import Finding, incoming_faults, outgoing_faults, same_block

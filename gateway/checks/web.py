@@ -2,8 +2,8 @@
 
 import pathlib
 
-from gateway.cell_web import Web
 from gateway.checks.context import Context
+from gateway.pure.cell.web import Web
 
 
 def reachable(context: Context) -> None:

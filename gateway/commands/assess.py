@@ -9,8 +9,8 @@ import pathlib
 import sys
 from collections.abc import Mapping
 
-from gateway.errors import Exit
-from gateway.starting.assessment import ASKED, Asked, BadAnswer, Reason, Verdict, assess, verdict
+from gateway.runtime.exit_codes import Exit
+from gateway.tools.new_cell.assessment import ASKED, Asked, BadAnswer, Reason, Verdict, assess, verdict
 
 EXAMPLES = """examples:
   axisgate assess                                        asks ten questions

@@ -6,13 +6,13 @@ import sys
 import time
 
 from drivers.drives import cia402_words, servodyn_words
-from gateway import zeros
-from gateway.assembly import slug_of
-from gateway.cell import Axis, Cell
-from gateway.commands.common import DONE, ENVIRONMENT, FINDING, USAGE, load
-from gateway.firstenable import percent
-from gateway.pure.records import AxisFlag
-from gateway.toolclient import Row, ToolClient, ToolError, mask_of, running, simulated
+from gateway.assembly import axis_zeros as zeros
+from gateway.assembly.run import slug_of
+from gateway.pure.cell.cell import Axis, Cell
+from gateway.pure.image.records.cell import AxisFlag
+from gateway.tools.client import Row, ToolClient, ToolError, mask_of, running, simulated
+from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE, load
+from gateway.tools.drives.first_enable import percent
 
 EXAMPLES = """examples:
   axisgate axis try cell.toml X                     on the running cell: pre-checks, then both ways

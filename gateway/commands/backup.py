@@ -5,8 +5,8 @@ import json
 import pathlib
 import sys
 
-from gateway import backup
-from gateway.commands.common import DONE, ENVIRONMENT, load
+from gateway.recording import backup
+from gateway.tools.command_support import DONE, ENVIRONMENT, load
 
 EXAMPLES = """examples:
   axisgate backup cell.toml --to cell-2026-11-21.zip           everything that makes this cell

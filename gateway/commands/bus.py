@@ -4,12 +4,12 @@ import importlib
 import sys
 
 TOOLS = {  # name: module with main(argv) -> exit code, what it does
-    "load": ("gateway.bus_tools.load", "does this cell fit its cycle, and what did a recorded bus carry"),
-    "monitor": ("gateway.bus_tools.monitor", "frames of a live bus, decoded"),
-    "log": ("gateway.bus_tools.log", "a live bus into a file: candump, ASC, BLF, TRC, pcapng"),
-    "replay": ("gateway.bus_tools.replay", "a recorded bus again, at its own pace"),
-    "send": ("gateway.bus_tools.send", "one frame, NMT command, PDO or SDO from the shell"),
-    "infer": ("gateway.bus_tools.infer", "layout of an unknown drive bus out of a recording"),
+    "load": ("gateway.tools.bus.load", "does this cell fit its cycle, and what did a recorded bus carry"),
+    "monitor": ("gateway.tools.bus.monitor", "frames of a live bus, decoded"),
+    "log": ("gateway.tools.bus.log", "a live bus into a file: candump, ASC, BLF, TRC, pcapng"),
+    "replay": ("gateway.tools.bus.replay", "a recorded bus again, at its own pace"),
+    "send": ("gateway.tools.bus.send", "one frame, NMT command, PDO or SDO from the shell"),
+    "infer": ("gateway.tools.bus.infer", "layout of an unknown drive bus out of a recording"),
 }
 EXAMPLES = """examples:
   axisgate bus load demo.toml                       before running: us of the cycle, per cent, shortest cycle

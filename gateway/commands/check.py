@@ -6,11 +6,11 @@ import json
 import os
 import sys
 
-from gateway.cell import Cell
-from gateway.config import load_cell
-from gateway.errors import Exit
-from gateway.faults import CellFaults, Fault
-from gateway.files import ConfigNotFound
+from gateway.cell_file.load import load_cell
+from gateway.files.find import ConfigNotFound
+from gateway.pure.cell.cell import Cell
+from gateway.pure.cell.faults import CellFaults, Fault
+from gateway.runtime.exit_codes import Exit
 
 EXAMPLES = """examples:
   axisgate check cell.toml            all faults, warnings and notes of a file

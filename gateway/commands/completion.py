@@ -3,10 +3,10 @@
 import argparse
 from importlib.metadata import entry_points
 
-from gateway.commands.common import DONE
-from gateway.completion.parsers import tree
-from gateway.completion.scripts import script
-from gateway.files import names_in
+from gateway.files.find import names_in
+from gateway.tools.command_support import DONE
+from gateway.tools.completion.parsers import tree
+from gateway.tools.completion.scripts import script
 
 EXAMPLES = """examples:
   source <(axisgate completion bash)                                          this bash only

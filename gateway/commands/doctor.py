@@ -14,8 +14,8 @@ import subprocess
 import sys
 from collections.abc import Iterable
 
-from gateway.errors import Exit
-from gateway.pure.diagnosis import CanState, Finding, PortState, RealTime, can_interface, can_state, real_time, serial_port
+from gateway.pure.reports.doctor import CanState, Finding, PortState, RealTime, can_interface, can_state, real_time, serial_port
+from gateway.runtime.exit_codes import Exit
 
 EXAMPLES = """examples:
   axisgate doctor                                   everything that is plugged in
@@ -32,7 +32,7 @@ IP_LIMIT_S = 5.0
 
 def main(argv: list[str]) -> int:
     if argv[:1] in (["serial"], ["can"]):
-        from gateway.doctor.tools import main as measured  # its own options
+        from gateway.tools.doctor.tools import main as measured  # its own options
 
         return measured(argv)
     parser = argparse.ArgumentParser(
@@ -55,8 +55,8 @@ def main(argv: list[str]) -> int:
 
 
 def _hour(options: argparse.Namespace) -> int:
-    from gateway.commands.common import load
-    from gateway.doctor.tools import hour
+    from gateway.tools.command_support import load
+    from gateway.tools.doctor.tools import hour
 
     cell = load(options.hour)
     if isinstance(cell, int):

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING
 
 from drivers.drives.cia402_manual import ManualError
 from drivers.ports.base import PortError
-from gateway.cell import Axis, Bus, Cell
-from gateway.commands.common import BANNER, DONE, ENVIRONMENT, FINDING, USAGE, load
-from gateway.firstenable import TEXT, confirm, unconfirmed
-from gateway.toolclient import ToolError, running, simulated
+from gateway.pure.cell.cell import Axis, Bus, Cell
+from gateway.tools.client import ToolError, running, simulated
+from gateway.tools.command_support import BANNER, DONE, ENVIRONMENT, FINDING, USAGE, load
+from gateway.tools.drives.first_enable import TEXT, confirm, unconfirmed
 
 if TYPE_CHECKING:
-    from gateway.losstest import Stop
+    from gateway.tools.drives.loss_test import Stop
 
 EXAMPLES = """examples:
   axisgate drive scan socketcan:can0                 nodes 1..127 with identity; nothing is written
@@ -84,7 +84,7 @@ def _scan_place(arguments: argparse.Namespace) -> int:
 
 
 def _scan(url: str, *, as_json: bool) -> int:
-    from gateway.commissioning import direct, scan
+    from gateway.tools.drives.without_cycle import direct, scan
 
     with direct(url) as link:
         found = scan(link)
@@ -104,7 +104,7 @@ def _bus_of(cell: Cell, name: str) -> Bus:
 
 
 def _commission(cell: Cell, arguments: argparse.Namespace) -> int:
-    from gateway.simulateddrives import simulated_drives
+    from gateway.assembly.simulated_drives import simulated_drives
 
     axes = {axis.name: axis for axis in cell.axis if axis.drive.type == "cia402"}
     axis = axes.get(arguments.axis or "")
@@ -119,10 +119,10 @@ def _commission(cell: Cell, arguments: argparse.Namespace) -> int:
 
 
 def _commission_on(cell: Cell, bus: Bus, axis: Axis, url: str, arguments: argparse.Namespace) -> int:
-    from gateway.canopen_master import Health
-    from gateway.canopen_plans import node_plans
-    from gateway.commissioning import IP_PERIOD_MS, direct, inc_to_unit, move_plan, start_up
-    from gateway.listenfirst import refuse_other_master
+    from gateway.assembly.canopen_nodes import node_plans
+    from gateway.links.canopen.listen_first import refuse_other_master
+    from gateway.links.canopen.master import Health
+    from gateway.tools.drives.without_cycle import IP_PERIOD_MS, direct, inc_to_unit, move_plan, start_up
 
     plan = dict(node_plans(cell, bus, cell.cycle_ms, simulated=url.startswith(LOCAL)))[axis.name]
     if arguments.mode == "ip":
@@ -172,7 +172,7 @@ def _may_move(cell: Cell, url: str) -> bool:
 
 
 def _loss_test(cell: Cell, arguments: argparse.Namespace) -> int:
-    from gateway import losstest
+    from gateway.tools.drives import loss_test as losstest
 
     wanted = arguments.lose or losstest.losses_of(cell)
     impossible = [loss for loss in wanted if loss not in losstest.losses_of(cell)]
@@ -191,7 +191,7 @@ def _loss_test(cell: Cell, arguments: argparse.Namespace) -> int:
 
 
 def _tell_stops(cell: Cell, stops: "list[Stop]", arguments: argparse.Namespace, evidence: str) -> None:
-    from gateway import losstest
+    from gateway.tools.drives import loss_test as losstest
 
     written = losstest.write(cell, stops, arguments.out, evidence)
     if arguments.json:
@@ -207,8 +207,9 @@ def _tell_stops(cell: Cell, stops: "list[Stop]", arguments: argparse.Namespace, 
 
 
 def _loss_test_running(cell: Cell, arguments: argparse.Namespace) -> int:
-    from gateway import losstest_bus, stopdate
-    from gateway.assembly import slug_of
+    from gateway.assembly.run import slug_of
+    from gateway.cell_file import stop_test_date as stopdate
+    from gateway.tools.drives import loss_test_on_bus as losstest_bus
 
     if arguments.lose not in (None, ["gateway"]):
         print("axisgate drive loss-test --running: the loss of the gateway only; the others: without --running", file=sys.stderr)

@@ -7,18 +7,18 @@ import tempfile
 
 from drivers.drives.masters import masters_in
 from drivers.ports.base import PortError
-from drivers.ports.can import open_can
-from gateway.cell import Bus, Cell
-from gateway.commands.common import BANNER, ENVIRONMENT, load
-from gateway.families import DRIVE_PROTOCOLS
-from gateway.listenfirst import listen, taken_nodes
-from gateway.plant import write_settings
-from gateway.processes import emulator
+from drivers.ports.can.open import open_can
+from gateway.assembly.drive_buses import DRIVE_PROTOCOLS
+from gateway.assembly.plant import write_settings
+from gateway.links.canopen.listen_first import listen, taken_nodes
+from gateway.pure.cell.cell import Bus, Cell
+from gateway.simulation.drives import process as emulator
+from gateway.tools.command_support import BANNER, ENVIRONMENT, load
 
 LOCAL = ("broker:", "socketcan:vcan")  # buses without metal
 EXAMPLES = """examples:
   axisgate emulate demo --bus socketcan:vcan0   six drives of the demo cell on vcan0
-  axisgate emulate demo --bus broker:bench      on the local bus `python -m gateway.processes.broker --name bench`
+  axisgate emulate demo --bus broker:bench      on the local bus `python -m gateway.simulation.bus.broker --name bench`
   axisgate emulate cell.toml --bus socketcan:can1 --record plant.rec
 """
 

@@ -8,15 +8,15 @@ import pathlib
 import re
 import sys
 
-from gateway.cell import Cell
-from gateway.config import load_cell
-from gateway.errors import Exit
-from gateway.errors_catalogue import explain as errors_of
-from gateway.explained import Explainer, Line, address, word
-from gateway.faults import CellFaults
-from gateway.files import ConfigNotFound
-from gateway.pure.errorentries import Entry, number_of
-from gateway.pure.line_texts import LANGUAGES, language_of
+from gateway.cell_file.explain import Explainer, Line, address, word
+from gateway.cell_file.load import load_cell
+from gateway.files.error_catalogue import explain as errors_of
+from gateway.files.find import ConfigNotFound
+from gateway.pure.cell.cell import Cell
+from gateway.pure.cell.faults import CellFaults
+from gateway.pure.image.error_entries import Entry, number_of
+from gateway.pure.lines.texts import LANGUAGES, language_of
+from gateway.runtime.exit_codes import Exit
 
 EXAMPLES = """examples:
   axisgate explain axis.1 --cell cell.toml                all values of the first axis and where each comes from

@@ -5,8 +5,8 @@ import json
 import sys
 
 from drivers.ports.base import PortError, runtime_dir
-from gateway.commands.common import DONE, ENVIRONMENT, FINDING, USAGE
-from gateway.processes.emulator_control import BadCommandError, EmulatorControl
+from gateway.simulation.drives.control import BadCommandError, EmulatorControl
+from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE
 
 PREFIX, SUFFIX = "emulator-", ".sock"
 EXAMPLES = """examples:

@@ -6,10 +6,10 @@ import json
 import pathlib
 import sys
 
-from gateway.config import load_cell
-from gateway.errors import Exit
-from gateway.faults import CellFaults
-from gateway.pure.plist.cellfile import Report, import_list
+from gateway.cell_file.load import load_cell
+from gateway.pure.cell.faults import CellFaults
+from gateway.pure.controllers.rho3.parameter_list.cell_file import Report, import_list
+from gateway.runtime.exit_codes import Exit
 
 EXAMPLES = """examples:
   axisgate import p-list plist.txt                     the cell file on standard output, the report on standard error

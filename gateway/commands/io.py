@@ -9,10 +9,10 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from drivers.ports.base import runtime_dir
-from gateway.assembly import slug_of
-from gateway.commands.common import DONE, ENVIRONMENT, FINDING, USAGE, load
+from gateway.assembly.run import slug_of
 from gateway.commands.var import SUFFIX
-from gateway.pure.contacts import WATCHDOG
+from gateway.pure.buses.contacts import WATCHDOG
+from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE, load
 
 EXAMPLES = """examples:
   axisgate io list cell.toml            every contact: signal, value, quality
@@ -28,7 +28,7 @@ Ask = Callable[[str], str]
 Row = dict[str, Any]
 
 
-class Desk:
+class IoConsole:
     """The services of one run."""
 
     def __init__(self, name: str) -> None:
@@ -73,7 +73,7 @@ def main(argv: list[str]) -> int:
         )
         return USAGE
     name = arguments.name or slug_of(cell)
-    desk = Desk(name)
+    desk = IoConsole(name)
     try:
         rows = [row for row in desk.rows() if not arguments.only or row["name"] in arguments.only]
         if arguments.what == "list":
@@ -105,7 +105,7 @@ def _list(rows: list[Row], *, as_json: bool) -> int:
     return DONE if all(row["quality"] == "GOOD" for row in rows) else FINDING
 
 
-def _test(desk: Desk, rows: list[Row], ask: Ask, *, as_json: bool) -> int:
+def _test(desk: IoConsole, rows: list[Row], ask: Ask, *, as_json: bool) -> int:
     """Walks along; every output is given free again whatever happens."""
     if ask is not _nobody and ask(WARNING) != "yes":
         print("axisgate io: nothing was switched", file=sys.stderr)
@@ -122,7 +122,7 @@ def _result(row: Row, told: str, *, ok: bool) -> dict[str, object]:
     return {"name": row["name"], "way": row["way"], "signal": row["signal"], "ok": ok, "told": told}
 
 
-def _output(desk: Desk, row: Row, ask: Ask) -> dict[str, object]:
+def _output(desk: IoConsole, row: Row, ask: Ask) -> dict[str, object]:
     if row["signal"] == WATCHDOG:
         return _watchdog(desk, row)
     seen = []
@@ -141,7 +141,7 @@ def _output(desk: Desk, row: Row, ask: Ask) -> dict[str, object]:
     return _result(row, "switched to 1 and 0" if all(seen) else f"not seen at {'1' if not seen[0] else '0'}", ok=all(seen))
 
 
-def _confirmed(desk: Desk, name: str, value: int) -> bool:
+def _confirmed(desk: IoConsole, name: str, value: int) -> bool:
     for _ in range(200):
         row = desk.row(name)
         if row["value"] == value and row["quality"] == "GOOD":
@@ -150,7 +150,7 @@ def _confirmed(desk: Desk, name: str, value: int) -> bool:
     return False
 
 
-def _watchdog(desk: Desk, row: Row) -> dict[str, object]:
+def _watchdog(desk: IoConsole, row: Row) -> dict[str, object]:
     """It is looked at, never switched."""
     seen = set()
     for _ in range(200):
@@ -163,7 +163,7 @@ def _watchdog(desk: Desk, row: Row) -> dict[str, object]:
     return _result(row, "does not toggle: no completed cycles, or its device is silent", ok=False)
 
 
-def _input(desk: Desk, row: Row, ask: Ask) -> dict[str, object]:
+def _input(desk: IoConsole, row: Row, ask: Ask) -> dict[str, object]:
     if row["quality"] != "GOOD":
         return _result(row, "its device is silent", ok=False)
     if ask is _nobody:

@@ -11,24 +11,24 @@ import tomllib
 from collections.abc import Callable, Iterable
 
 from drivers.ports.base import PortError
-from drivers.ports.linewire import parse_format
-from gateway.line_tools import cases_rk512
-from gateway.line_tools.arguments import PORTS, parser
-from gateway.line_tools.client import Client
-from gateway.line_tools.client import Refused as JobRefused
-from gateway.line_tools.diagnose import gather
-from gateway.line_tools.learn import NoTrace, characters, learned, of_line
-from gateway.line_tools.monitor import Monitor, Printer, Recorder, forget, replay
-from gateway.line_tools.partners import Station
-from gateway.line_tools.ports import open_port, open_wire
-from gateway.line_tools.probe import Result, Settings, all_cases, counted, exit_code, probe, stamp
-from gateway.line_tools.report import as_dict, to_html, to_json
-from gateway.line_tools.transfer import BadInput, decoded, encoded, kinds, place, words_needed
-from gateway.line_tools.wire import ToolPort, VirtualWire, Wire
-from gateway.pure.line_decoder import Told
-from gateway.pure.line_diagnosis import Finding, anzw, cp341, judge, pafe
-from gateway.pure.line_learning import Learned
-from gateway.pure.line_texts import in_language, language_of, said
+from drivers.ports.serial.line_format import parse_format
+from gateway.conformance.report import as_dict, to_html, to_json
+from gateway.conformance.serial import cases_rk512
+from gateway.conformance.serial.partners import Station
+from gateway.conformance.serial.run import Result, Settings, all_cases, counted, exit_code, probe, stamp
+from gateway.links.serial.line_monitor import Monitor, Printer, Recorder, forget, replay
+from gateway.links.serial.tool_wire import ToolPort, VirtualWire, Wire
+from gateway.pure.lines.decoder import LineReport
+from gateway.pure.lines.diagnosis import Finding, anzw, cp341, judge, pafe
+from gateway.pure.lines.learning import Learned
+from gateway.pure.lines.texts import in_language, language_of, said
+from gateway.tools.line.arguments import PORTS, parser
+from gateway.tools.line.client import Client
+from gateway.tools.line.client import Refused as JobRefused
+from gateway.tools.line.diagnose import gather
+from gateway.tools.line.learn import NoTrace, characters, learned, of_line
+from gateway.tools.line.ports import open_port, open_wire
+from gateway.tools.line.transfer import BadInput, decoded, encoded, kinds, place, words_needed
 from protocols.base.errors import ProtocolError
 from protocols.base.machine import Damage, Ns, ms
 from protocols.p3964r.profiles import PROFILES, Priority, Profile
@@ -283,7 +283,7 @@ def run_monitor(arguments: argparse.Namespace) -> int:
     return DONE
 
 
-def _listen(arguments: argparse.Namespace, names: list[str], tell: Callable[[Told], None]) -> None:
+def _listen(arguments: argparse.Namespace, names: list[str], tell: Callable[[LineReport], None]) -> None:
     """One port or two, read only, for --seconds or until Ctrl-C; kept in --save."""
     with contextlib.ExitStack() as stack:
         ports: list[tuple[str, ToolPort]] = []
@@ -334,7 +334,7 @@ def _learned_live(arguments: argparse.Namespace) -> tuple[Learned, str]:
     names = arguments.tap.split(",")
     if len(names) != 2:
         raise BadInput("--tap A,B: two ports expected; a cell is learned from both wires")
-    tolds: list[Told] = []
+    tolds: list[LineReport] = []
     with contextlib.suppress(KeyboardInterrupt):
         _listen(arguments, names, tolds.append)
     return of_line(tolds, arguments.tap, parse_format(arguments.format))

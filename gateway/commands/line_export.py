@@ -9,11 +9,11 @@ import pathlib
 import sys
 import time
 
-from drivers.ports.linewire import parse_record
-from gateway.commands.common import DONE, USAGE
-from gateway.pure.pcapng import pcapng
-from gateway.pure.trace import Item, of_dialogue, of_runs, to_dialogue
-from gateway.pure.turns import turns
+from drivers.ports.serial.line_format import parse_record
+from gateway.pure.lines.pcapng import pcapng
+from gateway.pure.lines.trace import Item, of_dialogue, of_runs, to_dialogue
+from gateway.pure.lines.turns import turns
+from gateway.tools.command_support import DONE, USAGE
 from protocols.base.dialogue import parse, write
 from protocols.base.errors import DecodeError
 from protocols.base.machine import ms

@@ -4,9 +4,9 @@ import argparse
 import pathlib
 import sys
 
-from gateway.cellmap import SHEETS
-from gateway.commands.common import DONE, ENVIRONMENT, FINDING, load
-from gateway.pure.sheets import FORMS, render
+from gateway.pure.reports.tables import FORMS, render
+from gateway.tools.address_map import SHEETS
+from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, load
 
 EXAMPLES = """examples:
   axisgate map demo --modbus                                all registers with both ways of counting

@@ -6,12 +6,23 @@ import sys
 import zipfile
 from collections.abc import Iterable
 
-from gateway.cell import Cell
-from gateway.commands.common import DONE, ENVIRONMENT, FINDING, USAGE, load
-from gateway.files import read_signals
-from gateway.mappingtables import COLUMNS, MappingFault, Row, from_cells, from_csv, from_sequence, to_cells, to_csv, to_sequence, to_toml
-from gateway.pure.addresses import pic
-from gateway.pure.signals import from_tables
+from gateway.files.find import read_signals
+from gateway.pure.cell.cell import Cell
+from gateway.pure.image.addresses import pic
+from gateway.pure.image.signals import from_tables
+from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE, load
+from gateway.tools.mapping_tables import (
+    COLUMNS,
+    MappingFault,
+    Row,
+    from_cells,
+    from_csv,
+    from_sequence,
+    to_cells,
+    to_csv,
+    to_sequence,
+    to_toml,
+)
 
 EXAMPLES = """examples:
   axisgate mapping s5-rk512 blocks.csv               entries and routes of a cell, to be read in a spreadsheet

@@ -7,8 +7,8 @@ import pathlib
 import sys
 
 from drivers.ports.base import PortError
-from gateway.commands.common import DONE, ENVIRONMENT, FINDING, USAGE
-from gateway.modbus_probe import Prober, Result, as_report, probe, search, summary, to_html
+from gateway.conformance.modbus.probe import Prober, Result, as_report, probe, search, summary, to_html
+from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE
 from protocols.modbus.probing import Verdict, cases
 
 EXAMPLES = """examples:

@@ -5,10 +5,10 @@ import asyncio
 import json
 import sys
 
-from gateway.commands.common import DONE, ENVIRONMENT, FINDING, USAGE
 from gateway.commands.var import runs_up
-from gateway.monitor.look import FILTERS, TABS, Look, NoRun
-from gateway.monitor.tables import Table, as_json, plain
+from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE
+from gateway.tools.monitor.look import FILTERS, TABS, Look, NoRun
+from gateway.tools.monitor.tables import Table, as_json, plain
 
 EXAMPLES = """examples:
   axisgate monitor                                  the cell that is up; ? shows the keys
@@ -65,9 +65,9 @@ def make_parser() -> argparse.ArgumentParser:
 
 def _pendant(run: str, arguments: argparse.Namespace) -> int:
     """On the screen, or keys and one display."""
-    from gateway.monitor.keypad import keys_of
-    from gateway.monitor.pendant import PanelError, Pendant, framed, once
-    from gateway.web.desk import Gone
+    from gateway.observer.tool_link import Gone
+    from gateway.tools.monitor.keypad import keys_of
+    from gateway.tools.monitor.pendant import PanelError, Pendant, framed, once
 
     try:
         keys = keys_of(arguments.press)
@@ -108,7 +108,7 @@ async def _once(look: Look, tab: str, *, as_text: bool) -> int:
 
 
 async def _live(look: Look, tab: str) -> int:
-    from gateway.monitor.app import Monitor  # Textual, where there is a screen
+    from gateway.tools.monitor.app import Monitor  # Textual, where there is a screen
 
     if tab == "all":
         print("axisgate monitor: --tab all is for --once; next: axisgate monitor --once --tab all", file=sys.stderr)

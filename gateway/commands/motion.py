@@ -9,33 +9,33 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gateway.alterplan import altered
-from gateway.beltplan import belt_facts
-from gateway.cell import Cell
-from gateway.commands.common import load as cell_of
+from gateway.assembly.alter import altered
+from gateway.assembly.belts import belt_facts
+from gateway.assembly.programs import bnr_files, machine_of_cell, numbers_by_axis, robot_meant, team_meant
 from gateway.commands.motion_run import main as run
-from gateway.errors import Exit
-from gateway.files import ConfigNotFound, find_config, read_text
-from gateway.motionpaper import Paper, sections_of
-from gateway.motionplot import page, team_page
-from gateway.programplan import bnr_files, machine_of_cell, numbers_by_axis, robot_meant, team_meant
-from gateway.progress import Progress
-from gateway.pure.programtrial import Files
-from gateway.robotfile import RobotFaults, load_robot
-from gateway.teampaper import team_findings, team_slowed, team_traces
+from gateway.files.find import ConfigNotFound, find_config, read_text
+from gateway.files.robots import RobotFaults, load_robot
+from gateway.pure.cell.cell import Cell
+from gateway.pure.planning.trial import Files
+from gateway.runtime.exit_codes import Exit
+from gateway.tools.command_support import load as cell_of
+from gateway.tools.motion.dry_run import DryRun, sections_of
+from gateway.tools.motion.dry_run_team import team_findings, team_slowed, team_traces
+from gateway.tools.motion.plot import page, team_page
+from gateway.tools.progress import Progress
 from motion.errors import MotionError
+from motion.geometry.units import to_si
+from motion.planner.path_checks import Slowed
 from motion.planner.robot import Machine, machine_of
 from motion.planner.team import Team, called, team_of
 from motion.planner.trace import Trace
-from motion.planner.watched import Slowed
 from motion.program.blocks import Block, Program
 from motion.program.errors import BlockError, TextFaults
 from motion.program.team import TeamProgram
-from motion.program.text import read
-from motion.program.textteam import read_team, several
+from motion.program.text.reader import read
+from motion.program.text.team import read_team, several
 from motion.robot import Installation
 from motion.sync.facts import BeltFacts
-from motion.units import to_si
 
 EXAMPLES = """examples:
   axisgate motion check arm-u-cycle                         every block that cannot be run, with number, line and axis
@@ -90,7 +90,7 @@ def main(argv: list[str]) -> int:
         return check(program, faults, slowed, as_json=options.json)
     try:
         with Progress("motion", len(program.blocks)) as said:
-            made = Paper(machine, belts.facts, belts.speeds(options.belt_speed), belts.p5_ms).run(sections, said)
+            made = DryRun(machine, belts.facts, belts.speeds(options.belt_speed), belts.p5_ms).run(sections, said)
     except BlockError as error:  # the belt runs on while the robot works: not all of it can be known before
         return check(program, [error], slowed, as_json=options.json)
     except MotionError as error:

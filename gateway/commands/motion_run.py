@@ -7,11 +7,11 @@ import sys
 import time
 from collections.abc import Iterator
 
-from gateway.assembly import slug_of
-from gateway.cell import Cell
-from gateway.commands.common import DONE, ENVIRONMENT, FINDING, USAGE, load
-from gateway.pure.records import Motion
-from gateway.toolclient import Row, ToolClient, ToolError, mask_of, running, simulated
+from gateway.assembly.run import slug_of
+from gateway.pure.cell.cell import Cell
+from gateway.pure.image.records.cell import Motion
+from gateway.tools.client import Row, ToolClient, ToolError, mask_of, running, simulated
+from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE, load
 
 EXAMPLES = """examples:
   axisgate motion run scara 1 --sim                 a shipped cell: drives on, referenced, program 1, all emulated

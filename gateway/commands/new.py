@@ -7,10 +7,10 @@ import os
 import pathlib
 import sys
 
-from gateway.errors import Exit
-from gateway.pure.line_texts import LANGUAGES, language_of
-from gateway.starting.cell_text import cell_text
-from gateway.starting.questions import QUESTIONS, BadAnswer, Question, answered
+from gateway.pure.lines.texts import LANGUAGES, language_of
+from gateway.runtime.exit_codes import Exit
+from gateway.tools.new_cell.cell_text import cell_text
+from gateway.tools.new_cell.questions import QUESTIONS, BadAnswer, Question, answered
 
 EXAMPLES = """examples:
   axisgate new --from s5-rk512 hall3.toml                        asks five questions, Enter takes the value in brackets

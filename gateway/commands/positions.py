@@ -4,12 +4,12 @@ import argparse
 import json
 import sys
 
-from gateway.assembly import slug_of
-from gateway.cell import Cell, CheckPosition
-from gateway.commands.common import DONE, ENVIRONMENT, FINDING, USAGE, load
-from gateway.firstenable import percent
-from gateway.pure.records import AxisFlag
-from gateway.toolclient import Row, ToolClient, ToolError, mask_of, running, simulated
+from gateway.assembly.run import slug_of
+from gateway.pure.cell.cell import Cell, CheckPosition
+from gateway.pure.image.records.cell import AxisFlag
+from gateway.tools.client import Row, ToolClient, ToolError, mask_of, running, simulated
+from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE, load
+from gateway.tools.drives.first_enable import percent
 
 EXAMPLES = """examples:
   axisgate positions cell.toml                  asks you to bring the axes to each mark by hand, then reads them

@@ -8,15 +8,15 @@ import tempfile
 import time
 from typing import Any
 
-from gateway.assembly import known_zeros, slug_of
-from gateway.backup import make
-from gateway.cell import Cell
-from gateway.commands.common import DONE, ENVIRONMENT, FINDING, USAGE, interruptible, load
-from gateway.config import load_cell
-from gateway.families import DRIVE_PROTOCOLS
-from gateway.faults import CellFaults
+from gateway.assembly.drive_buses import DRIVE_PROTOCOLS
+from gateway.assembly.run import known_zeros, slug_of
+from gateway.cell_file.load import load_cell
+from gateway.pure.cell.cell import Cell
+from gateway.pure.cell.faults import CellFaults
+from gateway.recording.backup import make
 from gateway.recording.file import RecordError, Writer
 from gateway.recording.recorder import Recorder, RecorderError, Rings, attached, head_of, status_of
+from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE, interruptible, load
 
 EXAMPLES = """examples:
   axisgate record cell.toml -o monday.axrec                 until Ctrl-C; the cell runs in another terminal

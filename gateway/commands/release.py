@@ -4,8 +4,8 @@ import argparse
 import sys
 
 from drivers.ports.base import PortError
-from gateway.commands.common import DONE, ENVIRONMENT, USAGE
-from gateway.runsup import alarms, asked, chosen, processes, runs
+from gateway.tools.command_support import DONE, ENVIRONMENT, USAGE
+from gateway.tools.runs import alarms, asked, chosen, processes, runs
 
 EXAMPLES = """examples:
   axisgate release hall3            every process that is down or is only tried now and then

@@ -6,13 +6,13 @@ import pathlib
 import sys
 from typing import Any
 
-from gateway.cell import Cell
-from gateway.commands.common import DONE, ENVIRONMENT, FINDING, USAGE, load
-from gateway.progress import Progress
-from gateway.pure.recording.messages import Source, Told
-from gateway.pure.records import AxisFlag
+from gateway.pure.cell.cell import Cell
+from gateway.pure.image.records.cell import AxisFlag
+from gateway.pure.recording.messages import ServiceEvent, Source
 from gateway.recording.file import Found, RecordError, read
 from gateway.recording.replay import Verdict, recorded_cell, replay
+from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE, load
+from gateway.tools.progress import Progress
 
 EXAMPLES = """examples:
   axisgate replay monday.axrec                              what the file holds
@@ -131,6 +131,6 @@ def _plain(value: object) -> object:
     return int(value) if isinstance(value, int) and not isinstance(value, bool) else value
 
 
-def _told(each: Told, stamp_ns: int) -> str:
+def _told(each: ServiceEvent, stamp_ns: int) -> str:
     words = each.data.decode(errors="replace") if each.source is Source.TOOL else each.data.hex(" ")
     return f"{(each.stamp - stamp_ns) / 1e6:+.1f} ms door {each.door} {SOURCES[each.source]}: {words}"

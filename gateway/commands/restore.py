@@ -6,9 +6,9 @@ import pathlib
 import sys
 
 from drivers.ports.base import PortError, runtime_dir
-from gateway import backup
-from gateway.commands.common import DONE, ENVIRONMENT, FINDING, USAGE
 from gateway.processes.supervisor import ask
+from gateway.recording import backup
+from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE
 
 EXAMPLES = """examples:
   axisgate restore cell.zip --to /etc/axisgate --dry-run    check it and say what would be done; changes nothing

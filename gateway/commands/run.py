@@ -8,18 +8,18 @@ import socket
 import sys
 
 from drivers.ports.base import PortError
-from gateway.assembly import RunPlan, plan_run
-from gateway.cell import Cell
-from gateway.cell_web import Web
-from gateway.commands.common import BANNER, DONE, ENVIRONMENT, USAGE, load
-from gateway.console import fill_standard, say_at_start
-from gateway.families import DRIVE_PROTOCOLS, LISTENS
-from gateway.firstenable import TEXT, confirm, needed
-from gateway.listenfirst import refuse_on
+from gateway.assembly.drive_buses import DRIVE_PROTOCOLS, LISTENS
+from gateway.assembly.run import RunPlan, plan_run
+from gateway.commands import shadow_run as shadow
+from gateway.links.canopen.listen_first import refuse_on
 from gateway.processes.supervisor import Supervisor
-from gateway.realtime import die_with_parent, realtime_allowed
-from gateway.shadow import command as shadow
-from gateway.statefolder import usable, warning
+from gateway.pure.cell.cell import Cell
+from gateway.pure.cell.web import Web
+from gateway.runtime.console import fill_standard, say_at_start
+from gateway.runtime.realtime import die_with_parent, realtime_allowed
+from gateway.runtime.state_folder import usable, warning
+from gateway.tools.command_support import BANNER, DONE, ENVIRONMENT, USAGE, load
+from gateway.tools.drives.first_enable import TEXT, confirm, needed
 
 EXAMPLES = """examples:
   axisgate run demo --sim                       the demo's cell, everything simulated

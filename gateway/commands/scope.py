@@ -7,16 +7,16 @@ import pathlib
 import sys
 from collections.abc import Iterator
 
-from gateway.assembly import slug_of
-from gateway.cell import Cell
-from gateway.commands.common import DONE, ENVIRONMENT, FINDING, USAGE, load
+from gateway.assembly.run import slug_of
+from gateway.pure.cell.cell import Cell
 from gateway.pure.scope.channels import ChannelError, all_names
 from gateway.pure.scope.trigger import Capture, TriggerError
 from gateway.scope.live import ScopeError, attached, capture, facts_of, named_channels, named_trigger, recording_of
 from gateway.scope.plots import at_cursors, page, picture
 from gateway.scope.recording import Recording, RecordingError, export, save
 from gateway.scope.recording import load as reopen
-from gateway.toolclient import ToolError, simulated
+from gateway.tools.client import ToolError, simulated
+from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE, load
 
 EXAMPLES = """examples:
   axisgate scope record demo --channels axis.A1.set,axis.A1.actual,axis.A1.lag --for 5 -o move.scope

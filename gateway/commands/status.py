@@ -3,8 +3,8 @@
 import argparse
 import json
 
-from gateway.commands.common import DONE, ENVIRONMENT, FINDING
-from gateway.runsup import Row, alarms, chosen, processes, runs
+from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING
+from gateway.tools.runs import Row, alarms, chosen, processes, runs
 
 EXAMPLES = """examples:
   axisgate status                   the run that is up on this computer

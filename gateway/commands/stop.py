@@ -4,8 +4,8 @@ import argparse
 import sys
 
 from drivers.ports.base import PortError
-from gateway.commands.common import DONE, ENVIRONMENT, FINDING
-from gateway.runsup import asked, chosen, ended
+from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING
+from gateway.tools.runs import asked, chosen, ended
 
 ENDS_S = 30.0
 EXAMPLES = """examples:

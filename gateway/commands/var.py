@@ -7,7 +7,7 @@ import sys
 import time
 
 from drivers.ports.base import runtime_dir
-from gateway.commands.common import DONE, ENVIRONMENT, USAGE
+from gateway.tools.command_support import DONE, ENVIRONMENT, USAGE
 
 SUFFIX = "-services.sock"
 EXAMPLES = """examples:

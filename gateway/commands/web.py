@@ -6,9 +6,9 @@ import json
 import sqlite3
 import sys
 
-from gateway.cell_web import Web
-from gateway.commands.common import DONE, ENVIRONMENT, FINDING, load
-from gateway.web.place import data_file
+from gateway.pure.cell.web import Web
+from gateway.runtime.page_data import data_file
+from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, load
 from gateway.web.store import Role, Store, StoreError
 
 EXAMPLES = """examples:

@@ -8,7 +8,7 @@ import socket
 import struct
 from collections import deque
 
-from gateway.journal import JournalReader
+from gateway.runtime.journal import JournalReader
 
 SOCKET = "/run/systemd/journal/socket"
 PRIORITY = {"alarm": 3, "error": 3, "link": 5, "retain": 4, "process": 5}  # syslog's: 3 error, 4 warning, 5 notice; else 6, information

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from typing import Any
 
 from gateway.northbound.snapshot import FLAGS, doors
-from gateway.pure.exposition import CONTENT_TYPE, Histogram, Page
-from gateway.web.regions import Regions
+from gateway.observer.regions import Regions
+from gateway.pure.reports.prometheus import CONTENT_TYPE, Histogram, Page
 
 BORDERS_S = (50e-6, 100e-6, 200e-6, 400e-6, 800e-6, 1.6e-3, 3.2e-3, 6.4e-3, 12.8e-3)
 REQUEST_BYTES, REQUEST_S = 4096, 2.0

@@ -7,10 +7,10 @@ import pathlib
 import time
 from typing import Any
 
-from gateway.cell_northbound import NorthMqtt, place_of
-from gateway.clock import wall
 from gateway.northbound.snapshot import Value
-from gateway.pure.outbox import Outbox
+from gateway.pure.cell.northbound import NorthMqtt, place_of
+from gateway.pure.reports.outbox import Outbox
+from gateway.runtime.clock import wall
 
 paho: Any = importlib.import_module("paho.mqtt.client")  # its stubs are those of version 1
 RETAINED_S = 1.0  # the broker keeps a message with all values; after a change it is renewed within this

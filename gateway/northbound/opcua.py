@@ -9,8 +9,8 @@ from asyncua.crypto.permission_rules import User, UserRole
 from asyncua.server.server import Server
 from asyncua.server.user_managers import UserManager
 
-from gateway.cell_northbound import NorthOpcua
 from gateway.northbound.snapshot import Value
+from gateway.pure.cell.northbound import NorthOpcua
 
 ua: Any = asyncua.ua  # its own number types are cast by the library
 NAMESPACE = "urn:axisgate"

@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from gateway.pure.records import AxisFlag, Motion
-from gateway.web.regions import Regions
+from gateway.observer.regions import Regions
+from gateway.pure.image.records.cell import AxisFlag, Motion
 
 Value = bool | int | float | str
 FLAGS = {"enabled": AxisFlag.ENABLED, "fault": AxisFlag.FAULT, "lost": AxisFlag.LOST, "referenced": AxisFlag.REFERENCED}

@@ -14,17 +14,17 @@ import signal
 from collections.abc import Coroutine
 
 from drivers.ports.base import PortError
-from gateway.assembly import RunPlan, load_plan
-from gateway.cell_northbound import Northbound, place_of
-from gateway.image import fds_from_text
-from gateway.journal import Journal
-from gateway.life import BEAT_S, Life
+from gateway.assembly.run import RunPlan, load_plan
 from gateway.northbound.journald import Journald, there
 from gateway.northbound.metrics import Metrics
 from gateway.northbound.snapshot import values
+from gateway.observer.regions import Regions
 from gateway.processes.supervisor import ask
-from gateway.realtime import die_with_parent
-from gateway.web.regions import Regions
+from gateway.pure.cell.northbound import Northbound, place_of
+from gateway.runtime.journal import Journal
+from gateway.runtime.life import BEAT_S, Life
+from gateway.runtime.realtime import die_with_parent
+from gateway.runtime.regions import fds_from_text
 
 NICE = 19
 SAMPLE_S = 0.1

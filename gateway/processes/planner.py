@@ -10,17 +10,25 @@ import signal
 import time
 from collections.abc import Sequence
 
-from gateway.assembly import RunPlan, load_plan
-from gateway.files import read_text
-from gateway.image import RegionReader, RegionWriter, RingReader, RingWriter, fds_from_text
-from gateway.journal import Journal
-from gateway.plannerplan import programs_of
-from gateway.programplan import mask_of, read_bnr, robot_meant, team_meant
-from gateway.pure.plannerrecords import PIECE_LAYOUT, SAY_LAYOUT, PlannerState, pack_piece, pack_planner, unpack_block, unpack_planner
-from gateway.pure.programfollow import follow, standing
-from gateway.pure.programtrial import Files
-from gateway.pure.records import CELL_STATE_LAYOUT, CellState, unpack_cell_state
-from gateway.realtime import Timerfd, die_with_parent, go_ahead
+from gateway.assembly.planner import programs_of
+from gateway.assembly.programs import mask_of, read_bnr, robot_meant, team_meant
+from gateway.assembly.run import RunPlan, load_plan
+from gateway.files.find import read_text
+from gateway.pure.image.records.cell import CELL_STATE_LAYOUT, CellState, unpack_cell_state
+from gateway.pure.image.records.planner import (
+    PIECE_LAYOUT,
+    SAY_LAYOUT,
+    PlannerState,
+    pack_piece,
+    pack_planner,
+    unpack_block,
+    unpack_planner,
+)
+from gateway.pure.planning.trial import Files
+from gateway.pure.planning.turn import follow, standing
+from gateway.runtime.journal import Journal
+from gateway.runtime.realtime import Timerfd, die_with_parent, go_ahead
+from gateway.runtime.regions import RegionReader, RegionWriter, RingReader, RingWriter, fds_from_text
 from motion.errors import MotionError
 from motion.planner.robot import Machine
 from motion.planner.team import Team

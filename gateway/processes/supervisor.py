@@ -19,14 +19,14 @@ import time
 from dataclasses import dataclass, field
 
 from drivers.ports.base import PortError, runtime_dir
-from gateway.assembly import Child, RunPlan, command_line, make_regions
-from gateway.clock import now_ns
-from gateway.image import ImageError, RegionReader, fds_to_text, send_fds
-from gateway.journal import Journal
-from gateway.life import VARIABLE as LIFE
-from gateway.processes.spare import OPTION, Spare
-from gateway.pure.lifewatch import LifeWatch, Load
-from gateway.realtime import die_with_parent, processor_ns, survive_hang_up, wants_processor
+from gateway.assembly.run import Child, RunPlan, command_line, make_regions
+from gateway.pure.image.life_watch import LifeWatch, Load
+from gateway.runtime.clock import now_ns
+from gateway.runtime.journal import Journal
+from gateway.runtime.life import VARIABLE as LIFE
+from gateway.runtime.realtime import die_with_parent, processor_ns, survive_hang_up, wants_processor
+from gateway.runtime.regions import ImageError, RegionReader, fds_to_text, send_fds
+from gateway.runtime.spare import OPTION, Spare
 
 WAITS_NS = (0, 1_000_000_000, 2_000_000_000, 5_000_000_000)
 WINDOW_NS = 60_000_000_000

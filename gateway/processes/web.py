@@ -12,17 +12,17 @@ import signal
 
 import uvicorn
 
-from gateway.assembly import load_plan
-from gateway.image import RingReader, fds_from_text
-from gateway.life import Life
+from gateway.assembly.run import load_plan
+from gateway.observer.regions import Regions
 from gateway.pure.scope.records import SCOPE_LAYOUT
-from gateway.realtime import die_with_parent
+from gateway.runtime.life import Life
+from gateway.runtime.page_data import data_file
+from gateway.runtime.realtime import die_with_parent
+from gateway.runtime.regions import RingReader, fds_from_text
 from gateway.web.app import make_app
-from gateway.web.place import data_file
-from gateway.web.regions import Regions
 from gateway.web.scope import Scope
 from gateway.web.store import Store
-from gateway.web.unfinished import PatientHttp, PatientServer
+from gateway.web.unfinished_requests import PatientHttp, PatientServer
 
 NICE = 5
 MOST_FILES = 8192  # handshakes that never end hold one each for five seconds

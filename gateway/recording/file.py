@@ -8,9 +8,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from gateway.pure.image.records.cell import CELL_STATE_LAYOUT
 from gateway.pure.recording.blocks import MAGIC, Kind, Scan, decode, encode, whole_length
 from gateway.pure.recording.messages import Message, What, unpack
-from gateway.pure.records import CELL_STATE_LAYOUT
 from protocols.base.errors import DecodeError
 
 FORMAT = "axisgate-record/1"

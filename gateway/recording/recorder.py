@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from drivers.ports.base import PortError
-from gateway.image import ImageError, RegionWriter, RingReader, recv_fds
 from gateway.processes.supervisor import ask
+from gateway.pure.image.records.cell import CELL_STATE_LAYOUT, RC_BYTES
 from gateway.pure.recording.messages import (
     ASKED,
     ASKED_LAYOUT,
@@ -25,10 +25,10 @@ from gateway.pure.recording.messages import (
     pack,
     unpack,
 )
-from gateway.pure.records import CELL_STATE_LAYOUT, RC_BYTES
 from gateway.pure.scope.records import SCOPE_LAYOUT
 from gateway.recording.file import Writer
 from gateway.recording.states import Start, frozen
+from gateway.runtime.regions import ImageError, RegionWriter, RingReader, recv_fds
 
 NAP_S = 0.02
 AT_ONCE = 512
@@ -211,9 +211,9 @@ class Recorder:
 
 def head_of(status: Mapping[str, Any], rings: Rings, **more: Any) -> dict[str, Any]:
     """First block of a file."""
-    from gateway.backup import version
-    from gateway.clock import wall
+    from gateway.recording.backup import version
     from gateway.recording.file import FORMAT
+    from gateway.runtime.clock import wall
 
     shown = {name: status[name] for name in ("cell", "file", "simulated", "p5_ms")}
     return {

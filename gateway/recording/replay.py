@@ -9,26 +9,26 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from gateway.alterplan import alter_of_cell
-from gateway.assembly import known_zeros
-from gateway.axes import assumed_permits, core_axes, rc_numbers
-from gateway.backup import BackupError, read, restore, stand_ins
-from gateway.cell import Cell
-from gateway.config import load_cell
-from gateway.cyclebelts import Encoder, belts_of, encoders_of
-from gateway.dbsignals import signals_of
-from gateway.families import DRIVE_PROTOCOLS, make_family
-from gateway.fastwires import fast_wires
-from gateway.pathoutputs import functions_of
-from gateway.pure.addresses import Direction, RcBit
-from gateway.pure.core import Core
-from gateway.pure.corebelts import CoreBelts
-from gateway.pure.fastwires import FastWires
-from gateway.pure.recording.messages import Message, Told, What, unpack_told
+from gateway.assembly.alter import alter_of_cell
+from gateway.assembly.axes import assumed_permits, core_axes, rc_numbers
+from gateway.assembly.cycle_belts import Encoder, belts_of, encoders_of
+from gateway.assembly.data_block_signals import signals_of
+from gateway.assembly.drive_buses import DRIVE_PROTOCOLS, make_family
+from gateway.assembly.fast_inputs import fast_wires
+from gateway.assembly.path_outputs import functions_of
+from gateway.assembly.run import known_zeros
+from gateway.assembly.shared_outputs import shared_of_cell
+from gateway.cell_file.load import load_cell
+from gateway.pure.cell.cell import Cell
+from gateway.pure.cycle.belts import CoreBelts
+from gateway.pure.cycle.core import CycleLogic
+from gateway.pure.image.addresses import Direction, RcBit
+from gateway.pure.image.fast_inputs import FastWires
+from gateway.pure.recording.messages import Message, ServiceEvent, What, unpack_told
 from gateway.pure.recording.player import Difference, Player
+from gateway.recording.backup import BackupError, read, restore, stand_ins
 from gateway.recording.file import Found, RecordError, Segment
 from gateway.recording.states import Snapshots, Start, StateError, carry_over, frozen, places_of
-from gateway.sharedplan import shared_of_cell
 from protocols.base.errors import DecodeError
 
 TOLD_KEPT = 8  # words of doors and tools shown before a difference
@@ -44,7 +44,7 @@ class Verdict:
     first: Difference | None = None
     also: int = 0  # more differences in the same cycle
     at_s: float = 0.0  # of the first difference, since the beginning of the recording
-    told: list[Told] = field(default_factory=list)  # what doors and tools said in the second before it
+    told: list[ServiceEvent] = field(default_factory=list)  # what doors and tools said in the second before it
     without_outputs: int = 0  # cycles that had nothing to be compared with
 
 
@@ -72,11 +72,11 @@ class Bench:
         self._simulated = bool(head["simulated"])
         self._driven = [bus for bus in cell.bus if bus.name in list(head["buses"]) and bus.protocol in DRIVE_PROTOCOLS]
 
-    def core(self) -> tuple[Core, list[Any], list[dict[int, Encoder]]]:
+    def core(self) -> tuple[CycleLogic, list[Any], list[dict[int, Encoder]]]:
         """A new one, with the families of its buses and the encoders of belts on each."""
         cell, period = self.cell, self._p5_ms
         axes = core_axes(cell, period, self._zeros, simulated=self._simulated)
-        core = Core(
+        core = CycleLogic(
             axes,
             period / 1000.0,
             0,
@@ -157,7 +157,7 @@ def _set_encoders(kept: Sequence[Sequence[Any]], encoders: Sequence[Mapping[int,
 
 def _play(segment: Segment, player: Player, verdict: Verdict, zero: int, said: Callable[[int], None], *, stop: bool) -> bool:
     """True: the first difference was found."""
-    told: deque[Told] = deque(maxlen=TOLD_KEPT)
+    told: deque[ServiceEvent] = deque(maxlen=TOLD_KEPT)
     first_ns = 0
     for _, script in segment.played():
         if script[0].what is not What.BEGIN:  # what the start brought along

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from gateway.pure.reports.svg import Chart, Line, draw
 from gateway.scope.recording import Recording, RecordingError
-from gateway.svg import Chart, Line, draw
 
 STYLE = """
 body{font:14px/1.45 system-ui,sans-serif;max-width:64em;margin:1.5em auto;padding:0 1em;color:#1b1b1b;background:#fff}

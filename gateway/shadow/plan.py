@@ -4,11 +4,11 @@ import ipaddress
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from gateway.assembly import RunPlan, plan_run, slug_of
-from gateway.axes import ASSUMED, INPUT_SIGNALS, rc_numbers
-from gateway.cell import Cell
-from gateway.cell_axes import FollowingError
-from gateway.cell_modbus import Modbus
+from gateway.assembly.axes import ASSUMED, INPUT_SIGNALS, rc_numbers
+from gateway.assembly.run import RunPlan, plan_run, slug_of
+from gateway.pure.cell.axes import FollowingError
+from gateway.pure.cell.cell import Cell
+from gateway.pure.cell.modbus import Modbus
 
 LINES, BUSES = "shadow-lines.json", "shadow-buses.json"  # what services and cycle found, in the folder of the run
 SPOKEN = ("servodyn", "rho3-io", "canopen")
@@ -111,7 +111,7 @@ def plan_shadow(cell: Cell, taps: Taps, *, slug: str | None, bus: str | None, p5
     """Of a cell that has one (why_not_shadow).  It counts as simulated: nothing of it is kept for the next run.  `tolerance` of positions,
     in the unit of each axis; None: the lag that each may have before it is warned of."""
     plan = plan_run(shadow_cell(cell, taps), simulated=False, slug=slug or f"{slug_of(cell)}-shadow"[:31], bus=bus, p5_ms=p5_ms)
-    modules = {"cycle": "gateway.processes.shadow_cycle", "services": "gateway.processes.shadow_services"}
+    modules = {"cycle": "gateway.shadow.cycle", "services": "gateway.shadow.services"}
     children = [
         replace(child, module=modules.get(child.name, child.module), spare=False, life_limit_ns=max(child.life_limit_ns, LIFE_NS))
         for child in plan.children

@@ -9,9 +9,9 @@ from collections.abc import Callable
 from drivers.ports.base import BytePort, PortError
 from drivers.ports.listening import ListeningBytes
 from drivers.ports.open import open_bytes
-from gateway.line_tools.monitor import Monitor
-from gateway.line_tools.wire import ToolPort
-from gateway.pure.line_decoder import Told
+from gateway.links.serial.line_monitor import Monitor
+from gateway.links.serial.tool_wire import ToolPort
+from gateway.pure.lines.decoder import LineReport
 from protocols.base.machine import Damage, Ns
 
 AGAIN_NS: Ns = 250_000_000
@@ -68,7 +68,13 @@ class TapPair:
     """`tell` hears every sentence; call `turn` at every tick."""
 
     def __init__(
-        self, ports: tuple[str, str], line_format: str, clock: Callable[[], Ns], tell: Callable[[Told], None], *, block_check: bool = True
+        self,
+        ports: tuple[str, str],
+        line_format: str,
+        clock: Callable[[], Ns],
+        tell: Callable[[LineReport], None],
+        *,
+        block_check: bool = True,
     ) -> None:
         self._loop, self._clock = asyncio.get_running_loop(), clock
         self._sides = [_Listened(url, line_format) for url in ports]

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from starlette.requests import HTTPConnection
 
-from gateway.cell_web import LOOPBACK, Web
+from gateway.pure.cell.web import LOOPBACK, Web
 from gateway.web.store import Role, Store
 
 COOKIE, CSRF = "axisgate", "x-axisgate-csrf"

@@ -8,7 +8,7 @@ from typing import Any
 
 from starlette.responses import Response
 
-from gateway.alarmfile import as_csv, read, told
+from gateway.services.alarm_file import as_csv, read, told
 
 MOST = 1000
 STATES = ("standing", "open", "gone")  # stands now; not acknowledged yet; gone

@@ -6,6 +6,7 @@ from typing import Any
 
 from starlette.responses import JSONResponse, Response
 
+from gateway.observer.names import Entry, Names
 from gateway.web.access import COOKIE, Access, Denied
 from gateway.web.bodies import (
     Cable,
@@ -26,12 +27,11 @@ from gateway.web.bodies import (
 )
 from gateway.web.catalogue import found, said
 from gateway.web.endpoints import Call, Endpoint
-from gateway.web.hands import Hands
 from gateway.web.live import Live
-from gateway.web.names import Entry, Names
+from gateway.web.operator_control import OperatorControl
 from gateway.web.scope import Wanted
 from gateway.web.store import SESSION_S, Role, Store, StoreError
-from gateway.web.wordforces import forced_words
+from gateway.web.word_forces import forced_words
 
 Row = dict[str, Any]
 ALARM_FILTER = (("q", "string"), ("state", "string"), ("source", "string"), ("from", "string"), ("to", "string"))
@@ -44,7 +44,7 @@ class Api:
     def __init__(self, live: Live, names: Names, access: Access, cell: Row) -> None:
         self.live, self.names, self.access, self.cell = live, names, access, cell
         self.store: Store = access.store
-        self.hands: Hands = live.hands
+        self.hands: OperatorControl = live.hands
         self.secure = bool(access.web.tls_certificate)
         self.judge: Callable[[], Awaitable[None]] = _nothing  # ends what changed users had open
         self._login = asyncio.Semaphore(1)  # argon2 takes a core for a moment: one at a time

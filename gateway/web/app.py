@@ -14,18 +14,18 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp, Message, Receive, Send
 from starlette.types import Scope as Connection
 
-from gateway.assembly import RunPlan
-from gateway.cell_web import Web
+from gateway.assembly.run import RunPlan
+from gateway.observer.names import Names
+from gateway.observer.regions import Regions
+from gateway.observer.tool_link import GLANCE_S, ServicesLink
+from gateway.pure.cell.web import Web
 from gateway.web.access import Access, Denied
 from gateway.web.api import Api, endpoints
-from gateway.web.cellview import described
-from gateway.web.desk import GLANCE_S, ServicesDesk
+from gateway.web.cell_view import described
 from gateway.web.endpoints import openapi, routes
-from gateway.web.hands import Hands
 from gateway.web.live import Live
-from gateway.web.names import Names
-from gateway.web.plantview import Plant
-from gateway.web.regions import Regions
+from gateway.web.operator_control import OperatorControl
+from gateway.web.plant_view import Plant
 from gateway.web.scope import Scope
 from gateway.web.socket import Sockets
 from gateway.web.store import Store
@@ -65,8 +65,8 @@ class Headers:
 
 def make_app(plan: RunPlan, web: Web, regions: Regions, store: Store, scope: Scope) -> Starlette:
     """Everything of one run, wired."""
-    desk, looker = ServicesDesk(plan.slug), ServicesDesk(plan.slug, GLANCE_S)
-    hands = Hands(desk, regions, plan.cell.axis)
+    desk, looker = ServicesLink(plan.slug), ServicesLink(plan.slug, GLANCE_S)
+    hands = OperatorControl(desk, regions, plan.cell.axis)
     plant = Plant(plan)
     live = Live(plan, regions, looker, hands, plant, scope)
     access = Access(store, web, simulated=plan.simulated)

@@ -2,9 +2,9 @@
 
 from typing import Any
 
-from gateway.errors_catalogue import explain, family, lookup
-from gateway.pure.errorentries import Entry, Words
-from gateway.pure.reasons import Reason, text
+from gateway.files.error_catalogue import explain, family, lookup
+from gateway.pure.image.error_entries import Entry, Words
+from gateway.pure.image.reasons import Reason, text
 
 MOST = 120
 OURS = "axisgate"

@@ -9,9 +9,9 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
+from gateway.observer.tool_link import Gone, Refused
 from gateway.web.access import Access, Denied, Person
-from gateway.web.desk import Gone, Refused
-from gateway.web.hands import NotYours
+from gateway.web.operator_control import NotYours
 from gateway.web.store import Role, StoreError
 
 BODY_LIMIT = 16384

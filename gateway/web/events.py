@@ -5,7 +5,7 @@ import pathlib
 from collections import deque
 from typing import Any
 
-from gateway.journal import JournalReader
+from gateway.runtime.journal import JournalReader
 
 KEPT = 500
 TAIL = 256 * 1024  # bytes read of a long journal at first

@@ -11,20 +11,20 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from gateway.alarmfile import path_of
-from gateway.assembly import RunPlan
+from gateway.assembly.run import RunPlan
+from gateway.observer.regions import Regions
+from gateway.observer.tool_link import Gone, Refused, ServicesLink, supervisor
+from gateway.observer.values import Watched
+from gateway.services.alarm_file import path_of
 from gateway.web.alarms import AlarmHistory
-from gateway.web.busview import BusView
+from gateway.web.bus_view import BusView
 from gateway.web.catalogue import advice
-from gateway.web.desk import Gone, Refused, ServicesDesk, supervisor
 from gateway.web.events import Events
-from gateway.web.hands import Hands
-from gateway.web.lineview import LineViews, asked_links
-from gateway.web.plantview import Plant
-from gateway.web.regions import Regions
+from gateway.web.line_view import LineViews, asked_links
+from gateway.web.operator_control import OperatorControl
+from gateway.web.plant_view import Plant
 from gateway.web.scope import Scope
 from gateway.web.skeleton import Skeleton
-from gateway.web.watched import Watched
 
 TICK_S = 0.1
 MOST_WATCHED = 400  # values of one page
@@ -57,7 +57,7 @@ class Topic:
 class Live:
     """The ticking heart of the page."""
 
-    def __init__(self, plan: RunPlan, regions: Regions, desk: ServicesDesk, hands: Hands, plant: Plant, scope: Scope) -> None:
+    def __init__(self, plan: RunPlan, regions: Regions, desk: ServicesLink, hands: OperatorControl, plant: Plant, scope: Scope) -> None:
         self.scope = scope
         self.plan, self.regions, self.desk, self.hands, self.plant = plan, regions, desk, hands, plant
         self.viewers: set[Viewer] = set()

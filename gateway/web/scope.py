@@ -13,11 +13,11 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from gateway.assembly import RunPlan
-from gateway.dbsignals import signals_of
-from gateway.image import RingReader
+from gateway.assembly.data_block_signals import signals_of
+from gateway.assembly.run import RunPlan
 from gateway.pure.scope.channels import AxisFact, Channel, all_names, channel
 from gateway.pure.scope.trigger import Capture, parse_trigger
+from gateway.runtime.regions import RingReader
 
 if TYPE_CHECKING:
     from gateway.scope.recording import Recording

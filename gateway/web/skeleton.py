@@ -5,7 +5,7 @@ Drawn out of the same robot file the planner uses; a cell without one is drawn a
 
 from collections.abc import Callable, Sequence
 
-from gateway.cell import Cell
+from gateway.pure.cell.cell import Cell
 
 Point = tuple[float, float, float]
 Lines = list[list[Point]]
@@ -29,9 +29,9 @@ class Skeleton:
 
     def _load(self, model: str) -> None:
         """Kinematics and robot files are loaded only where a cell has a robot: they take their time."""
-        from gateway.files import ConfigNotFound
-        from gateway.robotfile import RobotFaults
-        from gateway.web.robotlines import Arm
+        from gateway.files.find import ConfigNotFound
+        from gateway.files.robots import RobotFaults
+        from gateway.web.robot_lines import Arm
         from motion.errors import MotionError
 
         try:

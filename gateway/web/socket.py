@@ -8,11 +8,11 @@ from typing import Any
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from gateway.observer.tool_link import Gone, Refused
 from gateway.web.access import Access, Denied, Person
 from gateway.web.catalogue import said
-from gateway.web.desk import Gone, Refused
-from gateway.web.hands import Hands, NotYours
 from gateway.web.live import MOST_WATCHED, Live, Viewer
+from gateway.web.operator_control import NotYours, OperatorControl
 from gateway.web.store import Role
 
 LONGEST = 32768
@@ -27,7 +27,7 @@ REFUSED, TOO_MANY = 4403, 4429  # close codes: the page asks for a login, or wai
 class Sockets:
     """All of them."""
 
-    def __init__(self, live: Live, hands: Hands, access: Access) -> None:
+    def __init__(self, live: Live, hands: OperatorControl, access: Access) -> None:
         self.live, self.hands, self.access = live, hands, access
         self._open: dict[Viewer, tuple[WebSocket, Person]] = {}
         hands.standing = access.standing

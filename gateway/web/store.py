@@ -16,7 +16,7 @@ from enum import IntEnum
 from argon2 import PasswordHasher
 from argon2.exceptions import Argon2Error, InvalidHashError
 
-from gateway.clock import wall
+from gateway.runtime.clock import wall
 
 SHORTEST = 10  # characters of a password
 SESSION_S = 12 * 3600

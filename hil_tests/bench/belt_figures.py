@@ -13,24 +13,24 @@ import numpy as np
 
 from hil_tests.bench.figure_row import RECORDED, Figure, row
 from hil_tests.bench.step_costs import cost_rows
-from hil_tests.lab import motionpaths as lab
-from hil_tests.lab.arms import portal
-from motion.frames import NO_ROTATION, Pose
+from hil_tests.lab.cells import motion_paths as lab
+from hil_tests.lab.cells.arms import portal
+from motion.execution.stepper import State, Stepper
+from motion.execution.timed import TimedPiece
+from motion.geometry.frames import NO_ROTATION, Pose
+from motion.geometry.limits import AxisLimits
 from motion.kinematics.arm6 import Arm6
 from motion.kinematics.base import Joints
-from motion.limits import AxisLimits
 from motion.paths.line import line
 from motion.planner.commit import timed_pieces
-from motion.planner.jointpath import joint_path_of
-from motion.stepper import State, Stepper
+from motion.planner.joint_path import joint_path_of
+from motion.sync.belt_frame import Carried
 from motion.sync.belts import BeltData, Belts
 from motion.sync.cam import cam
-from motion.sync.carried import Carried
 from motion.sync.join import SyncStepper
 from motion.sync.parallel import Carrier, Coupling, ParallelPart
 from motion.sync.reserve import reserved
 from motion.sync.tracker import ALPHA, BETA, GAMMA, Tracker
-from motion.timed import TimedPiece
 from motion.timing.foresight import Foresight
 from motion.timing.jerk import jerk_limited
 from motion.timing.limits import law_limits

@@ -18,15 +18,15 @@ from dataclasses import dataclass, field
 
 from pymodbus.exceptions import ConnectionException, ModbusIOException
 
-from gateway.image import RingReader, recv_fds
 from gateway.processes.supervisor import ask, wait_up
-from gateway.progress import Progress
-from gateway.pure.records import unpack_trace
+from gateway.pure.image.records.cell import unpack_trace
+from gateway.runtime.regions import RingReader, recv_fds
+from gateway.tools.progress import Progress
 from hil_tests.bench.cycle_judge import Verdict, judge, percentile
 from hil_tests.bench.emulated_drives import cpu_seconds
-from hil_tests.lab import plc2 as modbus
-from hil_tests.lab.plc2 import ModbusPlc
-from hil_tests.lab.scenario import free_port
+from hil_tests.lab.partners import plc2 as modbus
+from hil_tests.lab.partners.plc2 import ModbusPlc
+from hil_tests.lab.running.scenario import free_port
 
 Figure = dict[str, object]
 ROOT = pathlib.Path(__file__).resolve().parents[2]

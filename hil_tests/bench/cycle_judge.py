@@ -13,7 +13,7 @@ import sys
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 
-from hil_tests.lab import buslog
+from hil_tests.lab.judges import bus_log as buslog
 
 SYNC = 100
 SET_VALUES = frozenset(range(210, 261, 10))

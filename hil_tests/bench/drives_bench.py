@@ -8,7 +8,7 @@ import re
 import statistics
 import tempfile
 
-from gateway.files import find_config
+from gateway.files.find import find_config
 from hil_tests.bench.cycle_bench import Side, alternate, running
 from hil_tests.bench.emulated_drives import emulated_24
 

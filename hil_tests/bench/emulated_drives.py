@@ -14,12 +14,12 @@ import tempfile
 import time
 from collections.abc import Iterator
 
-from drivers.ports.broker import BrokerPort
-from gateway.realtime import sleep_until
-from hil_tests.lab import buslog
-from hil_tests.lab.bus_running import running_bus
+from drivers.ports.can.broker import BrokerPort
+from gateway.runtime.realtime import sleep_until
+from hil_tests.lab.judges import bus_log as buslog
+from hil_tests.lab.running.bus_running import running_bus
 from protocols.base.machine import Frame
-from protocols.canopen import cobid
+from protocols.canopen import cob_id as cobid
 from protocols.canopen.nmt import Command, command
 
 Figure = dict[str, object]
@@ -146,7 +146,7 @@ def emulator(folder: pathlib.Path, bus: str) -> Iterator[int]:
     command = [
         sys.executable,
         "-m",
-        "gateway.processes.emulator",
+        "gateway.simulation.drives.process",
         "--settings",
         str(settings),
         "--bus",

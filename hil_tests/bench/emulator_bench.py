@@ -7,10 +7,10 @@ import subprocess
 import time
 from math import cos, sin
 
-from drivers.emulator.servo import Servo, constants
-from drivers.emulator.settings import ServoSettings
-from gateway.progress import steps
-from hil_tests.lab.servodyn_bus import DriveBus
+from drivers.emulator.servo.model import Servo, constants
+from drivers.emulator.servo.settings import ServoSettings
+from gateway.tools.progress import steps
+from hil_tests.lab.virtual.servodyn_bus import DriveBus
 from protocols.base.machine import Frame
 
 REFERENCE = pathlib.Path(__file__).resolve().parents[2] / "build" / "servo_ref"

@@ -14,8 +14,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from eaik.IK_DH import DhRobot
 
-from gateway.robotfile import load_robot
-from motion.frames import Pose
+from gateway.files.robots import load_robot
+from motion.geometry.frames import Pose
 from motion.kinematics.arm6 import Arm6
 from motion.kinematics.base import Joints, Kinematics
 from motion.kinematics.dh import default_dh

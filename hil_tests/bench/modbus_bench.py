@@ -18,11 +18,11 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
-from gateway.image import RegionReader, recv_fds
 from gateway.processes.supervisor import ask, wait_up
-from gateway.progress import Progress, steps
-from gateway.pure.records import unpack_cell_state
-from hil_tests.lab.scenario import free_port
+from gateway.pure.image.records.cell import unpack_cell_state
+from gateway.runtime.regions import RegionReader, recv_fds
+from gateway.tools.progress import Progress, steps
+from hil_tests.lab.running.scenario import free_port
 
 Figure = dict[str, object]
 ROOT = pathlib.Path(__file__).resolve().parents[2]

@@ -7,9 +7,9 @@ import asyncio
 import sys
 from typing import Any
 
-from gateway.modbus_server import Limits, ModbusServer
-from gateway.pure.modbus_view import RhoView
-from gateway.pure.records import InputImage
+from gateway.links.modbus.tcp_server import Limits, ModbusServer
+from gateway.pure.image.records.cell import InputImage
+from gateway.pure.modbus.rho3_view import RhoView
 
 
 async def ours() -> None:

@@ -12,22 +12,22 @@ from collections.abc import Callable, Mapping, Sequence
 
 import ruckig
 
-from gateway.progress import steps as shown
+from gateway.tools.progress import steps as shown
 from hil_tests.bench import belt_figures, kinematics_bench, motion_figures
 from hil_tests.bench.step_costs import cost_rows, least_of, percentile, uncollected
-from hil_tests.lab import arms
-from hil_tests.lab.contour import SPEED, stream
-from hil_tests.lab.toolspeed import random_blocks, streamed
-from motion.follower import Follower
-from motion.frames import NO_ROTATION, Pose
-from motion.limits import AxisLimits
+from hil_tests.lab.cells import arms
+from hil_tests.lab.judges.tool_speed import random_blocks, streamed
+from hil_tests.lab.virtual.contour import SPEED, stream
+from motion.execution.follower import Follower
+from motion.execution.ptp import plan_ptp
+from motion.execution.stepper import State, Stepper
+from motion.execution.timed import TimedPiece
+from motion.geometry.frames import NO_ROTATION, Pose
+from motion.geometry.limits import AxisLimits
 from motion.planner.arm import Arm
 from motion.planner.planner import Planner
 from motion.planner.robot import Machine
 from motion.program.blocks import Blend, Block, Interpolation, JointTarget, Pace, PoseTarget, Rounding
-from motion.ptp import plan_ptp
-from motion.stepper import State, Stepper
-from motion.timed import TimedPiece
 from motion.timing.foresight import Foresight
 
 P5 = 0.004

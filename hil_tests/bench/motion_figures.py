@@ -6,7 +6,7 @@ C.5 to C.7 and say so.
 
 from collections.abc import Callable
 
-from gateway.progress import steps
+from gateway.tools.progress import steps
 from hil_tests.bench import online_figures, path_figures
 from hil_tests.bench.figure_row import Figure
 

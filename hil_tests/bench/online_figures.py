@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 
 from hil_tests.bench.figure_row import RECORDED, Figure, row
 from hil_tests.bench.step_costs import cost_rows
-from hil_tests.lab import motionpaths as lab
-from motion.limits import AxisLimits
+from hil_tests.lab.cells import motion_paths as lab
+from motion.execution.stepper import Sample, State, Stepper
+from motion.execution.timed import TimedPiece
+from motion.geometry.limits import AxisLimits
 from motion.paths.corner import corner
 from motion.paths.line import line
 from motion.planner.commit import timed_pieces
-from motion.stepper import Sample, State, Stepper
-from motion.timed import TimedPiece
 from motion.timing.choice import Rounded, assembled
 from motion.timing.foresight import Foresight
 from motion.timing.jerk import jerk_limited

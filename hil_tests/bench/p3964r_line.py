@@ -15,13 +15,13 @@ import time
 from collections.abc import Callable, Iterator
 
 from drivers.ports.base import BytePort
-from drivers.ports.linewire import Record, parse_record
 from drivers.ports.open import open_bytes
-from drivers.ports.pty import READ_SIZE, PtyPort, set_raw
-from gateway.lineloop import LineRunner
-from gateway.processes.line_control import LineControl
-from gateway.progress import steps
-from hil_tests.lab.pty_master import PtyMaster
+from drivers.ports.serial.line_format import Record, parse_record
+from drivers.ports.serial.pty import READ_SIZE, PtyPort, set_raw
+from gateway.links.serial.runner import LineRunner
+from gateway.simulation.line.control import LineControl
+from gateway.tools.progress import steps
+from hil_tests.lab.partners.pty_master import PtyMaster
 from protocols.p3964r.characters import Char, wire_block
 from protocols.p3964r.events import BlockReceived, BlockSent, Event
 from protocols.p3964r.link import Link
@@ -181,7 +181,7 @@ def line_process(folder: pathlib.Path) -> Iterator[Callable[[], Record]]:
     before = os.environ.get("AXISGATE_RUNTIME")
     os.environ["AXISGATE_RUNTIME"] = str(folder / "run")
     path = folder / "record"
-    command = [sys.executable, "-m", "gateway.processes.line", "--name", "bench", "--baud", str(BAUD), "--record", str(path)]
+    command = [sys.executable, "-m", "gateway.simulation.line.process", "--name", "bench", "--baud", str(BAUD), "--record", str(path)]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     try:
         assert process.stdout is not None

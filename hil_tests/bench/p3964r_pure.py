@@ -1,6 +1,7 @@
 """3964R without a port: how fast blocks are decoded, and how many telegrams a second of simulation carries.
 
-The reference is the small station written by hand (hil_tests.lab.by_hand_partner), which takes one character after another; it runs in
+The reference is the small station written by hand (hil_tests.lab.partners.by_hand_partner), which takes one character after another; it
+runs in
 alternating rounds on the same bytes and the same faults.
 """
 
@@ -10,8 +11,8 @@ import time
 from collections.abc import Callable
 from statistics import median
 
-from hil_tests.lab.by_hand_partner import ByHandPartner, Gave, Got
-from hil_tests.lab.virtual_line import Faults, VirtualLine
+from hil_tests.lab.partners.by_hand_partner import ByHandPartner, Gave, Got
+from hil_tests.lab.virtual.virtual_line import Faults, VirtualLine
 from protocols.base.machine import Machine, Ns
 from protocols.p3964r.characters import wire_block
 from protocols.p3964r.events import BlockReceived, BlockSent, SendFailed

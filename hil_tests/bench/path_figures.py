@@ -12,16 +12,16 @@ import ruckig
 from numpy.typing import NDArray
 
 from hil_tests.bench.figure_row import RECORDED, Figure, row
-from hil_tests.lab import motionpaths as lab
-from motion.limits import AxisLimits
+from hil_tests.lab.cells import motion_paths as lab
+from motion.execution.ptp import nominal_duration, plan_ptp
+from motion.geometry.limits import AxisLimits
 from motion.paths.base import norm, sub
 from motion.paths.corner import corner, deviation, radius_for
 from motion.paths.joints import joint_blend, joint_line
 from motion.paths.line import line
 from motion.paths.spline import spline
-from motion.planner.jointpath import joint_path_of
+from motion.planner.joint_path import joint_path_of
 from motion.program.slopes import earliest, frozen, overlap, ramped, summed
-from motion.ptp import nominal_duration, plan_ptp
 from motion.timing import topp
 from motion.timing.choice import Rounded, assembled, duration, fastest
 from motion.timing.jerk import jerk_limited

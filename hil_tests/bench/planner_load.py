@@ -15,12 +15,12 @@ from dataclasses import dataclass, field
 
 from pymodbus.exceptions import ConnectionException, ModbusIOException
 
-from gateway.files import find_config
+from gateway.files.find import find_config
 from gateway.processes.supervisor import ask
 from hil_tests.bench.cycle_bench import SWITCH_ON_S, Bench, Figure, Side, alternate, running
 from hil_tests.bench.drives_bench import compared
 from hil_tests.bench.emulated_drives import cpu_seconds
-from hil_tests.lab import plc2 as modbus
+from hil_tests.lab.partners import plc2 as modbus
 
 PROGRAM, SEGMENTS, BLEND_MM = 13, 600, 0.2
 PLANNER_GOAL = 50.0  # % of a core: below, the planner was no load to speak of

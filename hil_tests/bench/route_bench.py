@@ -13,11 +13,11 @@ import statistics
 import threading
 import time
 
-from drivers.ports.can import open_can
-from gateway.progress import steps
+from drivers.ports.can.open import open_can
+from gateway.tools.progress import steps
 from hil_tests.bench import route_drive
-from hil_tests.lab.joined_running import OUT_BLOCK, JoinedRun, cell_copy, running_joined
-from hil_tests.lab.modbus_running import RawClient
+from hil_tests.lab.running.joined_running import OUT_BLOCK, JoinedRun, cell_copy, running_joined
+from hil_tests.lab.running.modbus_running import RawClient
 
 ONE_WAY_LIMIT, BOTH_WAYS_LIMIT = 2.0, 5.0  # cycles, p99
 WRITTEN, READ_BACK = 5, 6  # holding registers: RC input bytes 10, 11 and 12, 13

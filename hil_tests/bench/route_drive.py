@@ -13,9 +13,9 @@ import struct
 import threading
 import time
 
-from drivers.ports.can import open_can
-from hil_tests.lab.joined_running import JoinedRun, cell_copy, running_joined
-from hil_tests.lab.modbus_running import RawClient
+from drivers.ports.can.open import open_can
+from hil_tests.lab.running.joined_running import JoinedRun, cell_copy, running_joined
+from hil_tests.lab.running.modbus_running import RawClient
 from protocols.servodyn.plan import actual_id
 
 NAME = "routedrive"

@@ -1,4 +1,4 @@
-/* The bare servo step of drivers/emulator/servo.py in C: what the arithmetic itself costs.
+/* The bare servo step of drivers/emulator/servo/model.py in C: what the arithmetic itself costs.
  *
  *   servo_ref AXES CYCLES C0 .. C22
  *

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
 
-from gateway.native.quick import Quick
+from gateway.cycle.native.quick import NativeParts
 from hil_tests.bench.figure_row import Figure, row
 from motion.timing.foresight import Foresight
 
@@ -40,7 +40,7 @@ def cost_rows(
 
     reference: what it is, its median and 99th percentile in us; run: ns of each period of a round, the same for the same round.
     """
-    kinds = {"": Quick().foresight, "_python": Foresight}
+    kinds = {"": NativeParts().foresight, "_python": Foresight}
     costs: dict[str, list[int]] = {name: [] for name in kinds}
     with uncollected():
         for n in range(rounds):

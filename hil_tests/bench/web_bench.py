@@ -20,13 +20,13 @@ from collections.abc import Iterator
 
 from websockets.asyncio.client import connect
 
-from gateway.image import RingReader, recv_fds
 from gateway.processes.supervisor import ask
-from gateway.progress import steps, waited
-from gateway.pure.records import unpack_trace
+from gateway.pure.image.records.cell import unpack_trace
+from gateway.runtime.regions import RingReader, recv_fds
 from gateway.scope.recording import load
-from hil_tests.lab.cell_running import CellRun, free_port, running_cell
-from hil_tests.lab.web_running import CHROMIUM, FLAGS, PAGES, WebAsk, until
+from gateway.tools.progress import steps, waited
+from hil_tests.lab.running.cell_running import CellRun, free_port, running_cell
+from hil_tests.lab.running.web_running import CHROMIUM, FLAGS, PAGES, WebAsk, until
 
 Figure = dict[str, object]
 VIEWERS, BLOCKS, BLOCK_S, SETTLE_S = 20, 5, 4.0, 1.0
@@ -93,7 +93,7 @@ def recorded(web: WebAsk, seconds: float, p5_ms: int) -> tuple[int, int, int]:
 
 def wide_cell() -> str:
     """The demo's cell with so many entries more that 5000 values and more are to be searched."""
-    from gateway.files import find_config
+    from gateway.files.find import find_config
 
     text = find_config("demo", "cells").read_text()
     return "\n".join([text, *(wide_block(number) for number in range(100, 200))])

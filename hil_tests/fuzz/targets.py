@@ -4,9 +4,9 @@ import random
 import struct
 from typing import Any
 
-from gateway.pure.computerlink import ComputerLink
+from gateway.pure.lines.rk512_link import Rk512Link
 from hil_tests.fuzz.player import Player, Target
-from hil_tests.lab.modbus_view import MemoryView
+from hil_tests.lab.virtual.modbus_view import MemoryView
 from hil_tests.soak.store import Store
 from protocols.base.machine import Damage, Machine, Ns, ms
 from protocols.modbus.answering import answer
@@ -232,7 +232,7 @@ def _rk512_works(player: Player) -> None:
 
 
 def _jobs(machine: Machine[Any], chance: random.Random, now: Ns) -> None:
-    assert isinstance(machine, ComputerLink)
+    assert isinstance(machine, Rk512Link)
     if chance.random() < 0.1 and machine.active.pending < 8:
         if chance.random() < 0.5:
             machine.active.send(0, chance.randbytes(8), 10)
@@ -265,5 +265,5 @@ TARGETS = (
     Target("modbus.client_rtu_tcp", lambda: _master(RtuWire(OVER_TCP)), RTU, _master_works, _orders, on_event=_result),
     Target("3964r.low", lambda: Link(PROFILES["rho3"], Priority.LOW), TALK, _link_works, _sends),
     Target("3964r.high", lambda: Link(PROFILES["siemens-cp341"], Priority.HIGH), TALK, _link_works, _sends),
-    Target("rk512", lambda: ComputerLink(PROFILES["siemens-cp525"], Priority.LOW, Store(random.Random(1))), TALK, _rk512_works, _jobs),
+    Target("rk512", lambda: Rk512Link(PROFILES["siemens-cp525"], Priority.LOW, Store(random.Random(1))), TALK, _rk512_works, _jobs),
 )

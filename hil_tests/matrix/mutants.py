@@ -16,7 +16,7 @@ import pathlib
 import subprocess
 import sys
 
-from gateway.native.built import PYTHON_ONLY  # what is broken is Python: its twins in C would not notice
+from gateway.cycle.native.built import PYTHON_ONLY  # what is broken is Python: its twins in C would not notice
 from hil_tests.matrix import proof, verdicts
 from hil_tests.matrix.catalogue import ROOT, rows
 from hil_tests.matrix.verdicts import Pair

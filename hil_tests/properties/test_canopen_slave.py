@@ -3,9 +3,9 @@
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivers.emulator.cia402_slave import Cia402Slave
-from drivers.emulator.settings import BusSettings, DriveSettings, ServoSettings
-from hil_tests.lab.canopen_bus import DICTIONARY, START
+from drivers.emulator.cia402.slave import Cia402Slave
+from drivers.emulator.servo.settings import BusSettings, DriveSettings, ServoSettings
+from hil_tests.lab.virtual.canopen_bus import DICTIONARY, START
 from protocols.base.machine import Frame, Ns
 from protocols.canopen import sdo
 from protocols.canopen.eds import parse

@@ -7,8 +7,8 @@ from typing import Any
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gateway.config import CellFaults, load_tables
-from gateway.files import find_config, read_text
+from gateway.cell_file.load import CellFaults, load_tables
+from gateway.files.find import find_config, read_text
 
 CELLS = [tomllib.loads(read_text(find_config(name, "cells"))) for name in ("demo", "s5-rk512", "rho3-servodyn")]
 SCALARS = st.one_of(

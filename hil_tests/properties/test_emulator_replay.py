@@ -7,9 +7,9 @@ from math import sin
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
-from drivers.emulator.servodyn_slave import Event, FaultRaised, ServodynSlave
-from drivers.emulator.settings import BusSettings, ServoSettings
-from hil_tests.lab.servodyn_bus import CODEC, DriveBus
+from drivers.emulator.servo.settings import BusSettings, ServoSettings
+from drivers.emulator.servodyn.slave import Event, FaultRaised, ServodynSlave
+from hil_tests.lab.virtual.servodyn_bus import CODEC, DriveBus
 from protocols.base.machine import Frame
 
 ROUGH = ServoSettings(gravity_nm=1.5, torque_noise_nm=0.3, following_error_rad=8.0)

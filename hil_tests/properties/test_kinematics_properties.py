@@ -6,16 +6,16 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from hil_tests.unit.kinematics.robots import TX60, apart, arm, scara, sliding, turning, unlike
-from motion.conventions import CONVENTIONS
+from hil_tests.unit.motion.kinematics.robots import TX60, apart, arm, scara, sliding, turning, unlike
 from motion.errors import MotionError
-from motion.frames import IDENTITY, Pose, check_pose, from_quaternion, quaternion_of, rotation_of
+from motion.geometry.conventions import CONVENTIONS
+from motion.geometry.frames import IDENTITY, Pose, check_pose, from_quaternion, quaternion_of, rotation_of
+from motion.geometry.orientation import angle_between, between, rotation_by, rotation_vector, slerp
 from motion.kinematics.arm6 import Arm6, ArmGeometry
 from motion.kinematics.base import SAME
 from motion.kinematics.choice import nearest_turn
 from motion.kinematics.endless import within
 from motion.kinematics.portal import Portal
-from motion.orientation import angle_between, between, rotation_by, rotation_vector, slerp
 from motion.rho3.kinematic import mirrored
 from motion.rho3.wc import Assignment, WcFrame
 

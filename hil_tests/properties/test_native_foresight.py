@@ -8,17 +8,17 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from gateway.native.built import PYTHON_ONLY
-from gateway.native.foresight import Found, QuickForesight
-from gateway.native.quick import Quick
+from gateway.cycle.native.built import PYTHON_ONLY
+from gateway.cycle.native.foresight import Found, QuickForesight
+from gateway.cycle.native.quick import NativeParts
 from gateway.recording.states import Snapshots, Start, carry_over, frozen
 from hil_tests.bench.online_figures import loaded, random_pieces
-from hil_tests.lab.motionpaths import MS, Array, portal_limits, u_arm
-from hil_tests.lab.native import native_parts
+from hil_tests.lab.cells.motion_paths import MS, Array, portal_limits, u_arm
+from hil_tests.lab.cells.native import native_parts
 from hil_tests.soak import motion as soak
+from motion.execution.stepper import Stepper
+from motion.execution.timed import TimedPiece
 from motion.planner.commit import timed_pieces
-from motion.stepper import Stepper
-from motion.timed import TimedPiece
 from motion.timing.choice import assembled
 from motion.timing.foresight import Foresight
 from motion.timing.jerk import jerk_limited
@@ -165,7 +165,7 @@ def test_what_is_not_as_it_was_made_is_refused() -> None:
 
 def test_whoever_asks_for_python_looks_ahead_in_python(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(PYTHON_ONLY, "1")
-    assert Quick().foresight is Foresight
+    assert NativeParts().foresight is Foresight
 
 
 def test_a_recording_keeps_the_twin_in_the_same_state() -> None:
@@ -176,7 +176,7 @@ def test_a_recording_keeps_the_twin_in_the_same_state() -> None:
         for _ in range(40):
             stepper.step()
         state = kept(stepper)
-    assert "motion.timing.foresight:Foresight" in str(state) and "Quick" not in str(state)
+    assert "motion.timing.foresight:Foresight" in str(state) and "NativeParts" not in str(state)
     played = carry_over(state, kept(fresh), fresh, [])
     assert all(played.step() == stepper.step() for _ in range(400))
 

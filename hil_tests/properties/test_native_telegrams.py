@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drivers.drives.family import Actual, SetRecord
-from drivers.ports.canwire import RECORD, pack_records
-from gateway.native.quick import Collect, Quick, QuickTelegrams
-from hil_tests.lab.cellbench import FAMILY
-from hil_tests.lab.native import ENDS, FLAG, native_parts
+from drivers.ports.can.wire import RECORD, pack_records
+from gateway.cycle.native.quick import Collect, NativeParts, QuickTelegrams
+from hil_tests.lab.cells.native import ENDS, FLAG, native_parts
+from hil_tests.lab.virtual.cell_bench import FAMILY
 from protocols.base.errors import EncodeError
 from protocols.base.machine import Frame
 from protocols.servodyn.codec import ActualValue, SetValue
@@ -20,7 +20,7 @@ pytestmark = pytest.mark.cref
 
 
 @pytest.fixture(scope="module")
-def quick() -> Quick:
+def quick() -> NativeParts:
     return native_parts()
 
 
@@ -30,7 +30,7 @@ USUAL = st.builds(SetValue, *[FLAG] * 5, st.integers(0, 255), st.integers(-(2**3
 
 
 @pytest.fixture(scope="module")
-def telegrams(quick: Quick) -> QuickTelegrams:
+def telegrams(quick: NativeParts) -> QuickTelegrams:
     found = quick.telegrams(FAMILY)
     assert found is not None
     return found
@@ -59,7 +59,7 @@ ROWS = st.tuples(
 @settings(max_examples=80, deadline=None)
 @given(messages=st.lists(st.lists(ROWS, min_size=1, max_size=7), min_size=1, max_size=3), before=st.lists(FLAG, min_size=6, max_size=6))
 def test_messages_are_heard_the_same_in_both_or_left_to_the_twin(
-    quick: Quick, telegrams: QuickTelegrams, messages: list[list[tuple[int, int, bytes, int]]], before: list[bool]
+    quick: NativeParts, telegrams: QuickTelegrams, messages: list[list[tuple[int, int, bytes, int]]], before: list[bool]
 ) -> None:
     """As long as an axis is missing, one after the other; what holds anything but actual values comes back untouched."""
     mine: list[Actual | None] = [ActualValue() if there else None for there in before]
@@ -89,12 +89,12 @@ def test_messages_are_heard_the_same_in_both_or_left_to_the_twin(
     assert repr(mine) == repr(theirs)
 
 
-def collector(quick: Quick) -> Collect:
+def collector(quick: NativeParts) -> Collect:
     assert quick.collect is not None
     return quick.collect
 
 
-def test_nothing_is_waited_for_beyond_the_time(quick: Quick, telegrams: QuickTelegrams) -> None:
+def test_nothing_is_waited_for_beyond_the_time(quick: NativeParts, telegrams: QuickTelegrams) -> None:
     near, far = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     with near, far:
         far.send(RECORD.pack(610, 8, 1, bytes(8), 2000, 1))
@@ -106,7 +106,7 @@ def test_nothing_is_waited_for_beyond_the_time(quick: Quick, telegrams: QuickTel
         assert collector(quick)([bus], actuals, 5, time.monotonic_ns() + 10_000_000_000) == (5, 0, (0, bytes(31)))
 
 
-def test_two_buses_are_heard_in_one_wait(quick: Quick, telegrams: QuickTelegrams) -> None:
+def test_two_buses_are_heard_in_one_wait(quick: NativeParts, telegrams: QuickTelegrams) -> None:
     pairs = [socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET) for _ in range(2)]
     actuals: list[Actual | None] = [None] * 6
     for n, (_, far) in enumerate(pairs):

@@ -21,19 +21,19 @@ from drivers.drives.limits import LagMonitor, LagState
 from drivers.drives.scaling import Scaling
 from drivers.drives.servodyn import Drive, DriveSettings, Phase
 from drivers.drives.tracking import Tracking
-from gateway.axes import core_axes
-from gateway.image import ImageError, RegionReader, RegionWriter, RingReader, RingWriter, create_region, create_ring
-from gateway.native import built
-from gateway.native.built import PYTHON_ONLY
-from gateway.native.quick import Quick
-from gateway.pure.axisloops import PYTHON
-from gateway.pure.command_block import Code
-from gateway.pure.core import Core
-from gateway.pure.coreaxis import CoreAxis, HeldAxis
-from gateway.pure.records import FLAGS, MOST_AXES, RC_BYTES, AxisState, CellState, Motion, cell_state_packer
-from gateway.realtime import Alarm
-from hil_tests.lab.cellbench import DEMO, FAMILY, CellBench
-from hil_tests.lab.native import ENDS, FLAG, native_parts
+from gateway.assembly.axes import core_axes
+from gateway.cycle.native import built
+from gateway.cycle.native.built import PYTHON_ONLY
+from gateway.cycle.native.quick import NativeParts
+from gateway.pure.arbitration.command_block import Code
+from gateway.pure.cycle.axis import CoreAxis, HeldAxis
+from gateway.pure.cycle.axis_loops import PYTHON
+from gateway.pure.cycle.core import CycleLogic
+from gateway.pure.image.records.cell import FLAGS, MOST_AXES, RC_BYTES, AxisState, CellState, Motion, cell_state_packer
+from gateway.runtime.realtime import Alarm
+from gateway.runtime.regions import ImageError, RegionReader, RegionWriter, RingReader, RingWriter, create_region, create_ring
+from hil_tests.lab.cells.native import ENDS, FLAG, native_parts
+from hil_tests.lab.virtual.cell_bench import DEMO, FAMILY, CellBench
 from protocols.servodyn.codec import ActualValue
 
 pytestmark = pytest.mark.cref
@@ -42,7 +42,7 @@ INC = st.one_of(st.sampled_from(ENDS), st.integers(-(2**33), 2**33), st.integers
 
 
 @pytest.fixture(scope="module")
-def quick() -> Quick:
+def quick() -> NativeParts:
     return native_parts()
 
 
@@ -84,7 +84,7 @@ def quick_look(axis: HeldAxis) -> list[object]:
 class SideBySide:
     """Loops that do everything twice and compare."""
 
-    def __init__(self, quick: Quick, closely: int = 1) -> None:
+    def __init__(self, quick: NativeParts, closely: int = 1) -> None:
         self.native, self.closely = quick.loops, closely  # every so many calls
         self.calls = 0
 
@@ -126,7 +126,7 @@ class SideBySide:
 class Cell(CellBench):
     """A whole cell whose loops run twice."""
 
-    def __init__(self, quick: Quick) -> None:
+    def __init__(self, quick: NativeParts) -> None:
         self.loops = SideBySide(quick, closely=50)
         super().__init__()
 
@@ -134,11 +134,11 @@ class Cell(CellBench):
         super().ready()
         return self
 
-    def _new_core(self) -> Core:
-        return Core(core_axes(DEMO, self.period_ns / 1e6), self.period_ns / 1e9, self.generation, loops=self.loops)
+    def _new_core(self) -> CycleLogic:
+        return CycleLogic(core_axes(DEMO, self.period_ns / 1e6), self.period_ns / 1e9, self.generation, loops=self.loops)
 
 
-def test_a_cell_that_is_teased_lives_the_same_life_in_both(quick: Quick) -> None:
+def test_a_cell_that_is_teased_lives_the_same_life_in_both(quick: NativeParts) -> None:
     chance = random.Random(1)
     cell = Cell(quick).ready()
     for _ in range(20):
@@ -199,7 +199,7 @@ ACTUALS = st.one_of(
 @settings(max_examples=120, deadline=None)
 @given(axis=held_axes(), actual=ACTUALS, q=st.floats(-1e4, 1e4), speed=REALS.filter(lambda value: value == value), reset=FLAG, rest=FLAG)
 def test_an_axis_in_any_state_takes_the_same_step_in_both(
-    quick: Quick, axis: HeldAxis, actual: Actual | None, q: float, speed: float, reset: bool, rest: bool
+    quick: NativeParts, axis: HeldAxis, actual: Actual | None, q: float, speed: float, reset: bool, rest: bool
 ) -> None:
     loops = SideBySide(quick)
     loops.drive_axes([axis], [actual], (q,), (speed,), reset)
@@ -216,7 +216,7 @@ def test_an_axis_in_any_state_takes_the_same_step_in_both(
     step=st.integers(-200, 200),
 )
 def test_an_axis_that_follows_takes_the_short_way_to_the_same_end(
-    quick: Quick, axis: HeldAxis, refused: bool, still_for: int, far: float, step: int
+    quick: NativeParts, axis: HeldAxis, refused: bool, still_for: int, far: float, step: int
 ) -> None:
     """What C does itself: a drive on and following, a set value within its step, an axis that stands for one cycle more."""
     drive, loops = Drive(DriveSettings(step_inc=100)), SideBySide(quick)
@@ -233,7 +233,7 @@ def test_an_axis_that_follows_takes_the_short_way_to_the_same_end(
 
 
 @pytest.mark.parametrize("q", [float("nan"), float("inf"), -float("inf")])
-def test_a_position_that_is_no_number_raises_the_same_in_both(quick: Quick, q: float) -> None:
+def test_a_position_that_is_no_number_raises_the_same_in_both(quick: NativeParts, q: float) -> None:
     axis = HeldAxis(CoreAxis("A1", Scaling(), None, 1.0, DriveSettings()), Drive(), Tracking(), Scaling(), set=q)
     raised = []
     for loops in (PYTHON, quick.loops):
@@ -243,7 +243,7 @@ def test_a_position_that_is_no_number_raises_the_same_in_both(quick: Quick, q: f
     assert raised[0] is raised[1]
 
 
-def test_what_does_not_fit_is_refused(quick: Quick) -> None:
+def test_what_does_not_fit_is_refused(quick: NativeParts) -> None:
     axis = HeldAxis(CoreAxis("A1", Scaling(), None, 1.0, DriveSettings()), Drive(), Tracking(), Scaling())
     with pytest.raises(ValueError):
         quick.loops.drive_axes([axis], [None], (0.0, 0.0), (0.0,), False)
@@ -272,7 +272,7 @@ def states(draw: st.DrawFn) -> CellState:
 
 @settings(max_examples=25, deadline=None)
 @given(state=states(), axes=st.integers(1, MOST_AXES))
-def test_a_state_is_packed_the_same_in_both(quick: Quick, state: CellState, axes: int) -> None:
+def test_a_state_is_packed_the_same_in_both(quick: NativeParts, state: CellState, axes: int) -> None:
     outcomes = []
     for packer in (cell_state_packer(axes), quick.packer(axes)):
         try:
@@ -282,7 +282,7 @@ def test_a_state_is_packed_the_same_in_both(quick: Quick, state: CellState, axes
     assert outcomes[0] == outcomes[1]
 
 
-def test_regions_and_rings_are_written_the_same_in_both(quick: Quick) -> None:
+def test_regions_and_rings_are_written_the_same_in_both(quick: NativeParts) -> None:
     chance = random.Random(3)
     fds = [create_region("r", RC_BYTES, "x") for _ in range(2)] + [create_ring("g", 41, 5, "x") for _ in range(2)]
     regions = [RegionWriter(fds[0]), quick.region(fds[1])]
@@ -304,11 +304,11 @@ def test_regions_and_rings_are_written_the_same_in_both(quick: Quick) -> None:
             ring.put(bytes(40))
 
 
-def test_what_others_wrote_is_seen_the_same_in_both(quick: Quick) -> None:
+def test_what_others_wrote_is_seen_the_same_in_both(quick: NativeParts) -> None:
     links, planner, image = (create_region(name, 24, "x") for name in ("l", "p", "i"))
     pieces, orders = (create_ring(name, 24, 5, "x") for name in ("s", "o"))
     readers = (RegionReader(links), RegionReader(planner), RingReader(pieces), RingReader(orders), RegionReader(image))
-    quickly, slowly = quick.looker(*readers), Quick(python=True).looker(*readers)
+    quickly, slowly = quick.looker(*readers), NativeParts(python=True).looker(*readers)
     assert quickly() == slowly() == (0, 0, 0, 0, 0, 0)
     RegionWriter(links).beat(77)
     RegionWriter(planner)
@@ -321,7 +321,7 @@ def test_what_others_wrote_is_seen_the_same_in_both(quick: Quick) -> None:
     assert quick.looker(readers[0], None, None, *readers[3:])() == (os.getpid(), 77, 0, 0, 2, 1)
 
 
-def test_the_alarm_wakes_and_learns_in_both(quick: Quick) -> None:
+def test_the_alarm_wakes_and_learns_in_both(quick: NativeParts) -> None:
     for alarm in (Alarm(), quick.alarm()):
         due = time.monotonic_ns() + 20_000_000
         assert alarm.until(due) >= due
@@ -335,7 +335,7 @@ def test_the_alarm_wakes_and_learns_in_both(quick: Quick) -> None:
 
 def test_whoever_asks_for_python_gets_the_twins(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(PYTHON_ONLY, "1")
-    quick = Quick()
+    quick = NativeParts()
     assert (quick.loops, quick.region, quick.ring, quick.telegrams(FAMILY), quick.missing) == (PYTHON, RegionWriter, RingWriter, None, [])
     assert (quick.collect, quick.alarm) == (None, Alarm)
 
@@ -346,6 +346,6 @@ def test_a_library_of_other_sources_is_not_taken(monkeypatch: pytest.MonkeyPatch
     for part in built.PARTS:
         shutil.copy(built.library(part), tmp_path)
     monkeypatch.setattr(built, "FOLDER", tmp_path)
-    quick = Quick(python=False)
+    quick = NativeParts(python=False)
     assert quick.loops is PYTHON
     assert len(quick.missing) == len(built.PARTS)

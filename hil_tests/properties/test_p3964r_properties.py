@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hil_tests.lab.virtual_line import Faults, VirtualLine
+from hil_tests.lab.virtual.virtual_line import Faults, VirtualLine
 from protocols.base.errors import ProtocolError
 from protocols.base.machine import Damage, Ns, ms
 from protocols.p3964r.events import BlockReceived, BlockSent, Event, SendFailed

@@ -7,9 +7,9 @@ import os
 import numpy as np
 import pytest
 
-from hil_tests.lab.motionpaths import worst_shares
-from hil_tests.lab.polelines import PoleLine, machine, matrix, pole_lines, pose_on, truth
-from motion.frames import Pose
+from hil_tests.lab.cells.motion_paths import worst_shares
+from hil_tests.lab.judges.pole_lines import PoleLine, machine, matrix, pole_lines, pose_on, truth
+from motion.geometry.frames import Pose
 from motion.planner.route import Route, Stretch
 from motion.planner.trace import trace
 from motion.program.blocks import Block, Interpolation, Pace, PoseTarget

@@ -5,10 +5,23 @@ from collections.abc import Callable
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gateway.pure.rho3.baps import BINARY, CHARACTER, INTEGER, REAL, TEXT, BapsType, ItemError, Value, array, pack, point, unpack
-from gateway.pure.rho3.events import Event, Finished
-from gateway.pure.rho3.manager import LineManager
-from gateway.pure.rho3.setup import DISABLE_BITS, Assignment, Function, Process, Setup
+from gateway.pure.controllers.rho3.serial.baps import (
+    BINARY,
+    CHARACTER,
+    INTEGER,
+    REAL,
+    TEXT,
+    BapsType,
+    ItemError,
+    Value,
+    array,
+    pack,
+    point,
+    unpack,
+)
+from gateway.pure.controllers.rho3.serial.events import Event, Finished
+from gateway.pure.controllers.rho3.serial.manager import LineManager
+from gateway.pure.controllers.rho3.serial.setup import DISABLE_BITS, Assignment, Function, Process, Setup
 from protocols.base.machine import Damage, Ns, ms
 
 PROCESSES = tuple(Process(number, 100 + number % 2, stop_on_error=number == 3) for number in range(4))
@@ -113,7 +126,7 @@ def test_every_call_ends_once_and_nothing_raises(data: st.DataObject, pieces: li
 
 
 def _disabled(control: LineManager, function: Function) -> bool:
-    from gateway.pure.rho3.setup import INFO_TEXTS
+    from gateway.pure.controllers.rho3.serial.setup import INFO_TEXTS
 
     return INFO_TEXTS[function] in control.info()
 

@@ -4,10 +4,10 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from gateway.pure.computerlink import ComputerLink
-from hil_tests.lab.blunt_plc import BluntPlc, Job
-from hil_tests.lab.rk512_blocks import Blocks
-from hil_tests.lab.virtual_line import VirtualLine
+from gateway.pure.lines.rk512_link import Rk512Link
+from hil_tests.lab.partners.blunt_plc import BluntPlc, Job
+from hil_tests.lab.virtual.rk512_blocks import Blocks
+from hil_tests.lab.virtual.virtual_line import VirtualLine
 from protocols.base.machine import Ns, ms
 from protocols.p3964r.profiles import RHO3, SIEMENS_CP341, Priority, Profile
 
@@ -48,7 +48,7 @@ def meet(jobs: list[Job], ours: Priority, profile: Profile, char_time: Ns = 11_0
     store = Blocks({5: WORDS, 7: WORDS})
     store.blocks[5][:] = b"".join(bytes((0xD0, word)) for word in range(WORDS))
     plc = BluntPlc([*jobs, Job(fetch(5, 42))], priority=ours is Priority.LOW)
-    line = VirtualLine[object](ComputerLink(profile, ours, store), plc, lambda side, event, now: None, char_time=char_time, burst=1)
+    line = VirtualLine[object](Rk512Link(profile, ours, store), plc, lambda side, event, now: None, char_time=char_time, burst=1)
     line.kick(0)
     line.kick(1)
     while not plc.over and line.now < ms(3_600_000):

@@ -3,8 +3,8 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hil_tests.lab.rk512_active import ActiveStation
-from hil_tests.lab.rk512_blocks import Blocks
+from hil_tests.lab.partners.rk512_active import ActiveStation
+from hil_tests.lab.virtual.rk512_blocks import Blocks
 from protocols.base.machine import ms
 from protocols.rk512.passive import Dialect, Fetched, Passive, Refused, UnexpectedReaction, Written
 

@@ -5,15 +5,15 @@ import contextlib
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivers.emulator.servodyn_slave import ServodynSlave
-from drivers.emulator.settings import BusSettings, ServoSettings
-from gateway.pure.bus_inference.dbc import as_dbc
-from gateway.pure.bus_inference.proposal import NothingFound, propose
-from gateway.pure.plist.cellfile import import_list
-from gateway.pure.rho3can.blocks import IoBus, IoSettings
-from gateway.pure.rho3can.messages import Trouble
-from gateway.pure.rho3can.rules import Block, BusSetup, Setup, judge
-from hil_tests.lab.servodyn_bus import CODEC, START
+from drivers.emulator.servo.settings import BusSettings, ServoSettings
+from drivers.emulator.servodyn.slave import ServodynSlave
+from gateway.pure.buses.inference.dbc import as_dbc
+from gateway.pure.buses.inference.proposal import NothingFound, propose
+from gateway.pure.controllers.rho3.can.blocks import IoBus, IoSettings
+from gateway.pure.controllers.rho3.can.messages import Trouble
+from gateway.pure.controllers.rho3.can.rules import Block, BusSetup, Setup, judge
+from gateway.pure.controllers.rho3.parameter_list.cell_file import import_list
+from hil_tests.lab.virtual.servodyn_bus import CODEC, START
 from protocols.base.dbc import compile_dbc
 from protocols.base.errors import DecodeError
 from protocols.base.machine import Frame, ms

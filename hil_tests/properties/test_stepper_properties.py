@@ -3,11 +3,11 @@
 from hypothesis import given, seed, settings
 from hypothesis import strategies as st
 
-from hil_tests.unit.motion.measure import off_line, run_out, worst
-from motion.limits import AxisLimits
-from motion.pieces import decode, encode
-from motion.ptp import nominal_duration, plan_ptp
-from motion.stepper import State, Stepper
+from hil_tests.unit.motion.execution.measure import off_line, run_out, worst
+from motion.execution.pieces import decode, encode
+from motion.execution.ptp import nominal_duration, plan_ptp
+from motion.execution.stepper import State, Stepper
+from motion.geometry.limits import AxisLimits
 
 SLACK = 2000  # steps beyond the nominal duration: stops and slow stretches before the last resume cost no more
 

@@ -3,9 +3,9 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gateway.pure.val3_sio.channel import Channel, Kind
-from gateway.pure.val3_sio.text import MAX_STRING, TextScan, encode_text
-from hil_tests.lab.val3_desk import WAITS, Desk
+from gateway.pure.controllers.val3.sio.channel import Channel, Kind
+from gateway.pure.controllers.val3.sio.text import MAX_STRING, TextScan, encode_text
+from hil_tests.lab.virtual.val3_sio import WAITS, Desk
 
 SERIAL = Channel("Serial\\1", Kind.SERIAL, device="/dev/ttyS0", timeout_s=-1)
 PIECES = st.lists(st.binary(max_size=40), max_size=12)

@@ -41,7 +41,7 @@ tools)
     has npm || missing="$missing npm"
     { has cc || has gcc; } || missing="$missing gcc"
     [ -f /usr/include/stdio.h ] || missing="$missing libc6-dev"
-    [ -f "$("$python" -c 'import sysconfig; print(sysconfig.get_path("include"))')/Python.h" ] || missing="$missing python3-dev"  # gateway/native
+    [ -f "$("$python" -c 'import sysconfig; print(sysconfig.get_path("include"))')/Python.h" ] || missing="$missing python3-dev"  # gateway/cycle/native
     [ -f /usr/include/modbus/modbus.h ] || missing="$missing libmodbus-dev"
     [ -e build/guest-kernel ] || {  # what its build needs
         ls /usr/src/linux-source-6.*.tar.xz >/dev/null 2>&1 || missing="$missing linux-source-6.1"

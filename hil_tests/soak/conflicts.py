@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from hil_tests.lab.virtual_line import VirtualLine
+from hil_tests.lab.virtual.virtual_line import VirtualLine
 from protocols.base.machine import Ns, ms
 from protocols.p3964r.events import BlockReceived, BlockSent, Event, SamePriority, SendFailed
 from protocols.p3964r.link import Link

@@ -7,8 +7,8 @@ After each the sender repeats as 3964R does; then a good block must come in.  At
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from gateway.progress import steps
-from hil_tests.lab.rk512_blocks import Blocks
+from gateway.tools.progress import steps
+from hil_tests.lab.virtual.rk512_blocks import Blocks
 from hil_tests.soak.faulted_line import Item
 from hil_tests.soak.judge import framed, payload_of
 from protocols.base.machine import ms

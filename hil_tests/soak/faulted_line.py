@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from random import Random
 
-from hil_tests.lab.virtual_line import VirtualLine
+from hil_tests.lab.virtual.virtual_line import VirtualLine
 from protocols.base.machine import Damage, Machine, Ns, ms
 
 KINDS = ("flip", "drop", "insert", "duplicate", "delay", "cut", "parity", "break")

@@ -19,15 +19,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from gateway.native.quick import Quick
-from gateway.progress import Progress
+from gateway.cycle.native.quick import NativeParts
+from gateway.tools.progress import Progress
 from hil_tests.bench.motion_bench import random_program
 from hil_tests.bench.path_figures import corner_dev
-from hil_tests.lab import arms
-from hil_tests.lab.contour import SPEED, Streamed, stream
+from hil_tests.lab.cells import arms
+from hil_tests.lab.virtual.contour import SPEED, Streamed, stream
+from motion.execution.stepper import State, Stepper
+from motion.execution.timed import TimedPiece
 from motion.planner.planner import Planner
-from motion.stepper import State, Stepper
-from motion.timed import TimedPiece
 from motion.timing.foresight import Foresight
 
 Array = NDArray[np.float64]
@@ -132,7 +132,7 @@ def judged(seed: int) -> Judged:
     """One program."""
     machine, pieces = arms.portal(), pieces_of(seed)
     plain = np.array(driven(loaded(pieces, MS)))
-    other = np.array(ordered(loaded(pieces, MS, Quick().foresight), random.Random(seed)))
+    other = np.array(ordered(loaded(pieces, MS, NativeParts().foresight), random.Random(seed)))
     moved = other[np.concatenate([[True], np.any(np.diff(other, axis=0) != 0.0, axis=1)])]
     return Judged(seed, arms.shares(machine, plain, MS), arms.shares(machine, other, MS), away(moved[::23], curve_of(pieces)))
 

@@ -10,9 +10,9 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from random import Random
 
-from gateway.progress import steps
-from gateway.pure.computerlink import ComputerLink
-from gateway.pure.dialects import BUEP64, buep64_dialect
+from gateway.pure.lines.line_profiles import BUEP64, buep64_dialect
+from gateway.pure.lines.rk512_link import Rk512Link
+from gateway.tools.progress import steps
 from hil_tests.soak.faulted_line import FaultedLine
 from hil_tests.soak.judge import payload_of, taken, why_acknowledged
 from hil_tests.soak.store import Store, payload
@@ -90,7 +90,7 @@ class Wanted:
 class Side:
     """One station and what the judge remembers of it."""
 
-    machine: ComputerLink
+    machine: Rk512Link
     store: Store
     dialect: Dialect
     profile: Profile
@@ -115,7 +115,7 @@ class Pair:
         self.sides: list[Side] = []
         for number, (profile, priority) in enumerate(((left, Priority.HIGH), (right, Priority.LOW))):
             store, dialect = Store(self.chance), station_dialect(profile)
-            machine = ComputerLink(profile, priority, store, dialect, areas=store, tap=self._tap(number))
+            machine = Rk512Link(profile, priority, store, dialect, areas=store, tap=self._tap(number))
             self.sides.append(Side(machine, store, dialect, profile))
         self.line = FaultedLine(self.sides[0].machine, self.sides[1].machine, self._event, seed, share, CHAR)
         self.line.kick(0)

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.errors import MotionError
-from motion.files.movefile import Playback
-from motion.limits import AxisLimits
-from motion.timed import TimedPiece, most_nodes
+from motion.execution.timed import TimedPiece, most_nodes
+from motion.files.move_file import Playback
+from motion.geometry.limits import AxisLimits
 
 Array = NDArray[np.float64]
 NO_LIMIT = 1e9  # of the way: what is kept is that of the axes

@@ -21,10 +21,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.errors import MotionError
-from motion.frames import Pose
+from motion.geometry.frames import Pose
+from motion.geometry.limits import AxisLimits
 from motion.kinematics.base import Branch, Configuration, Elbow, Joints, Shoulder, Unreachable, Wrist
 from motion.kinematics.choice import Chooser, wrapped
-from motion.limits import AxisLimits
 
 POLE = 5e-10  # sine of j5 below which axes 4 and 6 turn about one line
 NEAR_POLE = 1e-4  # sine of j5 below which j6 is taken from j4, so that their sum keeps its digits

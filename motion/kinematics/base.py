@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.errors import MotionError
-from motion.frames import Pose
+from motion.geometry.frames import Pose
 
 Joints = tuple[float, ...]  # m or rad, one an axis
 RHO3_TEXT = "point not reachable"

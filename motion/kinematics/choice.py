@@ -8,9 +8,9 @@ import math
 from collections.abc import Sequence
 
 from motion.errors import MotionError
+from motion.geometry.limits import TOUCH, AxisLimits
+from motion.geometry.units import Kind, kind_of
 from motion.kinematics.base import Branch, Configuration, Joints, KinematicsError, OutOfLimits, Unreachable, WrongConfiguration
-from motion.limits import TOUCH, AxisLimits
-from motion.units import Kind, kind_of
 
 TURN = 2.0 * math.pi
 BESIDE = 3.0  # rad: nearer than that no other turn is nearer

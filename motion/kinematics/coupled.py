@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.errors import MotionError
-from motion.frames import Pose
+from motion.geometry.frames import Pose
+from motion.geometry.limits import AxisLimits
 from motion.kinematics.base import Branch, Configuration, Joints, Kinematics, OutOfLimits
 from motion.kinematics.choice import inside
-from motion.limits import AxisLimits
 
 Row = tuple[float, ...]
 

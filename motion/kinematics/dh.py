@@ -13,13 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from motion.conventions import DEGREE, VAL3
 from motion.errors import MotionError
-from motion.frames import NO_ROTATION, Pose, compose
+from motion.geometry.conventions import DEGREE, VAL3
+from motion.geometry.frames import NO_ROTATION, Pose, compose
+from motion.geometry.orientation import between
 from motion.kinematics.arm6 import Arm6, ArmGeometry
 from motion.kinematics.base import Branch, Configuration, Joints, Unreachable
 from motion.kinematics.choice import Chooser, wrapped
-from motion.orientation import between
 
 FARTHEST_MM = 10.0  # a measured length further from the default than this is refused (AX-355)
 FARTHEST_DEG = 2.0

@@ -15,13 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.errors import MotionError
-from motion.frames import IDENTITY, Pose, Vector, compose, rotate
+from motion.geometry.frames import IDENTITY, Pose, Vector, compose, rotate
+from motion.geometry.limits import AxisLimits
+from motion.geometry.orientation import rotation_by
+from motion.geometry.units import Kind, kind_of
 from motion.kinematics.base import Branch, Configuration, Joints, Kinematics, OutOfLimits, PathKinematics
 from motion.kinematics.choice import inside
 from motion.kinematics.placed import Placed, first_of
-from motion.limits import AxisLimits
-from motion.orientation import rotation_by
-from motion.units import Kind, kind_of
 
 MOST = 24
 

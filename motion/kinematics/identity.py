@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.errors import MotionError
-from motion.frames import NO_ROTATION, Pose
+from motion.geometry.frames import NO_ROTATION, Pose
+from motion.geometry.limits import AxisLimits
+from motion.geometry.units import Kind, kind_of
 from motion.kinematics.base import FREE, Branch, Configuration, Joints, Unreachable
 from motion.kinematics.choice import Chooser
-from motion.limits import AxisLimits
-from motion.units import Kind, kind_of
 
 MOST = 24
 STRAY = 1e-9  # m or 1: what an axis that is not there may be off

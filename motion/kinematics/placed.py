@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from motion.frames import Pose
+from motion.geometry.frames import Pose
 from motion.kinematics.base import Joints, PathKinematics
 
 

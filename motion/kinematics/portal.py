@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.errors import MotionError
-from motion.frames import IDENTITY, NO_ROTATION, Pose, Rotation, compose, product, rotate, transposed
+from motion.geometry.frames import IDENTITY, NO_ROTATION, Pose, Rotation, compose, product, rotate, transposed
+from motion.geometry.limits import AxisLimits
+from motion.geometry.units import Kind, kind_of
 from motion.kinematics.base import FREE, Branch, Configuration, Joints, Unreachable, Wrist
 from motion.kinematics.choice import Chooser, wrapped
-from motion.limits import AxisLimits
-from motion.units import Kind, kind_of
 
 STRAY = 1e-9  # m or rad: how far a pose may be off in a direction the portal does not have
 POLE = 1e-10  # sine or cosine of the middle angle below which first and last axis turn about one line

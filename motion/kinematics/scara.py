@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.errors import MotionError
-from motion.frames import Pose
+from motion.geometry.frames import Pose
+from motion.geometry.limits import AxisLimits
+from motion.geometry.units import Kind, kind_of
 from motion.kinematics.base import Branch, Configuration, Joints, Shoulder, Unreachable
 from motion.kinematics.choice import Chooser, wrapped
-from motion.limits import AxisLimits
-from motion.units import Kind, kind_of
 
 STRAY = 1e-9  # how far the flange's z may be from the vertical
 SHORT = 8e-10  # m: how far beyond a stretched or folded arm a point may stand by rounding

@@ -13,9 +13,9 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from motion.errors import MotionError
-from motion.frames import Pose
+from motion.geometry.frames import Pose
+from motion.geometry.limits import AxisLimits
 from motion.kinematics.base import FREE, Branch, Configuration, Joints, Unreachable, WrongConfiguration
-from motion.limits import AxisLimits
 
 Array = NDArray[np.float64]
 CLOSE = 1e-10  # m and rad: error of a pose that counts as reached

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from motion.errors import MotionError
-from motion.limits import AxisLimits
-from motion.units import from_si, to_si
+from motion.geometry.limits import AxisLimits
+from motion.geometry.units import from_si, to_si
 
 
 @dataclass(slots=True)

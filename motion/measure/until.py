@@ -11,12 +11,12 @@ from math import hypot
 from typing import Protocol
 
 from motion.errors import LimitError
-from motion.limits import AxisLimits, check_targets
+from motion.execution.stepper import Sample, State
+from motion.geometry.limits import AxisLimits, check_targets
+from motion.geometry.units import to_si
 from motion.measure.history import History
 from motion.measure.inputs import Board, Edge, InputKind, MeasuringInput
 from motion.measure.mpos import MeasuredPosition, measured
-from motion.stepper import Sample, State
-from motion.units import to_si
 
 STANDS = 1e-9  # m/s or rad/s
 
@@ -31,7 +31,7 @@ class Outcome(Enum):
 
 
 class Path(Protocol):
-    """What of motion.stepper.Stepper is used."""
+    """What of motion.execution.stepper.Stepper is used."""
 
     @property
     def state(self) -> State:

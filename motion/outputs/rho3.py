@@ -11,8 +11,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 
-from motion.conventions import RHO3
 from motion.errors import MotionError
+from motion.geometry.conventions import RHO3
 from motion.measure.errors import ProgramFault
 
 IOL_IN_USE, PPO_IN_USE = "IOL:Fkt. still in use", "PPO:Fkt. still in use"

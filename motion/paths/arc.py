@@ -7,8 +7,8 @@ CIRCULAR of the rho 3 (never passed), ZIRK_MIN_ORI and ZIRK_BAHN_ORI of the Reis
 import math
 from dataclasses import dataclass
 
-from motion.frames import Pose, Rotation, Vector, product, rotate, transposed
-from motion.orientation import is_half_turn, rotation_by, rotation_vector
+from motion.geometry.frames import Pose, Rotation, Vector, product, rotate, transposed
+from motion.geometry.orientation import is_half_turn, rotation_by, rotation_vector
 from motion.paths.base import Derivatives, PathError, add, cross, dot, norm, scale, sub, unit
 from motion.paths.polynomial import Row, values
 from motion.paths.turning import rate, rate_change

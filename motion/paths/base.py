@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from typing import NamedTuple, Protocol
 
 from motion.errors import MotionError
-from motion.frames import Pose, Vector
+from motion.geometry.frames import Pose, Vector
 
 ZERO: Vector = (0.0, 0.0, 0.0)
 

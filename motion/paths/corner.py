@@ -11,8 +11,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from motion.frames import Pose, Vector, product, rotate, transposed
-from motion.orientation import rotation_vector
+from motion.geometry.frames import Pose, Vector, product, rotate, transposed
+from motion.geometry.orientation import rotation_vector
 from motion.paths.base import Curve, Derivatives, PathError, add, dot, norm, scale, sub
 from motion.paths.polynomial import Polynomial, Row, whole
 from motion.paths.turning import vector_change, vector_rate

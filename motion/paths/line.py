@@ -2,8 +2,8 @@
 
 import math
 
-from motion.frames import Pose
-from motion.orientation import between, is_half_turn
+from motion.geometry.frames import Pose
+from motion.geometry.orientation import between, is_half_turn
 from motion.paths.base import PathError, norm, scale, sub
 from motion.paths.polynomial import Polynomial, Row
 

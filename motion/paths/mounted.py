@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from motion.frames import IDENTITY, Pose, rotate
+from motion.geometry.frames import IDENTITY, Pose, rotate
 from motion.paths.base import Curve, Derivatives, add, cross, sub
 
 

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from motion.frames import Pose, Vector, product, rotate
-from motion.orientation import rotation_by
+from motion.geometry.frames import Pose, Vector, product, rotate
+from motion.geometry.orientation import rotation_by
 from motion.paths.base import Curve, Derivatives, PathError, add, norm, sub
 from motion.paths.turning import rate, rate_change
 

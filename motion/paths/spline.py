@@ -12,8 +12,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from motion.frames import Pose, Rotation, Vector, product, rotate, transposed
-from motion.orientation import angle_between, is_half_turn, rotation_vector, slerp
+from motion.geometry.frames import Pose, Rotation, Vector, product, rotate, transposed
+from motion.geometry.orientation import angle_between, is_half_turn, rotation_vector, slerp
 from motion.paths.base import PathError, add, dot, norm, scale, sub
 from motion.paths.corner import control_points, hermite
 from motion.paths.polynomial import Chain, Polynomial, Row

@@ -16,7 +16,7 @@ from motion.paths.joints import DEGREE, JointPath, shifted
 
 Array = NDArray[np.float64]
 SAME = 1e-9  # share of the length: knots of two paths that are closer than this are one
-TOLERANCE = 2e-9  # m or rad: as motion.planner.jointpath
+TOLERANCE = 2e-9  # m or rad: as motion.planner.joint_path
 PROBES = (0.2, 0.5, 0.8)
 MOST_PIECES = 256
 State = tuple[float, float, float]  # a value and its first two derivatives

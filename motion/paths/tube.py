@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from motion.frames import Pose, Vector
+from motion.geometry.frames import Pose, Vector
 from motion.paths.base import PathError, add, dot, norm, scale, sub
 from motion.paths.polynomial import Chain, Polynomial
 from motion.paths.spline import NEAR_M, beside, fit, spline

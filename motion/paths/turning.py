@@ -6,7 +6,7 @@ the rotation group (Rodrigues).
 
 import math
 
-from motion.frames import Vector
+from motion.geometry.frames import Vector
 from motion.paths.base import add, cross, dot, scale, sub
 
 SMALL = 1e-4  # rad: below it the coefficients come from their series

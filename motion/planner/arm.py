@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import inf
 
-from motion.follower import Follower, Progress
+from motion.execution.follower import Follower, Progress
 from motion.planner.planner import Planner
 from motion.planner.robot import Machine
 from motion.planner.team import Team

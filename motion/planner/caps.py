@@ -6,8 +6,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from motion.paths.joints import JointPath
+from motion.planner.given_times import figures
 from motion.planner.robot import Machine
-from motion.planner.timegiven import figures
 from motion.program.blocks import Block, Interpolation
 from motion.program.factors import FULL, Factors
 from motion.timing.limits import FREE, TURNING, WAY, Cap, LawLimits, law_limits

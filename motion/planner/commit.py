@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.errors import MotionError
+from motion.execution.timed import TimedPiece, most_nodes
 from motion.paths.joints import JointPath
-from motion.planner.thinned import needed
-from motion.timed import TimedPiece, most_nodes
+from motion.planner.node_reduction import needed
 from motion.timing.law import Law
 from motion.timing.limits import LawLimits
 

@@ -5,11 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from motion.execution.timed import TimedPiece
 from motion.planner.route import Kind, Stretch
 from motion.planner.runs import Run
 from motion.program.blocks import Called, Flying, Interpolation, Latching, Output, Recording
 from motion.program.errors import BlockError
-from motion.timed import TimedPiece
 from motion.timing.law import Law
 from motion.timing.limits import WAY
 

@@ -14,24 +14,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.errors import MotionError
+from motion.execution.timed import TimedPiece
 from motion.kinematics.base import Joints
 from motion.planner.commit import TooLongError, timed_pieces
-from motion.planner.known import KnownLaws
+from motion.planner.corner_choice import quicker
+from motion.planner.given_times import time_given
+from motion.planner.law_cache import KnownLaws
 from motion.planner.marks import Mark, check_outputs, marks_of
+from motion.planner.path_checks import Slowed
+from motion.planner.quick_law import STEP_S, Swift, cropped, swift, width_s
 from motion.planner.robot import Machine
 from motion.planner.route import Kind, Route, Stretch
 from motion.planner.runs import Run, make_run
-from motion.planner.squares import quicker
-from motion.planner.swift import STEP_S, Swift, cropped, swift, width_s
 from motion.planner.team import Team, worst
-from motion.planner.teamroute import TeamRoute
-from motion.planner.timegiven import time_given
-from motion.planner.watched import Slowed
+from motion.planner.team_route import TeamRoute
 from motion.program.blocks import Block, Called, Output
 from motion.program.errors import BlockError
 from motion.program.factors import FULL, Factors
 from motion.program.team import Shared
-from motion.timed import TimedPiece
 from motion.timing.law import Law
 from motion.timing.slices import Slices, Work
 

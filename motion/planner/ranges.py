@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 
-from motion.planner.legs import Leg
+from motion.planner.block_paths import Leg
 
 
 def axis_range(leg: Leg, ranges: Sequence[float]) -> float:

@@ -8,10 +8,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from motion.frames import Pose
+from motion.geometry.frames import Pose
+from motion.geometry.limits import AxisLimits
 from motion.kinematics.base import FREE, Joints
 from motion.kinematics.endless import within
-from motion.limits import AxisLimits
 from motion.planner.robot import Machine
 from motion.program.blocks import Block, Interpolation, JointTarget, PoseTarget, Shift, Target
 from motion.program.errors import BlockError

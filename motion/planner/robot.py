@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 from math import inf
 
 from motion.errors import MotionError
-from motion.frames import Pose
+from motion.geometry.frames import Pose
+from motion.geometry.limits import AxisLimits
 from motion.kinematics.base import Configuration, Joints, Kinematics
 from motion.kinematics.group import Group, OnTable, Role
-from motion.limits import AxisLimits
 from motion.program.blocks import MAX_JOINTS, Shape
 from motion.robot import Kind, Robot, kinematics_of
 from motion.timing.limiter import TooFast, too_fast

@@ -16,28 +16,28 @@ from functools import partial
 import numpy as np
 
 from motion.errors import MotionError
+from motion.geometry.limits import TOUCH
+from motion.geometry.units import from_si
 from motion.kinematics.base import Joints
-from motion.limits import TOUCH
 from motion.paths.base import PathError
 from motion.paths.corner import clipped, corner, directions, radius_for
 from motion.paths.joints import JointPath, joint_blend, joint_part
 from motion.paths.polynomial import part
-from motion.planner.added import own_ramp, sum_keeps
-from motion.planner.along import followed
-from motion.planner.extra import joining, shifted, states
-from motion.planner.legs import JOINT_LIMIT, Leg, check_end, check_numbers, make_leg, run_out, told, turns_more
+from motion.planner.adaptive_path import followed
+from motion.planner.additional_axes import joining, shifted, states
+from motion.planner.block_paths import JOINT_LIMIT, Leg, check_end, check_numbers, make_leg, run_out, told, turns_more
+from motion.planner.block_slope_sum import own_ramp, sum_keeps
+from motion.planner.given_times import check_time
+from motion.planner.path_checks import Slowed, check_range, check_speed
 from motion.planner.ranges import axis_range, first_at
 from motion.planner.relative import shown, unwound
 from motion.planner.robot import Machine
-from motion.planner.rows import curve_of, goes_on, legs_of, place_of
-from motion.planner.timegiven import check_time
-from motion.planner.toolspeed import limited
-from motion.planner.watched import Slowed, check_range, check_speed
+from motion.planner.spline_rows import curve_of, goes_on, legs_of, place_of
+from motion.planner.tool_speed import limited
 from motion.program.blocks import MEASURED, Block, Called, Interpolation, JointTarget, Output, Rounding, Shape, Slope
 from motion.program.errors import BlockError
 from motion.program.passing import passed
 from motion.program.slopes import Clock, Ramped, earliest, frozen, overlap
-from motion.units import from_si
 
 EMPTY = 1e-9  # of a block: less is nothing left to run
 SMALLEST = 1e-7  # m or rad: a smaller corner is none

@@ -1,11 +1,11 @@
-"""Laws of paths whose axes all move straight: PTP, lines of portals.  There the optimum is known in closed form (motion.ptp)."""
+"""Laws of paths whose axes all move straight: PTP, lines of portals.  There the optimum is known in closed form (motion.execution.ptp)."""
 
 import math
 
 import numpy as np
 
+from motion.execution.profile import Profile
 from motion.planner.runs import Run
-from motion.profile import Profile
 from motion.timing.law import Law, check_seconds
 
 STRAIGHT = 1e-9  # largest second derivative of a path that counts as straight

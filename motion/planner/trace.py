@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from motion.frames import Pose
-from motion.planner.known import KnownLaws
+from motion.geometry.frames import Pose
+from motion.planner.corner_choice import quicker
+from motion.planner.law_cache import KnownLaws
 from motion.planner.robot import Machine
 from motion.planner.route import Kind, Route, Stretch
 from motion.planner.runs import make_run, runs
-from motion.planner.squares import quicker
 from motion.planner.team import Team
 from motion.program.blocks import Block, PoseTarget, Program
 from motion.program.errors import BlockError

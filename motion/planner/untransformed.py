@@ -7,12 +7,12 @@ in the same time.  Lengths of linear main axes are the way of the path, angles o
 from collections.abc import Sequence
 from math import hypot
 
+from motion.geometry.units import Kind, kind_of
 from motion.kinematics.base import Joints
 from motion.kinematics.identity import Identity
 from motion.paths.joints import JointPath, joint_path
 from motion.planner.robot import Machine
 from motion.program.blocks import Block, Interpolation, JointTarget
-from motion.units import Kind, kind_of
 
 NO_WAY = 1e-12
 

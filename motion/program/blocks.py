@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import TypeVar
 
-from motion.conventions import Convention
-from motion.frames import IDENTITY, Pose, Vector
+from motion.geometry.conventions import Convention
+from motion.geometry.frames import IDENTITY, Pose, Vector
 from motion.kinematics.base import FREE, Configuration
 from motion.outputs.function import Function
 from motion.rho3.wc import WcFrame

@@ -12,7 +12,7 @@ from enum import Enum
 from itertools import pairwise
 
 from motion.errors import MotionError
-from motion.orientation import angle_between
+from motion.geometry.orientation import angle_between
 from motion.program.blocks import (
     Blend,
     Block,

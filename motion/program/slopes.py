@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.errors import MotionError
-from motion.limits import AxisLimits
+from motion.execution.profile import Profile
+from motion.geometry.limits import AxisLimits
 from motion.paths.corner import hermite
 from motion.paths.joints import JointPath, joint_path
-from motion.profile import Profile
 from motion.timing.law import Law
-from motion.timing.sinesquare import SineSquare, sine_square
+from motion.timing.sine_square import SineSquare, sine_square
 
 Array = NDArray[np.float64]
 TRIES = 24  # start times looked at between the earliest one and no overlap

@@ -6,8 +6,8 @@ positions of SF 1 and SF 2 move with the system; places of axes and the travel o
 
 from dataclasses import replace
 
-from motion.conventions import RHO3
-from motion.frames import IDENTITY, Pose
+from motion.geometry.conventions import RHO3
+from motion.geometry.frames import IDENTITY, Pose
 from motion.outputs.function import Function
 from motion.program.blocks import Block, Frame, PoseTarget
 from motion.rho3.wc import WC_UR, Assignment

@@ -7,11 +7,11 @@ points, @POS, @MPOS, the software limits P204/P205.  Points are in mm and deg, i
 from collections.abc import Sequence
 
 from motion.errors import LimitError, MotionError
-from motion.frames import IDENTITY, Pose, compose
+from motion.geometry.frames import IDENTITY, Pose, compose
+from motion.geometry.limits import AxisLimits, check_targets
+from motion.geometry.units import from_si, to_si
 from motion.kinematics.base import Kinematics
-from motion.limits import AxisLimits, check_targets
 from motion.rho3.wc import WC_UR, Assignment, WcSystems
-from motion.units import from_si, to_si
 
 Point = tuple[float, ...]
 PLANES = {"yz": 0, "xz": 1, "xy": 2}  # plane of the mirror -> direction that changes its sign

@@ -9,9 +9,9 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from motion.conventions import RHO3
 from motion.errors import MotionError
-from motion.frames import IDENTITY, Pose, compose
+from motion.geometry.conventions import RHO3
+from motion.geometry.frames import IDENTITY, Pose, compose
 
 LONGEST_NAME = 12
 MOST_COMPONENTS = 24

@@ -12,8 +12,8 @@ from enum import Enum
 from math import inf
 
 from motion.errors import MotionError
-from motion.frames import IDENTITY, Pose, compose
-from motion.orientation import angle_between, interpolated
+from motion.geometry.frames import IDENTITY, Pose, compose
+from motion.geometry.orientation import angle_between, interpolated
 from motion.val3.mdesc import Mdesc
 from motion.val3.trsf import Trsf
 

@@ -6,8 +6,8 @@ Source: VAL 3 reference L6259-6294 (alterable paths), L6355-6392 (alterBegin); A
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from motion.frames import IDENTITY, Pose
-from motion.limits import AxisLimits
+from motion.geometry.frames import IDENTITY, Pose
+from motion.geometry.limits import AxisLimits
 from motion.program.blocks import Alteration, Block, Frame, Tool, Until
 from motion.program.errors import BlockError
 from motion.sync.alter import NO_OPTION, AlterLimits, Reference

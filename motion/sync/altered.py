@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from motion.errors import MotionError
-from motion.frames import IDENTITY, Pose, compose
+from motion.geometry.frames import IDENTITY, Pose, compose
 from motion.kinematics.base import Kinematics, KinematicsError
 from motion.kinematics.group import on_course
 from motion.program.blocks import Block, Frame, PoseTarget, Target, Tool

@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 from enum import Enum
 
 from motion.errors import MotionError
+from motion.geometry.units import kind_of, to_si
 from motion.robot import MOST_BELTS
+from motion.sync.belt_state import Watch
 from motion.sync.errors import NO_BELT, NOT_POSSIBLE, WRONG_KIND, BeltError
-from motion.sync.watch import Watch
-from motion.units import kind_of, to_si
 
 SET_COUNTER, SIMULATION = 376, 399  # RC inputs: first of eight "set belt counter"; "switch on belt simulation"
 STANDARD_TOLERANCE = 5  # interpolation cycles of belt way

@@ -4,8 +4,8 @@ from bisect import bisect_left, bisect_right
 from dataclasses import dataclass, field
 from operator import attrgetter, itemgetter
 
-from motion.stepper import Sample
-from motion.timed import TimedPiece
+from motion.execution.stepper import Sample
+from motion.execution.timed import TimedPiece
 
 HALVINGS = 14
 KEPT = 64  # pieces behind the one under way

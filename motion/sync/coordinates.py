@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from motion.frames import Pose, Rotation, product
-from motion.orientation import between, rotation_by
+from motion.geometry.frames import Pose, Rotation, product
+from motion.geometry.orientation import between, rotation_by
 
 
 def coordinates(pose: Pose, start: Rotation) -> tuple[float, ...]:

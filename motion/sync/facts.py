@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import nan
 
-from motion.frames import IDENTITY, Pose
+from motion.geometry.frames import IDENTITY, Pose
 from motion.sync.belts import STANDARD_TOLERANCE, BeltData, Belts, Type
 from motion.sync.parallel import Carrier
 

@@ -9,14 +9,14 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from motion.errors import MotionError
-from motion.frames import IDENTITY, Pose, compose
+from motion.execution.pieces import Piece
+from motion.execution.stepper import Sample, Stepper
+from motion.execution.timed import TimedPiece
+from motion.geometry.frames import IDENTITY, Pose, compose
 from motion.kinematics.base import Joints, KinematicsError, PathKinematics
-from motion.pieces import Piece
-from motion.stepper import Sample, Stepper
-from motion.sync.along import AlongAxis
 from motion.sync.chain import Chain
-from motion.sync.scout import TOP, Scout
-from motion.timed import TimedPiece
+from motion.sync.endless_axis import AlongAxis
+from motion.sync.joint_lookahead import TOP, Scout
 
 STEP = 0.02  # shares are rounded down to it: the stepper need not plan for noise
 PATIENCE_S = 0.05  # a lower share stays at least so long

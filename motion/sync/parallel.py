@@ -11,8 +11,8 @@ from enum import Enum
 from math import inf, isfinite, sqrt
 
 from motion.errors import MotionError
-from motion.frames import Pose, Vector, compose, translation
-from motion.orientation import rotation_by
+from motion.geometry.frames import Pose, Vector, compose, translation
+from motion.geometry.orientation import rotation_by
 from motion.sync.belts import Belt
 
 
@@ -20,7 +20,7 @@ from motion.sync.belts import Belt
 class Carrier:
     """How a belt carries: factors: P503 of x, y, z, m of the robot's base for one m of belt; or axis and centre of a round table
     (axis: unit vector; the belt is then in rad); or joint: an axis of the cell, from 0, that goes along by the first of the factors,
-    per m or rad of belt (motion.sync.along)."""
+    per m or rad of belt (motion.sync.endless_axis)."""
 
     factors: Vector = (1.0, 0.0, 0.0)
     axis: Vector | None = None

@@ -9,21 +9,21 @@ from dataclasses import dataclass, field, replace
 from math import inf, isfinite, isnan, nan
 
 from motion.errors import MotionError
-from motion.frames import IDENTITY, Pose, Rotation, compose
-from motion.planner.legs import base_pose, check_numbers, extra_of, told
+from motion.geometry.frames import IDENTITY, Pose, Rotation, compose
+from motion.planner.block_paths import base_pose, check_numbers, extra_of, told
 from motion.planner.relative import check_shift, moved, moved_extra, shown, unwound
 from motion.planner.robot import Machine
 from motion.program.blocks import Blend, Block, Frame, Interpolation, JointTarget, OnBelt, PoseTarget, Shift, Synchron
 from motion.program.errors import BlockError
-from motion.sync.along import bearing
+from motion.sync.belt_state import Watch
 from motion.sync.belts import Belt, Type
 from motion.sync.coordinates import coordinates
+from motion.sync.endless_axis import bearing
 from motion.sync.errors import NOT_POSSIBLE, TEXTS, BeltError
 from motion.sync.facts import BeltFacts, SynchronOrder
 from motion.sync.pace import Pace
 from motion.sync.parallel import Carrier
-from motion.sync.part import BeltBlock, SynchronPart
-from motion.sync.watch import Watch
+from motion.sync.synchronous_part import BeltBlock, SynchronPart
 
 PATH_ACCEL = 2.0  # m/s2: types 2 and 3 where neither block nor robot has an acceleration along the path (AX-544)
 CYCLE_S = 0.01  # of the trial; no rule that is tried depends on it

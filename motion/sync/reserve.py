@@ -5,7 +5,7 @@ from dataclasses import replace
 from math import cbrt, inf, sqrt
 
 from motion.errors import MotionError
-from motion.limits import AxisLimits
+from motion.geometry.limits import AxisLimits
 
 ACCEL, JERK = 0.9, 0.7  # of the limits: on a path that uses all of the jerk the follower can hardly slow down
 LEAST = 0.1  # of the speed: less would hardly move

@@ -74,7 +74,7 @@ class _Bounds(NamedTuple):
 
 
 class Foresight:
-    """Of one track.  In C: gateway.native.foresight (AX-609)."""
+    """Of one track.  In C: gateway.cycle.native.foresight (AX-609)."""
 
     def __init__(self, track: Track, period_s: float) -> None:
         self._track, self._h = track, period_s

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from motion.limits import AxisLimits
+from motion.geometry.limits import AxisLimits
 from motion.paths.joints import JointPath
 
 Array = NDArray[np.float64]

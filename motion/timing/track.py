@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from motion.timed import TimedPiece
+from motion.execution.timed import TimedPiece
 from motion.timing.window import Window
 
 Array = NDArray[np.float64]

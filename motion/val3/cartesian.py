@@ -8,10 +8,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
-from motion.frames import IDENTITY, Pose, compose
+from motion.geometry.frames import IDENTITY, Pose, compose
+from motion.geometry.units import from_si, to_si
 from motion.kinematics.base import FREE, Configuration, Kinematics, KinematicsError
 from motion.paths.base import cross, norm, scale, sub
-from motion.units import from_si, to_si
 from motion.val3.errors import RuntimeFault
 from motion.val3.trsf import Trsf, times, trsf_of
 from motion.val3.trsf import distance as distance_of

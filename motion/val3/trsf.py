@@ -1,6 +1,6 @@
 """Type trsf: six numbers, mm and degrees, and what the language does with them.  Source: VAL 3 reference 9.3, L4688-4801.
 
-The numbers mean Trans(x, y, z) Rx(rx) Ry(ry) Rz(rz) (`motion.conventions`, doubt D12).  Errors: 70 where a number is out of its
+The numbers mean Trans(x, y, z) Rx(rx) Ry(ry) Rz(rz) (`motion.geometry.conventions`, doubt D12).  Errors: 70 where a number is out of its
 range, 550..553 where an arc is none, as movec has them (the instruction itself prints no number: AX-357).
 """
 
@@ -8,9 +8,9 @@ import math
 from dataclasses import replace
 from typing import NamedTuple
 
-from motion.conventions import VAL3
-from motion.frames import Pose, compose, product
-from motion.orientation import interpolated, is_half_turn, rotation_by
+from motion.geometry.conventions import VAL3
+from motion.geometry.frames import Pose, compose, product
+from motion.geometry.orientation import interpolated, is_half_turn, rotation_by
 from motion.paths.arc import arc
 from motion.paths.base import PathError, cross, dot, norm, scale
 from motion.val3.errors import RuntimeFault

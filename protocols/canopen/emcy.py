@@ -10,7 +10,7 @@ from enum import IntFlag
 
 from protocols.base.errors import DecodeError
 from protocols.base.machine import Frame
-from protocols.canopen import cobid
+from protocols.canopen import cob_id as cobid
 
 _FORM = struct.Struct("<HB5s")
 

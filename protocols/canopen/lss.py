@@ -5,7 +5,7 @@ from enum import IntEnum
 from typing import NamedTuple
 
 from protocols.base.machine import Frame
-from protocols.canopen import cobid
+from protocols.canopen import cob_id as cobid
 
 
 class Service(IntEnum):

@@ -3,7 +3,7 @@
 from enum import IntEnum
 
 from protocols.base.machine import Frame
-from protocols.canopen import cobid
+from protocols.canopen import cob_id as cobid
 
 
 class Command(IntEnum):

@@ -1,7 +1,7 @@
 """SYNC on the wire.  Source: CiA 301, 7.2.5 and object 1019h."""
 
 from protocols.base.machine import Frame
-from protocols.canopen import cobid
+from protocols.canopen import cob_id as cobid
 
 COUNTER_RANGE = (2, 240)  # of 1019h; 0: no counter
 

@@ -119,7 +119,7 @@ class Codec:
         return self._set_ids[axis]
 
     def packers(self, axis: int) -> tuple[Packer, Packer]:
-        """Of the set values and the actual values of module 1..6: for whoever does their work (gateway.native)."""
+        """Of the set values and the actual values of module 1..6: for whoever does their work (gateway.cycle.native)."""
         return self._set_packers[axis], self._actual_packers[axis]
 
     def reader(self, axis: int) -> Callable[[bytes], ActualValue]:

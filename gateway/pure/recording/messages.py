@@ -175,7 +175,7 @@ def pack_told(stamp: Ns, source: Source, door: int, data: bytes) -> list[bytes]:
     return [TOLD.pack(stamp, source, door, len(part)) + part.ljust(room, b"\0") for part in parts]
 
 
-class Told(NamedTuple):
+class ServiceEvent(NamedTuple):
     """What a door or a tool said."""
 
     stamp: Ns
@@ -184,10 +184,10 @@ class Told(NamedTuple):
     data: bytes
 
 
-def unpack_told(record: bytes) -> Told:
+def unpack_told(record: bytes) -> ServiceEvent:
     """The reverse of pack_told, for one record or its shorter form in a file."""
     try:
         stamp, source, door, size = TOLD.unpack_from(record)
-        return Told(stamp, Source(source), door, bytes(record[TOLD.size : TOLD.size + size]))
+        return ServiceEvent(stamp, Source(source), door, bytes(record[TOLD.size : TOLD.size + size]))
     except (struct.error, ValueError) as error:
         raise DecodeError(f"told: {error}") from error

@@ -9,12 +9,11 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from drivers.drives.family import Actual, BusFamily
-from gateway.pure.core import Core
-from gateway.pure.coupler401 import CouplerFamily, contacts_lost
-from gateway.pure.fastwires import FastWires
-from gateway.pure.plannerrecords import unpack_piece
-from gateway.pure.recording.messages import BEGIN, NODE, STEP, Message, Phase, What, unpack_frames, unpack_shown
-from gateway.pure.records import (
+from gateway.pure.buses.cia401 import CouplerFamily, contacts_lost
+from gateway.pure.controllers.rho3.can.family import RhoFamily
+from gateway.pure.cycle.core import CycleLogic
+from gateway.pure.image.fast_inputs import FastWires
+from gateway.pure.image.records.cell import (
     RC_BYTES,
     STATE_NAMES,
     CellState,
@@ -24,7 +23,8 @@ from gateway.pure.records import (
     unpack_inputs,
     unpack_order,
 )
-from gateway.pure.rho3can.family import RhoFamily
+from gateway.pure.image.records.planner import unpack_piece
+from gateway.pure.recording.messages import BEGIN, NODE, STEP, Message, Phase, What, unpack_frames, unpack_shown
 from protocols.base.errors import DecodeError
 from protocols.base.machine import Frame, Ns
 
@@ -54,7 +54,7 @@ class Player:
 
     def __init__(
         self,
-        core: Core,
+        core: CycleLogic,
         families: Sequence[BusFamily],
         late: Sequence[int],
         sent_ns: Sequence[Ns],

@@ -10,11 +10,11 @@ import struct
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from gateway.pure.addresses import Direction
-from gateway.pure.records import RC_BYTES, STATE_AXIS, STATE_HEAD, STATE_NAMES, AxisFlag
+from gateway.pure.image.addresses import Direction
+from gateway.pure.image.records.cell import RC_BYTES, STATE_AXIS, STATE_HEAD, STATE_NAMES, AxisFlag
+from gateway.pure.image.signals import SignalList
 from gateway.pure.scope.records import INPUTS_AT, OUTPUTS_AT
-from gateway.pure.signals import SignalList
-from motion.units import to_si
+from motion.geometry.units import to_si
 
 Read = Callable[[bytes], float]
 

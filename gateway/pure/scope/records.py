@@ -1,6 +1,6 @@
 """One record for each cycle: the state the cycle published, its RC outputs and the RC inputs it judged by (AX-492)."""
 
-from gateway.pure.records import CELL_STATE_LAYOUT, RC_BYTES, cell_state_size
+from gateway.pure.image.records.cell import CELL_STATE_LAYOUT, RC_BYTES, cell_state_size
 
 SCOPE_RECORDS = 4096  # 8 s at 2 ms: a reader that sleeps shorter loses nothing
 SCOPE_LAYOUT = f"scope/2 {CELL_STATE_LAYOUT} {RC_BYTES} {RC_BYTES}"

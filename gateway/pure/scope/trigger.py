@@ -12,8 +12,8 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
+from gateway.pure.image.signals import SignalList
 from gateway.pure.scope.channels import FLAGS, AxisFact, Channel, ChannelError, Read, channel, stamp_ns
-from gateway.pure.signals import SignalList
 
 _FORM = re.compile(r"(?P<name>[\w.]+)\s*(?:(?P<sign>[<>])\s*(?P<level>-?\d+(?:\.\d+)?)|\s+(?P<edge>rises|falls|changes))")
 

@@ -11,7 +11,7 @@ from collections import deque
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from gateway.pure.shadow.places import Place
+from gateway.pure.shadow.addresses import Place
 from protocols.base.machine import Ns, ms
 
 HORIZON: Ns = ms(2_000)  # so far apart the same value is still looked for

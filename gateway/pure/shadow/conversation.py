@@ -4,7 +4,7 @@ control.  A telegram counts when the other side has acknowledged its block: what
 
 from dataclasses import dataclass
 
-from gateway.pure.line_decoder import Told
+from gateway.pure.lines.decoder import LineReport
 from protocols.base.machine import Ns
 from protocols.rk512.header import FOLLOW_ON, MOST_BYTES, is_reaction
 
@@ -47,11 +47,11 @@ class Conversation:
     """Both directions of one line."""
 
     def __init__(self) -> None:
-        self._unconfirmed: dict[str, Told] = {}
+        self._unconfirmed: dict[str, LineReport] = {}
         self._open: dict[str, _Open] = {}  # by the side that asked
         self._jobs: dict[str, tuple[bytes, int]] = {}  # first telegram of the job, data bytes exchanged before the last one
 
-    def told(self, told: Told) -> list[Exchange]:
+    def told(self, told: LineReport) -> list[Exchange]:
         """The next sentence of the line decoder."""
         other = "B" if told.side == "A" else "A"
         if told.kind == "BLOCK" and told.check_ok is not False:
@@ -62,7 +62,7 @@ class Conversation:
             self._unconfirmed.pop(other, None)
         return []
 
-    def _telegram(self, block: Told) -> list[Exchange]:
+    def _telegram(self, block: LineReport) -> list[Exchange]:
         side, data = block.side, block.data
         other = "B" if side == "A" else "A"
         if is_reaction(data):

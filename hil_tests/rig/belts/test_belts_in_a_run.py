@@ -1,6 +1,7 @@
 """A whole simulated run with belts: a PLC orders programs, a portal works on a belt whose encoder is on the drive bus.
 
-The bus log is the witness of set values and counts.  Everything else about belts is proved in virtual time: hil_tests/unit/belts.
+The bus log is the witness of set values and counts.  Everything else about belts is proved in virtual time:
+hil_tests/unit/gateway/pure/cycle/belts.
 """
 
 import contextlib
@@ -16,15 +17,15 @@ from math import nan
 import numpy as np
 import pytest
 
-from gateway.axes import scaling_of
-from gateway.pure.reasons import Reason
-from gateway.pure.records import CellState, Motion
+from gateway.assembly.axes import scaling_of
+from gateway.pure.image.reasons import Reason
+from gateway.pure.image.records.cell import CellState, Motion
 from gateway.recording.file import read
 from gateway.recording.replay import recorded_cell, replay
-from hil_tests.lab.belt_run import FIRST_ID, INCREMENT, SPEED, BeltRun, belt_run
-from hil_tests.lab.buslog import Logged
-from hil_tests.lab.plc2 import ABORTED, DONE, REFUSED
-from hil_tests.lab.program_run import PROGRAM
+from hil_tests.lab.judges.bus_log import Logged
+from hil_tests.lab.partners.plc2 import ABORTED, DONE, REFUSED
+from hil_tests.lab.running.belt_run import FIRST_ID, INCREMENT, SPEED, BeltRun, belt_run
+from hil_tests.lab.running.program_run import PROGRAM
 from motion.sync.belts import SET_COUNTER
 from motion.sync.cam import cam
 from protocols.servodyn.plan import SYNC_ID, set_id

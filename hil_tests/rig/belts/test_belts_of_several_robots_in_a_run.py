@@ -9,17 +9,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from drivers.emulator.record import Record
+from drivers.emulator.servo.record import Record
 from gateway.recording.file import read
 from gateway.recording.replay import recorded_cell, replay
-from hil_tests.lab.arm_and_scara import MACHINES, OWN, both
-from hil_tests.lab.belt_run import INCREMENT, SPEED, BeltRun
-from hil_tests.lab.buslog import Logged
-from hil_tests.lab.cell_running import P5_MS
-from hil_tests.lab.planned_bench import Driven
-from hil_tests.lab.plc2 import ABORTED, DONE
-from hil_tests.lab.program_run import PROGRAM, program_run
-from hil_tests.lab.two_on_belts import FIRST_ID, HEADS, with_belts
+from hil_tests.lab.cells.arm_and_scara import MACHINES, OWN, both
+from hil_tests.lab.cells.two_on_belts import FIRST_ID, HEADS, with_belts
+from hil_tests.lab.judges.bus_log import Logged
+from hil_tests.lab.partners.plc2 import ABORTED, DONE
+from hil_tests.lab.running.belt_run import INCREMENT, SPEED, BeltRun
+from hil_tests.lab.running.cell_running import P5_MS
+from hil_tests.lab.running.program_run import PROGRAM, program_run
+from hil_tests.lab.virtual.planned_bench import Driven
 
 BELT = 5
 PICK = (

@@ -1,6 +1,7 @@
 """An endless belt as real processes: a PLC orders a program whose axis rides on it while its encoder overflows (AX-573).
 
-The bus log is the witness of set values and counts.  Everything else about it is proved in virtual time: hil_tests/unit/belts.
+The bus log is the witness of set values and counts.  Everything else about it is proved in virtual time:
+hil_tests/unit/gateway/pure/cycle/belts.
 """
 
 import itertools
@@ -10,15 +11,15 @@ import struct
 import numpy as np
 import pytest
 
-from gateway.axes import scaling_of
-from gateway.pure.records import CellState
-from hil_tests.lab.arms import Array
-from hil_tests.lab.belt_run import FIRST_ID, INCREMENT, BeltRun, belt_run, with_signals
-from hil_tests.lab.buslog import Logged
-from hil_tests.lab.cell_running import P5_MS
-from hil_tests.lab.endless_belt import FACTOR, HEAD, endless
-from hil_tests.lab.plc2 import ABORTED, DONE
-from hil_tests.lab.program_run import PROGRAM
+from gateway.assembly.axes import scaling_of
+from gateway.pure.image.records.cell import CellState
+from hil_tests.lab.cells.arms import Array
+from hil_tests.lab.judges.bus_log import Logged
+from hil_tests.lab.partners.plc2 import ABORTED, DONE
+from hil_tests.lab.running.belt_run import FIRST_ID, INCREMENT, BeltRun, belt_run, with_signals
+from hil_tests.lab.running.cell_running import P5_MS
+from hil_tests.lab.running.program_run import PROGRAM
+from hil_tests.lab.virtual.endless_belt import FACTOR, HEAD, endless
 from protocols.servodyn.plan import SYNC_ID, set_id
 
 SPEED = 0.9  # m/s; eight metres are ridden: the encoder's 16 bits, 6.55 m, overflow meanwhile

@@ -7,10 +7,10 @@ import signal
 import time
 from collections.abc import Iterator
 
-from gateway.image import RegionReader, recv_fds
 from gateway.processes.supervisor import ask
-from gateway.pure.records import Permit, unpack_cell_state
-from hil_tests.lab.joined_running import JoinedRun, Modules, cell_copy, running_joined
+from gateway.pure.image.records.cell import Permit, unpack_cell_state
+from gateway.runtime.regions import RegionReader, recv_fds
+from hil_tests.lab.running.joined_running import JoinedRun, Modules, cell_copy, running_joined
 
 IN, OUT = 541, 471  # what the CL300 puts out, what it reads
 ALLOWED, TRAVEL = 0b11111, 0b10000

@@ -7,10 +7,10 @@ import signal
 import time
 from typing import Any
 
-from gateway.image import RegionReader, recv_fds
-from gateway.processes.emulator_control import EmulatorControl
 from gateway.processes.supervisor import ask
-from hil_tests.lab.joined_running import JoinedRun, cell_copy, running_joined
+from gateway.runtime.regions import RegionReader, recv_fds
+from gateway.simulation.drives.control import EmulatorControl
+from hil_tests.lab.running.joined_running import JoinedRun, cell_copy, running_joined
 
 MORE = """
 [[io]]

@@ -12,10 +12,10 @@ import time
 import serial
 
 from drivers.ports.base import runtime_dir
-from drivers.ports.can import open_can
-from hil_tests.lab.cell_running import STOLEN
-from hil_tests.lab.joined_running import cell_copy, running_joined
-from hil_tests.lab.plc2 import DONE, ENABLE, OVERRIDE, PTP, REFERENCE, REQUEST, RESET, ModbusPlc
+from drivers.ports.can.open import open_can
+from hil_tests.lab.partners.plc2 import DONE, ENABLE, OVERRIDE, PTP, REFERENCE, REQUEST, RESET, ModbusPlc
+from hil_tests.lab.running.cell_running import STOLEN
+from hil_tests.lab.running.joined_running import cell_copy, running_joined
 from protocols.base.machine import Frame
 
 BOTH = 0b11

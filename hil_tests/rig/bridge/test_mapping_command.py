@@ -6,9 +6,9 @@ import tomllib
 
 import pytest
 
+from gateway.cell_file.load import load_cell
 from gateway.commands.mapping import main
-from gateway.config import load_cell
-from gateway.files import find_config
+from gateway.files.find import find_config
 
 MORE = """
 [[db]]

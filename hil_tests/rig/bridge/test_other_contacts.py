@@ -12,17 +12,17 @@ from collections.abc import Mapping
 
 import pytest
 
-from gateway.assembly import make_regions, plan_run
-from gateway.cell import Io, IoDevice
-from gateway.config import load_cell
-from gateway.image import RegionReader, RegionWriter
-from gateway.processes.chips import Chip, Chips
-from gateway.pure.contacts import Said, unpack_said
-from gateway.pure.records import CellState, Quality, cell_state_packer
-from hil_tests.lab.cell_running import runtime_folder
-from hil_tests.lab.joined_running import JoinedRun, cell_copy, running_joined
-from hil_tests.lab.modbus_running import Running
-from hil_tests.lab.modbus_view import MemoryView
+from gateway.assembly.run import make_regions, plan_run
+from gateway.cell_file.load import load_cell
+from gateway.processes.gpio import Chip, Chips
+from gateway.pure.buses.contacts import Said, unpack_said
+from gateway.pure.cell.cell import Io, IoDevice
+from gateway.pure.image.records.cell import CellState, Quality, cell_state_packer
+from gateway.runtime.regions import RegionReader, RegionWriter
+from hil_tests.lab.running.cell_running import runtime_folder
+from hil_tests.lab.running.joined_running import JoinedRun, cell_copy, running_joined
+from hil_tests.lab.running.modbus_running import Running
+from hil_tests.lab.virtual.modbus_view import MemoryView
 from protocols.base.machine import Ns
 from protocols.modbus.view import Kind
 

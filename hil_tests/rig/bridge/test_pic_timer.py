@@ -5,12 +5,12 @@ import os
 import signal
 import time
 
-from gateway.image import RegionReader, recv_fds
 from gateway.processes.supervisor import ask
-from gateway.pure.records import RC_BYTES, Quality, unpack_inputs
-from hil_tests.lab.cell_running import P5_MS
-from hil_tests.lab.joined_running import JoinedRun, cell_copy, running_joined
-from hil_tests.lab.modbus_running import RawClient
+from gateway.pure.image.records.cell import RC_BYTES, Quality, unpack_inputs
+from gateway.runtime.regions import RegionReader, recv_fds
+from hil_tests.lab.running.cell_running import P5_MS
+from hil_tests.lab.running.joined_running import JoinedRun, cell_copy, running_joined
+from hil_tests.lab.running.modbus_running import RawClient
 
 NAME = "pic"
 MORE = """

@@ -4,7 +4,7 @@ import statistics
 
 from hil_tests.bench import route_drive
 from hil_tests.bench.route_bench import BOTH_WAYS_LIMIT, ONE_WAY_LIMIT, measure
-from hil_tests.lab.cell_running import P5_MS
+from hil_tests.lab.running.cell_running import P5_MS
 
 
 def test_half_of_all_values_are_on_the_bus_and_back_within_the_bounds_of_the_bench() -> None:

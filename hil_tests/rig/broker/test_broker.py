@@ -14,11 +14,11 @@ from collections.abc import Iterator
 import pytest
 
 from drivers.ports.base import PortError
-from drivers.ports.broker import BrokerPort, broker_stats, socket_path
-from drivers.ports.canwire import RECORD, Control, control_record
-from gateway.processes.broker_log import LogPipe
-from hil_tests.lab import buslog
-from hil_tests.lab.bus_running import Bus, receive, running_bus, wait_readable
+from drivers.ports.can.broker import BrokerPort, broker_stats, socket_path
+from drivers.ports.can.wire import RECORD, Control, control_record
+from gateway.simulation.bus.log import LogPipe
+from hil_tests.lab.judges import bus_log as buslog
+from hil_tests.lab.running.bus_running import Bus, receive, running_bus, wait_readable
 from protocols.base.machine import Frame, FrameFault
 
 CYCLE = [Frame(100)] + [Frame(200 + 10 * axis, bytes([axis] * 8)) for axis in range(1, 7)]
@@ -100,7 +100,8 @@ def test_one_message_may_be_taken_alone_and_the_rest_stays(bus: Bus) -> None:
 def test_a_stopped_subscriber_is_disconnected_and_the_others_lose_nothing(bus: Bus) -> None:
     a, b = bus.port(), bus.port()
     program = (
-        "import sys,time; from drivers.ports.broker import BrokerPort; p=BrokerPort(sys.argv[1]); print('on',flush=True); time.sleep(60)"
+        "import sys,time; from drivers.ports.can.broker import BrokerPort; "
+        "p=BrokerPort(sys.argv[1]); print('on',flush=True); time.sleep(60)"
     )
     monitor = subprocess.Popen([sys.executable, "-c", program, bus.name], stdout=subprocess.PIPE, text=True)
     try:
@@ -148,7 +149,8 @@ def test_a_disconnected_subscriber_learns_it_and_reconnecting_tells_the_gap(tmp_
 def test_a_killed_subscriber_and_a_sender_that_leaves_at_once_disturb_nobody(bus: Bus) -> None:
     a, b = bus.port(), bus.port()
     program = (
-        "import sys,time; from drivers.ports.broker import BrokerPort; p=BrokerPort(sys.argv[1]); print('on',flush=True); time.sleep(60)"
+        "import sys,time; from drivers.ports.can.broker import BrokerPort; "
+        "p=BrokerPort(sys.argv[1]); print('on',flush=True); time.sleep(60)"
     )
     victim = subprocess.Popen([sys.executable, "-c", program, bus.name], stdout=subprocess.PIPE, text=True)
     assert victim.stdout is not None and victim.stdout.readline() == "on\n"
@@ -192,13 +194,17 @@ def test_a_killed_broker_is_a_port_error_and_its_successor_takes_the_name(bus: B
 
 def test_a_second_broker_of_the_name_is_refused_and_the_first_goes_on(bus: Bus) -> None:
     second = subprocess.run(
-        [sys.executable, "-m", "gateway.processes.broker", "--name", bus.name], check=False, capture_output=True, text=True, timeout=10
+        [sys.executable, "-m", "gateway.simulation.bus.broker", "--name", bus.name], check=False, capture_output=True, text=True, timeout=10
     )
     assert second.returncode == 3 and "another broker of this name is running" in second.stderr
     bus.process.send_signal(signal.SIGSTOP)  # a stopped one is not a dead one
     try:
         stopped = subprocess.run(
-            [sys.executable, "-m", "gateway.processes.broker", "--name", bus.name], check=False, capture_output=True, text=True, timeout=10
+            [sys.executable, "-m", "gateway.simulation.bus.broker", "--name", bus.name],
+            check=False,
+            capture_output=True,
+            text=True,
+            timeout=10,
         )
     finally:
         bus.process.send_signal(signal.SIGCONT)

@@ -9,8 +9,8 @@ from collections.abc import Iterator
 import can
 import pytest
 
-from drivers.ports.canmemory import memory_pair
-from hil_tests.lab.bus_running import Bus, receive, running_bus
+from drivers.ports.can.memory import memory_pair
+from hil_tests.lab.running.bus_running import Bus, receive, running_bus
 from protocols.base.machine import Frame, FrameFault
 
 MANY = [Frame(300 + n, bytes([n])) for n in range(100)]

@@ -8,9 +8,9 @@ import threading
 
 import pytest
 
-from drivers.ports.broker import BrokerPort
+from drivers.ports.can.broker import BrokerPort
 from hil_tests.bench.cycle_judge import judge
-from hil_tests.lab.bus_running import running_bus, wait_readable
+from hil_tests.lab.running.bus_running import running_bus, wait_readable
 from hil_tests.lanes import REFERENCES
 from protocols.base.machine import Frame
 

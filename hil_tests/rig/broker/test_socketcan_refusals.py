@@ -6,8 +6,8 @@ import socket
 import pytest
 
 from drivers.ports.base import PortError
-from drivers.ports.can import open_can
-from drivers.ports.socketcan import SocketCanPort
+from drivers.ports.can.open import open_can
+from drivers.ports.can.socketcan import SocketCanPort
 from protocols.base.machine import Frame
 
 

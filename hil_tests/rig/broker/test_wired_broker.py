@@ -6,8 +6,8 @@ import time
 
 import pytest
 
-from hil_tests.lab.bus_running import receive, running_bus
-from protocols.base.canbits import frame_bits
+from hil_tests.lab.running.bus_running import receive, running_bus
+from protocols.base.can_bits import frame_bits
 from protocols.base.machine import Frame
 
 BURST = [Frame(200 + 10 * n, bytes([n] * 8)) for n in range(6, 0, -1)]

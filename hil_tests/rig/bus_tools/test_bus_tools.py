@@ -11,13 +11,13 @@ import time
 import can
 import pytest
 
-import gateway.bus_tools.log  # loaded before a test's clock runs
+import gateway.tools.bus.log  # loaded before a test's clock runs
 from gateway.commands.bus import main
-from hil_tests.lab.bus_running import Bus, running_bus
-from protocols.base.canbits import frame_bits
+from hil_tests.lab.running.bus_running import Bus, running_bus
+from protocols.base.can_bits import frame_bits
 from protocols.base.machine import Frame
 
-assert gateway.bus_tools.log
+assert gateway.tools.bus.log
 CYCLE = [Frame(100)] + [Frame(200 + 10 * n, bytes([3, n, n, 0, 0, 0, 0, n])) for n in range(1, 7)]
 
 

@@ -9,15 +9,17 @@ import sys
 
 import pytest
 
-from gateway import losstest, losstest_bus, stopdate
+from gateway.cell_file import stop_test_date as stopdate
+from gateway.cell_file.load import load_cell
 from gateway.commands import axis as axis_command
 from gateway.commands import drive as drive_command
 from gateway.commands import positions
-from gateway.config import load_cell
-from gateway.files import find_config
-from gateway.toolclient import ToolError, simulated
-from hil_tests.lab.bus_running import running_bus
-from hil_tests.lab.durand_drive import DurandDrive
+from gateway.files.find import find_config
+from gateway.tools.client import ToolError, simulated
+from gateway.tools.drives import loss_test as losstest
+from gateway.tools.drives import loss_test_on_bus as losstest_bus
+from hil_tests.lab.partners.durand_drive import DurandDrive
+from hil_tests.lab.running.bus_running import running_bus
 
 
 def find_page(name: str) -> str:

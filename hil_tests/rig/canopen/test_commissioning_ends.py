@@ -13,7 +13,7 @@ import can
 import canopen
 import pytest
 
-from hil_tests.lab.bus_running import running_bus
+from hil_tests.lab.running.bus_running import running_bus
 
 NODE = 2
 STARTS = (bytes.fromhex("23ff6000"), bytes.fromhex("2b4060001f00"), bytes.fromhex("2b4060005f00"))  # 60FFh; 6040h with bit 4 of IP, PP

@@ -9,13 +9,13 @@ import pytest
 
 from drivers.drives.cia402 import Cia402Set
 from drivers.drives.cia402_family import Cia402Family
-from drivers.ports import cycle_bus
-from drivers.ports.canmemory import memory_pair
-from gateway.canopen_link import Rings
-from gateway.edsfile import canopen_dictionary, clean_sheet
-from gateway.image import RingReader, RingWriter, create_ring
-from gateway.processes.buslink import BusLink
-from gateway.pure.records import ACYCLIC_RECORDS, ASIDE_BYTES, ASIDE_LAYOUT, Aside, AsideRecord, pack_aside, unpack_aside
+from drivers.ports.can import cycle_bus
+from drivers.ports.can.memory import memory_pair
+from gateway.cycle.bus_link import BusLink
+from gateway.files.eds import canopen_dictionary, clean_sheet
+from gateway.links.canopen.ring_link import Rings
+from gateway.pure.image.records.cell import ACYCLIC_RECORDS, ASIDE_BYTES, ASIDE_LAYOUT, Aside, AsideRecord, pack_aside, unpack_aside
+from gateway.runtime.regions import RingReader, RingWriter, create_ring
 from protocols.base.machine import Frame
 from protocols.canopen import eds
 

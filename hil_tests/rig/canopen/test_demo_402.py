@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import pytest
 
-from gateway.pure.records import AxisFlag
-from hil_tests.lab.buslog import Logged
-from hil_tests.lab.cell_running import ALL, HOME, P5_NS, TARGET, CellRun, Disturbed, running_cell
-from hil_tests.lab.plc2 import DONE, PTP
+from gateway.pure.image.records.cell import AxisFlag
+from hil_tests.lab.judges.bus_log import Logged
+from hil_tests.lab.partners.plc2 import DONE, PTP
+from hil_tests.lab.running.cell_running import ALL, HOME, P5_NS, TARGET, CellRun, Disturbed, running_cell
 
 START_UP_S = 25.0
 SLOW = 0.3

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 import pytest
 
 from drivers.drives.cia402_boot import Identity, NodePlan, default_pdos
-from gateway.canopen_direct import DirectLink
-from gateway.canopen_master import CanopenMaster, Health, Node
-from hil_tests.lab.bus_running import Bus, running_bus
-from hil_tests.lab.durand_drive import DurandDrive
+from gateway.links.canopen.direct_link import DirectLink
+from gateway.links.canopen.master import CanopenMaster, Health, Node
+from hil_tests.lab.partners.durand_drive import DurandDrive
+from hil_tests.lab.running.bus_running import Bus, running_bus
 
 NODE = 5
 ANYBODY = Identity()

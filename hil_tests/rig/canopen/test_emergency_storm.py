@@ -11,14 +11,14 @@ from collections.abc import Iterator
 
 import pytest
 
-from drivers.ports.broker import BrokerPort
-from gateway.canopen_link import Rings
-from gateway.canopen_master import CanopenMaster
-from gateway.canopen_plans import node_plans
-from gateway.config import load_cell
-from gateway.image import RingWriter, create_ring
-from gateway.pure.records import ACYCLIC_RECORDS, ASIDE_BYTES, ASIDE_LAYOUT, HEARD_RECORDS, Aside, AsideRecord, pack_aside
-from hil_tests.lab.cell_running import P5_MS, running_cell
+from drivers.ports.can.broker import BrokerPort
+from gateway.assembly.canopen_nodes import node_plans
+from gateway.cell_file.load import load_cell
+from gateway.links.canopen.master import CanopenMaster
+from gateway.links.canopen.ring_link import Rings
+from gateway.pure.image.records.cell import ACYCLIC_RECORDS, ASIDE_BYTES, ASIDE_LAYOUT, HEARD_RECORDS, Aside, AsideRecord, pack_aside
+from gateway.runtime.regions import RingWriter, create_ring
+from hil_tests.lab.running.cell_running import P5_MS, running_cell
 from protocols.base.machine import Frame
 
 NODE = 1

@@ -12,11 +12,11 @@ from collections.abc import Iterator
 
 import pytest
 
-from drivers.emulator import record
-from drivers.emulator.settings import BusSettings, DriveSettings, ServoSettings, to_dict
-from drivers.ports.broker import BrokerPort
-from gateway.processes.emulator_control import BadCommandError, EmulatorControl
-from hil_tests.lab.bus_running import Bus, running_bus
+from drivers.emulator.servo import record
+from drivers.emulator.servo.settings import BusSettings, DriveSettings, ServoSettings, to_dict
+from drivers.ports.can.broker import BrokerPort
+from gateway.simulation.drives.control import BadCommandError, EmulatorControl
+from hil_tests.lab.running.bus_running import Bus, running_bus
 from protocols.base.machine import Frame
 from protocols.canopen import nmt
 
@@ -31,7 +31,7 @@ def emulator(folder: pathlib.Path, bus: Bus, settings: BusSettings) -> Iterator[
     file.write_text(json.dumps(to_dict(settings)))
     port = bus.port()
     options = ["--settings", str(file), "--bus", f"broker:{bus.name}", "--record", str(folder / "drives.rec")]
-    process = subprocess.Popen([sys.executable, "-m", "gateway.processes.emulator", *options], stdout=subprocess.PIPE, text=True)
+    process = subprocess.Popen([sys.executable, "-m", "gateway.simulation.drives.process", *options], stdout=subprocess.PIPE, text=True)
     try:
         assert process.stdout is not None and process.stdout.readline() == "ready\n"
         control = EmulatorControl(bus.name)
@@ -117,7 +117,7 @@ def test_settings_of_a_node_are_checked_with_its_name(bus: Bus, tmp_path: pathli
         json.dumps({"axes": {}, "nodes": {"200": {}, "5": {"serial": -1}, "6": {"eds": 3, "tpdo_delay_us": "x", "nothing": 1}}})
     )
     done = subprocess.run(
-        [sys.executable, "-m", "gateway.processes.emulator", "--settings", str(file), "--bus", f"broker:{bus.name}"],
+        [sys.executable, "-m", "gateway.simulation.drives.process", "--settings", str(file), "--bus", f"broker:{bus.name}"],
         capture_output=True,
         text=True,
         check=False,

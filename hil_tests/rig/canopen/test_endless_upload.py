@@ -12,8 +12,8 @@ import canopen
 import pytest
 from canopen.sdo.exceptions import SdoAbortedError
 
-from gateway.sdoclient import bounded_upload
-from hil_tests.lab.bus_running import running_bus
+from gateway.links.canopen.sdo_client import bounded_upload
+from hil_tests.lab.running.bus_running import running_bus
 
 NODE = 9
 

@@ -8,14 +8,14 @@ from collections.abc import Callable
 
 import pytest
 
-from gateway import zeros
-from gateway.axes import core_axes
-from gateway.cell import Cell
-from gateway.config import load_cell
-from gateway.files import find_config
-from gateway.firstenable import WORDS, confirm, fingerprint, log_of, needed, unconfirmed
-from gateway.lastplace import judge, remember
-from gateway.pure.records import AxisState, CellState
+from gateway.assembly import axis_zeros as zeros
+from gateway.assembly.axes import core_axes
+from gateway.assembly.last_positions import judge, remember
+from gateway.cell_file.load import load_cell
+from gateway.files.find import find_config
+from gateway.pure.cell.cell import Cell
+from gateway.pure.image.records.cell import AxisState, CellState
+from gateway.tools.drives.first_enable import WORDS, confirm, fingerprint, log_of, needed, unconfirmed
 
 
 def answering(typed: str) -> Callable[[str], str]:

@@ -19,11 +19,11 @@ import canopen
 import pytest
 from canopen.profiles.p402 import BaseNode402
 
-from drivers.emulator import record
-from drivers.emulator.settings import BusSettings, DriveSettings, ServoSettings, to_dict
-from gateway.files import find_config
-from gateway.processes.emulator_control import EmulatorControl
-from hil_tests.lab.bus_running import Bus, running_bus
+from drivers.emulator.servo import record
+from drivers.emulator.servo.settings import BusSettings, DriveSettings, ServoSettings, to_dict
+from gateway.files.find import find_config
+from gateway.simulation.drives.control import EmulatorControl
+from hil_tests.lab.running.bus_running import Bus, running_bus
 
 NODE = 5
 CYCLE_S = 0.020
@@ -42,7 +42,7 @@ class Rig:
         profile: Any = BaseNode402
         self.node: Any = profile(NODE, str(find_config("axisgate_402.eds", "drives")))
         self.network.add_node(self.node)
-        command = [sys.executable, "-m", "gateway.processes.emulator", "--settings", str(settings), "--bus", f"broker:{bus.name}"]
+        command = [sys.executable, "-m", "gateway.simulation.drives.process", "--settings", str(settings), "--bus", f"broker:{bus.name}"]
         self.process = subprocess.Popen(
             [*command, "--record", str(self.record_file)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
         )

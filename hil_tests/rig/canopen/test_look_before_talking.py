@@ -13,9 +13,9 @@ import pytest
 from drivers.drives.cia402 import Cia402Set
 from drivers.drives.cia402_family import Cia402Family
 from drivers.drives.family import Actual
-from drivers.ports.broker import BrokerPort
-from gateway.processes.buslink import BusLink
-from hil_tests.lab.bus_running import Bus, running_bus
+from drivers.ports.can.broker import BrokerPort
+from gateway.cycle.bus_link import BusLink
+from hil_tests.lab.running.bus_running import Bus, running_bus
 from protocols.base.machine import Frame
 
 SYNC_S = 0.02

@@ -5,10 +5,10 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from gateway.canopen_master import CanopenMaster, Health
-from gateway.canopen_plans import node_plans
-from gateway.config import load_cell
-from hil_tests.lab.canopen_link import DrivesLink
+from gateway.assembly.canopen_nodes import node_plans
+from gateway.cell_file.load import load_cell
+from gateway.links.canopen.master import CanopenMaster, Health
+from hil_tests.lab.running.canopen_link import DrivesLink
 
 LIMIT_S = 40.0
 SENTENCE = "release unlocked lock"

@@ -1,11 +1,11 @@
 """AX-680: a PLC writes a parameter of a CiA 402 drive through a route, over 3964R/RK512; the drive itself is asked what it has."""
 
 from drivers.ports.base import runtime_dir
-from gateway.processes.emulator_control import EmulatorControl
-from gateway.toolclient import running
-from hil_tests.lab.cell_running import P5_MS
-from hil_tests.lab.joined_running import cell_copy, running_joined
-from hil_tests.lab.plc1 import S5Plc
+from gateway.simulation.drives.control import EmulatorControl
+from gateway.tools.client import running
+from hil_tests.lab.partners.plc1 import S5Plc
+from hil_tests.lab.running.cell_running import P5_MS
+from hil_tests.lab.running.joined_running import cell_copy, running_joined
 
 ROUTES = """
 [[route]]

@@ -7,8 +7,8 @@ import time
 
 from drivers.ports.base import runtime_dir
 from gateway.processes.supervisor import wait_up
-from hil_tests.lab.cell_running import P5_MS, runtime_folder
-from hil_tests.lab.plc1 import S5Plc
+from hil_tests.lab.partners.plc1 import S5Plc
+from hil_tests.lab.running.cell_running import P5_MS, runtime_folder
 
 DRIVES_ON, FEED, RESET, REFERENCE, START = 0, 1, 2, 3, 8  # bits of DB 10, DW 0
 READY, REFERENCED, DONE, ERROR = 0, 1, 9, 15  # bits of DB 11, DW 0

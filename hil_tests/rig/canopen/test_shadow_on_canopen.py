@@ -2,8 +2,8 @@
 
 import pytest
 
-from hil_tests.lab.plc2 import PTP
-from hil_tests.lab.shadow_running import Old, Shadow, old_control, until
+from hil_tests.lab.partners.plc2 import PTP
+from hil_tests.lab.running.shadow_running import Old, Shadow, old_control, until
 from hil_tests.rig.canopen.test_demo_402 import configured
 
 pytestmark = pytest.mark.timeout(300)

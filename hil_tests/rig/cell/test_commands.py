@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from hil_tests.unit.cell.test_load import MANY
+from hil_tests.unit.gateway.cell_file.test_load import MANY
 
 LIMIT_S = 60.0
 

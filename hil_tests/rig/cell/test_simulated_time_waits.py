@@ -15,9 +15,9 @@ from collections.abc import Iterator
 import pytest
 
 from gateway.processes.supervisor import ask, wait_up
-from gateway.realtime import realtime_allowed
-from hil_tests.lab.cell_running import free_port, runtime_folder
-from hil_tests.lab.hand_plc import Hand
+from gateway.runtime.realtime import realtime_allowed
+from hil_tests.lab.partners.hand_plc import Hand
+from hil_tests.lab.running.cell_running import free_port, runtime_folder
 
 PLAIN = ("setpriv", "--bounding-set=-sys_nice", "--inh-caps=-sys_nice")  # what a user has who is not root
 WITHOUT = PLAIN if realtime_allowed() else ()
@@ -96,7 +96,7 @@ def test_moves_end_where_they_should_while_the_machine_is_taken_away() -> None:
 
 
 def test_a_drive_that_is_really_gone_is_noticed_all_the_same() -> None:
-    from gateway.processes.emulator_control import EmulatorControl
+    from gateway.simulation.drives.control import EmulatorControl
 
     port = free_port()
     with runtime_folder(), plain_run("gone", port):

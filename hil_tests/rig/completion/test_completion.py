@@ -11,8 +11,8 @@ import pytest
 
 from gateway.__main__ import GROUP, first_line
 from gateway.commands.completion import main
-from gateway.completion.parsers import Node, fill, parser_of, tree
-from gateway.completion.scripts import quoted, script
+from gateway.tools.completion.parsers import Node, fill, parser_of, tree
+from gateway.tools.completion.scripts import quoted, script
 
 BASH = shutil.which("bash") or "/bin/bash"
 

@@ -1,10 +1,10 @@
 """AX-149: an actual value that comes after its cycle is over is counted as late and never taken for the next cycle's."""
 
 from drivers.drives.family import Actual
-from drivers.ports.canmemory import memory_pair
-from gateway.config import load_cell
-from gateway.families import make_family
-from gateway.processes.buslink import BusLink
+from drivers.ports.can.memory import memory_pair
+from gateway.assembly.drive_buses import make_family
+from gateway.cell_file.load import load_cell
+from gateway.cycle.bus_link import BusLink
 from protocols.base.machine import Frame
 from protocols.servodyn.codec import SetValue
 

@@ -9,8 +9,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from hil_tests.lab.bus_running import Bus, running_bus
-from hil_tests.lab.cycle_running import Drives, running_cycle, serve
+from hil_tests.lab.running.bus_running import Bus, running_bus
+from hil_tests.lab.running.cycle_running import Drives, running_cycle, serve
 from protocols.base.machine import Frame
 
 CYCLES = 20
@@ -34,7 +34,7 @@ def positions(cycle: list[Frame]) -> list[int]:
     return [struct.unpack("<i", frame.data[2:6])[0] for frame in sorted(cycle, key=lambda frame: frame.identifier)[1:]]
 
 
-@pytest.mark.requirement("RHO-CAN-01", by="gateway.processes.buslink:BusLink.prepare")
+@pytest.mark.requirement("RHO-CAN-01", by="gateway.cycle.bus_link:BusLink.prepare")
 def test_one_cycle_sends_100_and_210_to_260(bus: Bus) -> None:
     with running_cycle("demo", {"drives": f"broker:{bus.name}"}) as run:
         drives = Drives(bus.port(), [0] * 6)
@@ -44,7 +44,7 @@ def test_one_cycle_sends_100_and_210_to_260(bus: Bus) -> None:
     assert all(len(frame.data) == (0 if frame.identifier == 100 else 8) for cycle in drives.cycles for frame in cycle)
 
 
-@pytest.mark.requirement("RHO-CAN-01", by="gateway.processes.buslink:BusLink.receive")
+@pytest.mark.requirement("RHO-CAN-01", by="gateway.cycle.bus_link:BusLink.receive")
 def test_610_to_660_are_taken_as_the_actual_values_of_axes_1_to_6(bus: Bus) -> None:
     """Axis n stands n motor turns from the zero of its encoder; off, so its set position follows."""
     turns = [1, -2, 3, -4, 5, -6]
@@ -57,7 +57,7 @@ def test_610_to_660_are_taken_as_the_actual_values_of_axes_1_to_6(bus: Bus) -> N
     assert positions(drives.cycles[CYCLES - 1]) == [TURN * turn for turn in turns]
 
 
-@pytest.mark.requirement("RHO-CAN-02", by=("gateway.processes.buslink:BusLink.prepare", "gateway.processes.buslink:BusLink.receive"))
+@pytest.mark.requirement("RHO-CAN-02", by=("gateway.cycle.bus_link:BusLink.prepare", "gateway.cycle.bus_link:BusLink.receive"))
 def test_axis_7_on_bus_2_speaks_under_the_identifiers_of_axis_1_on_bus_1(bus: Bus, tmp_path: pathlib.Path) -> None:
     first, second = [TURN * n for n in range(1, 7)], [-TURN * n for n in range(7, 13)]
     with contextlib.ExitStack() as stack:
@@ -85,7 +85,7 @@ def running_bus_beside(folder: pathlib.Path) -> Iterator[Bus]:
 
 def twelve_axes(folder: pathlib.Path) -> pathlib.Path:
     """The demo cell with a second bus "more" and its six axes once more, A7..A12, on it."""
-    from gateway.files import find_config
+    from gateway.files.find import find_config
 
     text = find_config("demo", "cells").read_text()
     bus = re.search(r"^\[\[bus\]\]\n(?:.+\n)+", text, re.MULTILINE)

@@ -2,7 +2,7 @@
 
 import pathlib
 
-from gateway.datfiles import MOST_BYTES, DatTables, read_tables
+from gateway.files.dat import MOST_BYTES, DatTables, read_tables
 
 
 def test_both_names_in_any_case_the_interface_language_decides(tmp_path: pathlib.Path) -> None:

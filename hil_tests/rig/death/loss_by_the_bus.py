@@ -5,13 +5,14 @@ import pathlib
 
 import pytest
 
-from drivers.emulator.record import read as read_record
-from gateway import losstest, losstest_bus
-from gateway.cell import Cell
-from gateway.config import load_cell
-from gateway.plant import motor_rad
-from gateway.toolclient import simulated
-from hil_tests.lab import buslog
+from drivers.emulator.servo.record import read as read_record
+from gateway.assembly.plant import motor_rad
+from gateway.cell_file.load import load_cell
+from gateway.pure.cell.cell import Cell
+from gateway.tools.client import simulated
+from gateway.tools.drives import loss_test as losstest
+from gateway.tools.drives import loss_test_on_bus as losstest_bus
+from hil_tests.lab.judges import bus_log as buslog
 
 SECOND = 1_000_000_000
 STOLEN_MS = 150  # a shared machine may keep the emulator from speaking; the record, in bus time, is judged without it

@@ -8,7 +8,7 @@ import sys
 import time
 from collections.abc import Iterator
 
-from hil_tests.lab.cell_running import P5_MS, REALTIME, CellRun, running_cell
+from hil_tests.lab.running.cell_running import P5_MS, REALTIME, CellRun, running_cell
 
 HOG = """
 import contextlib, os, time

@@ -8,12 +8,12 @@ from collections.abc import Iterator
 
 import pytest
 
-from drivers.emulator.record import Flag
-from drivers.emulator.servodyn_axis import State
-from hil_tests.lab import buslog
-from hil_tests.lab.cell_running import P5_NS, CellRun, Disturbed, patience_s, running_cell
-from hil_tests.lab.judge import Judge
-from hil_tests.lab.plc2 import ABORTED
+from drivers.emulator.servo.record import Flag
+from drivers.emulator.servodyn.axis import State
+from hil_tests.lab.judges import bus_log as buslog
+from hil_tests.lab.judges.judge import Judge
+from hil_tests.lab.partners.plc2 import ABORTED
+from hil_tests.lab.running.cell_running import P5_NS, CellRun, Disturbed, patience_s, running_cell
 
 REPETITIONS = int(os.environ.get("AXISGATE_LOSSES", "4"))  # with one of CiA 402 drives 5 for each way; 25 in `make soak`: 100 in all
 SUPERVISION_NS = 2 * P5_NS  # of the drives (AX-001)

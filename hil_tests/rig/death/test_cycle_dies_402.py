@@ -7,10 +7,10 @@ from collections.abc import Iterator
 
 import pytest
 
-from drivers.emulator.cia402_states import State
-from hil_tests.lab import buslog
-from hil_tests.lab.cell_running import P5_NS, CellRun, Disturbed, patience_s, running_cell
-from hil_tests.lab.judge import Judge
+from drivers.emulator.cia402.states import State
+from hil_tests.lab.judges import bus_log as buslog
+from hil_tests.lab.judges.judge import Judge
+from hil_tests.lab.running.cell_running import P5_NS, CellRun, Disturbed, patience_s, running_cell
 from hil_tests.rig.canopen.test_demo_402 import configured
 
 REPETITIONS = int(os.environ.get("AXISGATE_LOSSES", "1"))  # with the four of the boosters 5 for each way; 25 in `make soak`

@@ -7,11 +7,11 @@ import time
 
 import pytest
 
-from gateway.assembly import plan_run
-from gateway.config import load_cell
-from gateway.life import VARIABLE, Life
-from hil_tests.lab.cell_running import P5_MS, free_port, running_cell
-from hil_tests.lab.joined_running import cell_copy
+from gateway.assembly.run import plan_run
+from gateway.cell_file.load import load_cell
+from gateway.runtime.life import VARIABLE, Life
+from hil_tests.lab.running.cell_running import P5_MS, free_port, running_cell
+from hil_tests.lab.running.joined_running import cell_copy
 
 MORE = '\n[northbound.metrics]\nbind = "127.0.0.1:{port}"\n'
 

@@ -6,7 +6,7 @@ import socket
 import time
 from collections.abc import Callable
 
-from hil_tests.lab.cell_running import P5_MS, running_cell
+from hil_tests.lab.running.cell_running import P5_MS, running_cell
 
 FLOOD_S = 5.0
 READ_125 = bytes.fromhex("00010000000601030000007d")

@@ -5,10 +5,10 @@ import time
 
 import pytest
 
-from hil_tests.lab import buslog
-from hil_tests.lab.cell_running import ALL, HOME, TARGET, CellRun, Disturbed, patience_s, running_cell
-from hil_tests.lab.judge import Judge, Move, SetPath
-from hil_tests.lab.plc2 import ENABLE, RESUME
+from hil_tests.lab.judges import bus_log as buslog
+from hil_tests.lab.judges.judge import Judge, Move, SetPath
+from hil_tests.lab.partners.plc2 import ENABLE, RESUME
+from hil_tests.lab.running.cell_running import ALL, HOME, TARGET, CellRun, Disturbed, patience_s, running_cell
 from hil_tests.rig.death.test_services_die import DEMO
 
 pytestmark = pytest.mark.timeout(patience_s(15.0))

@@ -12,8 +12,8 @@ from collections.abc import Iterator
 
 from drivers.ports.base import runtime_dir
 from gateway.processes.supervisor import ask, wait_up
-from hil_tests.lab.cell_running import ALL, COMES_UP_S, P5_MS, TARGET, left_over, running_cell, runtime_folder
-from hil_tests.lab.plc2 import PTP
+from hil_tests.lab.partners.plc2 import PTP
+from hil_tests.lab.running.cell_running import ALL, COMES_UP_S, P5_MS, TARGET, left_over, running_cell, runtime_folder
 
 SLUG = "hostile"
 

@@ -12,11 +12,11 @@ from collections.abc import Iterator
 
 import pytest
 
-from drivers.emulator.record import read
+from drivers.emulator.servo.record import read
 from drivers.ports.base import runtime_dir
 from gateway.processes.supervisor import ask
-from hil_tests.lab.bus_running import running_bus
-from hil_tests.lab.cell_running import P5_MS, CellRun, gone, left_over, running_cell, runtime_folder, special_files
+from hil_tests.lab.running.bus_running import running_bus
+from hil_tests.lab.running.cell_running import P5_MS, CellRun, gone, left_over, running_cell, runtime_folder, special_files
 
 LIMIT_S = 60
 P5_TOOLS_MS = max(P5_MS, 20)  # tools look at it: no cycle here needs to be short, and a long one leaves them the processor

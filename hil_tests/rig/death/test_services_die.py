@@ -8,11 +8,11 @@ import time
 
 import pytest
 
-from drivers.emulator.servodyn_axis import State
-from hil_tests.lab import buslog
-from hil_tests.lab.cell_running import ALL, HOME, TARGET, CellRun, Disturbed, patience_s, running_cell
-from hil_tests.lab.judge import Judge, Move, SetPath
-from hil_tests.lab.plc2 import PTP, REQUEST
+from drivers.emulator.servodyn.axis import State
+from hil_tests.lab.judges import bus_log as buslog
+from hil_tests.lab.judges.judge import Judge, Move, SetPath
+from hil_tests.lab.partners.plc2 import PTP, REQUEST
+from hil_tests.lab.running.cell_running import ALL, HOME, TARGET, CellRun, Disturbed, patience_s, running_cell
 
 REPETITIONS = 5
 BACK_S = 3.0

@@ -11,11 +11,11 @@ import time
 
 import pytest
 
-from drivers.emulator.record import Flag
-from drivers.emulator.servodyn_axis import State
-from hil_tests.lab.cell_running import P5_NS, CellRun, gone, left_over, patience_s, running_cell, runtime_folder, special_files
-from hil_tests.lab.judge import Judge
-from hil_tests.lab.plc2 import ABORTED
+from drivers.emulator.servo.record import Flag
+from drivers.emulator.servodyn.axis import State
+from hil_tests.lab.judges.judge import Judge
+from hil_tests.lab.partners.plc2 import ABORTED
+from hil_tests.lab.running.cell_running import P5_NS, CellRun, gone, left_over, patience_s, running_cell, runtime_folder, special_files
 
 DRIVE_FAULT, DRIVE_LOST = 16, 17
 REST_RAD_S = 0.5

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 
 import pytest
 
-from drivers.ports.broker import broker_stats
+from drivers.ports.can.broker import broker_stats
 from hil_tests.bench.cycle_judge import judge
-from hil_tests.lab import buslog
-from hil_tests.lab.cell_running import REALTIME, CellRun, Disturbed, patience_s, running_cell
+from hil_tests.lab.judges import bus_log as buslog
+from hil_tests.lab.running.cell_running import REALTIME, CellRun, Disturbed, patience_s, running_cell
 
 P5_MS = 4 if REALTIME else 10
 P5_NS = P5_MS * 1_000_000

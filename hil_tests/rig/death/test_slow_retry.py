@@ -7,7 +7,7 @@ import subprocess
 import sys
 import time
 
-from hil_tests.lab.cell_running import P5_MS, CellRun, running_cell
+from hil_tests.lab.running.cell_running import P5_MS, CellRun, running_cell
 
 ALARM = "line-plc1 ended with signal SIGKILL; 6 deaths in a minute: it is started again every 10 s"
 

@@ -2,8 +2,8 @@
 
 import time
 
-from hil_tests.lab.cell_running import ALL, CellRun, running_cell
-from hil_tests.lab.plc2 import ENABLE, REQUEST
+from hil_tests.lab.partners.plc2 import ENABLE, REQUEST
+from hil_tests.lab.running.cell_running import ALL, CellRun, running_cell
 
 WAITS_S = (0, 1, 2, 5, 5)
 REFUSED, NOT_READY = 4, 30

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import pytest
 
 from hil_tests import demo
-from hil_tests.lab.scenario import Scenario
+from hil_tests.lab.running.scenario import Scenario
 from hil_tests.rig.uml import guest
 
 LATE = "9 ms without SYNC in the bus log"

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from gateway.commands.doctor import main
-from hil_tests.lab.bus_running import running_bus
+from hil_tests.lab.running.bus_running import running_bus
 
 HELD_S = 0.005
 

@@ -16,14 +16,14 @@ from typing import Any
 import pytest
 
 from drivers.ports.base import runtime_dir
-from drivers.ports.linewire import parse_record
 from drivers.ports.open import open_bytes
+from drivers.ports.serial.line_format import parse_record
 from gateway.processes.supervisor import wait_up
-from gateway.pure.computerlink import ComputerLink
-from hil_tests.lab import rk512_active as plc
-from hil_tests.lab.rk512_active import ActiveStation, Event, Refused, Unasked
-from hil_tests.lab.rk512_blocks import Blocks
-from hil_tests.lab.sync_line import SyncLine
+from gateway.pure.lines.rk512_link import Rk512Link
+from hil_tests.lab.partners import rk512_active as plc
+from hil_tests.lab.partners.rk512_active import ActiveStation, Event, Refused, Unasked
+from hil_tests.lab.partners.sync_line import SyncLine
+from hil_tests.lab.virtual.rk512_blocks import Blocks
 from protocols.base.machine import Damage
 from protocols.p3964r.profiles import RHO3, Priority
 from protocols.rk512.active import Denied, Done, Failed
@@ -246,9 +246,9 @@ def test_a_passive_line_says_nothing_of_its_own(run: Run) -> None:
 
 
 @contextlib.contextmanager
-def passive_partner(blocks: Blocks) -> Iterator[tuple[SyncLine[Any], ComputerLink]]:
+def passive_partner(blocks: Blocks) -> Iterator[tuple[SyncLine[Any], Rk512Link]]:
     """A PLC with data blocks at the active line."""
-    machine = ComputerLink(RHO3, Priority.HIGH, blocks, Dialect(coordination_flag="ignore"))
+    machine = Rk512Link(RHO3, Priority.HIGH, blocks, Dialect(coordination_flag="ignore"))
     with SyncLine[Any](open_bytes(f"pty:{runtime_dir() / 'roles-asking-a'}", "9600 8E1"), machine) as line:
         yield line, machine
 

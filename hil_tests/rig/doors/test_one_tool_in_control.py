@@ -6,10 +6,10 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from gateway.config import load_cell
-from gateway.pure.records import Motion
-from gateway.toolclient import ToolClient, ToolError, mask_of, simulated
-from gateway.tooldesk import MOST_SDO
+from gateway.cell_file.load import load_cell
+from gateway.pure.image.records.cell import Motion
+from gateway.services.tool_interface import MOST_SDO
+from gateway.tools.client import ToolClient, ToolError, mask_of, simulated
 
 CELL = load_cell("demo-402")
 EVERY = mask_of(CELL, [axis.name for axis in CELL.axis])

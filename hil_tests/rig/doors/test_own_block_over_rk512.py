@@ -13,13 +13,13 @@ from dataclasses import dataclass
 import pytest
 
 from drivers.ports.open import open_bytes
-from gateway.processes.line_control import LineControl
 from gateway.processes.supervisor import wait_up
-from hil_tests.lab.plc1 import PROFILE
-from hil_tests.lab.plc2 import ENABLE, OVERRIDE, PTP, REFERENCE, REQUEST, Status
-from hil_tests.lab.rk512_active import ActiveStation, Done, Event, Refused, Unasked
-from hil_tests.lab.scenario import free_port
-from hil_tests.lab.sync_line import SyncLine
+from gateway.simulation.line.control import LineControl
+from hil_tests.lab.partners.plc1 import PROFILE
+from hil_tests.lab.partners.plc2 import ENABLE, OVERRIDE, PTP, REFERENCE, REQUEST, Status
+from hil_tests.lab.partners.rk512_active import ActiveStation, Done, Event, Refused, Unasked
+from hil_tests.lab.partners.sync_line import SyncLine
+from hil_tests.lab.running.scenario import free_port
 from protocols.p3964r.profiles import Priority
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]

@@ -4,11 +4,11 @@ from collections.abc import Iterator
 
 import pytest
 
-from gateway.processes.line_control import LineControl
-from gateway.pure.reasons import Reason
-from gateway.pure.records import Motion
-from hil_tests.lab.cell_running import P5_MS, CellRun, running_cell
-from hil_tests.lab.plc1 import S5Plc
+from gateway.pure.image.reasons import Reason
+from gateway.pure.image.records.cell import Motion
+from gateway.simulation.line.control import LineControl
+from hil_tests.lab.partners.plc1 import S5Plc
+from hil_tests.lab.running.cell_running import P5_MS, CellRun, running_cell
 
 START, REFUSED, SPEED, CODE = (0, 8), (0, 15), 8, 1
 

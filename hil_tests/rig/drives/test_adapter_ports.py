@@ -10,12 +10,12 @@ from collections.abc import Iterator
 import can
 import pytest
 
-from drivers.ports.adapter import AdapterPort
-from drivers.ports.adapterurl import Adapter, adapter_of, is_adapter
 from drivers.ports.base import CanPort, PortError
-from drivers.ports.can import open_can
+from drivers.ports.can.adapter import AdapterPort
+from drivers.ports.can.adapter_url import Adapter, adapter_of, is_adapter
+from drivers.ports.can.open import open_can
 from gateway.commands.doctor import main as doctor
-from gateway.processes.adapter import latency_words
+from gateway.processes.can_adapter import latency_words
 from protocols.base.machine import Frame
 
 LIMIT_S = 10.0

@@ -5,11 +5,11 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from gateway.pure.records import AxisFlag
-from hil_tests.lab.buslog import Logged, Remark, read
-from hil_tests.lab.cell_running import ALL, HOME, TARGET, patience_s
-from hil_tests.lab.plc2 import PTP
-from hil_tests.lab.real_running import Adapter, RealRun, running_real
+from gateway.pure.image.records.cell import AxisFlag
+from hil_tests.lab.judges.bus_log import Logged, Remark, read
+from hil_tests.lab.partners.plc2 import PTP
+from hil_tests.lab.running.cell_running import ALL, HOME, TARGET, patience_s
+from hil_tests.lab.running.real_running import Adapter, RealRun, running_real
 
 LIMIT_S, BACK_S = 20.0, 2.0
 pytestmark = pytest.mark.timeout(patience_s(12.0) + 2 * LIMIT_S)

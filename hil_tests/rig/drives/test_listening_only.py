@@ -8,19 +8,19 @@ from typing import Any
 
 import pytest
 
-from gateway.assembly import plan_run
-from gateway.config import load_cell
-from gateway.image import RegionReader, recv_fds
+from gateway.assembly.run import plan_run
+from gateway.cell_file.load import load_cell
 from gateway.processes.supervisor import ask
-from gateway.pure.reasons import Reason
-from gateway.pure.records import AxisFlag
-from gateway.web.cellview import described
-from gateway.web.plantview import Plant
+from gateway.pure.image.reasons import Reason
+from gateway.pure.image.records.cell import AxisFlag
+from gateway.runtime.regions import RegionReader, recv_fds
+from gateway.web.cell_view import described
+from gateway.web.plant_view import Plant
 from gateway.web.skeleton import Skeleton
-from hil_tests.lab.buslog import CLIENT, Logged, Remark, read
-from hil_tests.lab.cell_running import ALL, CellRun
-from hil_tests.lab.plc2 import ENABLE, REFUSED, REQUEST
-from hil_tests.lab.real_running import RealRun, running_real
+from hil_tests.lab.judges.bus_log import CLIENT, Logged, Remark, read
+from hil_tests.lab.partners.plc2 import ENABLE, REFUSED, REQUEST
+from hil_tests.lab.running.cell_running import ALL, CellRun
+from hil_tests.lab.running.real_running import RealRun, running_real
 from protocols.servodyn.codec import SYNC
 
 LIMIT_S = 20.0

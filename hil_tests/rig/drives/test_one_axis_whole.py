@@ -14,12 +14,12 @@ from drivers.drives.limits import LagMonitor, LagState
 from drivers.drives.referencing import Referencing, RunState, settings_from
 from drivers.drives.scaling import Scaling
 from drivers.drives.servodyn import Demand, Drive, Event, Power
-from drivers.emulator.servodyn_slave import ServodynSlave
-from drivers.emulator.settings import BusSettings, ServoSettings
-from gateway.dbcfile import load_servodyn
-from motion.limits import AxisLimits
-from motion.ptp import plan_ptp
-from motion.stepper import State, Stepper
+from drivers.emulator.servo.settings import BusSettings, ServoSettings
+from drivers.emulator.servodyn.slave import ServodynSlave
+from gateway.files.dbc import load_servodyn
+from motion.execution.ptp import plan_ptp
+from motion.execution.stepper import State, Stepper
+from motion.geometry.limits import AxisLimits
 from protocols.base.machine import Frame
 from protocols.servodyn.codec import SYNC, ActualValue, SetValue
 

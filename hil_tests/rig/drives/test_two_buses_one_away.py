@@ -10,14 +10,14 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from drivers.ports.broker import Link
-from drivers.ports.canwire import ERR_FLAG, RECORD
+from drivers.ports.can.broker import Link
+from drivers.ports.can.wire import ERR_FLAG, RECORD
 from gateway.commands.fault import main as fault
-from gateway.files import find_config, read_text
-from gateway.pure.records import AxisFlag
-from hil_tests.lab.buslog import Logged, read
-from hil_tests.lab.cell_running import ALL, HOME, P5_MS, CellRun, patience_s, running_cell
-from hil_tests.lab.plc2 import ABORTED, ENABLE, PTP, RESET
+from gateway.files.find import find_config, read_text
+from gateway.pure.image.records.cell import AxisFlag
+from hil_tests.lab.judges.bus_log import Logged, read
+from hil_tests.lab.partners.plc2 import ABORTED, ENABLE, PTP, RESET
+from hil_tests.lab.running.cell_running import ALL, HOME, P5_MS, CellRun, patience_s, running_cell
 from protocols.base.machine import Ns
 
 pytestmark = pytest.mark.timeout(patience_s(20.0))

@@ -13,11 +13,11 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from drivers.emulator import record
-from drivers.emulator.settings import BusSettings, ServoSettings, to_dict
-from drivers.ports.broker import BrokerPort
-from gateway.processes.emulator_control import BadCommandError, EmulatorControl
-from hil_tests.lab.servodyn_bus import CODEC
+from drivers.emulator.servo import record
+from drivers.emulator.servo.settings import BusSettings, ServoSettings, to_dict
+from drivers.ports.can.broker import BrokerPort
+from gateway.simulation.drives.control import BadCommandError, EmulatorControl
+from hil_tests.lab.virtual.servodyn_bus import CODEC
 from protocols.base.machine import Frame
 from protocols.servodyn.codec import SYNC, ActualValue, SetValue
 
@@ -47,9 +47,9 @@ class Rig:
         self.settings, self.record_file = folder / "drives.json", folder / "drives.rec"
         plain = ServoSettings(gravity_nm=1.0, torque_noise_nm=0.02)
         self.settings.write_text(json.dumps(to_dict(BusSettings(P5_S * 1000, 5, dict.fromkeys(DRIVES, plain)))))
-        self.broker = start("gateway.processes.broker", "--name", "rig")
+        self.broker = start("gateway.simulation.bus.broker", "--name", "rig")
         self.emulator = start(
-            "gateway.processes.emulator",
+            "gateway.simulation.drives.process",
             "--settings",
             str(self.settings),
             "--bus",
@@ -175,7 +175,7 @@ def test_a_broker_that_returns_finds_the_plant_as_it_was(rig: Rig) -> None:
     end(rig.broker)
     time.sleep(0.5)
     assert rig.control.state()["connected"] is False
-    rig.broker = start("gateway.processes.broker", "--name", "rig")
+    rig.broker = start("gateway.simulation.bus.broker", "--name", "rig")
     rig.port.reconnect()
     rig.until(lambda: rig.control.state()["connected"] is True, 2.0, "reconnection")
     rig.actual.clear()
@@ -229,6 +229,6 @@ def test_faults_to_order_and_wrong_orders(rig: Rig) -> None:
 def test_bad_settings_are_told_and_exit_2(text: str, told: str, tmp_path: pathlib.Path) -> None:
     file = tmp_path / "bad.json"
     file.write_text(text)
-    command = [sys.executable, "-m", "gateway.processes.emulator", "--settings", str(file), "--bus", "broker:none"]
+    command = [sys.executable, "-m", "gateway.simulation.drives.process", "--settings", str(file), "--bus", "broker:none"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=20, check=False)
     assert done.returncode == 2 and told in done.stderr and "Traceback" not in done.stderr

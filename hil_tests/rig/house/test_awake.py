@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import pytest
 
-from hil_tests.lab.awake import awake
+from hil_tests.lab.running.awake import awake
 
 VIRTUAL = "vendor_id\t: GenuineIntel\nflags\t\t: fpu tsc hypervisor lahf_lm\n"
 OTHERS = {
@@ -52,7 +52,7 @@ def test_each_processor_has_somebody_who_wants_it_behind_all_others(cpuinfo: pat
 
 
 def test_they_die_with_a_parent_that_could_not_end_them(cpuinfo: pathlib.Path) -> None:
-    begin = f"import pathlib, time\nfrom hil_tests.lab.awake import awake\nwith awake(pathlib.Path({str(cpuinfo)!r})) as keepers:\n"
+    begin = f"import pathlib, time\nfrom hil_tests.lab.running.awake import awake\nwith awake(pathlib.Path({str(cpuinfo)!r})) as keepers:\n"
     code = begin + "    print(*[each.pid for each in keepers], flush=True)\n    time.sleep(60)"
     with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as parent:
         assert parent.stdout is not None

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-CYCLE = "gateway.processes.cycle"
+CYCLE = "gateway.cycle.loop"
 NEVER = ("pinocchio", "pin", "pymodbus", "asyncio", "rich", "can", "canopen", "cantools", "pydantic", "gateway.web", "hil_tests")
 
 
@@ -24,8 +24,12 @@ def test_the_cycle_process_loads_none_of_the_big_ones() -> None:
 
 def test_the_services_load_neither_core_nor_numbers_they_do_not_need() -> None:
     """They must be back within 3 s of their death, also on a machine eight times slower."""
-    loaded = modules_of("gateway.processes.services")
-    assert [name for name in ("numpy", "pinocchio", "gateway.pure.core", "motion.stepper", "motion.follower") if name in loaded] == []
+    loaded = modules_of("gateway.services.loop")
+    assert [
+        name
+        for name in ("numpy", "pinocchio", "gateway.pure.cycle.core", "motion.execution.stepper", "motion.execution.follower")
+        if name in loaded
+    ] == []
 
 
 def test_the_list_of_loaded_modules_would_show_one_of_them() -> None:

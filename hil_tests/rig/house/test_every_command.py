@@ -8,7 +8,7 @@ from importlib.metadata import EntryPoint, entry_points
 import pytest
 
 from gateway.__main__ import GROUP, first_line
-from gateway.completion.parsers import Node, tree
+from gateway.tools.completion.parsers import Node, tree
 
 ENTRIES = {entry.name: entry for entry in entry_points(group=GROUP)}
 NO_DATA = {  # commands that print no data, and what they do instead

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 import pytest
 
-from gateway.pure.functions.display import Display
+from gateway.pure.controllers.rho3.functions.display import Display
 from hil_tests.matrix.catalogue import MarkError, claim, resolve
 from hil_tests.matrix.mutant import MutantError, broken, default_of, mutated
 from hil_tests.matrix.mutant_plugin import lines_run
@@ -42,8 +42,8 @@ def test_a_child_process_meets_the_same_mutant(variant: str, printed: str) -> No
 
 def test_a_child_that_runs_the_module_itself_meets_it_too() -> None:
     """As our processes are started: python -m gateway.processes.NAME."""
-    command = [sys.executable, "-m", "gateway.processes.broker", "--help"]
-    with mutated("gateway.processes.broker:main", "raise"):
+    command = [sys.executable, "-m", "gateway.simulation.bus.broker", "--help"]
+    with mutated("gateway.simulation.bus.broker:main", "raise"):
         done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout) == (1, "") and "MutantError" in done.stderr
     assert "usage" in subprocess.run(command, capture_output=True, text=True, check=True).stdout
@@ -170,7 +170,7 @@ def test_each_kind_of_place_is_found_and_the_words_of_an_exception_are_left() ->
 
 
 def test_there_are_at_most_six_of_every_kind_in_turn_and_always_the_same() -> None:
-    long = "gateway.pure.core:Core._drive"
+    long = "gateway.pure.cycle.core:CycleLogic._drive"
     chosen = small_mutants(long)
     assert len(chosen) == 6 and len({one.name.partition("_")[0] for one in chosen}) >= 3
     fresh = [sys.executable, "-c", f"from hil_tests.matrix.small import small_mutants as s; print([m.name for m in s({long!r})])"]
@@ -178,7 +178,7 @@ def test_there_are_at_most_six_of_every_kind_in_turn_and_always_the_same() -> No
 
 
 def test_only_what_the_test_runs_is_changed_where_that_is_known() -> None:
-    press = "gateway.pure.functions.display:Display.press"
+    press = "gateway.pure.controllers.rho3.functions.display:Display.press"
     lines = sorted({line for *_, line in resolve(press).__code__.co_lines() if line})
     assert [one.words for one in small_mutants(press, lines=lines[-1:])] == ["self._keys.append(key) -> pass"]
     with lines_run({resolve(press).__code__: press}) as seen:

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from hil_tests.places import BESIDE, COMMANDS, OWN_TIME, of_one, unhurried
+from hil_tests.test_folders import BESIDE, COMMANDS, OWN_TIME, of_one, unhurried
 
 RIG = pathlib.Path(__file__).resolve().parents[1]
 

@@ -7,10 +7,10 @@ import sys
 
 import pytest
 
-from gateway.realtime import realtime_allowed
+from gateway.runtime.realtime import realtime_allowed
 from hil_tests.host import P5
-from hil_tests.places import NO_OWN_TIME
 from hil_tests.rig.uml import guest
+from hil_tests.test_folders import NO_OWN_TIME
 
 HOGGED = """
 import os, pathlib, subprocess, sys, time

@@ -5,7 +5,7 @@ import signal
 import zlib
 from collections.abc import Callable
 
-from gateway.image import RegionWriter, RingWriter
+from gateway.runtime.regions import RegionWriter, RingWriter
 
 PAYLOAD = 1024  # bytes of a payload or record: number (8), filling, CRC (4)
 

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import pytest
 
-from gateway.image import ImageError, RegionReader, RegionWriter, RingReader, RingWriter, create_region, create_ring
+from gateway.runtime.regions import ImageError, RegionReader, RegionWriter, RingReader, RingWriter, create_region, create_ring
 from hil_tests.rig.image.dying import PAYLOAD, DyingRegion, DyingRing, Executioner, dies, number_of, payload
 
 Action = Callable[[Executioner], None]

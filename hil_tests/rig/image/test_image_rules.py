@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 import pytest
 
-from gateway.image import (
+from gateway.runtime.regions import (
     ImageError,
     RegionReader,
     RegionWriter,
@@ -180,7 +180,9 @@ def test_fds_travel_by_name_over_a_socket_and_over_a_command_line() -> None:
     ours.close()
     with pytest.raises(ImageError, match="closed"):
         recv_fds(theirs)
-    program = "import sys; from gateway.image import *; print(len(RegionReader(fds_from_text(sys.argv[1])['axes'], 'axes').read()))"
+    program = (
+        "import sys; from gateway.runtime.regions import *; print(len(RegionReader(fds_from_text(sys.argv[1])['axes'], 'axes').read()))"
+    )
     child = subprocess.run([sys.executable, "-c", program, fds_to_text(fds)], pass_fds=list(fds.values()), capture_output=True, check=True)
     assert child.stdout == b"64\n"
 

@@ -10,8 +10,8 @@ import time
 
 import pytest
 
-from gateway import realtime
-from gateway.realtime import Alarm, Timerfd, die_with_parent, go_ahead, go_realtime, sleep_until
+from gateway.runtime import realtime
+from gateway.runtime.realtime import Alarm, Timerfd, die_with_parent, go_ahead, go_realtime, sleep_until
 
 MS = 1_000_000
 
@@ -104,7 +104,7 @@ def test_a_timer_descriptor_is_readable_at_its_instant_once_or_periodically() ->
 def test_a_process_dies_with_its_parent() -> None:
     program = (
         "import os, time\n"
-        "from gateway.realtime import die_with_parent\n"
+        "from gateway.runtime.realtime import die_with_parent\n"
         "inside, outside = os.pipe()\n"
         "child = os.fork()\n"
         "if child == 0:\n"

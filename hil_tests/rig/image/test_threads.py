@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from gateway.image import RegionReader, RegionWriter, create_region
+from gateway.runtime.regions import RegionReader, RegionWriter, create_region
 
 ROUNDS, THREADS = 20000, 8
 

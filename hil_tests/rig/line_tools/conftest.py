@@ -46,7 +46,7 @@ def end(process: "subprocess.Popen[str]") -> None:
 def cable(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Cable]:
     monkeypatch.setenv("AXISGATE_RUNTIME", str(tmp_path / "run"))
     record = tmp_path / "line.rec"
-    process = run("gateway.processes.line", "--name", "tools", "--baud", "9600", "--record", str(record))
+    process = run("gateway.simulation.line.process", "--name", "tools", "--baud", "9600", "--record", str(record))
     folder = tmp_path / "run"
     yield Cable("tools", f"pty:{folder}/tools-a", f"pty:{folder}/tools-b", record)
     end(process)
@@ -58,7 +58,7 @@ def station(cable: Cable) -> Iterator[Callable[..., None]]:
     running = []
 
     def start(partner: str = "good", profile: str = "rho3", priority: str = "high") -> None:
-        running.append(run("hil_tests.lab.line_station", cable.far, partner, profile, priority))
+        running.append(run("hil_tests.lab.partners.line_station", cable.far, partner, profile, priority))
 
     yield start
     for process in running:

@@ -3,8 +3,8 @@
 import subprocess
 import sys
 
-from gateway.line_tools.monitor import Monitor
-from gateway.pure.line_decoder import Told
+from gateway.links.serial.line_monitor import Monitor
+from gateway.pure.lines.decoder import LineReport
 from hil_tests.rig.line_tools.conftest import ROOT
 from protocols.base.machine import Damage, Ns
 
@@ -37,7 +37,14 @@ modules += ["gateway.commands." + name for name in ("line", "line_export", "lear
 for module in modules: importlib.import_module(module)
 from gateway.commands.line import main
 assert not GONE & {name.split(".")[0] for name in sys.modules}, GONE & set(sys.modules)
-WORK = ("gateway.processes", "gateway.realtime", "gateway.image", "drivers.ports.pty", "drivers.ports.serial", "drivers.ports.timerfd")
+WORK = (
+    "gateway.processes",
+    "gateway.runtime.realtime",
+    "gateway.runtime.regions",
+    "drivers.ports.serial.pty",
+    "drivers.ports.serial.device",
+    "drivers.ports.timerfd",
+)
 loaded = [name for name in sys.modules if name.startswith(WORK)]
 assert not loaded, loaded
 print(f"{len(modules)} modules", file=sys.stderr)
@@ -104,7 +111,7 @@ class Tap:
 
 
 def test_the_monitor_never_writes() -> None:
-    told: list[Told] = []
+    told: list[LineReport] = []
     moments = iter(range(0, 10**12, 50_000_000))
     taps = Tap(b"\x02"), Tap(b"\x10\x02\x15")
 

@@ -17,17 +17,17 @@ from typing import Any
 import pytest
 
 from drivers.ports.base import PortError
-from drivers.ports.linewire import parse_format
 from drivers.ports.open import open_bytes
-from drivers.ports.serial import SerialPort
+from drivers.ports.serial.device import SerialPort
+from drivers.ports.serial.line_format import parse_format
 from gateway.commands import doctor, line
-from gateway.line_tools.ports import open_port, open_wire
-from gateway.pure.computerlink import ComputerLink
-from gateway.pure.line_decoder import Told
+from gateway.pure.lines.decoder import LineReport
+from gateway.pure.lines.rk512_link import Rk512Link
 from gateway.shadow.taps import TapPair
-from hil_tests.lab.foreign_station import ForeignStation
-from hil_tests.lab.rk512_blocks import Blocks
-from hil_tests.lab.sync_line import SyncLine
+from gateway.tools.line.ports import open_port, open_wire
+from hil_tests.lab.partners.foreign_station import ForeignStation
+from hil_tests.lab.partners.sync_line import SyncLine
+from hil_tests.lab.virtual.rk512_blocks import Blocks
 from protocols.base.machine import ms
 from protocols.p3964r.profiles import RHO3, Priority
 from protocols.rk512.active import Done
@@ -186,7 +186,7 @@ def test_doctor_measures_an_echo() -> None:
 
 
 def test_taps_of_a_shadow_hear_both_sides() -> None:
-    tolds: list[Told] = []
+    tolds: list[LineReport] = []
 
     async def listen(near: ForeignStation, far: ForeignStation) -> str:
         taps = TapPair((near.path, far.path), "9600 8E1", time.monotonic_ns, tolds.append)
@@ -262,7 +262,7 @@ def test_the_tools_at_a_real_uart_do_not_call_it_gone() -> None:
 @pytest.mark.parametrize("kind", PLACES)
 def test_a_cell_with_a_paced_format_takes_the_early_acknowledgement(station: ForeignStation, kind: str) -> None:
     """AX-652: 74 characters at 300 baud would take 2.7 s; the far end has them at once and says so."""
-    machine = ComputerLink(RHO3, Priority.LOW, Blocks({}))
+    machine = Rk512Link(RHO3, Priority.LOW, Blocks({}))
     with SyncLine[Any](open_bytes(f"{kind}{station.path}", "300 8E1"), machine) as running:
         job = machine.active.send(4, bytes(range(64)), 10)
         machine.start(time.monotonic_ns())

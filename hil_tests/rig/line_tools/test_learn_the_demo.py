@@ -10,7 +10,7 @@ import tomllib
 
 import pytest
 
-from hil_tests.lab.plc1 import S5Plc
+from hil_tests.lab.partners.plc1 import S5Plc
 from hil_tests.rig.line_tools.conftest import ROOT, axisgate
 from hil_tests.rig.line_tools.test_tutorial import free_port
 

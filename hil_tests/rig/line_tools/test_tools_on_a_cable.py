@@ -10,11 +10,11 @@ from collections.abc import Callable
 import pytest
 
 from drivers.ports.base import PortError
-from drivers.ports.linewire import parse_format, parse_record
-from drivers.ports.pty import PtyPort
-from gateway.line_tools.ports import PyserialPort, open_port
-from gateway.line_tools.wire import RealWire
-from gateway.processes.line_control import LineControl
+from drivers.ports.serial.line_format import parse_format, parse_record
+from drivers.ports.serial.pty import PtyPort
+from gateway.links.serial.tool_wire import RealWire
+from gateway.simulation.line.control import LineControl
+from gateway.tools.line.ports import PyserialPort, open_port
 from hil_tests.rig.line_tools.conftest import Cable, axisgate, end, run
 from protocols.base.machine import ms
 
@@ -140,7 +140,7 @@ def test_live_learning_says_what_it_needs(tmp_path: pathlib.Path) -> None:
 
 def _tap(folder: pathlib.Path, name: str) -> "tuple[subprocess.Popen[str], str, pathlib.Path]":
     record = folder / f"{name}.rec"
-    process = run("gateway.processes.line", "--name", name, "--baud", "9600", "--record", str(record))
+    process = run("gateway.simulation.line.process", "--name", name, "--baud", "9600", "--record", str(record))
     return process, f"pty:{folder}/run/{name}-a", record
 
 

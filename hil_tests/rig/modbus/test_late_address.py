@@ -5,8 +5,8 @@ import time
 
 import pytest
 
-from hil_tests.lab import cell_running
-from hil_tests.lab.cell_running import P5_MS, running_cell
+from hil_tests.lab.running import cell_running
+from hil_tests.lab.running.cell_running import P5_MS, running_cell
 
 
 def test_a_port_that_comes_late_is_taken_when_it_comes(monkeypatch: pytest.MonkeyPatch) -> None:

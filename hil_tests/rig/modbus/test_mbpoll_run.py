@@ -5,9 +5,9 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from hil_tests.lab.cell_running import CellRun, running_cell
-from hil_tests.lab.mbpoll import mbpoll, values_of
-from hil_tests.lab.plc2 import DONE, REQUEST
+from hil_tests.lab.partners.mbpoll import mbpoll, values_of
+from hil_tests.lab.partners.plc2 import DONE, REQUEST
+from hil_tests.lab.running.cell_running import CellRun, running_cell
 
 pytestmark = pytest.mark.mbpoll
 

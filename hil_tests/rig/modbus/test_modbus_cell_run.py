@@ -14,11 +14,11 @@ from pymodbus.client import ModbusTcpClient
 from pymodbus.pdu.file_message import FileRecord
 
 from drivers.ports.base import runtime_dir
-from gateway import cell_modbus
-from gateway.modbus_probe import Prober, probe
-from gateway.toolclient import ToolClient
-from hil_tests.lab.cell_running import CellRun, free_port, running_cell
-from hil_tests.lab.modbus_running import RawClient
+from gateway.conformance.modbus.probe import Prober, probe
+from gateway.pure.cell import modbus as cell_modbus
+from gateway.tools.client import ToolClient
+from hil_tests.lab.running.cell_running import CellRun, free_port, running_cell
+from hil_tests.lab.running.modbus_running import RawClient
 from hil_tests.rig.modbus.test_modbus_rtu import pymodbus_server
 from protocols.modbus.probing import Verdict, cases
 

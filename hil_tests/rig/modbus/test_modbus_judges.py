@@ -11,10 +11,10 @@ import subprocess
 
 import pytest
 
-from hil_tests.lab import mbpoll as client
-from hil_tests.lab.mbpoll import values_of
-from hil_tests.lab.modbus_running import Running
-from hil_tests.lab.modbus_view import MemoryView
+from hil_tests.lab.partners import mbpoll as client
+from hil_tests.lab.partners.mbpoll import values_of
+from hil_tests.lab.running.modbus_running import Running
+from hil_tests.lab.virtual.modbus_view import MemoryView
 from hil_tests.lanes import REFERENCES, required
 from protocols.modbus.view import ExceptionCode, Kind
 

@@ -7,13 +7,13 @@ import time
 from collections.abc import Callable, Coroutine
 from typing import Any
 
-from gateway.journal import Journal
-from gateway.modbus_client import Device, Group, Kind, Link, ModbusClient, write_bits_pdu
-from gateway.modbuslinks import LinkReports
-from gateway.statusfit import fitted
-from gateway.web.lineview import asked_links
-from hil_tests.lab.cell_running import free_port
-from hil_tests.lab.modbus_running import Running
+from gateway.links.modbus.client import Device, Group, Kind, Link, ModbusClient, write_bits_pdu
+from gateway.runtime.journal import Journal
+from gateway.services.modbus_links import LinkReports
+from gateway.services.status_size import fitted
+from gateway.web.line_view import asked_links
+from hil_tests.lab.running.cell_running import free_port
+from hil_tests.lab.running.modbus_running import Running
 from protocols.base.machine import ms
 from protocols.modbus.orders import Refused
 

@@ -10,9 +10,9 @@ from typing import Any
 import pytest
 from pymodbus.client import ModbusTcpClient
 
-from hil_tests.lab.modbus_running import Running
+from hil_tests.lab.running.modbus_running import Running
 from hil_tests.lanes import NODE_MODULES
-from hil_tests.unit.modbus.test_6_7_to_6_21_other_functions import WholeView
+from hil_tests.unit.protocols.modbus.test_6_7_to_6_21_other_functions import WholeView
 from protocols.modbus.view import Kind
 
 SCRIPT = pathlib.Path(__file__).with_name("npm_client.js")

@@ -12,11 +12,11 @@ from contextlib import contextmanager
 import pytest
 
 from gateway.commands.modbus import main
-from gateway.modbus_probe import Prober, probe, search
-from hil_tests.lab.modbus_running import Running
-from hil_tests.lab.modbus_view import MemoryView
+from gateway.conformance.modbus.probe import Prober, probe, search
+from hil_tests.lab.running.modbus_running import Running
+from hil_tests.lab.virtual.modbus_view import MemoryView
 from hil_tests.rig.modbus.test_modbus_rtu import pymodbus_server
-from hil_tests.unit.modbus.test_6_7_to_6_21_other_functions import WholeView
+from hil_tests.unit.protocols.modbus.test_6_7_to_6_21_other_functions import WholeView
 from protocols.modbus.finding import find
 from protocols.modbus.numbers import ORDERS, encode_number
 from protocols.modbus.probing import Verdict, cases

@@ -14,12 +14,12 @@ from pymodbus.client import ModbusTcpClient
 from pymodbus.datastore import ModbusSequentialDataBlock, ModbusServerContext
 from pymodbus.server import ModbusTcpServer
 
-from drivers.ports.linewire import parse_format
-from drivers.ports.pty import PtyPort
-from gateway.modbus_client import Device, Group, Kind, Link, ModbusClient, ModbusRefused, ModbusSilent
-from hil_tests.lab.modbus_line_running import RunningLine
-from hil_tests.lab.modbus_running import Running
-from hil_tests.lab.modbus_view import MemoryView
+from drivers.ports.serial.line_format import parse_format
+from drivers.ports.serial.pty import PtyPort
+from gateway.links.modbus.client import Device, Group, Kind, Link, ModbusClient, ModbusRefused, ModbusSilent
+from hil_tests.lab.running.modbus_line_running import RunningLine
+from hil_tests.lab.running.modbus_running import Running
+from hil_tests.lab.virtual.modbus_view import MemoryView
 from hil_tests.rig.modbus.test_modbus_judges import libmodbus_client, patterned  # noqa: F401 - the fixture
 from protocols.base.machine import Ns, ms
 from protocols.modbus.mbap import Why

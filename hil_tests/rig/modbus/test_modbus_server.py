@@ -13,9 +13,9 @@ from collections.abc import Sequence
 import pytest
 
 from drivers.ports.base import PortError
-from gateway.modbus_server import Limits, ModbusServer
-from hil_tests.lab.modbus_running import RawClient, Running
-from hil_tests.lab.modbus_view import MemoryView
+from gateway.links.modbus.tcp_server import Limits, ModbusServer
+from hil_tests.lab.running.modbus_running import RawClient, Running
+from hil_tests.lab.virtual.modbus_view import MemoryView
 from protocols.base.machine import ms
 from protocols.modbus.mbap import Why
 from protocols.modbus.view import ExceptionCode, Kind

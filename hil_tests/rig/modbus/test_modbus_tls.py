@@ -17,13 +17,13 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import NameOID
 
 from drivers.ports.base import PortError
-from gateway.cell_modbus import Modbus, ModbusRole, ModbusTls
-from gateway.journal import Journal
-from gateway.modbus_client import Device, Link, ModbusClient, ModbusRefused
-from gateway.modbus_tls import ROLE_OID, TlsRights, client_context, role_of, server_context
-from gateway.modbusclients import secured
-from gateway.modbusdoor import Refusals, role_rights
-from hil_tests.lab.modbus_running import Running
+from gateway.links.modbus.client import Device, Link, ModbusClient, ModbusRefused
+from gateway.links.modbus.tls import ROLE_OID, TlsRights, client_context, role_of, server_context
+from gateway.pure.cell.modbus import Modbus, ModbusRole, ModbusTls
+from gateway.runtime.journal import Journal
+from gateway.services.modbus_clients import secured
+from gateway.services.sources.modbus import Refusals, role_rights
+from hil_tests.lab.running.modbus_running import Running
 from protocols.modbus.view import Kind
 
 READ, WRITE = "03 0000 0001", "06 0000 1234"

@@ -24,13 +24,13 @@ from pymodbus.client import ModbusTcpClient
 
 from drivers.ports.base import runtime_dir
 from gateway.commands.monitor import main
-from gateway.monitor.app import Monitor
-from gateway.monitor.look import Look
-from gateway.monitor.pendant import Pendant
-from gateway.monitor.widgets import Help
 from gateway.processes.supervisor import ask
-from hil_tests.lab.cell_running import P5_MS, CellRun, running_cell
-from hil_tests.lab.signal_plc import signal_cell
+from gateway.tools.monitor.app import Monitor
+from gateway.tools.monitor.look import Look
+from gateway.tools.monitor.pendant import Pendant
+from gateway.tools.monitor.widgets import Help
+from hil_tests.lab.partners.signal_plc import signal_cell
+from hil_tests.lab.running.cell_running import P5_MS, CellRun, running_cell
 
 PATIENCE_S = 60.0
 CONTROL = """

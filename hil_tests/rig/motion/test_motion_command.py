@@ -7,9 +7,9 @@ import re
 import pytest
 
 from gateway.commands.motion import main
-from gateway.files import find_config, read_text
-from gateway.svg import Chart, Line, draw, thinned, ticks
-from hil_tests.lab.belt_bench import HEAD, TEXT
+from gateway.files.find import find_config, read_text
+from gateway.pure.reports.svg import Chart, Line, draw, thinned, ticks
+from hil_tests.lab.virtual.belt_bench import HEAD, TEXT
 
 WRONG = """
 program wrong

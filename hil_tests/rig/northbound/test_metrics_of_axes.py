@@ -3,13 +3,13 @@
 import pathlib
 import time
 
-from gateway.assembly import RunPlan, make_regions
-from gateway.config import load_cell
-from gateway.image import RegionWriter
+from gateway.assembly.run import RunPlan, make_regions
+from gateway.cell_file.load import load_cell
 from gateway.northbound.metrics import Metrics
-from gateway.pure.records import AxisFlag, AxisState, CellState, cell_state_packer
-from gateway.web.regions import Regions
-from hil_tests.lab.many_robots import ROBOTS, cell_file
+from gateway.observer.regions import Regions
+from gateway.pure.image.records.cell import AxisFlag, AxisState, CellState, cell_state_packer
+from gateway.runtime.regions import RegionWriter
+from hil_tests.lab.cells.many_robots import ROBOTS, cell_file
 from hil_tests.rig.northbound.test_northbound import parsed
 
 AXES = 2 * ROBOTS

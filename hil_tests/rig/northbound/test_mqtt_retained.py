@@ -13,10 +13,10 @@ from typing import Any
 
 import pytest
 
-from gateway.cell_northbound import NorthMqtt
 from gateway.northbound.mqtt import MqttOut
 from gateway.northbound.snapshot import Value
-from hil_tests.lab.cell_running import free_port
+from gateway.pure.cell.northbound import NorthMqtt
+from hil_tests.lab.running.cell_running import free_port
 
 paho: Any = importlib.import_module("paho.mqtt.client")  # its stubs are those of version 1
 MOSQUITTO = shutil.which("mosquitto") or "/usr/sbin/mosquitto"

@@ -21,9 +21,9 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import NameOID
 
-from gateway.cell_northbound import NorthMqtt
 from gateway.northbound.mqtt import MqttOut
-from hil_tests.lab.cell_running import free_port
+from gateway.pure.cell.northbound import NorthMqtt
+from hil_tests.lab.running.cell_running import free_port
 
 paho: Any = importlib.import_module("paho.mqtt.client")
 MOSQUITTO = shutil.which("mosquitto") or "/usr/sbin/mosquitto"

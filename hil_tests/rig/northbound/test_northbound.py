@@ -21,12 +21,12 @@ import asyncua
 import pytest
 from asyncua.client.client import Client
 
-from gateway.image import RegionReader, recv_fds
 from gateway.processes.supervisor import ask
-from gateway.pure.records import unpack_cell_state
-from gateway.toolclient import ToolClient
-from hil_tests.lab.cell_running import free_port
-from hil_tests.lab.joined_running import JoinedRun, cell_copy, running_joined
+from gateway.pure.image.records.cell import unpack_cell_state
+from gateway.runtime.regions import RegionReader, recv_fds
+from gateway.tools.client import ToolClient
+from hil_tests.lab.running.cell_running import free_port
+from hil_tests.lab.running.joined_running import JoinedRun, cell_copy, running_joined
 
 paho: Any = importlib.import_module("paho.mqtt.client")
 ua: Any = asyncua.ua

@@ -8,12 +8,12 @@ import struct
 
 import pytest
 
-from gateway.config import load_cell
-from gateway.faults import CellFaults
+from gateway.cell_file.load import load_cell
 from gateway.northbound.journald import Journald
-from gateway.pure.exposition import Histogram, Page, labels, number
-from gateway.pure.outbox import Outbox
-from hil_tests.lab.joined_running import cell_copy
+from gateway.pure.cell.faults import CellFaults
+from gateway.pure.reports.outbox import Outbox
+from gateway.pure.reports.prometheus import Histogram, Page, labels, number
+from hil_tests.lab.running.joined_running import cell_copy
 from hil_tests.rig.northbound.test_northbound import parsed
 
 

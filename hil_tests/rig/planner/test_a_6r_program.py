@@ -1,7 +1,8 @@
 """A six-axis arm as real processes: PLC, services, planner, cycle, emulated CiA 402 drives on a bus of their own.
 
 One program with a tool, a frame, a PTP, lines with corners and an arc, slowed down, stopped and resumed on the way; what it did is judged
-by the emulator's own record against geometry of the programmed points.  Its limits, where no SYNC is ever late: hil_tests/unit/program.
+by the emulator's own record against geometry of the programmed points.  Its limits, where no SYNC is ever late:
+hil_tests/unit/motion/program.
 And programs that measure by the touch probe of the first drive: what they have measured is judged by the record, too.
 """
 
@@ -10,12 +11,12 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from gateway.axes import limits_of, scaling_of
-from gateway.pure.records import Motion
-from hil_tests.lab.plc2 import DONE
-from hil_tests.lab.probe_record import Edge, edges
-from hil_tests.lab.program_run import PROGRAM, ProgramRun, program_run
-from hil_tests.lab.tool_path import HEADS, judge_end, judge_path, places_of, program
+from gateway.assembly.axes import limits_of, scaling_of
+from gateway.pure.image.records.cell import Motion
+from hil_tests.lab.judges.probe_record import Edge, edges
+from hil_tests.lab.judges.tool_path import HEADS, judge_end, judge_path, places_of, program
+from hil_tests.lab.partners.plc2 import DONE
+from hil_tests.lab.running.program_run import PROGRAM, ProgramRun, program_run
 
 ROBOT = "arm"
 AT, BEYOND = 20.0, 100.0  # deg of J1: the probe of its drive is actuated between

@@ -7,9 +7,9 @@ import sys
 
 from drivers.ports.base import runtime_dir
 from gateway.processes.supervisor import wait_up
-from hil_tests.lab.cell_running import P5_MS, runtime_folder
-from hil_tests.lab.numbered_cell import numbered_cell
-from hil_tests.lab.plc1 import S5Plc
+from hil_tests.lab.cells.numbered_cell import numbered_cell
+from hil_tests.lab.partners.plc1 import S5Plc
+from hil_tests.lab.running.cell_running import P5_MS, runtime_folder
 
 DRIVES_ON, FEED, REFERENCE = 0, 1, 3  # bits of DB 10, DW 0
 REFERENCED, DONE = 1, 9  # bits of DB 11, DW 0

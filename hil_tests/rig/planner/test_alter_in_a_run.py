@@ -1,6 +1,6 @@
 """A whole simulated run that a correction moves: PLC 2 orders a program of a portal and writes the correction into registers.
 
-The bus log is the witness of set values.  Everything else about alter is proved in virtual time: hil_tests/unit/alter.
+The bus log is the witness of set values.  Everything else about alter is proved in virtual time: hil_tests/unit/gateway/pure/cycle/alter.
 """
 
 import struct
@@ -10,13 +10,13 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import pytest
 
-from gateway.axes import scaling_of
-from gateway.pure.reasons import Reason
-from gateway.pure.records import CellState, Motion
-from hil_tests.lab.alter_bench import ALTER, HEAD, INPUT, LIFE, STATUS, with_alter
-from hil_tests.lab.buslog import Logged
-from hil_tests.lab.plc2 import ABORTED, DONE
-from hil_tests.lab.program_run import PROGRAM, ProgramRun, program_run
+from gateway.assembly.axes import scaling_of
+from gateway.pure.image.reasons import Reason
+from gateway.pure.image.records.cell import CellState, Motion
+from hil_tests.lab.judges.bus_log import Logged
+from hil_tests.lab.partners.plc2 import ABORTED, DONE
+from hil_tests.lab.running.program_run import PROGRAM, ProgramRun, program_run
+from hil_tests.lab.virtual.alter_bench import ALTER, HEAD, INPUT, LIFE, STATUS, with_alter
 from protocols.servodyn.plan import SYNC_ID, set_id
 
 PATIENT = ALTER.replace("every_ms = 16", "every_ms = 40\nsilence_ms = 1000")  # a PLC that writes every 10 to 30 ms

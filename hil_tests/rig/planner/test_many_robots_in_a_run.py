@@ -1,7 +1,8 @@
 """Sixteen robots and 32 axes as real processes: PLC, services, planner, cycle, 32 emulated CiA 402 drives on one bus (AX-572).
 
 One program moves all of them on one clock, slowed down, stopped and resumed; then its planner is killed under way, and the services
-beside drives that are on.  Judged by the emulator's own record.  Their limits, where every SYNC is looked at: hil_tests/unit/program.
+beside drives that are on.  Judged by the emulator's own record.  Their limits, where every SYNC is looked at:
+hil_tests/unit/motion/program.
 """
 
 import contextlib
@@ -11,15 +12,15 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from gateway.axes import INPUT_SIGNALS
+from gateway.assembly.axes import INPUT_SIGNALS
 from gateway.commands import monitor
-from gateway.pure.reasons import Reason
-from gateway.pure.records import AxisFlag, Motion
-from hil_tests.lab.cell_running import running_cell
-from hil_tests.lab.many_robots import FOLLOWED, ROBOTS, cell_file, judge_lines, judge_one_clock, points, program
-from hil_tests.lab.planned_bench import Driven
-from hil_tests.lab.plc2 import ABORTED, DONE
-from hil_tests.lab.program_run import NOT_THERE, PROGRAM, ProgramRun
+from gateway.pure.image.reasons import Reason
+from gateway.pure.image.records.cell import AxisFlag, Motion
+from hil_tests.lab.cells.many_robots import FOLLOWED, ROBOTS, cell_file, judge_lines, judge_one_clock, points, program
+from hil_tests.lab.partners.plc2 import ABORTED, DONE
+from hil_tests.lab.running.cell_running import running_cell
+from hil_tests.lab.running.program_run import NOT_THERE, PROGRAM, ProgramRun
+from hil_tests.lab.virtual.planned_bench import Driven
 
 P5_MS = 20  # what such a run costs are changes of process, so many a cycle
 LAST = 2 * ROBOTS - 2  # X of the last one

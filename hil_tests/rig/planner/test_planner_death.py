@@ -10,17 +10,17 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from gateway.image import RingReader, RingWriter, create_ring
-from gateway.pure.plannerrecords import PIECE_LAYOUT, BlockRecord, Part, PieceRecord, Say, pack_piece, piece_size, unpack_piece
-from gateway.pure.programs import Programs
-from hil_tests.lab.arms import Array, portal, shares
+from gateway.pure.image.records.planner import PIECE_LAYOUT, BlockRecord, Part, PieceRecord, Say, pack_piece, piece_size, unpack_piece
+from gateway.pure.planning.planner import Programs
+from gateway.runtime.regions import RingReader, RingWriter, create_ring
+from hil_tests.lab.cells.arms import Array, portal, shares
 from hil_tests.rig.image.dying import DyingRing, Executioner, dies
 from motion.errors import PieceError
+from motion.execution.stepper import State, Stepper
+from motion.execution.timed import decode_any
 from motion.planner.robot import Machine
 from motion.planner.route import Route
-from motion.program.text import read
-from motion.stepper import State, Stepper
-from motion.timed import decode_any
+from motion.program.text.reader import read
 
 P = 0.004
 AXES = 3

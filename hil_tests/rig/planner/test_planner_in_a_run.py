@@ -14,11 +14,11 @@ import numpy as np
 import pytest
 
 from gateway.commands import motion_run
-from gateway.pure.reasons import Reason
-from gateway.pure.records import AxisFlag, Motion
-from hil_tests.lab.cell_running import P5_MS
-from hil_tests.lab.plc2 import ABANDON, ABORTED, ACCEPTED, DISABLE, DONE, ENABLE, OVERRIDE, REFUSED, RELEASE, RESUME, RUNNING, STOP
-from hil_tests.lab.program_run import ON_PATH, PROBE, PROGRAM, ProgramRun, along, away, program_run
+from gateway.pure.image.reasons import Reason
+from gateway.pure.image.records.cell import AxisFlag, Motion
+from hil_tests.lab.partners.plc2 import ABANDON, ABORTED, ACCEPTED, DISABLE, DONE, ENABLE, OVERRIDE, REFUSED, RELEASE, RESUME, RUNNING, STOP
+from hil_tests.lab.running.cell_running import P5_MS
+from hil_tests.lab.running.program_run import ON_PATH, PROBE, PROGRAM, ProgramRun, along, away, program_run
 from motion.files import bnr
 
 HEAD = "robot sr60-like\nangles rho3\naxes deg deg mm deg\nstart 0 90 -200 0\n"

@@ -1,15 +1,15 @@
 """A six-axis arm and a SCARA on one clock as real processes: PLC, services, planner, cycle, ten emulated CiA 402 drives on one bus.
 
 The shipped program of both, slowed down, stopped and resumed where they carry their parts side by side; judged by the emulator's own
-record.  Their limits, where no SYNC is ever late: hil_tests/unit/program.
+record.  Their limits, where no SYNC is ever late: hil_tests/unit/motion/program.
 """
 
 import pathlib
 
 import numpy as np
 
-from hil_tests.lab.arm_and_scara import SHIPPED, both, judge_lines, tips
-from hil_tests.lab.program_run import ProgramRun, program_run
+from hil_tests.lab.cells.arm_and_scara import SHIPPED, both, judge_lines, tips
+from hil_tests.lab.running.program_run import ProgramRun, program_run
 
 
 def carrying(robots: ProgramRun) -> bool:

@@ -5,14 +5,14 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from gateway.pure.reasons import Reason
-from gateway.pure.records import Motion
-from hil_tests.lab.arm_and_scara import HEAD, both
-from hil_tests.lab.arms import Array
-from hil_tests.lab.cell_running import P5_MS
-from hil_tests.lab.planned_bench import Driven
-from hil_tests.lab.plc2 import ABORTED, DONE, REFUSED
-from hil_tests.lab.program_run import PROBE, PROGRAM, ProgramRun, program_run
+from gateway.pure.image.reasons import Reason
+from gateway.pure.image.records.cell import Motion
+from hil_tests.lab.cells.arm_and_scara import HEAD, both
+from hil_tests.lab.cells.arms import Array
+from hil_tests.lab.partners.plc2 import ABORTED, DONE, REFUSED
+from hil_tests.lab.running.cell_running import P5_MS
+from hil_tests.lab.running.program_run import PROBE, PROGRAM, ProgramRun, program_run
+from hil_tests.lab.virtual.planned_bench import Driven
 from motion.files import bnr
 
 PROGRAMS = {

@@ -5,13 +5,13 @@ import pathlib
 import time
 from collections.abc import Callable
 
-from gateway.assembly import RunPlan, make_regions
-from gateway.image import RegionWriter, RingWriter
+from gateway.assembly.programs import ProgramPlan
+from gateway.assembly.run import RunPlan, make_regions
 from gateway.processes.planner import PlannerProcess
-from gateway.programplan import ProgramPlan
-from gateway.pure.plannerrecords import ProgramOrder, pack_block, run_record
-from gateway.pure.records import CellState, cell_state_packer
-from hil_tests.lab.belt_bench import ALL, CELL, HEAD
+from gateway.pure.image.records.cell import CellState, cell_state_packer
+from gateway.pure.image.records.planner import ProgramOrder, pack_block, run_record
+from gateway.runtime.regions import RegionWriter, RingWriter
+from hil_tests.lab.virtual.belt_bench import ALL, CELL, HEAD
 from motion.sync.belts import STANDARD_TOLERANCE
 
 JOB, CYCLE = 5, 7

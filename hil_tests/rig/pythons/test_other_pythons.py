@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from hil_tests.lab.pythons import ROOT, Other, others
+from hil_tests.lab.running.pythons import ROOT, Other, others
 
 pytestmark = [pytest.mark.pythons, pytest.mark.slow]
 PURE = ("unit/recording", "unit/routes", "unit/starting", "conformance/p3964r", "conformance/rk512")

@@ -14,11 +14,11 @@ from dataclasses import dataclass
 import pytest
 
 from gateway.commands.replay import main as replay
-from gateway.files import find_config
+from gateway.files.find import find_config
 from gateway.pure.recording.blocks import MAGIC, Kind, encode
 from gateway.recording.file import FORMAT, Found, read
-from hil_tests.lab.cell_running import ALL, HOME, TARGET, CellRun, running_cell
-from hil_tests.lab.plc2 import PTP
+from hil_tests.lab.partners.plc2 import PTP
+from hil_tests.lab.running.cell_running import ALL, HOME, TARGET, CellRun, running_cell
 
 PATIENCE_S = 90.0
 
@@ -96,8 +96,8 @@ def test_the_file_of_two_recorders_has_no_gap_and_plays_without_a_difference(rec
 
 def test_what_moved_is_in_the_recording(recorded: Recorded) -> None:
     """Equal alone would also hold for a cell that slept."""
+    from gateway.pure.image.records.cell import RC_BYTES, unpack_cell_state
     from gateway.pure.recording.messages import What, unpack_told
-    from gateway.pure.records import RC_BYTES, unpack_cell_state
 
     (segment,) = read(recorded.file).segments
     messages = [message for _, script in segment.played() for message in script]

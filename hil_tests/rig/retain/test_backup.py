@@ -7,12 +7,13 @@ import zipfile
 
 import pytest
 
-from gateway import backup, zeros
+from gateway.assembly import axis_zeros as zeros
+from gateway.cell_file.load import load_cell
 from gateway.commands.backup import main as save
 from gateway.commands.restore import main as put_back
-from gateway.config import load_cell
-from gateway.retain import Retained, path_of
-from hil_tests.lab.joined_running import cell_copy
+from gateway.recording import backup
+from gateway.runtime.retained.writer import Retained, path_of
+from hil_tests.lab.running.joined_running import cell_copy
 
 MORE = """
 [controller]

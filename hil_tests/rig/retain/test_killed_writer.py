@@ -10,10 +10,11 @@ import time
 
 import pytest
 
-from gateway import retain, retainfile
-from gateway.retain import Retained, append, history
-from gateway.retainfile import FOR_GOOD, HISTORY, RetainError, RetainFile, open_file
-from hil_tests.lab.retain_writer import NAMES
+from gateway.runtime.retained import store as retainfile
+from gateway.runtime.retained import writer as retain
+from gateway.runtime.retained.store import FOR_GOOD, HISTORY, RetainError, RetainFile, open_file
+from gateway.runtime.retained.writer import Retained, append, history
+from hil_tests.lab.running.retain_writer import NAMES
 
 KILLS = 10
 PATTERNS = ("flags.M*", "counter.*", "order.*")
@@ -34,7 +35,7 @@ def whole_state(file: RetainFile) -> int:
 def test_a_writer_killed_at_any_moment_leaves_the_old_or_the_new_state(tmp_path: pathlib.Path) -> None:
     path, dice, reached = tmp_path / "kept.sqlite", random.Random(424), 0
     for _ in range(KILLS):
-        command = [sys.executable, "-m", "hil_tests.lab.retain_writer", str(path), str(reached)]
+        command = [sys.executable, "-m", "hil_tests.lab.running.retain_writer", str(path), str(reached)]
         with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as writer:
             assert writer.stdout is not None
             first = writer.stdout.readline()

@@ -9,14 +9,14 @@ import sqlite3
 
 import pytest
 
+from gateway.cell_file.load import load_cell
 from gateway.commands.backup import main as backup_command
 from gateway.commands.restore import main as restore_command
-from gateway.config import load_cell
-from gateway.faults import CellFaults
 from gateway.processes.supervisor import ask
-from gateway.retain import history
-from hil_tests.lab.cell_running import P5_MS, runtime_folder
-from hil_tests.lab.joined_running import JoinedRun, cell_copy
+from gateway.pure.cell.faults import CellFaults
+from gateway.runtime.retained.writer import history
+from hil_tests.lab.running.cell_running import P5_MS, runtime_folder
+from hil_tests.lab.running.joined_running import JoinedRun, cell_copy
 
 NAME = "kept"
 MORE = """

@@ -7,17 +7,18 @@ import zipfile
 
 import pytest
 
-from gateway import backup, zeros
+from gateway.assembly import axis_zeros as zeros
+from gateway.assembly.last_positions import LastPlaces, judge
+from gateway.cell_file.load import load_cell
 from gateway.commands.backup import main as save
 from gateway.commands.restore import main as put_back
-from gateway.config import load_cell
-from gateway.firstenable import WORDS, confirm, log_of, unconfirmed
-from gateway.lastplace import LastPlaces, judge
-from gateway.pure.records import AxisState, CellState
-from gateway.safefile import append_line, write_whole
-from gateway.web.place import data_file
+from gateway.pure.image.records.cell import AxisState, CellState
+from gateway.recording import backup
+from gateway.runtime.page_data import data_file
+from gateway.runtime.safe_file import append_line, write_whole
+from gateway.tools.drives.first_enable import WORDS, confirm, log_of, unconfirmed
 from gateway.web.store import Role, Store
-from hil_tests.lab.joined_running import cell_copy
+from hil_tests.lab.running.joined_running import cell_copy
 from hil_tests.rig.canopen.test_first_enable import real
 
 KEY = "-----BEGIN PRIVATE KEY-----\nMIIE\n-----END PRIVATE KEY-----\n"

@@ -10,11 +10,13 @@ import time
 import pytest
 
 from drivers.ports.base import PortError, runtime_dir
-from gateway import retain, statefolder, zeros
-from gateway.cell_web import Web
-from gateway.config import load_cell
-from gateway.web.place import data_file
-from hil_tests.lab.cell_running import P5_MS, running_cell
+from gateway.assembly import axis_zeros as zeros
+from gateway.cell_file.load import load_cell
+from gateway.pure.cell.web import Web
+from gateway.runtime import state_folder as statefolder
+from gateway.runtime.page_data import data_file
+from gateway.runtime.retained import writer as retain
+from hil_tests.lab.running.cell_running import P5_MS, running_cell
 from hil_tests.rig.canopen.test_first_enable import real
 
 

@@ -5,17 +5,17 @@ import pathlib
 from types import SimpleNamespace
 from typing import Any
 
-from gateway.cell import Cell
-from gateway.pure.records import AxisFlag, AxisState
-from gateway.retaindesk import RetainDesk, known_references
-from hil_tests.unit.controls.bench import ControlBench, cell_with
-from hil_tests.unit.controls.test_reis_and_val3 import stepped
+from gateway.pure.cell.cell import Cell
+from gateway.pure.image.records.cell import AxisFlag, AxisState
+from gateway.services.retained import RetainedData, known_references
+from hil_tests.unit.gateway.pure.arbitration.controls.bench import ControlBench, cell_with
+from hil_tests.unit.gateway.pure.arbitration.controls.test_reis_and_val3 import stepped
 
 REIS = cell_with('kind = "reis"', more='[retain]\nvalues = ["flags.M*"]\n')
 ON = AxisFlag.REFERENCED
 
 
-def started(cell: Cell, folder: pathlib.Path) -> tuple[ControlBench, RetainDesk]:
+def started(cell: Cell, folder: pathlib.Path) -> tuple[ControlBench, RetainedData]:
     """Control and retained data as the services join them; only the services around them are bare."""
     robot = ControlBench(cell)
     services: Any = SimpleNamespace(
@@ -25,7 +25,7 @@ def started(cell: Cell, folder: pathlib.Path) -> tuple[ControlBench, RetainDesk]
         named=SimpleNamespace(names=list, signals=set(), source_gone=lambda _: None),
         signals=SimpleNamespace(control=robot.control, errors=robot.errors),
     )
-    desk = RetainDesk(services, 0)
+    desk = RetainedData(services, 0)
     desk.restore(robot.control)
     return robot, desk
 

@@ -20,7 +20,7 @@ def test_the_worked_example() -> None:
 
 
 def test_the_example_on_ports(runtime: pathlib.Path) -> None:
-    command = [sys.executable, "-m", "gateway.processes.line", "--name", "bench", "--baud", "9600"]
+    command = [sys.executable, "-m", "gateway.simulation.line.process", "--name", "bench", "--baud", "9600"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         try:
             assert process.stdout is not None

@@ -8,11 +8,11 @@ from collections.abc import AsyncIterator, Callable, Iterator
 import pytest
 
 from drivers.ports.base import BytePort
-from gateway.lineloop import LineRunner
-from gateway.pure.rho3.baps import CHARACTER, INTEGER, REAL, TEXT
-from gateway.pure.rho3.events import DriverNotStarted, Event, Finished, ProgramAborted
-from gateway.pure.rho3.setup import Assignment, Condition, Function, Procedure, Process, Setup
-from gateway.rho3_lines import Rho3Lines
+from gateway.links.serial.rho3_devices import Rho3Lines
+from gateway.links.serial.runner import LineRunner
+from gateway.pure.controllers.rho3.serial.baps import CHARACTER, INTEGER, REAL, TEXT
+from gateway.pure.controllers.rho3.serial.events import DriverNotStarted, Event, Finished, ProgramAborted
+from gateway.pure.controllers.rho3.serial.setup import Assignment, Condition, Function, Procedure, Process, Setup
 from hil_tests.rig.serial.conftest import Rig, hear
 from protocols.base.machine import Damage
 from protocols.p3964r.events import BlockReceived

@@ -8,11 +8,11 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from gateway.files import find_config, read_text
-from gateway.image import RegionReader, RegionWriter
-from gateway.pure.records import InputImage, Quality, pack_inputs
-from hil_tests.lab.bus_running import Bus, running_bus
-from hil_tests.lab.cycle_running import P5_MS, CycleRun, running_cycle
+from gateway.files.find import find_config, read_text
+from gateway.pure.image.records.cell import InputImage, Quality, pack_inputs
+from gateway.runtime.regions import RegionReader, RegionWriter
+from hil_tests.lab.running.bus_running import Bus, running_bus
+from hil_tests.lab.running.cycle_running import P5_MS, CycleRun, running_cycle
 from protocols.base.machine import Frame
 
 IO_BUS = """
@@ -74,7 +74,10 @@ def until(condition: Callable[[], bool], limit_s: float = LIMIT_S) -> bool:
     return True
 
 
-@pytest.mark.requirement("RHO-CAN-13", by=("gateway.pure.rho3can.family:RhoFamily.exchange", "gateway.pure.rho3can.family:RhoFamily.burst"))
+@pytest.mark.requirement(
+    "RHO-CAN-13",
+    by=("gateway.pure.controllers.rho3.can.family:RhoFamily.exchange", "gateway.pure.controllers.rho3.can.family:RhoFamily.burst"),
+)
 def test_two_cells_exchange_bytes_92_to_95_and_neither_sends_sync(bus: Bus, tmp_path: pathlib.Path) -> None:
     one_file = cell(tmp_path, "one", [(92, 4, 471)], [(92, 4, 472)])
     two_file = cell(tmp_path, "two", [(92, 4, 472)], [(92, 4, 471)])
@@ -92,7 +95,7 @@ def test_two_cells_exchange_bytes_92_to_95_and_neither_sends_sync(bus: Bus, tmp_
     assert heard == {471, 472}
 
 
-@pytest.mark.requirement("RHO-CAN-14", by="gateway.pure.rho3can.family:RhoFamily.exchange")
+@pytest.mark.requirement("RHO-CAN-14", by="gateway.pure.controllers.rho3.can.family:RhoFamily.exchange")
 def test_a_partner_that_dies_is_noticed_300_ms_later_and_is_good_again_when_it_is_back(bus: Bus, tmp_path: pathlib.Path) -> None:
     """The partner is written by hand; inputs of a lost one read 0."""
     with running_cycle(cell(tmp_path, "one", [(92, 4, 471)], [(92, 4, 472)]), {"io": f"broker:{bus.name}"}) as run:
@@ -116,7 +119,9 @@ def test_a_partner_that_dies_is_noticed_300_ms_later_and_is_good_again_when_it_i
 
 
 @pytest.mark.requirement(
-    "RHO-CAN-08", "RHO-CAN-09", by=("gateway.pure.rho3can.family:RhoFamily.hear", "gateway.pure.rho3can.family:RhoFamily.burst")
+    "RHO-CAN-08",
+    "RHO-CAN-09",
+    by=("gateway.pure.controllers.rho3.can.family:RhoFamily.hear", "gateway.pure.controllers.rho3.can.family:RhoFamily.burst"),
 )
 def test_modules_answer_sync_and_bytes_of_the_image_follow_both_ways(bus: Bus, tmp_path: pathlib.Path) -> None:
     """Modules by hand: each SYNC is answered with 541; 471 carries O92..O95."""
@@ -141,7 +146,7 @@ def test_modules_answer_sync_and_bytes_of_the_image_follow_both_ways(bus: Bus, t
 
 
 def test_the_emulated_modules_of_a_simulated_run_show_the_outputs_as_inputs(tmp_path: pathlib.Path) -> None:
-    from drivers.emulator.io_modules import IoModules
+    from drivers.emulator.io.modules import IoModules
 
     modules = IoModules({541: 4, 471: 2}, [472, 473])
     assert modules.receive([Frame(100)]) == [Frame(541, bytes(4))]

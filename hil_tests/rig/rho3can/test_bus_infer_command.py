@@ -6,8 +6,8 @@ import pathlib
 import pytest
 
 from gateway.commands.bus import main
-from hil_tests.lab.bus_recording import record
-from hil_tests.unit.bus_inference.test_three_other_layouts import NARROW
+from hil_tests.lab.virtual.bus_recording import record
+from hil_tests.unit.gateway.pure.buses.inference.test_three_other_layouts import NARROW
 from protocols.base.dbc import compile_dbc
 
 

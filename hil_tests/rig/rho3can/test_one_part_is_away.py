@@ -10,13 +10,13 @@ from typing import Any
 
 import pytest
 
-from gateway.files import find_config, read_text
-from gateway.image import RegionReader, recv_fds
-from gateway.processes.emulator_control import EmulatorControl
+from gateway.files.find import find_config, read_text
 from gateway.processes.supervisor import ask
-from gateway.pure.records import AxisFlag
-from hil_tests.lab.buslog import Logged
-from hil_tests.lab.cell_running import CellRun, running_cell
+from gateway.pure.image.records.cell import AxisFlag
+from gateway.runtime.regions import RegionReader, recv_fds
+from gateway.simulation.drives.control import EmulatorControl
+from hil_tests.lab.judges.bus_log import Logged
+from hil_tests.lab.running.cell_running import CellRun, running_cell
 from hil_tests.rig.rho3can.test_11_1_two_controls import IO_BUS
 from protocols.base.machine import Ns
 

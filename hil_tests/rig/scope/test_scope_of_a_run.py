@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 from asammdf import MDF
 
+from gateway.cell_file.load import load_cell
 from gateway.commands.scope import main
-from gateway.config import load_cell
 from gateway.scope.live import attached, capture, named_channels, named_trigger, recording_of
 from gateway.scope.recording import Recording, load, save
-from hil_tests.lab.cell_running import ALL, TARGET, CellRun, running_cell
-from hil_tests.lab.plc2 import PTP
+from hil_tests.lab.partners.plc2 import PTP
+from hil_tests.lab.running.cell_running import ALL, TARGET, CellRun, running_cell
 
 NAMES = [f"axis.A{n}.{value}" for n in range(1, 6) for value in ("set", "actual", "lag")] + ["cell.job"]  # 16 channels
 SPEED = 0.2

@@ -11,9 +11,9 @@ from collections.abc import Callable, Iterator
 import pytest
 
 from drivers.ports.base import BytePort
-from drivers.ports.linewire import Record, parse_record
 from drivers.ports.open import open_bytes
-from gateway.processes.line_control import LineControl
+from drivers.ports.serial.line_format import Record, parse_record
+from gateway.simulation.line.control import LineControl
 from protocols.base.machine import Damage
 
 
@@ -22,7 +22,7 @@ class Rig:
 
     def __init__(self, name: str, folder: pathlib.Path, *options: str) -> None:
         self.name, self._record = name, folder / f"{name}.rec"
-        command = [sys.executable, "-m", "gateway.processes.line", "--name", name, "--record", str(self._record), *options]
+        command = [sys.executable, "-m", "gateway.simulation.line.process", "--name", name, "--record", str(self._record), *options]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         assert self.process.stdout is not None
         assert self.process.stdout.readline() == "ready\n", self.process.communicate(timeout=5)[1]

@@ -8,9 +8,9 @@ import time
 from collections.abc import AsyncIterator, Callable
 from functools import partial
 
-from drivers.ports.linewire import Run
-from gateway.lineloop import LineRunner
-from hil_tests.lab.sync_line import SyncLine
+from drivers.ports.serial.line_format import Run
+from gateway.links.serial.runner import LineRunner
+from hil_tests.lab.partners.sync_line import SyncLine
 from hil_tests.rig.serial.conftest import Rig, pace_ns
 from protocols.base.machine import Ns
 from protocols.p3964r.events import BlockReceived, BlockRefused, BlockSent, Event, Failure, Refusal, SendFailed, SendRepeated, Stage

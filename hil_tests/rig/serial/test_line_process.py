@@ -10,7 +10,7 @@ from collections.abc import Callable
 import pytest
 
 from drivers.ports.base import PortError
-from drivers.ports.linewire import Run
+from drivers.ports.serial.line_format import Run
 from hil_tests.rig.serial.conftest import Rig, hear, pace_ns
 from protocols.base.machine import Damage
 
@@ -213,7 +213,11 @@ def test_sigterm_removes_links_and_socket_and_a_second_of_the_same_name_is_refus
     rig = line("--baud", "0")
     assert sorted(os.listdir(runtime)) == ["line-wire0.sock", "wire0-a", "wire0-b"]
     second = subprocess.run(
-        [sys.executable, "-m", "gateway.processes.line", "--name", "wire0"], capture_output=True, text=True, timeout=10, check=False
+        [sys.executable, "-m", "gateway.simulation.line.process", "--name", "wire0"],
+        capture_output=True,
+        text=True,
+        timeout=10,
+        check=False,
     )
     assert (second.returncode, "another line process" in second.stderr) == (3, True)
     assert sorted(os.listdir(runtime)) == ["line-wire0.sock", "wire0-a", "wire0-b"]

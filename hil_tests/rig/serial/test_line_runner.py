@@ -9,11 +9,11 @@ from collections.abc import AsyncIterator, Callable
 import pytest
 
 from drivers.ports.base import BytePort, PortError
-from drivers.ports.memory import memory_pair
 from drivers.ports.open import open_bytes
-from gateway.lineloop import LineRunner
-from hil_tests.lab.echo_machine import AllSent, EchoMachine, Event, Heard, HeardDamage, PortLost, Woken
-from hil_tests.lab.sync_line import SyncLine
+from drivers.ports.serial.memory import memory_pair
+from gateway.links.serial.runner import LineRunner
+from hil_tests.lab.partners.sync_line import SyncLine
+from hil_tests.lab.virtual.echo_machine import AllSent, EchoMachine, Event, Heard, HeardDamage, PortLost, Woken
 from hil_tests.rig.serial.conftest import Rig, hear
 from protocols.base.machine import Damage, Ns, ms
 

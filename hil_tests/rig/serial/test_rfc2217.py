@@ -15,7 +15,7 @@ from serial import rfc2217
 
 from drivers.ports.base import BytePort, PortError
 from drivers.ports.open import open_bytes
-from hil_tests.lab.sync_line import SyncLine
+from hil_tests.lab.partners.sync_line import SyncLine
 from protocols.p3964r.events import BlockReceived, BlockSent, Event
 from protocols.p3964r.link import Link
 from protocols.p3964r.profiles import RHO3, Priority, profile_named

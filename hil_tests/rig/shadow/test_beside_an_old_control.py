@@ -11,10 +11,10 @@ from typing import Any
 import pytest
 
 from gateway.commands.run import main
-from gateway.files import find_config
-from hil_tests.lab.buslog import Logged
-from hil_tests.lab.plc2 import PTP
-from hil_tests.lab.shadow_running import LINE, SERVER, Old, Shadow, old_control, until
+from gateway.files.find import find_config
+from hil_tests.lab.judges.bus_log import Logged
+from hil_tests.lab.partners.plc2 import PTP
+from hil_tests.lab.running.shadow_running import LINE, SERVER, Old, Shadow, old_control, until
 
 pytestmark = pytest.mark.timeout(300)
 CONTROL = '{ at = "D 0.4",  type = "bit", from = "cell.control" },'

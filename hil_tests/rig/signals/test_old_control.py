@@ -14,11 +14,11 @@ import pytest
 
 from drivers.ports.base import runtime_dir
 from drivers.ports.open import open_bytes
-from gateway.pure.records import AxisFlag, Motion
-from hil_tests.lab.cell_running import COMES_UP_S, STOLEN, CellRun, Disturbed, running_cell
-from hil_tests.lab.rk512_active import Done, Refused
-from hil_tests.lab.signal_plc import PATIENCE_S, Net, Rack, SignalPlc, signal_cell
-from hil_tests.lab.sync_line import SyncLine
+from gateway.pure.image.records.cell import AxisFlag, Motion
+from hil_tests.lab.partners.rk512_active import Done, Refused
+from hil_tests.lab.partners.signal_plc import PATIENCE_S, Net, Rack, SignalPlc, signal_cell
+from hil_tests.lab.partners.sync_line import SyncLine
+from hil_tests.lab.running.cell_running import COMES_UP_S, STOLEN, CellRun, Disturbed, running_cell
 
 RESET, AUTO, CHAIN, PHG_STROBE, ACK, DRIVE_ON = 19, 23, 24, 49, 62, 66
 PERMITS = (24, 25, 26, 27, 28)

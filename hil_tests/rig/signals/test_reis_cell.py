@@ -8,11 +8,11 @@ import pytest
 
 from drivers.ports.base import runtime_dir
 from drivers.ports.open import open_bytes
-from hil_tests.lab.cell_running import running_cell
-from hil_tests.lab.mbpoll import mbpoll, values_of
-from hil_tests.lab.rk512_active import Done
-from hil_tests.lab.signal_plc import Rack, SignalPlc, signal_cell
-from hil_tests.lab.sync_line import SyncLine
+from hil_tests.lab.partners.mbpoll import mbpoll, values_of
+from hil_tests.lab.partners.rk512_active import Done
+from hil_tests.lab.partners.signal_plc import Rack, SignalPlc, signal_cell
+from hil_tests.lab.partners.sync_line import SyncLine
+from hil_tests.lab.running.cell_running import running_cell
 
 PERMITS = (24, 25, 26, 27, 28)
 REQUEST, RELEASE = 11, 12

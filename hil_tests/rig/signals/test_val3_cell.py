@@ -10,9 +10,9 @@ from collections.abc import Callable
 import pytest
 
 from drivers.ports.base import runtime_dir
-from hil_tests.lab.cell_running import running_cell
-from hil_tests.lab.mbpoll import mbpoll, values_of
-from hil_tests.lab.signal_plc import signal_cell
+from hil_tests.lab.partners.mbpoll import mbpoll, values_of
+from hil_tests.lab.partners.signal_plc import signal_cell
+from hil_tests.lab.running.cell_running import running_cell
 
 POINT = '[[controller.point]]\nname = "{}"\nboard = "B"\nmodule = "M"\naddress = "{}"\n{}\n'
 POINTS = "".join(

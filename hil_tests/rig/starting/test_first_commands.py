@@ -7,15 +7,15 @@ from importlib.metadata import version
 import pytest
 
 from gateway.__main__ import main
-from gateway.cell import Cell
+from gateway.cell_file.load import load_cell
 from gateway.commands import drive
 from gateway.commands.var import sentence
-from gateway.config import load_cell
-from gateway.pure.addresses import DataWord, Part
-from gateway.variables import entry_unit, name_unit
-from hil_tests.lab.bus_running import running_bus
-from hil_tests.lab.durand_drive import DurandDrive
-from hil_tests.lab.hand_plc import words_of
+from gateway.pure.cell.cell import Cell
+from gateway.pure.image.addresses import DataWord, Part
+from gateway.services.tool_server import entry_unit, name_unit
+from hil_tests.lab.partners.durand_drive import DurandDrive
+from hil_tests.lab.partners.hand_plc import words_of
+from hil_tests.lab.running.bus_running import running_bus
 
 
 @pytest.fixture(scope="module")

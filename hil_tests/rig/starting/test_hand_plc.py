@@ -5,8 +5,8 @@ import pathlib
 
 import pytest
 
-from hil_tests.lab.cell_running import running_cell
-from hil_tests.lab.hand_plc import HELP, Hand
+from hil_tests.lab.partners.hand_plc import HELP, Hand
+from hil_tests.lab.running.cell_running import running_cell
 
 PAGE = pathlib.Path(__file__).resolve().parents[3] / "docs" / "guide" / "tutorial.md"
 

@@ -7,8 +7,8 @@ import sys
 
 import pytest
 
-from gateway.config import load_cell
-from gateway.starting.questions import QUESTIONS
+from gateway.cell_file.load import load_cell
+from gateway.tools.new_cell.questions import QUESTIONS
 
 
 def axisgate(*arguments: str, typed: str = "") -> "subprocess.CompletedProcess[str]":

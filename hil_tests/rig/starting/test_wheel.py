@@ -8,7 +8,7 @@ import zipfile
 
 import pytest
 
-from gateway.native import built
+from gateway.cycle.native import built
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 
@@ -27,5 +27,5 @@ def test_a_wheel_has_the_parts_in_c_and_their_sources(tmp_path: pathlib.Path) ->
     assert done.returncode == 0, done.stderr
     (wheel,) = tmp_path.glob("*.whl")
     names = set(zipfile.ZipFile(wheel).namelist())
-    assert {f"gateway/native/{built.library(part).name}" for part in built.PARTS} <= names
-    assert {f"gateway/native/{part}.c" for part in built.PARTS} <= names and "none-any" not in wheel.name
+    assert {f"gateway/cycle/native/{built.library(part).name}" for part in built.PARTS} <= names
+    assert {f"gateway/cycle/native/{part}.c" for part in built.PARTS} <= names and "none-any" not in wheel.name

@@ -16,10 +16,10 @@ import pytest
 
 from drivers.ports.base import runtime_dir
 from drivers.ports.open import open_bytes
-from gateway.files import find_config
+from gateway.files.find import find_config
 from gateway.processes.supervisor import wait_up
-from hil_tests.lab.by_hand_partner import ByHandPartner, Gave, Got
-from hil_tests.lab.sync_line import SyncLine
+from hil_tests.lab.partners.by_hand_partner import ByHandPartner, Gave, Got
+from hil_tests.lab.partners.sync_line import SyncLine
 
 
 def host_cell() -> str:

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 import pytest
 
 from drivers.ports.base import runtime_dir
-from gateway.files import find_config
+from gateway.files.find import find_config
 from hil_tests.rig.telegrams.conftest import Running
 
 GUIDE = (pathlib.Path(__file__).parents[3] / "docs" / "guide" / "telegrams.md").read_text(encoding="utf-8")

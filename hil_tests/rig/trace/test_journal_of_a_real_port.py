@@ -8,9 +8,9 @@ import time
 import pytest
 
 from gateway.commands.line_export import main as export
-from hil_tests.lab.by_hand_partner import ByHandPartner, Gave
-from hil_tests.lab.pty_master import PtyMaster
-from hil_tests.lab.sync_line import SyncLine
+from hil_tests.lab.partners.by_hand_partner import ByHandPartner, Gave
+from hil_tests.lab.partners.pty_master import PtyMaster
+from hil_tests.lab.partners.sync_line import SyncLine
 from hil_tests.rig.telegrams.conftest import cell_run, host_cell
 from protocols.base.dialogue import parse
 

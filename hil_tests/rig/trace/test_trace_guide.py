@@ -9,7 +9,7 @@ import sys
 
 import pytest
 
-from gateway.files import find_config
+from gateway.files.find import find_config
 from hil_tests.rig.telegrams.test_telegram_guide import examples
 from protocols.base.dialogue import parse, write
 

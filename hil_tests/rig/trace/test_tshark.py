@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from gateway.commands.line_export import main as export
-from gateway.files import find_config
+from gateway.files.find import find_config
 
 LUA = find_config("axisgate_3964r.lua", "wireshark")
 FETCH = "00 00 45 44 05 0A 00 07 FF FF 10 03 1A"  # vector 8: DB 5 from DW 10, 7 words

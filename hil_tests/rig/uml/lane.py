@@ -1,7 +1,7 @@
 """The guest's tests are collected here, run in guests, and reported here one by one.
 
 They are those marked `vcan` and, where the guest has a clock of its own, whole cells whose drives notice a late cycle, and lines that
-wait for seconds (OWN_TIME in hil_tests/places.py).
+wait for seconds (OWN_TIME in hil_tests/test_folders.py).
 Each counts as a test of this session: the guest's pytest writes its reports to a host file, they are replayed under the same test
 ids.  A guest that dies fails every test it did not report.
 """
@@ -17,8 +17,8 @@ from collections.abc import Sequence
 import pytest
 
 from hil_tests import lanes, reports
-from hil_tests.places import BESIDE, OWN_TIME, of_one, unhurried
 from hil_tests.rig.uml import guest
+from hil_tests.test_folders import BESIDE, OWN_TIME, of_one, unhurried
 
 REPORTS = "AXISGATE_GUEST_REPORTS"  # set inside the guest: file for the reports
 LIMIT = "AXISGATE_GUEST_LIMIT"  # seconds for the whole lane

@@ -9,14 +9,14 @@ from collections.abc import Iterator
 
 import pytest
 
-from drivers.ports.linewire import escape
-from gateway.pure.val3_sio.channel import Channel, Kind
-from gateway.pure.val3_sio.control import Value
-from gateway.val3_channels import SioRunner
-from hil_tests.lab.val3_loop import code, play
+from drivers.ports.serial.line_format import escape
+from gateway.links.serial.val3_channels import SioRunner
+from gateway.pure.controllers.val3.sio.channel import Channel, Kind
+from gateway.pure.controllers.val3.sio.control import Value
+from hil_tests.lab.virtual.val3_loop import code, play
 
-RUNNER = "gateway.val3_channels:SioRunner."
-WIRE = "gateway.val3_wires:SerialWire."
+RUNNER = "gateway.links.serial.val3_channels:SioRunner."
+WIRE = "gateway.links.serial.val3_wires:SerialWire."
 NAME = "Serial\\1"
 
 
@@ -163,7 +163,7 @@ def test_a_frame_changed_while_the_adapter_is_out_holds_when_it_is_back(pair: Pa
     play(act, pair.channel(1))
 
 
-@pytest.mark.requirement("VAL-SIO-16", by=(RUNNER + "clear_buffer", "gateway.pure.val3_sio.line:Line.clear"))
+@pytest.mark.requirement("VAL-SIO-16", by=(RUNNER + "clear_buffer", "gateway.pure.controllers.val3.sio.line:Line.clear"))
 def test_clear_buffer_counts_what_waits_in_the_kernel_too(pair: Pair) -> None:
     async def act(runner: SioRunner) -> None:
         sio = runner.variable(NAME)

@@ -7,13 +7,13 @@ import time
 
 import pytest
 
-from gateway.pure.val3_sio.channel import Channel, Kind
-from gateway.pure.val3_sio.variable import Sio
-from gateway.val3_channels import SioRunner
-from hil_tests.lab.val3_loop import code, free_port, listener, play
+from gateway.links.serial.val3_channels import SioRunner
+from gateway.pure.controllers.val3.sio.channel import Channel, Kind
+from gateway.pure.controllers.val3.sio.variable import Sio
+from hil_tests.lab.virtual.val3_loop import code, free_port, listener, play
 
-RUNNER = "gateway.val3_channels:SioRunner."
-TCP = "gateway.val3_wires:TcpWire."
+RUNNER = "gateway.links.serial.val3_channels:SioRunner."
+TCP = "gateway.links.serial.val3_wires:TcpWire."
 NAME = "Socket\\partner"
 
 
@@ -31,7 +31,7 @@ def test_a_closed_port_gives_minus_1_after_the_time_out() -> None:
     play(act, client(free_port(), 0.4))
 
 
-@pytest.mark.requirement("VAL-SIO-05", by=(RUNNER + "_open", "gateway.pure.val3_sio.line:Line.refused"))
+@pytest.mark.requirement("VAL-SIO-05", by=(RUNNER + "_open", "gateway.pure.controllers.val3.sio.line:Line.refused"))
 def test_a_server_that_comes_up_in_time_is_found() -> None:
     port = free_port()
 

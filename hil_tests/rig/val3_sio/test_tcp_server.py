@@ -5,11 +5,11 @@ import socket
 
 import pytest
 
-from gateway.pure.val3_sio.channel import Channel, Kind
-from gateway.val3_channels import SioRunner
-from hil_tests.lab.val3_loop import free_port, play
+from gateway.links.serial.val3_channels import SioRunner
+from gateway.pure.controllers.val3.sio.channel import Channel, Kind
+from hil_tests.lab.virtual.val3_loop import free_port, play
 
-RUNNER = "gateway.val3_channels:SioRunner."
+RUNNER = "gateway.links.serial.val3_channels:SioRunner."
 NAME = "Socket\\server"
 
 
@@ -24,7 +24,7 @@ def server(port: int, timeout_s: float = 3.0) -> Channel:
     return Channel(NAME, Kind.TCP_SERVER, bind="127.0.0.1", port=port, clients=2, timeout_s=timeout_s)
 
 
-@pytest.mark.requirement("VAL-SIO-14", by=(RUNNER + "_accept", RUNNER + "_listen", "gateway.val3_wires:listening_socket"))
+@pytest.mark.requirement("VAL-SIO-14", by=(RUNNER + "_accept", RUNNER + "_listen", "gateway.links.serial.val3_wires:listening_socket"))
 def test_two_variables_serve_two_clients_and_a_third_is_turned_away() -> None:
     port = free_port()
 

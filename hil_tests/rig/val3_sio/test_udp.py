@@ -5,12 +5,12 @@ import socket
 
 import pytest
 
-from gateway.pure.val3_sio.channel import Channel, Kind
-from gateway.val3_channels import SioRunner
-from hil_tests.lab.val3_loop import code, free_port, play
+from gateway.links.serial.val3_channels import SioRunner
+from gateway.pure.controllers.val3.sio.channel import Channel, Kind
+from hil_tests.lab.virtual.val3_loop import code, free_port, play
 
-RUNNER = "gateway.val3_channels:SioRunner."
-UDP = "gateway.val3_wires:UdpWire."
+RUNNER = "gateway.links.serial.val3_channels:SioRunner."
+UDP = "gateway.links.serial.val3_wires:UdpWire."
 NAME = "Socket\\udp"
 
 
@@ -58,7 +58,9 @@ def test_a_fixed_address_talks_with_that_station_only() -> None:
         play(act, channel)
 
 
-@pytest.mark.requirement("VAL-SIO-21", by=(UDP + "__init__", "gateway.val3_wires:own_address", "gateway.pure.val3_sio.line:Line.hears"))
+@pytest.mark.requirement(
+    "VAL-SIO-21", by=(UDP + "__init__", "gateway.links.serial.val3_wires:own_address", "gateway.pure.controllers.val3.sio.line:Line.hears")
+)
 def test_x_x_255_255_sends_and_hears_broadcasts_only() -> None:
     port = free_port(socket.SOCK_DGRAM)
     channel = Channel(NAME, Kind.UDP, address="127.255.255.255", port=port, timeout_s=0.5)

@@ -7,8 +7,8 @@ import time
 
 import pytest
 
-from drivers.ports.can import open_can
-from protocols.base.canbits import frame_bits, plain_bits, worst_bits
+from drivers.ports.can.open import open_can
+from protocols.base.can_bits import frame_bits, plain_bits, worst_bits
 from protocols.base.machine import Frame
 
 pytestmark = pytest.mark.vcan

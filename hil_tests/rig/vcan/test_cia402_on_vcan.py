@@ -8,8 +8,8 @@ import struct
 
 import pytest
 
-from gateway.config import load_cell
-from gateway.toolclient import ToolClient, ToolError, mask_of, simulated
+from gateway.cell_file.load import load_cell
+from gateway.tools.client import ToolClient, ToolError, mask_of, simulated
 from hil_tests.rig.vcan.candump import Recorded, candump, read
 
 pytestmark = [pytest.mark.vcan, pytest.mark.timeout(180)]

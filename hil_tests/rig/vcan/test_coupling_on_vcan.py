@@ -5,7 +5,7 @@ import pathlib
 
 import pytest
 
-from hil_tests.lab.cycle_running import running_cycle
+from hil_tests.lab.running.cycle_running import running_cycle
 from hil_tests.rig.rho3can.test_11_1_two_controls import Control, cell, until
 from hil_tests.rig.vcan.candump import candump, read
 

@@ -5,8 +5,8 @@ import pathlib
 
 import pytest
 
-from drivers.ports.can import open_can
-from hil_tests.lab.cycle_running import Drives, running_cycle, serve
+from drivers.ports.can.open import open_can
+from hil_tests.lab.running.cycle_running import Drives, running_cycle, serve
 from hil_tests.rig.vcan.candump import candump, read
 
 pytestmark = pytest.mark.vcan
@@ -15,7 +15,7 @@ CYCLES = 20
 TURN = 16384
 
 
-@pytest.mark.requirement("RHO-CAN-01", by=("gateway.processes.buslink:BusLink.prepare", "gateway.processes.buslink:BusLink.receive"))
+@pytest.mark.requirement("RHO-CAN-01", by=("gateway.cycle.bus_link:BusLink.prepare", "gateway.cycle.bus_link:BusLink.receive"))
 def test_one_cycle_on_vcan0(tmp_path: pathlib.Path) -> None:
     """The drives are played by this test, which the guest may let wait: then it is tried again, at most four times."""
     for attempt in range(5):

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from hil_tests.lab.stolen import left_alone, stolen, witness
+from hil_tests.lab.judges.stolen import left_alone, stolen, witness
 from hil_tests.rig.uml import guest
 from hil_tests.rig.vcan.candump import Recorded, read
 

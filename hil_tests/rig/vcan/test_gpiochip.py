@@ -9,10 +9,10 @@ from collections.abc import Iterator
 import gpiod
 import pytest
 
-from gateway.cell import Io, IoDevice
-from gateway.processes.chips import AGAIN_NS, Chip
-from gateway.pure.contacts import Said
-from gateway.pure.records import Quality
+from gateway.processes.gpio import AGAIN_NS, Chip
+from gateway.pure.buses.contacts import Said
+from gateway.pure.cell.cell import Io, IoDevice
+from gateway.pure.image.records.cell import Quality
 from hil_tests.rig.uml import guest
 
 pytestmark = pytest.mark.vcan

@@ -15,8 +15,8 @@ import pytest
 
 from drivers.ports.base import BytePort, PortError
 from drivers.ports.open import open_bytes
-from gateway.lineloop import LineRunner
-from hil_tests.lab.echo_machine import EchoMachine, Event, Heard
+from gateway.links.serial.runner import LineRunner
+from hil_tests.lab.virtual.echo_machine import EchoMachine, Event, Heard
 from protocols.base.machine import Damage, Ns
 
 pytestmark = pytest.mark.vcan

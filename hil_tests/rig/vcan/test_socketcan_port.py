@@ -13,9 +13,9 @@ from collections.abc import Iterator
 import pytest
 
 from drivers.ports.base import PortError
-from drivers.ports.can import open_can
-from drivers.ports.canrestart import restart
-from drivers.ports.socketcan import SocketCanPort
+from drivers.ports.can.open import open_can
+from drivers.ports.can.restart import restart
+from drivers.ports.can.socketcan import SocketCanPort
 from hil_tests.rig.vcan.candump import candump, read
 from protocols.base.machine import Frame, FrameFault
 

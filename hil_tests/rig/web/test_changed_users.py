@@ -12,15 +12,15 @@ import pytest
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 
-from gateway.cell_web import Web
-from gateway.config import load_cell
-from gateway.pure.records import Motion
-from gateway.toolclient import ToolClient
-from gateway.web.place import data_file
+from gateway.cell_file.load import load_cell
+from gateway.pure.cell.web import Web
+from gateway.pure.image.records.cell import Motion
+from gateway.runtime.page_data import data_file
+from gateway.tools.client import ToolClient
 from gateway.web.socket import REFUSED
 from gateway.web.store import Role, Store
-from hil_tests.lab.cell_running import P5_MS, CellRun, free_port, running_cell
-from hil_tests.lab.web_running import ADMIN, PASSWORD, WebAsk
+from hil_tests.lab.running.cell_running import P5_MS, CellRun, free_port, running_cell
+from hil_tests.lab.running.web_running import ADMIN, PASSWORD, WebAsk
 
 BERT, HIS = "bert", "battery staple 9"
 

@@ -10,9 +10,9 @@ from collections.abc import Iterator
 
 import pytest
 
-from gateway.web.unfinished import PLACES, REQUEST_S
-from hil_tests.lab.cell_running import P5_MS, free_port, running_cell
-from hil_tests.lab.web_running import ADMIN, PASSWORD, WebAsk, until
+from gateway.web.unfinished_requests import PLACES, REQUEST_S
+from hil_tests.lab.running.cell_running import P5_MS, free_port, running_cell
+from hil_tests.lab.running.web_running import ADMIN, PASSWORD, WebAsk, until
 
 HALVES = (
     b"",

@@ -13,13 +13,13 @@ import pytest
 from asammdf import MDF
 from playwright.sync_api import Page
 
-from gateway.pure.records import Motion
+from gateway.pure.image.records.cell import Motion
 from gateway.scope.recording import load
 from hil_tests.bench.web_bench import CHANNELS, recorded
-from hil_tests.lab.plc2 import ModbusPlc
-from hil_tests.lab.web_looks import CONTRAST, FILLED
-from hil_tests.lab.web_running import ADMIN, DESKTOP, PAGES, PASSWORD, TABLET, WebRun, pictures, until, web_run
-from hil_tests.lab.web_steps import Orders, schemathesis
+from hil_tests.lab.judges.web_looks import CONTRAST, FILLED
+from hil_tests.lab.partners.plc2 import ModbusPlc
+from hil_tests.lab.running.web_running import ADMIN, DESKTOP, PAGES, PASSWORD, TABLET, WebRun, pictures, until, web_run
+from hil_tests.lab.running.web_steps import Orders, schemathesis
 
 pytestmark = [pytest.mark.slow, pytest.mark.browser]
 HEADERS = {"x_axisgate": "1"}

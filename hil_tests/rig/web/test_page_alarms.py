@@ -8,9 +8,9 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page
 
-from gateway.pure.reasons import Reason
-from gateway.pure.records import Motion
-from hil_tests.lab.web_running import CHROMIUM, WebRun, pictures, until, web_run
+from gateway.pure.image.reasons import Reason
+from gateway.pure.image.records.cell import Motion
+from hil_tests.lab.running.web_running import CHROMIUM, WebRun, pictures, until, web_run
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(CHROMIUM is None, reason="no chromium here")]
 

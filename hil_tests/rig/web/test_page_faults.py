@@ -11,11 +11,11 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Page
 
-from gateway import cell_modbus
-from gateway.pure.records import Motion
-from hil_tests.lab.cell_running import free_port
-from hil_tests.lab.modbus_running import Running
-from hil_tests.lab.web_running import CHROMIUM, WebRun, pictures, until, web_run
+from gateway.pure.cell import modbus as cell_modbus
+from gateway.pure.image.records.cell import Motion
+from hil_tests.lab.running.cell_running import free_port
+from hil_tests.lab.running.modbus_running import Running
+from hil_tests.lab.running.web_running import CHROMIUM, WebRun, pictures, until, web_run
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(CHROMIUM is None, reason="no chromium here")]
 CLIENTS = """

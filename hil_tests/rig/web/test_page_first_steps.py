@@ -5,8 +5,8 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Page
 
-from gateway.pure.records import Motion, Permit
-from hil_tests.lab.web_running import ADMIN, CHROMIUM, PAGES, PASSWORD, WebRun, pictures, until, web_run
+from gateway.pure.image.records.cell import Motion, Permit
+from hil_tests.lab.running.web_running import ADMIN, CHROMIUM, PAGES, PASSWORD, WebRun, pictures, until, web_run
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(CHROMIUM is None, reason="no chromium here")]
 HEIGHT = "document.querySelector('main').getBoundingClientRect().height / innerHeight"

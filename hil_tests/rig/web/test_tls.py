@@ -13,9 +13,9 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import NameOID
 
-from gateway.files import find_config
-from hil_tests.lab.cell_running import P5_MS, free_port, running_cell
-from hil_tests.lab.web_running import until
+from gateway.files.find import find_config
+from hil_tests.lab.running.cell_running import P5_MS, free_port, running_cell
+from hil_tests.lab.running.web_running import until
 
 pytestmark = pytest.mark.slow
 

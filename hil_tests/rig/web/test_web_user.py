@@ -10,9 +10,9 @@ import sys
 
 import pytest
 
+from gateway.cell_file.load import load_cell
 from gateway.commands.web import main
-from gateway.config import load_cell
-from gateway.web.place import data_file
+from gateway.runtime.page_data import data_file
 from gateway.web.store import Role, Store
 
 GOOD, BETTER = "correct horse 7", "battery staple 9"

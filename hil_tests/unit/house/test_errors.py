@@ -7,14 +7,14 @@ import pytest
 from drivers.drives.cia402_words import GERMAN
 from drivers.drives.servodyn_download import TEXTS as PARAMETERS
 from drivers.drives.servodyn_words import FAULTS
-from gateway.errors_catalogue import catalogue, explain, lookup
-from gateway.pure.errorentries import CatalogueError, Entry, family_of
-from gateway.pure.interface.codes import CAUSES, EMERGENCY_STOP, PLC_SILENT, code_text
-from gateway.pure.interface.errors import RESETS, kind_of
-from gateway.pure.line_diagnosis import CP341_EVENTS
-from gateway.pure.reasons import Reason, text
-from gateway.pure.reis.regulator import TEXTS as REGULATOR
-from gateway.pure.rho3can.messages import FIRST_NUMBER
+from gateway.files.error_catalogue import catalogue, explain, lookup
+from gateway.pure.controllers.reis.regulator import TEXTS as REGULATOR
+from gateway.pure.controllers.rho3.can.messages import FIRST_NUMBER
+from gateway.pure.controllers.rho3.signals.codes import CAUSES, EMERGENCY_STOP, PLC_SILENT, code_text
+from gateway.pure.controllers.rho3.signals.errors import RESETS, kind_of
+from gateway.pure.image.error_entries import CatalogueError, Entry, family_of
+from gateway.pure.image.reasons import Reason, text
+from gateway.pure.lines.diagnosis import CP341_EVENTS
 from motion.files.errors import TEXTS as MOVE_FILE
 from motion.sync.errors import TEXTS as BELTS
 from motion.val3.errors import TEXTS as VAL3

@@ -14,9 +14,9 @@ from motion.robot import Robot, UrdfGeometry, _geometric
 
 
 def test_a_module_needs_what_it_imports_and_what_its_lab_imports() -> None:
-    assert {"eaik", "py_opw_kinematics", "pinocchio"} <= needs(ROOT / "hil_tests/unit/kinematics/test_judges.py")
+    assert {"eaik", "py_opw_kinematics", "pinocchio"} <= needs(ROOT / "hil_tests/unit/motion/kinematics/test_judges.py")
     assert "playwright" in needs(ROOT / "hil_tests/rig/web/test_page.py")
-    assert needs(ROOT / "hil_tests/unit/recording/test_recorded_cycles.py") == frozenset()
+    assert needs(ROOT / "hil_tests/unit/gateway/recording/test_recorded_cycles.py") == frozenset()
 
 
 def test_what_cannot_be_loaded_is_left_out_and_named(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -25,8 +25,8 @@ def test_what_cannot_be_loaded_is_left_out_and_named(monkeypatch: pytest.MonkeyP
     page = ROOT / "hil_tests/rig/web/test_page.py"
     assert not out.ignored(page) and out.line() == ""
     monkeypatch.setattr(judges, "absent", lambda: frozenset(("playwright", "eaik")))
-    assert out.ignored(page) and not out.ignored(ROOT / "hil_tests/unit/recording/test_recorded_cycles.py")
-    assert not out.ignored(ROOT / "hil_tests/lab/web_running.py"), "not a module of tests"
+    assert out.ignored(page) and not out.ignored(ROOT / "hil_tests/unit/gateway/recording/test_recorded_cycles.py")
+    assert not out.ignored(ROOT / "hil_tests/lab/running/web_running.py"), "not a module of tests"
     assert out.line() == "lane judges: 1 modules not collected (playwright not installed: make judges)"
 
 

@@ -14,7 +14,7 @@ from hil_tests.lanes import ROOT, Lanes, lane_of, required
     ("nodeid", "keywords", "lane"),
     [
         ("hil_tests/unit/x/test_a.py::test_a", {}, "pure"),
-        ("hil_tests/conformance/x/test_a.py::test_a", {}, "pure"),
+        ("hil_tests/requirements/x/test_a.py::test_a", {}, "pure"),
         ("hil_tests/properties/test_a.py::test_a[rig]", {}, "pure"),
         ("hil_tests/rig/serial/test_a.py::test_a", {}, "rig"),
         ("hil_tests/rig/vcan/test_a.py::test_a", {"vcan": 1}, "vcan"),

@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from gateway.progress import Progress, steps
+from gateway.tools.progress import Progress, steps
 
 
 class Terminal(io.StringIO):

@@ -82,7 +82,7 @@ def test_a_barred_module_is_not_entered(graph: CallGraph) -> None:
 
 def test_of_the_product_the_cycle_is_a_cells_a_text_word_a_programs_and_the_devices_v24_are_api_only() -> None:
     kinds = reach.kinds()
-    assert kinds["gateway.pure.core:Core._drive"] == "cell"
+    assert kinds["gateway.pure.cycle.core:CycleLogic._drive"] == "cell"
     assert kinds["gateway.commands.assess:main"] == "command"
     assert kinds["gateway.processes.planner:main"] == "program"
     assert "test" not in " ".join(set(kinds.values()))

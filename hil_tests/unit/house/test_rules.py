@@ -66,11 +66,11 @@ def test_all_three_lists_of_requirements_are_there_with_unlike_ids() -> None:
 
 def test_a_mark_of_a_function_that_went_is_told_without_running_its_test(tmp_path: pathlib.Path) -> None:
     mark = '@pytest.mark.requirement("RHO-MOT-12", by=(HERE + "Trial.skip", HERE + "{}"))\ndef test_it(): ...\n'
-    here = 'HERE = "gateway.pure.programtrial:"\n'
+    here = 'HERE = "gateway.pure.planning.trial:"\n'
     for name, faults in (("Trial.coming", 0), ("Trial.gone", 1)):
         (tmp_path / "made_up.py").write_text(here + mark.format(name))
         found = list(faults_of(tmp_path / "made_up.py"))
-        assert len(found) == faults and all("made_up.py:2: by='gateway.pure.programtrial:Trial.gone'" in line for line in found)
+        assert len(found) == faults and all("made_up.py:2: by='gateway.pure.planning.trial:Trial.gone'" in line for line in found)
 
 
 def test_the_lock_pins_every_requirement_within_its_range() -> None:

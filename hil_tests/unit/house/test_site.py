@@ -8,9 +8,9 @@ from types import ModuleType
 import pytest
 from pydantic import BaseModel
 
-from gateway import cellmodels
-from gateway.cellmodels_base import Table
-from gateway.files import read_signals
+from gateway.cell_file.models import cell as cellmodels
+from gateway.files.find import read_signals
+from gateway.files.table_model import Table
 from hil_tests.purity import ROOT
 
 
@@ -40,7 +40,7 @@ def test_the_reference_of_the_cell_file_has_every_key_of_every_table(pages: Modu
 
 
 def subtables(base: type[BaseModel]) -> set[type[BaseModel]]:
-    """Tables the file can have: the models of gateway.cellmodels that a field of another speaks of."""
+    """Tables the file can have: the models of gateway.cell_file.models.cell that a field of another speaks of."""
     known = {each for each in vars(cellmodels).values() if isinstance(each, type) and issubclass(each, base)}
     return known - {base}
 

@@ -3,12 +3,12 @@
 import os
 import pathlib
 
-from drivers.ports.canwire import RECORD
-from drivers.ports.linewire import Note
-from gateway.boundedfile import BoundedFile
-from gateway.linejournal import JournalFile
-from gateway.processes.broker_log import log_file, write_log
-from gateway.processes.line import Recorder
+from drivers.ports.can.wire import RECORD
+from drivers.ports.serial.line_format import Note
+from gateway.links.serial.dialogue_log import JournalFile
+from gateway.runtime.bounded_file import BoundedFile
+from gateway.simulation.bus.log import log_file, write_log
+from gateway.simulation.line.process import Recorder
 
 LIMIT, BUS_LIMIT = 8192, 200_000
 

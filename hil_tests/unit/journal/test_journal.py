@@ -10,8 +10,8 @@ import time
 
 import pytest
 
-from gateway.console import Console
-from gateway.journal import Journal, JournalReader, turn_over
+from gateway.runtime.console import Console
+from gateway.runtime.journal import Journal, JournalReader, turn_over
 
 LIMIT = 4096
 

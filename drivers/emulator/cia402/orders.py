@@ -1,0 +1,51 @@
+"""What a tester may do to one emulated CiA 402 drive from outside: causes of faults, encoder, brake, supply."""
+
+from drivers.emulator.cia402.axis import NEVER, Cia402Axis
+from drivers.emulator.cia402.errors import Error
+
+
+class OrderedAxis(Cia402Axis):
+    """The drive that sits on a bus.  After an order its bus looks at it again (`reschedule`)."""
+
+    def cause(self, error: Error, present: bool) -> None:
+        """A fault whose cause stands until it is taken away."""
+        if present:
+            self.causes.add(error)
+            self.fail(error)
+        else:
+            self.causes.discard(error)
+
+    def reschedule(self) -> None:
+        """After something was done from outside."""
+        self._schedule()
+
+    def encoder(self, factor: int) -> None:
+        """1 true, -1 counts backwards, 0 stuck."""
+        self.servo.encoder(factor)
+        self._fresh = False
+        self.watch_switches()
+
+    def jump_encoder(self, increments: int) -> None:
+        self.servo.jump(increments)
+        self._fresh = False
+        self.watch_switches()
+
+    def stick_brake(self, stuck: bool) -> None:
+        """The brake does not open (mechanically), whatever it is told."""
+        self.brake_stuck = stuck
+        if stuck:
+            self.servo.close_brake()
+        elif self.brake_open:
+            self.servo.open_brake()
+
+    def power_off(self) -> None:
+        self.reset(self.now)
+        self._boot_due = NEVER
+        self._schedule()
+
+    def power_on(self) -> None:
+        """The counter knows what its encoder knows; homing is lost unless the encoder keeps its turns."""
+        self.servo.power_up()
+        if not self.settings.multiturn_turns:
+            self.homed, self.shift = False, 0
+        self.reset(self.now)

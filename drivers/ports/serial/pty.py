@@ -1,0 +1,82 @@
+"""A pseudo terminal: raw 8N1.  Where its other end is the line process, marks in PARMRK form are decoded here (AX-060).
+
+A pty knows neither parity nor pace; the line process makes both and says so by a signature in the terminal's settings (AX-651).  Any other
+program writes characters as they are, FF too.  `unsent` is computed from count and character time.
+"""
+
+import errno
+import fcntl
+import os
+import termios
+
+from drivers.ports.base import PortError
+from drivers.ports.serial.descriptor import READ_SIZE, DescriptorPort
+from drivers.ports.serial.line_format import LineFormat
+
+__all__ = ["READ_SIZE", "PtyPort", "offer_marks", "set_raw"]
+
+# Control characters that a raw terminal never looks at, and what the line process writes there; no program sets them so by chance.
+SIGNATURE = {termios.VEOL: b"A", termios.VEOL2: b"X", termios.VREPRINT: b"M", termios.VWERASE: b"K"}
+
+
+def set_raw(fd: int) -> None:
+    """8N1 without any treatment of characters, in either direction."""
+    settings = termios.tcgetattr(fd)
+    settings[0:4] = [0, 0, termios.CS8 | termios.CREAD | termios.CLOCAL, 0]
+    settings[6][termios.VMIN], settings[6][termios.VTIME] = 1, 0
+    termios.tcsetattr(fd, termios.TCSANOW, settings)
+
+
+def offer_marks(fd: int) -> None:
+    """Whoever opens this pty as a port will find FF doubled and damaged characters marked."""
+    settings = termios.tcgetattr(fd)
+    for place, sign in SIGNATURE.items():
+        settings[6][place] = sign
+    termios.tcsetattr(fd, termios.TCSANOW, settings)
+
+
+def _has_marks(fd: int) -> bool:
+    control = termios.tcgetattr(fd)[6]
+    return all(control[place] == sign for place, sign in SIGNATURE.items())
+
+
+class PtyPort(DescriptorPort):
+    """The slave end of a pty, locked against a second user."""
+
+    kind, back = "pty", "its line process offers it"
+
+    def __init__(self, path: str, line_format: LineFormat, *, marks: bool = True) -> None:
+        super().__init__(path, line_format, marks=marks)
+        try:
+            self._fd = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK | os.O_CLOEXEC)
+        except OSError as error:
+            raise PortError(error.errno, f"pty {path}: {error.strerror}; is its line process running, and the adapter inserted?") from error
+        try:
+            fcntl.flock(self._fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            if not _has_marks(self._fd):
+                self._marks, self._hears_at_once = None, True
+            set_raw(self._fd)
+            self._forget_old()
+        except (OSError, termios.error) as error:
+            os.close(self._fd)
+            number = error.args[0] if error.args else 0
+            why = (
+                "is used by another program; end that one first" if number == errno.EAGAIN else f"cannot be set up ({error}); is it a pty?"
+            )
+            raise PortError(number, f"pty {path}: {why}") from error
+
+    def close(self) -> None:
+        """Twice does no harm."""
+        if self._fd >= 0:
+            os.close(self._fd)
+            self._fd = -1
+
+    def _forget_old(self) -> None:
+        """What came before anybody listened is not for us, as on a UART nobody had opened."""
+        for _ in range(64):  # the kernel keeps 64 KiB for one that does not read
+            termios.tcflush(self._fd, termios.TCIFLUSH)
+            try:
+                if not os.read(self._fd, READ_SIZE):
+                    return
+            except BlockingIOError:
+                return

@@ -1,0 +1,176 @@
+"""From [[axis]] of a cell to what core, office and planner need: the one place where units of the file become SI."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from drivers.drives.cia402 import Cia402Settings
+from drivers.drives.family import DriveHoming, DriveMaker
+from drivers.drives.referencing import ReferenceSettings, settings_from
+from drivers.drives.scaling import Scaling
+from drivers.drives.servodyn import DriveSettings
+from gateway.assembly.programs import kinematic_by_axis
+from gateway.pure.arbitration.dispatcher import Planner
+from gateway.pure.arbitration.jobs import AxisFacts
+from gateway.pure.cell.cell import Axis, Cell
+from gateway.pure.cycle.axis import CoreAxis
+from gateway.pure.cycle.enabling_inputs import RcNumbers
+from gateway.pure.image.reasons import Reason, Refusal
+from gateway.pure.image.records.cell import Permit
+from motion.errors import MotionError
+from motion.execution.pieces import encode
+from motion.execution.ptp import plan_ptp
+from motion.geometry.limits import AxisLimits, limits_from
+from motion.geometry.units import to_si
+
+SLOW_SHARE = 0.2  # of the homing speed, where the cell names no slow speed
+HOMING_ACCEL_S = 0.25  # homing reaches its speed in this time, if the axis' own limits allow
+NO_ZEROS: Mapping[str, float] = {}
+WINDOW_TURNS = 0.01  # in position: inside a hundredth of a motor turn
+ASSUMED = {"chain": Permit.CHAIN, "control": Permit.CONTROL, "feed": Permit.FEED, "run": Permit.RUN, "travel": Permit.TRAVEL}
+INPUT_SIGNALS = {  # names of the enabling inputs (AX-002) -> RcNumbers field
+    "EMSTOP_OK_RCI": "chain",
+    "CTRL_ALLOW_RCI": "control",
+    "FEED_ALLOW_RCI": "feed",
+    "FEED_HOLD_N_RCI": "run",
+    "TRAVEL_ALLOW_RCI": "travel",
+}
+
+OUTPUT_SIGNALS = {
+    "READY_RCO": "ready",
+    "READY2_RCO": "ready2",
+    "DRIVES_ON_RCO": "drives_on",
+    "EMSTOP_RCO": "emergency",
+    "INPOS_1_RCO": "in_position",
+    "REF_1_RCO": "referenced",
+}
+
+
+def scaling_of(axis: Axis) -> Scaling:
+    """Increments and SI of one axis; its zero is found by referencing."""
+    mechanics = axis.mechanics
+    return Scaling(
+        axis.drive.inc_per_turn, mechanics.ratio, to_si(mechanics.feed_per_turn, axis.unit), -1 if mechanics.direction == "-" else 1
+    )
+
+
+def limits_of(axis: Axis) -> AxisLimits:
+    """Travel, speed, acceleration, jerk in SI."""
+    limits = axis.limits
+    rates = {"speed": limits.speed, "accel": limits.accel, "jerk": limits.jerk}
+    return limits_from(axis.name, axis.unit, lower=limits.min, upper=limits.max, **rates, modulo=axis.modulo, manual=axis.manual)
+
+
+def reference_of(axis: Axis, scaling: Scaling) -> ReferenceSettings | DriveHoming | None:
+    """Referencing by the gateway, modes 0 to 3, or by the drive; None where the axis needs none."""
+    home = axis.home
+    if home.by == "drive":
+        return DriveHoming(to_si(home.position + home.offset, axis.unit))
+    if home.by != "gateway":
+        return None
+    limits = axis.limits
+    accel = min(limits.accel, home.speed / HOMING_ACCEL_S)
+
+    def si(value: float) -> float:
+        return to_si(value, axis.unit)
+
+    return settings_from(
+        scaling,
+        direction=-1 if home.direction == "-" else 1,
+        speed=si(home.speed),
+        slow_speed=si(home.slow_speed or SLOW_SHARE * home.speed),
+        accel=si(accel),
+        jerk=si(min(limits.jerk, accel / HOMING_ACCEL_S * 4.0)),
+        position=si(home.position),
+        offset=si(home.offset),
+        way=si(limits.max - limits.min) * 1.2,
+        timeout_s=home.timeout_s,
+        mode=home.mode,
+    )
+
+
+def drive_of(axis: Axis, step_inc: int, p5_ms: float) -> DriveMaker:
+    """Settings of the axis' drive, of whichever family; `step_inc`: the largest set value step of one cycle."""
+    if axis.drive.type == "cia402":
+        return Cia402Settings(
+            jump_inc=axis.drive.inc_per_turn // 2,
+            step_inc=step_inc,
+            timeout_cycles=round(5000 / p5_ms),
+            homing_cycles=round(axis.home.timeout_s * 1000 / p5_ms),
+            mode_cycles=round(2000 / p5_ms),
+        )
+    return DriveSettings(step_inc=step_inc, timeout_cycles=round(5000 / p5_ms), brake=axis.brake != "none")
+
+
+def window_of(axis: Axis) -> float:
+    """In position within this distance; m or rad."""
+    return float(WINDOW_TURNS * axis.drive.inc_per_turn / abs(scaling_of(axis).inc_per_unit))
+
+
+def core_axes(cell: Cell, p5_ms: float, zeros: Mapping[str, float] = NO_ZEROS, *, simulated: bool = True) -> list[CoreAxis]:
+    """The axes as the cycle's core takes them, in the order of the file.
+
+    `zeros`: increments at which absolute axes read 0 (`axisgate axis zero`); on metal one without is not referenced.
+    """
+    found = []
+    for axis, kinematic in zip(cell.axis, kinematic_by_axis(cell), strict=True):
+        scaling = scaling_of(axis)
+        absolute = axis.home.by == "none"
+        if absolute and axis.name in zeros:
+            scaling = scaling.with_zero(zeros[axis.name])
+        zeroed = simulated or not absolute or axis.name in zeros
+        per_cycle = axis.limits.speed * p5_ms / 1000.0
+        step = 4 * abs(scaling.inc_per_unit) * to_si(per_cycle, axis.unit)
+        drive = drive_of(axis, max(1024, round(step)), p5_ms)
+        lag = axis.following_error
+        warn, trip = (to_si(lag.warn, axis.unit), to_si(lag.trip, axis.unit)) if lag else (float("inf"), float("inf"))
+        standing = to_si(lag.standstill, axis.unit) if lag and lag.standstill is not None else float("inf")
+        modulo = to_si(axis.modulo, axis.unit)
+        found.append(
+            CoreAxis(
+                axis.name, scaling, reference_of(axis, scaling), window_of(axis), drive, warn, trip, standing, zeroed, modulo, kinematic
+            )
+        )
+    return found
+
+
+def axis_facts(cell: Cell) -> list[AxisFacts]:
+    """The axes as the office judges them."""
+    return [
+        AxisFacts(
+            axis.name,
+            axis.unit,
+            to_si(1.0, axis.unit),
+            axis.limits.min,
+            axis.limits.max,
+            axis.modulo > 0.0,
+            axis.home.by == "none",
+        )
+        for axis in cell.axis
+    ]
+
+
+def make_planner(cell: Cell) -> Planner:
+    """PTP planning for the office: start and target in SI to an encoded piece; a motion error becomes a refusal."""
+    limits = [limits_of(axis) for axis in cell.axis]
+
+    def plan(start: Sequence[float], target: Sequence[float], mask: int, velocity: float, acceleration: float, job: int) -> bytes:
+        try:
+            return encode(plan_ptp(start, target, limits, velocity, acceleration, job, mask))
+        except MotionError as error:
+            raise Refusal(Reason.TARGET_LIMIT, str(error)) from error
+
+    return plan
+
+
+def rc_numbers(cell: Cell) -> RcNumbers:
+    """AX-002's numbers as this cell has them; moving the first axis' bit moves the row."""
+    moved = {name.upper(): bit for name, bit in cell.signals.items()}
+    return replace(RcNumbers(), **{field: moved[name] for name, field in {**INPUT_SIGNALS, **OUTPUT_SIGNALS}.items() if name in moved})
+
+
+def assumed_permits(cell: Cell) -> Permit:
+    """Enabling inputs the cell says are not wired here and count as 1."""
+    permits = Permit(0)
+    for name in cell.rc_inputs.assume:
+        permits |= ASSUMED[INPUT_SIGNALS.get(name.upper(), name.lower())]
+    return permits

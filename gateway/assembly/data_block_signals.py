@@ -1,0 +1,58 @@
+"""Entries of data blocks that name a signal or an address instead of a name of the cell: `to = "K01_A_MN_RCI"`, `from = "I8.4"`."""
+
+from collections.abc import Mapping
+
+from gateway.files.find import read_signals
+from gateway.pure.cell.cell import Cell
+from gateway.pure.image.addresses import AddressFault, Direction, Kind, Operand, RcBit, parse_operand
+from gateway.pure.image.names import lookup
+from gateway.pure.image.signals import SignalList, from_tables
+
+
+def signals_of(cell: Cell) -> SignalList:
+    """The list with the places of this cell."""
+    return from_tables(read_signals()).moved(cell.signals)
+
+
+def rc_place(text: str, signals: SignalList) -> RcBit | None:
+    """The RC bit a text means; None where it means something else."""
+    signal = signals.named(text)
+    if signal is not None:
+        return signal.at
+    place = operand(text)
+    return place if isinstance(place, RcBit) else None
+
+
+def operand(text: str) -> object:
+    """What parse_operand makes of it, names of signals left out; None where it is no address."""
+    try:
+        return parse_operand(text)
+    except AddressFault:
+        return None
+
+
+def flag_operand(text: str) -> Operand | None:
+    """M 6.3, MB 7, MW 10, MD 1436; None for anything else."""
+    place = operand(text)
+    return place if isinstance(place, Operand) and place.kind is Kind.FLAG else None
+
+
+def flags_of(cell: Cell, line: str) -> Mapping[str, Operand]:
+    """`to` of a line's entries that are flags of the control."""
+    entries = [entry.to for block in cell.db if block.line == line for entry in block.entries if entry.to and lookup(entry.to) is None]
+    return {to: place for to in entries if (place := flag_operand(to)) is not None} if cell.controller is not None else {}
+
+
+def inputs_of(cell: Cell) -> Mapping[str, Mapping[str, int]]:
+    """Line -> `to` of its entries -> RC input; the list is read only where an entry asks for it."""
+    found: dict[str, dict[str, int]] = {}
+    signals: SignalList | None = None
+    for block in cell.db:
+        for entry in block.entries:
+            if not entry.to or lookup(entry.to) is not None:
+                continue
+            signals = signals or signals_of(cell)
+            place = rc_place(entry.to, signals)
+            if place is not None and place.direction is Direction.INPUT:
+                found.setdefault(block.line, {})[entry.to] = place.number
+    return found

@@ -1,0 +1,105 @@
+"""Where the axes stood when the gateway was stopped: at the next start a multi-turn encoder that counted round meanwhile is told."""
+
+import contextlib
+import json
+import threading
+from collections.abc import Mapping
+
+from gateway.assembly import axis_zeros as zeros
+from gateway.assembly.axes import scaling_of
+from gateway.pure.cell.cell import Axis, Cell
+from gateway.pure.cycle.encoder_wrap import beside, wrapped, wrapped_endless
+from gateway.pure.image.records.cell import AxisFlag, CellState
+from gateway.runtime.safe_file import write_whole
+from motion.geometry.units import from_si, to_si
+
+NO_PLACES: Mapping[str, int] = {}
+SHARE = 16  # of a motor turn an axis moves before its place is kept again
+AGAIN = "check the position and write it again with: axisgate axis zero"
+
+
+def remember(cell: Cell, state: CellState, placed: int = 0, before: Mapping[str, int] = NO_PLACES) -> None:
+    """Raw increments of the absolute axes, beside their zeros; a folder nobody may write to is no reason to fail.  placed: axes (bit n-1 =
+    axis n) whose position a program has set: what they show says nothing of their encoder.  Of endless axes those of the first round.
+    before: places of axes that show none now."""
+    _write(cell, {**before, **_raw(cell, state, placed)})
+
+
+def _write(cell: Cell, places: dict[str, int]) -> None:
+    if places:
+        with contextlib.suppress(OSError):
+            write_whole(zeros.path_of(cell).with_suffix(".last.json"), json.dumps(places).encode())
+
+
+class LastPlaces:
+    """Kept while the run goes on: a power failure asks nobody.  Written where an axis has left its kept place by more than a share of a
+    motor turn, by a thread of its own, so that no disk holds up the services."""
+
+    def __init__(self, cell: Cell) -> None:
+        self._cell = cell
+        self._steps = {axis.name: axis.drive.inc_per_turn / SHARE for axis in cell.axis}
+        self._kept: dict[str, int] = {}
+        self._writer: threading.Thread | None = None
+
+    def look(self, state: CellState, placed: int = 0) -> None:
+        """Once a second."""
+        if self._writer is not None and self._writer.is_alive():
+            return
+        places = _raw(self._cell, state, placed)
+        if all(abs(place - self._kept.get(name, 1 << 60)) <= self._steps[name] for name, place in places.items()):
+            return
+        self._kept |= places
+        self._writer = threading.Thread(target=_write, args=(self._cell, dict(self._kept)), name="last places", daemon=True)
+        self._writer.start()
+
+    def stop(self, state: CellState, placed: int = 0) -> None:
+        """Once more, as they stand."""
+        if self._writer is not None:
+            self._writer.join(2.0)
+        remember(self._cell, state, placed, self._kept)
+
+
+def judge(cell: Cell, state: CellState) -> list[str]:
+    """One sentence for each axis whose encoder jumped by its range since then, or an endless one that stands where that would show it."""
+    try:
+        last = json.loads(zeros.path_of(cell).with_suffix(".last.json").read_text())
+    except (OSError, ValueError):
+        return []
+    if not isinstance(last, dict):
+        return []
+    found = []
+    for name, now in _raw(cell, state).items():
+        if name in last:
+            axis = cell.axis_named(name)
+            found += _counted_on(axis, int(last[name]), now) if axis.modulo else _counted(axis, int(last[name]), now)
+    return found
+
+
+def _counted(axis: Axis, last: int, now: int) -> list[str]:
+    turns = wrapped(last, now, axis.drive.inc_per_turn) / axis.drive.inc_per_turn
+    what = (
+        f"axis {axis.name}: the encoder counted round by {turns:+g} turns since the last stop ({last} -> {now}): its zero is void, {AGAIN}"
+    )
+    return [what] if turns else []
+
+
+def _counted_on(axis: Axis, last: int, now: int) -> list[str]:
+    """Of an endless axis: what can be known of one (AX-607)."""
+    per_unit = scaling_of(axis).inc_per_unit
+    around = abs(per_unit * to_si(axis.modulo, axis.unit))
+    turns = wrapped_endless(last, now, axis.drive.inc_per_turn, around) / axis.drive.inc_per_turn
+    moved = from_si(beside(now - last, around) / per_unit, axis.unit)
+    what = (
+        f"axis {axis.name}: shown {moved:+.4g} {axis.unit} beside its place at the last stop, as when its encoder counts round "
+        f"by {turns:+g} turns: its zero is void unless somebody turned it, {AGAIN}"
+    )
+    return [what] if turns else []
+
+
+def _raw(cell: Cell, state: CellState, placed: int = 0) -> dict[str, int]:
+    absolute = [(n, axis) for n, axis in enumerate(cell.axis) if axis.home.by == "none" and not placed >> n & 1]
+    return {
+        axis.name: zeros.raw_inc(cell, axis, state.axes[n].actual / to_si(1.0, axis.unit))
+        for n, axis in absolute
+        if not state.axes[n].flags & (AxisFlag.LOST | AxisFlag.UNCONFIGURED)
+    }

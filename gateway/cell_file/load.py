@@ -1,0 +1,257 @@
+"""Loads a cell file: text -> tables -> P numbers and defaults worked in -> models -> frozen data, with every fault in one run.
+
+`load_cell` is the only way in. Faults come in this order: field faults (each key by itself), then cross faults among the
+parts that are valid by themselves. A part with a field fault is left out of the cross checks, its name stays known.
+"""
+
+import tomllib
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from drivers.emulator.servo.settings import RANGES, ServoSettings
+from gateway.cell_file.field_faults import field_faults
+from gateway.cell_file.keys import line_of
+from gateway.cell_file.models import alter as cellmodels_alter
+from gateway.cell_file.models import axes as cellmodels_axes
+from gateway.cell_file.models import belts as cellmodels_belts
+from gateway.cell_file.models import buses as cellmodels_buses
+from gateway.cell_file.models import cell as models
+from gateway.cell_file.models import controller as cellmodels_controller
+from gateway.cell_file.models import lines as cellmodels_lines
+from gateway.cell_file.models import modbus as cellmodels_modbus
+from gateway.cell_file.models import northbound as cellmodels_northbound
+from gateway.cell_file.models import rho3 as cellmodels_rho3
+from gateway.cell_file.models import shared_outputs as cellmodels_shared
+from gateway.cell_file.rho3_parameters import merge
+from gateway.cell_file.syntax_hints import syntax_fault
+from gateway.checks import cross_faults, notices
+from gateway.files.find import find_config, read_signals, read_text
+from gateway.pure.cell import alter as cell_alter
+from gateway.pure.cell import axes as cell_axes
+from gateway.pure.cell import belts as cell_belts
+from gateway.pure.cell import buses as cell_buses
+from gateway.pure.cell import cell as plain
+from gateway.pure.cell import controller as cell_controller
+from gateway.pure.cell import lines as cell_lines
+from gateway.pure.cell import modbus as cell_modbus
+from gateway.pure.cell import northbound as cell_northbound
+from gateway.pure.cell import rho3 as cell_rho3
+from gateway.pure.cell import shared_outputs as cell_shared
+from gateway.pure.cell.cell import Cell, Source
+from gateway.pure.cell.faults import CellFaults, Fault
+from gateway.pure.image.signals import from_tables
+from gateway.pure.reports.toml_lines import Path, lines_of, nearest
+
+__all__ = ["CellFaults", "Fault", "load_cell", "load_tables"]
+
+DEFAULTS_TAKEN = ("mode", "stop_on_bus_loss", "brake", "following_error", "home", "first_enable")
+JERK_PER_ACCEL = 10.0  # 1/s: full acceleration is reached in 0.1 s (AX-123)
+PLANT_KEYS = frozenset(RANGES) | set(ServoSettings.__dataclass_fields__)
+PLANT_OWN = frozenset(name for name in PLANT_KEYS if name.startswith(("start", "reference_switch", "hard_limit", "following_error")))
+
+
+def load_cell(path: str, text: str | None = None) -> Cell:
+    """The checked cell of a file (found by `find_config`).  CellFaults names everything that is wrong with it; OSError: no such file."""
+    if text is None:
+        found = find_config(path, "cells")
+        path, text = str(found), _decoded(str(found))
+    try:
+        raw = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise CellFaults([syntax_fault(path, text, error)]) from None
+    return load_tables(path, raw, lines_of(text))
+
+
+def load_tables(path: str, raw: dict[str, Any], places: dict[Path, int] | None = None) -> Cell:
+    """The checked cell of tables already parsed; `places` has the lines of their keys.  Raises CellFaults."""
+    return _Loader(path, raw, places or {}).load()
+
+
+def _decoded(path: str) -> str:
+    try:
+        return read_text(find_config(path, "cells"))
+    except UnicodeDecodeError as error:
+        hint = f"byte {error.start} is no UTF-8: save the file as UTF-8 (an old editor's cp850 or cp1252 is not read)"
+        raise CellFaults([Fault(path, "file", hint=hint, kind="syntax")]) from None
+
+
+class _Loader:
+    def __init__(self, path: str, raw: dict[str, Any], places: dict[Path, int]) -> None:
+        self.path, self.raw, self.places = path, raw, places
+
+    def load(self) -> Cell:
+        merged = merge(self.path, self.raw, self.places)
+        sources = dict(merged.sources)
+        self._defaults(merged.raw, sources)
+        if isinstance(merged.raw.get("robot"), dict):
+            merged.raw["robot"] = [merged.raw["robot"]]
+        faults = [fault for fault in merged.faults if fault.kind == "field"] + self._plant(merged.raw)
+        model, found = self._validated(merged.raw)
+        faults = sorted(faults + found, key=lambda fault: fault.line or 0)
+        crossed = [fault for fault in merged.faults if fault.kind == "cross"]
+        if model is not None:
+            cell = self._cell(model, sources)
+            known = self._known_names(merged.raw)
+            crossed += cross_faults(cell, known, from_tables(read_signals()), self._line)
+            if not faults and not crossed:
+                return self._noted(cell)
+        raise CellFaults([*faults, *sorted(crossed, key=lambda fault: fault.line or 0)])
+
+    def _validated(self, raw: dict[str, Any]) -> tuple[models.CellFile | None, list[Fault]]:
+        """The model of what is valid, and the field faults of the rest: a faulty part is cut out and the rest tried again."""
+        faults: list[Fault] = []
+        for attempt in range(100):
+            try:
+                return models.CellFile.model_validate(raw), faults
+            except ValidationError as error:
+                if attempt == 0:
+                    faults = field_faults(self.path, raw, self.places, error)
+                for where in sorted({_part(each["loc"], each["type"]) for each in error.errors()}, key=_cut_order, reverse=True):
+                    _cut(raw, where)
+        return None, faults
+
+    def _defaults(self, raw: dict[str, Any], sources: dict[str, Source]) -> None:
+        """[defaults.axis] under every axis; jerk from acceleration; the RK512 line of a block when there is only one."""
+        defaults = raw.get("defaults")
+        common = defaults.get("axis") if isinstance(defaults, dict) else None
+        for axis in _tables(raw.get("axis")):
+            for key in DEFAULTS_TAKEN:
+                if isinstance(common, dict) and key in common and key not in axis:
+                    axis[key] = common[key]
+                    sources[f"axis.{axis.get('name')}.{key}"] = Source("[defaults.axis]", nearest(self.places, ("defaults", "axis", key)))
+            limits = axis.get("limits")
+            if isinstance(limits, dict) and "jerk" not in limits and isinstance(limits.get("accel"), int | float):
+                limits["jerk"] = JERK_PER_ACCEL * limits["accel"]
+                sources[f"axis.{axis.get('name')}.limits.jerk"] = Source(f"default: {JERK_PER_ACCEL:g} x limits.accel (AX-123)")
+        for line in _tables(raw.get("line")):
+            timeout = line.get("output_timeout")
+            if isinstance(timeout, int) and "priority" not in line:
+                line["priority"] = "low" if timeout == -1 else "high"
+                place = self._line(f"line.{line.get('name')}.output_timeout")
+                sources[f"line.{line.get('name')}.priority"] = Source(f"output_timeout = {timeout}", place)
+            if line.get("layer") == "telegrams" and "supervision" not in line:  # such a partner speaks when it has something to say
+                line["supervision"] = {"max_silence_ms": 0}
+                sources[f"line.{line.get('name')}.supervision.max_silence_ms"] = Source("default of telegrams: no supervision (AX-195)")
+        served = [line.get("name") for line in _tables(raw.get("line")) if line.get("layer", "rk512") == "rk512"]
+        for block in _tables(raw.get("db")):
+            if "line" not in block and len(served) == 1 and isinstance(served[0], str):
+                block["line"] = served[0]
+                sources[f"db.{block.get('number')}.line"] = Source("the only RK512 line")
+
+    def _plant(self, raw: dict[str, Any]) -> list[Fault]:
+        """Keys named like the emulator's settings go into `settings`; each is held against the emulator's own range."""
+        faults: list[Fault] = []
+        plant = raw.get("plant")
+        axes = plant.get("axis") if isinstance(plant, dict) else None
+        for name, table in axes.items() if isinstance(axes, dict) else ():
+            if not isinstance(table, dict):
+                continue
+            settings = {key: table.pop(key) for key in list(table) if key in PLANT_KEYS - PLANT_OWN}
+            for key, value in settings.items():
+                faults += self._plant_fault(f"plant.axis.{name}.{key}", key, value)
+            table["settings"] = {key: value for key, value in settings.items() if isinstance(value, int | float)}
+        return faults
+
+    def _plant_fault(self, where: str, key: str, value: object) -> list[Fault]:
+        allowed = RANGES.get(key)
+        number = isinstance(value, int | float) and (allowed is None) == isinstance(value, bool)
+        if number and (allowed is None or allowed.low <= float(str(value)) <= allowed.high):
+            return []
+        span = "true or false" if allowed is None else f"{allowed.low:g}..{allowed.high:g}"
+        unit, hint = ("", "") if allowed is None else (allowed.unit, allowed.hint)
+        return [Fault(self.path, where, str(value), span, unit, hint, self._line(where))]
+
+    def _cell(self, model: models.CellFile, sources: Mapping[str, Source]) -> Cell:
+        values = {name: _plain(getattr(model, name)) for name in type(model).model_fields if name != "defaults"}
+        return Cell(file=self.path, sources=sources, **values)
+
+    def _noted(self, cell: Cell) -> Cell:
+        values = {name: getattr(cell, name) for name in Cell.__dataclass_fields__}
+        return Cell(**{**values, "notices": tuple(notices(cell))})
+
+    def _known_names(self, raw: Mapping[str, Any]) -> Mapping[str, frozenset[str]]:
+        """Names of all parts, also of those with field faults: a reference to them is no second fault."""
+        known = {
+            kind: frozenset(str(each.get("name")) for each in _tables(self.raw.get(kind)))
+            for kind in ("line", "bus", "axis", "modbus", "telegram")
+        }
+        blocks = frozenset(str(each.get("number")) for each in _tables(self.raw.get("db")))
+        return {**known, "db": blocks, "axis": known["axis"] | {str(each.get("name")) for each in _tables(raw.get("axis"))}}
+
+    def _line(self, key: str) -> int | None:
+        return line_of(self.raw, self.places, key)
+
+
+def _tables(value: Any) -> list[dict[str, Any]]:
+    return [each for each in value if isinstance(each, dict)] if isinstance(value, list) else []
+
+
+# frozen data and their models, class by class of the same name
+PARTS = (
+    (plain, models),
+    (cell_alter, cellmodels_alter),
+    (cell_axes, cellmodels_axes),
+    (cell_belts, cellmodels_belts),
+    (cell_buses, cellmodels_buses),
+    (cell_lines, cellmodels_lines),
+    (cell_rho3, cellmodels_rho3),
+    (cell_shared, cellmodels_shared),
+    (cell_modbus, cellmodels_modbus),
+    (cell_controller, cellmodels_controller),
+    (cell_northbound, cellmodels_northbound),
+)
+PLAIN: Mapping[type[BaseModel], Callable[..., object]] = {
+    getattr(edge, name): getattr(inside, name)
+    for inside, edge in PARTS
+    for name in vars(inside)
+    if isinstance(getattr(edge, name, None), type) and issubclass(getattr(edge, name), BaseModel)
+}
+
+
+def _plain(value: Any) -> Any:
+    """Models become the dataclasses of the same name, lists tuples; byte numbers of [rc_inputs] become int."""
+    if isinstance(value, BaseModel):
+        kind = PLAIN.get(type(value)) or PLAIN[type(value).__mro__[1]]
+        values = {name: _plain(getattr(value, name)) for name in type(value).model_fields}
+        if isinstance(value, models.RcInputs):
+            values["owner"] = {int(byte): door for byte, door in value.owner.items()}
+        return kind(**values)
+    if isinstance(value, list):
+        return tuple(_plain(each) for each in value)
+    return {key: _plain(each) for key, each in value.items()} if isinstance(value, dict) else value
+
+
+def _part(where: tuple[str | int, ...], kind: str) -> Path:
+    """What has to be cut out so that the rest can be judged: an unknown key alone, else the list element or table around it."""
+    if kind == "extra_forbidden":
+        return where
+    if where[0] == "telegram":  # its entries are counted: none may leave the row
+        return where[:2]
+    for end in range(len(where) - 1, 0, -1):
+        if isinstance(where[end], int) and where[0] != "rho3":
+            return where[: end + 1]
+    if where[0] in ("handshake", "rho3", "defaults"):
+        return where[:2]
+    return where[:3] if where[:2] == ("plant", "axis") else where[:1]
+
+
+def _cut_order(where: Path) -> tuple[tuple[bool, int, str], ...]:
+    """Sorted backwards: later elements before earlier ones, inner ones before what holds them."""
+    return tuple((isinstance(part, int), part if isinstance(part, int) else 0, str(part)) for part in where)
+
+
+def _cut(raw: dict[str, Any], where: Path) -> None:
+    here: Any = raw
+    for part in where[:-1]:
+        here = here.get(part) if isinstance(here, dict) else here[part] if isinstance(part, int) and part < len(here) else None
+        if here is None:
+            return
+    last = where[-1]
+    if where in (("cell",), ("format",)):
+        raw[where[0]] = {"name": "?"} if where == ("cell",) else 1
+    elif isinstance(here, dict):
+        here.pop(last, None)
+    elif isinstance(here, list) and isinstance(last, int) and last < len(here):
+        del here[last]

@@ -1,0 +1,140 @@
+"""Head, safety fields, lines, Modbus servers, RC input bytes: who speaks with whom, and is every name theirs alone."""
+
+from gateway.assembly.data_block_signals import rc_place
+from gateway.checks.context import Context, near, twice
+from gateway.pure.cell.cell import Line
+from gateway.pure.image.addresses import AddressFault, DataWord, Direction, RcBit, parse
+from protocols.p3964r.profiles import NETWORK, PROFILES
+
+FREE_PORTS = ("sim",)
+MOVABLE = (
+    *("EMSTOP_OK_RCI", "CTRL_ALLOW_RCI", "FEED_ALLOW_RCI", "FEED_HOLD_N_RCI", "TRAVEL_ALLOW_RCI"),
+    *("READY_RCO", "READY2_RCO", "DRIVES_ON_RCO", "EMSTOP_RCO", "INPOS_1_RCO", "REF_1_RCO"),
+)
+ENABLING = ("EMSTOP_OK_RCI", "CTRL_ALLOW_RCI", "FEED_ALLOW_RCI", "FEED_HOLD_N_RCI", "TRAVEL_ALLOW_RCI")  # AX-002, bits 24..28
+
+
+def safety(check: Context) -> None:
+    """`run` on metal wants every field of [safety] (users.md 3.4)."""
+    if check.cell.cell.target != "machine":
+        return
+    table = check.cell.safety
+    if table is None:
+        check.fault("safety", hint='target = "machine" needs the [safety] table: emergency_stop, sto_wired, guard, limit_switches, ..')
+        return
+    for name in ("emergency_stop", "sto_wired", "guard", "limit_switches", "risk_assessment", "last_stop_test"):
+        if getattr(table, name) in ("", None):
+            check.fault(f"safety.{name}", "empty", 'target = "machine" needs it: what does the plant guarantee in hardware?')
+
+
+def names(check: Context) -> None:
+    """No two doors, buses, axes or contacts with one name; no port used twice."""
+    cell = check.cell
+    doors = [(line.name, f"line.{line.name}") for line in cell.line] + [(door.name, f"modbus.{door.name}") for door in cell.modbus]
+    _unique(check, doors, "doors")
+    for kind, parts in (("bus", cell.bus), ("axis", cell.axis), ("io", cell.io)):
+        _unique(check, [(part.name, f"{kind}.{part.name}") for part in parts], f"[[{kind}]] tables")
+    ports = [(line.port, f"line.{line.name}.port") for line in cell.line] + [(bus.port, f"bus.{bus.name}.port") for bus in cell.bus]
+    for value, first, place in twice((port, place) for port, place in ports if port not in FREE_PORTS):
+        check.fault(place, value, f"{first} has this port already")
+    for value, first, place in twice(
+        (door.bind, f"modbus.{door.name}.bind") for door in cell.modbus if door.port and door.role == "server" and not door.serial
+    ):
+        check.fault(place, value, f"{first} listens there already")
+
+
+def _unique(check: Context, pairs: list[tuple[str, str]], what: str) -> None:
+    seen: set[str] = set()
+    for name, place in pairs:
+        if name in seen:
+            check.fault(f"{place}.name", name, f"the name stands twice among the {what}")
+        seen.add(name)
+
+
+def lines(check: Context) -> None:
+    """Profile known, layer fits, life word is an entry the PLC counts up."""
+    for line in check.cell.line:
+        if line.profile.removesuffix(NETWORK) not in PROFILES:
+            bare = line.profile.removesuffix(NETWORK)
+            hint = near(bare, PROFILES, most=3) or f"behind a serial server: with {NETWORK} at the end"
+            check.fault(f"line.{line.name}.profile", line.profile, hint, " | ".join(sorted(PROFILES)))
+        if line.output_timeout is not None and (line.output_timeout == -1) is not (line.priority == "low"):
+            hint = f"output_timeout = {line.output_timeout} says the opposite (-1 = low): keep one of both"
+            check.fault(f"line.{line.name}.priority", line.priority, hint)
+        if not line.format.split()[1].startswith("8"):
+            check.fault(f"line.{line.name}.format", line.format, "3964R carries all 256 characters: 8 data bits", '"9600 8E1"')
+        if line.supervision.life_word is not None:
+            _life_word(check, line, line.supervision.life_word)
+
+
+def _life_word(check: Context, line: Line, text: str) -> None:
+    key = f"line.{line.name}.supervision.life_word"
+    try:
+        address = parse(text)
+    except AddressFault as error:
+        check.fault(key, text, str(error))
+        return
+    if not isinstance(address, DataWord):
+        check.fault(key, text, "the life word is a data word of a block the PLC sends, as DB10.DW31")
+        return
+    if check.unknown(key, str(address.db), "db"):
+        return
+    entries = [entry for block in check.cell.db if block.kind == "D" and block.number == address.db for entry in block.entries]
+    wanted = f"line.{line.name}.life"
+    here = [entry for entry in entries if entry.to and _same(entry.at, address)]
+    if entries and not any(entry.to == wanted for entry in here):
+        check.fault(key, text, f'DB {address.db} has no entry {{ at = "DW {address.word}", type = "KF", to = "{wanted}" }}')
+
+
+def _same(at: str, address: DataWord) -> bool:
+    try:
+        return parse(at, db=address.db) == address
+    except AddressFault:
+        return False
+
+
+def rc_inputs(check: Context) -> None:
+    """Every RC input byte has one owning door; assumed inputs are enabling inputs."""
+    doors = check.known["line"] | check.known["modbus"]
+    for byte, door in check.cell.rc_inputs.owner.items():
+        if byte > 127:
+            check.fault("rc_inputs.owner", byte, "", "0..127", "PIC byte")
+        if door not in doors:
+            check.fault(
+                "rc_inputs.owner", f"{byte} = {door}", f"no such door; {near(door, doors) or 'there is ' + ', '.join(sorted(doors))}"
+            )
+    owners = dict(check.cell.rc_inputs.owner)
+    for block in check.cell.db:
+        for entry in block.entries:
+            place = rc_place(entry.to, check.signals) if entry.to else None
+            if place is None or place.direction is not Direction.INPUT:
+                continue
+            byte = place.number // 8
+            if owners.setdefault(byte, block.line) != block.line:
+                hint = f"two writers in RC input byte {byte}: {owners[byte]} owns it, {block.line} writes {entry.to} into it"
+                check.fault(f"db.{block.number}[{entry.at}]", entry.to or "", hint)
+    for name in check.cell.rc_inputs.assume:
+        if name not in ENABLING:
+            check.fault(
+                "rc_inputs.assume", name, f"only enabling inputs may be assumed; {near(name.upper(), ENABLING)}", " | ".join(ENABLING)
+            )
+
+
+def signals(check: Context) -> None:
+    """Only axisgate's own numbers can be moved, to places the manual has not given away, and not two to one place."""
+    moved = {name.upper(): bit for name, bit in check.cell.signals.items()}
+    taken = {signal.at: signal.name for signal in check.signals.all if signal.name not in moved and not signal.until}
+    for name, bit in moved.items():
+        signal = check.signals.named(name)
+        if signal is None or (signal.source != "axisgate" and bit != signal.printed):
+            check.fault(
+                f"signals.{name}", bit, "only axisgate's own signals can be moved (AX-002); the manual's numbers stay", " | ".join(MOVABLE)
+            )
+            continue
+        place = RcBit(signal.at.direction, bit)
+        if place in taken:
+            check.fault(f"signals.{name}", bit, f"{taken[place]} stands there already")
+        taken[place] = name
+
+
+CHECKS = (safety, names, lines, rc_inputs, signals)

@@ -1,0 +1,355 @@
+"""The cycle: one thread, one absolute grid.  SYNC and set values leave only from here, and only from a completed cycle.
+
+Order of one cycle (AX-001): at the grid instant SYNC and the set values for the next SYNC in one burst; drives answer with what they
+latched; then the core thinks, and what it decided is published.  A grid instant that was missed is counted and never made up for.
+
+Buses of any family hang on one core (AX-300).  Frames that are no cyclic data come from the master of the services through the ring
+`acyclic`, at most one a bus and cycle, and what the bus says aside goes back through the ring `heard` (AX-301).
+"""
+
+import argparse
+import os
+import select
+import signal
+import time
+from collections.abc import Sequence
+
+from drivers.drives.family import Actual, SetRecord
+from drivers.drives.listening import ListeningFamily
+from gateway.assembly.alter import alter_of_cell
+from gateway.assembly.axes import assumed_permits, core_axes, rc_numbers
+from gateway.assembly.cycle_belts import BeltOffsets, belts_of, encoders_of
+from gateway.assembly.drive_buses import make_family
+from gateway.assembly.fast_inputs import fast_wires
+from gateway.assembly.path_outputs import functions_of
+from gateway.assembly.run import RunPlan, load_plan
+from gateway.assembly.shared_outputs import shared_of_cell
+from gateway.cycle.bus_link import BusLink
+from gateway.cycle.contacts import InputMarks, IoErrors, cycle_contacts
+from gateway.cycle.native.quick import Collect, NativeParts
+from gateway.cycle.recording_tap import CycleTap
+from gateway.pure.buses.cia401 import CouplerFamily, contacts_lost
+from gateway.pure.controllers.rho3.can.family import RhoFamily
+from gateway.pure.cycle.core import CycleLogic
+from gateway.pure.image.records.cell import (
+    ASIDE_LAYOUT,
+    CELL_STATE_LAYOUT,
+    ORDER_LAYOUT,
+    TRACE_LAYOUT,
+    Aside,
+    AsideRecord,
+    InputImage,
+    OrderRecord,
+    pack_aside,
+    pack_trace,
+    unpack_aside,
+    unpack_inputs,
+    unpack_order,
+)
+from gateway.pure.image.records.planner import PIECE_LAYOUT, unpack_piece
+from gateway.pure.recording.messages import What
+from gateway.pure.scope.records import SCOPE_LAYOUT, pack_scope
+from gateway.runtime.realtime import die_with_parent, go_realtime
+from gateway.runtime.regions import RegionReader, RingReader, RingWriter, fds_from_text
+from protocols.base.machine import Frame
+
+PRIORITY = 40  # broker 30, emulator 20, line process 15: all below the cycle
+PIECES_SHARE = 8  # of the period may be spent on the planner's pieces; the rest waits in the ring
+THINKING_NS, THINKING_SHARE = 3_000_000, 0.4  # kept free for the core at the end of a cycle: the smaller of both (AX-149)
+WAITS_NS = 150_000_000  # in a stretched simulation: for actual values the machine keeps back; shorter than what doors forgive the cycle
+JITTER = 8  # part of a period a stretched grid may be late before it is moved
+ACYCLIC_AT_ONCE = 32  # records taken from the ring in one cycle: one for each axis of a cell
+
+
+def patience_ns(period_ns: int) -> int:
+    """How long after the grid instant an actual value is waited for; what is not here by then is missing (AX-149)."""
+    return period_ns - min(THINKING_NS, int(THINKING_SHARE * period_ns))
+
+
+class Cycle:
+    """The loop around the core."""
+
+    def __init__(self, plan: RunPlan, fds: dict[str, int], quick: NativeParts | None = None) -> None:
+        cell, quick = plan.cell, quick or NativeParts(python=True)
+        self.period_ns = plan.p5_ms * 1_000_000
+        axes = core_axes(cell, plan.p5_ms, plan.zeros, simulated=plan.simulated)
+        drive_buses = [bus for bus in cell.bus if bus.name in plan.buses]
+        self.core = CycleLogic(
+            axes,
+            plan.p5_ms / 1000.0,
+            time.monotonic_ns(),
+            numbers=rc_numbers(cell),
+            assumed=assumed_permits(cell),
+            finish_without_services=cell.cell.on_services_loss == "finish_move",
+            override_step=cell.cell.override_step,
+            belts=belts_of(cell, plan.p5_ms) if cell.belt else None,
+            functions=functions_of(cell, plan.p5_ms),
+            alter=alter_of_cell(cell, plan.p5_ms),
+            shared=shared_of_cell(cell, plan.p5_ms),
+            loops=quick.loops,
+            foresight=quick.foresight,
+        )
+        self.buses = [
+            BusLink(
+                plan.buses[bus.name],
+                make_family(cell, bus, plan.p5_ms, simulated=plan.simulated),
+                n,
+                quick,
+                protocol=bus.protocol if bus.name not in plan.listening else "",
+                listens=not plan.own_bus(bus.name) and bus.name not in plan.listening,
+            )
+            for n, bus in enumerate(drive_buses)
+        ]
+        self._driving = [bus for bus in self.buses if not (isinstance(bus.family, RhoFamily) and bus.family.drives is None)]
+        self._driving = [bus for bus in self._driving if not isinstance(bus.family, ListeningFamily)]
+        self._coupled = [bus.family for bus in self.buses if isinstance(bus.family, CouplerFamily)]
+        self._pack_state = quick.packer(len(axes))
+        for bus, link in zip(drive_buses, self.buses, strict=True):
+            link.encoders = encoders_of(cell, bus.name, self.core.belts) if self.core.belts is not None else {}
+        self.with_io = [(bus, bus.family) for bus in self.buses if isinstance(bus.family, RhoFamily)]
+        self.inputs = RegionReader(fds["rc_in"], "rc_in")
+        self.links = RegionReader(fds["links"], "links")
+        self.orders = RingReader(fds["orders"], "orders", ORDER_LAYOUT)
+        self.acyclic = RingReader(fds["acyclic"], "acyclic", ASIDE_LAYOUT)
+        self.heard = RingWriter(fds["heard"], "heard", ASIDE_LAYOUT)
+        self.pieces = RingReader(fds["pieces"], "pieces", PIECE_LAYOUT) if "pieces" in fds else None
+        self.planner = RegionReader(fds["planner"], "planner") if "planner" in fds else None
+        self._planner_pid = self.planner.writer_pid if self.planner else 0
+        self.axes = quick.region(fds["axes"], "axes", CELL_STATE_LAYOUT)
+        self.outputs = quick.region(fds["rc_out"], "rc_out")
+        self.scope = quick.ring(fds["scope"], "scope", SCOPE_LAYOUT)
+        self.trace = quick.ring(fds["trace"], "trace", TRACE_LAYOUT)
+        self.wake = fds.get("wake")  # for what is joined once per cycle (AX-398)
+        self.contacts = cycle_contacts(cell, [bus.family for bus in self.buses], fds, plan.p5_ms)
+        self.wires = fast_wires(cell, {bus.name: link.family for bus, link in zip(drive_buses, self.buses, strict=True)})
+        self.marks = InputMarks([family for _, family in self.with_io], fds["marks"]) if "marks" in fds else None
+        self.io_errors = IoErrors([family for _, family in self.with_io], fds["io_errors"]) if "io_errors" in fds else None
+        belts = self.core.belts
+        self.belt_offsets = BeltOffsets(belts, fds["belts"]) if belts is not None and "belts" in fds else None
+        self.tap = CycleTap(self.core, self.buses, fds)
+        self._collect_quickly = quick.collect
+        self._look = quick.looker(self.links, self.planner, self.pieces, self.orders, self.inputs)
+        self._image = InputImage()
+        self._image_index = -1
+        self._services_pid = self.links.writer_pid
+        self._alarm = quick.alarm()
+        self._stretched, self._waits = plan.stretched, True  # `_waits`: the drives that are missing have not been waited for in vain
+        self._stop = False
+
+    def run(self) -> None:
+        """Until SIGTERM."""
+        signal.signal(signal.SIGTERM, self._on_signal)
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the supervisor's business
+        self._prepare(self.core.idle())
+        due = time.monotonic_ns() + self.period_ns
+        for bus in self.buses:
+            bus.family.began(due)
+        while not self._stop:
+            now = self._alarm.until(due)
+            if self._stretched and now - due > self.period_ns // JITTER:
+                due = now  # simulated time waits: no SYNC is skipped (AX-681)
+            missed = max(0, (now - due) // self.period_ns)
+            if self.tap.on:
+                self.tap.began(now, missed)
+            if missed:
+                self.core.skipped(missed)
+                due += missed * self.period_ns
+            self._cycle(due, now)
+            due += self.period_ns
+        for bus in self.buses:
+            bus.close()
+
+    def _on_signal(self, number: int, frame: object) -> None:
+        self._stop = True
+
+    def _cycle(self, due: int, now: int) -> None:
+        core = self.core
+        actuals: list[Actual | None] = [None] * len(core.plans)
+        if self.acyclic.published != self.acyclic.position:
+            self._take_acyclic()
+        for bus, family in self.with_io:
+            bus.receive_rest(len(actuals))
+            image = self._inputs()
+            self.tap.exchange(bus.number, there=bus.port is not None)
+            for said in (*family.exchange(image, core.outputs, now, up=bus.port is not None), *family.take_news()):
+                print(f"{bus.url}: {said}", flush=True)
+        up = [bus for bus in self.buses if bus.send(now)]
+        sent = time.monotonic_ns()
+        if len(up) < len(self.buses) and any(bus not in up for bus in self._driving):
+            core.drives_lost()
+            self.tap.note(What.DRIVES_LOST)
+        missing = self._gather(up, actuals, due)
+        got = time.monotonic_ns()
+        core.state.incomplete += missing > 0
+        core.state.late = sum([bus.late for bus in self.buses])
+        services_pid, services_ns, planner_pid, pieces, waiting, fresh = self._look()
+        if services_pid != self._services_pid:
+            self._watch_services()
+        if self.pieces is not None and (planner_pid != self._planner_pid or pieces != self.pieces.position):
+            self._take_pieces()
+        image = self._inputs() if fresh != self._image_index else self._image
+        orders = self._take_orders() if waiting != self.orders.position else []
+        self.tap.stepped(now, services_ns, missing)
+        core.contacts_lost = contacts_lost(self._coupled)
+        values = core.step(actuals, image if self.wires is None else self.wires.over(image), orders, services_ns, now)
+        if self.contacts is not None:
+            self.contacts.turn(core.state, core.outputs, self.links.life[1], now)
+            self.tap.contacts()
+        self._prepare(values)
+        ready = time.monotonic_ns()
+        core.state.compute_ns = ready - got
+        state = self._pack_state(core.state)
+        self.axes.write(state, now)
+        self.outputs.write(core.outputs, now)
+        if self.marks is not None:
+            self.marks.turn(now)
+        if self.io_errors is not None:
+            self.io_errors.turn(now)
+        if self.belt_offsets is not None:
+            self.belt_offsets.turn(now)
+        self.axes.beat(now)
+        self.scope.put(pack_scope(state, core.outputs, self._image.values))
+        if self.wake is not None:
+            os.eventfd_write(self.wake, 1)
+        self.trace.put(pack_trace(core.state.cycle, due, sent, got, ready, missing))
+        self._hand_back_all()
+        self.tap.turn(now)
+
+    def _prepare(self, values: Sequence[SetRecord]) -> None:
+        for bus in self.buses:
+            bus.prepare(values)
+
+    def _take_acyclic(self) -> None:
+        """What the master hands over; a bus that is not there forgets it, the master asks again."""
+        for _, record in self.acyclic.take(ACYCLIC_AT_ONCE):
+            kind, number, identifier, data, _ = unpack_aside(record)
+            if number >= len(self.buses):
+                continue
+            bus = self.buses[number]
+            if self.tap.on:
+                self.tap.node(kind, number, identifier, data)
+            if kind is Aside.RELEASE:
+                bus.family.release(identifier, data[0] if data else 0)
+            elif kind is Aside.HOLD:
+                bus.family.hold(identifier)
+            elif bus.port is not None:
+                bus.acyclic.append(Frame(identifier, data))
+
+    def _hand_back_all(self) -> None:
+        for number, bus in enumerate(self.buses):
+            if bus.family.aside:
+                self._hand_back(number, bus.family.aside)
+
+    def _hand_back(self, number: int, frames: list[Frame]) -> None:
+        for frame in frames:
+            self.heard.put(pack_aside(AsideRecord(Aside.FRAME, number, frame.identifier, frame.data, frame.stamp_ns)))
+        frames.clear()
+
+    def _gather(self, up: Sequence[BusLink], actuals: list[Actual | None], due: int) -> int:
+        """Actual values in time; in a stretched simulation also those this machine keeps back.  How many are missing.
+
+        A drive that was waited for in vain is silent, and is not waited for again until all answer.
+        """
+        missing = self._collect(up, actuals, due + patience_ns(self.period_ns))
+        if not self._stretched:
+            return missing
+        if missing and self._waits:
+            missing = self._collect(up, actuals, time.monotonic_ns() + WAITS_NS, missing)
+        self._waits = missing == 0
+        return missing
+
+    def _collect(self, up: Sequence[BusLink], actuals: list[Actual | None], until: int, missing: int | None = None) -> int:
+        """Wait for all actual values, or for those `missing`, at most to `until`; how many are missing."""
+        if missing is None:
+            missing = sum([bus.family.expected + len(bus.encoders) for bus in self.buses])
+        if not missing:  # nobody is waited for, but frames aside come all the same
+            for bus in up:
+                bus.receive(actuals)
+        if self._collect_quickly is not None and missing and all(bus.plain for bus in up):
+            return self._collected(self._collect_quickly, up, actuals, missing, until)
+        first = True  # all actual values of a bus mostly come at one go: then nothing more is asked for, which would cost as much again
+        while missing and (fds := [bus.fd for bus in up if bus.port is not None]):
+            left = until - time.monotonic_ns()
+            if left <= 0 or not (ready := select.select(fds, (), (), left * 1e-9)[0]):
+                break
+            for bus in up:
+                if bus.fd in ready:
+                    missing -= bus.receive(actuals, next_only=first)
+            first = False
+        return missing
+
+    def _collected(self, collect: Collect, up: Sequence[BusLink], actuals: list[Actual | None], missing: int, until: int) -> int:
+        """The same in C; what that cannot read it hands over, and a bus that is gone is asked no more."""
+        while buses := [bus for bus in up if bus.plain and bus.telegrams is not None]:
+            asked = [(bus.telegrams.table, bus.fd, bus.sent_ns) for bus in buses if bus.telegrams is not None]
+            missing, late, odd = collect(asked, actuals, missing, until)
+            buses[0].late += late
+            if odd is None:
+                break
+            missing -= buses[odd[0]].receive_odd(odd[1], actuals)
+        return missing
+
+    def _watch_services(self) -> None:
+        """A successor may be quicker than the life counter's limit: then only the writer's pid tells of the death."""
+        pid = self.links.writer_pid
+        if pid != self._services_pid and pid:
+            if self._services_pid:
+                self.core.services_lost()
+                self.tap.note(What.SERVICES_LOST)
+            self._services_pid = pid
+
+    def _inputs(self) -> InputImage:
+        payload = self.inputs.read()
+        if payload is not None and self.inputs.index != self._image_index:
+            self._image_index, self._image = self.inputs.index, unpack_inputs(payload)
+            self.tap.image(payload)
+        return self._image
+
+    def _take_pieces(self) -> None:
+        """A few a cycle: what waits in the ring is not lost."""
+        if self.pieces is None or self.planner is None:
+            return
+        pid = self.planner.writer_pid
+        if pid != self._planner_pid and pid:
+            if self._planner_pid:
+                self.core.planner_lost()
+                self.tap.note(What.PLANNER_LOST)
+            self._planner_pid = pid
+        if self.pieces.published == self.pieces.position:
+            return
+        until = time.monotonic_ns() + self.period_ns // PIECES_SHARE
+        while time.monotonic_ns() < until and (records := self.pieces.take(1)):
+            if self.tap.on:
+                self.tap.put(What.PIECE, records[0][1])
+            self.core.feed(unpack_piece(records[0][1]))
+
+    def _take_orders(self) -> list[OrderRecord]:
+        """Orders meant for this very process: an older generation's are dropped (a command is taken once)."""
+        if self.orders.published == self.orders.position:
+            return []
+        taken = self.orders.take(8)
+        if taken and self.tap.on:
+            self.tap.orders(taken)
+        records = [unpack_order(record) for _, record in taken]
+        return [record for record in records if record.generation == self.core.state.generation]
+
+
+def main(argv: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="axisgate cycle", description="the cycle process; started by the supervisor")
+    parser.add_argument("--plan", type=int, required=True)
+    parser.add_argument("--fds", required=True)
+    arguments = parser.parse_args(argv)
+    die_with_parent(number=signal.SIGKILL)
+    plan = load_plan(arguments.plan)
+    quick = NativeParts()
+    for words in quick.missing:
+        print(f"in Python: {words}", flush=True)
+    cycle = Cycle(plan, fds_from_text(arguments.fds), quick)
+    for warning in go_realtime(PRIORITY):
+        print(warning, flush=True)
+    cycle.run()
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

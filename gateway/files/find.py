@@ -1,0 +1,85 @@
+"""Where configuration files are found and read; nothing else of ours opens one.
+
+Looked up in this order: the path as given, $AXISGATE_CONFIGS (several folders separated by `:`), the packaged configs.
+"""
+
+import os
+import pathlib
+import tomllib
+from collections.abc import Sequence
+
+PACKAGED = pathlib.Path(__file__).resolve().parents[2] / "configs"
+SUFFIX = {"cells": ".toml", "drives": "", "robots": ".toml", "signals": ".toml", "benches": ".toml", "programs": ".txt", "errors": ".toml"}
+
+
+class ConfigNotFound(FileNotFoundError):
+    """No such file; the message names every place that was searched and what there is."""
+
+
+def find_config(name: str, kind: str, first: Sequence[pathlib.Path] = ()) -> pathlib.Path:
+    """The file `name` of a kind (cells, drives, robots, signals, benches), `first` of these; a kind's own suffix may be left out."""
+    wanted = pathlib.Path(name)
+    for each in (*first, wanted):
+        if each.is_file():
+            return each
+    searched = [str(each.absolute()) for each in (*first, wanted)]
+    if not wanted.is_absolute():
+        for folder in _folders():
+            for candidate in _candidates(folder, kind, name):
+                if candidate.is_file():
+                    return candidate
+                searched.append(str(candidate))
+    raise ConfigNotFound(f"{name}: no such file; looked for {', '.join(dict.fromkeys(searched))}{_known(kind)}")
+
+
+def beside(path: str, name: str, kind: str) -> pathlib.Path:
+    """A file another file names: beside that file first, then as `find_config` does."""
+    folder, own = pathlib.Path(path).parent, SUFFIX[kind] != ".toml"  # cells stand beside a cell, and may be called as their robot is
+    return find_config(name, kind, first=[folder / each for each in (name, *(_names(name, kind) if own else ()))])
+
+
+def read_text(path: pathlib.Path) -> str:
+    """The text of a configuration file (UTF-8, with or without BOM); UnicodeDecodeError names the byte."""
+    return path.read_text(encoding="utf-8-sig")
+
+
+def read_octets(path: pathlib.Path, most: int) -> bytes:
+    """A binary file, read as a whole; OSError for one of more than `most` bytes."""
+    if path.stat().st_size > most:
+        raise OSError(f"{path}: {path.stat().st_size} bytes, {most} are the most")
+    return path.read_bytes()
+
+
+def read_signals(name: str = "rho3") -> list[dict[str, str | int]]:
+    """The [[signal]] tables of a signal list."""
+    tables: list[dict[str, str | int]] = tomllib.loads(read_text(find_config(name, "signals")))["signal"]
+    return tables
+
+
+def read_evidence() -> list[dict[str, object]]:
+    """The [[function]] tables: how far each function was proved."""
+    tables: list[dict[str, object]] = tomllib.loads(read_text(PACKAGED / "evidence.toml"))["function"]
+    return tables
+
+
+def _folders() -> list[pathlib.Path]:
+    named = [pathlib.Path(part) for part in os.environ.get("AXISGATE_CONFIGS", "").split(":") if part]
+    return [*named, PACKAGED]
+
+
+def _candidates(folder: pathlib.Path, kind: str, name: str) -> list[pathlib.Path]:
+    return [place / each for each in _names(name, kind) for place in (folder / kind, folder)]
+
+
+def _names(name: str, kind: str) -> list[str]:
+    return [name] if pathlib.Path(name).suffix else [name + SUFFIX.get(kind, "")]
+
+
+def names_in(kind: str) -> list[str]:
+    """What `find_config` finds by name alone."""
+    return sorted({path.stem for folder in _folders() for path in (folder / kind).glob("*" + (SUFFIX.get(kind) or ".*"))})
+
+
+def _known(kind: str) -> str:
+    found = names_in(kind)
+    return f"; there are {', '.join(found)}" if found else ""

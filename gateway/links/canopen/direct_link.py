@@ -1,0 +1,52 @@
+"""A CANopen bus no cycle owns: commissioning tools speak to it through the same link as the services do through the ring."""
+
+import select
+import threading
+
+from drivers.ports.base import CanPort
+from protocols.base.machine import Frame
+
+
+class DirectLink:
+    """One CAN port as a link (drivers.ports.can.cycle_bus.CycleLink); what the master releases is remembered for whoever makes SYNC."""
+
+    def __init__(self, port: CanPort) -> None:
+        self.port = port
+        self.released: dict[int, int] = {}  # node -> mode
+        self.cyclic: list[Frame] = []  # TPDOs, for whoever wants them; the master does not
+        self._lock = threading.Lock()
+
+    def send(self, identifier: int, data: bytes) -> bool:
+        """False: the port did not take it."""
+        with self._lock:
+            return self.port.send([Frame(identifier, data)]) == 1
+
+    def burst(self, frames: list[Frame]) -> None:
+        """SYNC, RPDOs and the heartbeat of a tool that plays the cycle for a moment."""
+        with self._lock:
+            self.port.send(frames)
+
+    def receive(self) -> list[Frame]:
+        """What came aside; cyclic data is kept apart."""
+        if not select.select([self.port], (), (), 0)[0]:
+            return []
+        with self._lock:
+            frames = self.port.receive()
+        aside: list[Frame] = []
+        for frame in frames:
+            cyclic = 0x180 <= frame.identifier < 0x580
+            (self.cyclic if cyclic else aside).append(frame)
+        del self.cyclic[:-4096]
+        return aside
+
+    def left_out(self, identifier: int) -> int:
+        """Nothing is left out on a port of its own."""
+        return 0
+
+    def release(self, node: int, mode: int) -> None:
+        """This node is configured."""
+        self.released[node] = mode
+
+    def hold(self, node: int) -> None:
+        """It is no longer."""
+        self.released.pop(node, None)

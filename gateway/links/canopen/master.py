@@ -1,0 +1,412 @@
+"""The master of a CANopen bus: starts the nodes up, watches them, says what is wrong with them.  Runs in threads of the services.
+
+What each node is told is the pure plan of drivers.drives.cia402_boot; the `canopen` package carries it out over the python-can plug-in
+`cycle:`.  One node at a time speaks SDO through its own lock; a node that does not answer is tried again after 1, 2, 5 s and never keeps
+another one waiting (AX-309).
+"""
+
+import contextlib
+import functools
+import logging
+import threading
+import time
+import traceback
+from collections.abc import Callable, Generator, Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Protocol, TypeVar
+
+import can
+import canopen
+from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError, SdoError
+
+from drivers.drives import canopen_steps as steps
+from drivers.drives import cia402_boot as plans
+from drivers.drives import io_boot
+from drivers.drives.canopen_steps import Answer, Refused, Silent
+from drivers.drives.cia402_boot import Booted, BootRefused, NodePlan
+from drivers.drives.io_boot import CouplerPlan
+from drivers.ports.can import cycle_bus
+from gateway.files.eds import canopen_dictionary
+from gateway.links.canopen.sdo_client import bounded_upload
+from protocols.base.errors import ProtocolError
+from protocols.canopen import cob_id as cobid
+from protocols.canopen import emcy
+from protocols.canopen.dictionary import ObjectDictionary
+from protocols.canopen.nmt import State
+
+TICK_S = 0.02
+SDO_S = 0.3  # patience with one answer, from when the request has left at the latest
+IN_LINE = 2  # frames of each node that may stand before a request: its own request, and the end of one that was not answered
+SDO_TRIES = 3
+BOOT_UP_S = 2.0  # patience with a boot-up message or a state of the heartbeat
+WAITS_S = (1.0, 2.0, 5.0)  # before the next attempt with a node that does not answer
+REFUSED_S = 10.0  # before the next attempt with one that was refused
+TELL_S = 1.0  # at most one emergency message of a node is told in this time
+ANSWERS, SDO_BYTES = 256, 8  # of a node that may wait unread, more than a block transfer has (127); bytes of one
+LATE = 2  # heartbeats more than the drive's own patience with us before the node counts as lost
+
+logging.getLogger("canopen").setLevel(logging.CRITICAL)  # what fails is reported here, in words
+
+
+class Health(Enum):
+    """How a node stands."""
+
+    WAITING = "waiting for its start-up"
+    BOOTING = "is started up"
+    READY = "ready"
+    DEAD = "does not answer"
+    REFUSED = "is not started"
+
+
+@dataclass
+class Node:
+    """One node and what became of it."""
+
+    plan: NodePlan
+    name: str  # of the axis
+    health: Health = Health.WAITING
+    why: str = ""
+    due: float = 0.0  # next attempt
+    attempts: int = 0
+    seen: float = 0.0  # last heartbeat
+    state: int = -1  # as it said
+    boots: int = 0  # boot-up messages heard
+    booted: Booted | None = None
+    emergency: int = 0  # code of the last EMCY, 0: none or gone
+    emergencies: int = 0
+    untold: int = 0  # of them not told one by one
+    quiet_until: float = 0.0
+    adopted: bool = False  # the next attempt only looks: a predecessor has configured it
+    asked: int = 0  # how often somebody wanted it started up once more
+    lock: threading.Lock = field(default_factory=threading.Lock)  # one SDO dialogue at a time
+    news: threading.Event = field(default_factory=threading.Event)  # a heartbeat came
+    thread: threading.Thread | None = None
+
+
+class MasterLink(cycle_bus.CycleLink, Protocol):
+    """The bus as the master needs it: through the cycle's ring, or a port of a tool's own."""
+
+    def release(self, node: int, mode: int) -> None: ...  # this node is configured
+    def hold(self, node: int) -> None: ...  # it is no longer
+    def left_out(self, identifier: int) -> int: ...  # frames of a storm that receive() did not hand on since the last call
+
+
+class Receiving(can.Listener):
+    """Keeps the receiving thread alive: one frame or one look at the ring that fails is told, and the next one is received.
+
+    Without it python-can ends the thread, and canopen raises that one error in every dialogue from then on.
+    """
+
+    def __init__(self, network: canopen.Network, told: Callable[[str], None]) -> None:
+        self._network, self._told = network, told
+
+    def on_message_received(self, msg: can.Message) -> None:
+        """canopen's own listener takes it."""
+
+    def on_error(self, exc: Exception) -> None:
+        if self._network.notifier is not None:
+            self._network.notifier.exception = None
+        self._told(f"receiving failed and goes on: {place_of(exc)}")
+        time.sleep(TICK_S)  # an error that stands must not become a busy loop
+
+    def stop(self) -> None:
+        """Nothing is open."""
+
+
+def place_of(error: BaseException) -> str:
+    """Kind, words and the innermost line."""
+    frames = traceback.extract_tb(error.__traceback__)
+    place = f" ({frames[-1].filename.rpartition('/')[2]}:{frames[-1].lineno} in {frames[-1].name})" if frames else ""
+    return f"{type(error).__name__}: {error}{place}"
+
+
+class EndedError(Exception):
+    """A dialogue was given up between two of its steps; the message says why."""
+
+
+T = TypeVar("T")
+Say = Callable[[str, str, Mapping[str, object]], None]  # kind, sentence, facts
+
+
+def start_up(plan: NodePlan, *, adopting: bool) -> plans.Plan:
+    """The plan of a drive or of an I/O coupler."""
+    if isinstance(plan, CouplerPlan):
+        return io_boot.adopt(plan) if adopting else io_boot.boot(plan)
+    return plans.adopt(plan) if adopting else plans.boot(plan)
+
+
+class CanopenMaster:
+    """All nodes of one bus."""
+
+    def __init__(
+        self,
+        channel: str,
+        link: MasterLink,
+        nodes: Sequence[tuple[str, NodePlan]],
+        say: Say,
+        sheets: Mapping[int, ObjectDictionary] | None = None,
+        language: str = "en",
+        cycle_s: float = 0.0,
+    ) -> None:
+        """`nodes`: (axis, plan); `sheets`: what their EDS says, by node; `cycle_s`: the link sends one frame in so long."""
+        self._language = language
+        self.nodes = {plan.node: Node(plan, name) for name, plan in nodes}
+        self._channel, self._link, self._say = channel, link, say
+        self._sheets = sheets or {}
+        self._in_line_s = IN_LINE * len(nodes) * cycle_s
+        self._stop = threading.Event()
+        self._quiet_until = 0.0
+        self._network: canopen.Network | None = None
+        self._remote: dict[int, canopen.RemoteNode] = {}
+        self._keeper = threading.Thread(target=self._keep, name=f"canopen {channel}", daemon=True)
+        cycle_bus.attach(channel, link)
+
+    # ---- life --------------------------------------------------------------------------------------------------------
+    def start(self, adopted: Sequence[int] = ()) -> None:
+        """`adopted`: nodes the cycle already speaks to; they are looked at, not configured."""
+        for number in adopted:
+            self.nodes[number].adopted = True
+        self._keeper.start()
+
+    def _connect(self) -> None:
+        """In the keeper's thread: reading data sheets takes a while, and doors do not wait for it."""
+        self._network = canopen.Network(can.Bus(interface="cycle", channel=self._channel))
+        self._network.NOTIFIER_CYCLE = 0.2
+        self._network.connect()
+        assert self._network.notifier is not None
+        self._network.notifier.add_listener(Receiving(self._network, self._ring_failed))
+        known: dict[int, canopen.ObjectDictionary] = {}  # nodes of one type share what is known of them
+        for number, node in self.nodes.items():
+            sheet = self._sheets.get(number)
+            if id(sheet) not in known:
+                known[id(sheet)] = canopen_dictionary(sheet, number)
+            remote = canopen.RemoteNode(number, known[id(sheet)])
+            self._network.add_node(remote)
+            remote.sdo.RESPONSE_TIMEOUT, remote.sdo.MAX_RETRIES = SDO_S + self._in_line_s, 1
+            self._hear(self._network, node, remote)
+            self._remote[number] = remote
+
+    def _hear(self, network: canopen.Network, node: Node, remote: canopen.RemoteNode) -> None:
+        """Own listeners in place of the package's: those keep every emergency message and answer for ever, and fail on a short frame."""
+        number = node.plan.node
+        for identifier in (cobid.emcy(number), cobid.heartbeat(number), cobid.sdo_answer(number)):
+            network.unsubscribe(identifier)
+        network.subscribe(cobid.emcy(number), functools.partial(self._on_emergency, node))
+        network.subscribe(cobid.heartbeat(number), self._on_heartbeat)
+        network.subscribe(cobid.sdo_answer(number), functools.partial(self._on_answer, remote))
+
+    @staticmethod
+    def _on_answer(remote: canopen.RemoteNode, identifier: int, data: bytearray, stamp: float) -> None:
+        """Answers nobody asked for wait for the next request, which drops them; more of them than a block transfer has are dropped here."""
+        if len(data) == SDO_BYTES and remote.sdo.responses.qsize() < ANSWERS:
+            remote.sdo.on_response(identifier, data, stamp)
+
+    def _ring_failed(self, words: str) -> None:
+        """At most once a second."""
+        now = time.monotonic()
+        if now >= self._quiet_until:
+            self._quiet_until = now + TELL_S
+            self._say("alarm", f"{self._channel}: {words}", {})
+
+    def stop(self) -> None:
+        """Ends all threads; nodes stay as they are."""
+        self._stop.set()
+        for node in self.nodes.values():
+            node.news.set()
+        self._keeper.join(2.0)
+        if self._network is not None:
+            with contextlib.suppress(can.CanError):
+                self._network.disconnect()
+        cycle_bus.detach(self._channel)
+
+    def again(self, number: int | None = None) -> None:
+        """Start up once more: a new cycle, or somebody asks."""
+        for node in self.nodes.values():
+            if number in (None, node.plan.node):
+                node.adopted, node.asked = False, node.asked + 1
+                if node.health is not Health.BOOTING:
+                    node.health, node.due, node.attempts = Health.WAITING, 0.0, 0
+
+    def status(self) -> list[dict[str, object]]:
+        """For tools and pages."""
+        return [
+            {
+                "bus": self._channel, "node": number, "axis": node.name, "health": node.health.name, "why": node.why,
+                "emergency": node.emergency, "emergencies": node.emergencies, "attempts": node.attempts, "boots": node.boots,
+            }
+            for number, node in self.nodes.items()
+        ]  # fmt: skip
+
+    # ---- what the bus says ---------------------------------------------------------------------------------------------
+    def _on_heartbeat(self, identifier: int, data: bytearray, stamp: float) -> None:
+        node = self.nodes.get(identifier & 0x7F)
+        if node is None or not data:
+            return
+        node.seen, node.state = time.monotonic(), data[0] & 0x7F
+        if node.state == State.INITIALISING:
+            node.boots += 1
+            if node.health is Health.READY:
+                self._lost(node, "was reset: it sent its boot-up message")
+            elif node.health in (Health.DEAD, Health.REFUSED):
+                node.due = 0.0
+        node.news.set()
+
+    def _on_emergency(self, node: Node, identifier: int, data: bytearray, stamp: float) -> None:
+        """In words; a storm of them is one line a second with their number."""
+        left_out = self._link.left_out(identifier)
+        node.emergencies += 1 + left_out
+        node.untold += left_out
+        try:
+            error = emcy.decode(bytes(data))
+        except ProtocolError:
+            node.untold += 1  # too short for one: counted
+            return
+        before, node.emergency = node.emergency, error.code
+        now = time.monotonic()
+        if error.code == before or now < node.quiet_until:
+            node.untold += 1
+            return
+        from drivers.drives.cia402_words import sentence
+
+        more = f" ({node.untold} more emergency messages before)" if node.untold else ""
+        node.quiet_until, node.untold = now + TELL_S, 0
+        facts = {"node": node.plan.node, "code": error.code, "register": error.register}
+        self._say("drive", f"{node.name}: {sentence(error.code, self._language)}{more}", facts)
+
+    # ---- the keeper ------------------------------------------------------------------------------------------------------
+    def _keep(self) -> None:
+        self._connect()
+        while not self._stop.wait(TICK_S):
+            now = time.monotonic()
+            for node in self.nodes.values():
+                if node.health is Health.READY:
+                    patience = node.plan.heartbeat_ms / 1000.0 * (node.plan.missed + LATE)
+                    if now - node.seen > max(patience, 0.25):
+                        self._lost(node, "its heartbeat stays away")
+                    elif node.state not in (State.OPERATIONAL, -1):
+                        self._lost(node, f"left operational: its heartbeat says {node.state}")
+                elif node.health is not Health.BOOTING and now >= node.due:
+                    node.health, node.attempts = Health.BOOTING, node.attempts + 1
+                    node.thread = threading.Thread(target=self._boot, args=(node,), name=f"boot {node.name}", daemon=True)
+                    node.thread.start()
+
+    def _lost(self, node: Node, why: str) -> None:
+        self._link.hold(node.plan.node)
+        node.health, node.why, node.due, node.attempts = Health.WAITING, why, 0.0, 0
+        self._say("drive", f"{node.name} (node {node.plan.node}): {why}", {"node": node.plan.node})
+
+    def _boot(self, node: Node) -> None:
+        """One attempt, in a thread of its own: a node that does not answer keeps nobody waiting."""
+        plan, adopting, asked = node.plan, node.adopted, node.asked
+        try:
+            with node.lock:
+                boots = node.boots
+                booted = self._carry(node, start_up(plan, adopting=adopting))
+                if node.boots > boots + (not adopting) or node.asked != asked:
+                    raise BootRefused("was reset while it was started up", dead=True)
+        except BootRefused as refusal:
+            self._failed(node, refusal)
+        except Exception as error:  # a thread that died in silence would leave the node waiting for ever
+            self._failed(node, BootRefused(place_of(error), dead=True))  # nothing the node said: tried again soon
+        else:
+            node.seen = time.monotonic()
+            fresh = booted.refused if booted.refused != node.why else ""
+            node.booted, node.attempts, node.why = booted, 0, booted.refused
+            if not adopting:
+                self._link.release(plan.node, booted.mode)
+            node.adopted, node.health = False, Health.READY
+            notes = f" ({'; '.join(booted.notes)})" if booted.notes else ""
+            self._say("drive", f"{node.name} (node {plan.node}): ready{notes}", {"node": plan.node, "options": booted.options})
+            if fresh:
+                self._say("alarm", f"{node.name} (node {plan.node}): {fresh}", {"node": plan.node})
+
+    def _failed(self, node: Node, refusal: BootRefused) -> None:
+        node.adopted = False
+        wait = WAITS_S[min(node.attempts - 1, len(WAITS_S) - 1)] if refusal.dead else REFUSED_S
+        node.due = time.monotonic() + wait
+        node.health = Health.DEAD if refusal.dead else Health.REFUSED
+        if str(refusal) != node.why:
+            node.why = str(refusal)
+            self._say("alarm", f"{node.name} (node {node.plan.node}) {node.health.value}: {refusal}", {"node": node.plan.node})
+
+    def _carry(self, node: Node, plan: plans.Plan) -> Booted:
+        """Carries the steps out; raises BootRefused as the plan does."""
+        try:
+            step = next(plan)
+            while not self._stop.is_set():
+                step = plan.send(self._answer(node, step))
+        except StopIteration as end:
+            booted = end.value
+            assert isinstance(booted, Booted)
+            return booted
+        raise BootRefused("stopped", dead=True)
+
+    def _answer(self, node: Node, step: steps.Step) -> Answer:
+        match step:
+            case steps.Read(index, sub):
+                return self.upload(node.plan.node, index, sub)
+            case steps.Write(index, sub, data):
+                return self.download(node.plan.node, index, sub, data)
+            case steps.Nmt(command, awaits):
+                assert self._network is not None
+                boots = node.boots
+                node.state = -1
+                self._network.send_message(cobid.NMT, bytes((command, node.plan.node)))
+                return self._await(node, awaits, boots)
+            case steps.Pause(ms):
+                self._stop.wait(ms / 1000.0)
+                return b""
+            case steps.Now():
+                return (time.monotonic_ns() // 1_000_000).to_bytes(8, "little")
+            case steps.Sync(ms):
+                self._link.send(cobid.SYNC, b"")  # only a tool's own port takes it: the cycle's ring refuses SYNC
+                self._stop.wait(ms / 1000.0)
+                return b""
+
+    def _await(self, node: Node, state: State | None, boots: int) -> Answer:
+        end = time.monotonic() + BOOT_UP_S + self._in_line_s
+        while state is not None and not self._stop.is_set():
+            if (state is State.INITIALISING and node.boots > boots) or node.state == state:
+                return b""
+            node.news.clear()
+            if not node.news.wait(max(0.0, end - time.monotonic())):
+                return Silent.YES
+        return b""
+
+    def carry(self, number: int, plan: Generator[steps.Step, Answer, T], ends: Callable[[], str] = str) -> T:
+        """A dialogue of a tool with a node that is started up; raises what the plan raises.
+
+        `ends`: asked before every step; words end the dialogue there with EndedError.
+        """
+        node = self.nodes[number]
+        with node.lock:
+            step = next(plan)
+            while True:
+                if why := ends():
+                    raise EndedError(why)
+                try:
+                    step = plan.send(self._answer(node, step))
+                except StopIteration as end:
+                    result: T = end.value
+                    return result
+
+    # ---- SDO -------------------------------------------------------------------------------------------------------------
+    def upload(self, number: int, index: int, sub: int) -> Answer:
+        """One object as bytes; the caller holds the node's lock."""
+        return self._sdo(lambda: bounded_upload(self._remote[number].sdo, index, sub))
+
+    def download(self, number: int, index: int, sub: int, data: bytes) -> Answer:
+        """One object written; b"" when the node took it."""
+        return self._sdo(lambda: self._remote[number].sdo.download(index, sub, data) or b"")
+
+    def _sdo(self, job: Callable[[], bytes]) -> Answer:
+        for _ in range(SDO_TRIES):
+            try:
+                return job()
+            except SdoAbortedError as error:
+                return Refused(error.code)
+            except (SdoCommunicationError, SdoError, can.CanError):
+                if self._stop.is_set():
+                    break
+        return Silent.YES

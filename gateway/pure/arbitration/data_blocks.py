@@ -1,0 +1,414 @@
+"""The old-style door: data blocks as the PLC program already has them, and its start/busy/done handshake.
+
+A SEND is taken whole: all its words first, then its edges, in a fixed order (AX-142).  Edges need a telegram before them: after a start
+of services or a lost link the first telegram only tells where the bits stand, so a standing start bit starts nothing.
+
+Targets, speed, number and override are `gateway.pure.arbitration.command_numbers`: a command that needs one that was refused, or that
+the PLC has not
+written since the link began, is refused whole (AX-610).
+"""
+
+import math
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from gateway.pure.arbitration.block_keys import block_name
+from gateway.pure.arbitration.command_block import Code, Command
+from gateway.pure.arbitration.command_numbers import NUMBER, OVERRIDE, PARITY, SPEED, START, MoveNumbers
+from gateway.pure.arbitration.handshakes import Asked, Handshaking, Pattern
+from gateway.pure.image.reasons import CommandState
+from protocols.base.errors import ProtocolError
+from protocols.base.machine import Ns
+from protocols.base.step5 import Step5Type, decode, encode
+
+RC_NAMES = {  # entries that are RC inputs -> field of RcNumbers (AX-002)
+    "cell.emergency_stop_ok": "chain",
+    "cell.control_allow": "control",
+    "cell.feed_allow": "feed",
+    "cell.feed_hold_not": "run",
+    "cell.travel_allow": "travel",
+}
+
+
+RANGES = {  # counts a number of that type can hold; the other types stand for their word as it is
+    Step5Type.KF: (-0x8000, 0x7FFF),
+    Step5Type.DH: (-0x8000_0000, 0x7FFF_FFFF),
+    Step5Type.KH: (0, 0xFFFF),
+    Step5Type.KM: (0, 0xFFFF),
+    Step5Type.KZ: (0, 999),
+    Step5Type.BCD: (0, 9999),
+    Step5Type.KG: (-1.7e38, 1.7e38),
+    Step5Type.REAL: (-3.4e38, 3.4e38),
+}
+FLOATS = (Step5Type.KG, Step5Type.REAL)
+SELECTED_BY = {Pattern.STROBE_PARITY: (NUMBER, PARITY), Pattern.NUMBER_SELECT: (NUMBER,)}  # what a request of this pattern carries
+WHOLE = 1e-6  # so near to a whole number a number in floating point is one
+
+
+@dataclass(frozen=True, slots=True)
+class Slot:
+    """One entry of a data block, compiled."""
+
+    db: int
+    word: int
+    type: Step5Type | None  # None: a bit
+    name: str
+    bit: int = 0
+    half: str = ""  # L | R: one byte of the word (DL, DR)
+    factor: float = 1.0  # one count in the unit of the name (mm, deg, %, 1)
+    low: float | None = None  # in counts x factor
+    high: float | None = None
+    rising: bool = False
+
+    @property
+    def size(self) -> int:
+        """Bytes this slot covers from the start of its word (or of its half)."""
+        return 2 if self.type is None or self.half else self.type.size
+
+    @property
+    def range_words(self) -> str:
+        """low..high, with what is open left out."""
+        return f"{'' if self.low is None else f'{self.low:g}'}..{'' if self.high is None else f'{self.high:g}'}"
+
+    def within(self, first: int, end: int) -> bool:
+        """All its words are among these bytes of the block."""
+        return first <= 2 * self.word and 2 * self.word + self.size <= end
+
+    def overlaps(self, first: int, end: int) -> bool:
+        """One of its words is."""
+        return first < 2 * self.word + self.size and 2 * self.word < end
+
+
+@dataclass(frozen=True, slots=True)
+class HandshakeBits:
+    """start-busy-done: the bits of one old program."""
+
+    start: tuple[int, int, int] | None  # db, word, bit
+    busy: tuple[int, int, int] | None
+    done: tuple[int, int, int] | None
+    refused: tuple[int, int, int] | None
+
+
+@dataclass(slots=True)
+class DataBlock:
+    """One declared block; `data` is 2 bytes a word, high byte first (AX-010)."""
+
+    number: int
+    words: int
+    from_plc: bool
+    slots: tuple[Slot, ...] = ()
+    data: bytearray = field(default_factory=bytearray)
+    fresh: bool = False  # the PLC has written it since the link began: its words are no older than the link
+
+    def __post_init__(self) -> None:
+        self.data = bytearray(2 * self.words)
+
+    def bit(self, word: int, bit: int) -> bool:
+        """D word.bit: bit 0 is the lowest of the right byte."""
+        return bool(int.from_bytes(self.data[2 * word : 2 * word + 2], "big") >> bit & 1)
+
+    def put_bit(self, word: int, bit: int, value: bool) -> None:
+        old = int.from_bytes(self.data[2 * word : 2 * word + 2], "big")
+        new = old | 1 << bit if value else old & ~(1 << bit)
+        self.data[2 * word : 2 * word + 2] = new.to_bytes(2, "big")
+
+    def get(self, slot: Slot) -> float:
+        """The slot's value in its unit; raises ProtocolError when the bytes are no number of that type."""
+        if slot.type is None:
+            return float(self.bit(slot.word, slot.bit))
+        at = 2 * slot.word
+        if slot.half:
+            return self.data[at + (slot.half == "R")] * slot.factor
+        raw = bytes(self.data[at : at + slot.size])
+        number = decode(slot.type, raw) if slot.type in RANGES else int.from_bytes(raw, "big")
+        assert isinstance(number, int | float)
+        return number * slot.factor
+
+    def put(self, slot: Slot, value: float) -> bool:
+        """Write a value in its unit; beyond the type's range the nearest end stands there (False)."""
+        if slot.type is None:
+            self.put_bit(slot.word, slot.bit, bool(value))
+            return True
+        count = value / slot.factor
+        low, high = (0, 255) if slot.half else RANGES.get(slot.type, (0, 0xFFFF))
+        kept = min(max(count, low), high)
+        at = 2 * slot.word
+        if slot.half:
+            self.data[at + (slot.half == "R")] = round(kept)
+        elif slot.type in RANGES:
+            self.data[at : at + slot.size] = encode(slot.type, kept if slot.type in FLOATS else round(kept))
+        else:
+            self.data[at : at + 2] = round(kept).to_bytes(2, "big")
+        return kept == count
+
+
+class DataBlocks:
+    """All data blocks of one line."""
+
+    def __init__(
+        self,
+        blocks: Sequence[DataBlock],
+        axes: Sequence[str],
+        handshake: HandshakeBits | None,
+        command: Callable[[Command], None],
+        value: Callable[[str], float],
+        bad_number: Callable[[str, str], None],
+        level: Callable[[str, float], None],
+        inputs: Sequence[str] = (),
+        pattern: Handshaking | None = None,
+        positions: Mapping[int, tuple[Mapping[str, float], float]] | None = None,
+        programs: Collection[int] = (),
+        refuse: Callable[[Code, str], None] = lambda code, words: None,
+    ) -> None:
+        """`command` takes fresh commands, `value` gives status by name, `bad_number(name, text)` hears of numbers that are none or out of
+        min..max, `level(name, value)` of entries that are RC inputs: cell.feed_allow, ... and `inputs`, signals and flags;
+        `pattern`: another handshake than start-busy-done; `positions`: what its numbers select, targets and speed (0..1); `programs`:
+        numbers that select a program of the cell (AX-406); `refuse(code, words)`: a command that was not given because of its numbers."""
+        self.blocks: Mapping[int, DataBlock] = {block.number: block for block in blocks}
+        self.life: int | None = None  # life word of the last telegram, if it wrote one
+        self.clamped = 0
+        self.forced: Mapping[tuple[int, int], tuple[int, int]] = {}  # block, word -> mask and values that stand whoever writes (AX-498)
+        self._said = {block.number: bytearray(2 * block.words) for block in blocks}  # what the PLC wrote, without forces
+        self._axes = tuple(axes)
+        self._handshake = handshake
+        self._inputs = (*RC_NAMES, *inputs)
+        self._command, self._value, self._bad, self._level = command, value, bad_number, level
+        self._pattern, self._positions, self._programs, self._asked = pattern, positions or {}, frozenset(programs), Asked()
+        self._levels: dict[str, float] = {}
+        self._told: dict[Slot, str] = {}  # what was said of a bad number that still stands
+        self._primed: set[str] = set()
+        self._numbers = MoveNumbers({slot.name for block in blocks if block.from_plc for slot in block.slots})
+        self._since = {block.number: bytearray(2 * block.words) for block in blocks}  # 1: written since the link began
+        self._refuse, self._owed = refuse, False  # drives were asked on before their override was known
+        self._move = CommandState.NONE
+        self._answered = False  # the start bit has fallen: done and refused are taken back
+        self._leaving = False  # drives-on fell: give control back as soon as the axes rest
+
+    # ---- from the PLC ------------------------------------------------------------------------------------------------
+    def restart(self) -> None:
+        """Start of services or return of the link: the next telegram only says where the bits stand (AX-141)."""
+        self._primed.clear()
+        self._numbers.clear()
+        self._asked, self._owed = Asked(), False
+        if self._pattern is not None:
+            self._pattern.restart()
+        for since in self._since.values():
+            since[:] = bytes(len(since))
+        for block in self.blocks.values():
+            block.fresh = block.fresh and not block.from_plc  # what a Modbus client writes is its door's business
+
+    def written(self, db: int, word: int, data: bytes, now: Ns) -> None:
+        """One SEND, already known to fit: take it whole, then act on its edges."""
+        block, said = self.blocks[db], self._said[db]
+        said[2 * word : 2 * word + len(data)] = data
+        block.data[2 * word : 2 * word + len(data)] = self.laid(db, bytes(said))[2 * word : 2 * word + len(data)]
+        block.fresh = True
+        self._since[db][2 * word : 2 * word + len(data)] = b"\1" * len(data)
+        self._take(block, [slot for slot in block.slots if slot.overlaps(2 * word, 2 * word + len(data))], 2 * word, len(data))
+
+    def _take(self, block: DataBlock, slots: Sequence[Slot], first: int, size: int) -> None:
+        """Slots whose bytes were written, from `first` so many: their values, then what they ask for."""
+        levels: dict[str, float] = {}
+        for slot in slots:
+            if slot.within(first, first + size):
+                value, words = self._read(block, slot)
+            else:
+                value, words = None, f"{slot.name}: only a part of its words was written; write all of them with one SEND"
+            self._numbers.put(slot.name, value, words)
+            if value is not None:
+                levels[slot.name] = value
+        self.life = next((round(v) for name, v in levels.items() if name.startswith("line.") and name.endswith(".life")), None)
+        asked = {slot.name for slot in slots}
+        self._act({name: value for name, value in levels.items() if not name.endswith((".target", ".life"))}, asked)
+
+    def laid(self, db: int, data: bytes) -> bytes:
+        """The whole block with its forced words over it."""
+        mine = [(word, *over) for (block, word), over in self.forced.items() if block == db]
+        if not mine:
+            return data
+        new = bytearray(data)
+        for word, mask, value in mine:
+            old = int.from_bytes(new[2 * word : 2 * word + 2], "big")
+            new[2 * word : 2 * word + 2] = (old & ~mask | value).to_bytes(2, "big")
+        return bytes(new)
+
+    def forces_changed(self, db: int, now: Ns) -> None:
+        """A force came or went: it acts at once where the PLC has written, else with the PLC's first telegram."""
+        block, since = self.blocks[db], self._since[db]
+        if block.from_plc and block.fresh:
+            block.data[:] = self.laid(db, bytes(self._said[db]))
+            written = [slot for slot in block.slots if all(since[2 * slot.word : 2 * slot.word + slot.size])]
+            self._take(block, written, 0, len(block.data))
+
+    def _read(self, block: DataBlock, slot: Slot) -> tuple[float | None, str]:
+        """The slot's value; None and why when it is none or out of its range, which is told once until it changes."""
+        try:
+            value = block.get(slot)
+            words = ""
+        except ProtocolError as error:
+            words = str(error)
+        else:
+            if (slot.low is not None and value < slot.low) or (slot.high is not None and value > slot.high):
+                words = f"{slot.name} {value:g}; {slot.range_words}"
+            elif not math.isfinite(value):
+                words = f"{slot.name} {value:g} is no number"
+            elif slot.name == NUMBER and abs(value - round(value)) > WHOLE:
+                words = f"{slot.name} {value:g}; a whole number is expected"
+        if words and self._told.get(slot) != words:
+            self._bad(slot.name, f"{block_name(block.number)} DW {slot.word}: {words}")
+        self._told[slot] = words
+        return (None, words) if words else (value, "")
+
+    def _act(self, levels: Mapping[str, float], asked: Collection[str]) -> None:
+        """Edges in a fixed order: stop before everything that might start something, start last (AX-142)."""
+        all_axes = (1 << len(self._axes)) - 1
+        for name in self._inputs:
+            if name in levels:
+                self._level(name, levels[name])
+        on = self._edge("drives.on", levels)
+        if self._edge("cell.stop", levels) == 1:
+            self._command(Command(Code.STOP))
+        if on == -1:
+            self._command(Command(Code.DISABLE, all_axes))
+            self._leaving = True
+        if self._edge("cell.reset", levels) == 1:
+            self._command(Command(Code.FAULT_RESET))
+        if on == 1:
+            self._leaving = False
+            self._command(Command(Code.REQUEST_CONTROL))
+            self._command(Command(Code.ENABLE, all_axes))
+        self._override(levels, fresh=on == 1)
+        if self._edge("axis.*.reference", levels) == 1:
+            self._give(Command(Code.REFERENCE, all_axes), self._numbers.refused(OVERRIDE))
+        if self._edge("cell.resume", levels) == 1:
+            self._give(Command(Code.RESUME), self._numbers.refused(OVERRIDE))
+        if self._pattern is not None:
+            self._ask(self._pattern, levels, asked)
+            return
+        start = self._edge("move.start", levels)
+        if start == 1:
+            self._start()
+        elif start == -1:
+            self._answered = True
+
+    def _give(self, command: Command, fault: str) -> None:
+        """A command, or its refusal."""
+        if fault:
+            self._refuse(Code(command.code), fault)
+        else:
+            self._command(command)
+
+    def _ask(self, pattern: Handshaking, levels: Mapping[str, float], asked: Collection[str]) -> None:
+        """What this telegram says of the request; what it does not carry stands as before."""
+        if not {START, NUMBER, PARITY} & set(asked):
+            return
+        old = self._asked
+        self._asked = Asked(
+            bool(levels.get(START, old.start)),
+            round(levels.get(NUMBER, old.number)),
+            bool(levels.get(PARITY, old.parity)),
+            self._numbers.missing(SELECTED_BY.get(pattern.pattern, ())),
+        )
+        if not self._numbers.seen(NUMBER if pattern.pattern is Pattern.NUMBER_SELECT else START):
+            return  # where the bit or number that starts stands is not known yet: it may have been there for long
+        if not pattern.see(self._asked):
+            if pattern.wrong:
+                self._refuse(Code.PTP_ABSOLUTE, pattern.wrong)
+            return
+        number = self._asked.number
+        if pattern.selects and number in self._programs:
+            self._begin(Command(Code.PROGRAM, number, self._numbers.speed, 1.0), [SPEED])
+        else:
+            self._start(self._positions.get(number) if pattern.selects else None)
+
+    def _edge(self, name: str, levels: Mapping[str, float]) -> int:
+        """1 rising, -1 falling, 0 none or not known yet."""
+        if name not in levels:
+            return 0
+        before, now = self._levels.get(name, 0.0), levels[name]
+        self._levels[name] = now
+        if name not in self._primed:
+            self._primed.add(name)
+            return 0
+        return (now > before) - (now < before)
+
+    def _override(self, levels: Mapping[str, float], *, fresh: bool) -> None:
+        """A level, but taken only when it changed or the drives were just asked on: it must not fight the other doors."""
+        name = OVERRIDE
+        before = self._levels.get(name)
+        now = levels.get(name, before)
+        if not self._numbers.declared(name):
+            if fresh:
+                self._command(Command(Code.OVERRIDE, velocity=1.0))  # this block has no override: full programmed speed
+            return
+        self._owed |= fresh
+        fault = self._numbers.missing([name])
+        if fault:
+            if fresh and self._numbers.seen(name):
+                self._refuse(Code.OVERRIDE, fault)
+            return  # what stands stays; what would move is refused until a good one is written
+        if now is None:
+            return
+        primed = name in self._primed
+        self._levels[name] = now
+        self._primed.add(name)
+        if fresh or ((self._owed or (primed and now != before)) and self._value("cell.control")):
+            self._owed = False
+            self._command(Command(Code.OVERRIDE, velocity=now / 100.0))
+
+    def _start(self, position: tuple[Mapping[str, float], float] | None = None) -> None:
+        """The selected position, or the targets of the same telegram, or the latest ones written before it."""
+        numbers = self._numbers
+        at, speed = (numbers.targets, numbers.speed) if position is None else position
+        mask = sum(1 << n for n, name in enumerate(self._axes) if name in at)
+        targets = tuple(at.get(name, 0.0) for name in self._axes)
+        self._begin(Command(Code.PTP_ABSOLUTE, mask, speed, 1.0, targets), [*numbers.target_names, SPEED] if position is None else [])
+
+    def _begin(self, command: Command, needed: Sequence[str]) -> None:
+        """A move or program: refused whole while one of its numbers is refused or not written."""
+        self._answered = False
+        fault = self._numbers.missing([*needed, OVERRIDE])
+        if not fault:
+            self._command(command)
+            return
+        self.move_state(CommandState.REFUSED)
+        self._refuse(Code(command.code), fault)
+
+    def settle(self, *, at_rest: bool) -> None:
+        """Call when time has passed: control is released at rest, after drives-on fell."""
+        if self._leaving and at_rest:
+            self._leaving = False
+            self._command(Command(Code.RELEASE_CONTROL))
+
+    # ---- to the PLC --------------------------------------------------------------------------------------------------
+    def move_state(self, state: CommandState) -> None:
+        """What became of the last move; shown in the handshake bits until start falls."""
+        self._move = state
+        if self._pattern is not None:
+            self._pattern.hear(state)
+
+    def handshake_bit(self, key: str) -> bool:
+        """busy, done, refused of the last move; done and refused fall with the start bit."""
+        if self._pattern is not None:
+            return self._pattern.bit(key)
+        if key == "busy":
+            return self._move in (CommandState.ACCEPTED, CommandState.RUNNING)
+        if self._answered:
+            return False
+        return self._move is CommandState.DONE if key == "done" else self._move in (CommandState.REFUSED, CommandState.ABORTED)
+
+    def fill(self, db: int) -> bytes:
+        """The block as the PLC fetches it now; all of one moment."""
+        block = self.blocks[db]
+        if block.from_plc:
+            return bytes(block.data)
+        for slot in block.slots:
+            self.clamped += not block.put(slot, self._value(slot.name))
+        bits = self._handshake
+        if bits is not None:
+            for place, key in ((bits.busy, "busy"), (bits.done, "done")):
+                if place is not None and place[0] == db:
+                    block.put_bit(place[1], place[2], self.handshake_bit(key))
+            if bits.refused is not None and bits.refused[0] == db and self.handshake_bit("refused"):
+                block.put_bit(bits.refused[1], bits.refused[2], True)  # the bit may also be the cell's error bit
+        return self.laid(db, bytes(block.data))

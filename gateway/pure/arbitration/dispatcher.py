@@ -1,0 +1,447 @@
+"""The office: takes commands from the doors, judges them, turns them into orders for the cycle and keeps each door's outcome.
+
+Pure: what the cycle publishes (CellState) and time come in, orders and events go out.  The office never remembers across a restart:
+a new office has no jobs, so a standing command starts nothing (design: a command is taken once).
+"""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+
+from drivers.drives.tracking import sentence
+from gateway.pure.arbitration.command_block import Code, Command
+from gateway.pure.arbitration.jobs import AxisFacts, DispatcherEvent, Job, OnLoss, SourceState
+from gateway.pure.arbitration.ownership import NOBODY, Ownership
+from gateway.pure.image.belt_texts import belt_words
+from gateway.pure.image.reasons import CommandState, Reason, Refusal
+from gateway.pure.image.records.cell import AxisFlag, CellState, Motion, Order, OrderRecord, Permit
+from gateway.pure.image.records.planner import PlannerState, ProgramFacts, ProgramOrder, function_words
+from protocols.base.machine import Ns, ms
+
+ENABLE_PATIENCE = ms(5_000)  # brake, power and enabling of six drives take well under 2 s
+RESET_PATIENCE = ms(2_000)
+TINY, TRAVELS = 1e-6, 10.0  # AX-010: what looks like a number in another format
+
+
+Planner = Callable[[Sequence[float], Sequence[float], int, float, float, int], bytes]  # start, target (SI), mask, v, a, job -> piece
+NO_PROGRAMS: Mapping[int, ProgramFacts] = {}
+
+
+class CommandDispatcher:
+    """Commands in, orders out."""
+
+    def __init__(
+        self, axes: Sequence[AxisFacts], plan: Planner, first_job: int, programs: Mapping[int, ProgramFacts] = NO_PROGRAMS
+    ) -> None:
+        """`first_job`: a number above every job a predecessor may have used; `programs`: those of the cell, by their numbers."""
+        self.axes = tuple(axes)
+        self.programs = programs
+        self.planner: PlannerState | None = None  # what the planner process says; None: it is not there
+        self.control = Ownership()
+        self.cell: CellState | None = None
+        self.stopped_moves = 0
+        self.barred = 0  # axes the interface has disabled
+        self.unspoken: dict[int, str] = {}  # axes nothing is ever sent to, and why (AX-436)
+        self._all = (1 << len(self.axes)) - 1
+        self._plan = plan
+        self._next = first_job
+        self._doors: dict[int, SourceState] = {}
+        self._open: list[Job] = []
+        self._orders: list[OrderRecord] = []
+        self._programs: list[ProgramOrder] = []
+        self._events: list[DispatcherEvent] = []
+        self._first_try = False
+        self._move: Job | None = None  # the move or reference run the axes are on
+
+    def bar(self, mask: int) -> None:
+        """These axes are disabled at the interface: off at once whoever has control, and nobody moves them until a new start (AX-333)."""
+        new, self.barred = mask & ~self.barred, mask
+        if new & self.enabled_mask():
+            self._order(Order.DISABLE, mask=new, reason=Reason.DRIVES_OFF)
+
+    def belt_stood(self, place: int, offset: float) -> None:
+        """Where the counter of a belt stood to its encoder when it was last seen; NaN: nobody knows (AX-480)."""
+        self._order(Order.BELT, mask=place, value=offset)
+
+    def open_ready(self) -> None:
+        """As an open chain, whoever has control."""
+        self._order(Order.EMERGENCY)
+
+    # ---- what the others ask ---------------------------------------------------------------------------------------------
+    def door(self, number: int) -> SourceState:
+        """State of one door; made at the first call."""
+        return self._doors.setdefault(number, SourceState())
+
+    def take_orders(self) -> list[OrderRecord]:
+        """Orders since the last call, in order."""
+        orders, self._orders = self._orders, []
+        return orders
+
+    def take_programs(self) -> list[ProgramOrder]:
+        """For the planner, since the last call; to be handed over after take_orders()."""
+        programs, self._programs = self._programs, []
+        return programs
+
+    def take_events(self) -> list[DispatcherEvent]:
+        """Events since the last call."""
+        events, self._events = self._events, []
+        return events
+
+    def enabled_mask(self, flag: AxisFlag = AxisFlag.ENABLED) -> int:
+        """Axes (bit n-1 = axis n) on which `flag` stands."""
+        if self.cell is None:
+            return 0
+        wanted, mask, place = int(flag), 0, 1
+        for axis in self.cell.axes[: len(self.axes)]:
+            if int(axis.flags) & wanted:  # plain numbers: arithmetic of enum flags costs a microsecond each
+                mask |= place
+            place <<= 1
+        return mask
+
+    # ---- time goes on ----------------------------------------------------------------------------------------------------
+    def observe(self, cell: CellState, now: Ns) -> None:
+        """Take over what the cycle published and settle the open jobs; generation 0: there is no cycle."""
+        before, self.cell = self.cell, cell
+        if before is not None and before.generation != cell.generation:
+            for job in self._open:
+                self._end(job, CommandState.ABORTED, Reason.CYCLE_RESTARTED)
+            self._move = None
+        for job in list(self._open):
+            self._settle(job, cell, now)
+        self._open = [job for job in self._open if job.open]
+        if self._move is not None and not self._move.open:
+            self._move = None
+
+    def _settle(self, job: Job, cell: CellState, now: Ns) -> None:
+        if job.state is CommandState.ACCEPTED and (cell.job == job.id if job.code == Code.PROGRAM else cell.taken >= job.id):
+            job.state = CommandState.RUNNING
+        outcome = self._outcome(job, cell)
+        if outcome is not None:
+            detail = self._fault(job, cell, outcome)
+            self._end(job, self._ended(job, outcome), outcome, detail)
+        elif job.until is not None and now >= job.until:
+            self._end(job, CommandState.ABORTED, *self._why_not(job, cell))
+
+    @staticmethod
+    def _ended(job: Job, outcome: Reason) -> CommandState:
+        """A program that failed before anything moved was refused."""
+        if outcome is Reason.NONE:
+            return CommandState.DONE
+        untried = outcome in (Reason.PROGRAM_FAULT, Reason.DRIVE_ON_NOT_AVAILABLE)
+        refused = job.code == Code.PROGRAM and job.state is CommandState.ACCEPTED and untried
+        return CommandState.REFUSED if refused else CommandState.ABORTED
+
+    def _fault(self, job: Job, cell: CellState, outcome: Reason) -> str:
+        """The planner's words: line, block, axis and the manual's number; or which axis did not follow."""
+        if outcome is Reason.FOLLOWING_ERROR:
+            return self.strayed()
+        if outcome in (Reason.BELT_FAULT, Reason.ALTER_FAULT):
+            axis = self.axes[cell.belt_axis - 1].name if 0 < cell.belt_axis <= len(self.axes) else ""
+            return belt_words(cell.belt_code, cell.belt_block or (self.planner.block if self.planner else 0), axis)
+        if outcome is Reason.SERVO_ERROR:
+            return self.axes[cell.belt_axis - 1].name if 0 < cell.belt_axis <= len(self.axes) else ""
+        if outcome in (Reason.DRIVE_ON_NOT_AVAILABLE, Reason.DRIVE_ON_NOT_ALLOWED):
+            return f"axis {self.axes[cell.drive_axis - 1].name}" if 0 < cell.drive_axis <= len(self.axes) else ""
+        if outcome is Reason.OUTPUT_IN_USE:
+            return function_words(cell.path_stop)
+        planner = self.planner
+        if outcome is not Reason.PROGRAM_FAULT or planner is None or planner.failed_job != job.watch:
+            return ""
+        return planner.fault
+
+    def strayed(self, language: str = "en") -> str:
+        """Axes that did not follow or did not stand, each with the number and words of the old error list; empty: none."""
+        found = self.cell.axes if self.cell is not None else []
+        told = [(axis.name, found[n].finding) for n, axis in enumerate(self.axes[: len(found)]) if found[n].finding]
+        return ", ".join(f"{name} {sentence(number, language)}" for name, number in told)
+
+    def _outcome(self, job: Job, cell: CellState) -> Reason | None:
+        """NONE: done; a reason: aborted; None: still open."""
+        if cell.taken < job.id:
+            return None
+        failed = cell.failure(job.watch or (job.id if job.code == Code.ENABLE else 0))
+        if job.watch:
+            done = cell.done_job == job.watch
+            return Reason.NONE if done else Reason(failed) if failed else None
+        if failed:
+            return Reason(failed)
+        return Reason.NONE if self._reached(job, cell) else None
+
+    def _reached(self, job: Job, cell: CellState) -> bool:
+        """Whether what the command asks for stands."""
+        enabled = self.enabled_mask() & job.mask
+        match job.code:
+            case Code.ENABLE:
+                return enabled == job.mask
+            case Code.DISABLE:
+                return not enabled
+            case Code.STOP:
+                return cell.motion in (Motion.IDLE, Motion.STOPPED)
+            case Code.ABANDON | Code.REQUEST_CONTROL:
+                return cell.motion is Motion.IDLE
+            case Code.FAULT_RESET:
+                return not cell.emergency and not self.enabled_mask(AxisFlag.FAULT | AxisFlag.LOST)
+            case _:
+                return True
+
+    def _why_not(self, job: Job, cell: CellState) -> tuple[Reason, str]:
+        if cell.emergency:
+            return Reason.EMERGENCY_STOP, ""
+        faults = [f"{a.name} fault {cell.axes[n].fault_code}" for n, a in enumerate(self.axes) if cell.axes[n].flags & AxisFlag.FAULT]
+        if faults:
+            return Reason.DRIVE_FAULT, ", ".join(faults)
+        return Reason.TIME_OUT, Code(job.code).name.lower()
+
+    def _end(self, job: Job, state: CommandState, reason: Reason, detail: str = "") -> None:
+        job.state, job.reason, job.detail = state, reason, detail or job.detail
+        self._events.append(DispatcherEvent(state.name.lower(), job.door, job.code, reason, job.detail))
+
+    # ---- commands --------------------------------------------------------------------------------------------------------
+    def command(self, door: int, command: Command, now: Ns, *, first_try: bool = False) -> Job:
+        """Judge one fresh command of a door; its outcome stands in the returned Job (refused at once or open).
+
+        `first_try`: a relative move of a single axis that has not been referenced yet (AX-312); everything else is judged as ever.
+        """
+        self._first_try = first_try
+        job = Job(self._next, door, command.code, mask=command.mask)
+        self._next += 1
+        state = self.door(door)
+        state.last = state.by_code[command.code] = job
+        try:
+            if command.code not in Code._value2member_map_:
+                raise Refusal(Reason.UNKNOWN_CODE, str(command.code))
+            self._judge(job, Code(command.code), command, now)
+        except Refusal as refusal:
+            self._end(job, CommandState.REFUSED, refusal.reason, refusal.detail)
+        if job.open:
+            self._open.append(job)
+            self._events.append(DispatcherEvent("accepted", door, job.code, Reason.NONE, ""))
+        return job
+
+    def refuse(self, door: int, code: Code, reason: Reason, detail: str) -> Job:
+        """A command a door could not even give, because of its numbers: the outcome stands where that of a given one would."""
+        job = Job(self._next, door, code)
+        self._next += 1
+        state = self.door(door)
+        state.last = state.by_code[code] = job
+        self._end(job, CommandState.REFUSED, reason, detail)
+        return job
+
+    def _judge(self, job: Job, code: Code, command: Command, now: Ns) -> None:
+        cell = self.cell
+        if cell is None or not cell.generation:
+            raise Refusal(Reason.NOT_READY, "the cycle does not run")
+        at_rest = cell.motion in (Motion.IDLE, Motion.STOPPED)
+        match code:
+            case Code.REQUEST_CONTROL:
+                self._request(job, cell, at_rest=at_rest)
+            case Code.RELEASE_CONTROL:
+                self.control.release(job.door, at_rest=at_rest)
+                self._done(job)
+            case Code.STOP:
+                self._stop(job, cell)
+            case _:
+                self.control.demand(job.door)
+                self._owners_command(job, code, command, cell, now)
+
+    def _request(self, job: Job, cell: CellState, *, at_rest: bool) -> None:
+        if self.control.request(job.door, at_rest=at_rest):
+            self._events.append(DispatcherEvent("control", job.door, job.code, Reason.NONE, ""))
+            if cell.motion is Motion.STOPPED:  # a rest another door left must not be resumed by this one's first resume
+                self._drop_rest()
+                job.id = self._orders[-1].job  # done when the rest is gone: the next command must not find the axes busy
+                return
+        self._done(job)
+
+    def _drop_rest(self) -> None:
+        self._order(Order.ABANDON)
+        if self._move is not None:
+            self._end(self._move, CommandState.ABORTED, Reason.ABANDONED)
+            self._move = None
+
+    def _stop(self, job: Job, cell: CellState) -> None:
+        """Everybody may stop."""
+        self._order(Order.STOP, job.id, reason=Reason.STOPPED_BY_DOOR)
+        move = self._move
+        if move is not None and move.open and cell.motion is Motion.RUNNING:
+            move.reason, move.detail = Reason.STOPPED_BY_DOOR, str(job.door)
+            self.stopped_moves += 1
+
+    def _owners_command(self, job: Job, code: Code, command: Command, cell: CellState, now: Ns) -> None:
+        match code:
+            case Code.ENABLE:
+                self._mask(job)
+                self._spoken_to(job.mask)
+                self._may_enable(cell)
+                job.until = now + ENABLE_PATIENCE
+                self._order(Order.ENABLE, job.id, mask=job.mask)
+            case Code.DISABLE:
+                self._mask(job)
+                job.until = now + ENABLE_PATIENCE
+                self._order(Order.DISABLE, job.id, mask=job.mask)
+            case Code.REFERENCE:
+                self._mask(job)
+                self._may_move(cell, job.mask, referenced=False)
+                self._can_be_referenced(job.mask)
+                job.watch, self._move = job.id, job
+                self._order(Order.REFERENCE, job.id, mask=job.mask)
+            case Code.PTP_ABSOLUTE | Code.PTP_RELATIVE:
+                self._ptp(job, command, cell, relative=code is Code.PTP_RELATIVE)
+            case Code.PROGRAM:
+                self._program(job, command, cell)
+            case Code.RESUME:
+                if cell.motion is not Motion.STOPPED or self._move is None:
+                    raise Refusal(Reason.NOTHING_TO_RESUME)
+                self._may_move(cell, self._in_loop(self._move), idle=False)
+                job.watch, self._move.reason, self._move.detail = self._move.id, Reason.NONE, ""
+                self._order(Order.RESUME, job.id)
+            case Code.ABANDON:
+                if cell.motion is not Motion.STOPPED:
+                    raise Refusal(Reason.NOTHING_TO_RESUME)
+                self._drop_rest()
+                job.id = self._orders[-1].job
+            case Code.FAULT_RESET:
+                job.until = now + RESET_PATIENCE
+                self._order(Order.RESET, job.id)
+            case Code.OVERRIDE:
+                if not 0.0 <= command.velocity <= 1.0:
+                    raise Refusal(Reason.RATE, f"override {command.velocity:.2%}; 0..100 %")
+                self._order(Order.OVERRIDE, job.id, value=command.velocity)
+
+    def _ptp(self, job: Job, command: Command, cell: CellState, *, relative: bool) -> None:
+        self._mask(job)
+        if job.mask >> len(command.targets):
+            missing = ", ".join(axis.name for n, axis in enumerate(self.axes) if n >= len(command.targets) and job.mask >> n & 1)
+            raise Refusal(Reason.MASK, f"{job.mask:04X}h; {len(command.targets)} targets are given, none for {missing}")
+        alone = self._first_try and relative and job.mask.bit_count() == 1
+        self._may_move(cell, job.mask, referenced=not alone)
+        self._rates(command, cell)
+        start = [axis.set for axis in cell.axes[: len(self.axes)]]
+        target = list(start)
+        for n, axis in enumerate(self.axes):
+            if job.mask >> n & 1:
+                self._plausible(axis, command.targets[n], relative=relative)
+                wanted = command.targets[n] + (start[n] / axis.si if relative else 0.0)
+                if not axis.low <= wanted <= axis.high and not (relative and axis.endless):
+                    raise Refusal(Reason.TARGET_LIMIT, f"{axis.name} {wanted:.3f} {axis.unit}; {axis.low:g}..{axis.high:g} {axis.unit}")
+                target[n] = wanted * axis.si
+        piece = self._plan(start, target, job.mask, command.velocity, command.acceleration, job.id)
+        job.watch, self._move = job.id, job
+        self._order(Order.MOVE, job.id, mask=job.mask, piece=piece)
+
+    def order_program(self, door: int, number: int, now: Ns, velocity: float = 1.0, acceleration: float = 1.0) -> Job:
+        """A door selects a program of the cell by its number, whichever way it names it."""
+        return self.command(door, Command(Code.PROGRAM, number, velocity, acceleration), now)
+
+    def _program(self, job: Job, command: Command, cell: CellState) -> None:
+        """The planner reads and tries it whole before anything moves (AX-322)."""
+        number = command.mask
+        if number not in self.programs:
+            known = ", ".join(f"{n} {program.name}" for n, program in sorted(self.programs.items())) or "none"
+            raise Refusal(Reason.PROGRAM_UNKNOWN, f"{number}; this cell has {known}")
+        job.mask = self.programs[number].mask
+        self._may_move(cell, self._in_loop(job))
+        self._rates(command, cell)
+        if self._move is not None:
+            raise Refusal(Reason.BUSY)
+        if self.planner is None:
+            raise Refusal(Reason.NOT_READY, "the planner process does not run")
+        job.watch, self._move = job.id, job
+        self._order(Order.PROGRAM, job.id, mask=job.mask)
+        self._programs.append(ProgramOrder(job.id, number, command.velocity, command.acceleration))
+
+    def _in_loop(self, job: Job) -> int:
+        """Axes of a move that have to be enabled.  A program does without axes that somebody has switched off or disabled, one by one
+        (rho 3 L1295-1330): it ends where it would move one of them."""
+        off = job.mask & ~self.enabled_mask()
+        amiss = self.enabled_mask(AxisFlag.ON | AxisFlag.FAULT | AxisFlag.LOST | AxisFlag.UNCONFIGURED) & ~self.barred
+        return job.mask if job.code != Code.PROGRAM or off == job.mask or off & amiss else job.mask & ~off
+
+    def _spoken_to(self, mask: int) -> None:
+        for axis, why in self.unspoken.items():
+            if mask >> axis & 1:
+                raise Refusal(Reason.NOT_READY, why)
+
+    @staticmethod
+    def _rates(command: Command, cell: CellState) -> None:
+        for name, value in (("velocity", command.velocity), ("acceleration", command.acceleration)):
+            if not 0.0 < value <= 1.0:
+                raise Refusal(Reason.RATE, f"{name} {value:.2%}; 0.01..100 %")
+        if cell.override <= 0.0:
+            raise Refusal(Reason.OVERRIDE_ZERO)
+
+    @staticmethod
+    def _plausible(axis: AxisFacts, value: float, *, relative: bool) -> None:
+        """AX-010: a target that only a number read in the wrong format would have."""
+        travel = axis.high - axis.low
+        if not math.isfinite(value) or (value != 0.0 and abs(value) < TINY) or abs(value) > TRAVELS * travel:
+            kind = "distance" if relative else "target"
+            raise Refusal(
+                Reason.FORMAT_SUSPICION,
+                f"{axis.name} {kind} {value:.3g} {axis.unit} looks like KG read as IEEE (travel {travel:g} {axis.unit})",
+            )
+
+    def _mask(self, job: Job) -> None:
+        if job.mask == 0 or job.mask & ~self._all:
+            raise Refusal(Reason.MASK, f"{job.mask:04X}h; this cell has {len(self.axes)} axes: 0001h..{self._all:04X}h")
+        if job.mask & self.barred and job.code != Code.DISABLE:
+            names = ", ".join(axis.name for n, axis in enumerate(self.axes) if (job.mask & self.barred) >> n & 1)
+            raise Refusal(Reason.DRIVES_OFF, f"{names} disabled at the interface")
+
+    def _can_be_referenced(self, mask: int) -> None:
+        """An absolute axis needs no reference run, but a zero."""
+        missing = mask & ~self.enabled_mask(AxisFlag.REFERENCED)
+        names = ", ".join(axis.name for n, axis in enumerate(self.axes) if missing >> n & 1 and axis.absolute)
+        if names:
+            raise Refusal(
+                Reason.NOT_REFERENCED, f'{names}: home.by = "none" and no zero is known; set it: axisgate axis zero CELL AXIS --at POSITION'
+            )
+
+    @staticmethod
+    def _may_enable(cell: CellState) -> None:
+        if cell.emergency or not cell.permits & Permit.CHAIN:
+            raise Refusal(Reason.EMERGENCY_STOP)
+        if not cell.permits & Permit.CONTROL:
+            raise Refusal(Reason.CONTROL_NOT_ALLOWED)
+
+    def _may_move(self, cell: CellState, mask: int, *, referenced: bool = True, idle: bool = True) -> None:
+        self._may_enable(cell)
+        if idle and cell.motion is not Motion.IDLE:
+            raise Refusal(Reason.BUSY, "resume or abandon the stopped move first" if cell.motion is Motion.STOPPED else "")
+        if not cell.permits & Permit.FEED:
+            raise Refusal(Reason.FEED_NOT_ALLOWED)
+        if not cell.permits & Permit.TRAVEL:
+            raise Refusal(Reason.TRAVEL_NOT_ALLOWED)
+        for flag, reason in ((AxisFlag.ENABLED, Reason.DRIVES_OFF), (AxisFlag.REFERENCED, Reason.NOT_REFERENCED)):
+            missing = mask & ~self.enabled_mask(flag)
+            if missing and (flag is AxisFlag.ENABLED or referenced):
+                raise Refusal(reason, ", ".join(axis.name for n, axis in enumerate(self.axes) if missing >> n & 1))
+
+    def _order(self, order: Order, job: int = 0, *, mask: int = 0, value: float = 0.0, reason: int = 0, piece: bytes = b"") -> None:
+        if not job:
+            job, self._next = self._next, self._next + 1
+        generation = self.cell.generation if self.cell is not None else 0
+        self._orders.append(OrderRecord(order, job, generation, mask, value, reason, piece))
+
+    def _done(self, job: Job) -> None:
+        job.state = CommandState.DONE
+        self._events.append(DispatcherEvent("done", job.door, job.code, Reason.NONE, ""))
+
+    # ---- links -----------------------------------------------------------------------------------------------------------
+    def link(self, door: int, on_loss: OnLoss, *, alive: bool) -> None:
+        """The door's link came or went; when the owner's went, the move ends as configured and nothing restarts by itself."""
+        self.control.link(door, alive=alive)
+        if alive or self.control.owner != door or self.cell is None:
+            return
+        moving = self.cell.motion in (Motion.RUNNING, Motion.REFERENCING)
+        if on_loss is OnLoss.QUICK_STOP:
+            self._order(Order.DISABLE, mask=self._all, reason=Reason.LINK_LOST)
+        elif on_loss in (OnLoss.STOP, OnLoss.HOLD) and moving:
+            self._order(Order.STOP, reason=Reason.LINK_LOST)
+        if moving and self._move is not None and on_loss is not OnLoss.FINISH:
+            self._move.reason, self._move.detail = Reason.LINK_LOST, f"door {door}"
+        self._events.append(DispatcherEvent("stopped", door, Code.STOP, Reason.LINK_LOST, f"door {door}; {on_loss.value}"))
+
+    @property
+    def owner(self) -> int:
+        """Number of the door in control; 0: nobody."""
+        return self.control.owner or NOBODY

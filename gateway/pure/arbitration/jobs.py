@@ -1,0 +1,74 @@
+"""Jobs of the office: one command of one door and what became of it; what a person reads of it."""
+
+from dataclasses import dataclass, field
+from enum import Enum
+
+from gateway.pure.arbitration.command_block import Code
+from gateway.pure.image.reasons import CommandState, Reason, text
+from protocols.base.machine import Ns
+
+
+@dataclass(frozen=True, slots=True)
+class AxisFacts:
+    """What the office must know of an axis; positions in the axis' own unit."""
+
+    name: str
+    unit: str  # mm | deg
+    si: float  # one unit in m or rad
+    low: float
+    high: float
+    endless: bool = False  # goes round: low .. high are its positions, and a way may lead beyond
+    absolute: bool = False  # its encoder knows where it is: there is nothing to reference
+
+
+class OnLoss(Enum):
+    """What happens to a running move when the owner's link dies."""
+
+    HOLD = "hold"
+    FINISH = "finish_move"
+    STOP = "stop_on_path"
+    QUICK_STOP = "quick_stop"
+
+
+@dataclass(slots=True)
+class Job:
+    """One command of one door and what became of it."""
+
+    id: int
+    door: int
+    code: int
+    state: CommandState = CommandState.ACCEPTED
+    reason: Reason = Reason.NONE
+    detail: str = ""
+    mask: int = 0
+    until: Ns | None = None  # aborted with TIME_OUT then
+    watch: int = 0  # job whose end is this job's end (resume watches the move)
+
+    @property
+    def open(self) -> bool:
+        return self.state in (CommandState.ACCEPTED, CommandState.RUNNING)
+
+
+@dataclass(slots=True)
+class SourceState:
+    """The last command of a door and the last one of each code."""
+
+    last: Job | None = None
+    by_code: dict[int, Job] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class DispatcherEvent:
+    """Something a person wants to read in the journal."""
+
+    what: str  # accepted | done | refused | aborted | stopped | control
+    door: int
+    code: int
+    reason: Reason
+    detail: str
+
+    def sentence(self, language: str = "en") -> str:
+        """One line for log and page."""
+        name = Code(self.code).name.lower() if self.code in Code._value2member_map_ else f"code {self.code}"
+        why = text(self.reason, language, self.detail)
+        return f"door {self.door}: {name} {self.what}" + (f": {why}" if why else "")

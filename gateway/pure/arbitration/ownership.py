@@ -1,0 +1,43 @@
+"""Who may command: one door at a time owns the kinematic (design: section 5, Doors and control)."""
+
+from gateway.pure.image.reasons import Reason, Refusal
+
+NOBODY = 0
+
+
+class Ownership:
+    """Doors are numbered from 1; the owner's number stands in word 8 of every status block."""
+
+    def __init__(self) -> None:
+        self.owner = NOBODY
+        self._dead: set[int] = set()
+
+    def request(self, door: int, *, at_rest: bool) -> bool:
+        """Give control to `door`; True when it did not have it before.  Refused while another living door owns it or the axes move."""
+        if self.owner == door:
+            return False
+        if self.owner != NOBODY and self.owner not in self._dead:
+            raise Refusal(Reason.NOT_OWNER, f"door {self.owner}")
+        if not at_rest:
+            raise Refusal(Reason.NOT_AT_REST)
+        self.owner = door
+        return True
+
+    def release(self, door: int, *, at_rest: bool) -> None:
+        """Give control back; only at rest, and only by its owner."""
+        self.demand(door)
+        if not at_rest:
+            raise Refusal(Reason.NOT_AT_REST)
+        self.owner = NOBODY
+
+    def demand(self, door: int) -> None:
+        """Raise unless `door` owns the kinematic."""
+        if self.owner != door:
+            raise Refusal(Reason.NOT_OWNER, f"door {self.owner}" if self.owner else "nobody; request control first")
+
+    def link(self, door: int, *, alive: bool) -> None:
+        """The owner keeps control while its link is dead, but then somebody else may take it."""
+        if alive:
+            self._dead.discard(door)
+        else:
+            self._dead.add(door)

@@ -1,0 +1,59 @@
+"""The PIC image: 1024 inputs, outputs and flags as bytes.  Source: rho3 0.2, 3.8 (L9292-9311).
+
+Bit N of a kind is byte N div 8, bit N mod 8.  RC inputs are the PIC's outputs (O), RC outputs are the PIC's inputs (I).
+"""
+
+from dataclasses import dataclass, field
+
+from gateway.pure.image.records.cell import RC_BYTES, InputImage, Quality, get_bit, set_bit
+
+
+@dataclass(slots=True)
+class PicImage:
+    """What PLC and control tell each other: `inputs` PLC -> RC, `outputs` RC -> PLC, `flags` of the PIC alone."""
+
+    inputs: bytearray = field(default_factory=lambda: bytearray(RC_BYTES))
+    outputs: bytearray = field(default_factory=lambda: bytearray(RC_BYTES))
+    flags: bytearray = field(default_factory=lambda: bytearray(RC_BYTES))
+    good: bytearray = field(default_factory=lambda: bytearray(b"\1" * RC_BYTES))  # input bytes that come from a living door
+
+    def take(self, doors: InputImage) -> None:
+        """The inputs as the doors have them: a byte nobody vouches for is 0, an old one stays and has no edges."""
+        for byte, quality in enumerate(doors.quality):
+            self.inputs[byte] = 0 if quality == Quality.BAD else doors.values[byte]
+            self.good[byte] = quality == Quality.GOOD
+
+    def trusted(self, number: int) -> bool:
+        """Whether RC input N comes from a living door."""
+        return bool(self.good[number >> 3])
+
+    def input(self, number: int) -> bool:
+        """RC input N."""
+        return get_bit(self.inputs, number)
+
+    def output(self, number: int) -> bool:
+        """RC output N."""
+        return get_bit(self.outputs, number)
+
+    def put(self, number: int, value: bool) -> None:
+        """RC output N becomes `value`."""
+        set_bit(self.outputs, number, value)
+
+    def clear(self) -> None:
+        """All RC inputs and outputs 0; the flags stay."""
+        self.inputs[:] = bytes(len(self.inputs))
+        self.outputs[:] = bytes(len(self.outputs))
+
+
+class Edge:
+    """Rising edges of one RC input; what stands at the first look or when its door comes back is no edge (AX-510)."""
+
+    def __init__(self, number: int) -> None:
+        self._number, self._before = number, True
+
+    def rises(self, image: PicImage) -> bool:
+        """True once when the input has become 1."""
+        value = image.input(self._number)
+        good = image.trusted(self._number)
+        rising, self._before = good and value and not self._before, value or not good
+        return rising

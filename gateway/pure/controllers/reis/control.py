@@ -1,0 +1,277 @@
+"""A Reis ROBOTstar V as its PLC sees it: inputs, outputs and markers on the image, once per cycle of the services.  Pure.
+
+Source: robotstar 4, 5.8, 5.9, 8.1; AX-336.  Doors write markers as the integrated PLC's program did; what the axes do stands in the
+system markers.
+"""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+
+from drivers.drives.servodyn_words import fault as booster_fault
+from gateway.pure.arbitration.command_block import Code, Command
+from gateway.pure.arbitration.dispatcher import CommandDispatcher
+from gateway.pure.controllers.pic_image import PicImage
+from gateway.pure.controllers.reis.analog import ana_inp, output_volts
+from gateway.pure.controllers.reis.binary import FIRST_BYTE, Area, BinaryIo, SharedOutputs
+from gateway.pure.controllers.reis.markers import (
+    ACKNOWLEDGED,
+    ERROR_NUMBER,
+    IN_ERROR,
+    INPUTS,
+    MODE,
+    OUTPUTS,
+    SIZE,
+    STARTED,
+    SYNCHRONOUS,
+    SYSTEM,
+    Markers,
+)
+from gateway.pure.controllers.reis.regulator import Message, Reference, regulator_error, start
+from gateway.pure.image.records.cell import AxisFlag, CellState, InputImage, Motion
+from protocols.base.machine import Ns
+
+HOLD, MOVES = (1020, 7), (1021, 5)
+OVERRIDE, ACTUAL = 1436, 1024
+AUTO, HAND = 0x0300, 0x0101  # operating mode codes (robotstar 5.9)
+AUTO_MN = 23  # RC input that says which
+WATCHDOG, LAG, POWER = 667, 647, 654
+LAST_OF_BOOSTERS = 0xFF  # one byte of the booster's telegram; a drive of CiA 402 begins at 1000h
+FAULTS = (  # first fault code of CiA 402 -> regulator error, the last that is not above it counts (AX-337)
+    (0x0000, POWER), (0x2300, 657), (0x2400, POWER), (0x3100, 653), (0x3400, POWER), (0x4200, 656), (0x4300, 656), (0x4310, 656),
+    (0x4400, 658), (0x4500, POWER), (0x7300, 662), (0x7400, POWER), (0x8100, WATCHDOG), (0x8400, 671), (0x8600, LAG), (0x8700, POWER),
+)  # fmt: skip
+_ROBOTS = [(row.byte, row.bytes) for row in SYSTEM if row.writer == "robot" and row.bit is None]
+_ROBOTS_BITS = {  # byte -> bits of it that are the robot's
+    byte: sum(1 << row.bit for row in SYSTEM if row.writer == "robot" and row.byte == byte and row.bit is not None)
+    for byte in {row.byte for row in SYSTEM if row.bit is not None}
+}
+
+
+def regulator_number(fault_code: int) -> int:
+    """The regulator error that tells a drive's fault; what the manual has no number for is "error of the power pack"."""
+    if fault_code <= LAST_OF_BOOSTERS:
+        return booster_fault(fault_code).number or POWER
+    return next((number for first, number in reversed(FAULTS) if fault_code >= first), POWER)
+
+
+@dataclass(frozen=True, slots=True)
+class ReisSetup:
+    """What the cell says."""
+
+    axes: tuple[str, ...] = ()
+    door: int = 0  # commands of markers come from it
+    first_byte: int = FIRST_BYTE
+    plc_only: Collection[int] = ()
+    robot_only: Collection[int] = ()
+    references: Mapping[int, Reference] = field(default_factory=dict)  # of the axes, 1..
+    unit_per_si: tuple[float, ...] = ()  # mm or deg for each m or rad
+
+
+class ReisControl:
+    """Call `step` once per cycle of the services."""
+
+    def __init__(self, setup: ReisSetup, office: CommandDispatcher) -> None:
+        """IoFault: the 40 bytes do not fit."""
+        self.setup, self._office = setup, office
+        self.image = PicImage()
+        self.io = BinaryIo(self.image, setup.first_byte)
+        self.shared = SharedOutputs(self.io, setup.plc_only, setup.robot_only)
+        self.markers = Markers(self.io)
+        self.messages: list[Message] = []
+        self.synchronised: dict[int, Reference] = {}  # axis -> machine data it was synchronised with last; kept over power-off
+        self._asynchronous: set[int] = set()  # axes whose machine data have changed since
+        self._referenced, self._seen = 0, False  # axes that were referenced at the last step; there was one
+        self.was_synchronised(setup.references)
+        self._standing: set[tuple[int, int]] = set()  # regulator error, axis
+        self._percent = self.markers.number(OVERRIDE)  # what stands is no order
+        self._hold = True  # a hold that stands at start has stopped nothing
+        self._stopped = False
+        self._keep = slice(setup.first_byte, setup.first_byte + 40)
+
+    @property
+    def outputs(self) -> bytes:
+        """RC outputs, the cycle's and the robot's."""
+        return bytes(self.image.outputs)
+
+    def was_synchronised(self, known: Mapping[int, Reference]) -> None:
+        """Before the first step: what each axis was synchronised with when the control was last alive (677, 678, 679)."""
+        self.synchronised = dict(known)
+        self.messages = start(self.markers, known, self.setup.references)
+        self._asynchronous = {message.axis for message in self.messages}
+
+    # ---- one cycle -----------------------------------------------------------------------------------------------------
+    def step(self, inputs: InputImage, cycle: bytes, state: CellState, now: Ns, *, heard: bool = False) -> list[str]:
+        """`cycle`: RC outputs as the cycle published them.  What a person should read."""
+        self.image.take(inputs)
+        own = bytes(self.image.outputs[self._keep])
+        self.image.outputs[:] = cycle
+        self.image.outputs[self._keep] = own
+        self.shared.end_of_cycle()
+        told = [message.text for message in self.messages]
+        self.messages = []
+        if state.generation:
+            told += self._errors(state)
+            self._tell(state)
+            self._obey(state, now)
+        return told
+
+    def _errors(self, state: CellState) -> list[str]:
+        seen: dict[tuple[int, int], None] = {}
+        for number in range(1, len(self.setup.axes) + 1):
+            axis = state.axes[number - 1]
+            if axis.flags & AxisFlag.FAULT:
+                seen[regulator_number(axis.fault_code), number] = None
+            elif axis.flags & AxisFlag.LOST:
+                seen[WATCHDOG, number] = None
+            elif axis.finding:
+                seen[axis.finding, number] = None
+        told = []
+        for error in seen:
+            if error not in self._standing:
+                message = regulator_error(self.markers, *error)
+                told.append(f"{message.text}, axis {self.setup.axes[message.axis - 1]}")
+        if self._standing and not seen and not self._asynchronous:
+            self.markers.set_bit(*IN_ERROR, False)
+            self.markers.set_number(ERROR_NUMBER, 0)
+        if told:
+            self.markers.set_bit(*ACKNOWLEDGED, False)
+        self._standing = set(seen)
+        return told
+
+    def _tell(self, state: CellState) -> None:
+        markers = self.markers
+        axes = state.axes[: len(self.setup.axes)]
+        markers.set_bit(*STARTED, True)
+        markers.set_bit(*MOVES, state.motion in (Motion.RUNNING, Motion.STOPPING, Motion.REFERENCING))
+        self._note_references(state)
+        markers.set_bit(*SYNCHRONOUS, not self._asynchronous and all(axis.flags & AxisFlag.REFERENCED for axis in axes))
+        mode = AUTO if self.image.input(AUTO_MN) else HAND
+        markers.set_number(MODE, int.from_bytes(mode.to_bytes(2, "big"), "little"), 2)
+        for number, (axis, factor) in enumerate(zip(axes, self.setup.unit_per_si, strict=False)):
+            markers.set_number(ACTUAL + 4 * number, round(axis.actual * factor * 100.0))
+
+    def _note_references(self, state: CellState) -> None:
+        """An axis that has just been referenced is synchronised with the machine data of today; the last one of them ends the error."""
+        before = len(self._asynchronous)
+        flags = [axis.flags for axis in state.axes[: len(self.setup.axes)]]
+        referenced = sum(1 << n for n, flag in enumerate(flags) if flag & AxisFlag.REFERENCED)
+        fresh, self._referenced = referenced & ~self._referenced, referenced
+        for number, data in self.setup.references.items():
+            if referenced >> number - 1 & 1 and ((fresh >> number - 1 & 1 and self._seen) or number not in self.synchronised):
+                self.synchronised[number] = data
+                self._asynchronous.discard(number)
+        self._seen = True
+        if before and not self._asynchronous and not self._standing:
+            self.markers.set_bit(*IN_ERROR, False)
+            self.markers.set_number(ERROR_NUMBER, 0)
+
+    def _obey(self, state: CellState, now: Ns) -> None:
+        """Override on change, hold motion while it stands (robotstar 5.8, M1436, M1020.7)."""
+        percent = self.markers.number(OVERRIDE)
+        if percent != self._percent:
+            self._percent = percent
+            self._say(Command(Code.OVERRIDE, velocity=percent / 100.0), now)
+        hold = self.markers.bit(*HOLD)
+        if hold and not self._hold and state.motion is Motion.RUNNING:
+            self._say(Command(Code.STOP), now)
+            self._stopped = True
+        elif not hold and self._stopped and state.motion in (Motion.STOPPED, Motion.IDLE):
+            self._stopped = False
+            if state.motion is Motion.STOPPED:
+                self._say(Command(Code.RESUME), now)
+        self._hold = hold
+
+    def _say(self, command: Command, now: Ns) -> None:
+        self._office.command(self.setup.door, command, now)
+
+    # ---- what others see -----------------------------------------------------------------------------------------------
+    def flag_bytes(self) -> bytes:
+        """M0..M2047."""
+        return self.markers.content()
+
+    def write_flags(self, first: int, data: bytes) -> bool:
+        """Markers from `first` on, as the PLC's program would; False, and nothing is written, where a byte is not the PLC's.
+
+        Of a byte both write, the robot's bits stay.
+        """
+        if first + len(data) > SIZE or any(_of_robot(byte) for byte in range(first, first + len(data))):
+            return False
+        if any(byte >= OUTPUTS and byte - OUTPUTS in self.setup.robot_only for byte in range(first, first + len(data))):
+            return False
+        for byte, value in enumerate(data, first):
+            if byte < OUTPUTS:
+                kept = _ROBOTS_BITS.get(byte, 0)
+                self.markers.set_byte(byte, value & ~kept | self.markers.byte(byte) & kept)
+                continue
+            for bit in range(8):
+                self.shared.by_plc(bool(value >> bit & 1), byte - OUTPUTS, bit)
+        self.shared.end_of_cycle()
+        return True
+
+    def retained(self) -> bytes:
+        """Markers without what the robot tells anew at every start; binary inputs and outputs read 0."""
+        kept = bytearray(self.markers.retained())
+        for first, size in _ROBOTS:
+            if first < len(kept):
+                kept[first : first + size] = bytes(size)
+        return bytes(kept).ljust(SIZE, b"\0")
+
+    def restore(self, flags: bytes, counters: Mapping[int, int]) -> None:
+        """Markers as they were kept; what stands in them then commands nothing."""
+        if flags:
+            self.markers.power_on(flags[:INPUTS])
+            self._percent = self.markers.number(OVERRIDE)
+
+    def timer(self, number: int) -> int | None:
+        """The timers of the integrated PLC are not played."""
+        return None
+
+    def counter(self, number: int) -> int | None:
+        """Nor are its counters."""
+        return None
+
+    def names(self) -> list[str]:
+        """Values beside the markers."""
+        elements = [f"reis.ibin_{way}.{n}" for way in ("in", "out") for n in range(1, 11)]
+        analog = [f"reis.analog.{way}.{n}" for way in ("input", "output") for n in range(1, 25)]
+        return elements + analog + [f"reis.output.{byte}.{bit}" for byte in range(40) for bit in range(8)]
+
+    def value(self, name: str) -> float:
+        """One of them; KeyError."""
+        match name.split("."):
+            case ["reis", "ibin_in" | "ibin_out" as which, number]:
+                return float(self.io.element(Area.INPUT if which == "ibin_in" else Area.OUTPUT, _number(name, number)))
+            case ["reis", "analog", "input", number]:
+                return ana_inp(self.markers, _number(name, number))
+            case ["reis", "analog", "output", number]:
+                return output_volts(self.markers, _number(name, number))
+            case ["reis", "output", byte, bit]:
+                return float(self.io.read_bit(Area.OUTPUT, _number(name, byte), _number(name, bit)))
+        raise KeyError(name)
+
+    def put(self, name: str, value: float) -> None:
+        """WRITE_BIT of the robot's program; KeyError for anything else, IoFault where the byte is the PLC's."""
+        match name.split("."):
+            case ["reis", "output", byte, bit]:
+                self.shared.by_robot(bool(value), _number(name, byte), _number(name, bit))
+            case _:
+                raise KeyError(name)
+
+    def status(self) -> dict[str, object]:
+        """For tools and pages."""
+        markers = self.markers
+        return {
+            "kind": "reis", "error": markers.number(ERROR_NUMBER), "in_error": markers.bit(*IN_ERROR),
+            "synchronous": markers.bit(*SYNCHRONOUS), "mode": f"{markers.byte(MODE):02X}{markers.byte(MODE + 1):02X}",
+        }  # fmt: skip
+
+
+def _of_robot(byte: int) -> bool:
+    """Whether the system alone writes this byte: all of it, or binary inputs."""
+    return INPUTS <= byte < OUTPUTS or any(first <= byte < first + size for first, size in _ROBOTS)
+
+
+def _number(name: str, text: str) -> int:
+    if not text.isdecimal():
+        raise KeyError(name)
+    return int(text)

@@ -1,0 +1,147 @@
+"""What standard operation shows in each mode of the pendant: a title and rows to scroll through (AX-495)."""
+
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from gateway.pure.controllers.rho3.functions.display import COLUMNS
+from gateway.pure.controllers.rho3.functions.messages import say
+from gateway.pure.controllers.rho3.functions.processes import ProcessFault, ProcessTable
+from gateway.pure.controllers.rho3.pendant.infos import Condition
+from gateway.pure.controllers.rho3.pendant.modes import MODES, RESET, Mode, spoken
+from motion.program.factors import Factors
+
+FACTOR_MODES: dict[Mode, str] = {(11, 4): "velocity", (11, 5): "acceleration", (11, 6): "deceleration"}
+
+
+class Source(Protocol):
+    """The control as the pendant asks it."""
+
+    @property
+    def processes(self) -> ProcessTable:
+        """Programs and processes."""
+
+    @property
+    def factors(self) -> Factors:
+        """The global ones."""
+
+    def set_factor(self, which: str, value: float, kinematic: int = 0) -> None:
+        """velocity | acceleration | deceleration, 0..1; kinematic 0: the global one."""
+
+    def positions(self) -> Sequence[tuple[str, str, float]]:
+        """Axes: name, unit, actual position in it."""
+
+    def faults(self) -> Sequence[tuple[int, str]]:
+        """Errors and warnings, first one first: code, words."""
+
+    def automatic(self) -> Sequence[bool]:
+        """Operating mode of each kinematic."""
+
+    def manual(self) -> Sequence[int]:
+        """Numbers of the kinematics in manual."""
+
+    def fast_inputs(self) -> Sequence[str]:
+        """Servo boards with high-speed inputs: number and the state of each."""
+
+    def conditions(self) -> Collection[Condition]:
+        """What INFO may tell."""
+
+    def start(self, name: str) -> object:
+        """A program; ProcessFault."""
+
+
+def _nothing(row: int) -> str:
+    return ""
+
+
+def _no_number(text: str) -> str:
+    return ""
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """`choose(row)` is ENTER on a row, `put(text)` ENTER behind a number where `edits`; both return what is to be said."""
+
+    title: str
+    rows: tuple[str, ...] = ()
+    choose: Callable[[int], str] = _nothing
+    edits: bool = False
+    put: Callable[[str], str] = _no_number
+
+
+def page_of(mode: Mode, source: Source, language: str) -> Page:
+    """The page of a mode that exists."""
+    title = f"{spoken(mode)} {MODES[mode]}" if mode in MODES else say("phg_basic", language)
+    if mode == RESET:
+        return Page(title, (say("phg_done", language),))
+    if mode in FACTOR_MODES:
+        return _factor(title, FACTOR_MODES[mode], source, language)
+    match mode:
+        case ():
+            every = all(source.automatic())
+            return Page(title, (say("phg_automatic" if every else "phg_manual", language),))
+        case (7, 1):
+            return Page(title, tuple(f"{name:<4}{actual:>12.3f} {unit:<3}"[:COLUMNS] for name, unit, actual in source.positions()))
+        case (7, 2) | (7, 13):
+            return _listed(title, mode, source, language)
+        case (7, 3, 2):
+            rows = tuple(f"{each.name:<11} {say(each.state.name, language)}"[:COLUMNS] for each in source.processes.processes)
+            return Page(title, rows or (say("phg_no_process", language),))
+        case (7, 3, 3):
+            words = (say("phg_manual", language), say("phg_automatic", language))
+            return Page(title, tuple(f"Kin. {n}: {words[auto]}" for n, auto in enumerate(source.automatic(), 1)))
+        case (10, 1):
+            return _start(title, source, language)
+        case (10, 2):
+            return _stop(title, source, language)
+    below = tuple(f"{each[-1]} {name}" for each, name in MODES.items() if each[:-1] == mode)
+    return Page(title, below or (say("phg_not_here", language),))
+
+
+def _listed(title: str, mode: Mode, source: Source, language: str) -> Page:
+    """Errors, or boards with their high-speed inputs."""
+    if mode == (7, 13):
+        return Page(title, tuple(source.fast_inputs()) or (say("phg_no_board", language),))
+    rows = tuple(f"{code:>4} {words}"[:COLUMNS] for code, words in source.faults())
+    return Page(title, rows or (say("phg_no_error", language),))
+
+
+def _start(title: str, source: Source, language: str) -> Page:
+    names = sorted(name for name in source.processes.programs if source.processes.named(name) is None)
+
+    def choose(row: int) -> str:
+        if not names:
+            return ""
+        name = names[row % len(names)]
+        try:
+            source.start(name)
+        except ProcessFault as fault:
+            return f"{name} {fault.code}"
+        return say("phg_started", language)
+
+    return Page(title, tuple(names) or (say("phg_no_program", language),), choose)
+
+
+def _stop(title: str, source: Source, language: str) -> Page:
+    processes = source.processes.processes
+
+    def choose(row: int) -> str:
+        return say("phg_stopped", language) if processes and source.processes.stop(processes[row % len(processes)].number) else ""
+
+    return Page(title, tuple(each.name for each in processes) or (say("phg_no_process", language),), choose)
+
+
+def _factor(title: str, which: str, source: Source, language: str) -> Page:
+    """V, A, D: 1.0 is 100 % (L2671-2681)."""
+
+    def put(text: str) -> str:
+        try:
+            value = float(text)
+        except ValueError:
+            value = -1.0
+        if not 0.0 <= value <= 1.0:
+            return say("phg_factor_range", language)
+        source.set_factor(which, value)
+        return say("phg_done", language)
+
+    return Page(title, (f"{getattr(source.factors, which):.3f}",), edits=True, put=put)

@@ -1,0 +1,171 @@
+"""The system's side of the pendant: keys in, lines of standard operation and INFO out.  Source: rho 3 Releases L2743-2941, L3454-3560.
+
+What the manual says is kept: the mode numbers and their direct selection, CURSOR LEFT one level back, Automatic or Manual in
+the basic level, the INFO texts, priorities by gateway.pure.controllers.rho3.functions.display.  Where a line stands on the 4 x 20
+display is ours
+(AX-495), and a mode whose function is not here says so.
+"""
+
+from gateway.pure.controllers.rho3.functions.display import COLUMNS, LINES, Display, Layer
+from gateway.pure.controllers.rho3.functions.phg_selection import PhgSelection
+from gateway.pure.controllers.rho3.functions.status_display import AUTOMATIC, MANUAL, StatusDisplay
+from gateway.pure.controllers.rho3.pendant.infos import infos
+from gateway.pure.controllers.rho3.pendant.modes import RESET, Mode, select, spoken, up
+from gateway.pure.controllers.rho3.pendant.pages import Source, page_of
+from protocols.base.machine import Ns, ms
+
+REFRESH: Ns = ms(200)
+LONGEST = 15  # characters of an entry behind "Mode="
+DIGITS = frozenset("0123456789")
+LISTS = range(1, LINES - 1)  # lines 2 and 3
+
+
+class Panel:
+    """Call `step` once per cycle of the control."""
+
+    def __init__(self, display: Display, selection: PhgSelection, statuses: StatusDisplay, source: Source, language: str = "en") -> None:
+        self.reset_wanted = False  # mode 11.1 was chosen: whoever steps this judges it and enters the mode
+        self._display, self._selection, self._statuses = display, selection, statuses
+        self._source, self._language = source, language
+        self._entry: str | None = None
+        self._value = False  # the entry is a number for the page, not a mode
+        self._top = 0
+        self._info: list[str] = []
+        self._info_top = 0
+        self._mode = ""
+        self._message = ""
+        self._lines: list[str | None] = [None] * LINES  # as written last: only news covers what a higher layer let go
+        self._drawn: Ns = 0
+
+    @property
+    def level(self) -> Mode:
+        """The mode the panel is in."""
+        return () if self._selection.mode == "0" else tuple(map(int, self._selection.mode.split(".")))
+
+    def step(self, now: Ns) -> None:
+        """Keys the system may read, then the lines; what changes by itself is shown five times a second."""
+        fresh = self._selection.mode != self._mode
+        if fresh:
+            self._enter()
+        while (key := self._display.system_key()) is not None:
+            self._take(key)
+            fresh = True
+        if fresh or now - self._drawn >= REFRESH:
+            self._drawn = now
+            self._draw()
+
+    def refuse(self, words: str) -> None:
+        """Why what was chosen is not done; stands in line 3 until the next key."""
+        self._message = words
+
+    # ---- modes -----------------------------------------------------------------------------------------------------------
+    def go(self, entry: str) -> None:
+        """`Mode=entry`; mode 11.1 is only asked for."""
+        reached = select(self.level, entry)
+        if reached == RESET and self.level != RESET:
+            self.reset_wanted = True
+            return
+        self.enter(reached)
+
+    def enter(self, mode: Mode) -> None:
+        """Into a mode, as the operator does it."""
+        self._selection.mode = spoken(mode)
+        self._enter()
+
+    def _enter(self) -> None:
+        self._mode = self._selection.mode
+        self._entry, self._value, self._top, self._message = None, False, 0, ""
+        self._drawn = -REFRESH  # at once
+        self._close_info()
+
+    # ---- keys ------------------------------------------------------------------------------------------------------------
+    def _take(self, key: str) -> None:
+        self._message = ""
+        if self._info:
+            self._in_info(key)
+        elif key == "MODE":
+            self._entry, self._value = "", False
+        elif key == "INFO":
+            self._open_info()
+        elif self._entry is not None:
+            self._edit(key)
+        elif key == "LEFT":
+            self.enter(up(self.level))
+        elif key in ("UP", "DOWN"):
+            self._scroll(1 if key == "DOWN" else -1)
+        elif key in DIGITS:
+            self._entry, self._value = key, page_of(self.level, self._source, self._language).edits
+        elif key == "ENTER":
+            self._message = page_of(self.level, self._source, self._language).choose(self._top)
+
+    def _edit(self, key: str) -> None:
+        assert self._entry is not None
+        if key == "ENTER":
+            entry, self._entry = self._entry, None
+            if self._value:
+                self._message = page_of(self.level, self._source, self._language).put(entry)
+            else:
+                self.go(entry)
+        elif key == "DELETE":
+            self._entry = self._entry[:-1]
+        elif key == "LEFT":
+            self._entry = None
+        elif (key in DIGITS or key == ".") and len(self._entry) < LONGEST:
+            self._entry += key
+
+    def _scroll(self, by: int) -> None:
+        if self._selection.mode in (MANUAL, AUTOMATIC):
+            self._statuses.scroll()  # SHIFT + arrow, forward only (L826-831)
+            return
+        rows = len(page_of(self.level, self._source, self._language).rows)
+        self._top = (self._top + by) % rows if rows else 0  # ring scrolling, as file lists do it (L649-672)
+
+    # ---- INFO ------------------------------------------------------------------------------------------------------------
+    def _open_info(self) -> None:
+        self._info = infos(self.level, self._source.conditions(), self._source.manual())
+        self._info_top = 0
+        self._display.hold(Layer.INFO)
+
+    def _in_info(self, key: str) -> None:
+        if key == "DOWN":
+            self._info_top = (self._info_top + 1) % len(self._info)
+        elif key == "UP":
+            self._info_top = (self._info_top - 1) % len(self._info)
+        else:
+            self._close_info()
+
+    def _close_info(self) -> None:
+        if self._info:
+            self._info = []
+            self._display.close(Layer.INFO)
+
+    # ---- lines -----------------------------------------------------------------------------------------------------------
+    def _draw(self) -> None:
+        if self._info:
+            shown = [*self._info[self._info_top :], *self._info[: self._info_top]]
+            self._display.write(Layer.INFO, 1, "INFO")
+            for line in LISTS:
+                self._display.write(Layer.INFO, line + 1, shown[line - 1] if line <= len(shown) else "")
+        if self._selection.mode in (MANUAL, AUTOMATIC):
+            self._write(3, self._last())  # lines 1 to 3 are the status display's
+            self._lines[:3] = [None] * 3
+            return
+        page = page_of(self.level, self._source, self._language)
+        rows = page.rows
+        top = self._top % len(rows) if rows else 0
+        shown = ([*rows[top:], *rows[:top]] + ["", ""])[:2]
+        if self._message:
+            shown[1] = self._message
+        for line, text in enumerate((page.title, *shown, self._last())):
+            self._write(line, text)
+
+    def _last(self) -> str:
+        """Line 4: what is being typed, else where one is."""
+        if self._entry is None:
+            return ""
+        return f"{'=' if self._value else 'Mode='}{self._entry}"
+
+    def _write(self, line: int, text: str) -> None:
+        if self._lines[line] != text:
+            self._lines[line] = text
+            self._display.write(Layer.STANDARD, line + 1, text[:COLUMNS])

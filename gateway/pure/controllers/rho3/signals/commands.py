@@ -1,0 +1,90 @@
+"""Signals that command the axes, as commands of the doors that give them: the office judges them as it judges every other one.
+
+Source: rho3 4.10 (L1295-1305, L7920-7941); AX-333.  Control is asked for with the first drive-on of a door and given back at rest
+when its last one has fallen, as an old-style door does it.
+"""
+
+from collections.abc import Mapping
+
+from gateway.pure.arbitration.command_block import Code, Command
+from gateway.pure.arbitration.dispatcher import CommandDispatcher
+from gateway.pure.arbitration.jobs import Job
+from gateway.pure.controllers.rho3.signals.drives import Asked
+from gateway.pure.controllers.rho3.signals.steps import Step
+from gateway.pure.image.records.cell import Motion
+from motion.program.factors import FULL, Factors
+from protocols.base.machine import Ns
+
+AT_REST = (Motion.IDLE, Motion.STOPPED)
+
+
+class AxisCommands:
+    """What the signals ask of the office."""
+
+    def __init__(self, office: CommandDispatcher, sets_override: bool) -> None:
+        """`sets_override`: nobody else of this cell does, so drive-on brings 100 %."""
+        self._office, self._sets_override = office, sets_override
+        self._leaving: set[int] = set()  # doors whose drive-on has fallen: control goes back at rest
+        self._abandon: dict[int, Job] = {}  # door -> its stopped move, given up as soon as it rests
+
+    def drives(self, asked: Mapping[int, Asked], wanted: int, disabled: int, now: Ns) -> None:
+        """Edges of the drive-on signals; `wanted`: axes whose signal stands, `disabled`: axes that stay off whatever it says."""
+        for door, change in asked.items():
+            if change.off:
+                self._say(door, Command(Code.DISABLE, change.off), now)
+                if not wanted:
+                    self._leaving.add(door)
+            on = change.on & ~disabled
+            if on:
+                self._leaving.discard(door)
+                self._switch_on(door, on, now)
+
+    def _switch_on(self, door: int, mask: int, now: Ns) -> None:
+        if self._office.owner != door:
+            self._say(door, Command(Code.REQUEST_CONTROL), now)
+        self._say(door, Command(Code.ENABLE, mask), now)
+        cell = self._office.cell
+        if self._sets_override and cell is not None and cell.override <= 0.0 and self._office.owner == door:
+            self._say(door, Command(Code.OVERRIDE, velocity=1.0), now)
+
+    def move(self, door: int, step: Step, now: Ns, factors: Factors = FULL) -> Job:
+        """A step that moves: PTP of the axes it names, or a program of the cell; `factors`: V and A of the control (AX-495)."""
+        speed, acceleration = step.speed * factors.velocity, factors.acceleration
+        if step.program is not None:
+            return self._office.order_program(door, step.program, now, speed, acceleration)
+        mask = sum(1 << number for number in step.to)
+        places = tuple(step.to.get(n, 0.0) for n in range(mask.bit_length()))
+        return self._say(door, Command(Code.PTP_ABSOLUTE, mask, speed, acceleration, places), now)
+
+    def stop(self, door: int, now: Ns, give_up: Job | None = None) -> None:
+        """Stops on the path; `give_up`: the move whose rest is abandoned, as where a program is taken off (L2610)."""
+        self._say(door, Command(Code.STOP), now)
+        if give_up is not None:
+            self._abandon[door] = give_up
+
+    def resume(self, door: int, now: Ns) -> None:
+        """Goes on with a stopped move."""
+        self._say(door, Command(Code.RESUME), now)
+
+    def override(self, door: int, value: float, now: Ns) -> None:
+        """0..1."""
+        self._say(door, Command(Code.OVERRIDE, velocity=value), now)
+
+    def settle(self, now: Ns) -> None:
+        """Once per cycle: what had to wait for rest."""
+        cell = self._office.cell
+        motion = cell.motion if cell is not None else Motion.IDLE
+        for door, job in list(self._abandon.items()):
+            if not job.open:
+                del self._abandon[door]  # it ended by itself, or its rest is gone
+            elif motion is Motion.STOPPED:
+                del self._abandon[door]
+                self._say(door, Command(Code.ABANDON), now)
+        for door in list(self._leaving):
+            if motion in AT_REST:
+                self._leaving.discard(door)
+                if self._office.owner == door:
+                    self._say(door, Command(Code.RELEASE_CONTROL), now)
+
+    def _say(self, door: int, command: Command, now: Ns) -> Job:
+        return self._office.command(door, command, now)

@@ -1,0 +1,339 @@
+"""The old control as its PLC sees it: signals, functions and processes on one image, once per cycle of the services.  Pure.
+
+The doors bring the RC inputs, the cycle what the axes do; outputs and flags go back to the doors, commands of the axes through the
+office.  A restart of services counts as a start of the control (AX-332): nothing that stands starts anything.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from gateway.pure.arbitration.dispatcher import CommandDispatcher
+from gateway.pure.arbitration.jobs import Job
+from gateway.pure.controllers.pic_image import PicImage
+from gateway.pure.controllers.rho3.functions.plc import Functions, Settings
+from gateway.pure.controllers.rho3.functions.processes import Kind, Process, ProcessTable, Program, State
+from gateway.pure.controllers.rho3.pendant.panel import Panel
+from gateway.pure.controllers.rho3.signals.codes import EMERGENCY_STOP, PIC_TIMER, PLC_SILENT, CycleErrors, code_text
+from gateway.pure.controllers.rho3.signals.commands import AxisCommands
+from gateway.pure.controllers.rho3.signals.coupling import Coupling
+from gateway.pure.controllers.rho3.signals.drives import DriveOn
+from gateway.pure.controllers.rho3.signals.errors import RHO3
+from gateway.pure.controllers.rho3.signals.fast_io import Channels, FastParts
+from gateway.pure.controllers.rho3.signals.numbers import AS_SHIPPED, Numbers
+from gateway.pure.controllers.rho3.signals.panel_view import PanelView
+from gateway.pure.controllers.rho3.signals.phg_values import PhgValues
+from gateway.pure.controllers.rho3.signals.steps import Step, body_maker, fault_of
+from gateway.pure.controllers.rho3.signals.supervision import PicGuard, PlcWatch
+from gateway.pure.controllers.rho3.signals.whole import Installation, Seen, SignalInterface
+from gateway.pure.image.error_list import ErrorList
+from gateway.pure.image.records.cell import RC_BYTES, CellState, InputImage, Permit, get_bit, set_bit
+from motion.program.factors import FactorTable, Operation
+from protocols.base.machine import Ns
+
+STARTUP = 107  # RC output: run-up finished (rho3 L728-732)
+KEEP_PERMANENT = 61  # RC input (L2620)
+RESET_MODE = "11.1"  # mode of the panel that resets (L3059)
+BOARD_IN, BOARD_OUT = 8, 5
+SETTLES = 200  # cycles after a start in which a late one says nothing about the timer (AX-478)
+
+
+@dataclass(frozen=True, slots=True)
+class Declared:
+    """A program of the cell."""
+
+    name: str
+    steps: tuple[Step, ...]
+    permanent: bool = False
+    priority: int = 140
+    kinematics: tuple[int, ...] = (1,)
+    repeat: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Setup:
+    """What the cell says; bit numbers as this cell has them."""
+
+    installation: Installation = Installation()
+    numbers: Numbers = AS_SHIPPED
+    functions: Settings = field(default_factory=Settings)
+    programs: tuple[Declared, ...] = ()
+    axes: tuple[str, ...] = ()
+    owners: Mapping[int, int] = field(default_factory=dict)  # RC input byte -> door
+    assumed: tuple[int, ...] = ()  # RC inputs that are not wired and count as 1
+    of_cycle: bytes = bytes(RC_BYTES)  # RC output bits the cycle writes
+    emergency_op: int = 140  # RC input: emergency mode without RC
+    chain_assumed: bool = False
+    fast: FastParts = FastParts()  # servo boards, P11, P36
+    coupling: Coupling | None = None
+    plc_silence: Ns = 0  # time-out of the PLC; 0: not supervised
+    plc_grace: bool = True
+    pic_timeout: Ns = 0  # longest time between two cycles of the PIC; 0: not supervised (AX-478)
+    sets_override: bool = True
+    units: tuple[tuple[str, float], ...] = ()  # of the axes: name, and how many of them a rad or m is
+    limits: tuple[tuple[float, float], ...] = ()  # of the axes, in these units
+    info_bits: Mapping[str, int] = field(default_factory=dict)  # RC inputs the pendant's INFO speaks of, by symbol
+    option: int = 0  # P25 as the option byte: what resets factors
+
+
+class RhoControl:
+    """Call `step` once per cycle of the services."""
+
+    def __init__(self, setup: Setup, office: CommandDispatcher, errors: ErrorList, now: Ns) -> None:
+        """ValueError: a parameter out of its range."""
+        self.setup, self.errors = setup, errors
+        self.image = PicImage()
+        self.interface = SignalInterface(self.image, setup.installation, setup.numbers, errors)
+        self.modes, self.user = self.interface.modes, self.interface.user
+        self.processes = ProcessTable(self._programs())
+        self.functions = Functions(setup.functions, errors, self.processes)
+        occupied = {bit >> 3 for bit in range(8 * RC_BYTES) if get_bit(setup.of_cycle, bit)}
+        self.channels = Channels(setup.fast, self.user, occupied)
+        self.board_in, self.board_out = bytearray(BOARD_IN), bytearray(BOARD_OUT)
+        self.panel_used = False  # somebody works at the panel
+        self._commands = AxisCommands(office, setup.sets_override)
+        self._office = office
+        self._drive_on = DriveOn(len(setup.axes), lambda byte: setup.owners.get(byte, 0))
+        self._cycle_errors = CycleErrors(self.interface.faults, setup.axes)
+        self._watch = PlcWatch(setup.plc_silence, now, setup.plc_grace) if setup.plc_silence else None
+        self._guard = PicGuard(setup.pic_timeout, SETTLES) if setup.pic_timeout else None
+        self._jobs: dict[str, Job] = {}  # program -> its move
+        self._keep = int.from_bytes(setup.of_cycle, "little") ^ (1 << 8 * RC_BYTES) - 1
+        self._last = now
+        self._listed: set[str] = set()  # programs with a process, as of the last cycle
+        self._closed = True  # the chain, as the interface was told last
+        self._now = now
+        self.state = CellState()  # as the cycle told it last
+        self.factor_table = FactorTable(setup.installation.kinematics, setup.option)
+        self.panel_view = PanelView(self)
+        self.panel = Panel(self.functions.display, self.functions.phg, self.functions.statuses, self.panel_view, setup.functions.language)
+        self.phg = PhgValues(self)
+        self._names = self._all_names()
+
+    @property
+    def now(self) -> Ns:
+        """Of the last cycle."""
+        return self._now
+
+    @property
+    def outputs(self) -> bytes:
+        """RC outputs, the cycle's and ours."""
+        return bytes(self.image.outputs)
+
+    # ---- one cycle -----------------------------------------------------------------------------------------------------
+    def step(self, inputs: InputImage, cycle: bytes, state: CellState, now: Ns, *, heard: bool = False) -> list[str]:
+        """`cycle`: RC outputs as the cycle published them; `heard`: the PLC has transmitted since.  What a person should read."""
+        self._now, self.state = now, state
+        if self._guard is None:
+            return self._cycle(inputs, cycle, state, now, heard=heard)
+        told: list[str] = []
+        before = self.halted
+        self._guard.run(self.image, now, lambda _: told.extend(self._cycle(inputs, cycle, state, now, heard=heard)))
+        return self._halt(now, first=not before) if self.halted else told
+
+    @property
+    def halted(self) -> bool:
+        """The PIC's timer has failed: inputs and outputs stay 0 and READY stays open until a restart."""
+        return self._guard is not None and self._guard.stopped
+
+    def _halt(self, now: Ns, *, first: bool) -> list[str]:
+        """Nothing moves and nobody switches on: READY is kept open against every fault reset."""
+        self._office.bar((1 << len(self.setup.axes)) - 1)
+        if self.state.generation and not self.state.emergency:
+            self._office.open_ready()
+        if not first:
+            return []
+        self.interface.faults.came(PIC_TIMER, stands=True, now=now)
+        return [f"{code_text(PIC_TIMER, self.setup.functions.language)} ({PIC_TIMER})"]
+
+    def _cycle(self, inputs: InputImage, cycle: bytes, state: CellState, now: Ns, *, heard: bool) -> list[str]:
+        self._look(inputs, cycle, state)
+        self._cycle_errors.look(state, now)
+        self._supervise(now, heard=heard)
+        image, setup = self.image, self.setup
+        panel_reset = self.functions.phg.mode == RESET_MODE
+        emergency = image.input(setup.emergency_op)
+        seen = self.interface.step(now - self._last, self.panel_used, emergency, panel_reset, now)
+        self._last = now
+        told = self._react(seen)
+        told += [refusal.text(setup.functions.language) for refusal in self.functions.step(inputs, image.outputs, now)]
+        self.panel.step(now)
+        self._end_moves()
+        self._commands.drives(self._drive_on.look(image), self._drive_on.wanted, seen.disabled, now)
+        self._office.bar(seen.disabled)
+        self._commands.settle(now)
+        self.channels.step(image)
+        image.put(STARTUP, bool(state.generation))
+        self._overlay(cycle)
+        return told
+
+    def _look(self, inputs: InputImage, cycle: bytes, state: CellState) -> None:
+        """The image as the control sees it: doors, inputs that are not wired, and the chain as the cycle has latched it (AX-335)."""
+        image = self.image
+        image.take(inputs)
+        for bit in self.setup.assumed:
+            set_bit(image.inputs, bit, True)
+        if state.generation:
+            self._closed = not state.emergency or bool(state.permits & Permit.CHAIN)
+            if not state.emergency:
+                self.interface.faults.forget(EMERGENCY_STOP)  # released by another door's fault reset
+        set_bit(image.inputs, self.setup.numbers.chain, self._closed)
+        self._overlay(cycle)
+
+    def _overlay(self, cycle: bytes) -> None:
+        merged = int.from_bytes(self.image.outputs, "little") & self._keep | int.from_bytes(cycle, "little") & ~self._keep
+        self.image.outputs[:] = (merged & (1 << 8 * RC_BYTES) - 1).to_bytes(RC_BYTES, "little")
+
+    def _supervise(self, now: Ns, *, heard: bool) -> None:
+        if self._watch is None:
+            return
+        if heard:
+            self._watch.heard(now)
+        if self._watch.wake(now):
+            self.interface.faults.came(PLC_SILENT, now=now)
+
+    # ---- programs ------------------------------------------------------------------------------------------------------
+    def _programs(self) -> dict[str, Program]:
+        language = self.setup.functions.language
+        return {
+            each.name.upper(): Program(
+                body_maker(each.name.upper(), each.steps, each.kinematics, self, repeat=each.repeat, language=language),
+                Kind.PERMANENT if each.permanent else Kind.NORMAL,
+                each.priority,
+                sum(1 << number - 1 for number in each.kinematics),
+            )
+            for each in self.setup.programs
+        }
+
+    @property
+    def selector(self) -> int:
+        """The door whose byte carries the selection strobe: programs move the axes in its name."""
+        return self.setup.owners.get(self.setup.functions.places.select_strobe >> 3, 0)
+
+    def move(self, program: str, step: Step, now: Ns) -> Job:
+        """What a program moves; refused as any other command of that door."""
+        process = self.processes.named(program)
+        kinematic = 1 if process is None else (process.kinematics & -process.kinematics).bit_length()  # the lowest it moves
+        factors = self.factor_table.acting(min(max(kinematic, 1), self.setup.installation.kinematics))
+        job = self._jobs[program] = self._commands.move(self.selector, step, now, factors)
+        return job
+
+    def start(self, name: str) -> Process:
+        """From the panel or a tool; raises ProcessFault."""
+        return self.processes.start(name)
+
+    def _react(self, seen: Seen) -> list[str]:
+        told = []
+        for fault in seen.switched:
+            process = self.processes.named(fault.program)
+            if process is not None:
+                reason = fault_of(fault)
+                process.state, process.error, process.error_text = State.FAULTY, reason.code, reason.text
+                self.interface.faults.came(reason.code, where=process.name, now=self._now)
+                told.append(f"{process.name}: {reason.text}")
+        if seen.outcome.processes_end:
+            self.factor_table.happened(Operation.CONTROL_RESET)
+            gone = self.processes.control_reset(keep_permanent=self.image.input(KEEP_PERMANENT))
+            told += [f"{name}: ended by Control reset" for name in gone]
+        for process in self.processes.processes:
+            if process.state is State.FAULTY and process.error in seen.outcome.cleared:
+                self.processes.stop(process.number)
+        return told
+
+    def _end_moves(self) -> None:
+        """The motion of a program that is gone or in error ends at once and is not finished (L2610)."""
+        self.processes.take_stopped()
+        for name, job in list(self._jobs.items()):
+            process = self.processes.named(name)
+            alive = process is not None and process.state is not State.FAULTY
+            if job.open and not alive:
+                self._commands.stop(job.door, self._now, give_up=job)
+            if not job.open or not alive:
+                del self._jobs[name]
+        listed = {process.name for process in self.processes.processes}
+        for name in self._listed - listed:
+            self.modes.deselected(name)
+        self._listed = listed
+
+    # ---- what others see -----------------------------------------------------------------------------------------------
+    def flag_bytes(self) -> bytes:
+        """M 0.. of the PIC."""
+        return bytes(self.image.flags)
+
+    def write_flags(self, first: int, data: bytes) -> bool:
+        """Flag bytes from `first` on, as the program of the PIC would; False: there are not so many."""
+        if first + len(data) > len(self.image.flags):
+            return False
+        self.image.flags[first : first + len(data)] = data
+        return True
+
+    def retained(self) -> bytes:
+        """All flags."""
+        return bytes(self.image.flags)
+
+    def restore(self, flags: bytes, counters: Mapping[int, int]) -> None:
+        """Flags and counters as they were kept; a decrement flag that stands counts nothing."""
+        self.image.flags[: len(flags)] = flags
+        for number, value in counters.items():
+            if number < len(self.interface.timers.counters):
+                self.interface.timers.counters[number] = value
+
+    def timer(self, number: int) -> int | None:
+        """Rest of timer `number` in ms; None: there is none."""
+        left = self.interface.timers.left
+        return left[number] // 1_000_000 if number < len(left) else None
+
+    def counter(self, number: int) -> int | None:
+        """Counter `number`."""
+        counters = self.interface.timers.counters
+        return counters[number] if number < len(counters) else None
+
+    def names(self) -> list[str]:
+        """Values beside the signals."""
+        return list(self._names)
+
+    def _all_names(self) -> tuple[str, ...]:
+        integers = [f"rho3.integer.{channel}" for channel in range(401, 409)]
+        board = [f"rho3.board.input.{n}" for n in range(BOARD_IN)] + [f"rho3.board.output.{n}" for n in range(BOARD_OUT)]
+        return (*integers, *(board if self.setup.coupling else []), *self.channels.names())
+
+    def value(self, name: str) -> float:
+        """One of them; KeyError."""
+        if name not in self._names:
+            raise KeyError(name)
+        _, kind, *rest = name.split(".")
+        number = int(rest[-1])
+        if kind == "integer":
+            return float(self.user.integer(number))
+        if kind == "board":
+            return float((self.board_in if rest[0] == "input" else self.board_out)[number])
+        return self.channels.value(name)
+
+    def put(self, name: str, value: float) -> None:
+        """What is wired: inputs of boards and of the multi-function I/O; KeyError for anything else, ValueError out of range."""
+        if name not in self._names or not (".input." in name or ".fast." in name):
+            raise KeyError(name)
+        most = 255 if ".board." in name else 1
+        if not 0 <= value <= most:
+            raise ValueError(f"{name}: 0..{most}")
+        if most == 255:
+            self.board_in[int(name.rpartition(".")[2])] = int(value)
+        else:
+            self.channels.wire(name, bool(value))
+
+    def status(self) -> dict[str, object]:
+        """For tools and pages."""
+        language = self.setup.functions.language
+        errors = [
+            {"code": each.code, "where": each.where, "text": code_text(each.code, language), "standing": each.standing, "count": each.count}
+            for each in self.errors.records
+            if each.source == RHO3
+        ]
+        processes = [
+            {"name": each.name, "kind": each.kind.name, "state": each.state.name, "error": each.error, "why": each.error_text}
+            for each in self.processes.processes
+        ]
+        automatic = [self.modes.automatic(number + 1) for number in range(self.setup.installation.kinematics)]
+        return {
+            "kind": "rho3", "automatic": automatic, "mode": self.functions.phg.mode,
+            "screen": list(self.functions.display.screen()), "processes": processes[:20], "errors": errors[:16],
+        }  # fmt: skip

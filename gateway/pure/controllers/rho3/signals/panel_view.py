@@ -1,0 +1,72 @@
+"""The control as its pendant asks it (gateway.pure.controllers.rho3.pendant.pages.Source)."""
+
+from collections.abc import Collection, Sequence
+from typing import TYPE_CHECKING
+
+from gateway.pure.controllers.rho3.functions.processes import ProcessTable
+from gateway.pure.controllers.rho3.pendant.infos import Condition, conditions_of
+from gateway.pure.controllers.rho3.signals.codes import code_text
+from gateway.pure.controllers.rho3.signals.errors import RHO3
+from gateway.pure.image.records.cell import AxisFlag
+from motion.program.factors import Factors
+
+if TYPE_CHECKING:
+    from gateway.pure.controllers.rho3.signals.control import RhoControl
+
+TEST_MN = "TEST_MN_RCI"
+
+
+class PanelView:
+    """Reads one control; starts programs and sets factors as the operator at the pendant may."""
+
+    def __init__(self, control: "RhoControl") -> None:
+        self._control = control
+
+    @property
+    def processes(self) -> ProcessTable:
+        return self._control.processes
+
+    @property
+    def factors(self) -> Factors:
+        return self._control.factor_table.global_factors()
+
+    def set_factor(self, which: str, value: float, kinematic: int = 0) -> None:
+        table = self._control.factor_table
+        if kinematic:
+            table.set_kinematic(kinematic, **{which: value})
+        else:
+            table.set_global(**{which: value})
+
+    def positions(self) -> Sequence[tuple[str, str, float]]:
+        setup = self._control.setup
+        places = zip(setup.axes, setup.units, self._control.state.axes, strict=False)
+        return [(name, unit, axis.actual * factor) for name, (unit, factor), axis in places]
+
+    def faults(self) -> Sequence[tuple[int, str]]:
+        language = self._control.setup.functions.language
+        records = self._control.errors.records
+        return [(each.code, f"{code_text(each.code, language)} {each.where}".strip()) for each in records if each.source == RHO3]
+
+    def automatic(self) -> Sequence[bool]:
+        control = self._control
+        return [control.modes.automatic(number + 1) for number in range(control.setup.installation.kinematics)]
+
+    def manual(self) -> Sequence[int]:
+        return [number for number, automatic in enumerate(self.automatic(), 1) if not automatic]
+
+    def fast_inputs(self) -> Sequence[str]:
+        return self._control.channels.fast.shown()
+
+    def conditions(self) -> Collection[Condition]:
+        control = self._control
+        bits = control.setup.info_bits
+        axes = control.state.axes[: len(control.setup.axes)]
+        return conditions_of(
+            lambda name: name in bits and control.image.input(bits[name]),
+            referenced=all(axis.flags & AxisFlag.REFERENCED for axis in axes),
+            in_position=all(axis.flags & AxisFlag.IN_POSITION for axis in axes),
+            test=bits.get(TEST_MN, 0) > 0 and control.image.input(bits[TEST_MN]),
+        )
+
+    def start(self, name: str) -> object:
+        return self._control.start(name)

@@ -1,0 +1,136 @@
+"""The mover of a cell with a correction ([alter]): alterable parts of a program, alone or beside belts.  Pure."""
+
+from collections.abc import Callable, Sequence
+
+from gateway.pure.cycle.alter import CoreAlter
+from gateway.pure.cycle.axis import HeldAxis
+from gateway.pure.cycle.belt_mover import BeltMover
+from gateway.pure.cycle.belts import CoreBelts
+from gateway.pure.cycle.homing import Homings
+from gateway.pure.cycle.mover import Mover
+from gateway.pure.image.reasons import Reason
+from gateway.pure.image.records.alter import FREEZE, alter_of
+from gateway.pure.image.records.cell import CellState, InputImage, OrderRecord
+from gateway.pure.image.records.planner import PieceRecord, SwitchAt
+from motion.errors import MotionError
+from motion.execution.stepper import Sample, State
+from motion.timing.foresight import Foresight
+
+
+class AlterMover(Mover):
+    """`alter` is given once, before the first cycle."""
+
+    alter: CoreAlter
+
+    @property
+    def free(self) -> bool:
+        """Neither a path nor a part of another kind is under way."""
+        return super().free and not self.alter.on
+
+    @property
+    def moving(self) -> bool:
+        return super().moving or self.alter.moves
+
+    def order_program(self, record: OrderRecord) -> None:
+        if not self.busy:
+            self.alter.reset()
+        super().order_program(record)
+
+    def stop(self, reason: Reason) -> None:
+        """At the end of an alterable path nothing is left to go on with: the part is over."""
+        if self.alter.on and self.stepper.state is State.IDLE:
+            self._leave_part(reason)
+        else:
+            super().stop(reason)
+
+    def leave(self) -> bool:
+        """An alterable part needs all axes of its robot."""
+        return (not self.alter.on or self.all_wanted()) and super().leave()
+
+    def drop(self, reason: Reason) -> None:
+        super().drop(reason)
+        self.alter.drop()
+
+    def step(self, inputs: InputImage) -> Sample:
+        """Set values, with the correction in an alterable part."""
+        alter = self.alter
+        alter.listen(inputs, self._state.sync_ns)
+        sample = super().step(inputs)
+        if alter.on:
+            sample = self._corrected(sample, inputs)
+        alter.publish(self._outputs)
+        return sample
+
+    def _corrected(self, path: Sample, inputs: InputImage) -> Sample:
+        alter, program = self.alter, self.program
+        if not program.job:  # abandoned: nothing is corrected any more
+            alter.freeze()
+        sample = alter.step(path, self.override)
+        if alter.fault is not None:
+            self._alter_fault(*alter.fault)
+        failed = not program.job or program.failed
+        if self.stepper.state is State.IDLE and (failed or ((program.rests or program.complete) and alter.may_end(inputs))):
+            alter.drop()
+            self.stepper.place(sample.q)  # from here on the axes are the stepper's again
+        return sample
+
+    def _alter_fault(self, code: int, axis: int) -> None:
+        state, alter = self._state, self.alter
+        alter.fault = None
+        state.belt_code, state.belt_block, state.belt_axis = code, 0, axis
+        self._leave_part(Reason.ALTER_FAULT)
+
+    def _leave_part(self, reason: Reason) -> None:
+        """The program is over; the path brakes with the correction as it is."""
+        program = self.program
+        if program.job and not program.failed:
+            self._end_program(reason)
+            program.met = True  # what still comes of it is dropped
+            self._state.stop_cause = reason
+        self.alter.freeze()
+        if self.stepper.state is not State.IDLE:
+            self.stepper.abandon()
+
+    def _take_alter(self, record: PieceRecord) -> None:
+        """alterBegin; what does not fit ends the program before it moves."""
+        if missing := self.gate.missing_of(self.program.mask):
+            self._refuse(missing)
+            return
+        try:
+            if self._homings.job or self._state.emergency or not self.all_enabled(self.program.mask):
+                raise MotionError("the axes are not all enabled and free")
+            self.alter.begin(alter_of(record), [axis.set for axis in self._axes])
+        except MotionError:
+            super()._take_alter(record)
+
+    def _switch(self, entry: SwitchAt) -> None:
+        if entry.number == FREEZE:
+            self.alter.freeze()
+        else:
+            super()._switch(entry)
+
+
+class AlterBeltMover(AlterMover, BeltMover):
+    """Both; a program has its parts one after the other."""
+
+
+def make_mover(
+    axes: Sequence[HeldAxis],
+    state: CellState,
+    outputs: bytearray,
+    homings: Homings,
+    period_s: float,
+    foresight: type[Foresight],
+    *,
+    belts: CoreBelts | None,
+    alter: CoreAlter | None,
+    off: Callable[[Reason], None],
+) -> Mover:
+    """The least that the cell needs."""
+    kinds = (Mover, AlterMover), (BeltMover, AlterBeltMover)
+    mover = kinds[belts is not None][alter is not None](axes, state, outputs, homings, period_s, foresight)
+    if belts is not None and isinstance(mover, BeltMover):
+        mover.belts, mover.off = belts, off
+    if alter is not None and isinstance(mover, AlterMover):
+        mover.alter = alter
+    return mover

@@ -1,0 +1,92 @@
+"""Reference runs in the core: which axes reference, by the gateway or by their drive, and what their job comes to.  Pure."""
+
+from collections.abc import Sequence
+
+from drivers.drives.family import Actual, DriveHoming, Homing
+from drivers.drives.referencing import Referencing, RunState
+from gateway.pure.cycle.axis import HeldAxis
+from gateway.pure.image.reasons import Reason
+from gateway.pure.image.records.cell import CellState
+
+
+class Homings:
+    """Of one core."""
+
+    def __init__(self, axes: Sequence[HeldAxis], state: CellState, period_s: float) -> None:
+        self.job = 0
+        self.under_way = False  # a job is, or an axis still comes to rest from one
+        self._axes, self._state, self._period = axes, state, period_s
+
+    def begin(self, job: int, mask: int) -> None:
+        """The axes of the mask rest and follow."""
+        for n, axis in enumerate(self._axes):
+            plan = axis.plan.reference
+            if mask >> n & 1 and plan is not None:
+                axis.referenced = False
+                if isinstance(plan, DriveHoming):
+                    axis.by_drive = True
+                else:
+                    axis.run = Referencing(plan, axis.drive.position_inc)
+        self.job, self.under_way = job, True
+        self._ended()  # axes that know where they are have nothing to do
+
+    def end(self, reason: Reason) -> None:
+        """The job failed; runs come to rest."""
+        self._state.fail(self.job, reason)
+        self.job = 0
+        for axis in self._axes:
+            axis.by_drive = False
+            if axis.run is not None:
+                axis.run.abort()
+
+    def step(self, actuals: Sequence[Actual | None]) -> None:
+        """Before the set values of a cycle."""
+        for axis, actual in zip(self._axes, actuals, strict=True):
+            if axis.run is not None:
+                axis.led = True
+                self._step_run(axis, actual)
+
+    def judge(self) -> None:
+        """After the set values of a cycle."""
+        for axis in self._axes:
+            if axis.by_drive:
+                self._judge_drive(axis)
+
+    def look(self) -> None:
+        """Once a cycle: is it still under way?"""
+        self.under_way = self.job != 0 or any(axis.run is not None or axis.by_drive for axis in self._axes)
+
+    def _step_run(self, axis: HeldAxis, actual: Actual | None) -> None:
+        run = axis.run
+        assert run is not None
+        step = run.step(axis.drive.position_inc, actual is not None and actual.reference_switch, self._period)
+        axis.set = axis.scaling.to_si(step.set_inc)
+        axis.speed = axis.scaling.speed_from_inc(step.speed_inc_s)
+        if step.state is RunState.RUNNING:
+            return
+        axis.run = None
+        if step.state is RunState.DONE:
+            assert run.zero_inc is not None
+            axis.scaling = axis.plan.scaling.with_zero(run.zero_inc)
+            axis.set = axis.scaling.to_si(step.set_inc)
+            axis.referenced = True
+        elif self.job:
+            self._state.stop_cause = Reason.REFERENCE_FAILED
+            self.end(Reason.REFERENCE_FAILED)
+        self._ended()
+
+    def _judge_drive(self, axis: HeldAxis) -> None:
+        """The drive stands in its home position: from now on its increments mean what the plan says (AX-306)."""
+        plan, state = axis.plan.reference, axis.drive.homing
+        if state is Homing.DONE and isinstance(plan, DriveHoming):
+            axis.by_drive, axis.referenced = False, True
+            axis.scaling = axis.plan.scaling.with_zero(-plan.position * axis.plan.scaling.inc_per_unit)
+            axis.set = axis.scaling.to_si(axis.drive.set_inc)
+        elif state is Homing.FAILED:
+            self._state.stop_cause = Reason.REFERENCE_FAILED
+            self.end(Reason.REFERENCE_FAILED)
+        self._ended()
+
+    def _ended(self) -> None:
+        if self.job and not any(axis.run is not None or axis.by_drive for axis in self._axes):
+            self._state.done_job, self.job = self.job, 0

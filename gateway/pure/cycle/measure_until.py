@@ -1,0 +1,154 @@
+"""MOVE UNTIL in the cycle: the input a part of a program ends with, and the position caught at its edge (@MPOS).  Pure.
+
+Positions are those the drives latched at each SYNC; the edge has the stamp its door gave the input's byte, and what lies between two
+SYNCs is interpolated (motion.measure).  Source: rho 3 Releases part 1, L1100-1290; AX-391.
+"""
+
+from collections.abc import Sequence
+
+from drivers.drives.family import Latched
+from gateway.pure.cycle.axis import HeldAxis
+from gateway.pure.cycle.measured import Measured
+from gateway.pure.cycle.probes import LATE, DriveProbe
+from gateway.pure.image.records.cell import CellState, InputImage, Quality
+from gateway.pure.image.records.planner import UntilInput
+from motion.execution.stepper import State
+from motion.measure.history import History
+from motion.measure.inputs import Board, InputKind, MeasuringInput
+from motion.measure.mpos import measured
+from protocols.base.machine import Ns
+
+BOARD = 1  # the axes of one channel are one servo board
+GOOD = int(Quality.GOOD)
+PATIENT = 50  # cycles the end of a part waits for positions that do not come
+TO_REST_NS = 60_000_000  # five time constants of a position loop of Kv 80 1/s: drives lag behind a path that has ended (AX-566)
+
+
+class CoreMeasure:
+    """One program's measuring."""
+
+    def __init__(self, state: CellState, axes: int, period_ns: Ns, mpos: Measured) -> None:
+        self._state, self._axes, self._period_ns, self._mpos = state, axes, period_ns, mpos
+        self._until: UntilInput | None = None
+        self._probe: DriveProbe | None = None  # of a part whose edge the drives catch
+        self._history = History(axes)
+        self._level: bool | None = None  # of the last cycle in which the input was good
+        self._stamp: Ns = 0  # of its byte then
+        self._hit: Ns | None = None
+        self._stored = False
+        self._patience = 0
+        self._ended = 0  # cycles since the path ended
+        self._heard_by = TO_REST_NS // period_ns + LATE  # cycles: until then the drives have told of an edge they passed
+
+    def program_started(self) -> None:
+        """What an earlier program measured is not this one's (L1132)."""
+        self._state.measured_mask = 0
+        self.end()
+
+    def begin(self, until: UntilInput, inputs: InputImage, now: Ns) -> None:
+        """The part that follows ends with this input."""
+        self._until, self._history = until, History(self._axes)
+        self._level, self._hit, self._stored, self._patience = None, None, False, PATIENT
+        self._ended = 0
+        self._probe = DriveProbe(until.drives, until.level) if until.drives else None
+        if self._probe is None:
+            self._see(until, inputs, now)
+
+    def end(self) -> None:
+        """The part is over, or the program."""
+        self._until, self._probe = None, None
+
+    def hear(self, said: Sequence[tuple[Latched, HeldAxis] | None]) -> None:
+        """What the drives' own probes have caught, before look()."""
+        if self._probe is not None:
+            self._probe.hear(said)
+
+    @property
+    def by_drives(self) -> bool:
+        """The drives catch the edge of this part."""
+        return self._probe is not None
+
+    @property
+    def on(self) -> bool:
+        """A part with an input is under way."""
+        return self._until is not None
+
+    @property
+    def waits(self) -> bool:
+        """The edge came, its position is not stored yet; or a drive may have passed it and has not told yet."""
+        if self._until is None or self._stored:
+            return False
+        if self._hit is not None:
+            return self._patience > 0
+        return self._probe is not None and self._ended < self._heard_by
+
+    def stands(self, inputs: InputImage) -> bool:
+        """Before the block: an input that has its value already lets nothing move, and the axes' place is measured; a probe has to
+        change, whatever it says now (L1130)."""
+        until = self._until
+        if until is None or until.by_edge or self._read(until, inputs) is not until.level:
+            return False
+        self._hit = 0
+        return True
+
+    def look(self, inputs: InputImage, now: Ns, path: State) -> bool:
+        """Once a cycle while the part is on: whether the path is to stop now, or its edge came.  A stopped path stays for its resume."""
+        until = self._until
+        if until is not None and self._probe is not None:
+            self._hit = now if self._hit is None and self._probe.hit else self._hit
+            self._ended = self._ended + 1 if path is State.IDLE else 0
+            return self._hit is not None and path in (State.RUNNING, State.IDLE)
+        if until is None or path is State.IDLE:
+            return False
+        before = self._level
+        edge = self._see(until, inputs, now)
+        if self._hit is None and self._level is until.level and ((before is not None and before is not until.level) or not until.by_edge):
+            if path is not State.RUNNING and not until.by_edge:
+                return False  # the level counts when the path goes on
+            self._hit = edge
+        return self._hit is not None and path is State.RUNNING
+
+    def store(self, actual: Sequence[float | None]) -> None:
+        """actual: (axes,) as latched at this SYNC, None where the telegram did not come."""
+        until, now = self._until, self._state.sync_ns
+        if until is None:
+            return
+        places = [place for place in actual if place is not None]
+        if len(places) == self._axes:
+            self._history.add(now, places)
+            if self._hit == 0:
+                self._hit = now
+        if self._hit is None or self._stored:
+            return
+        self._patience -= 1
+        if self._probe is not None:
+            self._hit = self._probe.instant(self._history) or 0
+            if not self._hit:
+                return
+        board = frozenset(n for n in range(self._axes) if until.mask >> n & 1)
+        asked = MeasuringInput(0, InputKind.PROBE if until.by_edge else InputKind.HIGH_SPEED, BOARD, 0)
+        hit = max(self._hit, self._history.oldest_ns or 0)  # the part began with the oldest
+        found = measured(asked, hit, self._period_ns, range(self._axes), {BOARD: Board(board, board)}, self._history)
+        if found is None or self._hit == 0:
+            return
+        self._stored = True
+        caught = self._probe.places if self._probe is not None else {}
+        self._mpos.forget(until.mask)
+        self._mpos.store({n: caught.get(n, place) for n, place in enumerate(found) if place is not None})
+
+    def _see(self, until: UntilInput, inputs: InputImage, now: Ns) -> Ns:
+        """Remembers the level; the stamp a change of it has: that of its byte where it is new, else this cycle's (AX-456).
+
+        A module the cycle hears itself may have spoken after this SYNC (AX-481); the position of that instant comes with the next one.
+        """
+        level = self._read(until, inputs)
+        if level is None:
+            return now
+        stamp, before = inputs.stamps[until.number >> 3], self._stamp
+        self._level, self._stamp = level, stamp
+        return stamp if before < stamp <= now + self._period_ns else now
+
+    @staticmethod
+    def _read(until: UntilInput, inputs: InputImage) -> bool | None:
+        """An input that is not good has no value."""
+        return inputs.bit(until.number) if inputs.quality[until.number >> 3] == GOOD else None

@@ -1,0 +1,421 @@
+"""What moves the axes of a core along paths: the stepper, the piece or program it runs, and whether the axes arrived.  Pure.
+
+A cell with belts or a correction has one more: gateway.pure.cycle.belt_mover, gateway.pure.cycle.alter_mover.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
+from gateway.pure.cycle.axis import HeldAxis
+from gateway.pure.cycle.drive_on import DriveOnGate
+from gateway.pure.cycle.homing import Homings
+from gateway.pure.cycle.inputs import CoreStart
+from gateway.pure.cycle.points import set_machine_position
+from gateway.pure.cycle.program import Entry, ProgramRun
+from gateway.pure.cycle.storing import Storing
+from gateway.pure.image.reasons import Reason
+from gateway.pure.image.records.cell import CellState, InputImage, OrderRecord, set_bit
+from gateway.pure.image.records.inputs import flying_of, start_of
+from gateway.pure.image.records.planner import FunctionAt, Part, PieceRecord, SwitchAt, function_number, function_of, switch_of, until_of
+from gateway.pure.image.records.points import latch_of, machine_of, recall_of, tape_of
+from motion.axes.errors import AxisError
+from motion.errors import MotionError
+from motion.execution.pieces import Piece, decode
+from motion.execution.stepper import Sample, State, Stepper
+from motion.execution.timed import TimedPiece, decode_any
+from motion.outputs.function import Function
+from motion.timing.foresight import Foresight
+
+ENTRIES: dict[Part, Callable[[PieceRecord], Entry]] = {  # done at a place of a piece
+    Part.OUTPUT: switch_of,
+    Part.FUNCTION: function_of,
+    Part.FLYING: flying_of,
+    Part.TAPE: tape_of,
+    Part.LATCH: latch_of,
+}
+ARRIVAL_S = 2.0  # after the set values: an axis that is not in its window by then has not arrived
+
+
+if TYPE_CHECKING:
+    from gateway.pure.cycle.path_outputs import CoreOutputs
+
+
+class Mover:
+    """Of one core; `state` and `outputs` are written in place."""
+
+    def __init__(
+        self,
+        axes: Sequence[HeldAxis],
+        state: CellState,
+        outputs: bytearray,
+        homings: Homings,
+        period_s: float,
+        foresight: type[Foresight] = Foresight,
+    ) -> None:
+        self.stepper = Stepper(len(axes), period_s, foresight=foresight)
+        self.stepper.set_override(0.0)
+        self.program = ProgramRun()  # done when nothing more comes and all is run
+        self.storing = Storing(state, axes, round(period_s * 1e9))
+        self.measure = self.storing.measure  # the edge that ends the part under way
+        self.start = CoreStart(round(period_s * 1e9))
+        self.functions: CoreOutputs | None = None  # of a cell with [[path_output]]
+        self.gate = DriveOnGate(axes)  # drive-on of single axes
+        self.override = 0.0  # as asked for: 0 while the feed is held
+        self.running = 0  # job of the piece under way
+        self._inputs = InputImage()  # of the last cycle
+        self._arriving = 0  # cycles since the set values of the running job arrived
+        self._axes, self._state, self._outputs, self._homings = axes, state, outputs, homings
+        self._period, self._foresight = period_s, foresight
+
+    # ---- what stands -------------------------------------------------------------------------------------------------
+    @property
+    def free(self) -> bool:
+        """No path is under way: the set position is whatever the axes say."""
+        return self.stepper.state is State.IDLE
+
+    @property
+    def moving(self) -> bool:
+        return self.stepper.state in (State.RUNNING, State.STOPPING)
+
+    @property
+    def busy(self) -> bool:
+        """A path or a program is under way, or not yet at its end."""
+        return self.running != 0 or self.program.job != 0 or self.stepper.state is not State.IDLE
+
+    @property
+    def starved(self) -> bool:
+        """A program is under way, the axes rest, and more has to come from the planner, or an input."""
+        return (self.program.waits or self.start.on) and self.stepper.state is State.IDLE
+
+    def all_enabled(self, mask: int) -> bool:
+        return all(axis.drive.follows for n, axis in enumerate(self._axes) if mask >> n & 1)
+
+    # ---- orders ------------------------------------------------------------------------------------------------------
+    def set_override(self, value: float) -> None:
+        self.override = value
+        self.stepper.set_override(0.0 if self.start.on else value)
+
+    def move(self, record: OrderRecord) -> None:
+        """One piece by itself."""
+        try:
+            piece = decode(record.piece)
+            if self._homings.job or self.program.job or self._state.emergency or not self.all_enabled(piece.mask):
+                raise MotionError("the axes of the piece are not all enabled, or they are being referenced")
+            if self.gate.kept and self.free:
+                self._as_they_stand()
+                self.gate.over()
+            self.stepper.load(piece)
+        except MotionError:
+            self._state.fail(record.job, Reason.NOT_READY)
+            return
+        self._begin(record.job)
+        self._state.stop_cause = 0
+
+    def order_program(self, record: OrderRecord) -> None:
+        if self._homings.job or self.busy or self._state.emergency or not self.gate.begin(record.mask):
+            self._state.fail(record.job, Reason.NOT_READY)
+            return
+        self.program.order(record.job, record.mask)
+        self._state.path_stop = 0
+        self.storing.program_started()
+        self._release()
+        self._state.stop_cause = 0
+
+    def abandon(self) -> None:
+        """The rest of a stopped path is given up."""
+        if self.stepper.state is not State.IDLE:
+            self.stepper.abandon()
+            self._state.fail(self.running, Reason.ABANDONED)
+            self.running = 0
+            self._clear()
+
+    def stop(self, reason: Reason) -> None:
+        """On the path."""
+        if self.stepper.state is State.RUNNING:
+            self.stepper.stop()
+            self._state.stop_cause = reason
+        elif self.starved:  # nothing to stop on: it must not begin, or go on, by itself afterwards
+            self._state.fail(self.program.job, reason)
+            self.running, self._state.stop_cause = 0, reason
+            self._clear()
+
+    def drop(self, reason: Reason) -> None:
+        """The drives go off: nothing of the path is left."""
+        self._state.fail(self.running or self.program.job, reason)
+        self.running = 0
+        self._clear()
+        self.stepper = Stepper(len(self._axes), self._period, [axis.set for axis in self._axes], self._foresight)
+        self.stepper.set_override(self.override)
+
+    # ---- drive-on of single axes -------------------------------------------------------------------------------------
+    def all_wanted(self) -> bool:
+        """Nobody switched off an axis of the program."""
+        return all(axis.wanted for n, axis in enumerate(self._axes) if self.program.mask >> n & 1)
+
+    def leave(self) -> bool:
+        """Some axes are not wanted on any more: True where the program under way goes on without them, or stops on its path."""
+        if not self.program.job or not any(axis.wanted for axis in self._axes):
+            return False
+        moves = self.gate.leave(self.stepper.ahead)
+        if moves:
+            self._held_up(Reason.DRIVE_ON_NOT_AVAILABLE, moves)
+        return True
+
+    def join(self, mask: int) -> bool:
+        """These axes may be switched on; False: not while the program moves, and it is over (rho 3 L1516-1522)."""
+        if not self.program.job:
+            return True
+        try:
+            self.gate.join(mask)
+        except AxisError as error:
+            self._held_up(Reason.DRIVE_ON_NOT_ALLOWED, error.axis)
+            return False
+        return True
+
+    def _held_up(self, reason: Reason, axis: int) -> None:
+        """The program is over: what moves stops on the path."""
+        self._state.drive_axis, self._state.stop_cause = axis, reason
+        self._state.fail(self.program.job, reason)
+        if self.stepper.state is not State.IDLE:
+            self.stepper.abandon()
+        self.running = 0
+        self._clear()
+
+    def _refuse(self, axis: int) -> None:
+        """What comes next cannot be run without this axis: the program ends where what was committed ends."""
+        self._state.drive_axis = axis
+        self._end_program(Reason.DRIVE_ON_NOT_AVAILABLE)
+        self.program.met = True  # what still comes of it is dropped
+
+    # ---- from the planner --------------------------------------------------------------------------------------------
+    def feed(self, record: PieceRecord) -> None:
+        """The next piece of the program, or the mark that nothing follows.  What belongs to another job is dropped."""
+        program = self.program
+        if record.generation != self._state.generation or record.job != program.job:
+            return
+        if record.part is Part.FAULT:
+            self._end_program(Reason.PROGRAM_FAULT)
+        elif record.part is Part.START:
+            self.start.begin(start_of(record), self._inputs, self._state.sync_ns)
+            self.stepper.set_override(0.0 if self.start.on else self.override)
+        elif record.part is Part.UNTIL:
+            self.measure.begin(until_of(record), self._inputs, self._state.sync_ns)
+            if self.gate.kept and self.free:
+                self.gate.accepting()
+                self._as_they_stand()
+        elif record.part is Part.REST:
+            program.rests = True
+        elif record.part in (Part.SYNCHRON, Part.BELT_BLOCK, Part.BELT_ACT):
+            self._take_belt(record)
+        elif record.part is Part.ALTER:
+            self._take_alter(record)
+        elif record.part in (Part.MACHINE, Part.RECALL):
+            self._point(record)
+        elif record.part in ENTRIES:
+            program.switch(ENTRIES[record.part](record))
+        elif record.part is Part.LAST:
+            program.complete = True
+            if not program.begun and (program.switches or self.start.on):  # nothing has moved, and something is done or waited for here
+                self._begin(program.job)
+                program.begun = True
+            elif not program.begun:
+                self._state.done_job = program.job
+                self._clear()
+        else:
+            self._take_piece(record.piece)
+
+    def planner_lost(self) -> None:
+        """What was committed runs to its end, which is at rest on the path; the program is over."""
+        if self.program.waits:
+            if self.start.on:  # what has not begun does not begin any more
+                self.stepper.abandon()
+            self._end_program(Reason.PLANNER_LOST)
+            self._state.stop_cause = Reason.PLANNER_LOST
+
+    def _take_piece(self, data: bytes) -> None:
+        program = self.program
+        if self.stepper.state is State.IDLE and not program.met and not self.start.on and self.measure.stands(self._inputs):
+            program.met = True  # it stands already: there is no movement (rho3 4.3)
+        if program.met or program.failed:
+            return
+        try:
+            piece = decode_any(data)
+            if self._homings.job or self._state.emergency or self.running not in (0, program.job) or not self._may_run(piece):
+                raise MotionError("the axes of the piece are not all enabled and free")
+            self._load(piece)
+        except AxisError as error:
+            self._refuse(error.axis)
+            return
+        except MotionError:
+            self._state.fail(program.job, Reason.NOT_READY)
+            if program.begun:
+                self.stepper.abandon()
+                self.running = 0
+            self._clear()
+            return
+        if not program.begun:
+            self._begin(program.job)
+            program.begun = True
+
+    def _may_run(self, piece: Piece | TimedPiece) -> bool:
+        """Its axes follow; raises AxisError where some are out of the loop, and the piece moves them."""
+        gate = self.gate
+        if not gate.watches or not isinstance(piece, TimedPiece):
+            return self.all_enabled(piece.mask)
+        gate.check(piece, until=self.measure.on)
+        if gate.kept and self.free and not self.stepper.ahead:
+            self.stepper.place(gate.standing(piece))
+        return True
+
+    def _load(self, piece: Piece | TimedPiece) -> None:
+        self.stepper.load(piece)
+
+    def _point(self, record: PieceRecord) -> None:
+        """A part by itself, over at once; the axes rest."""
+        if record.part is Part.RECALL:
+            self.storing.tape.recall(*recall_of(record))
+        else:
+            set_machine_position(self._axes, self._state, machine_of(record))
+            self._as_they_stand()
+        if not self.program.begun:
+            self._begin(self.program.job)
+            self.program.begun = True
+        self._state.parts += 1
+
+    def _take_belt(self, record: PieceRecord) -> None:
+        """The cell has no belts."""
+        self._state.fail(record.job, Reason.NOT_READY)
+        self._end_program(Reason.NOT_READY)
+
+    def _take_alter(self, record: PieceRecord) -> None:
+        """The cell has no correction."""
+        self._state.fail(record.job, Reason.NOT_READY)
+        self._end_program(Reason.NOT_READY)
+
+    def _begin(self, job: int) -> None:
+        self.running, self._arriving = job, 0
+
+    def _end_program(self, reason: Reason) -> None:
+        """It failed; what was committed of it is run."""
+        self._state.fail(self.program.job, reason)
+        self.program.failed = True
+        self.program.switches.clear()
+        if self.program.begun:
+            self.program.complete = True
+            self.stepper.uncommit()
+        else:
+            self._clear()
+
+    def _clear(self) -> None:
+        """The program is over; a beginning of a path whose end never came is no path."""
+        self.program.clear()
+        self.stepper.uncommit()
+
+    # ---- one cycle ---------------------------------------------------------------------------------------------------
+    def step(self, inputs: InputImage) -> Sample:
+        """Set values of all axes."""
+        self._inputs = inputs
+        if self.start.on:
+            self.hold()
+        sample = self.stepper.step()
+        if self.gate.kept:
+            sample = self._kept(sample)
+        if self.program.job:
+            self._attend(sample)
+        return sample
+
+    def _kept(self, sample: Sample) -> Sample:
+        """Axes out of the loop stay where they stand, until nothing of a program is left."""
+        sample = self.gate.kept_in(sample)
+        if not self.program.job and self.free:
+            self.stepper.place(sample.q)
+            self.gate.over()
+        return sample
+
+    def accept(self) -> None:
+        """Where no path leads, not even one that is still coming, it begins where the axes stand."""
+        if self.free and not self.stepper.ahead:
+            self._as_they_stand()
+
+    def _as_they_stand(self) -> None:
+        """The path begins at the set values of the axes."""
+        self.stepper.place([axis.set for axis in self._axes])
+
+    def hold(self) -> None:
+        """One cycle of a part that waits for its input."""
+        if not self.program.job or self.start.step(self._inputs, self._state.sync_ns):
+            self._release()
+
+    def _release(self) -> None:
+        self.start.end()
+        self.stepper.set_override(self.override)
+
+    def store(self, actual: Sequence[float | None]) -> None:
+        """actual: (axes,) as latched at this SYNC, None where the telegram did not come."""
+        self.storing.store(actual, self._counters, program=self.program.job != 0)
+
+    def _counters(self) -> Sequence[float]:
+        """What measuring systems say that are no axes."""
+        return ()
+
+    def _attend(self, sample: Sample) -> None:
+        """What belongs to a program beside its path: outputs, the input its part ends with, the end of a part."""
+        program, stepper = self.program, self.stepper
+        waits = self.start.on and self.free  # a part without way: what it does comes behind its input
+        for switch in () if waits else program.passed(sample.piece_id, stepper.within):
+            if isinstance(switch, FunctionAt):
+                self._call(switch.function)
+            elif isinstance(switch, SwitchAt):
+                self._switch(switch)
+            else:
+                self.storing.call(switch, self._inputs, self._state.sync_ns, len(self._counters()))
+        measure = self.measure
+        self.storing.look(self._inputs, self._state.sync_ns)
+        if measure.on and not self.start.on and measure.look(self._inputs, self._state.sync_ns, stepper.state) and not program.met:
+            stepper.abandon()
+            program.met = True
+        if program.rests and self.free and not measure.waits and not waits:
+            self._state.met = program.met
+            if measure.on and self.gate.watches:
+                self.gate.accepted()
+                stepper.place(sample.q)
+            measure.end()
+            program.part_over()
+            self._state.parts += 1
+
+    def _switch(self, entry: SwitchAt) -> None:
+        set_bit(self._outputs, entry.number, entry.value)
+
+    def _call(self, call: Function) -> None:
+        """IO logic or PPO; one that is still in use ends the program on the path."""
+        if self.functions is None or not self.program.job:
+            return
+        try:
+            self.functions.call(call, self._state, self._outputs)
+        except MotionError:
+            self._state.path_stop = function_number(call.ppo, abs(call.number))
+            self._state.fail(self.program.job, Reason.OUTPUT_IN_USE)
+            self.stepper.abandon()
+            self.running = 0
+            self._clear()
+
+    def judge(self, sample: Sample) -> None:
+        """A job runs: when its set values have arrived it is done as soon as the axes have, too."""
+        program = self.program
+        measured = program.failed or not (self.measure.waits or self.start.on)
+        if not (program.complete and self.free and measured if program.begun else sample.done_id == self.running):
+            return
+        late = [axis for axis in self._axes if abs(axis.set - axis.scaling.to_si(axis.drive.position_inc)) > axis.plan.window]
+        self._arriving += 1
+        if not late:
+            if not self.program.failed:
+                self._state.done_job = self.running
+            self._over()
+        elif self._arriving * self._period > ARRIVAL_S:
+            self._state.fail(self.running, Reason.FOLLOWING_ERROR)
+            self._over()
+
+    def _over(self) -> None:
+        self.running, self._arriving = 0, 0
+        if self.program.begun:
+            self._clear()

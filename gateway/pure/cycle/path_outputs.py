@@ -1,0 +1,123 @@
+"""IO logic and PPO of a program in the cycle: outputs led by a workpiece coordinate of the set values.  Pure.
+
+What they do on the way, and what stops them, is motion.outputs.rho3 (rho 3 Releases part 1, L4211-4264; AX-465, AX-466); here they get
+their coordinate once a cycle and their places in the image (AX-392).
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from gateway.pure.image.records.cell import CellState, Motion, Permit, set_bit
+from gateway.pure.image.records.planner import function_number
+from motion.errors import MotionError
+from motion.geometry.conventions import RHO3
+from motion.kinematics.base import PathKinematics
+from motion.outputs.function import Function
+from motion.outputs.rho3 import Analog, Call, Kind, PathOutputs, Stop
+
+COORDINATES = 6
+FULL = 0x7FFF  # of an analog output: its most volts
+HELD = (Motion.STOPPING, Motion.STOPPED)
+
+
+@dataclass(frozen=True, slots=True)
+class OutputPlace:
+    """Where a function's value stands: RC output (of the lowest bit), bits (1: IO logic), rated value and volts of an analog output;
+    kinematic: whose coordinates lead it, from 1."""
+
+    output: int
+    bits: int = 1
+    rated: float = 0.0
+    volts: float = 10.0
+    kinematic: int = 1
+
+
+Places = Mapping[tuple[Kind, int], OutputPlace]
+
+
+class CoreOutputs:
+    """All functions of a cell.  robots: kinematics by number, as motion.planner.robot.Machine has them (axes that carry the robot or the
+    workpiece among theirs), each on the axes of the cell."""
+
+    def __init__(self, places: Places, robots: Mapping[int, PathKinematics], period_s: float) -> None:
+        self._places, self._robots, self._period = places, robots, period_s
+        analog = {number: Analog(place.rated, place.volts) for (kind, number), place in places.items() if kind is Kind.PPO and place.rated}
+        self._functions = PathOutputs(analog)
+        self._running = 0  # at most so many functions run
+        self._failed = 0  # job that failed last
+
+    def call(self, asked: Function, state: CellState, image: bytearray) -> None:
+        """The path is where the statement stands.  ProgramFault: the function has not ended."""
+        self._failed = state.failed_job
+        self._functions.call(*as_call(asked))
+        self._running += 1
+        self._show(image)
+
+    def step(self, q: Sequence[float], state: CellState, image: bytearray) -> None:
+        """q: set values of this cycle, m and rad."""
+        if not self._running:
+            return
+        stops = self._stops(state)
+        for kinematic in {place.kinematic for (kind, number), place in self._places.items() if self._in_use(kind, number, place)}:
+            robot = self._robots[kinematic]
+            point = RHO3.values(robot.forward(tuple(q[: robot.axes])))
+            self._functions.step(kinematic, point, self._period, stops)
+            said = self._functions.stopped
+            if said is not None:
+                state.path_stop = function_number(said[0] is Kind.PPO, said[1])
+        self._show(image)
+        self._running = sum(self._in_use(kind, number, place) for (kind, number), place in self._places.items())
+
+    def _in_use(self, kind: Kind, number: int, place: OutputPlace) -> bool:
+        return self._functions.in_use(kind, place.kinematic, number)
+
+    def _stops(self, state: CellState) -> Sequence[Stop]:
+        permits, failed = state.permits, state.failed_job
+        fresh, self._failed = failed != self._failed, failed
+        found = (
+            (state.emergency, Stop.EMERGENCY),
+            (not permits & Permit.RUN, Stop.FEED_HOLD),
+            (not permits & Permit.FEED, Stop.FEED_ALLOW),
+            (not permits & Permit.TRAVEL, Stop.TRAVEL_ALLOW),
+            (state.motion in HELD, Stop.INTERPOLATOR_STOP),
+            (fresh, Stop.RUNTIME_ERROR),
+        )
+        return [stop for holds, stop in found if holds]
+
+    def _show(self, image: bytearray) -> None:
+        for (kind, number), place in self._places.items():
+            value = self._functions.outputs.get((kind, place.kinematic, number))
+            if value is None:
+                continue
+            if kind is Kind.IOL:
+                set_bit(image, place.output, value != 0.0)
+            else:
+                octet, size = place.output >> 3, place.bits >> 3
+                image[octet : octet + size] = _raw(value, place).to_bytes(size, "big")  # as words stand at every door (AX-010)
+
+
+def _raw(value: float, place: OutputPlace) -> int:
+    """Two's complement of so many bits, held at their ends; analog: FULL is the most the board gives."""
+    scaled = value / place.volts * FULL if place.rated else value
+    half = 1 << (place.bits - 1)
+    return min(max(round(scaled), -half), half - 1) & (2 * half - 1)
+
+
+def as_call(asked: Function) -> tuple[Kind, Call]:
+    """As the functions themselves take it."""
+    kind = Kind.PPO if asked.ppo else Kind.IOL
+    return kind, Call(asked.number, asked.kinematic, asked.coordinate, asked.position, asked.value, asked.time_ms, asked.system)
+
+
+def check_function(asked: Function, places: Places, kinematic: int) -> None:
+    """Before anything moves; MotionError names what the robot, of this number in its cell, does not have."""
+    kind, call = as_call(asked)
+    PathOutputs({number: Analog(1.0) for _, number in places}).call(kind, call)
+    own = [key for key, place in places.items() if place.kinematic == kinematic]
+    if (kind, abs(call.number)) not in own:
+        known = ", ".join(sorted(f"{each.name} {number}" for each, number in own)) or "none"
+        raise MotionError(f"{kind.name} {abs(call.number)}: no such function; the robot has {known} ([[path_output]])")
+    if call.kinematic != kinematic or (call.number > 0 and call.coordinate > COORDINATES):
+        raise MotionError(
+            f"{kind.name} {call.number}: kinematic {call.kinematic}, coordinate {call.coordinate}; kinematic {kinematic}, 1..6: x y z a b c"
+        )

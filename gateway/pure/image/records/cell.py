@@ -1,0 +1,364 @@
+"""Layouts of what the processes tell each other through regions and rings (design: sections 4 to 6).
+
+All plain structs in native byte order: both sides run on one machine, and the layout string goes into the region's hash.
+"""
+
+import struct
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from enum import IntEnum, IntFlag
+from operator import attrgetter
+from typing import NamedTuple
+
+from motion.execution.pieces import MAX_AXES
+
+MOST_AXES = MAX_AXES  # of one cell (AX-572)
+RC_BYTES = 128  # PIC image: 1024 bits (rho3 0.2)
+NEVER = 0  # a stamp that says: not yet
+
+
+class Motion(IntEnum):
+    """What the cell's set values do."""
+
+    IDLE = 0  # at rest, nothing left to do
+    RUNNING = 1
+    STOPPING = 2  # braking on the path
+    STOPPED = 3  # at rest on the path, a rest of the move is left
+    REFERENCING = 4
+
+
+class Permit(IntFlag):
+    """Enabling inputs as the cycle judges them (AX-002); a missing one does not stand."""
+
+    CHAIN = 1  # emergency-stop chain closed
+    CONTROL = 2
+    FEED = 4
+    RUN = 8  # feed hold not
+    TRAVEL = 16
+
+
+ALL_PERMITS = Permit(31)
+
+
+class AxisFlag(IntFlag):
+    """Bits of one axis in the axes region."""
+
+    ENABLED = 1
+    REFERENCED = 2
+    IN_POSITION = 4
+    FAULT = 8
+    LOST = 16  # no telegram from the drive
+    HOMING = 32
+    WARNING = 64
+    ON = 128  # we ask for it to be on
+    UNCONFIGURED = 256  # the drive has not been started up by the master yet: it cannot be switched on
+
+
+FLAGS = tuple(AxisFlag(bits) for bits in range(1 << len(AxisFlag)))  # arithmetic of enum flags costs microseconds, a table nothing
+
+
+@dataclass(slots=True)
+class AxisState:
+    """One axis as the cycle sees it; rad or m, rad/s or m/s, torque as a share of rated."""
+
+    actual: float = 0.0
+    set: float = 0.0
+    speed: float = 0.0
+    lag: float = 0.0
+    torque: float = 0.0
+    flags: AxisFlag = AxisFlag(0)
+    fault_code: int = 0
+    power: int = 0
+    finding: int = 0  # 647, 648 (drivers.drives.tracking), 0: none
+    measured: float = 0.0  # @MPOS, where measured_mask has the axis
+
+
+@dataclass(slots=True)
+class CellState:
+    """What the cycle publishes once per SYNC."""
+
+    cycle: int = 0  # SYNCs sent since this cycle process started
+    sync_ns: int = NEVER
+    generation: int = 0  # new for every cycle process: orders for an older one are dropped
+    motion: Motion = Motion.IDLE
+    override: float = 0.0
+    job: int = 0  # id of the order that moves the axes now, 0: none
+    progress: float = 0.0  # s of the running piece, 0..1
+    done_job: int = 0  # last order that ended well
+    failed_job: int = 0  # last order that ended badly; failure() also knows those before it
+    failed_reason: int = 0
+    taken: int = 0  # last order id taken from the ring
+    emergency: bool = False  # emergency-stop latch
+    ready: bool = False
+    permits: int = 0  # Permit bits: which enabling inputs stand
+    stop_cause: int = 0  # Reason number of the last stop the cycle made by itself
+    skipped: int = 0  # grid instants without SYNC
+    incomplete: int = 0  # cycles in which not every actual value came
+    late: int = 0  # telegrams that came in the cycle after theirs
+    services_lost: int = 0  # times the services' life stood still
+    piece: int = 0  # id of the planner's piece under way, 0: none
+    compute_ns: int = 0  # time of the last cycle from the last actual value to set values ready
+    parts: int = 0  # parts of programs that are over: the axes rest, and the planner goes on from where they stand
+    engaged: float = 0.0  # belt value (m or rad) at which the robot got onto its belt last
+    belt: float = 0.0  # counter of the belt under way, or of the first one; m or rad
+    belt_speed: float = 0.0
+    belt_code: int = 0  # last fault of a synchronous part: number of the rho 3, or 65001 .. (AX-545, AX-547)
+    belt_block: int = 0  # and its block in the program
+    belt_axis: int = 0  # and the axis, from 1; also of a servo error (AX-549)
+    met: bool = False  # the last part with an input ended by it
+    path_stop: int = 0  # function of the path that was stopped last, or was still in use (plannerrecords.function_words), 0: none
+    drive_axis: int = 0  # axis (from 1) for whose drive-on the last program ended, 0: none
+    measured_mask: int = 0  # axes (bit n-1 = axis n) whose position the program under way, or the last one, has measured
+    failed_2: int = 0  # the three that ended badly before failed_job, newest first: several may fail in one cycle (AX-514)
+    reason_2: int = 0
+    failed_3: int = 0
+    reason_3: int = 0
+    failed_4: int = 0
+    reason_4: int = 0
+    axes: list[AxisState] = field(default_factory=lambda: [AxisState() for _ in range(MOST_AXES)])  # published: those of the cell
+
+    def fail(self, job: int, reason: int) -> None:
+        """This order ended badly; 0: there was none."""
+        if not job:
+            return
+        if job != self.failed_job:
+            self.failed_4, self.reason_4 = self.failed_3, self.reason_3
+            self.failed_3, self.reason_3 = self.failed_2, self.reason_2
+            self.failed_2, self.reason_2 = self.failed_job, self.failed_reason
+        self.failed_job, self.failed_reason = job, int(reason)
+
+    def failure(self, job: int) -> int:
+        """Why this order ended badly, 0: it did not, or four others have since."""
+        if not job:
+            return 0
+        told = (
+            (self.failed_job, self.failed_reason),
+            (self.failed_2, self.reason_2),
+            (self.failed_3, self.reason_3),
+            (self.failed_4, self.reason_4),
+        )
+        return next((reason for failed, reason in told if failed == job), 0)
+
+
+STATE_NAMES = (
+    "cycle", "sync_ns", "generation", "motion", "override", "job", "progress", "done_job", "failed_job", "failed_reason", "taken",
+    "emergency", "ready", "permits", "stop_cause", "skipped", "incomplete", "late", "services_lost", "piece", "compute_ns",
+    "parts", "engaged", "belt", "belt_speed", "belt_code", "belt_block", "belt_axis", "met", "path_stop", "drive_axis", "measured_mask",
+    "failed_2", "reason_2", "failed_3", "reason_3", "failed_4", "reason_4",
+)  # fmt: skip
+AXIS_NAMES = ("actual", "set", "speed", "lag", "torque", "flags", "fault_code", "power", "finding", "measured")
+STATE_HEAD = struct.Struct("=QqQBdQdQQHQBBBHQQQQQQQdddHIBBHBIQHQHQH")
+STATE_AXIS = struct.Struct("=dddddHHBHd")  # flags, fault code (CiA 402: 16 bits), power, finding, measured
+CELL_STATE_LAYOUT = f"cell-state/2 {STATE_HEAD.format} axes x {STATE_AXIS.format}"
+
+
+def cell_state_size(axes: int) -> int:
+    """Bytes of the packed state of a cell of so many axes: a cycle copies those it has, not those there may be."""
+    return STATE_HEAD.size + axes * STATE_AXIS.size
+
+
+def cell_state_packer(axes: int) -> Callable[[CellState], bytes]:
+    """Packs the first `axes` of a state, which has no fewer: cell_state_size(axes) bytes."""
+    pack = struct.Struct(f"{STATE_HEAD.format}{STATE_AXIS.format[1:] * axes}").pack
+    head = attrgetter(*STATE_NAMES)
+    axis = attrgetter(*AXIS_NAMES)
+
+    def packer(state: CellState) -> bytes:
+        values = [*head(state)]
+        for one in state.axes[:axes]:
+            values += axis(one)
+        return pack(*values)
+
+    return packer
+
+
+def pack_cell_state(state: CellState) -> bytes:
+    """All axes of it."""
+    return cell_state_packer(len(state.axes))(state)
+
+
+def unpack_cell_state(data: bytes) -> CellState:
+    """The reverse of pack_cell_state: as many axes as were packed."""
+    axes = []
+    for actual, set_, speed, lag, torque, flags, *rest in STATE_AXIS.iter_unpack(memoryview(data)[STATE_HEAD.size :]):
+        axes.append(AxisState(actual, set_, speed, lag, torque, FLAGS[flags], *rest))
+    state = CellState(axes=axes)
+    for name, value in zip(STATE_NAMES, STATE_HEAD.unpack_from(data), strict=True):
+        setattr(state, name, value)
+    state.motion, state.emergency, state.ready = Motion(state.motion), bool(state.emergency), bool(state.ready)
+    state.met = bool(state.met)
+    return state
+
+
+class Order(IntEnum):
+    """What services ask of the cycle."""
+
+    ENABLE = 1
+    DISABLE = 2
+    REFERENCE = 3
+    MOVE = 4  # a piece follows in the record
+    STOP = 6
+    RESUME = 7
+    ABANDON = 8
+    RESET = 9
+    OVERRIDE = 10
+    PROGRAM = 11  # the planner's pieces of this job are taken from now on
+    BELT = 13  # mask: place of a belt; value: its offset as it was kept, NaN: none (AX-480)
+    EMERGENCY = 12  # as an open chain: drives off, READY open, until a fault reset
+
+
+@dataclass(frozen=True, slots=True)
+class OrderRecord:
+    """One record of the command ring; `piece` is an encoded motion piece for MOVE and empty otherwise."""
+
+    order: Order
+    job: int
+    generation: int
+    mask: int = 0  # bit n-1 = axis n
+    value: float = 0.0
+    reason: int = 0  # why (for STOP: Reason number)
+    piece: bytes = b""
+
+
+_ORDER = struct.Struct("=HHIQQdI4x")
+
+
+def order_size(piece_size: int) -> int:
+    """Bytes of one record of the command ring whose longest piece has so many."""
+    return _ORDER.size + piece_size
+
+
+ORDER_LAYOUT = f"orders/2 {_ORDER.format}"
+
+
+def pack_order(record: OrderRecord, piece_size: int) -> bytes:
+    """OrderRecord as order_size(piece_size) bytes."""
+    if len(record.piece) > piece_size:
+        raise ValueError(f"piece of {len(record.piece)} bytes; {piece_size} fit")
+    head = _ORDER.pack(record.order, record.reason, record.mask, record.job, record.generation, record.value, len(record.piece))
+    return head + record.piece.ljust(piece_size, b"\0")
+
+
+def unpack_order(data: bytes) -> OrderRecord:
+    """The reverse of pack_order."""
+    order, reason, mask, job, generation, value, size = _ORDER.unpack_from(data)
+    return OrderRecord(Order(order), job, generation, mask, value, reason, bytes(data[_ORDER.size : _ORDER.size + size]))
+
+
+class Quality(IntEnum):
+    """How far a value may be trusted (design: section 5)."""
+
+    BAD = 0
+    STALE = 1
+    GOOD = 2
+
+
+@dataclass(slots=True)
+class InputImage:
+    """RC inputs: value, quality and stamp of each byte; a byte belongs to one door."""
+
+    values: bytearray = field(default_factory=lambda: bytearray(RC_BYTES))
+    quality: bytearray = field(default_factory=lambda: bytearray(RC_BYTES))
+    stamps: list[int] = field(default_factory=lambda: [NEVER] * RC_BYTES)
+
+    def bit(self, number: int) -> bool:
+        """Bit N of the image whatever its quality."""
+        return bool(self.values[number >> 3] >> (number & 7) & 1)
+
+
+_INPUT = struct.Struct(f"={RC_BYTES}s{RC_BYTES}s{RC_BYTES}q")
+INPUT_SIZE = _INPUT.size
+INPUT_LAYOUT = f"rc-in/1 {_INPUT.format}"
+
+
+def pack_inputs(image: InputImage) -> bytes:
+    """InputImage as INPUT_SIZE bytes."""
+    return _INPUT.pack(bytes(image.values), bytes(image.quality), *image.stamps)
+
+
+def unpack_inputs(data: bytes) -> InputImage:
+    """The reverse of pack_inputs."""
+    values, quality, *stamps = _INPUT.unpack(data)
+    return InputImage(bytearray(values), bytearray(quality), stamps)
+
+
+def set_bit(image: bytearray, number: int, value: bool) -> None:
+    """Bit N = byte N div 8, bit N mod 8 (rho3 0.2)."""
+    if value:
+        image[number >> 3] |= 1 << (number & 7)
+    else:
+        image[number >> 3] &= ~(1 << (number & 7))
+
+
+def set_bits(image: bytearray, first: int, count: int, values: int) -> None:
+    """Bits `first` .. `first + count - 1`; bit 0 of `values` is the first of them."""
+    start, stop, shift = first >> 3, (first + count + 7) >> 3, first & 7
+    word = int.from_bytes(image[start:stop], "little") & ~(((1 << count) - 1) << shift) | values << shift
+    image[start:stop] = word.to_bytes(stop - start, "little")
+
+
+def get_bit(image: bytes | bytearray, number: int) -> bool:
+    """The reverse of set_bit."""
+    return bool(image[number >> 3] >> (number & 7) & 1)
+
+
+class Aside(IntEnum):
+    """Records between the cycle and the master of a bus: frames that are no cyclic data, and what the cycle must know of a node."""
+
+    FRAME = 0
+    RELEASE = 1  # to the cycle: this node is configured; data = the mode it is in (6061h)
+    HOLD = 2  # to the cycle: this node is not, or no longer
+
+
+class AsideRecord(NamedTuple):
+    """One of them; `bus` counts the cell's drive buses from 0, `identifier` is the node for RELEASE and HOLD."""
+
+    kind: Aside
+    bus: int
+    identifier: int
+    data: bytes = b""
+    stamp_ns: int = 0
+
+
+_ASIDE = struct.Struct("=BBHB3x8sq")
+ASIDE_BYTES, ACYCLIC_RECORDS, HEARD_RECORDS = _ASIDE.size, 1024, 8192
+ASIDE_LAYOUT = f"aside/1 {_ASIDE.format}"
+
+
+def pack_aside(record: AsideRecord) -> bytes:
+    """AsideRecord as ASIDE_BYTES bytes; data has at most 8."""
+    kind, bus, identifier, data, stamp = record
+    return _ASIDE.pack(kind, bus, identifier, len(data), data, stamp)
+
+
+def unpack_aside(data: bytes) -> AsideRecord:
+    """The reverse of pack_aside."""
+    kind, bus, identifier, size, octets, stamp = _ASIDE.unpack(data)
+    return AsideRecord(Aside(kind), bus, identifier, octets[:size], stamp)
+
+
+_TRACE = struct.Struct("=Qqqqqq")
+TRACE_BYTES, TRACE_RECORDS = _TRACE.size, 8192
+TRACE_LAYOUT = f"cycle-trace/1 {_TRACE.format}"
+
+
+@dataclass(frozen=True, slots=True)
+class Trace:
+    """One cycle as its own clock saw it; ns."""
+
+    cycle: int
+    due: int
+    sent: int  # SYNC handed to the bus
+    answered: int  # last actual value in, or patience over
+    ready: int  # set values for the next SYNC prepared
+    missing: int  # telegrams
+
+
+def pack_trace(cycle: int, due: int, sent: int, answered: int, ready: int, missing: int) -> bytes:
+    """A record of the cycle's trace ring."""
+    return _TRACE.pack(cycle, due, sent, answered, ready, missing)
+
+
+def unpack_trace(data: bytes) -> Trace:
+    """The reverse of pack_trace."""
+    return Trace(*_TRACE.unpack(data))

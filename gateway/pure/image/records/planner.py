@@ -1,0 +1,276 @@
+"""What planner, cycle and those who order programs tell each other through rings and one region (design: sections 4 and 6).
+
+blocks ring (to the planner): one statement of the text form a record, or a mark.  pieces ring (to the cycle): one motion piece a record,
+or the mark that nothing follows.  planner region: what it does, for displays and for whoever orders.
+"""
+
+import json
+import struct
+from dataclasses import dataclass, replace
+from enum import IntEnum
+
+from motion.execution.pieces import RECORD_SIZE, record_size
+from motion.outputs.function import Function
+
+BLOCKS = 2048  # records in the blocks ring
+PIECES = 1024  # records in the pieces ring: one law and what goes with it (AX-606)
+AHEAD = 128  # pieces handed on and not run; in time motion.planner.planner.AHEAD_S
+PLANNER_BYTES = 8192
+WORDS = 400  # characters of a sentence
+TEXT_BYTES = 1000
+
+
+class Say(IntEnum):
+    """Kinds of blocks records."""
+
+    BEGIN = 1  # a program begins; text: head statements so far as known (robot NAME)
+    LINE = 2  # a statement of the text form
+    FINISH = 3  # nothing follows for the time being: run to the end of what is there
+    END = 4  # the program is complete
+    DROP = 5  # forget everything (the cycle abandoned the motion, or the program is aborted)
+    RUN = 6  # a whole program of the cell; text: its number, velocity and acceleration factor (run_record)
+
+
+_SAY = struct.Struct(f"=IIQ{TEXT_BYTES}s")
+SAY_SIZE = _SAY.size
+SAY_LAYOUT = f"blocks/1 {_SAY.format}"
+
+
+@dataclass(frozen=True, slots=True)
+class BlockRecord:
+    """job: the order's id; a job is taken once."""
+
+    say: Say
+    job: int
+    text: str = ""
+
+
+def pack_block(record: BlockRecord) -> bytes:
+    """As SAY_SIZE bytes; ValueError for a line that is too long."""
+    octets = record.text.encode()
+    if len(octets) > TEXT_BYTES:
+        raise ValueError(f"a line of {len(octets)} bytes; {TEXT_BYTES} fit")
+    return _SAY.pack(record.say, len(octets), record.job, octets)
+
+
+def unpack_block(data: bytes) -> BlockRecord:
+    """The reverse of pack_block."""
+    say, size, job, octets = _SAY.unpack(data)
+    return BlockRecord(Say(say), job, octets[:size].decode())
+
+
+@dataclass(frozen=True, slots=True)
+class ProgramFacts:
+    """What the office must know of a program of the cell; mask: bit n-1 = axis n."""
+
+    name: str
+    mask: int
+
+
+@dataclass(frozen=True, slots=True)
+class ProgramOrder:
+    """For the planner: job, number of the program, factors 0..1."""
+
+    job: int
+    number: int
+    velocity: float
+    acceleration: float
+
+
+def run_record(order: ProgramOrder) -> BlockRecord:
+    """The order as the planner gets it."""
+    return BlockRecord(Say.RUN, order.job, f"{order.number} {order.velocity!r} {order.acceleration!r}")
+
+
+def run_of(record: BlockRecord) -> ProgramOrder:
+    """The reverse of run_record."""
+    number, velocity, acceleration = record.text.split()
+    return ProgramOrder(record.job, int(number), float(velocity), float(acceleration))
+
+
+class Part(IntEnum):
+    """Kinds of pieces records."""
+
+    PIECE = 1
+    LAST = 2  # the job ends where the pieces before end
+    FAULT = 3  # a block of the job cannot be run: it is over where the pieces before end
+    OUTPUT = 4  # an RC output changes at a place of a piece that follows (SwitchAt)
+    UNTIL = 5  # the part that follows ends when an input has a value (UntilInput)
+    REST = 6  # the part ends where the pieces before end; the next one begins where the axes stand then
+    SYNCHRON = 7  # a belt-synchronous part begins where the axes stand (beltrecords)
+    BELT_BLOCK = 8  # one block of it, with a belt of type 2 or 3
+    FUNCTION = 9  # IO logic or PPO is called at a place of a piece that follows (FunctionAt)
+    ALTER = 10  # an alterable part begins where the axes stand (alterrecords)
+    BELT_ACT = 11  # SYNC, or a special function of belts; a part of its own (beltacts)
+    START = 12  # the part that follows begins when an input has a value (inputrecords)
+    FLYING = 13  # a probe is switched on or off at a place of a piece that follows (inputrecords)
+    MACHINE = 14  # the axes stand at other places from here on; a part of its own (pointrecords)
+    RECALL = 15  # an entry of the reference path is wanted; a part of its own
+    TAPE = 16  # the reference path begins or ends at a place of a piece that follows
+    LATCH = 17  # VAL 3's latch is set at a place of a piece that follows
+
+
+_PIECE = struct.Struct("=II QQ")
+PIECE_LAYOUT = f"pieces/2 {_PIECE.format}"
+
+
+def piece_size(axes: int) -> int:
+    """Bytes of a record of the pieces ring of a cell of so many axes."""
+    return _PIECE.size + record_size(axes)
+
+
+@dataclass(frozen=True, slots=True)
+class PieceRecord:
+    """generation: of the cycle process it is meant for; a new cycle drops it."""
+
+    part: Part
+    job: int
+    generation: int
+    piece: bytes = b""
+
+
+@dataclass(frozen=True, slots=True)
+class SwitchAt:
+    """RC output `number` becomes 0 or 1 so long (s at full speed) after the beginning of a piece; number -1: what was said of this piece
+    and later ones is void."""
+
+    piece: int
+    after: float
+    number: int
+    value: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class FunctionAt:
+    """rho 3 SF 1 IOL or SF 2 PPO is called so long (s at full speed) after the beginning of a piece."""
+
+    piece: int
+    after: float
+    function: Function
+
+
+@dataclass(frozen=True, slots=True)
+class MeasuringFacts:
+    """[[measuring]]: RC input that carries the wire of a channel, axes (bit n-1 = axis n) whose positions it stores; drives: those whose
+    own touch probe catches the edge (then there is no input: -1)."""
+
+    input: int
+    mask: int
+    drives: int = 0
+    latch: str = ""  # fIn0, fIn1: it is this fast input of VAL 3
+
+
+@dataclass(frozen=True, slots=True)
+class UntilInput:
+    """RC input `number` has this value.  mask: axes whose positions are stored; by_edge: a probe, it has to change during the block;
+    drives: axes whose drives catch its edge."""
+
+    number: int
+    level: bool
+    mask: int = 0
+    by_edge: bool = False
+    drives: int = 0
+
+
+VOID = -1
+PPO_NUMBERS = 1000  # added to the number of a PPO where a function is told as one number
+_FUNCTION = struct.Struct("=Qd?iiiddi6d")
+_SWITCH, _UNTIL = struct.Struct("=Qdi?"), struct.Struct("=i?I?I")
+
+
+def switch_record(job: int, generation: int, switch: SwitchAt) -> PieceRecord:
+    """As a record of the pieces ring."""
+    body = _SWITCH.pack(switch.piece, switch.after, switch.number, switch.value)
+    return PieceRecord(Part.OUTPUT, job, generation, body.ljust(RECORD_SIZE, b"\0"))
+
+
+def until_record(job: int, generation: int, until: UntilInput) -> PieceRecord:
+    """As a record of the pieces ring."""
+    body = _UNTIL.pack(until.number, until.level, until.mask, until.by_edge, until.drives)
+    return PieceRecord(Part.UNTIL, job, generation, body.ljust(RECORD_SIZE, b"\0"))
+
+
+def function_record(job: int, generation: int, at: FunctionAt) -> PieceRecord:
+    """As a record of the pieces ring."""
+    call = at.function
+    body = _FUNCTION.pack(
+        at.piece, at.after, call.ppo, call.number, call.kinematic, call.coordinate, call.position, call.value, call.time_ms, *call.system
+    )
+    return PieceRecord(Part.FUNCTION, job, generation, body.ljust(RECORD_SIZE, b"\0"))
+
+
+def function_of(record: PieceRecord) -> FunctionAt:
+    """The reverse of function_record."""
+    piece, after, *rest = _FUNCTION.unpack_from(record.piece)
+    own, (dx, dy, dz, da, db, dc) = rest[:7], rest[7:]
+    return FunctionAt(piece, after, replace(Function(*own), system=(dx, dy, dz, da, db, dc)))
+
+
+def function_number(ppo: bool, number: int) -> int:
+    """One number for both kinds."""
+    return number + (PPO_NUMBERS if ppo else 0)
+
+
+def function_words(number: int) -> str:
+    """`IOL 2`, `PPO 3`."""
+    return f"PPO {number - PPO_NUMBERS}" if number > PPO_NUMBERS else f"IOL {number}"
+
+
+def until_of(record: PieceRecord) -> UntilInput:
+    """The reverse of until_record."""
+    return UntilInput(*_UNTIL.unpack_from(record.piece))
+
+
+def switch_of(record: PieceRecord) -> SwitchAt:
+    """The reverse of switch_record."""
+    return SwitchAt(*_SWITCH.unpack_from(record.piece))
+
+
+def pack_piece(record: PieceRecord, size: int) -> bytes:
+    """As `size` bytes: those of the ring."""
+    if _PIECE.size + len(record.piece) > size:
+        raise ValueError(f"a piece of {len(record.piece)} bytes; {size - _PIECE.size} fit")
+    head = _PIECE.pack(record.part, len(record.piece), record.job, record.generation)
+    return (head + record.piece).ljust(size, b"\0")
+
+
+def unpack_piece(data: bytes) -> PieceRecord:
+    """The reverse of pack_piece."""
+    part, size, job, generation = _PIECE.unpack_from(data)
+    return PieceRecord(Part(part), job, generation, bytes(data[_PIECE.size : _PIECE.size + size]))
+
+
+@dataclass(frozen=True, slots=True)
+class PlannerState:
+    """job under way (0: none), block and share of its way, blocks that wait, pieces handed on; the last fault with its block."""
+
+    job: int = 0
+    block: int = 0
+    share: float = 0.0
+    waiting: int = 0
+    handed: int = 0
+    ended: bool = False
+    failed_job: int = 0
+    fault: str = ""
+    fault_block: int = 0
+    fault_code: int = 0
+    warning: str = ""  # about the block under way
+    cycle: int = 0  # generation of the cycle that the types of belts hold for
+    types: tuple[tuple[int, int], ...] = ()  # of the belts as programs have set them (SF 21): type and tolerance
+    placed: int = 0  # axes (bit n-1 = axis n) whose positions programs have set in that cycle (SF 3)
+    systems: tuple[tuple[int, tuple[float, float, float, float, float, float]], ...] = ()  # WC_SYSTEM of kinematics where it is not WC_UR
+
+
+def pack_planner(state: PlannerState) -> bytes:
+    """JSON, padded to PLANNER_BYTES."""
+    fields = {name: getattr(state, name) for name in PlannerState.__slots__}
+    fields |= {"fault": state.fault[:WORDS], "warning": state.warning[:WORDS]}
+    return json.dumps(fields).encode().ljust(PLANNER_BYTES)
+
+
+def unpack_planner(data: bytes) -> PlannerState:
+    """The reverse of pack_planner."""
+    fields = json.loads(data)
+    fields["types"] = tuple((kind, tolerance) for kind, tolerance in fields["types"])
+    fields["systems"] = tuple((kinematic, tuple(values)) for kinematic, values in fields["systems"])
+    return PlannerState(**fields)

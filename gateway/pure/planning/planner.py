@@ -1,0 +1,456 @@
+"""The planner process without its rings: records in, records out, once a turn.  Pure.
+
+A job is a program.  Either it comes as a stream (BEGIN, statements of the text form, FINISH as often as wanted, END), and moves as soon
+as enough is known; or it is a program of the cell (RUN), which is read whole and looked at block by block before anything of it is handed
+to the cycle (AX-322).  A fault in a block ends the job, and what was handed on before ends at rest.
+"""
+
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from gateway.pure.cycle.path_outputs import Places
+from gateway.pure.image.records.planner import (
+    VOID,
+    BlockRecord,
+    MeasuringFacts,
+    Part,
+    PieceRecord,
+    PlannerState,
+    Say,
+    SwitchAt,
+    run_of,
+    switch_record,
+)
+from gateway.pure.planning.belt_statements import act_order, act_record, belts_after, sets_type
+from gateway.pure.planning.cell_checks import Away, OfCell, check_acts
+from gateway.pure.planning.chain import Chain
+from gateway.pure.planning.parts import Coming, Measuring, apart, ending, told
+from gateway.pure.planning.team import (
+    begun_part,
+    machines_in,
+    no_programs,
+    no_team,
+    not_measured,
+    own_axes,
+    own_blocks,
+    reader_for,
+    systems_of,
+)
+from gateway.pure.planning.trial import Files, Trial
+from gateway.pure.planning.warnings import Slowing
+from gateway.pure.planning.workpiece_systems import CellSystems
+from motion.errors import MotionError
+from motion.execution.timed import encode_timed
+from motion.planner.file_plan import FilePlan
+from motion.planner.marks import Mark, at_rest
+from motion.planner.planner import Planner
+from motion.planner.robot import Machine
+from motion.planner.team import Team
+from motion.program.blocks import Block
+from motion.program.errors import BlockError, TextError
+from motion.program.factors import FULL, Factors
+from motion.program.team import Kinematic, Shared
+from motion.program.text.reader import Reader
+from motion.program.text.team import TeamReader
+from motion.sync.alterable import check_alterable
+from motion.sync.belts import Type
+from motion.sync.facts import BeltFacts
+
+QUIET_TURNS = 6  # turns without a new block after which what is known is run
+ALWAYS = 1 << 62
+
+
+@dataclass
+class Programs:
+    """What the robots of a run are moved by.  machine_of: (robot a text names, number of the program, 0: a stream) -> machine, text_of:
+    number -> text, team_of: kinematics of a text, its number -> team (files are read there: not this module's business); all raise
+    MotionError."""
+
+    machine_of: Callable[[str, int], Machine]
+    mask_of: Callable[[Machine | Team], int]  # axes of the cell
+    text_of: Callable[[int], str] = no_programs
+    outputs: Container[int] = range(0)  # RC outputs programs may switch
+    belts: Sequence[BeltFacts] = ()
+    functions: Places = field(default_factory=dict)  # IO logic and PPO the cell has
+    kinematic_of: Callable[[Machine], int] = lambda _: 1  # number of a robot in the cell
+    altered: Container[int] = ()  # kinematics that have a correction (VAL 3 alter)
+    systems: int = 0  # measuring systems: axes and belts
+    channels: Mapping[int, MeasuringFacts] = field(default_factory=dict)  # measuring inputs by their numbers
+    files: Files = Files()
+    windows: Sequence[float] = ()  # of the axes of the cell, in position; m and rad
+    team_of: Callable[[Sequence[Kinematic], int], Team] = no_team
+    slowing: Slowing = field(default_factory=Slowing)  # sentences about blocks that have begun
+    workpiece: CellSystems = field(default_factory=CellSystems)
+    state: PlannerState = PlannerState()
+    generation: int = 0
+    _planner: Planner | FilePlan | None = None
+    _reader: Reader | TeamReader = field(default_factory=Reader)
+    _number: int = 0  # of the program of the cell; 0: a stream
+    _factors: Factors = FULL
+    _lines: Iterator[tuple[int, str]] | None = None  # of a program of the cell, not read yet
+    _line_of: list[int] = field(default_factory=list)  # block - 1 -> line
+    _out: list[PieceRecord] = field(default_factory=list)
+    _quiet: int = 0
+    _ended: bool = False
+    _chain: Chain = field(default_factory=Chain)
+    _trial: Trial = field(default_factory=lambda: Trial((), Files()))  # of parts to come
+    _start: Sequence[float] = ()  # of the axes where a part on a belt began
+    _blocks: int = 0  # of the part under way
+    _handed: bool = False  # the part under way is handed on whole, and another one follows
+    _measuring: Measuring = field(default_factory=lambda: Measuring({}))
+    _measured: Sequence[float | None] = ()
+    _error: str = ""  # label to go on at when the input of the part under way does not come
+    _last: Block | None = None  # looked at
+    _parts: int = 0  # over, as the cycle counts them
+    _before: int = 0  # blocks before the part under way
+    _off: int = 0  # axes (bit n-1 = axis n) nobody wants on, as the program was ordered
+    _belts: Sequence[BeltFacts] = ()  # as programs have set them since the cycle began (SF 21)
+    _override: float = 1.0
+    _placed: int = 0  # axes whose positions were set in this cycle (SF 3)
+
+    def turn(
+        self,
+        records: Sequence[BlockRecord],
+        generation: int,
+        piece: int,
+        standing: Sequence[float],
+        *,
+        moving: bool,
+        taken: int = ALWAYS,
+        failed: int = 0,
+        parts: int = 0,
+        engaged: float = 0.0,
+        met: bool = True,
+        measured: Sequence[float | None] = (),
+        off: int = 0,
+        override: float = 1.0,
+    ) -> list[PieceRecord]:
+        """records: new ones; the rest is the cycle's: its generation, the piece under way (0: none), where the axes stand, whether they
+        move, the last order it took (nothing is handed on before it knows of the job), the job that failed last, the number of parts
+        that are over, the belt value at which the robot got onto a belt, whether the last part with an input ended by it, where the
+        axes were measured last (None: they were not), the axes (bit n-1 = axis n) nobody wants on, and the override."""
+        self._override = override
+        if generation != self.generation:
+            self.generation, self._belts, self._placed = generation, self.belts, 0  # a start-up of the control
+            self._drop()
+            self.workpiece.started_up()
+            self._out.clear()
+        if failed and failed == self.state.job:
+            self._drop()
+        self._quiet += 1
+        for record in records:
+            self._off = off if record.say is Say.RUN else 0 if record.say is Say.BEGIN else self._off
+            self._heard(record, standing)
+        if self.state.job and self._handed and parts != self._parts:
+            self._measured = measured
+            self._go_on(standing, engaged, met=met)
+        self._parts = parts
+        self._plan(piece, moving, taken)
+        types = tuple((each.kind.value, each.tolerance) for each in self._belts)
+        self.workpiece.reached(self.state.block)
+        said = generation, types, self._placed, self.workpiece.shown
+        if (self.state.cycle, self.state.types, self.state.placed, self.state.systems) != said:
+            self.state = replace(self.state, cycle=generation, types=types, placed=self._placed, systems=self.workpiece.shown)
+        out = [record for record in self._out if record.job <= taken]  # a cycle that has not heard of the job would drop its fault
+        self._out = [record for record in self._out if record.job > taken]
+        return out
+
+    def follows(self, before: PlannerState) -> None:
+        """The planner before this one said this last: belts stay as programs have set them, as long as its cycle runs (AX-394)."""
+        if before.cycle and len(before.types) == len(self.belts):
+            self.generation, self._placed = before.cycle, before.placed
+            self.workpiece.follows(before.systems)
+            rows = zip(self.belts, before.types, strict=True)
+            self._belts = tuple(replace(each, kind=Type(kind), tolerance=tolerance) for each, (kind, tolerance) in rows)
+
+    # ---- what is said ------------------------------------------------------------------------------------------------------
+    def _heard(self, record: BlockRecord, standing: Sequence[float]) -> None:
+        self._quiet = 0
+        if record.say is Say.DROP:
+            self._drop()
+            return
+        if record.say is Say.BEGIN and self.state.job and not self._ended:
+            return  # one stream at a time; whoever orders sees that its job did not begin
+        if record.say in (Say.BEGIN, Say.RUN):
+            self._begin(record.job)
+        if record.job != self.state.job:
+            return
+        try:
+            self._obey(record, standing)
+        except MotionError as error:
+            self._fail(error)
+
+    def _begin(self, job: int) -> None:
+        """A program of the cell is ordered at rest alone, so whatever job was there is over."""
+        self._chain.begin()
+        self.state = PlannerState(job=job, failed_job=self.state.failed_job)
+        self._reader, self._number, self._planner, self._factors, self._ended = Reader(), 0, None, FULL, False
+        self._lines, self._line_of = None, []
+        self._last, self._handed, self._before, self._blocks, self._error = None, False, 0, 0, ""
+        self._measuring, self._measured, self._trial = Measuring(self.channels, self.systems), (), Trial(self._belts, self.files)
+        self.slowing.begin()
+        self.workpiece.begin()
+
+    def _obey(self, record: BlockRecord, standing: Sequence[float]) -> None:
+        if record.say is Say.RUN:
+            order = run_of(record)
+            self._factors = Factors(order.velocity, order.acceleration, order.acceleration)
+            self._number = self._trial.program = order.number
+            self._lines = enumerate(self.text_of(order.number).splitlines(), 1)
+            return
+        if record.text:
+            self._statement(record.text, 0, standing)
+        if record.say is Say.FINISH and self._planner is not None:
+            self._planner.finish()
+            self._quiet = QUIET_TURNS
+        if record.say is Say.END:
+            self._end()
+
+    def _statement(self, text: str, line: int, standing: Sequence[float]) -> None:
+        self._reader = reader_for(text, self._reader)
+        self._reader.statement(text, line)
+        for read in self._reader.take():
+            planner = self._adding(standing)
+            self._line_of.append(line)
+            block = self.workpiece.placed(read, len(self._line_of), planner.machine, self.kinematic_of)
+            check_acts(block.acts, len(self._line_of), whole=self._lines is not None)
+            for machine, own in own_blocks(planner.machine, block):
+                mask, kinematic = self.mask_of(machine), self.kinematic_of(machine)
+                cell = OfCell(self.functions, self.outputs, self._measuring, mask, whole=self._lines is not None, kinematic=kinematic)
+                cell.check(own, len(self._line_of), machine)
+            if isinstance(block, Shared):
+                if self._trial.begun or block.asks:
+                    self._trial.together(planner, block, len(self._line_of), self.kinematic_of)
+                else:
+                    self._add_whole(planner, block)
+            else:
+                check_alterable(block, self._last, len(self._line_of), option=kinematic in self.altered)
+                self._last = block
+                self._add(planner, block)
+            self._trial.armed_by(block)
+
+    def _adding(self, standing: Sequence[float]) -> Planner:
+        """What blocks are added to."""
+        planner = self._planner
+        if not isinstance(planner, Planner):
+            planner = self._planner = self._made(standing)
+        return planner
+
+    def _add(self, planner: Planner, block: Block) -> None:
+        """A block that ends with an input, waits for one or goes to @MPOS, and a part on a belt, are parts of their own: where they begin
+        or end is known only then.  What comes after is tried as if the part had reached its target, the belt where it was programmed."""
+        if self._trial.begun or apart(block):
+            self._trial.add(planner, block, len(self._line_of), self.kinematic_of(planner.robot))
+        else:
+            self._add_whole(planner, block)
+
+    def _add_whole(self, planner: Planner, block: Block | Shared) -> None:
+        before, away = planner.standing, Away(self._off, self.windows)
+        planner.add(block)
+        for machine, first in own_axes(planner.machine):
+            own = slice(first, first + machine.axes)
+            away.check(before[own], planner.standing[own], len(self._line_of), machine, self.mask_of(machine))
+
+    def _behind(self, standing: Sequence[float]) -> None:
+        """What is done at rest behind the last block."""
+        if self._reader.acts:
+            self._trial.behind(self._adding(standing), self._reader.acts, len(self._line_of), self._reader.labels.label)
+        if any(systems := systems_of(self._reader)):
+            self.workpiece.behind(systems, len(self._line_of) + 1, self._adding(standing).machine, self.kinematic_of)
+
+    def _go_on(self, standing: Sequence[float], engaged: float, *, met: bool) -> None:
+        """A part is over, and the axes rest where it ended, or have got onto a belt: the next one begins."""
+        self._chain.begin()
+        self._handed, self._before, self._blocks = False, self._before + self._blocks, 0
+        if self._error and not met:
+            self._trial.skip(self._error)
+        self._error = ""
+
+        def unmeasured(part: Coming) -> bool:
+            return not_measured(part, self._made(standing).machine, self._measured, self.mask_of)
+
+        part = self._trial.coming(unmeasured)
+        while part is not None and part.act is not None and sets_type(part.act):
+            self._belts = belts_after(part.act, self._belts)  # nothing for the cycle to do
+            part = self._trial.coming(unmeasured)
+        if part is None:
+            self._planner = None  # the last one was a part of the cycle's own: nothing is left to plan
+            return
+        self._before, self._error = part.number - 1, part.error
+        try:
+            self._next_part(part, standing, engaged)
+        except MotionError as error:
+            self._fail(error)
+
+    def _next_part(self, part: Coming, standing: Sequence[float], engaged: float) -> None:
+        job, generation = self.state.job, self.generation
+        planner = self._made(standing)
+        mask = self.mask_of(machines_in(planner.machine)[part.member])
+        own = part.own(mask, job, generation)
+        if part.act is not None:
+            order = act_order(part.act, self._belts, part.number)
+            assert order is not None
+            own = act_record(job, generation, order)
+        if own is not None:
+            self._planner, self._handed = None, True
+            self._placed |= mask if part.point else 0
+            self._out.append(own)
+            self.state = replace(self.state, block=self._before, share=1.0)
+            return
+        if part.blocks and part.blocks[0].file is not None:
+            self._planner, self._blocks = self.files.played(part, planner, self._factors.velocity, mask), 1
+            return
+        if part.engages or part.follows:
+            self._start, self._handed = planner.standing, True
+            if part.engages:
+                self._out.append(part.engagement(job, generation))
+            else:
+                self._blocks = len(part.blocks)
+                self._out += part.followed(planner.robot, planner.standing, job, generation)
+            self.state = replace(self.state, block=self._before + 1, share=0.0)
+            return
+        blocks = part.blocks
+        if part.tried is not None:
+            machine, start, blocks = part.carried(planner.robot, self._start, engaged)
+            planner = replace(planner, machine=machine, start=start)
+        rows = part.shared or blocks
+        self._planner, self._blocks = planner, len(rows)
+        records = begun_part(part, rows, planner, self._measuring, self._measured, self.mask_of, job, generation)
+        self._out += [*part.begins(job, generation, self.kinematic_of(machines_in(planner.machine)[0])), *records]
+        self._mark(at_rest(each) for each in planner.left())
+
+    def _end(self) -> None:
+        self._ended = True
+        if isinstance(self._planner, Planner):
+            self._planner.finish()
+            self._trial.check_done(len(self._line_of), self._planner.left())
+        self._quiet = QUIET_TURNS
+
+    def _made(self, standing: Sequence[float]) -> Planner:
+        read, number = self._reader, self._number
+        machine = self.team_of(read.kinematics(), number) if isinstance(read, TeamReader) else self.machine_of(read.robot, number)
+        mask = self.mask_of(machine)
+        places = [standing[n] for n in range(len(standing)) if mask >> n & 1]
+        return Planner(machine, places, mask=mask, capacity=1 << 20, next_id=self._chain.spare, factors=self._factors)
+
+    @property
+    def preparing(self) -> bool:
+        """A program of the cell is not read to its end yet."""
+        return self._lines is not None
+
+    def prepare(self, standing: Sequence[float]) -> None:
+        """One more line of it: its block is tried from where the one before ends, and nothing moves meanwhile."""
+        if self._lines is None:
+            return
+        try:
+            number, text = next(self._lines, (0, ""))
+            if number:
+                self._statement(text, number, standing)
+            else:
+                self._lines = None
+                self._reader.ended()
+                self._behind(standing)
+                self._end()
+        except MotionError as error:
+            self._fail(error)
+
+    @property
+    def working(self) -> bool:
+        """A law is being made: work() goes on with it between two turns, for whoever has the time."""
+        return self._planner is not None and self._planner.working
+
+    def work(self) -> bool:
+        """One slice of it; True: it is made, and its pieces come with the next turn."""
+        try:
+            return self._planner is None or self._planner.work()
+        except MotionError as error:
+            self._fail_in_part(error)
+            return True
+
+    def _fail_in_part(self, error: MotionError) -> None:
+        """As _fail; whoever made the law counts the blocks of the part under way."""
+        self._fail(told(error, self._before) if isinstance(error, BlockError) else error)
+
+    def _fail(self, error: MotionError) -> None:
+        block, code = (error.block, error.code) if isinstance(error, BlockError) else (0, 0)
+        line = self._line_of[block - 1] if 0 < block <= len(self._line_of) else 0
+        words = f"line {line}: {error}" if line and not isinstance(error, TextError) else str(error)
+        job = self.state.job
+        self.state = replace(
+            self.state, failed_job=job, fault=words, fault_block=block, fault_code=code, job=0, ended=True, waiting=0, warning=""
+        )
+        self._planner, self._ended, self._lines = None, True, None
+        self._out.append(PieceRecord(Part.FAULT, job, self.generation))
+
+    def _drop(self) -> None:
+        self._planner, self._ended, self._lines = None, True, None
+        self._chain.begin()
+        self.state = replace(self.state, job=0, waiting=0, ended=True, warning="")
+
+    # ---- what is handed on ---------------------------------------------------------------------------------------------------
+    def _plan(self, piece: int, moving: bool, taken: int) -> None:
+        planner, state = self._planner, self.state
+        if not state.job or self._lines is not None or taken < state.job or self._handed:
+            return
+        if planner is None:
+            if self._ended and not state.ended:  # a program without blocks
+                self.state = replace(state, ended=True, job=0)
+                self.workpiece.reached(ALWAYS)
+                self._out.append(PieceRecord(Part.LAST, state.job, self.generation))
+            return
+        tau = self._chain.tau(piece, planner.end)
+        before = len(self._out)
+        try:
+            self._hand_on(planner, tau)
+        except MotionError as error:
+            self._fail_in_part(error)
+            return
+        self._chain.forget()
+        block, share = planner.place(tau)
+        block = max(block, min(self._blocks, 1))  # a part that has begun is at its first block, whether its path is there or not
+        over = self._ended and not planner.open and not state.ended
+        last = over and not self._trial.later
+        if over and self._trial.later:
+            self._handed, self._blocks = True, planner.added
+            self._out.append(ending(self._trial.later[0], self._belts, state.job, self.generation))
+            if self._trial.later[0].inside is not None:  # what follows begins there, on the belt
+                self._start = planner.standing
+                self._trial.later.popleft()
+        if last:
+            self._out.append(PieceRecord(Part.LAST, state.job, self.generation))
+        new = len(self._out) - before
+        self.state = replace(
+            self.state,
+            block=self._before + block,
+            share=share,
+            waiting=planner.waiting,
+            handed=state.handed + new,
+            ended=state.ended or last,
+            warning=self.slowing.look(planner.slowed, self._before, block, self._factors.velocity * self._override, self._line_of),
+        )
+        if self.state.ended and not moving and piece in (0, self._chain.last_id) and not new:
+            self.state = replace(self.state, job=0, warning="")
+            self.workpiece.reached(ALWAYS)
+
+    def _mark(self, marks: Iterable[Mark]) -> None:
+        assert self._planner is not None
+        for mark in marks:
+            machine = machines_in(self._planner.machine)[mark.member]
+            own = self.mask_of(machine), self.kinematic_of(machine)
+            self._out.append(self._measuring.marked(mark, *own, self.state.job, self.generation))
+
+    def _hand_on(self, planner: Planner | FilePlan, tau: float) -> None:
+        """Pieces that are due; raises MotionError where a path has no law."""
+        if self._chain.full:
+            return
+        job = self.state.job
+        planner.begin(tau, hurry=self._quiet > QUIET_TURNS)
+        planner.work()
+        pieces = planner.take()
+        marks, begins = planner.take_marks(), planner.begins
+        for made in pieces:
+            if made.new_tail:
+                self._out.append(switch_record(job, self.generation, SwitchAt(made.id, 0.0, VOID)))
+            self._chain.add(made, begins[made.id])
+            self._mark(mark for mark in marks if mark.piece == made.id)
+            self._out.append(PieceRecord(Part.PIECE, job, self.generation, encode_timed(made)))

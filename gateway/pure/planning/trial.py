@@ -1,0 +1,236 @@
+"""What of a program is tried before anything of it moves: its parts from the first one on that does not simply go on.  Pure."""
+
+from collections import deque
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+from gateway.pure.planning.parts import Coming, acting, begun, outside, told
+from gateway.pure.planning.team import machines_in
+from motion.errors import MotionError
+from motion.files.playing import FilePath
+from motion.kinematics.base import Joints
+from motion.planner.file_plan import FilePlan, file_path
+from motion.planner.marks import check_outputs
+from motion.planner.planner import NO_WAY, Planner
+from motion.planner.robot import Machine
+from motion.planner.route import Route
+from motion.planner.team import Team
+from motion.planner.team_route import TeamRoute
+from motion.program.blocks import MEASURED, Act, Block, Called, Flying, Output
+from motion.program.errors import BlockError
+from motion.program.team import Shared
+from motion.sync.facts import BeltFacts
+
+LEAST = 1e-3  # velocity factor of an order
+
+
+def no_files(name: str, number: int) -> bytes:
+    """Of whoever has none."""
+    raise MotionError(f"{name}: no such file")
+
+
+@dataclass(frozen=True, slots=True)
+class Files:
+    """BNR files.  read: name, number of the program -> bytes, raises MotionError; period_us: P5 of the cell."""
+
+    read: Callable[[str, int], bytes] = no_files
+    period_us: int = 0  # 0: no cell
+
+    def path(
+        self, block: Block, program: int, standing: Joints, robots: Machine | Team, number: int, member: int = 0
+    ) -> tuple[bytes, FilePath]:
+        """The file of a MOVE_FILE block, and its way from where the axes stand; BlockError.  member: whose, of several kinematics."""
+        assert block.file is not None
+        try:
+            data = self.read(block.file.name, program)
+        except MotionError as error:
+            raise BlockError(f"move_file {error}", block=number) from error
+        return data, self._way(block, data, standing, robots, number, member)
+
+    def played(self, part: Coming, planner: Planner, velocity: float, mask: int) -> FilePlan:
+        """The points of its file from where the axes really stand; more slowly where the order asks for it.  mask: of its robot."""
+        (block,), robots = part.blocks, planner.machine
+        path = self._way(block, part.data, planner.standing, robots, part.number, part.member)
+        slower = replace(path, period=path.period / max(velocity, LEAST))
+        return FilePlan(machines_in(robots)[part.member], block, slower, mask, planner.next_id)
+
+    def _way(self, block: Block, data: bytes, standing: Joints, robots: Machine | Team, number: int, member: int) -> FilePath:
+        if not isinstance(robots, Team):
+            return file_path(block, data, standing, robots, self.period_us, number)
+        try:
+            return file_path(block, data, robots.split(standing)[member], robots.machines[member], self.period_us, number)
+        except BlockError as error:
+            raise robots.told(error, member) from error
+
+
+@dataclass
+class Trial:
+    """later: the parts to come; belts: as they will be behind everything looked at so far; program: its number."""
+
+    belts: Sequence[BeltFacts]
+    files: Files
+    program: int = 0
+    later: deque[Coming] = field(default_factory=deque)
+    _route: Route | TeamRoute | None = None  # of the blocks behind the first one that ends with an input
+    _armed: dict[int, int] = field(default_factory=dict)  # channels that wait for their edge -> whose axes, of several, they store
+    _moves: bool = False  # the part looked at has a way
+    _left: tuple[Called | Output, ...] = ()  # of blocks without way before it, in parts that have none
+    _tried: int = 0  # blocks before those, and those that no route knows
+
+    @property
+    def begun(self) -> bool:
+        """Parts are looked at by themselves from here on."""
+        return self._route is not None
+
+    def add(self, planner: Planner, block: Block, number: int, kinematic: int) -> None:
+        """The block is tried as if the part before had reached its target, the belt where it was programmed; BlockError.  kinematic:
+        number of the robot in its cell."""
+        route = self._divided(planner, number - 1)
+        assert isinstance(route, Route)
+        if not self.later or not self.later[-1].holds(block):
+            self._finished(route)
+            self._begun(block, number, planner.robot, route, kinematic)
+        part = self.later[-1]
+        if block.file is not None or block.synchron is not None:
+            self._check_left(number)
+        block, self._left = replace(block, carried=self._left), ()
+        if block.file is not None:
+            self._file(part, block, planner.machine)
+            return
+        looked_at = part.tried.add(block) if part.tried is not None else block
+        try:
+            route.add(looked_at)
+            if block.until is not None:
+                route.finish()
+            self._look(route)
+        except BlockError as error:
+            raise told(error, self._tried) from error
+        part.blocks.append(replace(block, target=MEASURED) if block.recorded else block)
+
+    def together(self, planner: Planner, shared: Shared, number: int, kinematic_of: Callable[[Machine], int]) -> None:
+        """A block of several kinematics, tried as if the part before had reached its target; BlockError.  kinematic_of: number of
+        each in the cell."""
+        route = self._divided(planner, number - 1)
+        assert isinstance(route, TeamRoute) and isinstance(planner.machine, Team)
+        if not self.later or not self.later[-1].takes(shared):
+            self._finished(route)
+            self._acting(shared.acts, number, planner.machine, shared.label)
+            label = "" if shared.acts else shared.label
+            entry, whose = shared.recorded
+            if entry:
+                self.later.append(Coming(number, recall=entry, label=label, kinematic=kinematic_of(planner.machine.machines[whose])))
+                label = ""
+            self.later.append(Coming(number, error=shared.error, otherwise=shared.otherwise, label=label))
+        if shared.filed is not None:
+            self._check_left(number)
+            self.later[-1].member, block = shared.filed
+            self._file(self.later[-1], block, planner.machine)
+            return
+        shared, self._left = shared.carrying(self._left), ()
+        try:
+            route.add(shared)
+            self._look(route)
+        except BlockError as error:
+            raise told(error, self._tried) from error
+        met = shared.changed(lambda _, block: replace(block, target=MEASURED) if block.recorded else block)
+        self.later[-1].shared.append(met)
+
+    def _look(self, route: Route | TeamRoute) -> None:
+        """What has become known; BlockError."""
+        for stretch in route.take():
+            check_outputs(stretch)
+            self._moves = True
+
+    def _finished(self, route: Route | TeamRoute) -> None:
+        try:
+            route.finish()
+        except BlockError as error:
+            raise told(error, self._tried) from error
+        left, moves = route.left(), self._moves or bool(route.take())
+        self._left, self._moves = () if moves else (*self._left, *left), False
+
+    def _begun(self, block: Block, number: int, machine: Machine, route: Route, kinematic: int) -> None:
+        """The parts in front of it, and its own."""
+        before = self.later[-1] if self.later else None
+        self._acting(outside(block), number, machine, block.label)
+        if block.recorded:
+            label = "" if outside(block) else block.label
+            self.later.append(Coming(number, recall=block.recorded, label=label, kinematic=kinematic))
+            block = replace(block, label="")
+        self.later += begun(block, number, self.belts, machine, route.standing, kinematic, before)
+
+    def _file(self, part: Coming, block: Block, robots: Machine | Team) -> None:
+        """MOVE_FILE: no route leads along it."""
+        assert self._route is not None
+        part.data, path = self.files.path(block, self.program, self._route.standing, robots, part.number, part.member)
+        self._stands(robots, part.member, path.end)
+        part.blocks.append(block)
+        self._tried += 1
+
+    def _check_left(self, number: int) -> None:
+        """BlockError where what blocks without way before it begin or end with has no place in block `number`."""
+        if self._left:
+            raise BlockError(NO_WAY, block=number - 1)
+
+    def coming(self, unmeasured: Callable[[Coming], bool]) -> Coming | None:
+        """The next part; one to @MPOS where nothing was measured leads on at its label."""
+        while self.later:
+            part = self.later.popleft()
+            if not part.otherwise or not unmeasured(part):
+                return part
+            self.skip(part.otherwise)
+        return None
+
+    def skip(self, label: str) -> None:
+        """The ERROR part of MOVE UNTIL: everything before the label is left out (rho3 L1134)."""
+        while self.later and self.later[0].label != label:
+            self.later.popleft()
+
+    def behind(self, planner: Planner, acts: Sequence[Act], blocks: int, label: str) -> None:
+        """Statements behind the last block; label: in front of them."""
+        self._finished(self._divided(planner, blocks))
+        self.check_done(blocks)
+        self._acting(acts, blocks + 1, planner.machine, label)
+
+    def check_done(self, blocks: int, left: Sequence[Called | Output] = ()) -> None:
+        """Behind the last block: BlockError where no way is left for what blocks without way have begun or ended with; left: of those
+        before the first part."""
+        still = self._route is not None and self._route.left() and not (self._moves or self._route.take())
+        if left or self._left or still:
+            raise BlockError(NO_WAY, block=blocks)
+
+    def _divided(self, planner: Planner, blocks: int) -> Route | TeamRoute:
+        """What is tried from the first part on that does not simply go on; so many blocks stand before it."""
+        if self._route is None:
+            planner.finish()
+            self._left = planner.left()
+            machine = planner.machine
+            self._route = TeamRoute(machine, planner.standing) if isinstance(machine, Team) else Route(machine, planner.standing)
+            self._tried = blocks
+            self._route.assume_measured()  # whether anything is measured by then is looked at by itself (OfCell)
+        return self._route
+
+    def _acting(self, acts: Sequence[Act], number: int, robots: Machine | Team, label: str) -> None:
+        parts, self.belts = acting(acts, number, self.belts, label, robots)
+        for part in parts:
+            waiting = [channel for channel, member in self._armed.items() if member == part.member]
+            if part.point and waiting:
+                what = f"mach_pos: ch{min(waiting)} waits for its edge, and where the axes were would not be known: measure_off before"
+                raise BlockError(what, block=number)
+            if part.point:
+                self._stands(robots, part.member, part.point)
+        self.later += parts
+
+    def _stands(self, robots: Machine | Team, member: int, places: Sequence[float]) -> None:
+        """What comes is tried from there on."""
+        assert self._route is not None
+        self._route.reset(robots.placed(self._route.standing, member, places) if isinstance(robots, Team) else places)
+
+    def armed_by(self, block: Block | Shared) -> None:
+        """Behind it: probes that store where the axes were."""
+        moves = block.moves if isinstance(block, Shared) else (block,)
+        calls = [(member, call) for member, own in enumerate(moves) if own is not None for call in own.functions]
+        for member, call in calls:
+            if isinstance(call, Flying):
+                self._armed.pop(call.channel, None)
+                self._armed |= {call.channel: member} if call.edge is not None else {}

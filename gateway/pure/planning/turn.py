@@ -1,0 +1,32 @@
+"""One turn of the planner's inside on what the cycle says of itself.  Pure."""
+
+from collections.abc import Sequence
+
+from gateway.pure.image.records.cell import AxisFlag, CellState, Motion
+from gateway.pure.image.records.planner import BlockRecord, PieceRecord
+from gateway.pure.planning.planner import Programs
+
+
+def standing(state: CellState, count: int) -> list[float]:
+    """Set values of the first `count` axes; m and rad."""
+    return [axis.set for axis in state.axes[:count]]
+
+
+def follow(programs: Programs, records: Sequence[BlockRecord], state: CellState, count: int) -> list[PieceRecord]:
+    """records: new ones; state: the cycle's, of a cell with `count` axes.  What is due for the ring of pieces."""
+    axes = state.axes[:count]
+    return programs.turn(
+        records,
+        state.generation,
+        state.piece,
+        standing(state, count),
+        moving=state.motion is not Motion.IDLE,
+        taken=state.taken,
+        failed=programs.state.job if state.failure(programs.state.job) else 0,
+        parts=state.parts,
+        engaged=state.engaged,
+        met=state.met,
+        measured=[axis.measured if state.measured_mask >> n & 1 else None for n, axis in enumerate(axes)],
+        override=state.override,
+        off=sum(1 << n for n, axis in enumerate(axes) if not axis.flags & AxisFlag.ON),
+    )

@@ -1,0 +1,334 @@
+"""Backup of a cell as one ZIP file: the cell, the files it names, its DAT files, its retained data, a manifest with their sums (AX-426)."""
+
+import contextlib
+import hashlib
+import importlib.metadata
+import json
+import os
+import pathlib
+import shutil
+import sqlite3
+import tempfile
+import tomllib
+import zipfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from gateway.assembly import axis_zeros as zeros
+from gateway.cell_file.load import load_cell
+from gateway.files.find import read_text
+from gateway.pure.cell.cell import Cell
+from gateway.pure.cell.faults import CellFaults
+from gateway.pure.cell.web import Web
+from gateway.runtime.clock import wall
+from gateway.runtime.page_data import data_file
+from gateway.runtime.retained import writer as retain
+from gateway.runtime.retained.store import RetainError, open_file
+from gateway.runtime.safe_file import put_in_place
+
+FORMAT = 1
+MANIFEST = "manifest.json"
+MOST_BYTES = 512 << 20  # all files of a backup together
+RETAINED = "retained data"
+KEY, USERS = "key", "users of the page"
+SECRETS = (KEY, USERS)
+SECRET_KEYS = ("key", "tls_key", "password_file")  # of a cell file: what they name is a secret
+SEEN_BYTES = 1 << 16  # of a file that may hold a private key
+
+
+class BackupError(Exception):
+    """The file is no backup, or does not fit here; the message says why."""
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """One file of a backup; `name`: relative to the folder of the cell."""
+
+    name: str
+    role: str  # cell file | named by the cell | retained data | zeros
+    size: int
+    sha256: str
+
+
+@dataclass(frozen=True, slots=True)
+class Manifest:
+    """What a backup says about itself."""
+
+    version: str  # of axisgate
+    wall: str
+    cell: str  # name of the cell file
+    title: str
+    parts: tuple[Part, ...]
+    left_out: tuple[str, ...] = ()  # files the cell names that lie elsewhere
+    withheld: tuple[str, ...] = ()  # keys, passwords, users of the page: only in a backup that was asked to hold them
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """What restoring does with one file: new | same | replaced."""
+
+    part: Part
+    what: str
+
+
+def make(cell: Cell, target: pathlib.Path, *, secrets: bool = False) -> Manifest:
+    """Writes the backup; whoever runs the cell need not stop.  secrets: with keys and users, readable by its owner alone.  OSError."""
+    with tempfile.TemporaryDirectory(prefix="axisgate-") as folder:
+        found, left_out = sources(cell, pathlib.Path(folder))
+        withheld = () if secrets else tuple(name for name, (role, _) in found.items() if role in SECRETS)
+        found = {name: source for name, source in found.items() if name not in withheld}
+        parts = tuple(Part(name, role, path.stat().st_size, sum_of(path)) for name, (role, path) in found.items())
+        file = pathlib.Path(cell.file)
+        manifest = Manifest(version(), wall(), file.name, cell.cell.name, parts, tuple(left_out), withheld)
+        partial = target.with_name(target.name + ".part")
+        partial.unlink(missing_ok=True)
+        fd = os.open(partial, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600 if secrets else 0o666)
+        with os.fdopen(fd, "w+b") as raw, zipfile.ZipFile(raw, "w", zipfile.ZIP_DEFLATED) as archive:
+            archive.writestr(MANIFEST, json.dumps(_as_json(manifest), indent=1, ensure_ascii=False))
+            for name, (_, path) in found.items():
+                archive.write(path, name)
+    read(partial)  # what cannot be read back is no backup
+    put_in_place(partial, target)
+    return manifest
+
+
+def sources(cell: Cell, scratch: pathlib.Path) -> tuple[dict[str, tuple[str, pathlib.Path]], list[str]]:
+    """Name in the backup -> (role, file), and what the cell names that lies elsewhere."""
+    file = pathlib.Path(cell.file).resolve()
+    found = {file.name: ("cell file", file)}
+    left_out = []
+    for path in named_by(file):
+        if path.is_relative_to(file.parent):
+            found.setdefault(str(path.relative_to(file.parent)), (_role(cell, path), path))
+        else:
+            left_out.append(str(path))
+    users = data_file(cell, cell.web or Web(), simulated=False)
+    if users.exists():
+        found = {name: source for name, source in found.items() if source[0] != USERS}  # its log files: the copy needs none
+        copied_as_is(users, scratch / "users.sqlite")
+        found[str(users.relative_to(file.parent)) if users.is_relative_to(file.parent) else f"web/{users.name}"] = (
+            USERS,
+            scratch / "users.sqlite",
+        )
+    kept = retain.path_of(cell)
+    if kept.exists():
+        copied(kept, scratch / "retained.sqlite")
+        found[f"retain/{file.stem}.sqlite"] = (RETAINED, scratch / "retained.sqlite")
+    for path in (zeros.path_of(cell), zeros.path_of(cell).with_suffix(".enable.jsonl")):
+        if path.exists():
+            found[f"zero/{path.name}"] = ("zeros", path)
+    return found, left_out
+
+
+def named_by(file: pathlib.Path) -> list[pathlib.Path]:
+    """Files any value of the cell file names, and those of folders it names; packaged ones come with axisgate."""
+    found: dict[pathlib.Path, None] = {}
+    for text in _strings(tomllib.loads(read_text(file))):
+        with contextlib.suppress(OSError, ValueError):  # values that are no file names at all
+            path = (file.parent / text).resolve()
+            if text.strip("./") and path.is_file() and path != file:
+                found[path] = None
+            elif text.strip("./") and path.is_dir() and path.is_relative_to(file.parent) and path != file.parent:
+                found.update(dict.fromkeys(sorted(each for each in path.iterdir() if each.is_file())))
+    return [path for path in found if not str(path).startswith(("/dev/", "/proc/", "/sys/"))]
+
+
+def _role(cell: Cell, path: pathlib.Path) -> str:
+    """What a file the cell names is."""
+    if path.name.startswith(data_file(cell, cell.web or Web(), simulated=False).name):
+        return USERS
+    words = tomllib.loads(read_text(pathlib.Path(cell.file)))
+    named = {(pathlib.Path(cell.file).resolve().parent / text).resolve() for text in _under(words, SECRET_KEYS)}
+    with contextlib.suppress(OSError), path.open("rb") as file:
+        if path in named or b"PRIVATE KEY-----" in file.read(SEEN_BYTES):
+            return KEY
+    return "named by the cell"
+
+
+def _under(value: object, keys: tuple[str, ...]) -> Iterator[str]:
+    """Texts that stand under one of these keys."""
+    if isinstance(value, dict):
+        for key, each in value.items():
+            if key in keys and isinstance(each, str):
+                yield each
+            else:
+                yield from _under(each, keys)
+    elif isinstance(value, list):
+        for each in value:
+            yield from _under(each, keys)
+
+
+def copied(source: pathlib.Path, target: pathlib.Path) -> None:
+    """A consistent copy of retained data that may be in use.  OSError."""
+    copied_as_is(source, target)
+    open_file(target, repair=False).file.close()
+
+
+def copied_as_is(source: pathlib.Path, target: pathlib.Path) -> None:
+    """Of any SQLite file.  OSError."""
+    try:
+        closing, connect = contextlib.closing, sqlite3.connect
+        with closing(connect(f"file:{source}?mode=ro", uri=True)) as here, closing(connect(target)) as there:
+            here.backup(there)
+    except sqlite3.Error as error:
+        raise RetainError(f"{source}: cannot be read: {error}") from error
+
+
+# ---- reading one back
+
+
+def read(path: pathlib.Path) -> Manifest:
+    """The manifest of a backup whose files are all there and unchanged.  BackupError; OSError."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            manifest = _manifest(json.loads(archive.read(MANIFEST)))
+            listed = sorted([MANIFEST, *(part.name for part in manifest.parts)])
+            if sorted(archive.namelist()) != listed:
+                raise BackupError(f"{path}: holds {', '.join(sorted(archive.namelist()))}; its manifest lists {', '.join(listed)}")
+            if sum(part.size for part in manifest.parts) > MOST_BYTES:
+                raise BackupError(f"{path}: more than {MOST_BYTES >> 20} MiB")
+            for part in manifest.parts:
+                _judge(path, archive, part)
+    except (zipfile.BadZipFile, KeyError, ValueError, EOFError, NotImplementedError, RuntimeError) as error:
+        raise BackupError(f"{path}: is no backup of axisgate: {error}") from error
+    return manifest
+
+
+def steps(manifest: Manifest, folder: pathlib.Path) -> list[Step]:
+    """What restoring into `folder` would do."""
+    found = []
+    for part in manifest.parts:
+        there = folder / part.name
+        same = there.is_file() and there.stat().st_size == part.size and sum_of(there) == part.sha256
+        found.append(Step(part, "same" if same else "replaced" if there.exists() else "new"))
+    return found
+
+
+def try_out(path: pathlib.Path, manifest: Manifest) -> None:
+    """Unpacks it elsewhere and checks the cell.  BackupError."""
+    with tempfile.TemporaryDirectory(prefix="axisgate-") as scratch, zipfile.ZipFile(path) as archive:
+        archive.extractall(scratch, [part.name for part in manifest.parts])
+        check(pathlib.Path(scratch), manifest)
+
+
+def restore(path: pathlib.Path, manifest: Manifest, folder: pathlib.Path) -> list[pathlib.Path]:
+    """Puts the files in place; what stood there is kept beside, and its names come back.  BackupError: nothing was changed.
+
+    Everything is unpacked beside its place and checked first, so a fault changes nothing; then each file is replaced as a whole.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    kept: list[pathlib.Path] = []
+    with tempfile.TemporaryDirectory(prefix=".restore-", dir=folder) as scratch:
+        unpacked = pathlib.Path(scratch)
+        with zipfile.ZipFile(path) as archive:
+            archive.extractall(unpacked, [part.name for part in manifest.parts])
+        check(unpacked, manifest)
+        for step in steps(manifest, folder):
+            place = folder / step.part.name
+            place.parent.mkdir(parents=True, exist_ok=True)
+            if step.what == "same":
+                continue
+            if step.what == "replaced":
+                kept.append(_put_by(place, step.part))
+            if step.part.role in (RETAINED, USERS):
+                for log in ("-wal", "-shm"):
+                    place.with_name(place.name + log).unlink(missing_ok=True)
+            if step.part.role in SECRETS:
+                (unpacked / step.part.name).chmod(0o600)
+            put_in_place(unpacked / step.part.name, place)
+    return kept
+
+
+def check(folder: pathlib.Path, manifest: Manifest) -> Cell:
+    """The cell as it was unpacked.  BackupError: this version of axisgate does not take it."""
+    if _number(manifest.version) > _number(version()):
+        raise BackupError(f"made by axisgate {manifest.version}; this is {version()}, which is older")
+    try:
+        for part in manifest.parts:
+            if part.role == RETAINED:
+                open_file(folder / part.name, repair=False).file.close()
+        with stand_ins(folder, manifest):
+            return load_cell(str(folder / manifest.cell))
+    except CellFaults as found:
+        raise BackupError("\n".join(["its cell has faults here:", *map(str, found.faults)])) from found
+    except RetainError as error:
+        raise BackupError(str(error)) from error
+
+
+@contextlib.contextmanager
+def stand_ins(folder: pathlib.Path, manifest: Manifest) -> Iterator[None]:
+    """Empty files where keys were withheld, as the cell asks whether they are there."""
+    made = [place for name in manifest.withheld if not (place := folder / name).exists()]
+    for place in made:
+        place.parent.mkdir(parents=True, exist_ok=True)
+        place.touch(0o600)
+    try:
+        yield
+    finally:
+        for place in made:
+            place.unlink(missing_ok=True)
+
+
+def version() -> str:
+    """Of this axisgate."""
+    return importlib.metadata.version("axisgate")
+
+
+def sum_of(path: pathlib.Path) -> str:
+    """SHA-256 of a file."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _put_by(place: pathlib.Path, part: Part) -> pathlib.Path:
+    mark = wall()[:19].replace(":", "")
+    number = next(n for n in range(1, 10_000) if not place.with_name(f"{place.name}.before-{mark}-{n}").exists())
+    old = place.with_name(f"{place.name}.before-{mark}-{number}")
+    if part.role == RETAINED:
+        with contextlib.suppress(OSError, sqlite3.Error):
+            copied(place, old)  # with what stands in its log
+            return old
+    shutil.copy2(place, old)
+    return old
+
+
+def _judge(path: pathlib.Path, archive: zipfile.ZipFile, part: Part) -> None:
+    name = pathlib.PurePosixPath(part.name)
+    if name.is_absolute() or ".." in name.parts or "\\" in part.name or archive.getinfo(part.name).file_size != part.size:
+        raise BackupError(f"{path}: {part.name}: name or size is not what a backup has")
+    if hashlib.sha256(archive.read(part.name)).hexdigest() != part.sha256:
+        raise BackupError(f"{path}: {part.name} is not what was saved (its sum differs)")
+
+
+def _manifest(raw: dict[str, object]) -> Manifest:
+    if raw.get("format") != FORMAT:
+        raise BackupError(f"format {raw.get('format')!r} of the backup; {FORMAT} is known")
+    parts = raw["parts"]
+    if not isinstance(parts, list):
+        raise ValueError("parts of the manifest")
+    made = tuple(Part(str(p["name"]), str(p["role"]), int(p["size"]), str(p["sha256"])) for p in parts)
+    left_out, withheld = (tuple(map(str, each)) if isinstance(each := raw.get(key), list) else () for key in ("left_out", "withheld"))
+    if any(pathlib.PurePosixPath(name).is_absolute() or ".." in pathlib.PurePosixPath(name).parts for name in withheld):
+        raise ValueError("withheld of the manifest")
+    return Manifest(str(raw["version"]), str(raw["wall"]), str(raw["cell"]), str(raw["title"]), made, left_out, withheld)
+
+
+def _as_json(manifest: Manifest) -> dict[str, object]:
+    parts = [{"name": p.name, "role": p.role, "size": p.size, "sha256": p.sha256} for p in manifest.parts]
+    head = {"format": FORMAT, "version": manifest.version, "wall": manifest.wall, "cell": manifest.cell, "title": manifest.title}
+    return {**head, "parts": parts, "left_out": list(manifest.left_out), "withheld": list(manifest.withheld)}
+
+
+def _number(text: str) -> tuple[int, ...]:
+    return tuple(int(part) for part in text.split(".")[:3] if part.isdigit())
+
+
+def _strings(value: object) -> Iterator[str]:
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, dict):
+        for each in value.values():
+            yield from _strings(each)
+    elif isinstance(value, list):
+        for each in value:
+            yield from _strings(each)

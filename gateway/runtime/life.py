@@ -1,0 +1,31 @@
+"""Life counter of a process that publishes no region of its own (broker, adapter, page, northbound).
+
+The supervisor hands a region down whose descriptor stands in $AXISGATE_LIFE.  The loop of the process beats, never a thread or a timer
+beside it: a loop that hangs shows no life.
+"""
+
+import os
+import time
+
+from gateway.runtime.regions import ImageError, RegionWriter
+
+VARIABLE = "AXISGATE_LIFE"
+BEAT_S = 0.1  # at least so often
+
+
+class Life:
+    """Of this process; without a supervisor nothing happens."""
+
+    def __init__(self) -> None:
+        self._region: RegionWriter | None = None
+        fd = os.environ.pop(VARIABLE, "")  # not for what this process starts
+        if fd.isdecimal():
+            try:
+                self._region = RegionWriter(int(fd))
+            except (ImageError, OSError):
+                self._region = None  # a number of somebody else's file
+
+    def beat(self) -> None:
+        """The loop has come round."""
+        if self._region is not None:
+            self._region.beat(time.monotonic_ns())

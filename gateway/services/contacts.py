@@ -1,0 +1,205 @@
+"""Contacts as the services see them: what only they know goes out, what inputs say goes to signals and routes (AX-400, AX-402).
+
+An input drives its signal while it is good; a bad one reads `on_loss`, or 0.  Outputs may be forced by `axisgate io test` while no drive is
+on, for as long as it asks, and never the watchdog.
+"""
+
+import time
+from typing import TYPE_CHECKING
+
+from gateway.assembly.contacts import CHIP, COUPLER, MODBUS, outputs_of, signal_bit
+from gateway.assembly.routes import symbols_of
+from gateway.pure.buses.contacts import SAID_LAYOUT, WATCHDOG, Said, pack_said, unpack_said
+from gateway.pure.buses.contacts import Source as Known
+from gateway.pure.image.records.cell import AxisFlag, Quality, set_bit
+from gateway.runtime.regions import RegionReader, RegionWriter
+from protocols.base.machine import Ns, ms
+
+if TYPE_CHECKING:
+    from gateway.services.loop import Services
+
+LONGEST_FORCE: Ns = ms(60_000)
+TELL_EVERY: Ns = ms(1000)
+
+
+class DigitalContacts:
+    """All contacts of a run, by their place among the [[io]] tables."""
+
+    def __init__(self, services: "Services", fds: dict[str, int]) -> None:
+        cell = services.cell
+        self._services, self.contacts = services, cell.io
+        self.by_name = {io.name: n for n, io in enumerate(cell.io)}
+        self.said = [Said()] * len(cell.io)  # inputs as heard; outputs as their device confirms them
+        self.shown = [Said()] * len(cell.io)  # what we say of outputs
+        self._routed: dict[int, bool] = {}
+        self._forced: dict[int, tuple[bool, Ns]] = {}
+        self._ours = {o.number for kind in (COUPLER, MODBUS, CHIP) for o in outputs_of(cell, kind, 1) if o.source is Known.SERVICES}
+        self._told: dict[int, Ns] = {}
+        self._before: dict[int, bool] = {}
+        symbols = symbols_of(cell) if cell.io else {}
+        self._bits = {n: bit for n, io in enumerate(cell.io) if (bit := signal_bit(cell, io, symbols)) is not None}  # RC inputs they drive
+        self._regions = [
+            (kind, RegionReader(fds[name], name, SAID_LAYOUT)) for kind, name in ((COUPLER, "io_in"), (CHIP, "io_chip")) if name in fds
+        ]
+        self._out = RegionWriter(fds["io_out"], "io_out", SAID_LAYOUT) if "io_out" in fds else None
+        self._written = b""
+        self._payloads: dict[str, tuple[bytes, list[Said]]] = {}
+        self.modbus = None
+        if any(io.device.type == MODBUS for io in cell.io):
+            from gateway.services.contacts_modbus import ModbusContacts  # only where a cell asks for it
+
+            self.modbus = ModbusContacts(services, self)
+
+    # ---- routes ------------------------------------------------------------------------------------------------------
+    def read(self, name: str) -> float | None:
+        """An input; None: nobody vouches for it."""
+        said = self.said[self.by_name[name]]
+        return float(said.value) if said.quality is Quality.GOOD else None
+
+    def write(self, name: str, value: bool) -> None:
+        """An output a route drives."""
+        self._routed[self.by_name[name]] = value
+
+    # ---- once per cycle and tick --------------------------------------------------------------------------------------
+    def start(self) -> None:
+        """Inside the running loop."""
+        if self.modbus is not None:
+            self.modbus.start()
+
+    def close(self) -> None:
+        if self.modbus is not None:
+            self.modbus.close()
+
+    def listen(self, now: Ns) -> None:
+        """Inputs to their signals."""
+        for kind, region in self._regions:
+            payload = region.read()
+            if payload is None:
+                continue
+            heard = self._heard(kind, payload)
+            fresh = kind != CHIP or now - region.life[1] < ms(1000)  # the chips' process may be gone
+            for n, io in enumerate(self.contacts):
+                if io.device.type == kind:
+                    self.said[n] = heard[n] if fresh else heard[n]._replace(quality=Quality.BAD)
+        self._drive(now)
+
+    def _heard(self, kind: str, payload: bytes) -> list[Said]:
+        """Unpacked only when it is another payload than before."""
+        before = self._payloads.get(kind)
+        if before is None or before[0] is not payload:
+            before = self._payloads[kind] = (payload, unpack_said(payload))
+        return before[1]
+
+    def show(self, now: Ns) -> None:
+        """Outputs to whoever drives them."""
+        self._publish(now)
+        if self.modbus is not None:
+            self.modbus.step(now)
+
+    def _drive(self, now: Ns) -> None:
+        inputs = self._services.inputs
+        for n, bit in self._bits.items():
+            said = self.said[n]
+            value = said.value if said.quality is Quality.GOOD else bool(self.contacts[n].on_loss)
+            set_bit(inputs.values, bit, value)
+            if inputs.quality[bit >> 3] != Quality.GOOD:
+                inputs.quality[bit >> 3], inputs.stamps[bit >> 3] = Quality.GOOD, now
+        for n, io in enumerate(self.contacts):
+            if io.device.input is not None and self.said[n].quality is Quality.GOOD:
+                self._note(n, self.said[n].value, now)
+
+    def _note(self, n: int, value: bool, now: Ns) -> None:
+        """First-out: what an input said first stands first in the journal; a chattering one is told once a second."""
+        before = self._before.get(n)
+        self._before[n] = value
+        if before not in (None, value) and now - self._told.get(n, -TELL_EVERY) >= TELL_EVERY:
+            self._told[n] = now
+            name = self.contacts[n].name
+            self._services.journal.write("contact", f"contact {name}: {int(before or 0)} -> {int(value)}", contact=name, value=int(value))
+
+    def _publish(self, now: Ns) -> None:
+        state = self._services.values.state
+        if any(axis.flags & AxisFlag.ENABLED for axis in state.axes):
+            self._forced.clear()
+        for n, (_, until) in list(self._forced.items()):
+            if now >= until:
+                del self._forced[n]
+        for n in {*self._ours, *self._forced, *(n for n, said in enumerate(self.shown) if said.forced)}:
+            self.shown[n] = self._say(n)
+        octets = pack_said(self.shown)
+        if self._out is not None and octets != self._written:
+            self._written = octets
+            self._out.write(octets, now)
+
+    def _say(self, n: int) -> Said:
+        if n in self._forced:
+            return Said(self._forced[n][0], Quality.GOOD, forced=True)
+        if n not in self._ours:
+            return Said()
+        signal = self.contacts[n].signal
+        if signal == f"io.{self.contacts[n].name}":
+            return Said(self._routed[n], Quality.GOOD) if n in self._routed else Said()
+        services = self._services
+        if signal in services.named:
+            sample = services.named.sample(signal)
+            return Said(bool(sample.value), sample.quality)
+        return Said(bool(services.values.get(signal)), Quality.GOOD)
+
+    # ---- tools -------------------------------------------------------------------------------------------------------
+    def rows(self) -> list[dict[str, object]]:
+        """Every contact as it stands, for `io test` and the page."""
+        return [
+            {
+                "name": io.name,
+                "device": io.device.type,
+                "way": "input" if io.device.input is not None else "output",
+                "channel": io.device.input if io.device.input is not None else io.device.output,
+                "signal": io.signal,
+                "value": int(self.said[n].value),
+                "quality": self.said[n].quality.name,
+                "forced": n in self._forced,
+                "why": self._why(n),
+            }
+            for n, io in enumerate(self.contacts)
+        ]
+
+    def _why(self, n: int) -> str:
+        """Of a contact that is not good: what is wrong with its coupler, by object; empty: nothing known."""
+        device = self.contacts[n].device
+        if device.type != COUPLER or device.node is None or self.said[n].quality is Quality.GOOD:
+            return ""
+        return self._services.canopen.coupler_fault(device.bus, device.node)
+
+    def faults(self) -> list[str]:
+        """One sentence for each coupler that is not served whole, with the contacts that are not good."""
+        found: dict[str, list[str]] = {}
+        for n, io in enumerate(self.contacts):
+            if why := self._why(n):
+                found.setdefault(f"{io.device.bus} node {io.device.node}: {why}", []).append(io.name)
+        return [f"{why} (contacts: {', '.join(names)})" for why, names in found.items()]
+
+    def force(self, name: str, value: bool | None, seconds: float) -> str:
+        """None: given free.  Empty, or why not."""
+        n = self.by_name.get(name)
+        if n is None:
+            return f"{name}: no such contact; there is {', '.join(self.by_name) or 'none'}"
+        if self.contacts[n].device.output is None:
+            return f"{name} is an input"
+        if self.contacts[n].signal == WATCHDOG:
+            return f"{name} is the watchdog: it toggles from completed cycles and is never forced"
+        if value is not None and any(axis.flags & AxisFlag.ENABLED for axis in self._services.values.state.axes):
+            return f"{name}: drives are on; contacts are tried with all drives off"
+        if value is None:
+            self._forced.pop(n, None)
+        else:
+            self._forced[n] = (value, time.monotonic_ns() + min(LONGEST_FORCE, int(seconds * 1e9)))
+        self.show(time.monotonic_ns())
+        return ""
+
+    def answer(self, request: dict[str, object]) -> dict[str, object]:
+        """`contacts`, or `force` NAME VALUE (null: free) SECONDS."""
+        if request.get("op") == "contacts":
+            return {"contacts": self.rows()}
+        value = request.get("value")
+        refused = self.force(str(request.get("name")), None if value is None else bool(value), float(str(request.get("seconds", 10))))
+        return {"error": refused} if refused else {"contacts": self.rows()}

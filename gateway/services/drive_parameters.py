@@ -1,0 +1,69 @@
+"""Parameters of CANopen drives that routes write: by SDO, in a thread of their own, the newest value of each; again after each start-up."""
+
+import threading
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from drivers.drives.canopen_steps import Refused
+
+if TYPE_CHECKING:
+    from gateway.links.canopen.master import CanopenMaster
+
+LOOK_S = 0.05  # a drive that is not ready gets its parameters so long after it is
+Key = tuple[int, int]  # object, sub-index
+Place = Callable[[str], "tuple[CanopenMaster, int]"]
+Tell = Callable[..., None]  # Journal.write
+
+
+class Parameters:
+    """Of all drives of a run.  A drive forgets what it was given when it is reset; a node that was started up anew is given it again."""
+
+    def __init__(self, place: Place, tell: Tell) -> None:
+        self._place, self._tell = place, tell
+        self._wanted: dict[tuple[str, Key], bytes] = {}
+        self._given: dict[tuple[str, Key], tuple[bytes, object]] = {}  # what, and after which start-up
+        self._news, self._stop = threading.Event(), threading.Event()
+        self._thread: threading.Thread | None = None
+
+    def put(self, axis: str, key: Key, data: bytes) -> None:
+        """At once back: the thread speaks with the drive."""
+        self._wanted[axis, key] = data
+        self._news.set()
+        if self._thread is None:
+            self._thread = threading.Thread(target=self._run, name="drive parameters", daemon=True)
+            self._thread.start()
+
+    def stop(self) -> None:
+        """A value on its way still arrives."""
+        self._stop.set()
+        self._news.set()
+        if self._thread is not None:
+            self._thread.join(2.0)
+
+    def _run(self) -> None:
+        while not self._stop.is_set():
+            self._news.wait(LOOK_S)
+            self._news.clear()
+            for (axis, key), data in list(self._wanted.items()):
+                self._give(axis, key, data)
+
+    def _give(self, axis: str, key: Key, data: bytes) -> None:
+        """Once for each value and start-up; one that is refused is told and not repeated."""
+        try:
+            master, number = self._place(axis)
+        except KeyError:  # a shadow starts up no node and gives it nothing
+            return
+        node = master.nodes[number]
+        booted = node.booted
+        given, after = self._given.get((axis, key), (None, None))
+        if node.health.name != "READY" or booted is None or (given == data and after is booted):
+            return
+        with node.lock:
+            answer = master.download(number, *key, data)
+        if isinstance(answer, bytes):
+            self._given[axis, key] = data, booted
+        elif isinstance(answer, Refused):
+            self._given[axis, key] = data, booted
+            name = f"{key[0]:04X}h:{key[1]:02X}"
+            words = f"{axis} (node {number}): {name} = {int.from_bytes(data, 'little')} is refused: {answer}; the drive keeps its value"
+            self._tell("alarm", words, node=number, object=name)

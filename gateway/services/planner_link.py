@@ -1,0 +1,32 @@
+"""What the services have of the planner process: its blocks ring to write, its region to read."""
+
+import time
+from collections.abc import Mapping, Sequence
+
+from gateway.pure.image.records.planner import SAY_LAYOUT, PlannerState, ProgramOrder, pack_block, run_record, unpack_planner
+from gateway.runtime.regions import RegionReader, RingWriter
+from protocols.base.machine import ms
+
+SILENT_NS = ms(2_000)  # an idle planner beats every 5 ms; it is asked only while the axes rest
+
+
+class PlannerLink:
+    """Without a planner in the run (`fds` has no ring of its) there is nothing to order."""
+
+    def __init__(self, fds: Mapping[str, int]) -> None:
+        there = "blocks" in fds
+        self._blocks = RingWriter(fds["blocks"], "blocks", SAY_LAYOUT) if there else None
+        self._region = RegionReader(fds["planner"], "planner") if there else None
+
+    def state(self) -> PlannerState | None:
+        """What it says; None: it is not there, or shows no life."""
+        if self._region is None or time.monotonic_ns() - self._region.life[1] > SILENT_NS:
+            return None
+        payload = self._region.read()
+        return PlannerState() if payload is None else unpack_planner(payload)
+
+    def order(self, orders: Sequence[ProgramOrder]) -> None:
+        """Hand them over."""
+        for order in orders:
+            assert self._blocks is not None  # the office refuses programs where there is no planner
+            self._blocks.put(pack_block(run_record(order)))

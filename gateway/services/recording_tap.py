@@ -1,0 +1,22 @@
+"""The services' end of a recording: what doors and tools say goes into a ring, while a recorder lives."""
+
+from collections.abc import Mapping
+
+from gateway.pure.recording.messages import ASKED_LAYOUT, RECORDER_GONE, TOLD_LAYOUT, Source, pack_told
+from gateway.runtime.regions import RegionReader, RingWriter
+from protocols.base.machine import Ns
+
+
+class ServicesTap:
+    """What doors and tools say; `put` returns at once when nobody records."""
+
+    def __init__(self, fds: Mapping[str, int]) -> None:
+        self._ring = RingWriter(fds["told"], "told", TOLD_LAYOUT)
+        self._asked = RegionReader(fds["recorder"], "recorder", ASKED_LAYOUT)
+
+    def put(self, now: Ns, source: Source, door: int, data: bytes) -> None:
+        """Characters, octets, words or a request."""
+        if not self._asked.published or now - self._asked.life[1] > RECORDER_GONE:
+            return
+        for record in pack_told(now, source, door, data):
+            self._ring.put(record)

@@ -1,0 +1,84 @@
+"""What RK512 serves beside data blocks: extended blocks, inputs, outputs, flags, timers and counters, as [line.rk512] types allows.
+
+E is what a PLC reads as its inputs, the RC outputs; A what it writes as its outputs, the RC inputs, both at the PLC's own addresses where
+the cell has a bit coupling; M holds the flags or markers of the control and the coordination flags that are set; T and Z the control's
+timers (rest in ms) and counters.  A [[db]] with that kind stands in the place of it; X exists only so (AX-250, AX-339).
+"""
+
+import time
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from gateway.pure.arbitration.block_keys import AREA_BYTES, block_key
+from gateway.pure.image.records.cell import RC_BYTES
+from gateway.services.sources.bit_coupling import CouplingAreas
+from protocols.rk512.header import ErrorNumber, Kind
+
+if TYPE_CHECKING:
+    from gateway.services.sources.rk512 import Rk512Source
+
+
+class LineAreas:
+    """The areas of one line."""
+
+    def __init__(self, door: "Rk512Source") -> None:
+        self._door = door
+        self.coupling = CouplingAreas(door)
+
+    def read_area(self, kind: Kind, block: int, address: int, amount: int) -> bytes | ErrorNumber:
+        """FETCH; what the types leave out is refused whole."""
+        refused = self._door.refused(chr(kind))
+        if refused is not None:
+            return refused
+        data = self.content(chr(kind), block)
+        first, last = address * kind.unit, (address + amount) * kind.unit
+        return ErrorNumber.BLOCK if data is None or last > len(data) else data[first:last]
+
+    def write_area(self, kind: Kind, block: int, address: int, data: bytes) -> ErrorNumber | None:
+        """SEND; dialects have it for extended blocks only, unless they list more."""
+        refused = self._door.refused(chr(kind))
+        if refused is not None:
+            return refused
+        if kind is Kind.OUTPUTS and self._declared("A", 0) is None:
+            return self._door.write_inputs(address, data) if self.coupling.outputs() is None else self.coupling.write(address, data)
+        if kind is Kind.FLAGS and self._declared("M", 0) is None:
+            control = self._door.services.signals.control
+            return None if control is not None and control.write_flags(address, data) else ErrorNumber.BLOCK
+        if address * kind.unit % 2 or len(data) % 2:
+            return ErrorNumber.LENGTH  # a declared block is whole words
+        return self._door.write_block(block_key(chr(kind), block), address * kind.unit // 2, data, time.monotonic_ns())
+
+    def content(self, kind: str, number: int) -> bytes | None:
+        """The whole area or block as it stands; None where there is none."""
+        declared = self._declared(kind, number)
+        services = self._door.services
+        control = services.signals.control
+        if kind == "M":
+            flags = control.flag_bytes() if control is not None else b""
+            return self._with_flags(declared or flags.ljust(AREA_BYTES, b"\0"))
+        if declared is not None or kind not in "EATZ":
+            return declared
+        if kind in "TZ":
+            return None if control is None else _words(control.timer if kind == "T" else control.counter)
+        if kind == "A":
+            return self.coupling.outputs() or bytes(services.inputs.values)
+        return self.coupling.inputs() or services.rc_out.read() or bytes(RC_BYTES)
+
+    def _declared(self, kind: str, number: int) -> bytes | None:
+        key, data = block_key(kind, number), self._door.data
+        return data.fill(key) if data is not None and key in data.blocks else None
+
+    def _with_flags(self, data: bytes) -> bytes:
+        shown = bytearray(data)
+        for flag in self._door.flags.set:
+            if flag.cpu <= 1 and flag.byte < len(shown):
+                shown[flag.byte] |= 1 << flag.bit
+        return bytes(shown)
+
+
+def _words(read: Callable[[int], int | None]) -> bytes | None:
+    """Timers or counters 0.. as words; None where there is none."""
+    found: list[bytes] = []
+    while (value := read(len(found))) is not None:
+        found.append(min(value, 0xFFFF).to_bytes(2, "big"))
+    return b"".join(found) or None

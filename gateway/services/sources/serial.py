@@ -1,0 +1,91 @@
+"""What every door of a serial line shares: the machine of its protocols on a port that goes and comes back, counters, journal words."""
+
+from collections import Counter
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from drivers.ports.open import open_bytes
+from gateway.links.serial.dialogue_log import journaled
+from gateway.links.serial.runner import LineRunner
+from gateway.links.serial.tap import Tap
+from gateway.pure.cell.cell import Line
+from gateway.pure.lines.fault_texts import fault_words
+from gateway.pure.recording.messages import Source
+from gateway.services.sources.base import BaseSource, SourceContext
+from protocols.base.machine import Machine, Ns
+from protocols.p3964r.events import SamePriority
+
+if TYPE_CHECKING:
+    from gateway.services.loop import Services
+
+TOLD_EVERY: Ns = 1_000_000_000  # a partner's faults reach the journal at most so often; all are counted
+
+
+class SerialSource(BaseSource):
+    """One [[line]].  Below it: `machine`, made by the door of its layer."""
+
+    machine: Machine[object]
+    counted: Iterable[str] = ()  # names of its counters
+
+    def __init__(self, post: SourceContext, line: Line, services: "Services") -> None:
+        super().__init__(post)
+        self.line = line
+        self._services = services
+        self._partner: Counter[str] = Counter(dict.fromkeys((*self.counted, "same_priority"), 0))
+        self._advice = ""  # what is to be set right by hand
+        self._runner: LineRunner[object] | None = None
+        self.tap: Tap[object] | None = None  # what passed lately, for the page
+        self._journal_next: Ns = 0
+        self._tell(
+            "link", f"door {self.number} {self.name}: {line.protocol} {line.profile} on {services.plan.lines[line.name]}", door=self.number
+        )
+
+    def open(self, url: str) -> None:
+        """Start the line; inside the running loop."""
+        self.tap = Tap(journaled(self.machine, self._services.plan, self.line), self._record)
+        self._runner = LineRunner[object](lambda: open_bytes(url, self.line.format), self.tap, self._on_event)
+
+    def _record(self, now: Ns, side: str, data: bytes) -> None:
+        self._services.recorded.put(now, Source.HEARD if side == "A" else Source.SAID, self.number, data)
+
+    def close(self) -> None:
+        """Give the port back."""
+        if self._runner is not None:
+            self._runner.close()
+
+    @property
+    def connected(self) -> bool:
+        """The port is there."""
+        return self._runner is not None and self._runner.state.connected
+
+    def settle(self) -> None:
+        """At each tick."""
+
+    def kick(self) -> None:
+        """The machine was given something to do."""
+        if self._runner is not None:
+            self._runner.kick()
+
+    def counters(self) -> dict[str, object]:
+        """For tools."""
+        state = self._runner.state if self._runner is not None else None
+        connected, why = (state.connected, state.why) if state else (False, "")
+        return {**self._partner, "connected": connected, "why": why, "advice": self._advice}
+
+    def _on_event(self, event: object, now: Ns) -> None:
+        raise NotImplementedError
+
+    def _link_fault(self, event: object, now: Ns) -> None:
+        """What the link reports: the one thing to be set right by hand has a counter and words of its own."""
+        if isinstance(event, SamePriority):
+            self._advice = f"both stations have the same priority ({event.priority.name.lower()}): set one to high, the other to low"
+            self._fault("same_priority", self._advice, now)
+        else:
+            self._fault("bad_blocks", fault_words(event), now)
+
+    def _fault(self, counter: str, words: str, now: Ns) -> None:
+        """A partner's faults are counted; the journal hears of them at most once a second."""
+        self._partner[counter] += 1
+        if now >= self._journal_next:
+            self._journal_next = now + TOLD_EVERY
+            self._tell("line", f"{self.name}: {words}", door=self.number)

@@ -1,0 +1,255 @@
+"""The door for commissioning tools: commands and SDO through the services' socket, under the same rules as every other door.
+
+Control belongs to the connection that asked for it and ends with it: another one is told "not owner" (AX-611).  Commands, SDO and "alive"
+of that connection are its life; reading is not.  Silent for a second it counts as dead: the axes stop on the path.  A tool never has more
+rights than a PLC; only where everything is simulated it may set the enabling inputs, because nobody else is there to do it (AX-312).
+"""
+
+import threading
+import time
+from typing import TYPE_CHECKING
+
+from drivers.drives.canopen_steps import Refused
+from gateway.pure.arbitration.command_block import Code, Command
+from gateway.pure.arbitration.jobs import Job, OnLoss
+from gateway.pure.image.reasons import CommandState, Reason, Refusal
+from gateway.pure.image.records.cell import Motion, Quality, set_bit
+from protocols.base.machine import Ns, ms
+
+if TYPE_CHECKING:
+    from gateway.services.loop import Services
+
+TOOL_DOOR = 90
+SILENCE: Ns = ms(1000)
+ENABLING_BITS, ENABLING_BYTE = range(24, 29), 3
+LIFE = ("alive", "tool", "sdo", "permit")  # requests that show that the connection in control lives
+MOST_SDO, TICKETS_KEPT = 8, 64  # SDO requests under way at a time, each in a thread; answers that wait to be fetched
+
+
+class ToolInterface:
+    """Requests of one tool at a time; the page has a desk of its own (gateway.services.page_interface)."""
+
+    def __init__(self, services: "Services", door: int = TOOL_DOOR, name: str = "commissioning tool") -> None:
+        self._services, self._door, self._name = services, door, name
+        self._heard: Ns = 0
+        self.alive = False
+        self.permits = False  # the tool has set the enabling inputs of a simulated cell
+        self._jobs: dict[int, Job] = {}
+        self._tickets: dict[int, dict[str, object]] = {}
+        self._under_way, self._sdo_lock, self._next_ticket = 0, threading.Lock(), 1
+        self._holder: object | None = None  # connection in control
+        self._permitting: tuple[object, Ns] | None = None  # connection that set the enabling inputs, last heard
+        self._leaving = False  # the one in control is gone: control ends as soon as the axes rest
+        services.office.control.link(door, alive=False)
+
+    def wake(self, now: Ns) -> None:
+        """A silent tool is a dead one; what it had ends at rest."""
+        if self.alive and now - self._heard > SILENCE:
+            self._lost()
+        if self._permitting is not None and now - self._permitting[1] > SILENCE:
+            self._permitting, self.permits = None, False
+        if self._leaving and self._at_rest:
+            self._leaving = False
+            if self._services.office.owner == self._door:
+                self._services.office.control.release(self._door, at_rest=True)
+
+    def heard(self) -> None:
+        """The connection in control is there."""
+        self._heard = time.monotonic_ns()
+        if not self.alive:
+            self.alive = True
+            self._services.office.link(self._door, OnLoss.STOP, alive=True)
+
+    def holds(self, connection: object) -> bool:
+        """This connection is in control."""
+        return self._holder is connection and self._services.office.owner == self._door
+
+    def held_by_another(self, connection: object) -> bool:
+        """A living connection other than this one is in control."""
+        return self.alive and self._holder is not None and self._holder is not connection
+
+    def closed(self, connection: object) -> None:
+        """A connection has ended, and what it had with it."""
+        if self._permitting is not None and self._permitting[0] is connection:
+            self._permitting, self.permits = None, False
+        self.leave(connection)
+
+    def leave(self, connection: object) -> None:
+        """It gives up control whatever moves: the axes stop on the path, and control is free at rest."""
+        if self._holder is connection:
+            self._holder, self._leaving = None, True
+            if self.alive:
+                self._lost()
+            self._services.flush()
+
+    def _lost(self) -> None:
+        self.alive = False
+        self._services.office.link(self._door, OnLoss.STOP, alive=False)
+        self._services.journal.write("link", f"{self._name}: gone", door=self._door)
+
+    @property
+    def _at_rest(self) -> bool:
+        return self._services.values.state.motion in (Motion.IDLE, Motion.STOPPED)
+
+    def answer(self, request: dict[str, object], connection: object = "") -> dict[str, object] | None:
+        """None: not for us.  KeyError, ValueError: told to the tool as an error."""
+        operation = request.get("op")
+        if operation not in ("alive", "leave", "tool", "job", "axes", "sdo", "ticket", "permit", "programs"):
+            return None
+        if self._permitting is not None and self._permitting[0] is connection:
+            self._permitting = (connection, time.monotonic_ns())
+        if operation in LIFE and self._holder is connection:
+            self.heard()
+        match operation:
+            case "alive":
+                return {"ok": True, "holds": self.holds(connection)}
+            case "leave":
+                self.leave(connection)
+                return {"ok": True}
+            case "tool":
+                return self._command(request, connection)
+            case "job":
+                return self._job(int(str(request["job"])))
+            case "sdo":
+                return self._sdo(request, connection)
+            case "ticket":
+                return self._tickets.get(int(str(request["ticket"])), {"error": "no such ticket"})
+            case "permit":
+                return self._permit(connection)
+            case "programs":
+                return self._programs()
+            case _:
+                return self._axes()
+
+    def _command(self, request: dict[str, object], connection: object) -> dict[str, object]:
+        targets = request.get("targets") or []
+        if not isinstance(targets, list):
+            raise ValueError("targets: a list of numbers")
+        values = [float(target) for target in targets]
+        command = Command(
+            Code[str(request["code"]).upper()],
+            int(str(request.get("mask", 0))),
+            float(str(request.get("velocity", 1.0))),
+            float(str(request.get("acceleration", 1.0))),
+            tuple(values),
+        )
+        job = self._given(command, connection, first_try=bool(request.get("first_try")))
+        self._jobs = {key: old for key, old in self._jobs.items() if old.open}
+        self._jobs[job.id] = job
+        self._services.flush()
+        return {"job": job.id, **_told(job)}
+
+    def _given(self, command: Command, connection: object, *, first_try: bool) -> Job:
+        """To the office, if this connection may give it."""
+        office = self._services.office
+        try:
+            self._demand(Code(command.code), connection)
+        except Refusal as refusal:
+            return office.refuse(self._door, Code(command.code), refusal.reason, refusal.detail)
+        job = office.command(self._door, command, time.monotonic_ns(), first_try=first_try)
+        if command.code == Code.REQUEST_CONTROL and job.state is not CommandState.REFUSED:
+            self._holder, self._leaving = connection, False
+            self.heard()
+        elif command.code == Code.RELEASE_CONTROL and job.state is CommandState.DONE:
+            self._holder = None
+        return job
+
+    def _demand(self, code: Code, connection: object) -> None:
+        """Refusal: another connection has control, or this one has not asked for it.  Everybody may stop."""
+        if code is Code.STOP or self._holder is connection:
+            return
+        if self.held_by_another(connection):
+            raise Refusal(Reason.NOT_OWNER, f"another {self._name}")
+        if code is not Code.REQUEST_CONTROL:
+            raise Refusal(Reason.NOT_OWNER, "request control first")
+        if self._services.office.owner == self._door:  # left by a connection that is gone or silent
+            self._services.office.control.release(self._door, at_rest=self._at_rest)
+
+    def _job(self, number: int) -> dict[str, object]:
+        job = self._jobs.get(number) or next((job for job in self._jobs.values() if job.watch == number), None)
+        return {"error": f"no job {number}"} if job is None else {"job": job.id, **_told(job)}
+
+    def _axes(self) -> dict[str, object]:
+        """What the cycle published last, in the axes' own units."""
+        services, state = self._services, self._services.values.state
+        rows: list[dict[str, object]] = []
+        for n, (fact, axis) in enumerate(zip(services.office.axes, state.axes, strict=False)):
+            places = {"actual": axis.actual / fact.si, "set": axis.set / fact.si, "lag": axis.lag / fact.si, "torque": axis.torque}
+            if state.measured_mask >> n & 1:
+                places["measured"] = axis.measured / fact.si  # @MPOS
+            words = services.canopen.fault(n, axis.fault_code) if axis.fault_code else ""
+            planner = services.office.planner
+            placed = planner is not None and bool(planner.placed >> n & 1)
+            told = {
+                "flags": int(axis.flags),
+                "fault": axis.fault_code,
+                "words": words,
+                "why": services.canopen.why_not(n),
+                "placed": placed,
+            }
+            rows.append({"name": fact.name, "unit": fact.unit, **places, **told})
+        return {"axes": rows, "cycle": state.cycle, "ready": state.ready, "motion": int(state.motion), "permits": state.permits,
+                "cause": state.stop_cause, "override": state.override, "simulated": services.plan.simulated,
+                "p5_ms": services.plan.p5_ms}  # fmt: skip
+
+    def _programs(self) -> dict[str, object]:
+        """Programs of the cell by number, and how far the planner is; op "tool", code "program", mask = number orders one."""
+        office = self._services.office
+        planner, state = office.planner, self._services.values.state
+        way = {} if planner is None else {"block": planner.block, "share": planner.share, "waiting": planner.waiting}
+        return {
+            "programs": {str(number): program.name for number, program in sorted(office.programs.items())},
+            "planner": planner is not None,
+            "running": state.job,
+            **way,
+        }
+
+    def _permit(self, connection: object) -> dict[str, object]:
+        services = self._services
+        if not services.plan.simulated:
+            return {"error": "enabling inputs are set by their door; a tool may do it in a simulation only"}
+        self.permits, self._permitting = True, (connection, time.monotonic_ns())
+        for bit in ENABLING_BITS:
+            set_bit(services.inputs.values, bit, True)
+        services.inputs.quality[ENABLING_BYTE] = Quality.GOOD
+        services.inputs.stamps[ENABLING_BYTE] = time.monotonic_ns()
+        services.flush()
+        return {"ok": True}
+
+    def _sdo(self, request: dict[str, object], connection: object) -> dict[str, object]:
+        """In a thread: doors do not wait for a node; `ticket` tells the outcome."""
+        master, node = self._services.canopen.place(str(request["axis"]))
+        index, sub = int(str(request["index"])), int(str(request.get("sub", 0)))
+        raw = request.get("data")
+        data = None if raw is None else bytes.fromhex(str(raw))
+        if data is not None and self.held_by_another(connection):
+            raise ValueError(f"not owner: another {self._name} has control; it alone writes objects")
+        with self._sdo_lock:
+            if self._under_way >= MOST_SDO:
+                raise ValueError(f"{MOST_SDO} SDO requests are under way; wait for one of them, then ask again")
+            self._under_way += 1
+            number, self._next_ticket = self._next_ticket, self._next_ticket + 1
+            self._tickets[number] = {"pending": True}
+            for old in [each for each, told in self._tickets.items() if "pending" not in told][: max(len(self._tickets) - TICKETS_KEPT, 0)]:
+                del self._tickets[old]
+
+        def work() -> None:
+            told: dict[str, object] = {"error": "no answer"}
+            try:
+                with master.nodes[node].lock:
+                    answer = master.upload(node, index, sub) if data is None else master.download(node, index, sub, data)
+                if isinstance(answer, bytes):
+                    told = {"data": answer.hex()}
+                elif isinstance(answer, Refused):
+                    told = {"error": str(answer)}
+            finally:
+                with self._sdo_lock:
+                    self._under_way -= 1
+                    self._tickets[number] = told
+
+        threading.Thread(target=work, name="sdo of a tool", daemon=True).start()
+        return {"ticket": number}
+
+
+def _told(job: Job) -> dict[str, object]:
+    return {"state": job.state.name, "reason": int(job.reason), "words": job.reason.name, "detail": job.detail, "open": job.open}

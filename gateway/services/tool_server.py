@@ -1,0 +1,398 @@
+"""`axisgate var` and other tools ask here: one JSON line each way on runtime_dir()/SLUG-services.sock.
+
+get NAME|ADDRESS, set ADDRESS VALUE (only where everything is simulated), names, status.
+"""
+
+import asyncio
+import contextlib
+import difflib
+import json
+import pathlib
+import time
+from typing import TYPE_CHECKING
+
+from gateway.assembly.data_block_signals import signals_of
+from gateway.pure.arbitration.block_keys import AREA_BYTES
+from gateway.pure.cell.cell import Cell
+from gateway.pure.controllers.rho3.functions.system_variables import STOP_PROCESS, VariableError
+from gateway.pure.controllers.rho3.pendant.catalogue import PREFIX, variable_of
+from gateway.pure.image.addresses import (
+    AddressFault,
+    CellName,
+    DataBit,
+    DataWord,
+    Direction,
+    FlagBit,
+    Operand,
+    Part,
+    RcBit,
+    Register,
+    Table,
+    parse_operand,
+    pic,
+)
+from gateway.pure.image.addresses import Kind as OperandKind
+from gateway.pure.image.names import Kind as NameKind
+from gateway.pure.image.names import lookup
+from gateway.pure.image.records.cell import get_bit
+from gateway.pure.recording.messages import Source
+from gateway.services.operands import Operands
+from gateway.services.sources.base import BaseSource
+from gateway.services.sources.modbus import ModbusSource
+from gateway.services.sources.rk512 import Rk512Source
+from gateway.services.tool_interface import TOOL_DOOR
+from protocols.modbus.view import ExceptionCode, Kind
+
+if TYPE_CHECKING:
+    from gateway.pure.controllers.rho3.signals.phg_values import PhgValues
+    from gateway.services.loop import Services
+
+LONGEST = 4096
+CLIENTS = 64  # connected at once; one more is told so and sent away
+STOP = f"{PREFIX}{STOP_PROCESS}"  # is written and never read
+ASKING = ("get", "names", "status", "axes", "job", "ticket", "alive")  # requests that change nothing
+_KINDS = {
+    Table.COIL: Kind.COILS,
+    Table.DISCRETE: Kind.DISCRETE_INPUTS,
+    Table.INPUT: Kind.INPUT_REGISTERS,
+    Table.HOLDING: Kind.HOLDING_REGISTERS,
+}
+
+
+class Variables:
+    """Answers one request a line; a bad one gets {"error": ...}."""
+
+    def __init__(self, services: "Services") -> None:
+        self._services = services
+        self._signals = signals_of(services.cell)
+        self._symbols = self._signals.symbols()
+        self._operands = Operands(services)
+        self._clients = 0
+
+    async def listen(self, path: pathlib.Path) -> asyncio.Server:
+        """Start answering; a stale socket of a predecessor is replaced."""
+        with contextlib.suppress(FileNotFoundError):
+            path.unlink()
+        return await asyncio.start_unix_server(self._serve, path, limit=LONGEST)
+
+    async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        self._clients += 1
+        try:
+            with contextlib.suppress(OSError, ValueError, asyncio.IncompleteReadError):
+                if self._clients > CLIENTS:
+                    writer.write(json.dumps({"error": f"{CLIENTS} tools are connected; end one of them"}).encode() + b"\n")
+                    return
+                while line := await reader.readline():
+                    writer.write(json.dumps(self.answer(line, writer)).encode() + b"\n")
+                    await writer.drain()
+                    await asyncio.sleep(0)  # one request a turn: a line that is here already would be answered before anything else
+        finally:
+            self._clients -= 1
+            self._services.tools.closed(writer)
+            writer.close()
+
+    def answer(self, line: bytes, connection: object = "") -> dict[str, object]:
+        """One request; never raises.  `connection`: what a tool's control belongs to."""
+        try:
+            request = json.loads(line)
+            if request.get("op") not in ASKING:
+                self._services.recorded.put(time.monotonic_ns(), Source.TOOL, TOOL_DOOR, line.strip())
+            if request.get("op") in ("contacts", "force"):
+                return self._services.contacts.answer(request)
+            told = self._services.tools.answer(request, connection)
+            if told is not None:
+                return told
+            match request.get("op"):
+                case "get":
+                    return self._get(str(request["address"]))
+                case "set":
+                    return self._set(str(request["address"]), str(request["value"]))
+                case "names":
+                    return {"names": self.names()}
+                case "panel":
+                    return self._panel(request, connection)
+                case "status":
+                    return self._services.status()
+            return {"error": f"op {request.get('op')!r}; get, set, names, panel, status are known"}
+        except (AddressFault, VariableError) as fault:
+            return {"error": str(fault)}
+        except (KeyError, ValueError, TypeError, AttributeError) as fault:
+            return {"error": str(fault.args[0]) if fault.args else repr(fault)}
+
+    def _panel(self, request: dict[str, object], connection: object) -> dict[str, object]:
+        if {"key", "mode"} & request.keys() and self._services.tools.held_by_another(connection):
+            return {"error": "not owner: another commissioning tool has control"}
+        return self._services.signals.panel(request, TOOL_DOOR, time.monotonic_ns())
+
+    # ---- reading -----------------------------------------------------------------------------------------------------
+    def _get(self, text: str) -> dict[str, object]:
+        place = parse_operand(text, self._symbols)
+        match place:
+            case Operand():
+                return self._operands.get(text, place) or self._coordination(text, place)
+            case RcBit():
+                return {"address": text, "place": self._name_of(place), "value": self._bit(place)}
+            case DataBit():
+                door, data = self._block(place.db)
+                word = int.from_bytes(data[2 * place.word : 2 * place.word + 2], "big")
+                return {"address": text, "place": str(place), "value": word >> place.bit & 1, "door": door.name}
+            case DataWord():
+                door, data = self._block(place.db)
+                size = 4 if place.part is Part.DOUBLE else 2
+                raw = data[2 * place.word : 2 * place.word + size]
+                if len(raw) < size:
+                    return {"error": f"{place}: the block has {len(data) // 2} words"}
+                unit = entry_unit(self._services.cell, door.name, place)
+                return {"address": text, "place": str(place), "door": door.name, **_columns(raw, place.part), **unit}
+            case CellName(name):
+                return self._named(text, name)
+            case Register():
+                return self._register(text, place)
+            case FlagBit():  # parse_operand has these as operands
+                return self._flag(text, place)
+
+    def _register(self, text: str, place: Register) -> dict[str, object]:
+        """As a Modbus client would read it from the first server of the cell."""
+        view = next((door.view for door in self._services.doors if isinstance(door, ModbusSource)), None)
+        if view is None:
+            return {"error": f"{text}: this cell has no [[modbus]] server"}
+        kind = _KINDS[place.table]
+        bits = kind in (Kind.COILS, Kind.DISCRETE_INPUTS)
+        found = view.read_bits(kind, place.address, 1) if bits else view.read_words(kind, place.address, 1)
+        if isinstance(found, ExceptionCode):
+            return {"error": f"{text}: {place.table.name.lower()} {place.address} does not exist; axisgate's map: AX-012"}
+        value = int(found[0])
+        columns: dict[str, object] = {"KH": f"{value:04X}"} if not bits else {}
+        return {"address": text, "place": f"{place.table.name.lower()} {place.address}", "value": value, **columns}
+
+    def value_of(self, name: str, door: BaseSource) -> float:
+        """What a telegram or block may be built of: names, signals, values of the control, addresses.  KeyError: unknown."""
+        place = self._symbols.get(name.upper())
+        if place is not None:
+            return self._bit(place)
+        try:
+            return self._services.values.get(name, door)
+        except KeyError:
+            return self._control_value(name)
+
+    def _control_value(self, name: str) -> float:
+        """A value of the control, or what an address points at; one that has no value now is 0."""
+        control = self._services.signals.control
+        try:
+            if name.startswith(PREFIX):
+                return self._phg().number(name)
+            if control is not None and name in control.names():
+                return control.value(name)
+            place = parse_operand(name, self._symbols)
+        except (AddressFault, VariableError) as fault:
+            raise KeyError(name) from fault
+        except ValueError:
+            return 0.0
+        if isinstance(place, RcBit):
+            return self._bit(place)
+        found = self._operands.number(place) if isinstance(place, Operand) else None
+        if found is None or not isinstance(place, Operand):
+            raise KeyError(name)
+        return float(found - (1 << 32) if place.bytes == 4 and found >> 31 else found)  # a double word is a DH
+
+    def write_flag(self, place: Operand, value: int) -> None:
+        """A block's entry that is a flag of the control; what does not fit is cut off, as a PLC's load and transfer does."""
+        self._operands.write(place, value)
+
+    def names(self) -> list[str]:
+        """Every name that can be read."""
+        control = self._services.signals.control
+        return [*self._services.values.names(), *self._services.named.names(), *(control.names() if control is not None else ())]
+
+    def _phg(self) -> "PhgValues":
+        """Variables of the PHG 2000; KeyError: this cell has none."""
+        rho = self._services.signals.rho3
+        if rho is None:
+            raise KeyError('phg: variables of the PHG need a cell with [controller] of kind "rho3"')
+        return rho.phg
+
+    def _named(self, text: str, name: str) -> dict[str, object]:
+        if name.startswith(PREFIX):
+            variable, _ = variable_of(name)
+            return {"address": text, "place": f"{name} ({variable.name})", "value": self._phg().read(name)}
+        joined = self._services.bridge.told(name)
+        if joined is not None:
+            return {"address": text, "place": name, **joined}
+        values, control = self._services.values, self._services.signals.control
+        if control is not None and name in control.names():
+            return {"address": text, "place": name, "value": control.value(name)}
+        if name in self._services.named:
+            sample = self._services.named.sample(name)
+            age_ms = (time.monotonic_ns() - sample.stamp_ns) / 1e6 if sample.stamp_ns else None
+            value = "never written" if sample.value is None else sample.value
+            return {
+                "address": text,
+                "place": name,
+                "value": value,
+                "quality": sample.quality.name,
+                "age_ms": age_ms,
+                "source": sample.source,
+            }
+        try:
+            return {"address": text, "place": name, "value": values.get(name), **name_unit(self._services.cell, name)}
+        except KeyError:
+            close = difflib.get_close_matches(name, self.names(), n=1)
+            hint = f", did you mean {close[0]}?" if close else ""
+            return {"error": f"{name}: no such name{hint}; axisgate var lists them"}
+
+    def _coordination(self, text: str, place: Operand) -> dict[str, object]:
+        """A flag of a cell without a control of its own: the partner's."""
+        if place.kind is not OperandKind.FLAG or place.bit is None or place.number >= AREA_BYTES:
+            return {
+                "error": f"{text}: this cell has no flags, timers and counters beside coordination flags M 0.0..M 255.7; [controller] has"
+            }
+        return self._flag(text, FlagBit(place.number, place.bit))
+
+    def _flag(self, text: str, place: FlagBit) -> dict[str, object]:
+        """A coordination flag, of whichever line has it set; 0 while none has."""
+        lines = [door for door in self._services.doors if isinstance(door, Rk512Source)]
+        holders = [door for door in lines if door.flag_bytes()[place.byte] >> place.bit & 1]
+        return {"address": text, "place": str(place), "value": int(bool(holders)), "door": ", ".join(door.name for door in holders)}
+
+    def _reset_flag(self, text: str, place: FlagBit, value: str) -> dict[str, object]:
+        """A program that has used what came; a partner alone sets one."""
+        if value != "0":
+            return {"error": f"{text} = {value}: a coordination flag is set by the partner's job; it is reset with 0"}
+        for door in self._services.doors:
+            if isinstance(door, Rk512Source):
+                door.reset_flag(place.byte, place.bit)
+        return self._flag(text, place)
+
+    def _name_of(self, place: RcBit) -> str:
+        """RC output 64 (E8.0, READY_RCO): the number, the PLC's address and the signal's name if it has one."""
+        signal = self._signals.at(place)
+        return f"{place.direction.value} {place.number} ({pic(place)}{', ' + signal.name if signal else ''})"
+
+    def _bit(self, place: RcBit) -> int:
+        if place.direction is Direction.INPUT:
+            return int(self._services.input_bit(place.number))
+        outputs = self._services.rc_out.read()
+        return int(outputs is not None and get_bit(outputs, place.number))
+
+    def _block(self, number: int) -> tuple[Rk512Source, bytes]:
+        for door in self._services.doors:
+            if isinstance(door, Rk512Source) and (data := door.block_bytes(number)) is not None:
+                return door, data
+        raise KeyError(f"DB {number}: no line of this cell serves it")
+
+    # ---- writing -----------------------------------------------------------------------------------------------------
+    def _set(self, text: str, value: str) -> dict[str, object]:
+        services = self._services
+        if not services.plan.simulated:
+            return {"error": f"{text}: values are set only in a simulated run (axisgate run CELL --sim); here the PLC writes them"}
+        place = parse_operand(text, self._symbols)
+        control = services.signals.control
+        if isinstance(place, CellName) and place.name.startswith(PREFIX):
+            typed = _typed(value)
+            self._phg().write(place.name, int(typed) if isinstance(typed, bool) else typed)
+            return {"address": text, "place": place.name, "value": typed} if place.name == STOP else self._get(text)
+        if isinstance(place, CellName) and control is not None and place.name in control.names():
+            control.put(place.name, float(value))
+            return self._get(text)
+        if isinstance(place, Operand) and self._operands.there(place):
+            return self._operands.put(text, place, value) or self._get(text)
+        if isinstance(place, Operand) and place.kind is OperandKind.FLAG and place.bit is not None and place.number < AREA_BYTES:
+            return self._reset_flag(text, FlagBit(place.number, place.bit), value)
+        if isinstance(place, CellName) and place.name in services.named:
+            services.named.put(place.name, _typed(value), time.monotonic_ns(), "var")
+            services.settle()
+            return self._get(text)
+        if not isinstance(place, DataWord | DataBit):
+            return {"error": f"{text}: a data word or bit a PLC writes is expected, e.g. DB10.DW2 or DB10.D0.8"}
+        door, data = self._block(place.db)
+        word = int.from_bytes(data[2 * place.word : 2 * place.word + 2], "big")
+        number = _whole(value)
+        if number is None:
+            return {"error": f"{text} = {value!r}: a whole number is expected, e.g. 1200, -5 or 0x04B0"}
+        raw = _put(place, word, number)
+        if raw is None:
+            return {"error": f"{text} = {value}: a DW takes -32768..65535, a DD -2147483648..4294967295, DL and DR 0..255, a bit 0 or 1"}
+        refused = door.write_as_plc(place.db, place.word, raw)
+        return {"error": refused} if refused else self._get(text)
+
+
+def _typed(text: str) -> bool | int | float | str:
+    """A number where it reads like one, else the text."""
+    if text in ("true", "false"):
+        return text == "true"
+    for kind in (int, float):
+        with contextlib.suppress(ValueError):
+            return kind(text)
+    return text
+
+
+def _whole(text: str) -> int | None:
+    """Decimal, or hexadecimal with 0x; None: no whole number."""
+    with contextlib.suppress(ValueError):
+        return int(text, 0)
+    return None
+
+
+def _put(place: DataWord | DataBit, word: int, number: int) -> bytes | None:
+    """The bytes from the place's word on, `word` being what stands there; None when the number does not fit."""
+    if isinstance(place, DataBit):
+        new = word | 1 << place.bit if number else word & ~(1 << place.bit)
+        return new.to_bytes(2, "big") if number in (0, 1) else None
+    match place.part:
+        case Part.WORD:
+            return (number & 0xFFFF).to_bytes(2, "big") if -0x8000 <= number <= 0xFFFF else None
+        case Part.DOUBLE:
+            return (number & 0xFFFFFFFF).to_bytes(4, "big") if -0x8000_0000 <= number <= 0xFFFF_FFFF else None
+        case Part.LEFT:
+            return bytes((number, word & 0xFF)) if 0 <= number <= 255 else None
+        case Part.RIGHT:
+            return bytes((word >> 8, number)) if 0 <= number <= 255 else None
+
+
+def _columns(raw: bytes, part: Part) -> dict[str, object]:
+    """The same bytes in the number formats an S5 programmer looks for."""
+    if part is Part.LEFT:
+        return {"KH": raw[:1].hex().upper(), "value": raw[0]}
+    if part is Part.RIGHT:
+        return {"KH": raw[1:].hex().upper(), "value": raw[1]}
+    signed = int.from_bytes(raw, "big", signed=True)
+    columns: dict[str, object] = {"value": signed, "KF" if len(raw) == 2 else "DH": signed, "KH": raw.hex().upper()}
+    if len(raw) == 2:
+        columns["KM"] = f"{int.from_bytes(raw, 'big'):016b}"
+    else:
+        columns.update(_floats(raw))
+    return columns
+
+
+def _floats(raw: bytes) -> dict[str, object]:
+    from protocols.base.errors import ProtocolError
+    from protocols.base.step5 import Step5Type, decode
+
+    found: dict[str, object] = {}
+    for kind in (Step5Type.KG, Step5Type.REAL):
+        with contextlib.suppress(ProtocolError):
+            found[kind.name] = decode(kind, raw)
+    return found
+
+
+def name_unit(cell: Cell, name: str) -> dict[str, object]:
+    """Unit of a name of the cell; nothing for bits, counters and codes."""
+    found = lookup(name)
+    if found is None:
+        return {}
+    if found.name.kind is NameKind.PERCENT:
+        return {"unit": "%"}
+    axis = next((axis for axis in cell.axis if axis.name == found.which), None)
+    return {"unit": axis.unit} if axis is not None and found.name.kind is NameKind.WAY else {}
+
+
+def entry_unit(cell: Cell, line: str, place: DataWord) -> dict[str, object]:
+    """What one step of that word is, where an entry of the cell says so: 0.1 mm."""
+    from gateway.checks.blocks import place_of
+
+    for block in cell.db:
+        if block.number == place.db and block.line == line:
+            return next(
+                ({"unit": entry.unit} for entry in block.entries if entry.unit not in ("", "1") and place_of(block, entry) == place), {}
+            )
+    return {}

@@ -1,0 +1,96 @@
+"""The services of a shadow: doors that only listen, and what they found, every second into a file (AX-493)."""
+
+import argparse
+import asyncio
+import contextlib
+import os
+import signal
+import time
+from dataclasses import replace
+
+from gateway.assembly.run import RunPlan, load_plan
+from gateway.pure.cell.cell import Line
+from gateway.pure.cell.modbus import Modbus
+from gateway.runtime.realtime import die_with_parent
+from gateway.runtime.regions import fds_from_text
+from gateway.services.canopen import CanopenServices
+from gateway.services.loop import Services
+from gateway.services.sources.base import BaseSource, SourceContext
+from gateway.services.sources.modbus import ModbusSource
+from gateway.shadow.log_writer import keep
+from gateway.shadow.modbus_source import ShadowModbusSource
+from gateway.shadow.plan import LINES
+from gateway.shadow.source import ShadowSource
+from protocols.base.machine import Ns, ms
+
+KEEP_EVERY: Ns = ms(1_000)
+
+
+class ShadowServices(Services):
+    """All doors of one shadow."""
+
+    def __init__(self, plan: RunPlan, fds: dict[str, int]) -> None:
+        self._keep_next: Ns = 0
+        super().__init__(plan, fds)
+
+    def _line_door(self, post: SourceContext, line: Line) -> BaseSource:
+        return ShadowSource(post, line, self)
+
+    def _modbus_door(self, post: SourceContext, settings: Modbus) -> ModbusSource:
+        made = ShadowModbusSource(post)
+        made.follow(self, settings, self.plan.taps[settings.name])
+        return made
+
+    def _masters(self, fds: dict[str, int]) -> CanopenServices:
+        """None: nodes are started up by the old control."""
+        return CanopenServices(replace(self.plan, buses={}), fds, self.journal.write)
+
+    async def _start_server(self, door: ModbusSource) -> None:
+        """Nobody is served."""
+
+    def tick(self) -> None:
+        """Also takes what the captures hold, and keeps what was found."""
+        tapped = [door for door in self.doors if isinstance(door, ShadowModbusSource)]
+        for door in tapped:
+            door.take(time.monotonic_ns())
+        super().tick()
+        now = time.monotonic_ns()
+        for door in tapped:
+            door.compare(now)
+        if now >= self._keep_next:
+            self._keep_next = now + KEEP_EVERY
+            self.keep(now)
+
+    def keep(self, now: Ns) -> None:
+        """For the report, whatever becomes of this process."""
+        lines = [door.result(now) for door in self.doors if isinstance(door, ShadowSource | ShadowModbusSource)]
+        heard_s = round((now - self.started_ns) / 1e9, 3)
+        keep(self.plan.folder / LINES, {"pid": os.getpid(), "heard_s": heard_s, "lines": lines})
+
+    async def run(self) -> None:
+        """Until SIGTERM; what still waits is judged at the end."""
+        await super().run()
+        for door in self.doors:
+            if isinstance(door, ShadowSource | ShadowModbusSource):
+                door.comparison.finish()
+        self.keep(time.monotonic_ns())
+
+
+async def _run(plan: RunPlan, fds: dict[str, int]) -> None:
+    await ShadowServices(plan, fds).run()
+
+
+def main(argv: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="axisgate shadow services", description="started by the supervisor")
+    parser.add_argument("--plan", type=int, required=True)
+    parser.add_argument("--fds", required=True)
+    arguments = parser.parse_args(argv)
+    die_with_parent(number=signal.SIGKILL)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    with contextlib.suppress(KeyboardInterrupt):
+        asyncio.run(_run(load_plan(arguments.plan), fds_from_text(arguments.fds)))
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

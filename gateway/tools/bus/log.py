@@ -1,0 +1,51 @@
+"""axisgate bus log: a live bus into a file; the ending decides the form."""
+
+import argparse
+import pathlib
+import sys
+
+from gateway.tools.bus.logs import WRITABLE, BadLog, LogWriter
+from gateway.tools.bus.monitor import Summary, live
+from gateway.tools.bus.ports import FORM, NoBus, open_bus
+from gateway.tools.command_support import DONE, ENVIRONMENT, USAGE
+
+EXAMPLES = f"""examples:
+  axisgate bus log socketcan:can0 -o living.blf                 until Ctrl-C
+  axisgate bus log broker:demo-drives -o demo.pcapng --seconds 10
+  axisgate bus log pcan:PCAN_USBBUS1 -o axis3.trc --bitrate 500000
+forms: {", ".join(WRITABLE)}; a bus is {FORM}
+exit code: 0 done, 2 command line, 3 the bus or the file cannot be opened"""
+
+
+def main(argv: list[str]) -> int:
+    parser = argparse.ArgumentParser(
+        prog="axisgate bus log", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("bus", help=FORM)
+    parser.add_argument("-o", "--output", type=pathlib.Path, required=True, help="file")
+    parser.add_argument("--bitrate", type=int, default=1_000_000, help="bit/s (default %(default)s)")
+    parser.add_argument("--seconds", type=float, help="end after so long")
+    arguments = parser.parse_args(argv)
+    try:
+        writer = LogWriter(arguments.output, arguments.bus)
+    except BadLog as error:
+        print(f"axisgate bus log: {error}", file=sys.stderr)
+        return USAGE
+    except OSError as error:
+        print(f"axisgate bus log: {arguments.output}: {error.strerror}", file=sys.stderr)
+        return ENVIRONMENT
+    count, summary = 0, Summary()
+    try:
+        with open_bus(arguments.bus, arguments.bitrate) as bus:
+            for frame in live(bus, arguments.seconds, summary):
+                writer.put(frame)
+                count += 1
+    except NoBus as error:
+        print(f"axisgate bus log: {error}", file=sys.stderr)
+        return ENVIRONMENT
+    finally:
+        writer.close()
+    fd = f", {summary.fd} frames of CAN FD passed over" if summary.fd else ""
+    print(f"{count} frames in {arguments.output}, {summary.errors} error frames{fd}")
+    print(f"next: axisgate bus monitor --from {arguments.output} --summary")
+    return DONE

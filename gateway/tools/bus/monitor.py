@@ -1,0 +1,186 @@
+"""axisgate bus monitor: frames of a live bus or a recording, decoded; never sends."""
+
+import argparse
+import json
+import pathlib
+import sys
+import time
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+
+import can
+import cantools
+from cantools.database.can import Database
+from cantools.database.errors import Error as DatabaseError
+
+from drivers.ports.can.wire import EFF_FLAG, RTR_FLAG
+from gateway.files.find import ConfigNotFound, find_config
+from gateway.pure.buses.decoder import canopen_text
+from gateway.tools.bus.load import measured
+from gateway.tools.bus.logs import ID_BITS, BadLog, frame_of, read_log
+from gateway.tools.bus.ports import FORM, NoBus, open_bus
+from gateway.tools.command_support import DONE, ENVIRONMENT, USAGE
+from protocols.base.machine import Frame, Ns
+
+EXAMPLES = f"""examples:
+  axisgate bus monitor socketcan:can0 --dbc servodyn_gc.dbc
+  axisgate bus monitor broker:demo-drives --dbc servodyn_gc.dbc --summary --seconds 5
+  axisgate bus monitor --from living.blf --canopen
+a bus is {FORM}
+exit code: 0 done, 2 command line or file, 3 the bus is not there"""
+Decode = Callable[[Frame], str]
+
+
+@dataclass(slots=True)
+class Seen:
+    """What one identifier did."""
+
+    count: int = 0
+    first_ns: Ns = 0
+    last_ns: Ns = 0
+    shortest_ns: Ns = 0
+    longest_ns: Ns = 0
+    last: bytes = b""
+    changes: int = 0
+
+    def take(self, frame: Frame) -> None:
+        if self.count:
+            gap = frame.stamp_ns - self.last_ns
+            self.shortest_ns = gap if self.count == 1 else min(self.shortest_ns, gap)
+            self.longest_ns = max(self.longest_ns, gap)
+            self.changes += frame.data != self.last
+        else:
+            self.first_ns = frame.stamp_ns
+        self.count, self.last_ns, self.last = self.count + 1, frame.stamp_ns, frame.data
+
+
+@dataclass(slots=True)
+class Summary:
+    """Rates and load of everything seen."""
+
+    seen: dict[int, Seen] = field(default_factory=dict)
+    frames: list[Frame] = field(default_factory=list)
+    errors: int = 0
+    remotes: int = 0
+    fd: int = 0  # frames of CAN FD, passed over
+
+    def take(self, frame: Frame) -> None:
+        self.seen.setdefault(frame.identifier, Seen()).take(frame)
+        self.frames.append(frame)
+        self.remotes += bool(frame.identifier & RTR_FLAG)
+
+    def lines(self, decode: Decode, rate: int) -> Iterator[str]:
+        yield f"{'identifier':>14}{'frames':>8}{'period ms':>11}{'min':>9}{'max':>9}  changed  last"
+        for identifier, one in sorted(self.seen.items()):
+            period = (one.last_ns - one.first_ns) / 1e6 / (one.count - 1) if one.count > 1 else 0.0
+            times = f"{period:11.3f}{one.shortest_ns / 1e6:9.3f}{one.longest_ns / 1e6:9.3f}"
+            yield f"{named(identifier):>14}{one.count:8}{times}{one.changes:9}  {decode(Frame(identifier, one.last))}"
+        total = measured(self.frames, rate)
+        load = f"load {total['load_percent']:.2f} %, busiest 10 ms {total['busiest_percent']:.1f} %"
+        yield f"{total['frames']} frames, {load}, remote frames {self.remotes}, error frames {self.errors}"
+        if self.fd:
+            yield f"{self.fd} frames of CAN FD passed over: the buses here are classic CAN"
+
+
+def main(argv: list[str]) -> int:
+    parser = argparse.ArgumentParser(
+        prog="axisgate bus monitor", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("bus", nargs="?", help=FORM)
+    parser.add_argument("--from", dest="source", type=pathlib.Path, metavar="FILE", help="a recording in place of a bus")
+    parser.add_argument("--dbc", help="decode by this DBC (given path, then the packaged drives)")
+    parser.add_argument("--canopen", action="store_true", help="decode as CANopen")
+    parser.add_argument("--bitrate", type=int, default=1_000_000, help="bit/s (default %(default)s)")
+    parser.add_argument("--count", type=int, help="end after so many frames")
+    parser.add_argument("--seconds", type=float, help="end after so long")
+    parser.add_argument("--summary", action="store_true", help="only the table of identifiers at the end")
+    parser.add_argument("--json", action="store_true", help="one JSON object a frame")
+    arguments = parser.parse_args(argv)
+    if (arguments.bus is None) == (arguments.source is None):
+        print("axisgate bus monitor: name a bus or --from FILE, one of both", file=sys.stderr)
+        return USAGE
+    try:
+        decode = decoder(arguments.dbc, canopen=arguments.canopen)
+        if arguments.source is not None:
+            return show(read_log(arguments.source), decode, arguments, Summary())
+        with open_bus(arguments.bus, arguments.bitrate) as bus:
+            summary = Summary()
+            return show(live(bus, arguments.seconds, summary), decode, arguments, summary)
+    except NoBus as error:
+        print(f"axisgate bus monitor: {error}", file=sys.stderr)
+        return ENVIRONMENT
+    except BrokenPipeError:
+        raise
+    except (BadLog, OSError, ConfigNotFound, DatabaseError) as error:
+        print(f"axisgate bus monitor: {error}", file=sys.stderr)
+        return USAGE
+
+
+def live(bus: can.BusABC, seconds: float | None, summary: Summary) -> Iterator[Frame]:
+    """Frames as they come, until Ctrl-C or `seconds` are over."""
+    end = None if seconds is None else time.monotonic() + seconds
+    try:
+        while end is None or time.monotonic() < end:
+            message = bus.recv(0.2 if end is None else max(0.0, min(0.2, end - time.monotonic())))
+            if message is not None and message.is_error_frame:
+                summary.errors += 1
+            elif message is not None and message.is_fd:
+                summary.fd += 1
+            elif message is not None:
+                yield frame_of(message)
+    except KeyboardInterrupt:
+        return
+
+
+def show(frames: Iterable[Frame], decode: Decode, arguments: argparse.Namespace, summary: Summary) -> int:
+    start: Ns | None = None
+    for number, frame in enumerate(frames, 1):
+        start = frame.stamp_ns if start is None else start
+        summary.take(frame)
+        if not arguments.summary:
+            print(_line(frame, start, decode, as_json=arguments.json), flush=True)
+        if arguments.count is not None and number >= arguments.count:
+            break
+    if arguments.summary:
+        print("\n".join(summary.lines(decode, arguments.bitrate)))
+    return DONE
+
+
+def _line(frame: Frame, start: Ns, decode: Decode, *, as_json: bool) -> str:
+    since = (frame.stamp_ns - start) / 1e6
+    if as_json:
+        remote = {"remote": True, "dlc": len(frame.data)} if frame.identifier & RTR_FLAG else {}
+        data = "" if remote else frame.data.hex()
+        return json.dumps({"ms": round(since, 3), "id": frame.identifier & ID_BITS, "data": data, "text": decode(frame), **remote})
+    if frame.identifier & RTR_FLAG:
+        return f"{since:12.3f} ms {named(frame.identifier):>14}  {decode(frame)}"
+    return f"{since:12.3f} ms {named(frame.identifier):>14}  {frame.data.hex(' '):24} {decode(frame)}"
+
+
+def named(identifier: int) -> str:
+    """ "100 (64h)"; extended identifiers by hexadecimals alone."""
+    identifier &= ~RTR_FLAG
+    return f"{identifier & ID_BITS:08X}h" if identifier & EFF_FLAG else f"{identifier} ({identifier:X}h)"
+
+
+def decoder(dbc: str | None, *, canopen: bool) -> Decode:
+    """How a frame is told; raises ConfigNotFound and errors of cantools."""
+    database = cantools.database.load_file(str(find_config(dbc, "drives"))) if dbc else None
+    known = {m.frame_id: m for m in database.messages} if isinstance(database, Database) else {}
+
+    def decode(frame: Frame) -> str:
+        if frame.identifier & RTR_FLAG:
+            return f"remote frame, asks for {len(frame.data)} bytes"
+        message = known.get(frame.identifier & ~EFF_FLAG)
+        if message is None:
+            return canopen_text(frame) if canopen else ""
+        try:
+            values = message.decode(frame.data, decode_choices=False)
+        except (ValueError, DatabaseError) as error:
+            return f"{message.name}: {error}"
+        assert isinstance(values, dict)
+        return f"{message.name} " + " ".join(
+            f"{name}={value:g}" if isinstance(value, float) else f"{name}={value}" for name, value in values.items()
+        )
+
+    return decode

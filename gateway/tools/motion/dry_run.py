@@ -1,0 +1,330 @@
+"""A program on paper whose blocks may lie on belts: what of it cannot be run, and what the axes do while the belts run evenly.
+
+Synchronous parts are looked at as the planner does it before an order is taken (gateway.pure.planning.parts), and run by what runs them in
+the cycle (gateway.pure.cycle.belts), on the grid of the page.
+"""
+
+import math
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gateway.pure.cycle.belts import BeltFault, CoreBelts
+from gateway.pure.image.belt_texts import OURS, belt_words
+from gateway.pure.image.records.cell import InputImage, Quality, set_bit
+from gateway.pure.planning.belt_statements import act_order
+from gateway.pure.planning.parts import Coming, acting, begun, inside, outside, told
+from gateway.pure.planning.trial import Files
+from motion.execution.stepper import State, Stepper
+from motion.files.playing import FilePath
+from motion.geometry.units import from_si
+from motion.planner.duration_check import too_long
+from motion.planner.path_checks import Slowed
+from motion.planner.planner import Planner
+from motion.planner.robot import Machine
+from motion.planner.route import Route, Stretch
+from motion.planner.team import worst
+from motion.planner.trace import PERIOD_S, BeltWay, Trace, joined, numbered, tool_at, trace
+from motion.program.blocks import BeltAct, Block, Program
+from motion.program.errors import BlockError
+from motion.program.systems import located
+from motion.sync.alterable import check_alterable
+from motion.sync.belts import SIMULATION, Type
+from motion.sync.facts import BeltFacts
+
+NO_FILES = Files()
+LEAD_S = 0.5  # so long before the value its part begins at a belt starts: its filter has settled by then
+MOST_S = 600.0  # of one part
+
+
+@dataclass
+class Section:
+    """Blocks of one kind in a row.  first: number of the first; part: of those on a belt; stands: (axes,) where they begin."""
+
+    first: int
+    stands: Sequence[float]
+    blocks: list[Block] = field(default_factory=list)
+    part: Coming | None = None
+    path: FilePath | None = None  # of its one block, MOVE_FILE
+    placed: bool = False  # the axes got other places before it (SF 3)
+
+
+def sections_of(
+    program: Program,
+    machine: Machine,
+    belts: Sequence[BeltFacts],
+    *,
+    option: bool = True,
+    kinematic: int = 1,
+    files: Files = NO_FILES,
+    said: Callable[[int], None] = lambda block: None,
+    slowed: dict[int, Slowed] | None = None,
+) -> tuple[list[Section], list[BlockError]]:
+    """Every block, each looked at from where the last good one ended; a part on a belt as if the belt stood where it is meant to be, an
+    alterable part without its correction.  option: the robot has one; kinematic: its number in the cell; `said` hears the number of each
+    block that was looked at, `slowed` gets those whose programmed speed an axis cannot keep."""
+    route, found, faults = _Looked(machine, program.start), [Section(1, program.start)], []
+    blocks = [located(block, machine.corrects) for block in program.blocks]
+    for number, block in enumerate(blocks, 1):
+        try:
+            section, before = found[-1], blocks[number - 2] if number > 1 else None
+            check_alterable(block, before, number, option=option)
+            if before is not None and before.alteration != block.alteration and block.synchron is None:
+                route.finish()  # the axes rest where an alterable part begins and ends (AX-449)
+                section = Section(number, route.standing)
+                found.append(section)
+            parts, belts = acting(outside(block), number, belts, "", machine)
+            apart = section.part is not None and not section.part.holds(block)
+            filed = block.file is not None or section.path is not None
+            if (section.part is None) != (block.synchron is None) or apart or block.acts or filed:
+                route.finish()
+                placed = [part.point for part in parts if part.point]
+                if placed:
+                    route.stands(placed[-1])
+                coming = begun(block, number, belts, machine, route.standing, kinematic, section.part) if block.synchron is not None else []
+                part = next((each for each in coming if not each.engages), None)
+                if part is None or part.inside is None:  # SYNC inside its part: it goes on
+                    section = Section(number, route.standing, part.blocks if part is not None else [], part, placed=bool(placed))
+                    found.append(section)
+            plan = section.part.tried if section.part is not None else None
+            if block.file is not None:
+                section.path = files.path(block, 0, tuple(route.standing), machine, number)[1]
+                route.stands(section.path.end)
+            else:
+                route.add(block if plan is None else plan.add(block), number)
+            section.blocks.append(block)
+        except BlockError as error:
+            faults.append(numbered(error, number))
+        said(number)
+    try:
+        acting(program.acts, len(blocks), belts, "", machine)
+        route.finish()
+    except BlockError as error:
+        faults.append(error)
+    if slowed is not None:
+        slowed |= worst(route.found)
+    free = [stretch for number, stretch in route.found if blocks[number - 1].synchron is None]
+    faults = sorted((*route.rows, *faults, *(route.renumbered(fault) for fault in too_long(free, machine))), key=lambda fault: fault.block)
+    return [section for section in found if section.blocks], faults
+
+
+class _Looked:
+    """A route that is fed what can be run.  rows: faults of rows of SPLINE blocks, which show only behind them, with the program's number
+    of the block; found: (block of the program, stretch) up to the last rest."""
+
+    def __init__(self, machine: Machine, start: Sequence[float]) -> None:
+        self._route = Route(machine, start)
+        self._numbers: list[int] = []  # of the program, for each block of the route
+        self.rows: list[BlockError] = []
+        self.found: list[tuple[int, Stretch]] = []
+
+    @property
+    def standing(self) -> Sequence[float]:
+        return self._route.standing
+
+    def add(self, block: Block, number: int) -> None:
+        """BlockError: this block cannot be run."""
+        self._after_rows(lambda: self._route.add(block))
+        self._numbers.append(number)
+
+    def stands(self, places: Sequence[float]) -> None:
+        """Behind what no route knows."""
+        self._route.reset(places)
+
+    def finish(self) -> None:
+        try:
+            self._after_rows(self._route.finish)
+        finally:
+            self.found += ((self._numbers[stretch.block - 1], stretch) for stretch in self._route.take())
+
+    def renumbered(self, error: BlockError) -> BlockError:
+        """A fault of a block of the route."""
+        return numbered(error, self._numbers[error.block - 1])
+
+    def _after_rows(self, action: Callable[[], object]) -> None:
+        try:
+            action()
+        except BlockError as error:
+            if not 0 < error.block <= len(self._numbers):
+                raise
+            self.rows.append(self.renumbered(error))
+            action()  # the row is forgotten
+
+
+@dataclass
+class DryRun:
+    """A program run on paper.  speeds: of the belts in the order of `belts`, m or rad per s; tolerance_cycles: periods of the page in an
+    interpolation cycle of the cell."""
+
+    machine: Machine
+    belts: Sequence[BeltFacts]
+    speeds: Sequence[float]
+    tolerance_cycles: int = 1
+    period: float = PERIOD_S
+
+    def run(self, sections: Sequence[Section], said: Callable[[int], None] = lambda block: None) -> Trace:
+        """All sections, each from where the one before really ended; BlockError where a part cannot go on.  `said` hears how many blocks
+        have been run."""
+        stands = tuple(sections[0].stands)
+        parts: list[Trace] = []
+        for section in sections:
+            stands = tuple(section.stands) if section.placed else stands
+            if section.path is not None:
+                made = self._filed(section, section.path, stands)
+            else:
+                made = self._plain(section, stands) if section.part is None else self._on_belt(section, section.part, stands)
+            parts.append(replace(made, cuts=(0,)) if section.placed else made)
+            stands = tuple(float(v) for v in made.q[-1])
+            said(section.first + len(section.blocks) - 1)
+        return joined(parts)
+
+    def _plain(self, section: Section, stands: Sequence[float]) -> Trace:
+        route = Route(self.machine, stands)
+        for block in section.blocks:
+            route.add(block)
+        route.finish()
+        return trace(route.take(), self.machine, period=self.period, stands=stands).later(section.first - 1)
+
+    def _filed(self, section: Section, path: FilePath, stands: Sequence[float]) -> Trace:
+        """MOVE_FILE."""
+        t, q = played(path, stands, self.period)
+        places = np.array([tool_at(self.machine, row, section.blocks[0].tool.pose) for row in q])
+        numbers = np.full(len(t), section.first)
+        return Trace(t, q, places, numbers, self.period, (), ((section.first, path.duration),))
+
+    def _on_belt(self, section: Section, part: Coming, stands: Sequence[float]) -> Trace:
+        """From the moment its belt comes near until the robot stands again."""
+        run = _PartRun(self, section, part, stands)
+        rows = list(run.rows())
+        q, numbers = np.array([row for row, _, _ in rows]), np.array([number for _, number, _ in rows])
+        tools = [section.blocks[int(number) - section.first].tool.pose for number in numbers]
+        places = np.array([tool_at(self.machine, row, tool) for row, tool in zip(q, tools, strict=True)])
+        t = np.arange(len(q), dtype=np.float64) * self.period
+        assert part.tried is not None
+        way = BeltWay(part.tried.facts.name, part.tried.facts.data.unit, t, np.array([value for _, _, value in rows]))
+        return Trace(t, q, places, numbers, self.period, (), ((int(numbers[-1]), float(t[-1])),), (way,))
+
+
+def played(path: FilePath, stands: Sequence[float], period: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """MOVE_FILE on the grid of the page, from where the axes stand: (n,) s and (n, axes)."""
+    t = np.arange(math.ceil(path.duration / period) + 1, dtype=np.float64) * period
+    return t, path.begun_at(stands).at(np.minimum(t, path.duration))
+
+
+class _PartRun:
+    """One part: its belt, the stepper beside it, and what the planner makes of its blocks."""
+
+    def __init__(self, paper: DryRun, section: Section, part: Coming, stands: Sequence[float]) -> None:
+        assert part.tried is not None
+        self._paper, self._section, self._part, self._stands = paper, section, part, tuple(stands)
+        self._plan = part.again(paper.machine, self._stands)
+        own, place = part.tried.facts, part.tried.belt
+        now = (own if n == place else each for n, each in enumerate(paper.belts))  # as statements of belts have set it
+        facts = [self._even(each, speed) for each, speed in zip(now, paper.speeds, strict=True)]
+        self._belts = CoreBelts(facts, {self._plan.kinematic: paper.machine.kinematics}, paper.machine.limits, paper.period)
+        self._stepper = Stepper(len(self._stands), paper.period, self._stands)
+        self._inputs = InputImage()
+        set_bit(self._inputs.values, SIMULATION, True)
+        self._inputs.quality[SIMULATION >> 3] = int(Quality.GOOD)
+        self._begins: dict[int, float] = {}
+        self._planner: Planner | None = None
+        self._machine = paper.machine
+        self._steps: deque[BeltAct | list[Block]] = deque()  # SYNC, and paths, to come
+        self._last = section.first - 1  # block behind those whose path is there
+
+    def _even(self, facts: BeltFacts, speed: float) -> BeltFacts:
+        """Simulated at this speed."""
+        return replace(facts, data=replace(facts.data, simulated=from_si(speed, facts.data.unit)))
+
+    def rows(self) -> Iterator[tuple[tuple[float, ...], int, float]]:
+        """Set values, block and belt value of each period."""
+        belts, plan = self._belts, self._plan
+        for block in self._section.blocks:
+            plan.add(block)  # also finds where a part of type 1 without at= is meant to begin
+        speed = self._paper.speeds[plan.belt]
+        at = plan.synchron.at if plan.synchron.at is not None else plan.reference
+        belts.all.all[plan.belt].set_counter((0.0 if math.isnan(at) else at) - LEAD_S * speed)
+        belts.set_override(1.0)
+        if plan.synchron.at is None:
+            for _ in range(round(LEAD_S / self._paper.period)):
+                belts.step(self._stepper, self._inputs)  # the order comes when the belt is there
+        belts.synchron(replace(plan.order, tolerance=plan.order.tolerance * self._paper.tolerance_cycles), self._stands)
+        for made in plan.blocks:
+            belts.add(made)
+        for _ in range(round(MOST_S / self._paper.period)):
+            sample = belts.step(self._stepper, self._inputs)
+            if belts.fault is not None:
+                raise self._told(belts.fault)
+            if belts.engaged_now:
+                self._load(belts.value)
+            elif self._planner is not None and self._stepper.state is State.IDLE:
+                self._go_on(self._planner.standing)
+            yield sample.q, self._number(sample.piece_id), belts.shown.counter
+            if self._over():
+                return
+        raise BlockError(f"belt {plan.facts.name} does not bring the part to its end within {MOST_S:g} s", block=self._section.first)
+
+    def _load(self, engaged: float) -> None:
+        """The path of a type 1, seen from the belt it has got onto."""
+        self._machine, start, blocks = self._part.carried(self._paper.machine, self._stands, engaged)
+        path: list[Block] = []
+        self._steps.append(path)
+        for block in blocks:
+            for act in inside(block):
+                self._steps += (act, path := [])
+            path.append(block)
+        self._go_on(start)
+
+    def _go_on(self, standing: Sequence[float]) -> None:
+        """At rest: the SYNC that comes next, or the path behind the one that has been met."""
+        belts, part = self._belts, self._plan
+        if not self._steps or (belts.awaits and not belts.met(self._inputs)):
+            return
+        step = self._steps.popleft()
+        if isinstance(step, list):
+            self._run(standing, step)
+        elif (order := act_order(step, belts.facts, self._last + 1, part.synchron)) is not None:
+            belts.act(order)
+
+    def _run(self, start: Sequence[float], blocks: Sequence[Block]) -> None:
+        first = self._planner.next_id if self._planner is not None else 1
+        planner = self._planner = Planner(self._machine, start, capacity=len(blocks) + 1, next_id=first, ahead_s=math.inf)
+        before, self._last = self._last, self._last + len(blocks)
+        self._begins.clear()
+        at = 0.0
+        try:
+            for block in blocks:
+                planner.add(block)
+            planner.finish()
+            while pieces := planner.plan(0.0, hurry=True):
+                for piece in pieces:
+                    at = self._begins[piece.id] if piece.new_tail else at
+                    self._begins[piece.id] = at
+                    at += piece.duration
+                    self._belts.load(piece)
+        except BlockError as error:
+            raise told(error, before) from error
+
+    def _number(self, piece: int) -> int:
+        """Block of the program that is under way."""
+        if self._plan.facts.kind is not Type.PARALLEL:
+            return min(max(self._belts.block, self._section.first), self._section.first + len(self._section.blocks) - 1)
+        if self._planner is None or piece not in self._begins:
+            return max(self._last, self._section.first)
+        return self._last - self._planner.added + max(self._planner.place(self._begins[piece])[0], 1)
+
+    def _over(self) -> bool:
+        """Types 2 and 3: at the last point; type 1: its path is run, and the robot stands beside the belt."""
+        if self._plan.facts.kind is not Type.PARALLEL:
+            return self._belts.done
+        waits = self._planner is None or bool(self._steps) or self._belts.awaits
+        return not waits and self._stepper.state is State.IDLE and self._belts.release()
+
+    def _told(self, fault: BeltFault) -> BlockError:
+        axis = self._paper.machine.limits[fault.axis - 1].name if fault.axis else ""
+        number = self._belts.block or self._section.first
+        source = "axisgate" if fault.code in OURS else "rho 3"
+        return BlockError(belt_words(fault.code, 0, "").partition(" (")[0], code=fault.code, block=number, axis=axis, source=source)

@@ -1,0 +1,150 @@
+"""The cell page: what hangs where, how it is wired, what `check` says, and how far each thing was proved."""
+
+import pathlib
+import re
+from typing import Any
+
+from gateway.assembly.run import RunPlan
+from gateway.files.find import PACKAGED, read_evidence
+from gateway.pure.cell.cell import Axis, Bus, Cell, Line
+from gateway.web.plant_view import Plant
+from gateway.web.skeleton import Skeleton
+
+Row = dict[str, Any]
+
+
+def described(plan: RunPlan, plant: Plant, skeleton: Skeleton) -> Row:
+    """Everything about a run that does not change while it runs."""
+    cell = plan.cell
+    return {
+        "name": cell.cell.name,
+        "file": shown_file(cell.file),
+        "run": plan.slug,
+        "replaces": cell.cell.replaces,
+        "software": cell.cell.software,
+        "language": cell.cell.language,
+        "target": cell.cell.target,
+        "simulated": plan.simulated,
+        "p5_ms": plan.p5_ms,
+        "axes": [_axis(axis) for axis in cell.axis],
+        "doors": [{"number": door.number, "name": door.name, "kind": door.kind} for door in plan.doors],
+        "lines": [_line(line, plan.lines[line.name]) for line in cell.line],
+        "buses": [_bus(bus, plan.buses.get(bus.name, "not played"), listens=bus.name in plan.listening) for bus in cell.bus],
+        "modbus": [{"name": server.name, "bind": plan.modbus_place(server.name), "unit": server.unit} for server in cell.modbus],
+        "blocks": [
+            {"number": db.number, "kind": db.kind, "words": db.words, "writer": db.writer, "line": db.line, "comment": db.comment}
+            for db in cell.db
+        ],
+        "contacts": [
+            {"name": io.name, "signal": io.signal, "device": f"{io.device.type} {io.device.bus} {io.device.node or ''}"} for io in cell.io
+        ],
+        "safety": {name: str(getattr(cell.safety, name)) for name in cell.safety.__slots__} if cell.safety else {},
+        "routes": [{"name": r.name, "from": r.from_, "to": r.to, "type": r.type, "edge": r.edge, "on_loss": r.on_loss} for r in cell.route],
+        "wiring": wiring(cell),
+        "notices": [{"level": notice.level, "where": notice.where, "text": notice.text} for notice in cell.notices],
+        "evidence": evidence(plan),
+        "faults": plant.known(),
+        "robot": {"kind": skeleton.kind, "reach": skeleton.reach, "why": skeleton.why, "model": cell.robot[0].model if cell.robot else ""},
+    }
+
+
+def shown_file(file: str) -> str:
+    """Where the cell stands; a shipped one by its name."""
+    path = pathlib.Path(file).resolve()
+    return f"{path.stem} (shipped with axisgate)" if path.is_relative_to(PACKAGED) else file
+
+
+def _axis(axis: Axis) -> Row:
+    limits = axis.limits
+    warn = axis.following_error
+    return {
+        "name": axis.name, "unit": axis.unit, "drive": axis.drive.type, "bus": axis.drive.bus, "node": axis.drive.node or axis.drive.module,
+        "min": limits.min, "max": limits.max, "speed": limits.speed, "accel": limits.accel, "jerk": limits.jerk,
+        "gear": axis.mechanics.gear, "feed": axis.mechanics.feed_per_turn, "vertical": axis.mechanics.vertical,
+        "warn": warn.warn if warn else None, "trip": warn.trip if warn else None, "home": axis.home.by,
+    }  # fmt: skip
+
+
+def _line(line: Line, url: str) -> Row:
+    return {
+        "name": line.name, "port": line.port, "played": url, "format": line.format, "protocol": line.protocol, "profile": line.profile,
+        "layer": line.layer, "role": line.role, "priority": line.priority, "on_loss": line.supervision.on_loss,
+        "silence_ms": line.supervision.max_silence_ms,
+    }  # fmt: skip
+
+
+def _bus(bus: Bus, url: str, *, listens: bool) -> Row:
+    return {"name": bus.name, "port": bus.port, "played": url, "protocol": bus.protocol, "bitrate": bus.bitrate, "cycle_ms": bus.cycle_ms,
+            "listens": listens}  # fmt: skip
+
+
+def wiring(cell: Cell) -> list[Row]:
+    """What is to be wired where, one row a connection."""
+    rows: list[Row] = [
+        {
+            "from": f"line {line.name}",
+            "to": line.port,
+            "how": f"{line.format} {line.wiring}".strip(),
+            "signal": f"{line.protocol} {line.layer}",
+        }
+        for line in cell.line
+    ]
+    rows += [
+        {"from": f"bus {bus.name}", "to": bus.port, "how": f"{bus.bitrate}, 120 ohm at both ends", "signal": bus.protocol}
+        for bus in cell.bus
+    ]
+    rows += [
+        {
+            "from": f"axis {axis.name}",
+            "to": f"bus {axis.drive.bus}",
+            "how": f"address {axis.drive.node or axis.drive.module}",
+            "signal": axis.drive.type,
+        }
+        for axis in cell.axis
+    ]
+    rows += [
+        {
+            "from": f"contact {io.name}",
+            "to": f"{io.device.type} {io.device.bus} {io.device.node or ''}".strip(),
+            "how": "contact",
+            "signal": io.signal,
+        }
+        for io in cell.io
+    ]
+    return rows
+
+
+def evidence(plan: RunPlan) -> list[Row]:
+    """How far the parts of this cell were proved, out of configs/evidence.toml: specified, emulator, bench, plant."""
+    cell = plan.cell
+    rows: list[Row] = []
+    for kind in dict.fromkeys(axis.drive.type for axis in cell.axis):
+        rows += [{"what": f"drives {kind}", **row} for row in proved(f"drive:{kind}")]
+        rows += [{"what": f"layout of {kind} telegrams", **row} for row in proved(f"layout:{kind}")]
+    for bus in cell.bus:
+        if bus.layout_evidence:
+            rows.append({"what": f"layout of bus {bus.name}", "level": "specified", "why": bus.layout_evidence})
+    for line in cell.line:
+        for part in (line.protocol, line.layer):
+            rows += [{"what": f"line {line.name}: {part}", **row} for row in proved(f"line:{part}")]
+    rows += [{"what": f"Modbus {server.name}", **row} for server in cell.modbus for row in proved("modbus")]
+    for part, there in (("io", cell.io), ("route", cell.route), ("robot", cell.robot), ("northbound", cell.northbound)):
+        rows += [{"what": part, **row} for row in proved(part) if there]
+    return rows
+
+
+def proved(part: str) -> list[Row]:
+    """Level and judge of what stands for this part in the data."""
+    found = [table for table in read_evidence() if part in _parts(table)]
+    return [{"level": table["level"], "why": plain(f"{table['what']}: {table['by']}")} for table in found]
+
+
+def _parts(table: dict[str, object]) -> list[object]:
+    parts = table.get("parts", [])
+    return parts if isinstance(parts, list) else []
+
+
+def plain(text: str) -> str:
+    """Without links and marks: the data is written for pages of text."""
+    text = re.sub(r"\s*\((?:\[[^\]]*\]\([^)]*\)(?:, )?)+\)", "", text)
+    return re.sub(r"\[([^\]]*)\]\([^)]*\)|\*\*|`", r"\1", text)

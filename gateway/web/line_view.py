@@ -1,0 +1,64 @@
+"""The lines of a run and its Modbus servers in words, out of what the services' taps kept; lines as `axisgate line monitor` does."""
+
+from collections import deque
+from typing import Any
+
+from gateway.observer.tool_link import ServicesLink
+from gateway.pure.cell.cell import Cell
+from gateway.pure.lines.decoder import LineDecoder
+from gateway.pure.modbus import texts as modbus_words
+from protocols.base.machine import Damage
+
+KEPT, SHOWN = 300, 80
+Row = dict[str, Any]
+
+
+def asked_links(status: Row) -> list[Row]:
+    """Modbus clients and couplers of the services' status, one row a link: its name, whether all its devices answer, what is refused."""
+    found: dict[str, Row] = {**status.get("modbus_clients", {}), **status.get("modbus_couplers", {})}
+    return [
+        {**link, "name": name, "alive": bool(link["connected"]) and all(device["alive"] for device in link["devices"].values())}
+        for name, link in found.items()
+    ]
+
+
+class LineViews:
+    """Sentences of every line, the last few hundred."""
+
+    def __init__(self, cell: Cell, desk: ServicesLink) -> None:
+        self._desk = desk
+        self._rk512 = {line.name for line in cell.line}
+        self._seen: dict[str, int] = {}
+        self._decoders: dict[str, LineDecoder] = {}
+        self._told: dict[str, deque[Row]] = {}
+
+    async def look(self) -> dict[str, list[Row]]:
+        """What was said since the last look is decoded; the newest sentences of each line, oldest first.  Gone, Refused."""
+        answer = await self._desk.ask("tap", since=self._seen)
+        for take, found in ((self._take, answer["lines"]), (self._take_modbus, answer["modbus"])):
+            for line, pieces in found.items():
+                if pieces and pieces[-1][0] < self._seen.get(line, 0):  # the services were restarted and count anew
+                    self._seen.pop(line)
+                take(line, pieces)
+        return {line: list(told)[-SHOWN:] for line, told in self._told.items()}
+
+    def _take(self, line: str, pieces: list[list[Any]]) -> None:
+        decoder = self._decoders.setdefault(line, LineDecoder(both=True))
+        told = self._told.setdefault(line, deque(maxlen=KEPT))
+        for number, stamp, side, what in pieces:
+            self._seen[line] = number
+            heard = [Damage[what[1:]]] if what.startswith("!") else list(bytes.fromhex(what))
+            for each in heard:
+                for one in decoder.take(stamp, side, each):
+                    row = {"ms": round(one.stamp / 1e6, 1), "side": one.side, "kind": one.kind, "text": one.text}
+                    told.append({**row, "hex": one.data[:64].hex(" "), "ok": one.check_ok})
+
+    def _take_modbus(self, server: str, exchanges: list[list[Any]]) -> None:
+        """One row an exchange."""
+        kept = self._told.setdefault(server, deque(maxlen=KEPT))
+        for number, stamp, address, unit, asked, long, answer, _ in exchanges:
+            self._seen[server] = number
+            pdu = bytes.fromhex(asked)
+            words = modbus_words.told(pdu, bytes.fromhex(answer))
+            row = {"n": number, "ms": round(stamp / 1e6, 1), "client": address, "unit": unit, "function": pdu[0] if pdu else 0}
+            kept.append({**row, "asked": words.asked, "answered": words.answered, "ok": words.ok, "hex": asked, "bytes": long})

@@ -1,0 +1,175 @@
+"""Hands at the machine: one person at a time holds the page's door, jogs or references while he holds a key, and gives control back
+(AX-475, AX-499).
+
+The services stop the axes on the path when the page falls silent for a second; the page lets them fall silent as soon as the holder's
+own browser does.  A jog is a slow move to the limit that ends when the key is released or no longer heard of; a reference run likewise.
+"""
+
+import asyncio
+import contextlib
+import time
+from collections.abc import Awaitable, Callable, Sequence
+
+from gateway.observer.regions import Regions
+from gateway.observer.tool_link import Gone, Refused, Row, ServicesLink
+from gateway.pure.cell.cell import Axis
+from gateway.pure.image.records.cell import AxisFlag, Motion
+from gateway.web.store import Role
+
+ALIVE_S = 0.25  # we tell the services so often that the holder is there
+HOLDER_S = 3.0  # and no longer when his browser has been silent for so long: a busy computer delays it
+KEY_S = 0.4  # a key not heard of for so long has been released
+SLOWEST, FASTEST = 0.1, 10.0  # % of the axis' speed a jog may have
+ROOM = 0.02  # share of the travel a jog keeps from the limit
+CODES = ("enable", "disable", "reference", "ptp_absolute", "ptp_relative", "stop", "resume", "abandon", "fault_reset", "override",
+         "request_control", "release_control")  # fmt: skip
+
+
+ENDED = ["stopped: release the key, then press it again", "angehalten: Taste loslassen, dann neu drücken"]
+ANOTHER_KEY = ["another key is held: release it first", "eine andere Taste wird gehalten: erst loslassen"]
+Held = tuple[str, int, int]  # "jog", axis, direction; "reference", mask, 0
+
+
+class NotYours(Exception):
+    """Somebody else holds the page's door."""
+
+
+class OperatorControl:
+    """The page's door and who holds it."""
+
+    def __init__(self, desk: ServicesLink, regions: Regions, axes: Sequence[Axis]) -> None:
+        self.desk, self.regions, self.axes = desk, regions, axes
+        self.holder, self.name = "", ""  # key of a session or token, and its person
+        self._heard = 0.0
+        self._held: Held | None = None
+        self._held_heard = 0.0
+        self._held_lock = asyncio.Lock()
+        self.standing: Callable[[str], Role] = lambda key: Role.ADMIN  # what a key may now; Access knows
+
+    # ---- life -----------------------------------------------------------------------------------------------------------
+    async def run(self) -> None:
+        """Until cancelled: tell the services that the holder is there, end what nobody holds any more."""
+        while True:
+            await asyncio.sleep(ALIVE_S / 2)
+            if self._held is not None and time.monotonic() - self._held_heard > KEY_S:
+                await self.let_go()
+            if self.holder and (time.monotonic() - self._heard > HOLDER_S or self.standing(self.holder) < Role.OPERATOR):
+                await self.lose()
+            if self.holder:
+                with contextlib.suppress(Gone, Refused):
+                    holder, answer = self.holder, await self.desk.ask("alive")
+                    if not answer["holds"] and holder == self.holder:
+                        self.holder = self.name = ""  # the services started anew, or somebody else has control
+
+    async def lose(self) -> None:
+        """The holder is gone, or may no longer: the services stop the axes on the path and end the page's control at rest."""
+        self.holder = self.name = ""
+        await self.forget()
+        with contextlib.suppress(Gone, Refused):
+            await self.desk.ask("leave")
+
+    def heard(self, key: str) -> None:
+        """The browser of this session is there."""
+        if key and key == self.holder:
+            self._heard = time.monotonic()
+
+    # ---- commands -------------------------------------------------------------------------------------------------------
+    async def command(self, key: str, name: str, code: str, mask: int = 0, **rest: object) -> Row:
+        """One command of the own block; NotYours, Gone, Refused."""
+        if code == "stop":
+            await self.forget()
+            return await self.desk.command("stop")
+        if code == "request_control":
+            return await self._request(key, name)
+        self._mine(key)
+        if code == "release_control":
+            answer = await self.desk.command(code)
+            if answer["state"] == "DONE":
+                self.holder = self.name = ""
+            return answer
+        return await self.desk.command(code, mask, **rest)
+
+    async def _request(self, key: str, name: str) -> Row:
+        if self.holder and self.holder != key:
+            raise NotYours(f"{self.name} holds the page's door")
+        answer = await self.desk.command("request_control")
+        if answer["state"] in ("DONE", "ACCEPTED"):
+            self.holder, self.name, self._heard = key, name, time.monotonic()
+        return answer
+
+    def _mine(self, key: str) -> None:
+        if not key or self.holder != key:
+            raise NotYours(f"{self.name} holds the page's door" if self.holder else "request control first")
+        self._heard = time.monotonic()
+
+    async def job(self, number: int) -> Row:
+        """What became of a command."""
+        return await self.desk.ask("job", job=number)
+
+    # ---- hold to run ------------------------------------------------------------------------------------------------------
+    async def jog(self, key: str, axis: int, direction: int, percent: float, *, first: bool = True) -> Row:
+        """The key was pressed (`first`): begins the move; it is still held: keeps it, and begins nothing that was ended meanwhile."""
+        speed = min(max(percent, SLOWEST), FASTEST)
+        return await self._hold(key, ("jog", axis, direction), lambda: self._begin(axis, direction, speed), first)
+
+    async def reference(self, key: str, mask: int, *, first: bool = True) -> Row:
+        """The same for a reference run of the axes in the mask."""
+        return await self._hold(key, ("reference", mask, 0), lambda: self.desk.command("reference", mask), first)
+
+    async def _hold(self, key: str, held: Held, begin: Callable[[], Awaitable[Row]], first: bool) -> Row:
+        self._mine(key)
+        async with self._held_lock:
+            if self._held == held and not first:
+                self._held_heard = time.monotonic()
+                return {"state": "RUNNING"}
+            if self._held is not None:
+                return {"state": "REFUSED", "detail": "another key is held", "say": ANOTHER_KEY}
+            if not first:
+                return {"state": "ENDED", "detail": ENDED[0], "say": ENDED}
+            answer = await begin()
+            if answer["open"]:
+                self._held, self._held_heard = held, time.monotonic()
+            return answer
+
+    async def _begin(self, number: int, direction: int, percent: float) -> Row:
+        axis = self.axes[number]
+        self.regions.look()
+        state = self.regions.state.axes[number]
+        si = self.regions.facts[number][2]
+        room = ROOM * (axis.limits.max - axis.limits.min)
+        limit = axis.limits.max - room if direction > 0 else axis.limits.min + room
+        way = limit - state.set / si
+        if axis.modulo:
+            way = direction * axis.modulo  # one round: it has no limit to stand at
+        if way * direction <= 0:
+            say = [f"{axis.name} is at its limit", f"{axis.name} steht an der Grenze"]
+            return {"state": "REFUSED", "open": False, "words": "TARGET_LIMIT", "detail": say[0], "say": say}
+        rest: dict[str, object] = {"velocity": percent / 100.0, "acceleration": 0.5}
+        targets = [0.0] * len(self.axes)
+        targets[number] = way
+        unreferenced = not state.flags & AxisFlag.REFERENCED
+        return await self.desk.command("ptp_relative", 1 << number, targets=targets, first_try=unreferenced, **rest)
+
+    async def let_go(self) -> None:
+        """The key was released, or its browser is gone: stop on the path and forget the rest."""
+        async with self._held_lock:
+            if self._held is None:
+                return
+            self._held = None
+            with contextlib.suppress(Gone, Refused):
+                await self.desk.command("stop")
+                await self._at_rest()
+                if self.regions.state.motion is Motion.STOPPED:
+                    await self.desk.command("abandon")
+
+    async def forget(self) -> None:
+        """Somebody pressed stop: the rest stands, the key no longer counts."""
+        async with self._held_lock:
+            self._held = None
+
+    async def _at_rest(self) -> None:
+        for _ in range(100):
+            await asyncio.sleep(0.02)
+            self.regions.look()
+            if self.regions.state.motion not in (Motion.RUNNING, Motion.STOPPING):
+                return

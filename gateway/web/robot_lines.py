@@ -1,0 +1,92 @@
+"""The robot of a cell as lines: joints by the same geometry the planner uses, the flange by its kinematics."""
+
+import math
+from collections.abc import Sequence
+
+from gateway.files.robots import load_robot
+from gateway.web.skeleton import GRIPPER_M, Lines, Point, rounded
+from motion.errors import MotionError
+from motion.geometry.frames import Pose, compose
+from motion.kinematics.arm6 import ArmGeometry
+from motion.kinematics.group import Group, Role
+from motion.robot import Robot, ScaraGeometry, kinematics_of
+
+
+class Arm:
+    """One robot of configs/robots; raises what load_robot raises, MotionError."""
+
+    def __init__(self, model: str) -> None:
+        self._robot = load_robot(model)
+        self._kinematics = kinematics_of(self._robot)
+        self.kind, self.reach = self._robot.kind.value, _reach(self._robot)
+
+    def lines(self, joints: Sequence[float]) -> Lines:
+        """joints: rad and m; [] where its kinematics has no answer."""
+        whole, base = self._kinematics, self._robot.base
+        arm_alone = whole.main if isinstance(whole, Group) else whole
+        try:
+            flange = arm_alone.forward(joints[: arm_alone.axes])
+            base = compose(base, whole.base(joints[: whole.axes])) if isinstance(whole, Group) else base
+        except MotionError:
+            return []
+        beside: list[Point] = []
+        match self._robot.geometry:
+            case ArmGeometry() as arm:
+                inner = _arm(arm, joints)
+            case ScaraGeometry() as scara:
+                inner = _scara(scara, joints, flange)
+            case _:
+                inner, beside = _portal(self._robot, flange)
+        tip = compose(base, flange)
+        first = [rounded(point) for point in (*(base.apply(each) for each in inner), tip.position, tip.apply((0.0, 0.0, GRIPPER_M)))]
+        return [first, [rounded(base.apply(point)) for point in beside]] if beside else [first]
+
+
+def _arm(arm: ArmGeometry, joints: Sequence[float]) -> list[Point]:
+    """Foot, shoulder, elbow, wrist; as motion.kinematics.arm6 writes the angles."""
+    t1, t2, t3 = (arm.signs[n] * joints[n] + arm.offsets[n] for n in range(3))
+    c1, s1 = math.cos(t1), math.sin(t1)
+
+    def at(forwards: float, up: float) -> Point:
+        return c1 * forwards - s1 * arm.side, s1 * forwards + c1 * arm.side, up
+
+    elbow = arm.delta + arm.arm * math.sin(t2), arm.height + arm.arm * math.cos(t2)
+    both = t2 + t3
+    wrist = (
+        elbow[0] + arm.forearm * math.sin(both) + arm.elbow * math.cos(both),
+        elbow[1] + arm.forearm * math.cos(both) - arm.elbow * math.sin(both),
+    )
+    return [(0.0, 0.0, 0.0), (0.0, 0.0, arm.height), at(arm.delta, arm.height), at(*elbow), at(*wrist)]
+
+
+def _scara(scara: ScaraGeometry, joints: Sequence[float], flange: Pose) -> list[Point]:
+    """Column, both arms at the height of the column, the stroke down to the flange."""
+    up = scara.height + 0.25 * (scara.arm + scara.forearm)
+    x, y = scara.arm * math.cos(joints[0]), scara.arm * math.sin(joints[0])
+    return [(0.0, 0.0, 0.0), (0.0, 0.0, up), (x, y, up), (flange.position[0], flange.position[1], up)]
+
+
+def _portal(robot: Robot, flange: Pose) -> tuple[list[Point], list[Point]]:
+    """The ram at the height of the bridge, and the bridge on its two posts; fewer than three linear axes: a line from the foot."""
+    linear = [axis for axis in robot.limits if axis.unit == "mm"][:3]
+    if len(linear) < 3:
+        return [(0.0, 0.0, 0.0)], []
+    (x, y, _), across, down = flange.position, linear[1], linear[2]
+    top, foot = down.upper + 0.1 * (down.upper - down.lower), down.lower
+    posts = [(x, across.lower, foot), (x, across.lower, top), (x, across.upper, top), (x, across.upper, foot)]
+    return [(x, y, top)], posts
+
+
+def _reach(robot: Robot) -> float:
+    """m; how far its carriers take it counts as well."""
+    carriers = [axis.limits for axis in robot.axes if axis.role is Role.CARRIER and axis.limits.unit == "mm"]
+    return _alone(robot) + sum(max(abs(axis.lower), abs(axis.upper)) for axis in carriers)
+
+
+def _alone(robot: Robot) -> float:
+    match robot.geometry:
+        case ArmGeometry() as arm:
+            return arm.height + arm.arm + math.hypot(arm.forearm, arm.elbow) + arm.flange
+        case ScaraGeometry() as scara:
+            return scara.arm + scara.forearm + abs(scara.height)
+    return max([abs(axis.upper) for axis in robot.own if axis.unit == "mm"], default=1.0)

@@ -1,0 +1,51 @@
+"""AX-681: simulated time waits for a SYNC that is late, and goes on without one that is missing."""
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from drivers.emulator.wire.stretched_time import HOLD_NS, StretchedTime
+from protocols.base.machine import Frame, ms
+
+P5, SYNC, OTHER = ms(10), 100, 7
+LONGEST = P5 + P5 // 8
+
+
+def heard(time: StretchedTime, stamp: int, identifier: int = SYNC) -> int:
+    (frame,) = time.frames([Frame(identifier, b"", stamp)])
+    return frame.stamp_ns
+
+
+def test_a_late_sync_comes_one_period_and_a_little_after_the_one_before() -> None:
+    time = StretchedTime(P5, {SYNC})
+    assert heard(time, ms(100)) == ms(100) and heard(time, ms(110)) == ms(110)
+    assert time.at(ms(115)) == ms(115) and not time.held(ms(121))
+    assert time.at(ms(150)) == ms(110) + LONGEST and time.held(ms(150))
+    assert heard(time, ms(150), OTHER) == ms(110) + LONGEST and time.cut_ns == 0
+    assert heard(time, ms(160)) == ms(110) + LONGEST and time.cut_ns == ms(50) - LONGEST
+    assert time.at(ms(163)) == ms(113) + LONGEST and not time.held(ms(163)), "and time goes on from there"
+    assert heard(time, ms(170)) == ms(120) + LONGEST
+
+
+def test_a_sync_that_stays_away_is_missing_after_the_patience_with_it() -> None:
+    time = StretchedTime(P5, {SYNC})
+    heard(time, ms(100))
+    stands = ms(100) + LONGEST
+    assert time.at(ms(100) + HOLD_NS) == stands
+    assert time.at(ms(100) + HOLD_NS + ms(1)) == stands + ms(1), "no time is lost twice"
+    assert time.at(ms(100) + HOLD_NS + ms(500)) == stands + ms(500) and not time.held(ms(900))
+    assert heard(time, ms(900)) == ms(900) - time.cut_ns and time.cut_ns == HOLD_NS - LONGEST
+
+
+def test_before_the_first_sync_nothing_is_cut() -> None:
+    time = StretchedTime(P5, {SYNC})
+    assert time.at(ms(5_000)) == ms(5_000) and heard(time, ms(6_000), OTHER) == ms(6_000) and time.cut_ns == 0
+
+
+@given(st.lists(st.tuples(st.sampled_from((SYNC, OTHER, 0)), st.integers(0, 400)), max_size=60))
+def test_simulated_time_never_goes_back_and_never_runs_ahead(steps: list[tuple[int, int]]) -> None:
+    time, now, before = StretchedTime(P5, {SYNC}), 0, 0
+    for identifier, wait_ms in steps:
+        now += ms(wait_ms)
+        simulated = heard(time, now, identifier) if identifier else time.at(now)
+        assert before <= simulated <= now
+        before = simulated

@@ -1,0 +1,109 @@
+"""Binary inputs and outputs of the Reis.  ROBOTstar V manual: L438-504, L1597-1618, L2272-2276."""
+
+import pytest
+
+from gateway.pure.controllers.pic_image import PicImage
+from gateway.pure.controllers.reis.binary import Area, BinaryIo, IoFault, Module, Modules, SharedOutputs
+
+IN, OUT = Area.INPUT, Area.OUTPUT
+
+
+@pytest.mark.requirement("RSV-IO-01", by="gateway.pure.controllers.reis.binary:BinaryIo.element")
+def test_output_5_3_is_0800h_of_ibin_out_2() -> None:
+    image = PicImage()
+    io = BinaryIo(image)
+    io.write_bit(OUT, True, 5, 3)
+    assert [io.element(OUT, n) for n in range(1, 11)] == [0, 0x0800, *[0] * 8]
+    assert image.outputs[93] == 8 and not any(image.inputs)
+    io.write_bit(OUT, False, 5, 3)
+    assert io.element(OUT, 2) == 0
+
+
+@pytest.mark.requirement("RSV-IO-02", by="gateway.pure.controllers.reis.binary:BinaryIo.element")
+def test_inputs_39_7_and_24_0() -> None:
+    io = BinaryIo(PicImage())
+    io.write_bit(IN, True, 39, 7)
+    io.write_bit(IN, True, 24, 0)
+    assert [io.element(IN, n) for n in range(1, 11)] == [0, 0, 0, 0, 0, 0, 1, 0, 0, 1 << 31]
+
+
+@pytest.mark.requirement("RSV-IO-01", "RSV-IO-02", by="gateway.pure.controllers.reis.binary:BinaryIo.set_element")
+def test_every_bit_of_every_element() -> None:
+    image = PicImage()
+    io = BinaryIo(image)
+    for area in (IN, OUT):
+        for byte in range(40):
+            for bit in range(8):
+                io.set_element(area, byte // 4 + 1, 1 << 8 * (byte % 4) + bit)
+                assert io.read_bit(area, byte, bit) and io.byte(area, byte) == 1 << bit
+                io.set_element(area, byte // 4 + 1, 0)
+    io.set_element(OUT, 10, -1)
+    assert image.outputs[124:128] == b"\xff" * 4
+    assert not any(image.outputs[:124]) and not any(image.inputs)
+
+
+@pytest.mark.requirement("RSV-IO-03", by="gateway.pure.controllers.reis.binary:check_place")
+def test_bytes_0_to_39_bits_0_to_7() -> None:
+    io = BinaryIo(PicImage())
+    for area in (IN, OUT):
+        io.write_bit(area, True, 39, 7)
+        assert io.read_bit(area, 39, 7)
+        for byte, bit in ((40, 0), (0, 8), (-1, 0), (0, -1)):
+            with pytest.raises(IoFault, match=r"0\.\.39"):
+                io.write_bit(area, True, byte, bit)
+            with pytest.raises(IoFault, match=r"0\.\.39"):
+                io.read_bit(area, byte, bit)
+    for number in (0, 11):
+        with pytest.raises(IoFault, match=r"1\.\.10"):
+            io.element(OUT, number)
+
+
+@pytest.mark.requirement("RSV-IO-05", by="gateway.pure.controllers.reis.binary:SharedOutputs.end_of_cycle")
+def test_the_plcs_value_remains_where_both_write() -> None:
+    io = BinaryIo(PicImage())
+    shared = SharedOutputs(io, plc_only=(7,), robot_only=(8,))
+    for robot, plc in ((True, False), (False, True)):
+        shared.by_plc(plc, 5, 3)
+        shared.by_robot(robot, 5, 3)
+        shared.by_robot(robot, 5, 4)
+        shared.end_of_cycle()
+        assert (io.read_bit(OUT, 5, 3), io.read_bit(OUT, 5, 4)) == (plc, robot)
+    shared.by_robot(False, 5, 3)
+    shared.end_of_cycle()
+    assert not io.read_bit(OUT, 5, 3)  # a cycle in which the PLC says nothing
+    with pytest.raises(IoFault, match="to the PLC"):
+        shared.by_robot(True, 7, 0)
+    with pytest.raises(IoFault, match="to the robot"):
+        shared.by_plc(True, 8, 0)
+
+
+@pytest.mark.requirement("RSV-IO-08", by="gateway.pure.controllers.reis.binary:Modules.outputs")
+def test_output_3_7_switches_channel_15_of_the_module_in_bytes_2_and_3() -> None:
+    io = BinaryIo(PicImage())
+    modules = Modules([Module(11, OUT, 2, 16), Module(12, OUT, 0, 16), Module(13, OUT, 4, 8), Module(14, IN, 2, 16)])
+    io.write_bit(OUT, True, 3, 7)
+    told = modules.outputs(io)
+    assert {node: int.from_bytes(data, "little") for node, data in told.items()} == {11: 1 << 15, 12: 0, 13: 0}
+
+
+@pytest.mark.requirement("RSV-IO-08", by="gateway.pure.controllers.reis.binary:Modules.take")
+def test_input_modules_by_node_number() -> None:
+    io = BinaryIo(PicImage())
+    modules = Modules([Module(14, IN, 2, 16), Module(15, IN, 38, 16)])
+    modules.take(io, 15, b"\x01\x80")
+    assert io.element(IN, 10) == 0x80010000
+    for node, data in ((14, b"\1"), (16, b"\1\1")):
+        with pytest.raises(IoFault, match=f"node {node}"):
+            modules.take(io, node, data)
+
+
+def test_modules_that_do_not_fit() -> None:
+    for rows, words in (
+        ([Module(1, IN, 0, 12)], "multiple of 8"),
+        ([Module(1, IN, 39, 16)], r"0\.\.39"),
+        ([Module(1, IN, 0, 16), Module(2, IN, 1, 8)], "node 1 and node 2"),
+    ):
+        with pytest.raises(IoFault, match=words):
+            Modules(rows)
+    with pytest.raises(IoFault, match="first byte"):
+        BinaryIo(PicImage(), 89)

@@ -1,0 +1,70 @@
+"""Ten answers and what they mean."""
+
+import pytest
+
+from gateway.tools.new_cell.assessment import ASKED, BadAnswer, Verdict, assess, verdict
+
+GOOD = {
+    "control": "rho3", "p15": "3", "axes": "6", "drives": "new", "plc": "rk512", "pic": "no", "baps": "no", "backups": "yes",
+    "sister": "yes", "risk": "J. Muster",
+}  # fmt: skip
+
+
+def of(**changes: str) -> dict[str, Verdict]:
+    return {reason.key: reason.verdict for reason in assess(GOOD | changes)}
+
+
+def test_a_cell_that_fits_in_everything_is_a_yes_with_a_reason_for_each_answer() -> None:
+    reasons = assess(GOOD)
+    assert verdict(reasons) is Verdict.YES
+    assert [reason.key for reason in reasons] == [asked.key for asked in ASKED] == list(GOOD)
+    assert all(reason.text for reason in reasons)
+
+
+@pytest.mark.parametrize(
+    "key, answer, expected",
+    [
+        ("control", "reis", Verdict.WITH),
+        ("p15", "9", Verdict.WITH),
+        ("p15", "3, 5", Verdict.YES),
+        ("p15", "-", Verdict.YES),
+        ("axes", "12", Verdict.YES),
+        ("axes", "13", Verdict.WITH),
+        ("axes", "33", Verdict.NO),
+        ("drives", "servodyn", Verdict.WITH),
+        ("drives", "analog", Verdict.NO),
+        ("plc", "bits", Verdict.WITH),
+        ("pic", "yes", Verdict.WITH),
+        ("baps", "yes", Verdict.WITH),
+        ("baps", "positions", Verdict.YES),
+        ("backups", "no", Verdict.WITH),
+        ("sister", "no", Verdict.WITH),
+        ("risk", "nobody", Verdict.NO),
+    ],
+)
+def test_one_answer_decides_its_line_and_the_worst_line_decides_the_whole(key: str, answer: str, expected: Verdict) -> None:
+    assert of(**{key: answer})[key] is expected
+    assert verdict(assess(GOOD | {key: answer})) is expected
+
+
+@pytest.mark.parametrize(
+    "key, answer, words",
+    [
+        ("control", "rho4", "one of rho3, reis, val3, other"),
+        ("axes", "0", "a number from 1 to 99"),
+        ("axes", "six", "a number from 1 to 99"),
+        ("p15", "three", "numbers with commas"),
+        ("risk", "", "a name, or nobody is needed"),
+        ("plc", "", "(nothing): one of rk512"),
+    ],
+)
+def test_an_answer_that_is_none_is_told_with_those_there_are(key: str, answer: str, words: str) -> None:
+    with pytest.raises(BadAnswer) as found:
+        assess(GOOD | {key: answer})
+    assert words in str(found.value)
+
+
+def test_our_words_promise_nothing_we_do_not_hold() -> None:
+    """users.md 5: words to avoid."""
+    said = " ".join(reason.text for key in ASKED for answer in key.answers for reason in assess(GOOD | {key.key: answer}))
+    assert not {"safe", "certified", "drop-in", "guaranteed"} & set(said.lower().split())

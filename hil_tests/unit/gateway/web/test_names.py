@@ -1,0 +1,63 @@
+"""Values of a cell are found by every name and address they have, and tell where they are used."""
+
+import pytest
+
+from gateway.cell_file.load import load_cell
+from gateway.observer.names import MOST, Names
+
+
+@pytest.fixture(scope="module")
+def names() -> Names:
+    return Names(load_cell("demo"))
+
+
+@pytest.mark.parametrize(
+    "words, found",
+    [
+        ("DB10.DW2", "db:10:2"),
+        ("db10.dw 2", "db:10:2"),
+        ("O3.0", "in:24"),
+        ("RCI 24", "in:24"),
+        ("00025", "in:24"),
+        ("10065", "out:64"),
+        ("axis.A1.actual", "axis.A1.actual"),
+        ("EMSTOP_OK_RCI", "in:24"),
+        ("DB10.D0.8", "db:10:0.8"),
+    ],
+)
+def test_every_address_leads_to_its_value_first(names: Names, words: str, found: str) -> None:
+    total, rows = names.search(words)
+    assert total >= 1
+    assert rows[0].id == found
+
+
+def test_a_register_leads_to_its_sixteen_bits(names: Names) -> None:
+    total, rows = names.search("40002")
+    assert [row.id for row in rows] == [f"in:{n}" for n in range(16, 32)]
+    assert total == 16
+    assert [row.id for row in names.search("30005")[1]][:1] == ["out:64"]
+
+
+def test_all_words_must_occur_and_the_answer_is_limited(names: Names) -> None:
+    total, rows = names.search("axis actual")
+    assert {row.id for row in rows if row.id.startswith("axis.")} == {f"axis.A{n}.actual" for n in range(1, 7)}
+    assert total == len(rows)
+    total, rows = names.search("")
+    assert (total, len(rows)) == (len(names.all), MOST)
+    assert names.search("no such thing at all") == (0, [])
+
+
+def test_a_branch_of_the_tree_holds_what_it_counts(names: Names) -> None:
+    counted = {str(branch["group"]): branch["count"] for branch in names.tree()}
+    assert counted["DB 10"] == len(load_cell("demo").db[0].entries)
+    assert names.search("", "DB 10")[0] == counted["DB 10"]
+    assert names.search("", "axes")[0] == sum(int(str(count)) for group, count in counted.items() if group.startswith("axes / "))
+    assert sum(int(str(count)) for count in counted.values()) == len(names.all)
+
+
+def test_where_used_names_block_coil_and_cycle(names: Names) -> None:
+    assert "DB 11 DW 2 (KF), line plc1" in names.by_id["axis.A1.actual"].used
+    assert {"modbus plc2: coil 26", "cycle: enabling input feed"} <= set(names.by_id["in:26"].used)
+    assert names.by_id["in:26"].source == "axisgate"
+    assert names.by_id["in:26"].door == "plc2"
+    assert not names.by_id["out:64"].forcible

@@ -1,0 +1,43 @@
+"""The robot on the page: every shipped one is drawn with the lengths of its file, up to the flange its kinematics finds."""
+
+import itertools
+import math
+
+import pytest
+
+from gateway.files.robots import load_robot
+from gateway.web.robot_lines import Arm
+from motion.robot import kinematics_of
+
+DRAWN = 2e-4  # m: points are rounded to a tenth of a millimetre
+LENGTHS = {  # of the robot files, m; None: a length that changes with the joints
+    "tx60-like": (0.375, 0.02, 0.29, 0.31, 0.07, 0.06),
+    "reis-like": (0.7, 0.2, 0.65, 0.7566, 0.12, 0.06),
+    "sr60-like": (0.45, 0.35, 0.25, None, 0.06),
+    "portal": (None, 0.06),
+}
+
+
+@pytest.mark.parametrize("name", LENGTHS)
+def test_a_robot_is_drawn_by_its_file(name: str) -> None:
+    arm, kinematics = Arm(name), kinematics_of(load_robot(name))
+    for joints in itertools.product((-0.3, 0.2), (0.1, 0.4), (-0.2, 0.3), (-0.5,), (0.4,), (0.3,)):
+        line, *beside = arm.lines(joints)
+        found = [math.dist(a, b) for a, b in itertools.pairwise(line)]
+        assert len(found) == len(LENGTHS[name])
+        for length, wanted in zip(found, LENGTHS[name], strict=True):
+            assert wanted is None or length == pytest.approx(wanted, abs=DRAWN)
+        assert line[-2] == pytest.approx(kinematics.forward(joints[: kinematics.axes]).position, abs=DRAWN)
+        if name == "portal":
+            (posts,) = beside
+            assert all(point[0] == pytest.approx(line[-2][0], abs=DRAWN) for point in posts), "the bridge goes with x"
+            assert line[0][1] == pytest.approx(line[-2][1], abs=DRAWN) and line[0][2] == posts[1][2], "the ram hangs on it"
+
+
+def test_an_arm_on_a_track_is_drawn_where_the_track_has_taken_it() -> None:
+    joints = (0.2, 0.4, 0.9, -0.5, 0.4, 0.3)
+    (alone,), (carried,) = Arm("tx60-like").lines(joints), Arm("tx60-on-track").lines((*joints, 0.7, 1.0))
+    assert [tuple(b - a for a, b in zip(*pair, strict=True)) for pair in zip(alone, carried, strict=True)] == [
+        pytest.approx((0.0, 0.7, 0.0), abs=DRAWN)
+    ] * len(alone)
+    assert Arm("tx60-on-track").reach == pytest.approx(Arm("tx60-like").reach + 1.5)

@@ -1,0 +1,338 @@
+"""Runs a chain of timed pieces: time along the path in its hands, forward and back (design 6; motion.md goals 9, 10).
+
+tau is the time at full speed, omega = dtau/dt the share of it that is driven, u = d omega/dt, c = du/dt.  The pieces' own derivatives
+by tau stand in a track (motion.timing.track); c is decided from it (motion.timing.change), so that every axis stays inside its limits
+while omega changes.  Retrace is omega < 0: the same path, the same limits.
+"""
+
+from collections import deque
+from collections.abc import Sequence
+from itertools import islice, pairwise
+from math import ceil
+from typing import NamedTuple
+
+from motion.errors import PieceError
+from motion.execution.timed import Quintic, TimedPiece
+from motion.timing.change import MOST, Change
+from motion.timing.foresight import Foresight
+from motion.timing.guard import correction
+from motion.timing.track import Rows, Track
+
+HISTORY = 1024  # pieces kept behind the present one, for retrace
+WAITING = 1536  # pieces that may wait: those of one law behind two seconds of others
+LONGEST_S = 4e-3  # a period longer than this is driven in equal parts: of what lies between places further apart a change knows too little
+ROUNDING = 1e-9
+PAST = 3  # periods a third difference looks back
+FORGOTTEN = 8  # pieces of the history dropped at most with a piece that comes: the work of a period stays bounded
+BRAKING_S = 2.0  # before the end of the history going back is stopped: nowhere else does a path begin at speed
+NEAR = 4  # pieces looked at behind a new one: four periods together and more
+FIT, FIT_SPEED, FIT_ACCEL = 1e-9, 1e-6, 1e-4  # steps allowed where pieces meet: m or rad, shares of 1 + value
+
+
+class Progress(NamedTuple):
+    """Set values of one period."""
+
+    axes: tuple[int, ...]  # of the piece
+    places: list[float]  # of these axes, then of the way along the path, as the pieces count it
+    speeds: list[float]  # of the same columns
+    piece_id: int
+    block: int
+    done_id: int
+    at_end: bool
+    at_start: bool
+    still: bool  # omega and u are 0
+
+    @property
+    def q(self) -> dict[int, tuple[float, float]]:
+        """axis -> position, speed."""
+        return {axis: (place, speed) for axis, place, speed in zip(self.axes, self.places, self.speeds, strict=False)}
+
+    @property
+    def way(self) -> float:
+        """m along the path."""
+        return self.places[-1]
+
+
+_Held = tuple[float, float, float, float, tuple[Quintic, ...]]  # begin and end of a piece, of an interval in it, and its row
+NOWHERE: _Held = (0.0, 0.0, 0.0, 0.0, ())
+
+
+class Follower:
+    """See the module.  Raises PieceError on pieces that cannot follow, never in step()."""
+
+    def __init__(self, axes: int, period_s: float, foresight: type[Foresight] = Foresight) -> None:
+        self._axes, self._parts = axes, max(ceil(period_s / LONGEST_S - ROUNDING), 1)
+        self._h = h = period_s / self._parts
+        self._pieces: deque[TimedPiece] = deque()
+        self._begins: deque[float] = deque()
+        self._index = 0  # of the piece under way
+        self._interval = 0
+        self._track = Track(axes + 1, h)
+        self._law = Change(self._track, h, foresight)
+        self._pending: list[TimedPiece] = []
+        self._rows: list[Rows] = []  # of the pending pieces: worked out as they come, so that taking a long tail costs little
+        self._next = 0.0  # tau at which the next pending piece begins
+        self._tau = 0.0
+        self._omega = self._u = 0.0
+        self._end = 0.0
+        self._done = 0
+        self._held = NOWHERE  # what was sampled last
+        self._places: list[float] = []  # of every column of the piece, where tau is now
+        self._slopes: list[float] = []  # by tau
+        self._past: deque[list[float]] = deque(maxlen=PAST)  # positions of the periods before, of the columns of the present piece
+
+    # ---- loading -------------------------------------------------------------------------------------------------------
+    @property
+    def tau(self) -> float:
+        """Time at full speed since the chain began."""
+        return self._tau
+
+    @property
+    def omega(self) -> float:
+        """Share of full speed now; negative: going back."""
+        return self._omega
+
+    @property
+    def waiting(self) -> int:
+        """Pieces behind the one under way."""
+        return max(len(self._pieces) - self._index - 1, 0)
+
+    @property
+    def pending(self) -> list[TimedPiece]:
+        """Of a tail that is not complete yet."""
+        return list(self._pending)
+
+    @property
+    def ahead(self) -> list[TimedPiece]:
+        """The piece under way, those behind it, and what is pending."""
+        return [*islice(self._pieces, self._index, None), *self._pending]
+
+    @property
+    def last(self) -> TimedPiece | None:
+        """The piece everything committed ends with."""
+        return self._pieces[-1] if self._pieces else None
+
+    def load(self, piece: TimedPiece) -> None:
+        """Run this piece when those before it are done.  It counts from the moment the tail it belongs to ends at rest."""
+        if piece.new_tail:
+            self._pending, self._rows = [], []
+        else:
+            self._check_join(self._pending[-1] if self._pending else self.last, piece)
+        if len(self._pending) + 1 + self.waiting > WAITING:
+            self._pending, self._rows = [], []
+            raise PieceError(f"piece {piece.id}: {WAITING} pieces are waiting already")
+        self._prepare(piece)
+        if piece.ends_at_rest:
+            tail, rows, self._pending, self._rows = self._pending, self._rows, [], []
+            self._commit(tail, rows)
+
+    def uncommit(self) -> None:
+        """The tail that is not complete is dropped; nothing of it has begun."""
+        self._pending, self._rows = [], []
+
+    def _prepare(self, piece: TimedPiece) -> None:
+        """Everything that takes time, one piece at a time."""
+        begin, at = self._next, len(self._pieces)
+        if not self._pending:
+            if piece.new_tail:
+                at = next((k for k, one in enumerate(self._pieces) if one.id >= piece.id), at)
+            begin = self._begins[at] if at < len(self._pieces) else self._end
+        elif self._pending[0].new_tail and len(self._pending) < NEAR:
+            at = next((k for k, one in enumerate(self._pieces) if one.id >= self._pending[0].id), at)
+        before = [*reversed(self._pending[-NEAR:]), *(self._pieces[k] for k in range(at - 1, max(at - NEAR, 0) - 1, -1))]
+        piece.quintics  # noqa: B018 - worked out here, not in the middle of the piece
+        self._track.rate(piece)
+        self._law.prepare()
+        rows = self._track.prepared(piece, before[:NEAR], begin, (*piece.axes, self._axes), self._law.apart)
+        self._pending.append(piece)
+        self._rows.append(rows)
+        self._next = begin + piece.duration
+
+    def _commit(self, tail: list[TimedPiece], rows: list[Rows]) -> None:
+        if tail[0].new_tail:
+            self._cut(tail[0])
+        self._law.disturbed()
+        self._held = NOWHERE
+        for piece, table in zip(tail, rows, strict=True):
+            self._begins.append(self._end)
+            self._pieces.append(piece)
+            self._track.append(table)
+            self._end += piece.duration
+        for _ in range(min(self._index - HISTORY, FORGOTTEN * len(tail))):
+            self._pieces.popleft()
+            self._begins.popleft()
+            self._track.forget()
+            self._index -= 1
+
+    def _cut(self, first: TimedPiece) -> None:
+        """Drop the waiting pieces from this id on; they must not have begun."""
+        at = next((k for k, piece in enumerate(self._pieces) if piece.id >= first.id), len(self._pieces))
+        if at < len(self._pieces) and (at < self._index or (at == self._index and self._tau > self._begins[at])):
+            raise PieceError(f"piece {first.id}: comes too late to replace what has begun")
+        self._check_join(self._pieces[at - 1] if at else None, first)
+        while len(self._pieces) > at:
+            self._pieces.pop()
+            self._end = self._begins.pop()
+            self._track.pop()
+
+    def _check_join(self, before: TimedPiece | None, piece: TimedPiece) -> None:
+        if before is None:
+            states: dict[int, tuple[float, ...]] = {}
+        else:
+            states = {axis: before.nodes[-1][3 * k : 3 * k + 3] for k, axis in enumerate(before.axes)}
+            if piece.id <= before.id:
+                raise PieceError(f"piece {piece.id}: comes behind piece {before.id}, ids must rise")
+        for k, axis in enumerate(piece.axes):
+            q, v, a = piece.nodes[0][3 * k : 3 * k + 3]
+            p, w, b = states.pop(axis, (q, 0.0, 0.0))
+            if abs(q - p) > FIT or abs(v - w) > FIT_SPEED * (1 + abs(w)) or abs(a - b) > FIT_ACCEL * (1 + abs(b)):
+                raise PieceError(f"piece {piece.id}: axis {axis} goes on at {q, v, a}, it was left at {p, w, b}")
+        if any(abs(state[1]) > FIT_SPEED for state in states.values()):
+            raise PieceError(f"piece {piece.id}: an axis that still moves has no part in it")
+
+    # ---- running -------------------------------------------------------------------------------------------------------
+    def step(self, wanted: float) -> Progress:
+        """One period further; wanted: share of full speed, -1 .. 1."""
+        if wanted < 0.0 and self._forgotten:
+            wanted = 0.0
+        self._part(wanted)
+        for _ in range(self._parts - 1):
+            if self._tau < self._end and (self._tau > 0.0 or self._omega >= 0.0):
+                self._part(wanted)
+        return self._progress()
+
+    def _part(self, wanted: float) -> None:
+        """Of a period; all of it where it is short."""
+        past = self._past
+        if self._omega == wanted and self._u == 0.0:
+            self._tau += self._omega * self._h
+            self._track.foresee(self._tau, self._omega)
+            self._sample()
+        else:
+            self._change(wanted)
+            self._sample()
+            if len(past) == PAST and self._correct():
+                self._sample()
+        past.append(self._places)
+
+    @property
+    def _forgotten(self) -> bool:
+        """The path goes further back than what is kept of it, and that end is near."""
+        return self._begins[0] > 0.0 and self._tau < self._begins[0] + BRAKING_S
+
+    @property
+    def within(self) -> float:
+        """Time at full speed since the piece under way began."""
+        return self._tau - self._begins[self._index] if self._begins else 0.0
+
+    @property
+    def _begins_here(self) -> bool:
+        """The path begins or ends at rest at this very place: any omega may be the first one."""
+        tau, begins = self._tau, self._begins
+        if tau in (0.0, self._end):
+            return True
+        at = next((k for k in (self._index, self._index + 1) if k < len(begins) and begins[k] == tau), None)
+        node = self._pieces[at].nodes[0] if at is not None else ()
+        return at is not None and all(abs(v) <= FIT and abs(a) <= FIT for v, a in zip(node[1::3], node[2::3], strict=True))
+
+    def _change(self, wanted: float) -> None:
+        """One period of a change of speed, towards the wanted omega."""
+        h, w, u = self._h, self._omega, self._u
+        forward = self._track.step if wanted >= 0 else -self._track.step
+        stands = self._track.stands(self._tau) and self._track.stands(self._tau + forward)
+        if stands or (w == 0.0 and self._begins_here):
+            self._omega, self._u = wanted, 0.0
+            self._tau += wanted * h
+            self._law.forget()
+            return
+        c = self._law.step(self._tau - h * (w + 0.5 * h * u), w, u, wanted)
+        w, u = min(max(w + h * (u + h * c / 2), -MOST), MOST), u + h * c
+        self._tau += h * (w + 0.5 * h * u)
+        left = wanted - w
+        inside = left * u >= 0.0 and 2 * abs(left) <= abs(u) * h
+        if abs(u) / h + (0.0 if inside else 2 * abs(left) / h**2) <= self._law.room:
+            w, u = wanted, 0.0  # lands inside the next period
+            self._law.forget()
+        self._omega, self._u = w, u
+
+    # ---- sampling ------------------------------------------------------------------------------------------------------
+    def _locate(self) -> _Held:
+        """Piece and interval of the present tau."""
+        pieces, begins, tau = self._pieces, self._begins, self._tau
+        if not begins[0] <= tau <= self._end:
+            tau = self._tau = min(max(tau, begins[0]), self._end)
+        last = len(pieces) - 1
+        while self._index < last and tau >= begins[self._index + 1]:
+            self._done = pieces[self._index].id
+            self._enter(self._index + 1)
+        while self._index > 0 and tau < begins[self._index]:
+            self._enter(self._index - 1)
+            self._done = pieces[self._index - 1].id if self._index else 0
+        piece, begin, k = pieces[self._index], begins[self._index], self._interval
+        till, times, u = begins[self._index + 1] if self._index < last else self._end, piece.times, tau - begin
+        while k < len(times) - 2 and u >= times[k + 1]:
+            k += 1
+        while k > 0 and u < times[k]:
+            k -= 1
+        self._interval = k
+        self._held = begin, till, times[k], times[k + 1], piece.quintics[k]
+        return self._held
+
+    def _enter(self, index: int) -> None:
+        """Another piece is under way."""
+        before, after = self._pieces[min(index, self._index)], self._pieces[max(index, self._index)]
+        if before.mask != after.mask or abs(before.nodes[-1][-3] - after.nodes[0][-3]) > FIT:
+            self._past.clear()  # other axes, or another path: the way begins anew, at rest
+        self._index, self._interval = index, 0
+
+    def _sample(self) -> None:
+        """Position and slope by tau of every column of the piece, where tau is now."""
+        begin, till, first, last, row = self._held
+        if not (begin <= self._tau < till and first <= self._tau - begin < last):
+            begin, _, first, _, row = self._locate()
+        u = self._tau - begin - first
+        self._places, self._slopes = places, slopes = [], []
+        for f, e, d, c, b, a in row:  # appended: a comprehension costs a call
+            places.append(((((f * u + e) * u + d) * u + c) * u + b) * u + a)
+            slopes.append((((5.0 * f * u + 4.0 * e) * u + 3.0 * d) * u + 2.0 * c) * u + b)
+
+    def _correct(self) -> bool:
+        """Move tau a little where the set values would leave the limits; whether it was moved."""
+        h, piece = self._h, self._pieces[self._index]
+        three, two, one = self._past
+        rows = zip(self._places, self._slopes, one, two, three, piece.accel, piece.jerk, strict=True)
+        more = correction(list(rows), self._omega, self._u, h)
+        if more == 0.0:
+            return False
+        more = self._law.bounded(self._u, more)
+        self._law.disturbed()
+        self._u += h * more
+        self._omega = min(max(self._omega + 0.5 * h * h * more, -MOST), MOST)
+        self._tau += h * h * h * more
+        return True
+
+    def _progress(self) -> Progress:
+        piece, tau = self._pieces[self._index], self._tau
+        at_end = tau >= self._end and self._index == len(self._pieces) - 1
+        if at_end:
+            self._done, self._u, self._omega = piece.id, 0.0, 0.0
+        if tau <= 0.0 and self._omega < 0.0:
+            self._u = self._omega = 0.0
+        w = self._omega + self._h * self._u  # where the set value is: a period ahead of what was decided
+        still = self._omega == 0.0 and self._u == 0.0
+        speeds: list[float] = []
+        for slope in self._slopes:
+            speeds.append(slope * w)
+        at_start = tau <= 0.0 or (still and self._forgotten)
+        return Progress(piece.axes, self._places, speeds, piece.id, piece.block, self._done, at_end, at_start, still)
+
+
+def joined(pieces: Sequence[TimedPiece]) -> bool:
+    """Whether each piece goes on as the one before it ends: what a planner checks before it commits."""
+    probe = Follower(max(max(piece.axes) for piece in pieces) + 1, 1e-3)
+    try:
+        for before, after in pairwise(pieces):
+            probe._check_join(before, after)
+    except PieceError:
+        return False
+    return True

@@ -1,0 +1,381 @@
+"""The stepper: one sample per SYNC, time along the path in its hands (design 6; goals 9, 10, 15).
+
+It owns (s, sdot, sddot).  A load, an override change, stop, resume and abandon re-plan s(t) from the present state with
+all limits of the piece; between them the plan is only sampled.  Call step() once per SYNC that is sent: a skipped SYNC
+delays the path and never stretches a step.  Pure: period in, samples out.
+
+Pieces of polynomials (one PTP each) run here; chains of timed pieces run in motion.execution.follower, with the same states and orders,
+and can be retraced.  One kind follows the other at rest.
+"""
+
+from collections import deque
+from collections.abc import Sequence
+from enum import Enum, auto
+from itertools import accumulate
+from math import inf, sqrt
+from typing import NamedTuple
+
+from motion.errors import MotionError, PieceError
+from motion.execution.follower import FIT, Follower
+from motion.execution.pieces import MAX_AXES, Piece
+from motion.execution.profile import Profile
+from motion.execution.timed import TimedPiece
+from motion.timing.foresight import Foresight
+
+QUEUE = 8  # pieces that may wait behind the running one
+ARRIVED = 1e-12  # of the length: nothing left to go
+
+
+class State(Enum):
+    """What the path does; an override of 0 holds it in RUNNING."""
+
+    IDLE = auto()  # no piece
+    RUNNING = auto()
+    STOPPING = auto()  # on the path, by stop() or abandon()
+    STOPPED = auto()  # at rest on the path; resume() goes on, abandon() drops the rest
+
+
+IDLE, RUNNING = State.IDLE, State.RUNNING  # a name in an Enum is looked up slowly, and these are in every period
+
+
+class Goal(Enum):
+    """Where the plan under way leads; all but SLOW end at rest."""
+
+    NONE = auto()  # at rest, no plan
+    END = auto()  # end of the piece
+    REST = auto()  # anywhere on the path
+    SLOW = auto()  # down to a lower speed, from where END is planned
+
+
+class Sample(NamedTuple):
+    """Set values for one SYNC."""
+
+    q: tuple[float, ...]  # (axes,) m or rad
+    qd: tuple[float, ...]  # (axes,) per s
+    piece_id: int  # piece under way; 0: none
+    s: float  # on that piece
+    state: State
+    done_id: int  # piece that ended last; stays until the next one ends; 0: none yet
+
+
+def stopping_distance(speed: float, accel: float, jerk: float) -> float:
+    """Way from a steady speed to rest, jerk-limited."""
+    ramp = accel / jerk
+    return speed * (speed / accel + ramp) / 2 if speed >= accel * ramp else speed * sqrt(speed / jerk)
+
+
+class Stepper:
+    """See the module.  Raises only on what its caller does wrong (MotionError, PieceError), never in step()."""
+
+    def __init__(self, axes: int, period_s: float, position: Sequence[float] | None = None, foresight: type[Foresight] = Foresight) -> None:
+        if not (1 <= axes <= MAX_AXES and 0 < period_s < 1):
+            raise MotionError(f"{axes} axes (1 .. {MAX_AXES}), period {period_s} s (0 .. 1) do not fit")
+        self._period, self._foresight = period_s, foresight
+        self._q = [0.0] * axes if position is None else list(position)
+        self._still = (0.0,) * axes
+        self._queue: deque[Piece] = deque()
+        self._piece: Piece | None = None
+        self._rows: list[list[tuple[int, tuple[float, ...]]]] = []  # per segment: (axis, coefficients, highest power first)
+        self._floor: tuple[float, ...] = ()  # per grid interval: highest sdot that is legal from there to the end
+        self._profile = Profile()
+        self._motion = (0.0, 0.0, 0.0)  # s, sdot, sddot
+        self._time = 0.0  # s since the present plan began
+        self._goal = Goal.NONE
+        self._stale = False  # a new plan is due
+        self._speed = inf  # sdot limit of the present plan
+        self._slow = 0.0  # sdot at the end of SLOW
+        self._override = 1.0
+        self._state = State.IDLE
+        self._abandon = False
+        self._done = 0
+        self._follower: Follower | None = None  # of the last chain of timed pieces; kept at its end, for retrace
+        self._direction = 1  # of the chain; -1: retrace
+        if len(self._q) != axes:
+            raise MotionError(f"{len(self._q)} positions for {axes} axes")
+
+    @property
+    def state(self) -> State:
+        """As in the last sample, or as changed by a call since."""
+        return self._state
+
+    @property
+    def override(self) -> float:
+        """0 .. 1, of the programmed speed."""
+        return self._override
+
+    @property
+    def queued(self) -> int:
+        """Pieces that wait behind the running one."""
+        return len(self._queue) + (self._follower.waiting if self._follower else 0)
+
+    @property
+    def remaining(self) -> float:
+        """Way left on the running piece, in its s."""
+        return self._piece.length - self._motion[0] if self._piece else 0.0
+
+    @property
+    def within(self) -> float:
+        """Time at full speed since the timed piece under way began."""
+        return self._follower.within if self._follower else 0.0
+
+    @property
+    def ahead(self) -> list[TimedPiece]:
+        """Timed pieces that are not run to their end yet."""
+        if self._follower is None:
+            return []
+        return self._follower.pending if self._state is State.IDLE else self._follower.ahead
+
+    def place(self, position: Sequence[float]) -> None:
+        """The axes stand here (after enabling, referencing); only without a piece."""
+        if self._state is not State.IDLE or self._piece or self._queue:
+            raise MotionError(f"the position can be set only while idle, the stepper is {self._state.name}")
+        if len(position) != len(self._q):
+            raise MotionError(f"{len(position)} positions for {len(self._q)} axes")
+        if self._follower and list(position) != self._q:
+            self._follower = None  # the axes were moved by somebody else: there is no way back on this path
+        self._q = list(position)
+
+    def place_for(self, piece: Piece) -> None:
+        """place() at the start of a piece; axes outside its mask stay."""
+        position = list(self._q)
+        for axis, value in zip(piece.axes, piece.start(), strict=True):
+            position[axis] = value
+        self.place(position)
+
+    def load(self, piece: Piece | TimedPiece) -> None:
+        """Run this piece next; waits behind the running one.  PieceError when it cannot follow."""
+        if isinstance(piece, TimedPiece):
+            self._load_timed(piece)
+            return
+        if self._follower and self._state is not State.IDLE:
+            raise PieceError(f"piece {piece.id}: a chain of timed pieces is under way, load it at rest")
+        self._follower = None
+        if not piece.ends_at_rest:
+            raise PieceError(f"piece {piece.id}: does not end at rest, and joining moving pieces is not built yet (AX-103)")
+        if self._abandon:
+            raise PieceError(f"piece {piece.id}: the path is being abandoned, load again at rest")
+        if len(self._queue) >= QUEUE:
+            raise PieceError(f"piece {piece.id}: {QUEUE} pieces are waiting already")
+        if piece.axes[-1] >= len(self._q):
+            raise PieceError(f"piece {piece.id}: axis {piece.axes[-1]} of its mask does not exist, there are {len(self._q)}")
+        self._check_fit(piece)
+        self._queue.append(piece)
+        if self._state is State.IDLE:
+            self._state = State.RUNNING
+
+    def _load_timed(self, piece: TimedPiece) -> None:
+        if self._abandon or self._piece or self._queue:
+            raise PieceError(f"piece {piece.id}: another piece is under way or being abandoned, load it at rest")
+        if piece.axes[-1] >= len(self._q):
+            raise PieceError(f"piece {piece.id}: axis {piece.axes[-1]} of its mask does not exist, there are {len(self._q)}")
+        if self._follower is None or (self._state is State.IDLE and self._follower.last is not None and piece.id <= self._follower.last.id):
+            self._check_fit(piece)
+            self._follower = Follower(len(self._q), self._period, self._foresight)
+        self._follower.load(piece)
+        if self._state is State.IDLE and piece.ends_at_rest:
+            self._state, self._direction = State.RUNNING, 1
+
+    def retrace(self) -> None:
+        """Go back along the chain of timed pieces, to its start at most; from rest.  resume() goes forward again."""
+        if self._follower is None or self._state not in (State.STOPPED, State.IDLE) or self._abandon:
+            raise MotionError(f"there is no path to retrace, the stepper is {self._state.name}")
+        self._state, self._direction = State.RUNNING, -1
+
+    def set_override(self, value: float) -> None:
+        """0 .. 1 of the programmed speed; 0 holds on the path."""
+        if not 0.0 <= value <= 1.0:
+            raise MotionError(f"override {value} is outside 0 .. 1")
+        self._stale = self._stale or value != self._override
+        self._override = value
+
+    def stop(self) -> None:
+        """Stop on the path as fast as the limits allow; what is left waits for resume() or abandon()."""
+        if self._state is State.RUNNING:
+            self._state, self._stale = State.STOPPING, True
+
+    def resume(self) -> None:
+        """Go on after stop(), also while still stopping, and forward again while retracing; nothing after abandon()."""
+        if self._state is State.RUNNING:
+            self._direction = 1
+        if self._state in (State.STOPPING, State.STOPPED) and not self._abandon:
+            self._state, self._stale, self._direction = State.RUNNING, True, 1
+
+    def abandon(self) -> None:
+        """Stop on the path, then drop the rest of the piece and everything that waits."""
+        if self._state is State.IDLE:
+            return
+        self._abandon = True
+        self.stop()
+        if self._state is State.STOPPED:
+            self._drop()
+
+    def uncommit(self) -> None:
+        """Timed pieces whose tail does not end at rest yet are taken out; what is committed runs."""
+        if self._follower is not None:
+            self._follower.uncommit()
+
+    def step(self) -> Sample:
+        """The next sample, one period further."""
+        if self._follower is not None and self._state is not IDLE:
+            return self._follow(self._follower)
+        if self._piece is None and self._state is not State.IDLE:
+            self._next_piece()
+        if self._piece is None:
+            return Sample(tuple(self._q), self._still, 0, 0.0, self._state, self._done)
+        if self._stale or self._speed < self._legal_speed():
+            self._plan(self._piece)
+        self._advance(self._piece)
+        return self._sample(self._piece)
+
+    def _follow(self, follower: Follower) -> Sample:
+        """One period of the chain."""
+        wanted = self._direction * self._override if self._state is RUNNING else 0.0
+        axes, places, speeds, piece_id, _, done, at_end, at_start, still = follower.step(wanted)
+        if len(axes) == len(self._q):
+            self._q, qd = places[:-1], speeds[:-1]
+            q = self._q
+        else:
+            q, qd = self._q, list(self._still)
+            for k, axis in enumerate(axes):
+                q[axis], qd[axis] = places[k], speeds[k]
+        self._done = done or self._done
+        if at_end and self._direction > 0:
+            self._state = IDLE
+        elif still and self._state is State.STOPPING:
+            self._state = State.STOPPED
+        elif at_start and self._direction < 0 and self._state is RUNNING:
+            self._state, self._direction = State.STOPPED, 1
+        if self._abandon and self._state in (State.STOPPED, IDLE):
+            self._drop()
+        return Sample(tuple(q), tuple(qd), piece_id, places[-1], self._state, self._done)
+
+    def _check_fit(self, piece: Piece | TimedPiece) -> None:
+        """Each axis of the piece must start where it will stand by then."""
+        standing = dict(enumerate(self._q))
+        for earlier in (*([self._piece] if self._piece else []), *self._queue):
+            standing.update(zip(earlier.axes, earlier.end(), strict=True))
+        for axis, value in zip(piece.axes, piece.start(), strict=True):
+            if not abs(value - standing[axis]) <= FIT:
+                raise PieceError(f"piece {piece.id}: starts at {value} on axis {axis}, which will stand at {standing[axis]}")
+
+    def _next_piece(self) -> None:
+        if self._state is State.STOPPING:  # the piece ended before the stop could
+            self._state = State.STOPPED
+        if self._abandon:
+            self._drop()
+        if self._state is not State.RUNNING:
+            return
+        if not self._queue:
+            self._state = State.IDLE
+            return
+        piece = self._piece = self._queue.popleft()
+        self._rows = [[(axis, row[::-1]) for axis, row in zip(piece.axes, segment.coefficients, strict=True)] for segment in piece.segments]
+        lowest = list(accumulate(reversed(piece.table), min))[::-1]
+        self._floor = tuple(sqrt(value) for value in lowest[:-1])
+        self._motion, self._goal, self._stale = (0.0, 0.0, 0.0), Goal.NONE, True
+        if piece.length > 0:
+            self._profile.configure(piece.length, piece.accel, piece.jerk)
+
+    def _legal_speed(self) -> float:
+        """sdot limit from here to the end at the present override (a falling minimum: always legal, AX-104)."""
+        if len(self._floor) == 1 or not self._piece or self._piece.length == 0:
+            return self._floor[0] * self._override
+        index = int(self._motion[0] / self._piece.length * len(self._floor))
+        return self._floor[min(index, len(self._floor) - 1)] * self._override
+
+    def _plan(self, piece: Piece) -> None:
+        """A new plan from the present state.  Where none exists (too close to the end to slow down, or rounding) the old
+        one is followed and the next step tries again."""
+        speed = self._speed = self._legal_speed()
+        if piece.length == 0:
+            planned = True
+        elif self._state is not State.RUNNING or speed == 0.0:
+            planned = self._plan_rest()
+        elif self._too_fast(piece, speed):
+            planned = self._plan_slow(piece, speed)
+        else:
+            planned = self._plan_end(speed)
+        self._stale = not planned
+
+    def _plan_rest(self) -> bool:
+        if self._goal in (Goal.NONE, Goal.REST):
+            return True
+        return self._begin(Goal.REST, self._profile.to_speed(self._motion, 0.0))
+
+    def _plan_end(self, speed: float) -> bool:
+        return self._begin(Goal.END, self._profile.to_end(self._motion, speed))
+
+    def _plan_slow(self, piece: Piece, speed: float) -> bool:
+        """First down to the speed, then on: in one plan ruckig would dive through zero when the speed is low (AX-102)."""
+        latest = piece.length - stopping_distance(speed, piece.accel, piece.jerk) - speed * self._period
+        if not self._profile.to_speed(self._motion, speed, latest):
+            return False
+        self._slow = speed
+        return self._begin(Goal.SLOW, True)
+
+    def _begin(self, goal: Goal, planned: bool) -> bool:
+        if planned:
+            self._time, self._goal = 0.0, goal
+        return planned
+
+    def _too_fast(self, piece: Piece, speed: float) -> bool:
+        """Faster than speed, or about to be even if acceleration is taken back at once."""
+        _, sdot, sddot = self._motion
+        ahead = sddot * sddot / (2 * piece.jerk) if sddot > 0 else 0.0
+        return sdot + ahead > speed * (1 + 1e-9)
+
+    def _advance(self, piece: Piece) -> None:
+        """One period along the plan."""
+        if self._goal is not Goal.NONE:
+            self._time += self._period
+            if self._time < self._profile.duration or self._goal is Goal.SLOW:
+                s, speed, accel = self._profile.at(self._time)
+                self._motion = (min(max(s, self._motion[0]), piece.length), speed, accel)
+                if self._time >= self._profile.duration:
+                    self._slowed(piece)
+            else:
+                s = piece.length if self._goal is Goal.END else self._profile.at(self._profile.duration)[0]
+                self._motion, self._goal = (min(max(s, self._motion[0]), piece.length), 0.0, 0.0), Goal.NONE
+        if self._goal is Goal.NONE and self._state is State.STOPPING:
+            self._state = State.STOPPED
+
+    def _slowed(self, piece: Piece) -> None:
+        """SLOW has ended (steady speed from there): the rest is planned from this sample on."""
+        self._motion = (self._motion[0], self._slow, 0.0)
+        self._plan(piece)
+        if self._goal is Goal.SLOW and self._stale and not self._plan_end(self._slow):  # room was kept when SLOW was planned
+            self._plan_rest()
+
+    def _sample(self, piece: Piece) -> Sample:
+        s, sdot, _ = self._motion
+        arrived = self._goal is Goal.NONE and piece.length - s <= ARRIVED * piece.length
+        if arrived:
+            s = piece.length
+        index = piece.segment_at(s) if len(self._rows) > 1 else 0
+        u = s - piece.segments[index - 1].end_s if index else s
+        q, qd = self._q, list(self._still)
+        for axis, row in self._rows[index]:
+            value = slope = 0.0
+            for coefficient in row:
+                slope = slope * u + value
+                value = value * u + coefficient
+            q[axis] = value
+            qd[axis] = slope * sdot
+        if arrived:
+            self._finish(piece)
+        elif self._goal is Goal.NONE and self._abandon and self._state is State.STOPPED:
+            self._drop()
+        return Sample(tuple(q), tuple(qd), piece.id, s, self._state, self._done)
+
+    def _finish(self, piece: Piece) -> None:
+        """The end is reached: rest, say so, and make way for the next piece."""
+        self._done, self._piece = piece.id, None
+        if self._abandon:
+            self._drop()
+        elif not self._queue:
+            self._state = State.IDLE
+
+    def _drop(self) -> None:
+        self._queue.clear()
+        self._follower = None
+        self._piece, self._state, self._abandon = None, State.IDLE, False

@@ -1,0 +1,53 @@
+"""Portals without rotary axes: the axes are the coordinates, so lines and corners between lines need no inverse at all."""
+
+import math
+
+from motion.geometry.frames import Pose
+from motion.kinematics.base import Joints, Kinematics
+from motion.kinematics.portal import Portal
+from motion.paths.base import Curve
+from motion.paths.corner import Corner
+from motion.paths.joints import JointPath, joint_path
+from motion.paths.polynomial import Polynomial, Row, values, whole
+from motion.paths.tool_path import FINEST, Rate, divided
+from motion.planner.additional_axes import about
+
+
+def exact_path(curve: Curve, kinematics: Kinematics, near: Joints, tool: Pose) -> JointPath | None:
+    """The axes along a line or a symmetric corner of lines without turning; None where the general way has to be gone."""
+    if not isinstance(kinematics, Portal) or set(kinematics.letters) - set("xyz"):
+        return None
+    base, start, end = whole(curve)
+    if isinstance(base, Corner) and base.leave == base.reach:
+        rows, scale = base.quintic.rows, 0.5 / base.leave  # of the quintic's own parameter by s
+    elif isinstance(base, Polynomial) and all(len(row) <= 2 for row in base.rows):
+        rows, scale = base.rows, 1.0
+    else:
+        return None
+    if any(any(row[1:]) for row in rows[3:]) or (scale != 1.0 and (start, end) != (0.0, base.length)):
+        return None
+    q = kinematics.inverse(curve.at(0.0) @ tool.inverse(), near)
+    kinematics.inverse(curve.at(curve.length) @ tool.inverse(), q)  # within reach and limits at both ends, so all along
+    columns: list[Row] = []
+    for letter, value in zip(kinematics.letters, q, strict=True):
+        row = rows["xyz".index(letter)]
+        columns.append((value, *(c * scale**k for k, c in enumerate(row[1:], 1))))
+    if scale == 1.0:
+        slope = math.sqrt(sum(row[1] ** 2 for row in columns if len(row) > 1))
+        return joint_path([0.0, curve.length], [[*columns, (0.0, slope), (0.0,)]])
+    return _divided(columns, curve.length)
+
+
+def _divided(columns: list[Row], length: float) -> JointPath:
+    """The same polynomials in as many parts as the way of the tool needs to be true."""
+
+    def rate(s: float) -> Rate:
+        table = [values(row, s) for row in columns]
+        slope = math.sqrt(sum(first * first for _, first, _, _ in table))
+        return Rate(slope, 0.0, sum(first * second for _, first, second, _ in table) / slope if slope > 0.0 else 0.0)
+
+    knots, rows = [0.0], []
+    for there, way, turn in divided(rate, 0.0, length, (0.0, 0.0), FINEST * length):
+        rows.append([*(tuple(about(row, knots[-1])) for row in columns), way, turn])
+        knots.append(there)
+    return joint_path(knots, rows)

@@ -1,0 +1,40 @@
+"""The text form of labels: where a program goes on when an input never came, or nothing was measured (`error=`)."""
+
+from dataclasses import dataclass, field
+
+from motion.program.errors import TextError
+from motion.program.text.words import Fault, name, one
+
+
+@dataclass(slots=True)
+class Labels:
+    """label: in front of the next block; blocks: so far."""
+
+    label: str = ""
+    blocks: int = 0
+    _known: dict[str, int] = field(default_factory=dict)  # blocks before it
+    _asked: list[tuple[int, str, int]] = field(default_factory=list)  # line, label, number of the block that names it
+
+    def line(self, head: str, rest: list[str], *, acting: bool = False) -> None:
+        """acting: sync or a belt function stands before it already."""
+        self.label = name(head, one(head, rest))
+        if acting:
+            raise Fault(head, f"{self.label} has to stand before sync, mach_pos and belt functions: they belong to the block behind it")
+        if self.label in self._known:
+            raise Fault(head, f"{self.label} stands twice")
+        self._known[self.label] = self.blocks
+
+    def asked(self, line: int, label: str) -> None:
+        """The block of this line, which comes next, may go on there (empty: nowhere)."""
+        if label:
+            self._asked.append((line, label, self.blocks + 1))
+
+    def added(self) -> None:
+        """One more block."""
+        self.label, self.blocks = "", self.blocks + 1
+
+    def ended(self) -> None:
+        """Labels that blocks name stand behind them; raises TextError."""
+        for line, asked, block in self._asked:
+            if self._known.get(asked, -1) < block:
+                raise TextError(line, "error", f"label {asked} does not stand behind the block")

@@ -1,0 +1,226 @@
+"""The text form of programs of several kinematics; one kinematic: motion.program.text.reader.
+
+`kinematic NAME ROBOT` begins what is said of one: angles, axes, start, tool, frame, point, set, as in a program of one robot.  `kinematic
+NAME` goes back to it.  A move without a name is that of the kinematic named last; `move NAME linear A and NAME ptp B` moves several
+together.
+"""
+
+from dataclasses import dataclass, field, replace
+
+from motion.geometry.conventions import CONVENTIONS, convention
+from motion.program.blocks import Act, Block, MachinePoint
+from motion.program.errors import TextError, TextFaults
+from motion.program.team import Kinematic, Shared, TeamProgram
+from motion.program.text import files as textfiles
+from motion.program.text.files import HEADS as FILE_HEADS
+from motion.program.text.inputs import called
+from motion.program.text.labels import Labels
+from motion.program.text.reader import FUNCTIONS, MOVES, OF_ONE, Reader
+from motion.program.text.systems import HEADS as SYSTEM_HEADS
+from motion.program.text.systems import chosen, declared
+from motion.program.text.words import Fault, name, one, statement
+from motion.program.text.writer import acted, heading, places_of, written_move
+from motion.rho3.wc import WcFrame
+from motion.robot import MOST_KINEMATICS
+
+CALLS = tuple(FUNCTIONS)  # begin with the next block of the kinematic
+OWN = ("angles", "axes", "start", "tool", "frame", "point", "set", *FILE_HEADS, *SYSTEM_HEADS, *CALLS)  # said of one kinematic
+STATEMENTS = ("program", "kinematic", *OWN, "mach_pos", *MOVES, "move", "label")
+
+
+def several(text: str) -> bool:
+    """Whether a text is a program of several kinematics."""
+    return any(line.split()[:1] == ["kinematic"] for line in text.splitlines())
+
+
+@dataclass(slots=True)
+class TeamReader:
+    """Line by line, as motion.program.text.reader.Reader."""
+
+    name: str = ""
+    readers: dict[str, Reader] = field(default_factory=dict)
+    now: str = ""  # kinematic named last
+    blocks: list[Shared] = field(default_factory=list)
+    labels: Labels = field(default_factory=Labels)
+    acts: tuple[Act, ...] = ()  # in front of the next block, or behind the last one
+
+    def statement(self, raw: str, number: int = 0) -> None:
+        """One line; raises TextError.  Its block, if it is one, waits for take()."""
+        statement(raw, number, self.line)
+
+    def take(self) -> list[Shared]:
+        """Blocks since the last call."""
+        blocks, self.blocks = self.blocks, []
+        return blocks
+
+    def ended(self) -> None:
+        """The text is over: labels that blocks name stand behind them, what begins with a block has one; raises TextError."""
+        self.labels.ended()
+        for named, reader in self.readers.items():
+            try:
+                reader.check_begun()
+            except TextError as error:
+                raise TextError(error.line, error.key, f"kinematic {named}: {error.what}") from None
+
+    def line(self, words: list[str], number: int) -> None:
+        head, rest = words[0], words[1:]
+        match head:
+            case "program":
+                self.name = one(head, rest)
+            case "kinematic":
+                self.kinematic(rest)
+            case "move":
+                self.move(rest, number)
+            case _ if head in MOVES or head == "move_file":
+                self.add({self.now: self.own(self.now, words, number)}, number)
+            case _ if head in OWN:
+                self.reader(self.now).line(words, number)
+            case "label":
+                self.labels.line(head, rest, acting=bool(self.acts))
+            case "mach_pos":
+                self.act(words, number)
+            case "robot":
+                raise Fault(head, "`kinematic NAME ROBOT` names the robot of each kinematic")
+            case _ if head in OF_ONE:
+                raise Fault(head, "belongs to programs of one robot: write it in a program with `robot NAME` (AX-341)")
+            case _:
+                raise Fault(head, f"no statement of a program of several kinematics; {', '.join(STATEMENTS)} are (AX-341)")
+
+    def kinematic(self, rest: list[str]) -> None:
+        if not 1 <= len(rest) <= 2:
+            raise Fault("kinematic", "kinematic NAME ROBOT, or NAME alone to go back to it")
+        self.now = name("kinematic", rest[0])
+        if len(rest) == 1 and self.now not in self.readers:
+            raise Fault("kinematic", f"{self.now!r} is unknown: kinematic NAME ROBOT, with its robot file, comes first")
+        if len(rest) == 2:
+            if self.now in self.readers:
+                raise Fault("kinematic", f"{self.now} has a robot already")
+            if self.labels.blocks:
+                raise Fault("kinematic", f"{self.now} has to stand before the first move")
+            if len(self.readers) == MOST_KINEMATICS:
+                raise Fault("kinematic", f"at most {MOST_KINEMATICS} kinematics in one cell")
+            self.readers[self.now] = Reader(robot=rest[1])
+
+    def reader(self, named: str) -> Reader:
+        if named not in self.readers:
+            known = ", ".join(self.readers) or "none: `kinematic NAME ROBOT` comes first"
+            raise Fault("kinematic", f"{named!r} is unknown; {known}" if named else known)
+        return self.readers[named]
+
+    def move(self, rest: list[str], number: int) -> None:
+        """NAME MOVE .. and NAME MOVE .. ."""
+        parts: list[list[str]] = [[]]
+        for word in rest:
+            if word == "and":
+                parts.append([])
+            else:
+                parts[-1].append(word)
+        moves: dict[str, Block] = {}
+        for part in parts:
+            if part[1:2] == ["move_file"]:
+                raise Fault("move_file", f"one kinematic alone runs a file, in a line of its own: kinematic {part[0]}, then move_file ..")
+            if len(part) < 2 or part[1] not in MOVES:
+                raise Fault("move", f"NAME and one of {', '.join(MOVES)}, then its target; `and` between two kinematics")
+            if part[0] in moves:
+                raise Fault("move", f"{part[0]} stands twice in one block")
+            moves[part[0]] = self.own(part[0], part[1:], number)
+        self.add(moves, number)
+
+    def own(self, named: str, words: list[str], number: int) -> Block:
+        """One kinematic's part of a block."""
+        (block,) = self.said(named, words, number).take()
+        return block
+
+    def said(self, named: str, words: list[str], number: int) -> Reader:
+        """The reader of a kinematic, which was told this line."""
+        reader = self.reader(named)
+        try:
+            reader.line(words, number)
+        except Fault as fault:
+            raise Fault(fault.key, f"kinematic {named}: {fault.what}") from None
+        return reader
+
+    def act(self, words: list[str], number: int) -> None:
+        """Done at rest by the kinematic named last, before the next block of any of them."""
+        reader, place = self.said(self.now, words, number), list(self.readers).index(self.now)
+        self.acts += tuple(replace(each, member=place) for each in reader.acts if isinstance(each, MachinePoint))
+        reader.acts = ()
+
+    def add(self, moves: dict[str, Block], number: int) -> None:
+        shared = Shared(tuple(moves.get(each) for each in self.readers), number, self.labels.label, self.acts)
+        self.blocks.append(shared)
+        for asked in {block.goes_on_at for block in shared.own}:
+            self.labels.asked(number, asked)
+        self.labels.added()
+        self.acts = ()
+
+    def kinematics(self) -> tuple[Kinematic, ...]:
+        named = {id(each): word for word, each in reversed(CONVENTIONS.items())}
+        return tuple(
+            Kinematic(each, reader.robot, reader.start, reader.units, named[id(reader.angles)]) for each, reader in self.readers.items()
+        )
+
+
+def read_team(text: str) -> TeamProgram:
+    """The program of a text; raises TextFaults with every fault in it."""
+    reader, faults = TeamReader(), []
+    for number, raw in enumerate(text.splitlines(), 1):
+        try:
+            reader.statement(raw, number)
+        except TextError as error:
+            faults.append(error)
+    try:
+        reader.ended()
+    except TextError as error:
+        faults.append(error)
+    faults += [
+        TextError(0, "start", f"is missing: where the axes of kinematic {each} stand before the first block")
+        for each, own in reader.readers.items()
+        if not own.start
+    ]
+    if faults:
+        raise TextFaults(faults)
+    return TeamProgram(reader.name, reader.kinematics(), tuple(reader.blocks), reader.acts)
+
+
+def write_team(program: TeamProgram) -> str:
+    """The text of a program; raises MotionError where one name stands for two tools or frames of one kinematic."""
+    lines = [f"program {program.name}"] if program.name else []
+    for n, each in enumerate(program.kinematics):
+        own = [block for shared in program.blocks if (block := shared.moves[n]) is not None]
+        lines.append(f"kinematic {each.name} {each.robot}")
+        lines += heading(each.start, each.units, each.angles)
+        lines += places_of(own, convention(each.angles))
+        lines += declared(block.system for block in own)
+    systems: dict[str, WcFrame | None] = {}
+    files: dict[str, dict[str, int]] = {each.name: {} for each in program.kinematics}
+    for shared in program.blocks:
+        lines += [f"label {shared.label}"] if shared.label else []
+        lines += _acts(program, shared.acts)
+        parts = []
+        for each, block in zip(program.kinematics, shared.moves, strict=True):
+            lines += [f"kinematic {each.name}", *map(called, block.functions)] if block is not None and block.functions else []
+        for each, block in zip(program.kinematics, shared.moves, strict=True):
+            if block is not None:
+                if block.system != systems.get(each.name):
+                    lines += [f"kinematic {each.name}", chosen(block.system)]
+                    systems[each.name] = block.system
+                if block.file is not None:
+                    lines += [f"kinematic {each.name}", *textfiles.written(block.file, files[each.name])]
+                    continue
+                units = each.units or ("deg",) * len(each.start)
+                parts.append(f"{each.name} {written_move(block, convention(each.angles), units)}")
+        lines += [f"move {' and '.join(parts)}"] if parts else []
+    asked = {block.goes_on_at for shared in program.blocks for block in shared.own} - {""}
+    lines += [f"label {name}" for name in sorted(asked - {shared.label for shared in program.blocks})]
+    return "\n".join([*lines, *_acts(program, program.acts)]) + "\n"
+
+
+def _acts(program: TeamProgram, acts: tuple[Act, ...]) -> list[str]:
+    """Lines of what is done at rest, each with its kinematic."""
+    lines = []
+    for act in acts:
+        assert isinstance(act, MachinePoint)
+        each = program.kinematics[act.member]
+        lines += [f"kinematic {each.name}", acted(act, each.units or ("deg",) * len(each.start))]
+    return lines
