@@ -66,7 +66,7 @@ NEEDS: dict[str, Callable[[], str | None]] = {
     "browser": _browser,
     "pythons": _pythons,
 }  # marker = lane
-FOLDERS = {"unit": "pure", "conformance": "pure", "properties": "pure", "rig": "rig", "matrix": "rig"}
+FOLDERS = {"unit": "pure", "requirements": "pure", "properties": "pure", "rig": "rig", "matrix": "rig"}
 
 
 def missing(lane: str) -> str | None:

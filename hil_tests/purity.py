@@ -1,6 +1,6 @@
 """Purity: what pure folders may import (checked on the source), and a guard that makes clocks and the like raise (at run time).
 
-The guard is up while a test of hil_tests/unit, conformance or properties runs.  It strikes only when pure code stands on the
+The guard is up while a test of hil_tests/unit, requirements or properties runs.  It strikes only when pure code stands on the
 stack between the call and the test: pytest, Hypothesis and the tests themselves keep their clocks.
 """
 
@@ -28,26 +28,6 @@ HARMLESS = frozenset(
     "__future__ abc array binascii bisect collections copy dataclasses decimal difflib enum fractions functools heapq html itertools "
     "json math numbers operator re statistics string struct textwrap types typing unicodedata zlib".split()
 )
-TABLES = tuple(
-    f"gateway.cell_{name}"
-    for name in (
-        "alter",
-        "axes",
-        "belts",
-        "buses",
-        "controller",
-        "lines",
-        "modbus",
-        "northbound",
-        "positions",
-        "program",
-        "retain",
-        "rho3",
-        "routes",
-        "shared",
-        "web",
-    )
-)  # tables of a cell, one file each
 # Pure folders (and single files, which others may then import): what they may import beside HARMLESS.
 ALLOWED: dict[str, frozenset[str]] = {
     "protocols": frozenset({"protocols"}),
@@ -55,14 +35,11 @@ ALLOWED: dict[str, frozenset[str]] = {
     "motion": frozenset({"motion", "numpy", "ruckig", "pinocchio"}),
     "drivers/drives": frozenset({"protocols", "drivers.drives", "ruckig", "numpy"}),
     "drivers/emulator": frozenset({"protocols", "drivers.emulator"}),
-    "gateway/pure": frozenset(
-        {"protocols", "motion", "drivers.drives", "gateway.pure", "gateway.pure.cell.cell", "gateway.runtime.exit_codes"}
-    ),
-    "gateway/pure/cell/cell.py": frozenset({"gateway.pure.cell.cell", *TABLES, "datetime"}),  # the type of a date that stands in the file
-    "gateway/runtime/exit_codes.py": frozenset({"gateway.runtime.exit_codes", "gateway.pure"}),
+    "gateway/pure": frozenset({"protocols", "motion", "drivers.drives", "gateway.pure"}),
+    "gateway/pure/cell/cell.py": frozenset({"gateway.pure", "datetime"}),  # the type of a date in the file
 }
 PURE_MODULES = ("protocols.", "motion.", "drivers.drives.", "drivers.emulator.", "gateway.pure.")
-GUARDED_FOLDERS = ("unit", "conformance", "properties")
+GUARDED_FOLDERS = ("unit", "requirements", "properties")
 OUTSIDE = ("hil_tests", "_pytest", "pytest", "hypothesis", "pluggy", "importlib")  # reached first: not the pure code's call
 
 

@@ -1,10 +1,6 @@
-"""Errors as every part of axisgate tells them, and the exit codes of its commands (design.md 5)."""
+"""Exit codes of the commands and of their child processes (docs/errors.md)."""
 
 from enum import IntEnum
-
-from gateway.pure.image.error_list import ErrorList, ErrorRecord, EventLimit, Reset
-
-__all__ = ["ErrorList", "ErrorRecord", "EventLimit", "Exit", "Reset"]
 
 
 class Exit(IntEnum):

@@ -1,6 +1,5 @@
 """[[program]] of the cell file: motion programs that doors order by their number."""
 
-import pathlib
 from dataclasses import dataclass
 
 
@@ -15,4 +14,5 @@ class Program:
     @property
     def name(self) -> str:
         """As it is called in words: the file's stem."""
-        return pathlib.PurePath(self.file).stem
+        base = self.file.rpartition("/")[2]
+        return base.rpartition(".")[0] or base

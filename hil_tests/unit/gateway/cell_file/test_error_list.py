@@ -1,6 +1,7 @@
 """The error list: first-out, counts, bound, and what clears what (rho3 3.3, 9.1)."""
 
-from gateway.runtime.exit_codes import ErrorList, EventLimit, Exit, Reset
+from gateway.pure.image.error_list import ErrorList, EventLimit, Reset
+from gateway.runtime.exit_codes import Exit
 from protocols.base.machine import ms
 
 
