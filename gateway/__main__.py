@@ -1,17 +1,16 @@
 """`axisgate NAME ...`: finds the command in the entry-point group `axisgate.commands` and hands over; no logic here."""
 
-import ast
 import difflib
 import importlib
 import importlib.util
 import os
-import pathlib
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from importlib.metadata import EntryPoint, entry_points
 from typing import cast
 
-GROUP = "axisgate.commands"
+from gateway.commands.catalogue import GROUP, first_line
+
 Command = Callable[[list[str]], int]
 INVALID, ENVIRONMENT = 2, 3  # exit codes: command line, cell or file invalid; environment
 
@@ -69,18 +68,6 @@ def overview(known: Mapping[str, EntryPoint]) -> str:
     width = max((len(name) for name in known), default=0)
     lines = [f"  {name:<{width}}  {first_line(entry)}" for name, entry in sorted(known.items())]
     return "\n".join(["usage: axisgate COMMAND ...   (axisgate COMMAND -h explains it; axisgate --version)", "", *lines])
-
-
-def first_line(entry: EntryPoint) -> str:
-    """What the command's module says of itself, read without running it."""
-    try:
-        found = importlib.util.find_spec(entry.module)
-    except ModuleNotFoundError:
-        found = None
-    if found is None or found.origin is None:
-        return "(not in this version)"
-    text = ast.get_docstring(ast.parse(pathlib.Path(found.origin).read_bytes())) or ""
-    return text.partition("\n")[0]
 
 
 if __name__ == "__main__":

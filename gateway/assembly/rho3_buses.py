@@ -4,7 +4,7 @@ import time
 
 from drivers.drives.family import BusFamily
 from drivers.drives.servodyn_download import Download
-from gateway.checks.rho3_can import blocks_of
+from gateway.assembly.rho3_blocks import blocks_of
 from gateway.pure.cell.cell import Bus, Cell
 from gateway.pure.controllers.rho3.can.blocks import IoBus, IoSettings
 from gateway.pure.controllers.rho3.can.download import download

@@ -4,10 +4,11 @@ from collections.abc import Iterator
 
 from drivers.drives.orientation import segment_deg, segments
 from drivers.drives.referencing import ORIENTED
+from gateway.assembly.rho3_blocks import blocks_of
 from gateway.checks.context import Context, number
-from gateway.pure.cell.cell import Cell, IoBlock, IoBus, Notice, Rho3
+from gateway.pure.cell.cell import Cell, IoBus, Notice, Rho3
 from gateway.pure.controllers.rho3.can.download import gaps, zero_offset_deg
-from gateway.pure.controllers.rho3.can.rules import Block, BusSetup, Setup, judge
+from gateway.pure.controllers.rho3.can.rules import BusSetup, Setup, judge
 
 BEST_OFFSET_DEG = 90.0
 
@@ -16,11 +17,6 @@ def setup_of(cell: Cell, params: Rho3) -> Setup:
     """Bus n of the P list is the n-th [[bus]] of the cell."""
     count = max(len(params.P30), len(cell.bus))
     return Setup(cell.cycle_ms, tuple(_bus(cell, params, number) for number in range(1, count + 1)), params.P15)
-
-
-def blocks_of(blocks: tuple[IoBlock, ...], bus: int) -> tuple[Block, ...]:
-    """The blocks of one bus, in the order of the list: the first is block 1 in the messages (AX-262)."""
-    return tuple(Block(block.start, block.length, block.id) for block in blocks if block.bus == bus)
 
 
 def _bus(cell: Cell, params: Rho3, number: int) -> BusSetup:

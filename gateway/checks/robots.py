@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from itertools import accumulate
 from typing import TYPE_CHECKING
 
-from gateway.cell_file.rho3_parameters import COMPONENTS
 from gateway.checks.context import Context, twice
 from gateway.pure.cell.cell import Axis
+from gateway.pure.cell.rho3 import COMPONENTS
 from gateway.pure.image.records.cell import MOST_AXES
 
 if TYPE_CHECKING:

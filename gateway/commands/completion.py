@@ -23,7 +23,7 @@ def main(argv: list[str]) -> int:
     )
     parser.add_argument("shell", choices=("bash", "zsh", "fish"))
     arguments = parser.parse_args(argv)
-    from gateway.__main__ import GROUP, first_line
+    from gateway.commands.catalogue import GROUP, first_line
 
     known = {entry.name: entry for entry in entry_points(group=GROUP)}
     print(script(arguments.shell, tree(known, first_line), names_in("cells")), end="")

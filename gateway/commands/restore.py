@@ -6,8 +6,8 @@ import pathlib
 import sys
 
 from drivers.ports.base import PortError, runtime_dir
-from gateway.processes.supervisor import ask
 from gateway.recording import backup
+from gateway.runtime.supervisor_client import ask
 from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE
 
 EXAMPLES = """examples:

@@ -8,6 +8,7 @@ from gateway.tools.runs import Row, alarms, chosen, processes, runs
 
 EXAMPLES = """examples:
   axisgate status                   the run that is up on this computer
+  axisgate status hall3             this one
   axisgate status hall3 --json      for scripts
 exit code: 0 everything is up, 1 a process is not up or an alarm stands, 3 no such run"""
 

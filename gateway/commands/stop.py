@@ -10,7 +10,8 @@ from gateway.tools.runs import asked, chosen, ended
 ENDS_S = 30.0
 EXAMPLES = """examples:
   axisgate stop                     the run that is up on this computer
-  axisgate stop hall3
+  axisgate stop hall3               this one
+  axisgate stop hall3 && axisgate run hall3.toml    a fresh start
 exit code: 0 it has ended, 1 it is still ending after 30 s, 3 no such run"""
 
 

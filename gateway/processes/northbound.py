@@ -19,12 +19,12 @@ from gateway.northbound.journald import Journald, there
 from gateway.northbound.metrics import Metrics
 from gateway.northbound.snapshot import values
 from gateway.observer.regions import Regions
-from gateway.processes.supervisor import ask
 from gateway.pure.cell.northbound import Northbound, place_of
 from gateway.runtime.journal import Journal
 from gateway.runtime.life import BEAT_S, Life
 from gateway.runtime.realtime import die_with_parent
 from gateway.runtime.regions import fds_from_text
+from gateway.runtime.supervisor_client import ask
 
 NICE = 19
 SAMPLE_S = 0.1

@@ -15,7 +15,6 @@ import selectors
 import signal
 import socket
 import subprocess
-import time
 from dataclasses import dataclass, field
 
 from drivers.ports.base import PortError, runtime_dir
@@ -442,31 +441,3 @@ def _request(heard: bytes) -> dict[str, object] | None:
 
 def _how(code: int) -> str:
     return f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
-
-
-def ask(slug: str, op: str, timeout_s: float = 5.0, **more: str) -> socket.socket:
-    """Open connection with the request sent; the caller reads the answer.  PortError when no such run is up."""
-    path = runtime_dir() / f"{slug}.sock"
-    connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-    connection.settimeout(timeout_s)
-    try:
-        connection.connect(str(path))
-        connection.sendall(json.dumps({"op": op, **more}).encode())
-    except OSError as error:
-        connection.close()
-        raise PortError(f"{path}: no run of {slug!r} answers ({error.strerror}); start one: axisgate run CELL --sim") from error
-    return connection
-
-
-def wait_up(slug: str, seconds: float) -> bool:
-    """True when cycle and services of the run are up within `seconds`."""
-    until = time.monotonic() + seconds
-    while time.monotonic() < until:
-        with contextlib.suppress(OSError, ValueError):
-            connection = ask(slug, "status")
-            with connection:
-                status = json.loads(connection.makefile().readline())
-            if all(p["state"] == "up" and (p["life_age_ms"] or 0) < 1000 for p in status["processes"]):
-                return True
-        time.sleep(0.05)
-    return False

@@ -12,7 +12,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from drivers.ports.base import PortError
-from gateway.processes.supervisor import ask
 from gateway.pure.image.records.cell import CELL_STATE_LAYOUT, RC_BYTES
 from gateway.pure.recording.messages import (
     ASKED,
@@ -29,6 +28,7 @@ from gateway.pure.scope.records import SCOPE_LAYOUT
 from gateway.recording.file import Writer
 from gateway.recording.states import Start, frozen
 from gateway.runtime.regions import ImageError, RegionWriter, RingReader, recv_fds
+from gateway.runtime.supervisor_client import ask
 
 NAP_S = 0.02
 AT_ONCE = 512

@@ -10,12 +10,12 @@ import numpy as np
 
 from drivers.ports.base import PortError
 from gateway.assembly.data_block_signals import signals_of
-from gateway.processes.supervisor import ask
 from gateway.pure.cell.cell import Cell
 from gateway.pure.scope.channels import AxisFact, Channel, channel
 from gateway.pure.scope.records import SCOPE_LAYOUT
 from gateway.pure.scope.trigger import Capture, Trigger, parse_trigger
 from gateway.runtime.regions import ImageError, RingReader, recv_fds
+from gateway.runtime.supervisor_client import ask
 from gateway.scope.recording import Recording
 
 NAP_S = 0.02  # the ring holds 4,096 records: 400 times as long at 2 ms

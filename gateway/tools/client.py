@@ -13,9 +13,9 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 
 from drivers.ports.base import PortError, runtime_dir
-from gateway.processes.supervisor import wait_up
 from gateway.pure.cell.cell import Cell
 from gateway.pure.image.records.cell import AxisFlag
+from gateway.runtime.supervisor_client import wait_up
 
 POLL_S = 0.05
 ALIVE_S = 0.25  # reading is no sign of life: what is in control says so often that it is there

@@ -6,7 +6,7 @@ import sys
 import time
 
 from drivers.ports.base import PortError, runtime_dir
-from gateway.processes.supervisor import ask
+from gateway.runtime.supervisor_client import ask
 
 ASK_S = 2.0
 SERVICES = "-services"

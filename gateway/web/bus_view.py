@@ -13,7 +13,7 @@ from protocols.base.can_bits import frame_bits
 from protocols.base.machine import Frame, Ns
 
 if TYPE_CHECKING:
-    from gateway.tools.bus.monitor import Decode
+    from gateway.files.frame_decoder import Decode
 
 KEPT = 80  # frames of the list
 RATE_NS: Ns = 1_000_000_000  # rates and load over this window
@@ -95,7 +95,7 @@ class BusView:
     def told(self) -> Row:
         """Rows of the page."""
         from gateway.assembly.bus_frames import bitrate
-        from gateway.tools.bus.monitor import named  # the decoders' libraries take half a second to load: not before somebody looks
+        from gateway.files.frame_decoder import named  # the decoders' libraries take half a second to load: not before somebody looks
 
         now = time.monotonic()
         if now - self._window >= RATE_NS / 1e9:
@@ -138,7 +138,7 @@ class BusView:
 
     def _decoder(self) -> "Decode":
         if self._decode is None:
-            from gateway.tools.bus.monitor import decoder
+            from gateway.files.frame_decoder import decoder
 
             canopen = self.bus.protocol == "canopen"
             self._decode = decoder(None if canopen else self.bus.layout, canopen=canopen)

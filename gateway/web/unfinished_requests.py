@@ -25,7 +25,7 @@ class PatientHttp(H11Protocol):
     _timer: asyncio.TimerHandle | None = None
     _began = 0.0
 
-    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]  # uvicorn narrows the transport
         super().connection_made(transport)
         if self.at_gateway:
             self.limit_concurrency = None

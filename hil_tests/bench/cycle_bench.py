@@ -18,9 +18,9 @@ from dataclasses import dataclass, field
 
 from pymodbus.exceptions import ConnectionException, ModbusIOException
 
-from gateway.processes.supervisor import ask, wait_up
 from gateway.pure.image.records.cell import unpack_trace
 from gateway.runtime.regions import RingReader, recv_fds
+from gateway.runtime.supervisor_client import ask, wait_up
 from gateway.tools.progress import Progress
 from hil_tests.bench.cycle_judge import Verdict, judge, percentile
 from hil_tests.bench.emulated_drives import cpu_seconds

@@ -18,9 +18,9 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
-from gateway.processes.supervisor import ask, wait_up
 from gateway.pure.image.records.cell import unpack_cell_state
 from gateway.runtime.regions import RegionReader, recv_fds
+from gateway.runtime.supervisor_client import ask, wait_up
 from gateway.tools.progress import Progress, steps
 from hil_tests.lab.running.scenario import free_port
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from pymodbus.exceptions import ConnectionException, ModbusIOException
 
 from gateway.files.find import find_config
-from gateway.processes.supervisor import ask
+from gateway.runtime.supervisor_client import ask
 from hil_tests.bench.cycle_bench import SWITCH_ON_S, Bench, Figure, Side, alternate, running
 from hil_tests.bench.drives_bench import compared
 from hil_tests.bench.emulated_drives import cpu_seconds

@@ -20,9 +20,9 @@ from collections.abc import Iterator
 
 from websockets.asyncio.client import connect
 
-from gateway.processes.supervisor import ask
 from gateway.pure.image.records.cell import unpack_trace
 from gateway.runtime.regions import RingReader, recv_fds
+from gateway.runtime.supervisor_client import ask
 from gateway.scope.recording import load
 from gateway.tools.progress import steps, waited
 from hil_tests.lab.running.cell_running import CellRun, free_port, running_cell

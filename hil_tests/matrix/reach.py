@@ -10,7 +10,8 @@ from collections.abc import Iterable, Mapping
 from hil_tests.matrix.callgraph import CallGraph
 
 KINDS = ("cell", "program", "command", "API only")
-PROCESSES, COMMANDS = "gateway.processes.", "gateway.commands."
+PROCESSES = ("gateway.processes.", "gateway.cycle.", "gateway.services.", "gateway.simulation.", "gateway.shadow.")
+COMMANDS = "gateway.commands."
 PLANNER = "gateway.processes.planner"  # serves motion programs and nothing else
 PROGRAMS = "motion.program"
 

@@ -14,6 +14,7 @@ from enum import IntEnum
 from protocols.base.machine import Frame, FrameFault, Ns
 
 EFF_FLAG, RTR_FLAG, ERR_FLAG = 0x80000000, 0x40000000, 0x20000000
+ID_BITS = 0x1FFFFFFF
 CONTROL = EFF_FLAG | RTR_FLAG | ERR_FLAG  # no CAN frame has all three
 MAX_ID, MAX_DATA = 0x7FF, 8
 

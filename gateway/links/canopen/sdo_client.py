@@ -13,7 +13,7 @@ OUT_OF_MEMORY, TIMED_OUT = 0x05040005, 0x05040000
 def bounded_upload(client: SdoClient, index: int, sub: int, most: int = MOST_BYTES, most_s: float = MOST_S) -> bytes:
     """As SdoClient.upload; raises SdoAbortedError with the code sent to the device when it does not end, and what that one raises."""
     end = time.monotonic() + most_s
-    with client.open(index, sub, buffering=0) as stream:  # type: ignore[no-untyped-call]
+    with client.open(index, sub, buffering=0) as stream:  # type: ignore[no-untyped-call]  # canopen has no types here
         announced = stream.size
         limit = most if announced is None else min(most, announced + 7)  # a last segment may be padded
         data = bytearray()
@@ -22,7 +22,7 @@ def bounded_upload(client: SdoClient, index: int, sub: int, most: int = MOST_BYT
             late = time.monotonic() > end
             if late or len(data) > limit:
                 code = TIMED_OUT if late else OUT_OF_MEMORY
-                client.abort(code)  # type: ignore[no-untyped-call]
+                client.abort(code)  # type: ignore[no-untyped-call]  # canopen has no types here
                 raise SdoAbortedError(code)
     known = client.od.get_variable(index, sub)
     if known is not None and known.fixed_size and (announced is None or len(known) // 8 < announced):

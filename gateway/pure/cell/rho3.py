@@ -74,3 +74,6 @@ class Rho3:
     P401: tuple[MeasuringSystem, ...] = ()
     P601: bool = False
     others: Mapping[str, ParamValue] = field(default_factory=dict)
+
+
+COMPONENTS = "xyzabc"  # P313

@@ -9,12 +9,11 @@ from collections.abc import Iterator
 
 import can
 
-from drivers.ports.can.wire import EFF_FLAG, RTR_FLAG
+from drivers.ports.can.wire import EFF_FLAG, ID_BITS, RTR_FLAG
 from gateway.pure.buses.candump import is_fd, marked_frames_of
 from gateway.pure.lines.pcapng import can_pcapng
 from protocols.base.machine import Frame
 
-ID_BITS = 0x1FFFFFFF
 LINES = 50  # of a text, in which its form has to show
 READABLE = (".log", ".asc", ".blf", ".trc", ".csv")
 WRITABLE = (*READABLE, ".pcapng")

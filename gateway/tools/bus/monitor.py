@@ -5,19 +5,17 @@ import json
 import pathlib
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 import can
-import cantools
-from cantools.database.can import Database
 from cantools.database.errors import Error as DatabaseError
 
-from drivers.ports.can.wire import EFF_FLAG, RTR_FLAG
-from gateway.files.find import ConfigNotFound, find_config
-from gateway.pure.buses.decoder import canopen_text
+from drivers.ports.can.wire import ID_BITS, RTR_FLAG
+from gateway.files.find import ConfigNotFound
+from gateway.files.frame_decoder import Decode, decoder, named
 from gateway.tools.bus.load import measured
-from gateway.tools.bus.logs import ID_BITS, BadLog, frame_of, read_log
+from gateway.tools.bus.logs import BadLog, frame_of, read_log
 from gateway.tools.bus.ports import FORM, NoBus, open_bus
 from gateway.tools.command_support import DONE, ENVIRONMENT, USAGE
 from protocols.base.machine import Frame, Ns
@@ -28,7 +26,6 @@ EXAMPLES = f"""examples:
   axisgate bus monitor --from living.blf --canopen
 a bus is {FORM}
 exit code: 0 done, 2 command line or file, 3 the bus is not there"""
-Decode = Callable[[Frame], str]
 
 
 @dataclass(slots=True)
@@ -155,32 +152,3 @@ def _line(frame: Frame, start: Ns, decode: Decode, *, as_json: bool) -> str:
     if frame.identifier & RTR_FLAG:
         return f"{since:12.3f} ms {named(frame.identifier):>14}  {decode(frame)}"
     return f"{since:12.3f} ms {named(frame.identifier):>14}  {frame.data.hex(' '):24} {decode(frame)}"
-
-
-def named(identifier: int) -> str:
-    """ "100 (64h)"; extended identifiers by hexadecimals alone."""
-    identifier &= ~RTR_FLAG
-    return f"{identifier & ID_BITS:08X}h" if identifier & EFF_FLAG else f"{identifier} ({identifier:X}h)"
-
-
-def decoder(dbc: str | None, *, canopen: bool) -> Decode:
-    """How a frame is told; raises ConfigNotFound and errors of cantools."""
-    database = cantools.database.load_file(str(find_config(dbc, "drives"))) if dbc else None
-    known = {m.frame_id: m for m in database.messages} if isinstance(database, Database) else {}
-
-    def decode(frame: Frame) -> str:
-        if frame.identifier & RTR_FLAG:
-            return f"remote frame, asks for {len(frame.data)} bytes"
-        message = known.get(frame.identifier & ~EFF_FLAG)
-        if message is None:
-            return canopen_text(frame) if canopen else ""
-        try:
-            values = message.decode(frame.data, decode_choices=False)
-        except (ValueError, DatabaseError) as error:
-            return f"{message.name}: {error}"
-        assert isinstance(values, dict)
-        return f"{message.name} " + " ".join(
-            f"{name}={value:g}" if isinstance(value, float) else f"{name}={value}" for name, value in values.items()
-        )
-
-    return decode

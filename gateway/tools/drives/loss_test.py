@@ -11,10 +11,10 @@ from drivers.emulator.servo.record import Record, Row, read
 from gateway.assembly.drive_buses import MISSED
 from gateway.assembly.plant import motor_rad
 from gateway.assembly.run import slug_of
-from gateway.processes.supervisor import ask
 from gateway.pure.cell.cell import Bus, Cell
 from gateway.pure.image.records.cell import AxisFlag
 from gateway.runtime.clock import wall
+from gateway.runtime.supervisor_client import ask
 from gateway.simulation.drives.control import EmulatorControl
 from gateway.tools.client import ToolClient, ToolError, mask_of
 from gateway.tools.command_support import BANNER

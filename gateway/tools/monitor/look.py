@@ -11,10 +11,10 @@ from gateway.observer.names import Names
 from gateway.observer.regions import Regions
 from gateway.observer.tool_link import GLANCE_S, Gone, Refused, Row, ServicesLink, supervisor
 from gateway.observer.values import Watched
-from gateway.processes.supervisor import ask
 from gateway.pure.cell.cell import Cell
 from gateway.pure.cell.faults import CellFaults
 from gateway.runtime.regions import ImageError, recv_fds
+from gateway.runtime.supervisor_client import ask
 from gateway.tools.monitor.shown import axes_table, doors_table, errors_table, headline, sentences_table, signals_table
 from gateway.tools.monitor.tables import Table
 from gateway.web.line_view import LineViews

@@ -162,7 +162,7 @@ def pose_on(line: PoleLine, share: float) -> Pose:
     skew = (turned - turned.T) / (2.0 * math.sin(angle))
     part = np.eye(3) + math.sin(share * angle) * skew + (1.0 - math.cos(share * angle)) * skew @ skew
     rotation = (np.array(line.a.rotation).reshape(3, 3) @ part).ravel()
-    return Pose(_three(place), tuple(float(v) for v in rotation))  # type: ignore[arg-type]
+    return Pose(_three(place), tuple(float(v) for v in rotation))  # type: ignore[arg-type]  # nine numbers, as a matrix has
 
 
 def truth(line: PoleLine) -> Truth:

@@ -18,10 +18,10 @@ from drivers.emulator.servo.record import Record
 from drivers.emulator.servo.record import read as read_record
 from drivers.ports.base import PortError
 from gateway.cell_file.load import load_cell
-from gateway.processes.supervisor import ask, wait_up
 from gateway.pure.image.records.cell import CellState, unpack_cell_state
 from gateway.runtime.realtime import realtime_allowed
 from gateway.runtime.regions import RegionReader, recv_fds
+from gateway.runtime.supervisor_client import ask, wait_up
 from gateway.simulation.drives.control import EmulatorControl
 from hil_tests.lab.judges import bus_log as buslog
 from hil_tests.lab.judges.judge import Judge, Move

@@ -17,7 +17,7 @@ from typing import Any
 from drivers.ports.base import CanPort, runtime_dir
 from drivers.ports.can.open import open_can
 from gateway.files.find import find_config, read_text
-from gateway.processes.supervisor import wait_up
+from gateway.runtime.supervisor_client import wait_up
 from hil_tests.lab.running.cell_running import P5_MS, free_port, runtime_folder
 from protocols.base.machine import Frame
 

@@ -12,11 +12,11 @@ import numpy as np
 from gateway.assembly.axes import INPUT_SIGNALS
 from gateway.assembly.programs import machine_of_cell
 from gateway.cell_file.load import load_cell
-from gateway.processes.supervisor import ask
 from gateway.pure.arbitration.command_block import mask_word
 from gateway.pure.image.records.cell import AxisFlag, CellState, Motion, get_bit, unpack_cell_state
 from gateway.pure.image.records.planner import PlannerState, unpack_planner
 from gateway.runtime.regions import RegionReader, recv_fds
+from gateway.runtime.supervisor_client import ask
 from hil_tests.lab.cells.arms import Array
 from hil_tests.lab.partners.plc2 import DONE, ENABLE, OVERRIDE, REQUEST, RESET, RESUME, STOP, Status
 from hil_tests.lab.running.cell_running import CellRun, running_cell

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from gateway.assembly.plant import write_settings
 from gateway.cell_file.load import load_cell
 from gateway.files.find import find_config, read_text
-from gateway.processes.supervisor import wait_up
+from gateway.runtime.supervisor_client import wait_up
 from gateway.tools.drives.first_enable import WORDS, confirm, needed
 from hil_tests.lab.running.bus_running import Bus
 from hil_tests.lab.running.cell_running import P5_MS, CellRun, runtime_folder

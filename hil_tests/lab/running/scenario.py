@@ -16,9 +16,9 @@ from typing import Any
 
 from drivers.ports.base import PortError
 from gateway.cell_file.load import load_cell
-from gateway.processes.supervisor import ask, wait_up
 from gateway.pure.cell.cell import Cell
 from gateway.pure.image.reasons import Reason
+from gateway.runtime.supervisor_client import ask, wait_up
 from gateway.simulation.line.control import LineControl
 from gateway.tools.command_support import BANNER
 from hil_tests.lab.judges.judge import Move, Verdict

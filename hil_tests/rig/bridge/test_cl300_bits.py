@@ -7,9 +7,9 @@ import signal
 import time
 from collections.abc import Iterator
 
-from gateway.processes.supervisor import ask
 from gateway.pure.image.records.cell import Permit, unpack_cell_state
 from gateway.runtime.regions import RegionReader, recv_fds
+from gateway.runtime.supervisor_client import ask
 from hil_tests.lab.running.joined_running import JoinedRun, Modules, cell_copy, running_joined
 
 IN, OUT = 541, 471  # what the CL300 puts out, what it reads

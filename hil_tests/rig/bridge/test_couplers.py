@@ -7,8 +7,8 @@ import signal
 import time
 from typing import Any
 
-from gateway.processes.supervisor import ask
 from gateway.runtime.regions import RegionReader, recv_fds
+from gateway.runtime.supervisor_client import ask
 from gateway.simulation.drives.control import EmulatorControl
 from hil_tests.lab.running.joined_running import JoinedRun, cell_copy, running_joined
 

@@ -5,9 +5,9 @@ import os
 import signal
 import time
 
-from gateway.processes.supervisor import ask
 from gateway.pure.image.records.cell import RC_BYTES, Quality, unpack_inputs
 from gateway.runtime.regions import RegionReader, recv_fds
+from gateway.runtime.supervisor_client import ask
 from hil_tests.lab.running.cell_running import P5_MS
 from hil_tests.lab.running.joined_running import JoinedRun, cell_copy, running_joined
 from hil_tests.lab.running.modbus_running import RawClient

@@ -33,7 +33,7 @@ def master(bus: Bus) -> Iterator[canopen.Network]:
     network.connect()
     network.sync.start(SYNC_S)
     yield network
-    network.sync.stop()  # type: ignore[no-untyped-call]
+    network.sync.stop()  # type: ignore[no-untyped-call]  # canopen has no types here
     network.disconnect()
 
 

@@ -6,7 +6,7 @@ import sys
 import time
 
 from drivers.ports.base import runtime_dir
-from gateway.processes.supervisor import wait_up
+from gateway.runtime.supervisor_client import wait_up
 from hil_tests.lab.partners.plc1 import S5Plc
 from hil_tests.lab.running.cell_running import P5_MS, runtime_folder
 

@@ -14,8 +14,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from gateway.processes.supervisor import ask, wait_up
 from gateway.runtime.realtime import realtime_allowed
+from gateway.runtime.supervisor_client import ask, wait_up
 from hil_tests.lab.partners.hand_plc import Hand
 from hil_tests.lab.running.cell_running import free_port, runtime_folder
 

@@ -9,7 +9,7 @@ from importlib.metadata import entry_points
 
 import pytest
 
-from gateway.__main__ import GROUP, first_line
+from gateway.commands.catalogue import GROUP, first_line
 from gateway.commands.completion import main
 from gateway.tools.completion.parsers import Node, fill, parser_of, tree
 from gateway.tools.completion.scripts import quoted, script

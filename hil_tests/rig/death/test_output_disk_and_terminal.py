@@ -11,7 +11,7 @@ import time
 from collections.abc import Iterator
 
 from drivers.ports.base import runtime_dir
-from gateway.processes.supervisor import ask, wait_up
+from gateway.runtime.supervisor_client import ask, wait_up
 from hil_tests.lab.partners.plc2 import PTP
 from hil_tests.lab.running.cell_running import ALL, COMES_UP_S, P5_MS, TARGET, left_over, running_cell, runtime_folder
 

@@ -14,7 +14,7 @@ import pytest
 
 from drivers.emulator.servo.record import read
 from drivers.ports.base import runtime_dir
-from gateway.processes.supervisor import ask
+from gateway.runtime.supervisor_client import ask
 from hil_tests.lab.running.bus_running import running_bus
 from hil_tests.lab.running.cell_running import P5_MS, CellRun, gone, left_over, running_cell, runtime_folder, special_files
 

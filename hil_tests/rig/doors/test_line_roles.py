@@ -18,8 +18,8 @@ import pytest
 from drivers.ports.base import runtime_dir
 from drivers.ports.open import open_bytes
 from drivers.ports.serial.line_format import parse_record
-from gateway.processes.supervisor import wait_up
 from gateway.pure.lines.rk512_link import Rk512Link
+from gateway.runtime.supervisor_client import wait_up
 from hil_tests.lab.partners import rk512_active as plc
 from hil_tests.lab.partners.rk512_active import ActiveStation, Event, Refused, Unasked
 from hil_tests.lab.partners.sync_line import SyncLine

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import pytest
 
 from drivers.ports.open import open_bytes
-from gateway.processes.supervisor import wait_up
+from gateway.runtime.supervisor_client import wait_up
 from gateway.simulation.line.control import LineControl
 from hil_tests.lab.partners.plc1 import PROFILE
 from hil_tests.lab.partners.plc2 import ENABLE, OVERRIDE, PTP, REFERENCE, REQUEST, Status

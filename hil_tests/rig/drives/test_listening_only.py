@@ -10,10 +10,10 @@ import pytest
 
 from gateway.assembly.run import plan_run
 from gateway.cell_file.load import load_cell
-from gateway.processes.supervisor import ask
 from gateway.pure.image.reasons import Reason
 from gateway.pure.image.records.cell import AxisFlag
 from gateway.runtime.regions import RegionReader, recv_fds
+from gateway.runtime.supervisor_client import ask
 from gateway.web.cell_view import described
 from gateway.web.plant_view import Plant
 from gateway.web.skeleton import Skeleton

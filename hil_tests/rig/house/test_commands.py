@@ -9,6 +9,7 @@ from importlib.metadata import EntryPoint
 import pytest
 
 from gateway import __main__ as finder
+from gateway.commands import catalogue
 from hil_tests.purity import ROOT
 
 COMMANDS = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["entry-points"]["axisgate.commands"]
@@ -19,7 +20,7 @@ def axisgate(*words: str) -> "subprocess.CompletedProcess[str]":
 
 
 def entry(name: str, value: str) -> EntryPoint:
-    return EntryPoint(name, value, finder.GROUP)
+    return EntryPoint(name, value, catalogue.GROUP)
 
 
 def test_help_lists_every_command_in_one_line_each() -> None:
@@ -64,4 +65,4 @@ def test_the_command_gets_the_rest_and_its_code_is_handed_back(monkeypatch: pyte
     found = entry("here", "a_command:main")
     monkeypatch.setattr(finder, "entry_points", lambda group: [found])
     assert finder.main(["here", "a", "-h", "c"]) == 3
-    assert finder.first_line(found) == "Says what it does."
+    assert catalogue.first_line(found) == "Says what it does."

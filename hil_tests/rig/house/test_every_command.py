@@ -7,7 +7,7 @@ from importlib.metadata import EntryPoint, entry_points
 
 import pytest
 
-from gateway.__main__ import GROUP, first_line
+from gateway.commands.catalogue import GROUP, first_line
 from gateway.tools.completion.parsers import Node, tree
 
 ENTRIES = {entry.name: entry for entry in entry_points(group=GROUP)}
@@ -24,6 +24,8 @@ NO_DATA = {  # commands that print no data, and what they do instead
     "line learn": "prints a cell to edit",
     "line export": "writes a file for another program",
     "scope export": "writes a file for another program",
+    "stop": "gives one order to a run",
+    "release": "gives one order to a run",
 }
 
 

@@ -24,7 +24,7 @@ from pymodbus.client import ModbusTcpClient
 
 from drivers.ports.base import runtime_dir
 from gateway.commands.monitor import main
-from gateway.processes.supervisor import ask
+from gateway.runtime.supervisor_client import ask
 from gateway.tools.monitor.app import Monitor
 from gateway.tools.monitor.look import Look
 from gateway.tools.monitor.pendant import Pendant

@@ -21,9 +21,9 @@ import asyncua
 import pytest
 from asyncua.client.client import Client
 
-from gateway.processes.supervisor import ask
 from gateway.pure.image.records.cell import unpack_cell_state
 from gateway.runtime.regions import RegionReader, recv_fds
+from gateway.runtime.supervisor_client import ask
 from gateway.tools.client import ToolClient
 from hil_tests.lab.running.cell_running import free_port
 from hil_tests.lab.running.joined_running import JoinedRun, cell_copy, running_joined

@@ -12,9 +12,9 @@ import pytest
 from gateway.cell_file.load import load_cell
 from gateway.commands.backup import main as backup_command
 from gateway.commands.restore import main as restore_command
-from gateway.processes.supervisor import ask
 from gateway.pure.cell.faults import CellFaults
 from gateway.runtime.retained.writer import history
+from gateway.runtime.supervisor_client import ask
 from hil_tests.lab.running.cell_running import P5_MS, runtime_folder
 from hil_tests.lab.running.joined_running import JoinedRun, cell_copy
 

@@ -11,9 +11,9 @@ from typing import Any
 import pytest
 
 from gateway.files.find import find_config, read_text
-from gateway.processes.supervisor import ask
 from gateway.pure.image.records.cell import AxisFlag
 from gateway.runtime.regions import RegionReader, recv_fds
+from gateway.runtime.supervisor_client import ask
 from gateway.simulation.drives.control import EmulatorControl
 from hil_tests.lab.judges.bus_log import Logged
 from hil_tests.lab.running.cell_running import CellRun, running_cell

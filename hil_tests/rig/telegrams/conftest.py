@@ -17,7 +17,7 @@ import pytest
 from drivers.ports.base import runtime_dir
 from drivers.ports.open import open_bytes
 from gateway.files.find import find_config
-from gateway.processes.supervisor import wait_up
+from gateway.runtime.supervisor_client import wait_up
 from hil_tests.lab.partners.by_hand_partner import ByHandPartner, Gave, Got
 from hil_tests.lab.partners.sync_line import SyncLine
 

@@ -67,7 +67,7 @@ def test_a_time_out_is_kept_though_every_answer_takes_its_time() -> None:
         dialogue.wait(20)
         return upload(index, sub)
 
-    dialogue.upload = slow  # type: ignore[method-assign]
+    dialogue.upload = slow  # type: ignore[method-assign]  # a slow drive in its place
     start = dialogue.now
     with pytest.raises(ManualError, match="did not find its home"):
         dialogue.carry(homing(3_000))
@@ -83,7 +83,7 @@ def test_a_drive_that_waits_for_its_first_controlword_gets_one() -> None:
         woken = woken or any(isinstance(step, Write) and step.index == 0x6040 and step.data != b"\0\0" for step in dialogue.steps)
         return bytes(2) if index == 0x6041 and not woken else answer(index, sub)
 
-    dialogue.upload = asleep  # type: ignore[method-assign]
+    dialogue.upload = asleep  # type: ignore[method-assign]  # a slow drive in its place
     moved = dialogue.carry(profile_position(4_000, 100_000, 400_000))
     assert abs(moved.end_inc - moved.start_inc - 4_000) <= 30
 

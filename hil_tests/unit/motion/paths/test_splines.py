@@ -144,5 +144,5 @@ def test_points_that_make_no_spline_are_refused() -> None:
 def test_tolerance_and_tension_are_numbers_of_any_kind() -> None:
     points = contour_points(40)
     plain = fit(points, 1e-4, 1.0)
-    for made in (fit(points, np.float32(1e-4), np.int64(1)), fit(points, np.full(40, np.float32(1e-4)), np.ones(41))):  # type: ignore[arg-type]
+    for made in (fit(points, np.float32(1e-4), np.int64(1)), fit(points, np.full(40, np.float32(1e-4)), np.ones(41))):  # type: ignore[arg-type]  # NumPy numbers on purpose
         assert norm(sub(made.at(0.3 * made.length).position, plain.at(0.3 * plain.length).position)) < 1e-7
