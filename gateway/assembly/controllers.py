@@ -112,7 +112,7 @@ def make_control(
 ) -> tuple[Control | None, list[str]]:
     """The control of a cell and what its files have wrong, line by line; None where it has no [controller].
 
-    `owners`: RC input byte -> number of its door; `doors`: name -> number.  ValueError: `check` has refused it before.
+    `owners`: RC input byte -> number of its command source; `doors`: name -> number.  ValueError: `check` has refused it before.
     """
     controller = cell.controller
     if controller is None:
@@ -270,7 +270,7 @@ def _step(step: ProcessStep, axes: list[str]) -> Step:
 
 
 def reis_setup(cell: Cell, controller: Controller, doors: Mapping[str, int]) -> ReisSetup:
-    """A Reis: its axes, the door its markers command for, and what its synchronism hangs on."""
+    """A Reis: its axes, the command source its markers command for, and what its synchronism hangs on."""
     references = {
         number: Reference(axis.home.position, round(axis.home.offset * 1000), -1 if axis.mechanics.direction == "-" else 1)
         for number, axis in enumerate(cell.axis, 1)

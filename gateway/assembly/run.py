@@ -31,8 +31,8 @@ from gateway.runtime import state_folder as statefolder
 from gateway.runtime.regions import create_region, create_ring
 from motion.execution.pieces import record_size
 
-ORDERS = 256  # records in the command ring: far more than one door can issue in a cycle
-DOOR_BYTES = 256  # command words (128 bytes at most) and status words (128) of one door
+ORDERS = 256  # records in the command ring: far more than one command source can issue in a cycle
+DOOR_BYTES = 256  # command words (128 bytes at most) and status words (128) of one command source
 LINKS_BYTES = 16384
 MS = 1_000_000
 WATCHED_MS: Mapping[str, int] = {  # processes with no region of their own: how long their loops may take (AX-626)
@@ -112,11 +112,11 @@ class RunPlan:
         return place if isinstance(place, str) else f"{place[0]}:{place[1]}"
 
     def door(self, name: str) -> CommandSource:
-        """The door of that name; KeyError names those that exist."""
+        """The command source of that name; KeyError names those that exist."""
         for door in self.doors:
             if door.name == name:
                 return door
-        raise KeyError(f"door {name!r}; this cell has {', '.join(door.name for door in self.doors)}")
+        raise KeyError(f"command source {name!r}; this cell has {', '.join(door.name for door in self.doors)}")
 
 
 def slug_of(cell: Cell) -> str:

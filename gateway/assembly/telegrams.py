@@ -1,4 +1,5 @@
-"""[[telegram]] of a cell file -> tables of protocols.telegrams.  Used by `check` and by the running door, so both mean the same."""
+"""[[telegram]] of a cell file -> tables of protocols.telegrams.  Used by `check` and by the running command source, so both mean the
+same."""
 
 from collections.abc import Iterable, Iterator
 

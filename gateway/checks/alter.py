@@ -1,4 +1,4 @@
-"""[alter]: six whole words that a door writes, a byte of life beside them, two words of answer that nobody else writes."""
+"""[alter]: six whole words that a command source writes, a byte of life beside them, two words of answer that nobody else writes."""
 
 from gateway.assembly.axes import rc_numbers
 from gateway.checks.context import Context
@@ -36,7 +36,7 @@ def alter(check: Context) -> None:
         check.fault(
             "alter.input",
             table.input,
-            f"nobody may write RC input byte {missing[0]}: [rc_inputs] owner names a door, or a [[route]] leads there",
+            f"nobody may write RC input byte {missing[0]}: [rc_inputs] owner names a command source, or a [[route]] leads there",
         )
     if table.life is None and check.cell.route and missing:
         check.fault(

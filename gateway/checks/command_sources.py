@@ -28,7 +28,7 @@ def safety(check: Context) -> None:
 
 
 def names(check: Context) -> None:
-    """No two doors, buses, axes or contacts with one name; no port used twice."""
+    """No two command sources, buses, axes or contacts with one name; no port used twice."""
     cell = check.cell
     doors = [(line.name, f"line.{line.name}") for line in cell.line] + [(door.name, f"modbus.{door.name}") for door in cell.modbus]
     _unique(check, doors, "doors")
@@ -94,14 +94,16 @@ def _same(at: str, address: DataWord) -> bool:
 
 
 def rc_inputs(check: Context) -> None:
-    """Every RC input byte has one owning door; assumed inputs are enabling inputs."""
+    """Every RC input byte has one owning command source; assumed inputs are enabling inputs."""
     doors = check.known["line"] | check.known["modbus"]
     for byte, door in check.cell.rc_inputs.owner.items():
         if byte > 127:
             check.fault("rc_inputs.owner", byte, "", "0..127", "PIC byte")
         if door not in doors:
             check.fault(
-                "rc_inputs.owner", f"{byte} = {door}", f"no such door; {near(door, doors) or 'there is ' + ', '.join(sorted(doors))}"
+                "rc_inputs.owner",
+                f"{byte} = {door}",
+                f"no such command source; {near(door, doors) or 'there is ' + ', '.join(sorted(doors))}",
             )
     owners = dict(check.cell.rc_inputs.owner)
     for block in check.cell.db:

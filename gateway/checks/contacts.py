@@ -59,7 +59,7 @@ def _output(check: Context, io: Io) -> None:
     place = symbols_of(check.cell, check.signals).get(io.signal.upper())
     if place is not None:
         if place.direction is Direction.INPUT:
-            check.fault(key, io.signal, "an RC input is written by doors; an output contact shows RC outputs and values")
+            check.fault(key, io.signal, "an RC input is written by command sources; an output contact shows RC outputs and values")
         return
     source = source_of(io.signal, [axis.name for axis in check.cell.axis], None)[0]
     found = lookup(io.signal)

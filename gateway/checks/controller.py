@@ -72,7 +72,7 @@ def controller(check: Context) -> None:
     if table.point and table.kind != "val3":
         check.fault("controller.point", table.point[0].name, 'points belong to kind = "val3"')
     if table.door and table.door not in check.known["line"] | check.known["modbus"]:
-        check.fault("controller.door", table.door, "no such door")
+        check.fault("controller.door", table.door, "no such command source")
     sound = [_process(check, table, index) for index in range(len(table.process))]
     sound += [_point(check, table, point) for point in table.point]
     if table.kind == "reis":

@@ -25,7 +25,7 @@ from protocols.modbus.numbers import words_of
 LIMITS = frozenset(
     (*range(0x605A, 0x605F), *range(0x607B, 0x6081), 0x6007, 0x6065, 0x6066, 0x6071, 0x6098, 0x6099, 0x60B0, 0x60B1, 0x60B2, 0x60FF)
 )
-CYCLES = 2  # from one door to the bus, or to the other door (route.one_way)
+CYCLES = 2  # from one command source to the bus, or to the other command source (route.one_way)
 
 
 def routes(check: Context) -> None:
@@ -119,7 +119,7 @@ def _target(check: Context, key: str, text: str, place: Place) -> None:
             _parameter(check, key, text, place)
         case World.NAME:
             if place.name not in named_values(check.cell) and not wired(check.cell, place.name):
-                hint = "commands come through doors" if lookup(place.name) else _near_value(check, place.name)
+                hint = "commands come through command sources" if lookup(place.name) else _near_value(check, place.name)
                 check.fault(key, text, f"a route writes values a telegram of the cell carries, and inputs of [controller]; {hint}")
 
 

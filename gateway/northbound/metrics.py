@@ -100,7 +100,7 @@ class Metrics:
     def _links(self, page: Page) -> None:
         listed = doors(self._regions)
         for name, key, kind, words in (
-            ("link_up", "alive", "gauge", "1: the partner of this door lives"),
+            ("link_up", "alive", "gauge", "1: the partner of this command source lives"),
             ("link_losses_total", "losses", "counter", "times the partner fell silent"),
             ("link_requests_total", "requests", "counter", "requests of a Modbus server"),
             ("link_received_total", "received", "counter", "telegrams taken"),

@@ -32,6 +32,6 @@ def values(regions: Regions) -> dict[str, Value]:
 
 
 def doors(regions: Regions) -> list[dict[str, Any]]:
-    """Status of every door, as the services told it last."""
+    """Status of every command source, as the services told it last."""
     listed = regions.status.get("doors", [])
     return [door for door in listed if isinstance(door, dict) and "name" in door] if isinstance(listed, list) else []

@@ -1,4 +1,5 @@
-"""The page's ends of the sockets: services (door 91), supervisor, emulators and line processes.  None of them ever waits for us long."""
+"""The page's ends of the sockets: services (command source 91), supervisor, emulators and line processes.  None of them ever waits for
+us long."""
 
 import asyncio
 import contextlib
@@ -74,7 +75,7 @@ class Link:
 
 
 class ServicesLink:
-    """Door 91 of the services."""
+    """Command source 91 of the services."""
 
     def __init__(self, slug: str, patience_s: float = PATIENCE_S) -> None:
         self._link = Link(str(runtime_dir() / f"{slug}-services.sock"), "services", patience_s)

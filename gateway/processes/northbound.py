@@ -111,7 +111,7 @@ class Northside:
 
         assert self.settings.opcua is not None
         while not self.regions.status and not self._done.is_set():
-            await asyncio.sleep(SAMPLE_S)  # the doors are named by the services
+            await asyncio.sleep(SAMPLE_S)  # the command sources are named by the services
         out = OpcuaOut(self.settings.opcua, self.plan.slug, self.plan.cell.cell.name)
         await out.start(values(self.regions))
         try:

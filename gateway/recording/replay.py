@@ -31,7 +31,7 @@ from gateway.recording.file import Found, RecordError, Segment
 from gateway.recording.states import Snapshots, Start, StateError, carry_over, frozen, places_of
 from protocols.base.errors import DecodeError
 
-TOLD_KEPT = 8  # words of doors and tools shown before a difference
+TOLD_KEPT = 8  # words of command sources and tools shown before a difference
 TOLD_NS = 1_000_000_000
 
 
@@ -44,7 +44,7 @@ class Verdict:
     first: Difference | None = None
     also: int = 0  # more differences in the same cycle
     at_s: float = 0.0  # of the first difference, since the beginning of the recording
-    told: list[ServiceEvent] = field(default_factory=list)  # what doors and tools said in the second before it
+    told: list[ServiceEvent] = field(default_factory=list)  # what command sources and tools said in the second before it
     without_outputs: int = 0  # cycles that had nothing to be compared with
 
 

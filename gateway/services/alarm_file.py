@@ -73,9 +73,9 @@ class AlarmFile:
             self._write(record)
 
     def event(self, event: "DispatcherEvent", names: dict[int, str]) -> None:
-        """A command of a door: a fault reset acknowledges."""
+        """A command of a command source: a fault reset acknowledges."""
         if event.code == Code.FAULT_RESET and event.what == "accepted":
-            self.acknowledge(self._doors.get(event.door) or names.get(event.door) or f"door {event.door}")
+            self.acknowledge(self._doors.get(event.door) or names.get(event.door) or f"command source {event.door}")
 
     def inputs(self, values: dict[int, bool]) -> None:
         """RC inputs that acknowledge, as they are; one that is on at the start acknowledges nothing."""

@@ -1,4 +1,5 @@
-"""The control of [controller] inside the services: stepped with them, its outputs merged with the cycle's for every door (AX-332).
+"""The control of [controller] inside the services: stepped with them, its outputs merged with the cycle's for every command source
+(AX-332).
 
 A cell without [controller] has an empty desk: nothing is loaded, nothing is stepped, the RC outputs are the cycle's.
 """
@@ -30,7 +31,7 @@ def _source(code: int) -> str:
 
 
 class RcOutputs:
-    """RC outputs as doors, routes and tools read them."""
+    """RC outputs as command sources, routes and tools read them."""
 
     def __init__(self, region: RegionReader) -> None:
         self.region = region
@@ -98,7 +99,8 @@ class ControllerHost:
         return inputs if rho is None or not rho.halted else STOPPED
 
     def inputs_came(self, now: Ns) -> None:
-        """A door has written, or a wire has changed: an edge must not be lost because the next one comes before our next cycle."""
+        """A command source has written, or a wire has changed: an edge must not be lost because the next one comes before our next
+        cycle."""
         if self.control is not None and (self.wired or self._services.inputs.values != self._seen):
             self.step(now)
 
@@ -138,7 +140,7 @@ class ControllerHost:
         return {} if self.control is None else {"controller": self.control.status()}
 
     def _judge_reset(self, rho: "RhoControl", now: Ns) -> str:
-        """Mode 11.1 was chosen at the panel: a fault reset as any door gives it; why it is refused."""
+        """Mode 11.1 was chosen at the panel: a fault reset as any command source gives it; why it is refused."""
         if not rho.panel.reset_wanted:
             return ""
         rho.panel.reset_wanted = False

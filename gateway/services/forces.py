@@ -1,4 +1,4 @@
-"""Forced RC inputs and data words: an overlay with its own mark over what the doors write (design: section 5; AX-472, AX-498).
+"""Forced RC inputs and data words: an overlay with its own mark over what the command sources write (design: section 5; AX-472, AX-498).
 
 A force lives in the services: it ends with them and nothing forced survives a restart.  The five enabling inputs are forced in a
 simulation only.
@@ -12,7 +12,7 @@ Place = tuple[int, int]  # line_blocks.block_key, word
 
 
 class Forces:
-    """RC input bit -> value that stands whatever its door writes; data word -> mask of forced bits and their values."""
+    """RC input bit -> value that stands whatever its command source writes; data word -> mask of forced bits and their values."""
 
     def __init__(self) -> None:
         self.bits: dict[int, bool] = {}

@@ -72,7 +72,7 @@ from protocols.base.machine import ms
 
 TICK_NS = ms(5)
 INHERITED_NS = ms(3_000)  # inputs a predecessor left stand this long, then they are bad (AX-143)
-CYCLE_GONE_NS = ms(250)  # a cycle silent for this long is told to the doors; restarts at once are quicker only on a fast machine
+CYCLE_GONE_NS = ms(250)  # a cycle silent for this long is told to the command sources; restarts at once are quicker only on a fast machine
 LINKS_EVERY = 20  # ticks
 PLACES_EVERY = 200  # ticks
 SERVER_QUICK = 40  # attempts of a Modbus server to listen, 50 ms apart; then it is told and tried every second
@@ -84,7 +84,7 @@ SERIAL = (Rk512Source, TelegramSource)
 
 
 class Services:
-    """All doors of one run."""
+    """All command sources of one run."""
 
     def __init__(self, plan: RunPlan, fds: dict[str, int]) -> None:
         cell = self.cell = plan.cell
@@ -293,7 +293,7 @@ class Services:
         self.office.observe(self.values.state, now)
 
     def _age_inputs(self, now: int) -> None:
-        """Bytes of a silent door are bad; what a predecessor left is stale and then bad."""
+        """Bytes of a silent command source are bad; what a predecessor left is stale and then bad."""
         image = self.inputs
         for octet, number in self.owned.items():
             door = self.doors[number - 1]

@@ -52,7 +52,7 @@ class Operands:
         """As the PLC's program would write a flag; the answer when it cannot be."""
         control = self._services.signals.control
         if place.kind is not Kind.FLAG or control is None:
-            return {"error": f"{text}: only flags are written here; inputs are their door's, outputs and timers the control's"}
+            return {"error": f"{text}: only flags are written here; inputs are their command source's, outputs and timers the control's"}
         bits = 8 * place.bytes or 1
         try:
             number = int(value, 0)

@@ -1,4 +1,4 @@
-"""The services' side of the page: a door of its own beside the commissioning tools', and what only a page asks for.
+"""The services' side of the page: a command source of its own beside the commissioning tools', and what only a page asks for.
 
 Requests come as those of tools do (gateway.services.tool_server), with "door": 91.  look: data
 blocks, named values, forces; tap: characters of the lines, requests of the Modbus servers; force_input, unforce_input: RC inputs
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 class PageInterfaces:
-    """The desks of tools and page, each a door with its own life."""
+    """The desks of tools and page, each a command source with its own life."""
 
     def __init__(self, services: "Services") -> None:
         self._services = services
@@ -72,7 +72,7 @@ class PageInterfaces:
         """The enabling inputs of a simulation go off again."""
         services, now = self._services, time.monotonic_ns()
         if not services.plan.simulated:
-            return {"error": "enabling inputs are set by their door; the page may do it in a simulation only"}
+            return {"error": "enabling inputs are set by their command source; the page may do it in a simulation only"}
         self._page.permits = False
         for bit in ENABLING_BITS:
             set_bit(services.inputs.values, bit, False)

@@ -1,4 +1,4 @@
-"""The services' end of a recording: what doors and tools say goes into a ring, while a recorder lives."""
+"""The services' end of a recording: what command sources and tools say goes into a ring, while a recorder lives."""
 
 from collections.abc import Mapping
 
@@ -8,7 +8,7 @@ from protocols.base.machine import Ns
 
 
 class ServicesTap:
-    """What doors and tools say; `put` returns at once when nobody records."""
+    """What command sources and tools say; `put` returns at once when nobody records."""
 
     def __init__(self, fds: Mapping[str, int]) -> None:
         self._ring = RingWriter(fds["told"], "told", TOLD_LAYOUT)

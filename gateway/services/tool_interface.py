@@ -1,4 +1,5 @@
-"""The door for commissioning tools: commands and SDO through the services' socket, under the same rules as every other door.
+"""The command source for commissioning tools: commands and SDO through the services' socket, under the same rules as every other command
+source.
 
 Control belongs to the connection that asked for it and ends with it: another one is told "not owner" (AX-611).  Commands, SDO and "alive"
 of that connection are its life; reading is not.  Silent for a second it counts as dead: the axes stop on the path.  A tool never has more
@@ -207,7 +208,7 @@ class ToolInterface:
     def _permit(self, connection: object) -> dict[str, object]:
         services = self._services
         if not services.plan.simulated:
-            return {"error": "enabling inputs are set by their door; a tool may do it in a simulation only"}
+            return {"error": "enabling inputs are set by their command source; a tool may do it in a simulation only"}
         self.permits, self._permitting = True, (connection, time.monotonic_ns())
         for bit in ENABLING_BITS:
             set_bit(services.inputs.values, bit, True)
@@ -217,7 +218,7 @@ class ToolInterface:
         return {"ok": True}
 
     def _sdo(self, request: dict[str, object], connection: object) -> dict[str, object]:
-        """In a thread: doors do not wait for a node; `ticket` tells the outcome."""
+        """In a thread: command sources do not wait for a node; `ticket` tells the outcome."""
         master, node = self._services.canopen.place(str(request["axis"]))
         index, sub = int(str(request["index"])), int(str(request.get("sub", 0)))
         raw = request.get("data")

@@ -1,4 +1,5 @@
-"""A Modbus server's door without a server: what the PLC asks the old control is taken as if it had asked us, and the answers are compared.
+"""A Modbus server's command source without a server: what the PLC asks the old control is taken as if it had asked us, and the answers
+are compared.
 Nothing is written (AX-512).
 """
 

@@ -1,4 +1,4 @@
-"""The services of a shadow: doors that only listen, and what they found, every second into a file (AX-493)."""
+"""The services of a shadow: command sources that only listen, and what they found, every second into a file (AX-493)."""
 
 import argparse
 import asyncio
@@ -27,7 +27,7 @@ KEEP_EVERY: Ns = ms(1_000)
 
 
 class ShadowServices(Services):
-    """All doors of one shadow."""
+    """All command sources of one shadow."""
 
     def __init__(self, plan: RunPlan, fds: dict[str, int]) -> None:
         self._keep_next: Ns = 0

@@ -1,4 +1,5 @@
-"""A line's door without a line: what the PLC sends to the old control is taken as if it had been sent to us, what the old control answers
+"""A line's command source without a line: what the PLC sends to the old control is taken as if it had been sent to us, what the old
+control answers
 is compared with what we would have answered.  Nothing is written (AX-493).
 """
 

@@ -1,4 +1,5 @@
-"""`axisgate map`: what stands where at the doors of a cell, out of the cell itself; so the sheet and the running gateway cannot differ."""
+"""`axisgate map`: what stands where at the command sources of a cell, out of the cell itself; so the sheet and the running gateway
+cannot differ."""
 
 from collections.abc import Callable, Iterator, Sequence
 

@@ -22,7 +22,7 @@ def reference(table: str, address: int) -> str:
 
 
 def owned_by(cell: Cell, door: Modbus) -> set[int]:
-    """RC input bytes this door may write."""
+    """RC input bytes this command source may write."""
     return {octet for octet, owner in cell.rc_inputs.owner.items() if owner == door.name}
 
 

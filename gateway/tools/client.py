@@ -1,4 +1,4 @@
-"""A commissioning command's end of the tool door: connects to a running cell, or runs the cell under simulation meanwhile."""
+"""A commissioning command's end of the tool command source: connects to a running cell, or runs the cell under simulation meanwhile."""
 
 import contextlib
 import json

@@ -1,1 +1,1 @@
-"""The page: a process of its own that reads the shared regions and acts through the services' door 91 (AX-470)."""
+"""The page: a process of its own that reads the shared regions and acts through the services' command source 91 (AX-470)."""

@@ -1,4 +1,5 @@
-"""Hands at the machine: one person at a time holds the page's door, jogs or references while he holds a key, and gives control back
+"""Hands at the machine: one person at a time holds the page's command source, jogs or references while he holds a key, and gives control
+back
 (AX-475, AX-499).
 
 The services stop the axes on the path when the page falls silent for a second; the page lets them fall silent as soon as the holder's
@@ -31,11 +32,11 @@ Held = tuple[str, int, int]  # "jog", axis, direction; "reference", mask, 0
 
 
 class NotYours(Exception):
-    """Somebody else holds the page's door."""
+    """Somebody else holds the page's command source."""
 
 
 class OperatorControl:
-    """The page's door and who holds it."""
+    """The page's command source and who holds it."""
 
     def __init__(self, desk: ServicesLink, regions: Regions, axes: Sequence[Axis]) -> None:
         self.desk, self.regions, self.axes = desk, regions, axes
@@ -91,7 +92,7 @@ class OperatorControl:
 
     async def _request(self, key: str, name: str) -> Row:
         if self.holder and self.holder != key:
-            raise NotYours(f"{self.name} holds the page's door")
+            raise NotYours(f"{self.name} holds the page's command source")
         answer = await self.desk.command("request_control")
         if answer["state"] in ("DONE", "ACCEPTED"):
             self.holder, self.name, self._heard = key, name, time.monotonic()
@@ -99,7 +100,7 @@ class OperatorControl:
 
     def _mine(self, key: str) -> None:
         if not key or self.holder != key:
-            raise NotYours(f"{self.name} holds the page's door" if self.holder else "request control first")
+            raise NotYours(f"{self.name} holds the page's command source" if self.holder else "request control first")
         self._heard = time.monotonic()
 
     async def job(self, number: int) -> Row:

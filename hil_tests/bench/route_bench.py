@@ -1,8 +1,11 @@
-"""Figures of the bridge: a value written at a Modbus door, on the CAN bus of the I/O blocks, and back at the door (issue 6); and over a
+"""Figures of the bridge: a value written at a Modbus command source, on the CAN bus of the I/O blocks, and back at the command source
+(issue 6); and over a
 drive, `route.both_ways` (hil_tests.bench.route_drive).
 
-The cell is the shipped CL300 cell with a Modbus door; its modules show as inputs what they hear as outputs, at the next SYNC.  The bus is
-judged by the broker's own stamps, the door by the client's clock; both are CLOCK_MONOTONIC.  `route.one_way` begins with the client's
+The cell is the shipped CL300 cell with a Modbus command source; its modules show as inputs what they hear as outputs, at the next SYNC.
+The bus is
+judged by the broker's own stamps, the command source by the client's clock; both are CLOCK_MONOTONIC.  `route.one_way` begins with the
+client's
 write and ends with the frame that carries the value, `route.both_ways_io` ends when the client reads it back: the time on loopback counts
 against us.  Writes fall at random moments of the cycle.
 """
@@ -83,7 +86,7 @@ def _rounds(run: JoinedRun, rounds: int, p5_ms: int, chance: random.Random) -> t
     out, back = [], []
     try:
         with RawClient(run.port) as client:
-            run.until(lambda: client.ask(f"06 {WRITTEN:04x} 00ff").startswith("06"), "the door takes a write")
+            run.until(lambda: client.ask(f"06 {WRITTEN:04x} 00ff").startswith("06"), "the command source takes a write")
             run.until(lambda: _shown(client) == 255, "the route goes round")
             for n in range(rounds):
                 value = n % 250 + 1

@@ -1,5 +1,5 @@
 """`route.both_ways` over a drive (issue 6): a Modbus client releases feed hold, a route carries that to the cycle, the drive moves, and a
-second route shows its actual position at the door.
+second route shows its actual position at the command source.
 
 Every round: a move stands held at its beginning; write, first telegram of the drive with another position (stamped by the broker), first
 read-back of another position by the client.  Limits of the axis are so wide that the drive, whose position loop takes 12 ms to follow
@@ -50,7 +50,7 @@ scale = 1000.0
 
 
 def measure(rounds: int, p5_ms: int, seed: int = 1) -> tuple[list[float], list[float]]:
-    """(door to drive, door to door) in cycles."""
+    """(command source to drive, command source to command source) in cycles."""
     with (
         running_joined(lambda folder: cell_copy("host-telegrams", folder, *QUICK, more=DOOR), NAME, p5_ms=p5_ms) as run,
         RawClient(run.port) as door,
@@ -102,7 +102,7 @@ class Spoiled(Exception):
 
 
 class _Commands:
-    """The command block of the door."""
+    """The command block of the command source."""
 
     def __init__(self, run: JoinedRun, door: RawClient) -> None:
         self._run, self._door, self._toggle = run, door, False
@@ -150,7 +150,7 @@ class _Commands:
 def _rounds(run: JoinedRun, door: RawClient, ear: _Ear, rounds: int, p5_ms: int, chance: random.Random) -> tuple[list[float], list[float]]:
     acts: list[float] = []
     back: list[float] = []
-    run.until(lambda: door.ask(f"06 {WRITTEN:04x} 0000").startswith("06"), "the door takes a write")
+    run.until(lambda: door.ask(f"06 {WRITTEN:04x} 0000").startswith("06"), "the command source takes a write")
     commands, spoiled = _Commands(run, door), 0
     commands.ready()
     while len(back) < rounds:
@@ -186,6 +186,6 @@ def _round(door: RawClient, ear: _Ear) -> tuple[int, int, int]:
 
 
 def _place(door: RawClient) -> int:
-    """As the door shows it, um."""
+    """As the command source shows it, um."""
     octets = bytes.fromhex(door.ask(f"03 {READ_BACK:04x} 0002"))
     return int(struct.unpack(">i", octets[2:6])[0])

@@ -1,4 +1,4 @@
-"""Units at the doors and inside: deg, mm, % outside; rad, m, 1 inside; all float64.
+"""Units at the command sources and inside: deg, mm, % outside; rad, m, 1 inside; all float64.
 
 `unit` always names the outside unit of a position; speed, acceleration and jerk are the same unit per s, s2, s3.
 """

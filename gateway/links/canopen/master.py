@@ -170,7 +170,7 @@ class CanopenMaster:
         self._keeper.start()
 
     def _connect(self) -> None:
-        """In the keeper's thread: reading data sheets takes a while, and doors do not wait for it."""
+        """In the keeper's thread: reading data sheets takes a while, and command sources do not wait for it."""
         self._network = canopen.Network(can.Bus(interface="cycle", channel=self._channel))
         self._network.NOTIFIER_CYCLE = 0.2
         self._network.connect()

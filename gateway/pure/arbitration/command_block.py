@@ -81,7 +81,7 @@ _REALS, _WORDS = struct.Struct(f">{2 * AXES}f"), struct.Struct(f">{4 * AXES}H")
 
 
 def _all_words(values: Sequence[float]) -> Sequence[int]:
-    """`real_words` of all actual values and lags at one go: each door asks for them with every tick."""
+    """`real_words` of all actual values and lags at one go: each command source asks for them with every tick."""
     try:
         return _WORDS.unpack(_REALS.pack(*values))
     except OverflowError:
@@ -106,7 +106,7 @@ class Status:
 
 
 class CommandBlock:
-    """One door's command words and the toggle that says which of them was taken."""
+    """One command source's command words and the toggle that says which of them was taken."""
 
     def __init__(self, words: Sequence[int] = (), axes: int = AXES) -> None:
         """`words`: what a predecessor left standing; it is never carried out.  `axes`: of the cell."""

@@ -1,4 +1,4 @@
-"""The old-style door: data blocks as the PLC program already has them, and its start/busy/done handshake.
+"""The old-style command source: data blocks as the PLC program already has them, and its start/busy/done handshake.
 
 A SEND is taken whole: all its words first, then its edges, in a fixed order (AX-142).  Edges need a telegram before them: after a start
 of services or a lost link the first telegram only tells where the bits stand, so a standing start bit starts nothing.
@@ -195,7 +195,7 @@ class DataBlocks:
         for since in self._since.values():
             since[:] = bytes(len(since))
         for block in self.blocks.values():
-            block.fresh = block.fresh and not block.from_plc  # what a Modbus client writes is its door's business
+            block.fresh = block.fresh and not block.from_plc  # what a Modbus client writes is its command source's business
 
     def written(self, db: int, word: int, data: bytes, now: Ns) -> None:
         """One SEND, already known to fit: take it whole, then act on its edges."""
@@ -333,7 +333,7 @@ class DataBlocks:
         return (now > before) - (now < before)
 
     def _override(self, levels: Mapping[str, float], *, fresh: bool) -> None:
-        """A level, but taken only when it changed or the drives were just asked on: it must not fight the other doors."""
+        """A level, but taken only when it changed or the drives were just asked on: it must not fight the other command sources."""
         name = OVERRIDE
         before = self._levels.get(name)
         now = levels.get(name, before)

@@ -1,4 +1,5 @@
-"""The office: takes commands from the doors, judges them, turns them into orders for the cycle and keeps each door's outcome.
+"""The office: takes commands from the command sources, judges them, turns them into orders for the cycle and keeps each command source's
+outcome.
 
 Pure: what the cycle publishes (CellState) and time come in, orders and events go out.  The office never remembers across a restart:
 a new office has no jobs, so a standing command starts nothing (design: a command is taken once).
@@ -68,7 +69,7 @@ class CommandDispatcher:
 
     # ---- what the others ask ---------------------------------------------------------------------------------------------
     def door(self, number: int) -> SourceState:
-        """State of one door; made at the first call."""
+        """State of one command source; made at the first call."""
         return self._doors.setdefault(number, SourceState())
 
     def take_orders(self) -> list[OrderRecord]:
@@ -197,7 +198,7 @@ class CommandDispatcher:
 
     # ---- commands --------------------------------------------------------------------------------------------------------
     def command(self, door: int, command: Command, now: Ns, *, first_try: bool = False) -> Job:
-        """Judge one fresh command of a door; its outcome stands in the returned Job (refused at once or open).
+        """Judge one fresh command of a command source; its outcome stands in the returned Job (refused at once or open).
 
         `first_try`: a relative move of a single axis that has not been referenced yet (AX-312); everything else is judged as ever.
         """
@@ -218,7 +219,7 @@ class CommandDispatcher:
         return job
 
     def refuse(self, door: int, code: Code, reason: Reason, detail: str) -> Job:
-        """A command a door could not even give, because of its numbers: the outcome stands where that of a given one would."""
+        """A command a command source could not even give, because of its numbers: the outcome stands where that of a given one would."""
         job = Job(self._next, door, code)
         self._next += 1
         state = self.door(door)
@@ -246,7 +247,7 @@ class CommandDispatcher:
     def _request(self, job: Job, cell: CellState, *, at_rest: bool) -> None:
         if self.control.request(job.door, at_rest=at_rest):
             self._events.append(DispatcherEvent("control", job.door, job.code, Reason.NONE, ""))
-            if cell.motion is Motion.STOPPED:  # a rest another door left must not be resumed by this one's first resume
+            if cell.motion is Motion.STOPPED:  # a rest another command source left must not be resumed by this one's first resume
                 self._drop_rest()
                 job.id = self._orders[-1].job  # done when the rest is gone: the next command must not find the axes busy
                 return
@@ -329,7 +330,7 @@ class CommandDispatcher:
         self._order(Order.MOVE, job.id, mask=job.mask, piece=piece)
 
     def order_program(self, door: int, number: int, now: Ns, velocity: float = 1.0, acceleration: float = 1.0) -> Job:
-        """A door selects a program of the cell by its number, whichever way it names it."""
+        """A command source selects a program of the cell by its number, whichever way it names it."""
         return self.command(door, Command(Code.PROGRAM, number, velocity, acceleration), now)
 
     def _program(self, job: Job, command: Command, cell: CellState) -> None:
@@ -428,7 +429,7 @@ class CommandDispatcher:
 
     # ---- links -----------------------------------------------------------------------------------------------------------
     def link(self, door: int, on_loss: OnLoss, *, alive: bool) -> None:
-        """The door's link came or went; when the owner's went, the move ends as configured and nothing restarts by itself."""
+        """The command source's link came or went; when the owner's went, the move ends as configured and nothing restarts by itself."""
         self.control.link(door, alive=alive)
         if alive or self.control.owner != door or self.cell is None:
             return
@@ -438,10 +439,10 @@ class CommandDispatcher:
         elif on_loss in (OnLoss.STOP, OnLoss.HOLD) and moving:
             self._order(Order.STOP, reason=Reason.LINK_LOST)
         if moving and self._move is not None and on_loss is not OnLoss.FINISH:
-            self._move.reason, self._move.detail = Reason.LINK_LOST, f"door {door}"
-        self._events.append(DispatcherEvent("stopped", door, Code.STOP, Reason.LINK_LOST, f"door {door}; {on_loss.value}"))
+            self._move.reason, self._move.detail = Reason.LINK_LOST, f"command source {door}"
+        self._events.append(DispatcherEvent("stopped", door, Code.STOP, Reason.LINK_LOST, f"command source {door}; {on_loss.value}"))
 
     @property
     def owner(self) -> int:
-        """Number of the door in control; 0: nobody."""
+        """Number of the command source in control; 0: nobody."""
         return self.control.owner or NOBODY

@@ -1,4 +1,4 @@
-"""Jobs of the office: one command of one door and what became of it; what a person reads of it."""
+"""Jobs of the office: one command of one command source and what became of it; what a person reads of it."""
 
 from dataclasses import dataclass, field
 from enum import Enum
@@ -32,7 +32,7 @@ class OnLoss(Enum):
 
 @dataclass(slots=True)
 class Job:
-    """One command of one door and what became of it."""
+    """One command of one command source and what became of it."""
 
     id: int
     door: int
@@ -51,7 +51,7 @@ class Job:
 
 @dataclass(slots=True)
 class SourceState:
-    """The last command of a door and the last one of each code."""
+    """The last command of a command source and the last one of each code."""
 
     last: Job | None = None
     by_code: dict[int, Job] = field(default_factory=dict)
@@ -71,4 +71,4 @@ class DispatcherEvent:
         """One line for log and page."""
         name = Code(self.code).name.lower() if self.code in Code._value2member_map_ else f"code {self.code}"
         why = text(self.reason, language, self.detail)
-        return f"door {self.door}: {name} {self.what}" + (f": {why}" if why else "")
+        return f"command source {self.door}: {name} {self.what}" + (f": {why}" if why else "")

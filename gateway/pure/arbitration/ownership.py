@@ -1,4 +1,4 @@
-"""Who may command: one door at a time owns the kinematic (design: section 5, Doors and control)."""
+"""Who may command: one command source at a time owns the kinematic (design: section 5, Command sources and control)."""
 
 from gateway.pure.image.reasons import Reason, Refusal
 
@@ -6,18 +6,19 @@ NOBODY = 0
 
 
 class Ownership:
-    """Doors are numbered from 1; the owner's number stands in word 8 of every status block."""
+    """Command sources are numbered from 1; the owner's number stands in word 8 of every status block."""
 
     def __init__(self) -> None:
         self.owner = NOBODY
         self._dead: set[int] = set()
 
     def request(self, door: int, *, at_rest: bool) -> bool:
-        """Give control to `door`; True when it did not have it before.  Refused while another living door owns it or the axes move."""
+        """Give control to `door`; True when it did not have it before.  Refused while another living command source owns it or the axes
+        move."""
         if self.owner == door:
             return False
         if self.owner != NOBODY and self.owner not in self._dead:
-            raise Refusal(Reason.NOT_OWNER, f"door {self.owner}")
+            raise Refusal(Reason.NOT_OWNER, f"command source {self.owner}")
         if not at_rest:
             raise Refusal(Reason.NOT_AT_REST)
         self.owner = door
@@ -33,7 +34,7 @@ class Ownership:
     def demand(self, door: int) -> None:
         """Raise unless `door` owns the kinematic."""
         if self.owner != door:
-            raise Refusal(Reason.NOT_OWNER, f"door {self.owner}" if self.owner else "nobody; request control first")
+            raise Refusal(Reason.NOT_OWNER, f"command source {self.owner}" if self.owner else "nobody; request control first")
 
     def link(self, door: int, *, alive: bool) -> None:
         """The owner keeps control while its link is dead, but then somebody else may take it."""

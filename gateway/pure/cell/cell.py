@@ -61,7 +61,7 @@ class Safety:
 
 @dataclass(frozen=True, slots=True)
 class RcInputs:
-    """[rc_inputs]: RC input byte (PIC byte = N div 8) -> the door that owns it; enabling inputs taken as 1."""
+    """[rc_inputs]: RC input byte (PIC byte = N div 8) -> the command source that owns it; enabling inputs taken as 1."""
 
     owner: Mapping[int, str] = field(default_factory=dict)
     assume: tuple[str, ...] = ()

@@ -61,7 +61,7 @@ class Controller:
     pic_timeout_ms: int = 0  # longest time between two cycles of the PIC; 0: not supervised (AX-478)
     boards: tuple[str, ...] = ()  # servo boards 1..3 that P11 counts inputs of; a rho3.0 has its own (AX-477)
     remote: bool = False  # frames of P20 also in blocks of 48 bytes
-    door: str = ""  # reis: the door markers command for; "": the only one
+    door: str = ""  # reis: the command source markers command for; "": the only one
     first_byte: int = 88  # reis: where its 40 bytes lie
     plc_only: tuple[int, ...] = ()  # reis: output bytes of the PLC alone
     robot_only: tuple[int, ...] = ()

@@ -1,4 +1,4 @@
-"""[[modbus]] of a cell file as plain frozen data: servers (doors) and clients (devices of others that we ask)."""
+"""[[modbus]] of a cell file as plain frozen data: servers (command sources) and clients (devices of others that we ask)."""
 
 from dataclasses import dataclass
 
@@ -103,7 +103,7 @@ class ModbusValue:
 
 @dataclass(frozen=True, slots=True)
 class Modbus:
-    """[[modbus]]: a server (one door) or a client."""
+    """[[modbus]]: a server (one command source) or a client."""
 
     name: str
     role: str = "server"  # server | client

@@ -1,4 +1,4 @@
-"""[[program]] of the cell file: motion programs that doors order by their number."""
+"""[[program]] of the cell file: motion programs that command sources order by their number."""
 
 from dataclasses import dataclass
 

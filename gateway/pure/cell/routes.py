@@ -20,7 +20,7 @@ class Route:
     pulse_ms: int = 100  # rising, falling: so long the target is 1
     debounce_ms: int = 0
     every_ms: int = 0  # at most one change of the target in so long
-    within_ms: int = 0  # what the plant needs from one door to the other; 0: nothing said
+    within_ms: int = 0  # what the plant needs from one command source to the other; 0: nothing said
     on_loss: str = "hold"  # hold | zero | value
     loss_value: float = 0.0
     loss_after_ms: int = 0

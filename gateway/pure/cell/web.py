@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-PAGE_DOOR = 91  # its number among the doors of the cell; 90 is the commissioning tools'
+PAGE_DOOR = 91  # its number among the command sources of the cell; 90 is the commissioning tools'
 LOOPBACK = ("127.0.0.1", "::1", "localhost")
 
 

@@ -15,16 +15,16 @@ class PicImage:
     inputs: bytearray = field(default_factory=lambda: bytearray(RC_BYTES))
     outputs: bytearray = field(default_factory=lambda: bytearray(RC_BYTES))
     flags: bytearray = field(default_factory=lambda: bytearray(RC_BYTES))
-    good: bytearray = field(default_factory=lambda: bytearray(b"\1" * RC_BYTES))  # input bytes that come from a living door
+    good: bytearray = field(default_factory=lambda: bytearray(b"\1" * RC_BYTES))  # input bytes that come from a living command source
 
     def take(self, doors: InputImage) -> None:
-        """The inputs as the doors have them: a byte nobody vouches for is 0, an old one stays and has no edges."""
+        """The inputs as the command sources have them: a byte nobody vouches for is 0, an old one stays and has no edges."""
         for byte, quality in enumerate(doors.quality):
             self.inputs[byte] = 0 if quality == Quality.BAD else doors.values[byte]
             self.good[byte] = quality == Quality.GOOD
 
     def trusted(self, number: int) -> bool:
-        """Whether RC input N comes from a living door."""
+        """Whether RC input N comes from a living command source."""
         return bool(self.good[number >> 3])
 
     def input(self, number: int) -> bool:
@@ -46,7 +46,7 @@ class PicImage:
 
 
 class Edge:
-    """Rising edges of one RC input; what stands at the first look or when its door comes back is no edge (AX-510)."""
+    """Rising edges of one RC input; what stands at the first look or when its command source comes back is no edge (AX-510)."""
 
     def __init__(self, number: int) -> None:
         self._number, self._before = number, True

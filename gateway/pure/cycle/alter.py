@@ -1,4 +1,4 @@
-"""VAL 3 alter in the cycle: a correction that a door writes into RC inputs, on top of the path of an alterable part.  Pure.
+"""VAL 3 alter in the cycle: a correction that a command source writes into RC inputs, on top of the path of an alterable part.  Pure.
 
 The rules of the mode, its answers and its limits are those of motion.sync.alter; here it gets its correction from the input image, its
 path from the stepper, and its end.  A correction that falls silent, is too fast, or leads out of reach ends the program at rest (AX-547).
@@ -51,7 +51,7 @@ class AlterFacts:
 
 @dataclass(slots=True)
 class Correction:
-    """What the door says, and whether it still does."""
+    """What the command source says, and whether it still does."""
 
     facts: AlterFacts
     _codes: struct.Struct = field(init=False)
@@ -59,7 +59,9 @@ class Correction:
     _since: Ns = NEVER  # the life byte changed, or the bytes were written
 
     def __post_init__(self) -> None:
-        self._codes = struct.Struct(f">{NUMBERS}{'f' if self.facts.real else 'h'}")  # words high byte first, as at every door (AX-010)
+        self._codes = struct.Struct(
+            f">{NUMBERS}{'f' if self.facts.real else 'h'}"
+        )  # words high byte first, as at every command source (AX-010)
 
     def read(self, inputs: InputImage) -> Trsf:
         """As it stands in the image."""
@@ -153,7 +155,7 @@ class CoreAlter:
 
     # ---- one cycle -----------------------------------------------------------------------------------------------------
     def listen(self, inputs: InputImage, now: Ns) -> None:
-        """The correction of this cycle, also where no part is under way: a door that speaks has its answer."""
+        """The correction of this cycle, also where no part is under way: a command source that speaks has its answer."""
         self._alive = self._source.alive(inputs, now)
         self._answer = self.alter.alter(self._source.read(inputs))
 
@@ -208,7 +210,7 @@ class CoreAlter:
         return self._q
 
     def publish(self, outputs: bytearray) -> None:
-        """The answer to alter(), the mode, and alterStopTime in ms (-1: no stop is pending) for the door that corrects."""
+        """The answer to alter(), the mode, and alterStopTime in ms (-1: no stop is pending) for the command source that corrects."""
         if self.facts.status < 0:
             return
         left = self.alter.stop_time()

@@ -1,7 +1,7 @@
 """The brain of the cycle: once per SYNC, actual values and orders in, set values and the published state out.  Pure.
 
 It owns the drives' power machines, the mover (paths and programs), referencing, the enabling inputs and the emergency-stop latch; it
-decides nothing the doors should decide.  A new core starts with drives off, override 0, nothing referenced and no rest of a move
+decides nothing the command sources should decide.  A new core starts with drives off, override 0, nothing referenced and no rest of a move
 (design: section 4).
 """
 

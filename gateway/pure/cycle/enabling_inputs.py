@@ -1,4 +1,4 @@
-"""Enabling inputs as the cycle judges them: standing, taken away by a living door, or lost with it (AX-002, AX-143)."""
+"""Enabling inputs as the cycle judges them: standing, taken away by a living command source, or lost with it (AX-002, AX-143)."""
 
 from dataclasses import dataclass, replace
 from operator import itemgetter
@@ -49,7 +49,7 @@ class PermitView:
     """One cycle's judgement; the bits are those of Permit as plain numbers, for the cycle asks for them each time."""
 
     permits: int  # stand
-    taken: int  # a living door says 0
+    taken: int  # a living command source says 0
     lost: int  # nobody says anything any more
     just_lost: int  # stood in the cycle before
     reset: bool  # rising edge of Control reset

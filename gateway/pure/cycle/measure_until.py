@@ -1,6 +1,7 @@
 """MOVE UNTIL in the cycle: the input a part of a program ends with, and the position caught at its edge (@MPOS).  Pure.
 
-Positions are those the drives latched at each SYNC; the edge has the stamp its door gave the input's byte, and what lies between two
+Positions are those the drives latched at each SYNC; the edge has the stamp its command source gave the input's byte, and what lies
+between two
 SYNCs is interpolated (motion.measure).  Source: rho 3 Releases part 1, L1100-1290; AX-391.
 """
 

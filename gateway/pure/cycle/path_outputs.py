@@ -93,7 +93,7 @@ class CoreOutputs:
                 set_bit(image, place.output, value != 0.0)
             else:
                 octet, size = place.output >> 3, place.bits >> 3
-                image[octet : octet + size] = _raw(value, place).to_bytes(size, "big")  # as words stand at every door (AX-010)
+                image[octet : octet + size] = _raw(value, place).to_bytes(size, "big")  # as words stand at every command source (AX-010)
 
 
 def _raw(value: float, place: OutputPlace) -> int:

@@ -83,7 +83,7 @@ class Refusal(Exception):
 # fmt: off
 _TEXTS: dict[Reason, tuple[str, str]] = {
     Reason.NONE: ("", ""),
-    Reason.NOT_OWNER: ("another door has control: {0}", "eine andere Tuer hat die Steuerung: {0}"),
+    Reason.NOT_OWNER: ("another command source has control: {0}", "eine andere Befehlsquelle hat die Steuerung: {0}"),
     Reason.DRIVES_OFF: ("drives are off: {0}", "Antriebe sind aus: {0}"),
     Reason.NOT_REFERENCED: ("axis is not referenced: {0}", "Achse ist nicht referenziert: {0}"),
     Reason.TARGET_LIMIT: ("target outside the limits: {0}", "Ziel ausserhalb der Grenzen: {0}"),
@@ -107,12 +107,12 @@ _TEXTS: dict[Reason, tuple[str, str]] = {
     Reason.DRIVE_FAULT: ("drive fault: {0}", "Antriebsfehler: {0}"),
     Reason.DRIVE_LOST: ("no telegram from a drive: {0}", "kein Telegramm vom Antrieb: {0}"),
     Reason.FOLLOWING_ERROR: ("following error: {0}", "Schleppfehler: {0}"),
-    Reason.STOPPED_BY_DOOR: ("stopped on the path by door {0}", "auf der Bahn angehalten durch Tuer {0}"),
+    Reason.STOPPED_BY_DOOR: ("stopped on the path by command source {0}", "auf der Bahn angehalten durch Befehlsquelle {0}"),
     Reason.RESYNCHRONISED: (
         "first telegram after a start or a lost link: not carried out, send it again with the toggle changed",
         "erstes Telegramm nach Start oder Verbindungsverlust: nicht ausgefuehrt, mit gewechseltem Toggle neu senden",
     ),
-    Reason.LINK_LOST: ("the link of the door in control is silent: {0}", "Verbindung der fuehrenden Tuer ist stumm: {0}"),
+    Reason.LINK_LOST: ("no telegrams from the active command source: {0}", "keine Telegramme von der aktiven Befehlsquelle: {0}"),
     Reason.SERVICES_LOST: ("the services process died; stopped on the path", "Dienste-Prozess ausgefallen; auf der Bahn angehalten"),
     Reason.PLANNER_LOST: (
         "the planner process died; the axes stopped on the path",
@@ -120,8 +120,8 @@ _TEXTS: dict[Reason, tuple[str, str]] = {
     ),
     Reason.PROGRAM_FAULT: ("a block of the program cannot be run: {0}", "ein Satz des Programms ist nicht fahrbar: {0}"),
     Reason.PROGRAM_UNKNOWN: ("there is no such program: {0}", "dieses Programm gibt es nicht: {0}"),
-    Reason.BELT_FAULT: ("the belt-synchronous part is over: {0}", "der bandsynchrone Teil ist zu Ende: {0}"),
-    Reason.ALTER_FAULT: ("the alterable part is over: {0}", "der veraenderbare Teil ist zu Ende: {0}"),
+    Reason.BELT_FAULT: ("belt-synchronous section aborted: {0}", "bandsynchroner Abschnitt abgebrochen: {0}"),
+    Reason.ALTER_FAULT: ("alter section aborted: {0}", "Alter-Abschnitt abgebrochen: {0}"),
     Reason.SERVO_ERROR: (
         "servo error: two axes of one set-point output moved: {0}",
         "Servofehler: zwei Achsen eines Sollwertausgangs bewegten sich: {0}",

@@ -88,7 +88,9 @@ def rk512_dialect(line: Line) -> Dialect:
         dialect = replace(dialect, unknown_block=given.unknown_block)
     if line.times.reaction is not None:
         dialect = replace(dialect, reaction_wait=ms(line.times.reaction))
-    flag = "serve" if given.coordination_flag == "keep" else given.coordination_flag  # who resets it is the door's business (AX-251)
+    flag = (
+        "serve" if given.coordination_flag == "keep" else given.coordination_flag
+    )  # who resets it is the command source's business (AX-251)
     return replace(dialect, coordination_flag=flag, nesting=_given(line.choices.nesting, dialect.nesting))
 
 

@@ -1,7 +1,8 @@
 """Modbus views of the other controls: the 40 bytes and markers of a Reis, the points of a VAL 3 controller (AX-408).
 
-Both are views of the same image as RhoView: what the PLC gives are RC inputs of bytes the door owns, what it is given are RC outputs as all
-doors have them.  Word r = bytes 2r (high), 2r+1 (low) (AX-010).  Protocol addresses, base 0.
+Both are views of the same image as RhoView: what the PLC gives are RC inputs of bytes the command source owns, what it is given are RC
+outputs as all
+command sources have them.  Word r = bytes 2r (high), 2r+1 (low) (AX-010).  Protocol addresses, base 0.
 """
 
 from collections.abc import Callable, Collection, Sequence
@@ -25,7 +26,7 @@ FAILED = ExceptionCode.SERVER_DEVICE_FAILURE
 
 @dataclass(slots=True)
 class Image:
-    """What a door has of the image: RC inputs it may write where it owns them, RC outputs."""
+    """What a command source has of the image: RC inputs it may write where it owns them, RC outputs."""
 
     inputs: InputImage
     owned: Collection[int]
@@ -63,7 +64,7 @@ class ReisView:
         return [data[2 * r] << 8 | data[2 * r + 1] for r in range(first, first + count)]
 
     def write_bits(self, address: int, values: Sequence[bool]) -> ExceptionCode | None:
-        """Inputs in bytes this door owns, or markers of the PLC; all or nothing."""
+        """Inputs in bytes this command source owns, or markers of the PLC; all or nothing."""
         if address >= MARKER_BITS_AT:
             first, markers = address - MARKER_BITS_AT, bytearray(self._markers())
             if first + len(values) > 8 * len(markers):
@@ -148,7 +149,7 @@ class Val3View:
         return words[address - 2 * first : address - 2 * first + count]
 
     def write_bits(self, address: int, values: Sequence[bool]) -> ExceptionCode | None:
-        """Digital inputs in bytes this door owns; all or nothing."""
+        """Digital inputs in bytes this command source owns; all or nothing."""
         points = self.digital_in[address : address + len(values)]
         touched = {point.bit >> 3 for point in points}
         if len(points) < len(values) or not touched <= set(self.image.owned):

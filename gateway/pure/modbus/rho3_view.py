@@ -36,7 +36,7 @@ class Flags(Protocol):
 
 
 class RhoView:
-    """One door's view; what others own can be read here and not be written."""
+    """One command source's view; what others own can be read here and not be written."""
 
     def __init__(
         self,
@@ -50,9 +50,10 @@ class RhoView:
         files: Collection[int] = (),
         write_block: Callable[[int, int, bytes], None] = lambda number, word, data: None,
     ) -> None:
-        """`owned`: RC input bytes this door may write; `written` is told which it wrote; `command` takes command words (first, values);
+        """`owned`: RC input bytes this command source may write; `written` is told which it wrote; `command` takes command words (first,
+        values);
         `block` gives a data block as it stands (None: there is none), `errors` the numbers of the standing errors;
-        `files`: data blocks this door writes, by `write_block` (number, word, bytes)."""
+        `files`: data blocks this command source writes, by `write_block` (number, word, bytes)."""
         self.outputs: bytes = bytes(RC_BYTES)  # RC outputs; replaced whole at every tick
         self.status: Sequence[int] = [0] * STATUS_WORDS
         self.command_words: Sequence[int] = [0] * COMMAND_WORDS
@@ -88,7 +89,7 @@ class RhoView:
         return WORDS[count].unpack_from(image, 2 * address)
 
     def write_bits(self, address: int, values: Sequence[bool]) -> ExceptionCode | None:
-        """RC inputs, only in bytes this door owns; all or nothing."""
+        """RC inputs, only in bytes this command source owns; all or nothing."""
         touched = {n >> 3 for n in range(address, address + len(values))}
         if address + len(values) > 8 * RC_BYTES or not touched <= self._owned:
             return MISSING
@@ -98,7 +99,7 @@ class RhoView:
         return None
 
     def write_words(self, address: int, values: Sequence[int]) -> ExceptionCode | None:
-        """RC inputs this door owns, the command block, or flags."""
+        """RC inputs this command source owns, the command block, or flags."""
         if address >= FLAGS_AT and self.flags is not None:
             data = b"".join(value.to_bytes(2, "big") for value in values)
             return None if self.flags.write_flags(2 * (address - FLAGS_AT), data) else MISSING
@@ -128,7 +129,7 @@ class RhoView:
         return [data[2 * r] << 8 | data[2 * r + 1] for r in range(record, record + count)]
 
     def refuses_record(self, file: int, record: int, count: int) -> ExceptionCode | None:
-        """A block has one writer: this door where the cell says so, else the partner on its line or axisgate (AX-479)."""
+        """A block has one writer: this command source where the cell says so, else the partner on its line or axisgate (AX-479)."""
         found = self.read_record(file, record, count) if file in self._files else MISSING
         return found if isinstance(found, ExceptionCode) else None
 

@@ -33,7 +33,7 @@ class What(IntEnum):
     SHOWN = 14  # bus, contacts of its couplers
     STEP = 15  # cycle, stamp, beat of the services, missing actual values
     OUTPUTS = 16  # cell state and RC outputs, as published
-    TOLD = 17  # what a door or a tool said: no input of the core, but where its orders came from
+    TOLD = 17  # what a command source or a tool said: no input of the core, but where its orders came from
 
 
 class Phase(IntEnum):
@@ -61,7 +61,7 @@ CHUNK = struct.Struct("=QHHI")  # cycle, part, parts, bytes
 CHUNK_BYTES, CHUNK_RECORDS = 1024, 8192  # 16 s at 2 ms, where a cycle fits one record
 CHUNK_DATA = CHUNK_BYTES - CHUNK.size
 CHUNK_LAYOUT = f"record/1 {CHUNK.format} {CHUNK_DATA}"
-TOLD = struct.Struct("=qBBH")  # stamp, source, door, bytes
+TOLD = struct.Struct("=qBBH")  # stamp, source, command source, bytes
 TOLD_BYTES, TOLD_RECORDS = 512, 4096
 TOLD_LAYOUT = f"told/1 {TOLD.format} {TOLD_BYTES}"
 ASKED = struct.Struct("=Q")
@@ -176,7 +176,7 @@ def pack_told(stamp: Ns, source: Source, door: int, data: bytes) -> list[bytes]:
 
 
 class ServiceEvent(NamedTuple):
-    """What a door or a tool said."""
+    """What a command source or a tool said."""
 
     stamp: Ns
     source: Source

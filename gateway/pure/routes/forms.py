@@ -1,6 +1,7 @@
 """Number forms at the ends of a route: raw bytes <-> number, in every byte order of registers and data words (AX-396).
 
-Bytes are named as Modbus users do: ABCD is high byte first, high word first, the order of all our doors (AX-010); two-byte forms take the
+Bytes are named as Modbus users do: ABCD is high byte first, high word first, the order of all our command sources (AX-010); two-byte
+forms take the
 first two letters of ABCD and CDAB as AB, of BADC and DCBA as BA.
 """
 

@@ -1,4 +1,5 @@
-"""The doors as services runs them: one object per way in, each with its command and status block, its link watch and its journal words."""
+"""The command sources as services runs them: one object per way in, each with its command and status block, its link watch and its
+journal words."""
 
 import struct
 from collections.abc import Callable, Sequence
@@ -22,7 +23,8 @@ Tell = Callable[..., None]  # journal.write
 
 @dataclass(frozen=True)
 class SourceContext:
-    """Where a door of a run stands: its record in the plan, the office behind it, the watch over its partner, what a loss does, its
+    """Where a command source of a run stands: its record in the plan, the office behind it, the watch over its partner, what a loss
+    does, its
     region, the journal."""
 
     door: CommandSource
@@ -34,7 +36,7 @@ class SourceContext:
 
 
 class BaseSource:
-    """What all doors share."""
+    """What all command sources share."""
 
     def __init__(self, post: SourceContext) -> None:
         self.number, self.name, self.kind = post.door.number, post.door.name, post.door.kind
@@ -54,7 +56,7 @@ class BaseSource:
         """A good telegram came."""
         if self.watch.telegram(now, life) is LinkEvent.ALIVE:
             self.office.link(self.number, self.on_loss, alive=True)
-            self._tell("link", f"door {self.number} {self.name}: link is alive", door=self.number)
+            self._tell("link", f"command source {self.number} {self.name}: link is alive", door=self.number)
 
     def wake(self, now: Ns) -> None:
         """Tell the office when the partner fell silent."""
@@ -62,7 +64,7 @@ class BaseSource:
             self.office.link(self.number, self.on_loss, alive=False)
             self.restart()
             words = f"{self.silence()} for {self.watch.max_silence / 1e6:.0f} ms"
-            self._tell("link", f"door {self.number} {self.name}: {words}; {self.on_loss.value}", door=self.number)
+            self._tell("link", f"command source {self.number} {self.name}: {words}; {self.on_loss.value}", door=self.number)
 
     def silence(self) -> str:
         """What the partner did instead of a sign of life."""
@@ -89,7 +91,7 @@ class BaseSource:
         self.publish(now)
 
     def publish(self, now: Ns) -> None:
-        """Command and status words into the door's region."""
+        """Command and status words into the command source's region."""
         payload = _WORDS.pack(*self.block.words, *self.block.status_words(self.status)).ljust(self._region.size, b"\0")
         if payload != self._written:
             self._written = payload
@@ -123,7 +125,9 @@ class CellValues:
         self.state = CellState()
         self.life = 0
         self.errors: list[tuple[int, str]] = []  # standing, first one first
-        self.refusals: dict[int, tuple[int, str, int]] = {}  # door -> reason, words, stamp: what that door was last refused
+        self.refusals: dict[
+            int, tuple[int, str, int]
+        ] = {}  # command source -> reason, words, stamp: what that command source was last refused
 
     def names(self) -> list[str]:
         """Every name that can be read."""
@@ -170,7 +174,7 @@ class CellValues:
         raise KeyError(f"cell.{key}")
 
     def _seen_by(self, door: "BaseSource | None") -> list[tuple[int, str]]:
-        """Standing errors, and what this very door was refused last; another door's mistakes are not its business."""
+        """Standing errors, and what this very command source was refused last; another command source's mistakes are not its business."""
         own = self.refusals.get(door.number) if door is not None else None
         return self.errors + ([own[:2]] if own is not None else [])
 

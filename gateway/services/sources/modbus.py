@@ -1,6 +1,6 @@
-"""The door of a Modbus server: RC signals by their bit numbers, the own command block (AX-012), registers of the cell file.
+"""The command source of a Modbus server: RC signals by their bit numbers, the own command block (AX-012), registers of the cell file.
 
-Over TCP, over TLS, RTU in a TCP stream, RTU on a serial port: the door is the same, only what carries the bytes differs.
+Over TCP, over TLS, RTU in a TCP stream, RTU on a serial port: the command source is the same, only what carries the bytes differs.
 """
 
 import asyncio
@@ -40,14 +40,14 @@ Bind = tuple[str, int] | str  # host and port, or the url of a serial port
 
 @dataclass(frozen=True, slots=True)
 class CellSide:
-    """What the rest of the services gives a door."""
+    """What the rest of the services gives a command source."""
 
     inputs: InputImage
     owned: Collection[int]
     flush: Callable[[], None]
     value: Callable[[str], float]
     block: Callable[[int], bytes | None]
-    files: "Callable[[int], DataBlock | None]"  # data blocks this door writes, once all doors are made
+    files: "Callable[[int], DataBlock | None]"  # data blocks this command source writes, once all command sources are made
     written_files: Collection[int]  # and their numbers (AX-479)
     errors: Callable[[], Sequence[int]]
     recorded: ServicesTap
@@ -57,7 +57,7 @@ class CellSide:
 
 
 def side_of(services: "Services", door: "ModbusSource", owned: Collection[int]) -> CellSide:
-    """The services as a door sees them."""
+    """The services as a command source sees them."""
 
     def block(number: int) -> bytes | None:
         return next((bytes(data.fill(number)) for data in _data(services) if number in data.blocks), None)
@@ -210,7 +210,7 @@ class ModbusSource(BaseSource):
         return server
 
     def _answered(self, address: str, function: int) -> None:
-        """Life of this door: requests of the client that writes; until somebody has written, of any (AX-148)."""
+        """Life of this command source: requests of the client that writes; until somebody has written, of any (AX-148)."""
         if function in WRITES:
             self._writer = address
         if self._writer in ("", address):

@@ -1,4 +1,4 @@
-"""The door of a serial line: 3964R below, RK512 above, and either the cell's own data blocks or the standard command block.
+"""The command source of a serial line: 3964R below, RK512 above, and either the cell's own data blocks or the standard command block.
 
 Where the cell declares no blocks, DB 10 is the command block, DB 11 the status block; DB 20 and DB 21 are the RC inputs and outputs
 (AX-012).
@@ -80,7 +80,7 @@ class Rk512Source(SerialSource):
             self.office.refuse(self.number, code, Reason.FORMAT_SUSPICION, words)
 
         def bad_number(name: str, words: str) -> None:
-            self._tell("command", f"door {self.number}: {words}", door=self.number, what="refused")
+            self._tell("command", f"command source {self.number}: {words}", door=self.number, what="refused")
 
         def level(name: str, value: float) -> None:
             if name in flags:
@@ -338,7 +338,8 @@ def compile_handshake(handshake: Handshake) -> HandshakeBits:
 
 
 def compile_pattern(cell: Cell) -> tuple[Handshaking | None, dict[int, tuple[Mapping[str, float], float]], frozenset[int]]:
-    """The pattern of [handshake.move], None for start-busy-done, which the data door plays itself; what its numbers select: positions,
+    """The pattern of [handshake.move], None for start-busy-done, which the data command source plays itself; what its numbers select:
+    positions,
     programs."""
     positions = {position.number: (position.at, position.speed / 100.0) for position in cell.position}
     programs = frozenset(program.number for program in cell.program)

@@ -1,4 +1,5 @@
-"""What every door of a serial line shares: the machine of its protocols on a port that goes and comes back, counters, journal words."""
+"""What every command source of a serial line shares: the machine of its protocols on a port that goes and comes back, counters, journal
+words."""
 
 from collections import Counter
 from collections.abc import Iterable
@@ -22,7 +23,7 @@ TOLD_EVERY: Ns = 1_000_000_000  # a partner's faults reach the journal at most s
 
 
 class SerialSource(BaseSource):
-    """One [[line]].  Below it: `machine`, made by the door of its layer."""
+    """One [[line]].  Below it: `machine`, made by the command source of its layer."""
 
     machine: Machine[object]
     counted: Iterable[str] = ()  # names of its counters
@@ -37,7 +38,9 @@ class SerialSource(BaseSource):
         self.tap: Tap[object] | None = None  # what passed lately, for the page
         self._journal_next: Ns = 0
         self._tell(
-            "link", f"door {self.number} {self.name}: {line.protocol} {line.profile} on {services.plan.lines[line.name]}", door=self.number
+            "link",
+            f"command source {self.number} {self.name}: {line.protocol} {line.profile} on {services.plan.lines[line.name]}",
+            door=self.number,
         )
 
     def open(self, url: str) -> None:

@@ -1,6 +1,7 @@
-"""The door of a serial line with layer = "telegrams": 3964R below, raw blocks declared by [[telegram]] above, named values behind.
+"""Command source of a serial line with layer = "telegrams": 3964R below, raw blocks declared by [[telegram]] above, named values behind.
 
-It commands no axes: values and signals are what a program (or another door) acts on.  Blocks that fit nothing are counted and told.
+It commands no axes: values and signals are what a program (or another command source) acts on.  Blocks that fit nothing are counted and
+told.
 """
 
 import time
@@ -54,7 +55,7 @@ class TelegramSource(SerialSource):
         elif self.watch.alive and not self.connected:
             self.watch.alive, self.watch.losses = False, self.watch.losses + 1
             self.office.link(self.number, self.on_loss, alive=False)
-            self._tell("link", f"door {self.number} {self.name}: the port is gone", door=self.number)
+            self._tell("link", f"command source {self.number} {self.name}: the port is gone", door=self.number)
         if was and not self.watch.alive:
             self._named.source_gone(self.name)
 

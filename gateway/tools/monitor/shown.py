@@ -47,7 +47,7 @@ def headline(name: str, regions: Regions, *, simulated: bool) -> str:
         Motion(head["motion"]).name.lower(),
         f"override {head['override']:g} %",
         f"drives {head['enabled']}/{head['axes']}",
-        f"control: door {head['owner']}" if head["owner"] else "control: nobody",
+        f"control: command source {head['owner']}" if head["owner"] else "control: nobody",
     ]
     if head["forced"]:
         parts.append(f"{head['forced']} FORCED")
@@ -127,7 +127,7 @@ def doors_table(regions: Regions) -> Table:
         fixed = (str(door["number"]), door["name"], door["kind"], link, str(door["losses"]), door["state"].lower())
         rows.append((*fixed, "" if door["reason"] == "NONE" else door["reason"].lower(), counted))
         marks.append("" if link == "up" else "bad")
-    return Table("Doors", DOORS, tuple(rows), tuple(marks), "this cell has no door")
+    return Table("Doors", DOORS, tuple(rows), tuple(marks), "this cell has no command source")
 
 
 def sentences_table(lines: Row) -> Table:

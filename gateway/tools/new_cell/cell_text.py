@@ -74,7 +74,7 @@ REIS = """\
 # ---- the signals of the old control: 40 bytes of _IBIN_IN and _IBIN_OUT, markers M0 .. M2047 ----
 [controller]
 kind = "reis"
-door = "plc"                     # markers command for this door
+door = "plc"                     # markers command for this command source
 """
 
 
@@ -135,7 +135,7 @@ entries = [
   {{ at = "D 0.1",  type = "bit", from = "axis.*.referenced" }},
   {{ at = "D 0.2",  type = "bit", from = "axis.*.in_position" }},
   {{ at = "D 0.3",  type = "bit", from = "cell.drives_on" }},
-  {{ at = "D 0.4",  type = "bit", from = "cell.control" }},                       # this door owns the kinematic
+  {{ at = "D 0.4",  type = "bit", from = "cell.control" }},                       # this command source owns the kinematic
   {{ at = "D 0.8",  type = "bit", from = "move.busy" }},
   {{ at = "D 0.9",  type = "bit", from = "move.done" }},
   {{ at = "D 0.15", type = "bit", from = "cell.error" }},

@@ -122,7 +122,8 @@ class TwoRobots(RecordedBench, Cell402Bench):
 
 
 class OnBelts(Planned):
-    """Door 1 orders programs of either robot; `correct` says what the correction is (mm, deg), cycle by cycle, while it speaks."""
+    """Command source 1 orders programs of either robot; `correct` says what the correction is (mm, deg), cycle by cycle, while it
+    speaks."""
 
     def __init__(self, cell: Cell = CELL) -> None:
         self.robots = TwoRobots(P5_MS, cell=cell)

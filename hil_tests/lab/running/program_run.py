@@ -61,7 +61,7 @@ class ProgramRun:
         return unpack_planner(payload)
 
     def output(self, number: int) -> bool:
-        """RC output as doors read it."""
+        """RC output as command sources read it."""
         payload = self._outputs.read()
         assert payload is not None
         return get_bit(payload, number)

@@ -89,6 +89,6 @@ def picture(cell: Cell, one: S5Plc, two: ModbusPlc, title: str) -> Group:
     owner = (
         ""
         if status is None
-        else f"   owner: door {status.owner}   override {status.override:.0%}   PLC 2's command: {STATES.get(status.state)}"
+        else f"   owner: command source {status.owner}   override {status.override:.0%}   PLC 2's command: {STATES.get(status.state)}"
     )
     return Group(table, Text(line + owner))

@@ -46,7 +46,7 @@ class AlterRobot(ServodynRobot):
 
 
 class AlterBench(Planned):
-    """Door 1 orders programs and writes the correction: `correct` says what it is (mm, deg), cycle by cycle, while it speaks."""
+    """Command source 1 orders programs and writes the correction: `correct` says what it is (mm, deg), cycle by cycle, while it speaks."""
 
     def __init__(self, robot: CellBench | None = None) -> None:
         self.speaks = True
@@ -81,7 +81,7 @@ class AlterBench(Planned):
             inputs.values[LIFE >> 3] = (inputs.values[LIFE >> 3] + 1) & 0xFF
 
     def begin(self, *lines: str) -> Job:
-        """Door 1 orders a program of these lines."""
+        """Command source 1 orders a program of these lines."""
         self.seen.clear()
         return self.order(HEAD + "\n".join(lines))
 
@@ -93,7 +93,7 @@ class AlterBench(Planned):
         return job
 
     def answer(self) -> tuple[int, int, int]:
-        """Answer to alter(), mode, alterStopTime in ms, as the door reads them."""
+        """Answer to alter(), mode, alterStopTime in ms, as the command source reads them."""
         answer, mode, left = struct.unpack_from(">bBh", self.bench.core.outputs, STATUS >> 3)
         return answer, mode, left
 

@@ -41,7 +41,8 @@ HEAD = "robot portal\nangles rho3\naxes mm mm mm deg\nstart 100 100 50 0\n"
 
 
 class BeltBench(CellBench):
-    """Door 1 orders programs; `emulated` are the three belts, of types 1, 2 and 3.  head, home: of every program, and where they begin."""
+    """Command source 1 orders programs; `emulated` are the three belts, of types 1, 2 and 3.  head, home: of every program, and where
+    they begin."""
 
     head, home = HEAD, "ptp joints 100 100 50 0"
 
@@ -115,7 +116,7 @@ class BeltBench(CellBench):
         self.zero(kind)
 
     def order(self, *lines: str) -> Job:
-        """Door 1 orders a program of these lines."""
+        """Command source 1 orders a program of these lines."""
         self.text = self.head + "\n".join(lines)
         self.seen.clear()
         job = self.office.command(1, Command(Code.PROGRAM, 1, 1.0, 1.0), self.now)

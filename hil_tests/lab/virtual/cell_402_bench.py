@@ -108,7 +108,7 @@ class Dialogue:
 
 
 class Cell402Bench(CellBench):
-    """One door commands; the drives are emulated CiA 402 nodes."""
+    """One command source commands; the drives are emulated CiA 402 nodes."""
 
     slave: Cia402Slave
 

@@ -37,7 +37,8 @@ FAMILY = ServodynFamily(CODEC, [(n, n + 1) for n in range(6)])
 
 
 class CellBench:
-    """One door (number 1) commands; `silent` axes do not answer, `late` ones when the next cycle waits for its own; time is `now`."""
+    """One command source (number 1) commands; `silent` axes do not answer, `late` ones when the next cycle waits for its own; time is
+    `now`."""
 
     def __init__(self, p5_ms: int = 4, *, finish_without_services: bool = False, cell: Cell = DEMO) -> None:
         self.cell, self.p5_ms = cell, p5_ms
@@ -69,7 +70,7 @@ class CellBench:
         return CycleLogic(axes, period, self.generation, finish_without_services=self.finish, override_step=step)
 
     def permit(self, *bits: int, value: bool = True) -> None:
-        """RC inputs as a living door writes them."""
+        """RC inputs as a living command source writes them."""
         for bit in bits:
             set_bit(self.inputs.values, bit, value)
             self.inputs.quality[bit >> 3] = Quality.GOOD
@@ -110,7 +111,7 @@ class CellBench:
                 self.orders.append(record)
 
     def give(self, code: Code, mask: int = ALL, velocity: float = 1.0, targets: tuple[float, ...] = (), door: int = 1) -> Job:
-        """One fresh command of a door."""
+        """One fresh command of a command source."""
         places = (*targets, *[0.0] * MOST_AXES)[:MOST_AXES]
         job = self.office.command(door, Command(code, mask, velocity, 1.0, places), self.now)
         self._hand_over()

@@ -39,7 +39,7 @@ class ServodynRobot(CellBench):
 
 
 class Planned:
-    """Door 1 orders programs; one turn of the planner a cycle."""
+    """Command source 1 orders programs; one turn of the planner a cycle."""
 
     def __init__(self, bench: CellBench) -> None:
         self.bench, self.cell, self.machine = bench, bench.cell, machine_of_cell(bench.cell)

@@ -1,4 +1,4 @@
-"""A cell in virtual time and the planner's inside beside it: programs ordered by a door, no process, no clock."""
+"""A cell in virtual time and the planner's inside beside it: programs ordered by a command source, no process, no clock."""
 
 from dataclasses import replace
 
@@ -58,7 +58,7 @@ class WithPlanner:
         self.texts[number] = "\n".join([f"axes {UNITS}", *lines])
 
     def order(self, *lines: str, velocity: float = 1.0, door: int = 1) -> Job:
-        """Door 1 orders a program of these lines."""
+        """Command source 1 orders a program of these lines."""
         if lines:
             self.program(*lines)
         job = self.cell.office.command(door, Command(Code.PROGRAM, 1, velocity, 1.0), self.cell.now)

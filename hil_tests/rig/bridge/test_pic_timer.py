@@ -43,7 +43,7 @@ def test_a_route_wires_a_high_speed_input_and_a_timer_error_of_the_pic_takes_eve
         running_joined(lambda folder: cell_copy("host-telegrams", folder, more=MORE), NAME, p5_ms=P5_MS) as run,
         RawClient(run.port) as plc,
     ):
-        run.until(lambda: plc.ask(f"06 {WRITTEN:04x} 085a").startswith("06"), "the door takes a write")
+        run.until(lambda: plc.ask(f"06 {WRITTEN:04x} 085a").startswith("06"), "the command source takes a write")
         run.until(lambda: run.value("rho3.fast.612") == 1 and cycles_inputs()[10:13] == b"\x08\x5a\x01", "wired, and read by another route")
         plc.ask(f"06 {WRITTEN:04x} 005a")
         run.until(lambda: run.value("rho3.fast.612") == 0 and cycles_inputs()[10:13] == b"\x00\x5a\x00", "and off again")
@@ -52,14 +52,14 @@ def test_a_route_wires_a_high_speed_input_and_a_timer_error_of_the_pic_takes_eve
         run.until(lambda: cycles_inputs() == bytes(RC_BYTES), "no RC input is left for the cycle")
         assert plc.ask("04 0000 0040") == "04 80" + " 00" * RC_BYTES, "nor any RC output"
         plc.ask(f"06 {WRITTEN:04x} ffff")
-        run.until(lambda: run.value("A 10.0") == 1, "the door takes what the PLC writes")
+        run.until(lambda: run.value("A 10.0") == 1, "the command source takes what the PLC writes")
         assert cycles_inputs() == bytes(RC_BYTES) and run.value("E 8.0") == 0
         said = [line for line in (run.folder / "run" / NAME / "journal.jsonl").read_text().splitlines() if "PIC timer error" in line]
         assert [json.loads(line)["kind"] for line in said] == ["plc"]
 
 
 def cycles_inputs() -> bytes:
-    """RC inputs as the cycle reads them; none before those of the door are good."""
+    """RC inputs as the cycle reads them; none before those of the command source are good."""
     fds: dict[str, int] = {}
     try:
         with ask(NAME, "regions") as connection:

@@ -1,4 +1,4 @@
-"""`axisgate bench route` in small: a value goes from the door to the bus and back through routes, judged by bus stamps."""
+"""`axisgate bench route` in small: a value goes from the command source to the bus and back through routes, judged by bus stamps."""
 
 import statistics
 

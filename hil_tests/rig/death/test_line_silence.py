@@ -1,4 +1,5 @@
-"""Issue 2, users (a stop over the line is not a stop): the door in control falls silent in a move; what comes back moves nothing."""
+"""Issue 2, users (a stop over the line is not a stop): the command source in control falls silent in a move; what comes back moves
+nothing."""
 
 import pathlib
 import time

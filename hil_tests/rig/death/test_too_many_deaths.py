@@ -50,4 +50,4 @@ def told_to_the_plc(run: CellRun) -> None:
         refused = run.plc.command(code, mask)
         assert (refused.state, refused.reason) == (REFUSED, NOT_READY), refused
     said = run.journal("command")[-1]["text"]
-    assert said == "door 2: enable refused: the cell is not ready: the cycle does not run", said
+    assert said == "command source 2: enable refused: the cell is not ready: the cycle does not run", said

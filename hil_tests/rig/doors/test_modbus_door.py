@@ -1,4 +1,4 @@
-"""The life of a Modbus door hangs on the client that commands, not on a panel that reads (AX-148)."""
+"""The life of a Modbus command source hangs on the client that commands, not on a panel that reads (AX-148)."""
 
 import os
 from collections.abc import Iterator

@@ -100,7 +100,7 @@ def test_the_first_command_block_is_adopted_and_the_next_toggle_is_obeyed(run: C
 
     assert give(REQUEST) == (0x8000, RESYNCHRONISED)
     assert read(run, INPUTS, BLOCK + 8, 1) == [0], "nobody has control: adopted is not obeyed"
-    for _ in range(10):  # a door silent for max_silence_ms (500) is resynchronised once more
+    for _ in range(10):  # a command source silent for max_silence_ms (500) is resynchronised once more
         toggle ^= 0x8000
         state, reason = give(REQUEST)
         if reason != RESYNCHRONISED:

@@ -175,7 +175,7 @@ def test_a_judge_on_the_simulated_line_reads_the_cell_over_rtu(run: CellRun) -> 
     first, second = rtu("-t", "4", "-r", "200", "-c", "1"), rtu("-t", "4", "-r", "200", "-c", "1")
     assert "[200]" in first.stdout and "[200]" in second.stdout and first.stdout != second.stdout, "the life counter counts"
     refused = rtu("-t", "0", "-r", "24", values=("1",))
-    assert refused.returncode != 0 and "Illegal data address" in refused.stdout + refused.stderr, "byte 3 is another door's"
+    assert refused.returncode != 0 and "Illegal data address" in refused.stdout + refused.stderr, "byte 3 is another command source's"
 
 
 def test_a_client_carries_values_both_ways_and_comes_back(run: CellRun, tank: Tank) -> None:

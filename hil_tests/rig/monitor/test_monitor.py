@@ -60,7 +60,7 @@ from = "phg.33297"
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory: pytest.TempPathFactory) -> Iterator[CellRun]:
-    """Two axes, a rho 3 control, two doors nobody speaks to: EMERGENCY STOP stands."""
+    """Two axes, a rho 3 control, two command sources nobody speaks to: EMERGENCY STOP stands."""
     path = pathlib.Path(signal_cell(tmp_path_factory.mktemp("see"), "net", CONTROL))
     text = path.read_text()
     assert text.count(SHOWN_IN) == text.count(BESIDE) == 1
@@ -120,7 +120,7 @@ def test_tabs_show_axes_signals_lines_and_errors_live(run: CellRun) -> None:
         await until(pilot, lambda: [row[8] for row in cells(app, "table-axes") if "no telegram" in row[8]], "it stands at the axes")
         held(run, "release")
         await pilot.press("3")
-        await until(pilot, lambda: [row[1] for row in cells(app, "lines-doors")] == ["rack", "net"], "both doors")
+        await until(pilot, lambda: [row[1] for row in cells(app, "lines-doors")] == ["rack", "net"], "both command sources")
         assert [row[3] for row in cells(app, "lines-doors")] == ["DOWN", "DOWN"]
 
     played(Look("see"), play)
@@ -165,7 +165,7 @@ def test_requests_to_a_modbus_server_stand_among_what_was_said_on_the_lines(run:
 def test_a_search_over_the_services_death_goes_on_by_itself(run: CellRun) -> None:
     async def play(app: Monitor, pilot: Any) -> None:
         await pilot.press("3")
-        await until(pilot, lambda: len(cells(app, "lines-doors")) == 2, "the doors")
+        await until(pilot, lambda: len(cells(app, "lines-doors")) == 2, "the command sources")
         dead = run.pid("services")
         run.hold("services")  # killed, they would be back before anybody saw that they were gone
         await until(pilot, lambda: "SERVICES SILENT" in str(app.line.content), "their silence is told")

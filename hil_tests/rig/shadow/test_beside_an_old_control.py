@@ -54,7 +54,8 @@ def by_kind(seen: "Seen", kind: str) -> dict[str, Any]:
 
 @pytest.fixture(scope="module")
 def seen() -> Seen:
-    """The shadow's cell has "this door has control" at another bit than the old control, a position in another unit, and a slower A2."""
+    """The shadow's cell has "this command source has control" at another bit than the old control, a position in another unit, and a
+    slower A2."""
     with old_control() as old:
         cell = old.run.folder / "changed.toml"
         text = pathlib.Path(find_config("demo", "cells")).read_text()

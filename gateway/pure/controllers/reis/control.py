@@ -1,6 +1,7 @@
 """A Reis ROBOTstar V as its PLC sees it: inputs, outputs and markers on the image, once per cycle of the services.  Pure.
 
-Source: robotstar 4, 5.8, 5.9, 8.1; AX-336.  Doors write markers as the integrated PLC's program did; what the axes do stands in the
+Source: robotstar 4, 5.8, 5.9, 8.1; AX-336.  Command sources write markers as the integrated PLC's program did; what the axes do stands
+in the
 system markers.
 """
 

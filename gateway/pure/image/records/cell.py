@@ -255,7 +255,7 @@ class Quality(IntEnum):
 
 @dataclass(slots=True)
 class InputImage:
-    """RC inputs: value, quality and stamp of each byte; a byte belongs to one door."""
+    """RC inputs: value, quality and stamp of each byte; a byte belongs to one command source."""
 
     values: bytearray = field(default_factory=lambda: bytearray(RC_BYTES))
     quality: bytearray = field(default_factory=lambda: bytearray(RC_BYTES))

@@ -49,7 +49,7 @@ def faults(more: str, *edits: tuple[str, str]) -> list[str]:
         ("[controller]\nkind = 'val3'\n" + POINT, "a digital point has bit"),
         ("[controller]\nkind = 'val3'\n" + POINT + "byte = 3\nsteps = 100", "min below max"),
         ("[controller]\nkind = 'val3'\n" + 2 * (POINT + "bit = 3\n"), "two points"),
-        ("[controller]\nkind = 'reis'\ndoor = 'plc9'", "no such door"),
+        ("[controller]\nkind = 'reis'\ndoor = 'plc9'", "no such command source"),
     ],
 )
 def test_what_does_not_fit_is_told_by_its_key(more: str, words: str) -> None:

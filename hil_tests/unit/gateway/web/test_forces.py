@@ -1,4 +1,4 @@
-"""AX-472: forced inputs are an overlay; what is not forced stays as its door wrote it."""
+"""AX-472: forced inputs are an overlay; what is not forced stays as its command source wrote it."""
 
 import pytest
 
@@ -7,7 +7,7 @@ from gateway.services.forces import MOST, Forces
 
 
 def written() -> InputImage:
-    """Byte 5 is a living door's, all bits 1."""
+    """Byte 5 is a living command source's, all bits 1."""
     image = InputImage()
     image.values[5], image.quality[5], image.stamps[5] = 0xFF, Quality.GOOD, 1000
     return image
@@ -18,7 +18,7 @@ def test_a_forced_bit_stands_and_its_neighbours_stay() -> None:
     forces.put(40, False, 2000)
     laid = forces.over(image)
     assert (laid.values[5], laid.quality[5], laid.stamps[5]) == (0xFE, Quality.GOOD, 1000)
-    assert image.values[5] == 0xFF, "the door's own image is not touched"
+    assert image.values[5] == 0xFF, "the command source's own image is not touched"
 
 
 def test_in_a_byte_nobody_writes_only_the_forced_bit_is_allowed() -> None:

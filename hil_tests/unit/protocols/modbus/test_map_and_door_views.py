@@ -1,4 +1,4 @@
-"""`axisgate map` says what the doors do: each row is tried at the view it describes.  And what stands beside the view."""
+"""`axisgate map` says what the command sources do: each row is tried at the view it describes.  And what stands beside the view."""
 
 import csv
 import dataclasses
@@ -41,7 +41,7 @@ def demo(more: str = "") -> Cell:
 
 
 def view_of(cell: Cell) -> RhoView:
-    """As the door makes it; values are 1.5 for every name."""
+    """As the command source makes it; values are 1.5 for every name."""
     settings = cell.modbus[0]
     owned = [octet for octet, owner in cell.rc_inputs.owner.items() if owner == settings.name]
     registers = Registers(placed(settings, [axis.name for axis in cell.axis]), lambda name: 1.5, settings.float)

@@ -122,7 +122,7 @@ def test_a_plc_gives_inputs_and_reads_outputs_and_elements_of_the_reis_over_modb
     control.shared.end_of_cycle()
     view.image.outputs = control.outputs
     assert view.read_bits(DISCRETE, 318, 2) == [False, True] and view.read_words(INPUT, 19, 1) == [0x0080]
-    assert view.write_bits(16, [True]) is MISSING, "byte 2 is another door's" and view.write_words(0, [1, 1]) is MISSING
+    assert view.write_bits(16, [True]) is MISSING, "byte 2 is another command source's" and view.write_words(0, [1, 1]) is MISSING
     assert view.read_bits(COILS, 319, 2) is MISSING and view.read_words(INPUT, 19, 2) is MISSING
 
 

@@ -51,7 +51,7 @@ def put_number(image: bytearray, first: int, width: int, value: int) -> None:
 
 
 def trusted(inputs: InputImage, first: int) -> bool:
-    """Whether the byte of this bit comes from a living door: an order with an old code beside a new strobe is none (AX-541)."""
+    """Whether the byte of this bit comes from a living command source: an order with an old code beside a new strobe is none (AX-541)."""
     return inputs.quality[first >> 3] == Quality.GOOD
 
 
@@ -61,7 +61,8 @@ def even(value: int) -> bool:
 
 
 class Edge:
-    """Edges of one input bit.  The level met first, or met after the door was lost, is no edge: nothing starts by itself (AX-532)."""
+    """Edges of one input bit.  The level met first, or met after the command source was lost, is no edge: nothing starts by itself
+    (AX-532)."""
 
     def __init__(self, bit: int) -> None:
         self._bit = bit

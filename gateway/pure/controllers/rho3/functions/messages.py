@@ -47,7 +47,7 @@ _TEXTS: dict[str, tuple[str, str]] = {
     "no_code": ("{0} has no code {1}", "{0} hat keinen Code {1}"),
     "no_process": ("no process {0}", "kein Prozess {0}"),
     "not_started": ("{0} not started: error {1}", "{0} nicht gestartet: Fehler {1}"),
-    "not_good": ("the code comes from a lost door", "der Code kommt von einer verlorenen Tuer"),
+    "not_good": ("the code comes from a lost command source", "der Code kommt von einer verlorenen Befehlsquelle"),
     "channel_busy": ("the panel is occupied", "das PHG ist belegt"),
     "channel_off": ("the panel is not ready", "das PHG ist nicht bereit"),
     # states and kinds of processes

@@ -26,7 +26,7 @@ _TEXTS = {
     809: ("referencing failed", "Referenzieren fehlgeschlagen"),
     810: ("interpolator stop: the cycle was late", "Interpolator-Stop: Takt verspaetet"),
     811: ("set value out of range", "Sollwert ausserhalb"),
-    1270: ("link of the door in control is silent", "Verbindung der fuehrenden Tuer stumm"),
+    1270: ("no telegrams from the active command source", "keine Telegramme von der aktiven Befehlsquelle"),
     1271: ("an enabling input is lost", "ein Freigabeeingang ist ausgefallen"),
     1272: ("services restarted under motion", "Dienste-Neustart in Bewegung"),
     1273: ("planner restarted under motion", "Planer-Neustart in Bewegung"),

@@ -1,7 +1,7 @@
-"""Signals that command the axes, as commands of the doors that give them: the office judges them as it judges every other one.
+"""Signals that command the axes, as commands of the command sources that give them: the office judges them as it judges every other one.
 
-Source: rho3 4.10 (L1295-1305, L7920-7941); AX-333.  Control is asked for with the first drive-on of a door and given back at rest
-when its last one has fallen, as an old-style door does it.
+Source: rho3 4.10 (L1295-1305, L7920-7941); AX-333.  Control is asked for with the first drive-on of a command source and given back at rest
+when its last one has fallen, as an old-style command source does it.
 """
 
 from collections.abc import Mapping
@@ -24,8 +24,8 @@ class AxisCommands:
     def __init__(self, office: CommandDispatcher, sets_override: bool) -> None:
         """`sets_override`: nobody else of this cell does, so drive-on brings 100 %."""
         self._office, self._sets_override = office, sets_override
-        self._leaving: set[int] = set()  # doors whose drive-on has fallen: control goes back at rest
-        self._abandon: dict[int, Job] = {}  # door -> its stopped move, given up as soon as it rests
+        self._leaving: set[int] = set()  # command sources whose drive-on has fallen: control goes back at rest
+        self._abandon: dict[int, Job] = {}  # command source -> its stopped move, given up as soon as it rests
 
     def drives(self, asked: Mapping[int, Asked], wanted: int, disabled: int, now: Ns) -> None:
         """Edges of the drive-on signals; `wanted`: axes whose signal stands, `disabled`: axes that stay off whatever it says."""

@@ -1,6 +1,7 @@
 """The old control as its PLC sees it: signals, functions and processes on one image, once per cycle of the services.  Pure.
 
-The doors bring the RC inputs, the cycle what the axes do; outputs and flags go back to the doors, commands of the axes through the
+The command sources bring the RC inputs, the cycle what the axes do; outputs and flags go back to the command sources, commands of the
+axes through the
 office.  A restart of services counts as a start of the control (AX-332): nothing that stands starts anything.
 """
 
@@ -58,7 +59,7 @@ class Setup:
     functions: Settings = field(default_factory=Settings)
     programs: tuple[Declared, ...] = ()
     axes: tuple[str, ...] = ()
-    owners: Mapping[int, int] = field(default_factory=dict)  # RC input byte -> door
+    owners: Mapping[int, int] = field(default_factory=dict)  # RC input byte -> command source
     assumed: tuple[int, ...] = ()  # RC inputs that are not wired and count as 1
     of_cycle: bytes = bytes(RC_BYTES)  # RC output bits the cycle writes
     emergency_op: int = 140  # RC input: emergency mode without RC
@@ -167,7 +168,8 @@ class RhoControl:
         return told
 
     def _look(self, inputs: InputImage, cycle: bytes, state: CellState) -> None:
-        """The image as the control sees it: doors, inputs that are not wired, and the chain as the cycle has latched it (AX-335)."""
+        """The image as the control sees it: command sources, inputs that are not wired, and the chain as the cycle has latched it
+        (AX-335)."""
         image = self.image
         image.take(inputs)
         for bit in self.setup.assumed:
@@ -175,7 +177,7 @@ class RhoControl:
         if state.generation:
             self._closed = not state.emergency or bool(state.permits & Permit.CHAIN)
             if not state.emergency:
-                self.interface.faults.forget(EMERGENCY_STOP)  # released by another door's fault reset
+                self.interface.faults.forget(EMERGENCY_STOP)  # released by another command source's fault reset
         set_bit(image.inputs, self.setup.numbers.chain, self._closed)
         self._overlay(cycle)
 
@@ -206,11 +208,11 @@ class RhoControl:
 
     @property
     def selector(self) -> int:
-        """The door whose byte carries the selection strobe: programs move the axes in its name."""
+        """The command source whose byte carries the selection strobe: programs move the axes in its name."""
         return self.setup.owners.get(self.setup.functions.places.select_strobe >> 3, 0)
 
     def move(self, program: str, step: Step, now: Ns) -> Job:
-        """What a program moves; refused as any other command of that door."""
+        """What a program moves; refused as any other command of that command source."""
         process = self.processes.named(program)
         kinematic = 1 if process is None else (process.kinematics & -process.kinematics).bit_length()  # the lowest it moves
         factors = self.factor_table.acting(min(max(kinematic, 1), self.setup.installation.kinematics))

@@ -41,7 +41,7 @@ def _mask(image: PicImage, first: int, axes: int) -> int:
 
 @dataclass(slots=True)
 class Asked:
-    """What one door asks for with its drive-on signals in this cycle; masks of axes."""
+    """What one command source asks for with its drive-on signals in this cycle; masks of axes."""
 
     on: int = 0
     off: int = 0
@@ -54,16 +54,17 @@ class _Axis:
 
 
 class DriveOn:
-    """Edges of the drive-on signals, door by door; a signal that stands at start or when its door comes back starts nothing."""
+    """Edges of the drive-on signals, command source by command source; a signal that stands at start or when its command source comes
+    back starts nothing."""
 
     def __init__(self, axes: int, owner_of: Callable[[int], int]) -> None:
-        """`owner_of`: RC input byte -> number of the door that gives it, 0: nobody."""
+        """`owner_of`: RC input byte -> number of the command source that gives it, 0: nobody."""
         self._axes = [_Axis() for _ in range(axes)]
         self._owner_of = owner_of
         self._group = owner_of(ALL_ON >> 3)
 
     def look(self, image: PicImage) -> Mapping[int, Asked]:
-        """Once per cycle: door -> what it asks for."""
+        """Once per cycle: command source -> what it asks for."""
         asked: dict[int, Asked] = {}
         for number, axis in enumerate(self._axes):
             place = FIRST_DRIVE + number

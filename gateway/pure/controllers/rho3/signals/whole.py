@@ -40,7 +40,7 @@ class Seen:
 
 
 class SignalInterface:
-    """Call `step` once per cycle with the image filled by the doors; the outputs of the interface are written into it."""
+    """Call `step` once per cycle with the image filled by the command sources; the outputs of the interface are written into it."""
 
     def __init__(self, image: PicImage, installation: Installation, numbers: Numbers = AS_SHIPPED, errors: ErrorList | None = None) -> None:
         """`numbers`: of our own signals, where a cell has moved them; `errors`: the list of the control.

@@ -19,7 +19,8 @@ class Val3Control:
     """Call `step` once per cycle of the services."""
 
     def __init__(self, points: Iterable[Point], owned: Collection[int] = ()) -> None:
-        """`owned`: RC input bytes a door gives; a board with an input in one of them is in fault while that door is lost."""
+        """`owned`: RC input bytes a command source gives; a board with an input in one of them is in fault while that command source is
+        lost."""
         self.image = PicImage()
         self.points = {point.name: point for point in points}
         self.system = IoSystem(self.image, self.points.values())

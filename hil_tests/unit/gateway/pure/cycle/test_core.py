@@ -310,7 +310,7 @@ def test_a_drive_that_leaves_control_by_itself_takes_all_off_and_says_why(monkey
 
 
 def lose(cell: CellBench) -> None:
-    """The door of the enabling inputs is gone."""
+    """The command source of the enabling inputs is gone."""
     cell.inputs.quality[3] = Quality.BAD
 
 

@@ -1,6 +1,6 @@
 """The core with a planner: pieces of a program in, done when nothing more comes, and what follows a planner's death.
 
-A program is ordered by a door (office), its order reaches the cycle, and only then pieces of it are taken (AX-322).
+A program is ordered by a command source (office), its order reaches the cycle, and only then pieces of it are taken (AX-322).
 """
 
 from itertools import pairwise

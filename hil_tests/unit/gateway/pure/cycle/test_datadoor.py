@@ -1,4 +1,4 @@
-"""The old-style door: entries, edges, start-busy-done, and that standing bits start nothing."""
+"""The old-style command source: entries, edges, start-busy-done, and that standing bits start nothing."""
 
 import pytest
 
@@ -12,7 +12,7 @@ KG_1200_5 = bytes.fromhex("0B4B0800")
 
 
 class Door:
-    """DB 10, 11, 12 of the demo cell with everything the door says kept."""
+    """DB 10, 11, 12 of the demo cell with everything the command source says kept."""
 
     def __init__(self) -> None:
         self.commands: list[Command] = []

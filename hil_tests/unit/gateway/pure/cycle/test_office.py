@@ -31,7 +31,7 @@ class TestControl:
     def test_one_door_at_a_time_and_the_refusal_names_the_owner(self) -> None:
         control = Ownership()
         assert control.request(1, at_rest=True)
-        with pytest.raises(Refusal, match="door 1") as refusal:
+        with pytest.raises(Refusal, match="command source 1") as refusal:
             control.request(2, at_rest=True)
         assert refusal.value.reason is Reason.NOT_OWNER
         control.release(1, at_rest=True)
@@ -174,7 +174,7 @@ class TestOffice:
         cell._hand_over()
         cell.run(0.5)
         assert (move.state, move.reason) == (CommandState.ABORTED, Reason.LINK_LOST)
-        assert cell.core.state.stop_cause == Reason.LINK_LOST, "every door reads why"
+        assert cell.core.state.stop_cause == Reason.LINK_LOST, "every command source reads why"
 
     def test_the_link_of_a_door_without_control_stops_nothing(self) -> None:
         cell = CellBench().ready()

@@ -2,7 +2,7 @@
 
 Two PLCs write data blocks every 100 ms while their links stand, a third one fetches what routes make of them.  What is right is known here
 from what the writers sent, not from the routes: a valid target equals what the last telegram of its source carried, and that telegram is
-no older than the silence the door allows.
+no older than the silence the command source allows.
 """
 
 import random
@@ -25,7 +25,7 @@ Right = Callable[[tuple[int, ...]], float]
 
 
 class Writer:
-    """A PLC that sends its block of four words while its link stands, and the door that takes it."""
+    """A PLC that sends its block of four words while its link stands, and the command source that takes it."""
 
     def __init__(self, number: int, chance: random.Random) -> None:
         self.number, self.chance = number, chance

@@ -1,4 +1,5 @@
-"""A cell with [controller] in virtual time: office, core, emulated drives and the control its PLC sees, which is door 1 of two."""
+"""A cell with [controller] in virtual time: office, core, emulated drives and the control its PLC sees, which is command source 1 of
+two."""
 
 import pathlib
 import tempfile

@@ -75,7 +75,7 @@ def test_a_door_that_comes_back_with_the_bit_standing_switches_nothing_on(bench:
     bench.put(off=(DRIVE_ON,)).put(DRIVE_ON).run(1.0)
     assert bench.enabled() == [True, True]
     bench.quality(Quality.BAD, 8).run(0.5)
-    assert bench.enabled() == [True, True], "what a lost door does is the door's on_loss"
+    assert bench.enabled() == [True, True], "what a lost command source does is the command source's on_loss"
     bench.put(off=(DRIVE_ON,)).quality(Quality.GOOD, 8).run(0.5)
     assert bench.enabled() == [False, False], "it came back with drive-on at 0"
 
@@ -144,7 +144,7 @@ def test_emergency_stop_is_the_latch_of_the_cycle(bench: ControlBench) -> None:
     assert bench.codes() == [528]
     bench.settle(bench.give(Code.FAULT_RESET))
     bench.cycle(2)
-    assert bench.codes() == [] and not bench.output(67), "another door's fault reset releases it, too"
+    assert bench.codes() == [] and not bench.output(67), "another command source's fault reset releases it, too"
 
 
 def test_a_drive_that_falls_silent_is_an_error_until_control_reset(bench: ControlBench) -> None:

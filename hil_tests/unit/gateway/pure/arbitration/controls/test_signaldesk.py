@@ -1,4 +1,4 @@
-"""SignalDesk: a control is stepped at once when a door has written, so that no edge falls between two of its cycles (AX-332)."""
+"""SignalDesk: a control is stepped at once when a command source has written, so that no edge falls between two of its cycles (AX-332)."""
 
 from types import SimpleNamespace
 from typing import Any

@@ -1,4 +1,4 @@
-"""AX-403 at the data door: patterns other than start-busy-done, numbers that select positions, answering bits in the block."""
+"""AX-403 at the data command source: patterns other than start-busy-done, numbers that select positions, answering bits in the block."""
 
 import pytest
 
@@ -35,7 +35,7 @@ def text(pattern: str, entries: str = START, start: str = 'start   = "DB10.D0.8"
 
 
 class Door:
-    """The door of the S5 cell with another handshake; DB 10 as its PLC writes it."""
+    """The command source of the S5 cell with another handshake; DB 10 as its PLC writes it."""
 
     def __init__(self, cell_text: str) -> None:
         cell = load_cell("s5.toml", cell_text)

@@ -59,7 +59,7 @@ def cell_text(pattern: str) -> str:
 
 
 class Plc:
-    """A PLC behind its data door, the office and the emulated drives of the demo cell; drives on, referenced, at 0."""
+    """A PLC behind its data command source, the office and the emulated drives of the demo cell; drives on, referenced, at 0."""
 
     def __init__(self, pattern: str) -> None:
         self.pattern, self.toggle, self.told = pattern, False, list[str]()

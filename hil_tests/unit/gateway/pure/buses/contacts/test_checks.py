@@ -105,7 +105,7 @@ def test_routes_begin_and_end_in_registers_of_devices() -> None:
         (route("r", from_="axis.X.actual", to="DB30.DW4", to_type="KF", scale=100.0), "route.r.to", "overflow"),
         (route("r", from_="DB10.D0.9", to="A 3.2"), "route.r.to", "two writers in RC input byte 3: plc"),
         (route("r", from_="DB10.D0.9", to="E 8.0"), "route.r.to", "RC outputs come from the cycle alone"),
-        (route("r", from_="DB10.D0.9", to="drives.on"), "route.r.to", "commands come through doors"),
+        (route("r", from_="DB10.D0.9", to="drives.on"), "route.r.to", "commands come through command sources"),
         (route("r", from_="axis.Q.actual", to="DB30.DW4", to_type="KF"), "route.r.from", "no such axis"),
         (route("r", from_="cell.redy", to="A 90.0"), "route.r.from", "cell.ready"),
         (route("r", from_="io.nobody", to="A 90.0"), "route.r.from", "no such contact"),
