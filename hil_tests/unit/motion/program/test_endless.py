@@ -1,4 +1,4 @@
-"""Endless axes of a cell (P303 = 3, P311): programs, command sources, a stop, a new cycle.  The emulator's record judges.  AX-354, AX-568."""
+"""Endless axes of a cell (P303 = 3, P311): programs, command sources, stop, a new cycle.  The emulator's record judges.  AX-354, AX-568."""
 
 import functools
 import math
