@@ -1,0 +1,68 @@
+"""Reads the steps of a program: head, commands, end.  Source: robotstar 1.2, 5.3, L1480-1482, L2332-2335."""
+
+import re
+from dataclasses import dataclass
+
+from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.source import Position
+from gateway.pure.languages.plc.commands import Command, Routine
+from gateway.pure.languages.plc.steps import Wrong, step_of
+
+NUMBERED = re.compile(r"\s*(?:S?\d+(?:\s*[.:])?\s+)?")
+HEAD = re.compile(r"(MPR|MP|SPR|SP|MAC|PAL|PLC|DIR)\b\s*(.*)$", re.IGNORECASE)
+QUOTES = "'\"‘’`´"
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A line that holds a step: number of the line in the file, number of the step, text, whether it is valid."""
+
+    line: int
+    step: int
+    text: str
+    valid: bool
+
+
+def lines_of(text: str) -> list[Line]:
+    """The steps of a text.  The head is step 1; a printed step number is left out, `\\` makes a step invalid."""
+    found: list[Line] = []
+    for number, line in enumerate(text.removeprefix("\ufeff").splitlines(), 1):
+        body = line[match.end() :].strip() if (match := NUMBERED.match(line)) else line.strip()
+        valid = not body.startswith("\\")
+        if body.lstrip("\\"):
+            found.append(Line(number, len(found) + 1, body.lstrip("\\").strip(), valid))
+    return found
+
+
+def body_of(lines: list[Line], name: str, faults: Faults) -> tuple[list[Line], Line | None]:
+    """The steps between head and end, and the end."""
+    if lines and (head := HEAD.match(lines[0].text)):
+        if head[1].upper() != "PLC":
+            faults.error("no-plc-command", Position(name, lines[0].line), "No PLC-command", "a PLC program begins with PLC and its name")
+        lines = lines[1:]
+    for at, line in enumerate(lines):
+        if line.text.split(";")[0].strip().upper() in ("END", "ENDE"):
+            for rest in lines[at + 1 :]:
+                faults.error("after-end", Position(name, rest.line), f"{rest.text[:60]!r} behind END", "END is the last step")
+            return lines[:at], line
+    last = lines[-1].line if lines else 1
+    faults.error("no-end", Position(name, last), "END is missing", "END is the last step of a program")
+    return lines, None
+
+
+def read_routine(name: str, text: str, faults: Faults) -> tuple[Routine, dict[int, int]]:
+    """The routine, and the line of each step in the file; faults name the line."""
+    lines = lines_of(text)
+    commands: list[Command] = []
+    body, end = body_of(lines, name, faults)
+    for line in body:
+        if not line.valid:
+            continue
+        found = step_of(line.text, line.step)
+        if isinstance(found, Wrong):
+            kind = "no-plc-command" if found.text == "No PLC-command" else "operand"
+            faults.error(kind, Position(name, line.line), found.text, found.hint)
+        elif found is not None:
+            commands.append(found)
+    last = end.step if end else len(lines) + 1
+    return Routine(name, tuple(commands), last), {line.step: line.line for line in lines}
