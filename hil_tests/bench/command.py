@@ -74,6 +74,12 @@ def web(arguments: argparse.Namespace) -> list[Figure]:
     return figures(arguments.seconds or SCOPE_S)
 
 
+def plc(arguments: argparse.Namespace) -> list[Figure]:
+    from hil_tests.bench.plc_bench import run
+
+    return [dict(figure) for figure in run()]
+
+
 BENCHES: dict[str, Callable[[argparse.Namespace], list[Figure]]] = {
     "cycle": cycle,
     "3964r": p3964r,
@@ -84,6 +90,7 @@ BENCHES: dict[str, Callable[[argparse.Namespace], list[Figure]]] = {
     "route": route,
     "modbus": modbus,
     "web": web,
+    "plc": plc,
 }
 
 

@@ -64,6 +64,8 @@ class Cells:
         """Start command of a timer with `time` in 1/100 s; each kind looks at the edges of the result on its own."""
         kind, cell = KINDS[name], self._cells[number]
         if cell.kind != kind:
+            if not result:
+                return
             self._become(cell, kind)
         rises, falls = result and not cell.level, cell.level and not result
         cell.level, cell.cleared = result, False
@@ -74,7 +76,9 @@ class Cells:
 
     def count(self, number: int, result: bool, step: int) -> None:
         """Counts at a rising edge of the result, between 0 and 999."""
-        cell = self._counter(number)
+        cell = self._counter(number, result)
+        if cell is None:
+            return
         before = cell.up if step > 0 else cell.down
         if step > 0:
             cell.up = result
@@ -85,7 +89,9 @@ class Cells:
 
     def preset(self, number: int, result: bool, value: int) -> None:
         """Sets the counter at a rising edge of the result."""
-        cell = self._counter(number)
+        cell = self._counter(number, result)
+        if cell is None:
+            return
         if result and not cell.preset:
             cell.count = min(COUNT_HIGH, max(0, value))
         cell.preset = result
@@ -108,9 +114,12 @@ class Cells:
         found = [self._restored(*KEPT.unpack_from(kept, KEPT.size * at)) for at in range(CELLS)]
         self._cells[:] = found
 
-    def _counter(self, number: int) -> Cell:
+    def _counter(self, number: int, result: bool) -> Cell | None:
+        """The cell as a counter; None: it is a timer's, and a command with the result 0 does not take it over."""
         cell = self._cells[number]
         if cell.kind != COUNTER:
+            if not result:
+                return None
             content = self.content(number)
             self._become(cell, COUNTER)
             cell.count = min(COUNT_HIGH, content)

@@ -1,4 +1,4 @@
-"""Chains of links as Python expressions.  A chain is written down as late as possible: in front of the first command that needs its result."""
+"""Chains of links as Python expressions, each written in front of the first command that needs its result."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -131,7 +131,7 @@ class Chain:
 def states_of(routine: Routine, targets: set[str]) -> set[str]:
     """Labels at which a chain may go on or begin, by the way the program came."""
     unsure: set[str] = set()
-    fresh, outside = True, list[bool]()
+    fresh = True
     for command in routine.commands:
         code = command.code
         if code is Code.LABEL and command.name in targets and not fresh:

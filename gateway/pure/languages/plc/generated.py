@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from typing import cast
 
 from gateway.pure.languages.plc import arithmetic as sums
 from gateway.pure.languages.plc.chains import Chain, states_of
@@ -246,8 +247,8 @@ class Generated:
             **{name: getattr(sums, name) for name in ("shift_right", "shift_left", "rotate_right", "rotate_left")},
             **{name: getattr(cells, name) for name in ("timer", "counter", "start", "count", "preset", "reset")},
         }
-        exec(compile(self.text, "<plc>", "exec"), names)  # noqa: S102 - text of our own making, numbers alone come from the program
-        self._step: Step = names[f"r{numbers[program.start]}"]  # type: ignore[assignment]
+        exec(compile(self.text, "<plc>", "exec"), names)
+        self._step = cast(Step, names[f"r{numbers[program.start]}"])
 
     def scan(self, allowance: int) -> tuple[bool, int, int, int]:
         """One scan: result, accumulators, what is left of the allowance.  TimeError: it was used up."""

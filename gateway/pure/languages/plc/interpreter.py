@@ -1,6 +1,6 @@
 """Runs the compiled form command by command and counts: a number of commands a period, and the test display."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple, Protocol
 
@@ -20,11 +20,31 @@ from gateway.pure.languages.plc.commands import (
 )
 from gateway.pure.languages.plc.state import State
 
+ARITHMETIC: Mapping[Code, Callable[[int, int, int], int]] = {
+    Code.ACCU_AND: lambda one, two, n: one & two,
+    Code.ACCU_OR: lambda one, two, n: one | two,
+    Code.ACCU_XOR: lambda one, two, n: one ^ two,
+    Code.SHIFT_RIGHT: lambda one, two, n: sums.shift_right(one, n),
+    Code.SHIFT_LEFT: lambda one, two, n: sums.shift_left(one, n),
+    Code.ROTATE_RIGHT: lambda one, two, n: sums.rotate_right(one, n),
+    Code.ROTATE_LEFT: lambda one, two, n: sums.rotate_left(one, n),
+    Code.PLUS: lambda one, two, n: sums.wrap(two + one),
+    Code.MINUS: lambda one, two, n: sums.wrap(two - one),
+    Code.ADD_NUMBER: lambda one, two, n: sums.wrap(one + n),
+    Code.ONES: lambda one, two, n: ~one,
+    Code.TWOS: lambda one, two, n: sums.wrap(-one),
+    Code.TO_BCD: lambda one, two, n: sums.to_bcd(one),
+    Code.FROM_BCD: lambda one, two, n: sums.from_bcd(one),
+}
+
 
 class More(Protocol):
     """Asked at a jump backwards and at a call once the allowance is used up: commands to go on with, or TimeError."""
 
     def __call__(self, routine: str, line: int) -> int: ...
+
+
+Bound = tuple[Callable[[Command], None], Command, bool]  # act, command, whether the next link begins a chain behind it
 
 
 class Shown(NamedTuple):
@@ -63,10 +83,11 @@ class Interpreter:
     accu1: int = 0
     accu2: int = 0
     allowance: int = 0
-    shown: dict[int, Shown] = field(default_factory=dict)
+    seen: dict[int, tuple[bool | int, bool, int, int]] = field(default_factory=dict)  # by place in the watched routine
     _frames: list[Frame] = field(default_factory=list)
     _labels: dict[str, dict[str, int]] = field(default_factory=dict)
     _acts: dict[Code, Callable[[Command], None]] = field(default_factory=dict)
+    _bound: dict[str, list[Bound]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self._labels = {name: labels_of(routine) for name, routine in self.program.routines.items()}
@@ -90,12 +111,42 @@ class Interpreter:
             Code.LABEL: lambda c: None,
             Code.BEGIN: self._begin,
         }
+        self._bound = {name: [self._bind(command) for command in routine.commands] for name, routine in self.program.routines.items()}
+
+    def _bind(self, command: Command) -> Bound:
+        act = self._acts.get(command.code, self._arithmetic)
+        return (self._linker(command) if command.code in LOGIC else act), command, command.code in ENDS_CHAIN
+
+    def _linker(self, command: Command) -> Callable[[Command], None]:
+        """Links of bits are what programs are made of: their codes are looked at once."""
+        kind, inverted = LOGIC.index(command.code) // 2, command.code in (Code.AND_NOT, Code.OR_NOT, Code.XOR_NOT)
+        if command.operand is not Operand.BIT:
+            return self._logic
+        memory, byte, mask = self.state.memory, command.byte, command.mask
+
+        def link(command: Command) -> None:
+            value = (memory[byte] & mask == 0) == inverted
+            if self.fresh:
+                self.result, self.fresh = value, False
+            elif kind == 0:
+                self.result = self.result and value
+            elif kind == 1:
+                self.result = self.result or value
+            else:
+                self.result = self.result != value
+
+        return link
+
+    @property
+    def shown(self) -> dict[int, Shown]:
+        """What the test display shows, by the place of the command in its routine."""
+        return {at: Shown(bool(status), result, one, two) for at, (status, result, one, two) in sorted(self.seen.items())}
 
     def begin(self, allowance: int) -> None:
         """The next scan: result 1, a new chain, accumulators 0."""
         self._frames = [Frame(self.program.routines[self.program.start])]
         self.result, self.fresh, self.accu1, self.accu2, self.allowance = True, True, 0, 0, allowance
-        self.shown = {}
+        self.seen = {}
 
     @property
     def place(self) -> tuple[str, int]:
@@ -106,26 +157,36 @@ class Interpreter:
 
     def run(self, most: int | None = None) -> bool:
         """Runs at most so many commands; True: the end of the start routine was reached."""
-        done, frames, acts, arithmetic = 0, self._frames, self._acts, self._arithmetic
+        done, frames = 0, self._frames
         while frames:
             frame = frames[-1]
-            if frame.at >= len(frame.routine.commands):
+            name = frame.routine.name
+            count = self._run_frame(frame, self._bound[name], -1 if most is None else most - done, name == self.watched)
+            done += count
+            if frame is frames[-1] and frame.at >= len(frame.routine.commands):
                 frames.pop()
                 self.fresh = True
-                continue
-            if done == most:
+            elif done == most:
                 return False
-            command = frame.routine.commands[frame.at]
-            frame.at += 1
+        return True
+
+    def _run_frame(self, frame: Frame, bound: list[Bound], most: int, watched: bool) -> int:
+        """Runs one routine up to its end, its next call or so many commands; how many it were."""
+        frames, memory, seen = self._frames, self.state.memory, self.seen
+        done, size, depth = 0, len(bound), len(frames)
+        while frame.at < size and done != most and len(frames) == depth:
+            at = frame.at
+            act, command, ends = bound[at]
+            frame.at = at + 1
             done += 1
             self.allowance -= 1
-            act = acts.get(command.code, arithmetic)
             act(command)
-            if command.code in ENDS_CHAIN:
+            if ends:
                 self.fresh = True
-            if frame.routine.name == self.watched:
-                self.shown[frame.at - 1] = Shown(self._status(command), self.result, self.accu1, self.accu2)
-        return True
+            if watched:
+                status = memory[command.byte] & command.mask if command.operand is Operand.BIT else self._status(command)
+                seen[at] = (status, self.result, self.accu1, self.accu2)
+        return done
 
     def _status(self, command: Command) -> bool:
         cells = self.state.cells
@@ -227,36 +288,7 @@ class Interpreter:
 
     def _arithmetic(self, command: Command) -> None:
         """What reads the accumulators alone and leaves its result in the first."""
-        one, two, places = self.accu1, self.accu2, command.number
-        match command.code:
-            case Code.ACCU_AND:
-                self.accu1 = one & two
-            case Code.ACCU_OR:
-                self.accu1 = one | two
-            case Code.ACCU_XOR:
-                self.accu1 = one ^ two
-            case Code.SHIFT_RIGHT:
-                self.accu1 = sums.shift_right(one, places)
-            case Code.SHIFT_LEFT:
-                self.accu1 = sums.shift_left(one, places)
-            case Code.ROTATE_RIGHT:
-                self.accu1 = sums.rotate_right(one, places)
-            case Code.ROTATE_LEFT:
-                self.accu1 = sums.rotate_left(one, places)
-            case Code.PLUS:
-                self.accu1 = sums.wrap(two + one)
-            case Code.MINUS:
-                self.accu1 = sums.wrap(two - one)
-            case Code.ADD_NUMBER:
-                self.accu1 = sums.wrap(one + places)
-            case Code.ONES:
-                self.accu1 = ~one
-            case Code.TWOS:
-                self.accu1 = sums.wrap(-one)
-            case Code.TO_BCD:
-                self.accu1 = sums.to_bcd(one)
-            case Code.FROM_BCD:
-                self.accu1 = sums.from_bcd(one)
+        self.accu1 = ARITHMETIC[command.code](self.accu1, self.accu2, command.number)
 
     def _taken(self, code: Code) -> bool:
         if code in (Code.JUMP, Code.CALL):

@@ -9,8 +9,7 @@ from gateway.pure.languages.plc.commands import Command, Routine
 from gateway.pure.languages.plc.steps import Wrong, step_of
 
 NUMBERED = re.compile(r"\s*(?:S?\d+(?:\s*[.:])?\s+)?")
-HEAD = re.compile(r"(MPR|MP|SPR|SP|MAC|PAL|PLC|DIR)\b\s*(.*)$", re.IGNORECASE)
-QUOTES = "'\"‘’`´"
+HEAD = re.compile(r"(MPR|MP|SPR|MAC|PAL|PLC|DIR)\b\s*(.*)$", re.IGNORECASE)
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""What a PLC program works on: one memory, cells, accumulators are the executor's own.  The memory's place of inputs and outputs is a parameter."""
+"""What a PLC program works on: memory and cells.  The accumulators are the executor's own; where inputs and outputs lie is a parameter."""
 
 from dataclasses import dataclass, field
 

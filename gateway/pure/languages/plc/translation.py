@@ -23,7 +23,7 @@ def key_of(name: str) -> str:
 
 def start_name(path: str, start: str) -> str:
     """_SPLC_PATH and _SSTARTPLC as one name; empty: a name that begins with a blank, or none (L2371-2394, L2865-2877)."""
-    name = "" if not start or start[0].isspace() else start.split()[0]
+    name = "" if not start or start[0].isspace() else start.split(maxsplit=1)[0]
     return f"{path.strip().rstrip('/')}/{name}" if name and path.strip() else name
 
 
