@@ -114,6 +114,7 @@ class NodePlan:
     missed: int = 3  # heartbeats of the gateway that may stay away
     period_us: int = 4000
     loss: Loss = Loss.QUICK_STOP
+    stop_evidence: str = ""  # how it is known that a drive without 6007h stops; empty: it is not
     known: frozenset[tuple[int, int]] | None = None  # objects the EDS lists; None: no EDS
 
     @property
@@ -314,6 +315,12 @@ OPTIONS = ((0x6007, "abort connection"), (0x605A, "quick stop"), (0x605B, "shutd
            (0x605D, "halt"), (0x605E, "fault reaction"))  # fmt: skip
 
 
+WITHOUT_6007H = (
+    ' and has no 6007h; measure its stop in a cell of its own (stop_evidence = "untested", axisgate drive loss-test CELL --running) and '
+    "name the report here: stop_evidence of the axis"
+)
+
+
 def _stop_options(plan: NodePlan, notes: list[str]) -> Generator[Step, Answer, dict[str, int]]:
     """Written where it matters, all read; refused when the drive would run on (AX-307)."""
     wanted = {0x605A: 2, 0x6007: 3} if plan.loss is Loss.QUICK_STOP else {0x6007: 2}
@@ -322,11 +329,18 @@ def _stop_options(plan: NodePlan, notes: list[str]) -> Generator[Step, Answer, d
         if isinstance(answer, Refused):
             notes.append(f"{name_of(index, 0)}: {value} refused: {answer}")
     found: dict[str, int] = {}
+    absent = False
     for index, name in OPTIONS:
         answer = yield Read(index)
         if isinstance(answer, bytes):
             found[name] = int.from_bytes(answer, "little", signed=True)
-    why = runs_on(found, plan.loss)
+        elif index == 0x6007:
+            absent = isinstance(answer, Refused) and answer.code in (Abort.NO_OBJECT, Abort.NO_SUB)
+    if absent and plan.stop_evidence:
+        watched = f"its heartbeat consumer was read back ({plan.consumer_ms} ms)"
+        notes.append(f"{name_of(0x6007, 0)}: the drive has none; {watched}; stop_evidence: {plan.stop_evidence}")
+        return found
+    why = runs_on(found, plan.loss) + (WITHOUT_6007H if absent else "")
     if why:
         raise BootRefused(f"not ready: {why}", (0x6007, 0))
     return found

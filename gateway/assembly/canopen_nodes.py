@@ -47,6 +47,7 @@ def _plan(cell: Cell, bus: Bus, axis: Axis, node: int, p5_ms: int, torque: bool,
         gateway=GATEWAY_NODE,
         period_us=p5_ms * 1000,
         loss=Loss(axis.stop_on_bus_loss),
+        stop_evidence=axis.stop_evidence,
     )
 
 

@@ -46,7 +46,7 @@ from gateway.pure.reports.toml_lines import Path, lines_of, nearest
 
 __all__ = ["CellFaults", "Fault", "load_cell", "load_tables"]
 
-DEFAULTS_TAKEN = ("mode", "stop_on_bus_loss", "brake", "following_error", "home", "first_enable")
+DEFAULTS_TAKEN = ("mode", "stop_on_bus_loss", "stop_evidence", "brake", "following_error", "home", "first_enable")
 JERK_PER_ACCEL = 10.0  # 1/s: full acceleration is reached in 0.1 s (AX-123)
 PLANT_KEYS = frozenset(RANGES) | set(ServoSettings.__dataclass_fields__)
 PLANT_OWN = frozenset(name for name in PLANT_KEYS if name.startswith(("start", "reference_switch", "hard_limit", "following_error")))

@@ -8,6 +8,7 @@ from drivers.drives.cia402_family import GATEWAY_NODE
 from gateway.assembly.programs import probe_of
 from gateway.checks.context import Context
 from gateway.files.eds_sheets import read_eds
+from gateway.files.stop_report import UNTESTED, NoEvidence, stop_evidence
 from gateway.pure.cell.cell import Axis, Bus, Cell, Notice
 from protocols.servodyn import plan
 
@@ -84,5 +85,33 @@ def sheets(cell: Cell) -> Iterator[Notice]:
             yield Notice("note", where, f"{sheet.path.name}: {len(sheet.faults) - SHOWN} faults more")
 
 
-CHECKS = (nodes, identifiers)
-NOTES = (sheets,)
+def stop_evidences(check: Context) -> None:
+    """A report that proves nothing for a drive may not stand for its 6007h."""
+    for axis in check.cell.axis:
+        key, given = f"axis.{axis.name}.stop_evidence", axis.stop_evidence
+        if given and axis.drive.type != "cia402":
+            check.fault(key, given, "only CiA 402 drives have 6007h; a SERVODYN drive stops by its own supervision: leave it out")
+        elif given not in ("", UNTESTED):
+            try:
+                stop_evidence(check.cell, axis)
+            except NoEvidence as error:
+                check.fault(key, given, str(error))
+
+
+def without_6007h(cell: Cell) -> Iterator[Notice]:
+    """Drives that are accepted by another evidence than their own 6007h."""
+    for axis in cell.axis:
+        where = f"axis {axis.name}"
+        if axis.stop_evidence == UNTESTED:
+            text = 'stop_evidence = "untested": a drive without 6007h is accepted although nobody measured that it stops at bus loss'
+            yield Notice("warning", where, f"{text}; only for the cell of the loss test: axisgate drive loss-test CELL --running")
+        elif axis.stop_evidence:
+            found = stop_evidence(cell, axis)
+            text = f"a drive without 6007h is accepted: {found.file}, measured {found.wall} with axis {found.axis}"
+            yield Notice(
+                "note", where, f"{text}, reacted after {found.reaction_ms:g} ms; 1016h is read back at each start"
+            )
+
+
+CHECKS = (nodes, identifiers, stop_evidences)
+NOTES = (sheets, without_6007h)

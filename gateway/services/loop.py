@@ -314,8 +314,8 @@ class Services:
             if isinstance(door, ModbusSource):
                 door.show(outputs)
 
-    def _stopped_words(self, state: CellState) -> str:
-        return ", ".join(axis.name for n, axis in enumerate(self.office.axes) if state.axes[n].flags & (AxisFlag.FAULT | AxisFlag.LOST))
+    def _late_words(self) -> str:
+        return ", ".join(axis.name for n, axis in enumerate(self.office.axes) if n in self.late_machine.axes)
 
     def _cause_ended(self, state: CellState) -> bool:
         """What stopped the axes is away and no rest of a move waits: it is history, no error (AX-642)."""
@@ -337,10 +337,10 @@ class Services:
         if state.emergency:
             errors.append((Reason.EMERGENCY_STOP, text(Reason.EMERGENCY_STOP)))
         if self.late_machine.blamed:
-            errors.append((Reason.MACHINE_LATE, text(Reason.MACHINE_LATE, detail=self._stopped_words(state))))
+            errors.append((Reason.MACHINE_LATE, text(Reason.MACHINE_LATE, detail=self._late_words())))
         for n, axis in enumerate(self.office.axes):
             flags = int(state.axes[n].flags)
-            if not flags & WRONG or (self.late_machine.blamed and not flags & AxisFlag.UNCONFIGURED):
+            if not flags & WRONG or (n in self.late_machine.axes and not flags & AxisFlag.UNCONFIGURED):
                 continue
             if flags & AxisFlag.FAULT:
                 code = state.axes[n].fault_code

@@ -64,6 +64,7 @@ class AxisDefaults(Table):
 
     mode: Literal["csp", "csv", "pp"] = "csp"
     stop_on_bus_loss: Literal["quick_stop", "coast"] = "quick_stop"
+    stop_evidence: str = ""
     brake: Literal["drive", "gateway", "none"] = "drive"
     following_error: FollowingError | None = None
     home: Home = Home()

@@ -95,6 +95,7 @@ class Axis:
     first_enable: FirstEnable = FirstEnable()
     mode: str = "csp"
     stop_on_bus_loss: str = "quick_stop"
+    stop_evidence: str = ""  # of a drive without 6007h: report of the loss test, or "untested" in the cell that makes it
     brake: str = "drive"  # drive | gateway | none
 
 

@@ -1,10 +1,11 @@
 """Whether the drives of a simulation stopped because this machine was late, not because of anything a plug or a supply can cure."""
 
-from gateway.pure.image.records.cell import AxisFlag, CellState
+from gateway.pure.image.records.cell import AxisFlag, AxisState, CellState
 from protocols.base.machine import Ns, ms
 
 RECENT_NS = ms(3_000)  # so long before a drive stopped counts a SYNC that was skipped or an answer that came late
-STOPPED = int(AxisFlag.FAULT | AxisFlag.LOST)
+STOPPED = AxisFlag.FAULT | AxisFlag.LOST
+SUPERVISED = frozenset((1, 2, 0x8130, 0x8700))  # SYNC and life: SERVODYN 1 and 2 (AX-082), CiA 301 heartbeat 8130h, CiA 402 SYNC 8700h
 
 
 class LateMachine:
@@ -14,8 +15,14 @@ class LateMachine:
         self._simulated = simulated
         self._counted = 0
         self._seen: Ns | None = None  # when the machine was late last
-        self._stopped = False
-        self.blamed = False  # drives stopped right after that; until all are well again
+        self._stopped: frozenset[int] = frozenset()
+        self._after_late: frozenset[int] = frozenset()  # axes that stopped within RECENT_NS of it
+        self.axes: frozenset[int] = frozenset()  # those whose stop lateness explains; until each is well again
+
+    @property
+    def blamed(self) -> bool:
+        """Some drive stopped because of it."""
+        return bool(self.axes)
 
     def observe(self, state: CellState, now: Ns) -> None:
         """In the order of time."""
@@ -23,9 +30,13 @@ class LateMachine:
         if counted > self._counted:
             self._seen = now
         self._counted = counted
-        stopped = any(axis.flags & STOPPED for axis in state.axes)
-        if stopped and not self._stopped:
-            self.blamed = self._simulated and self._seen is not None and now - self._seen <= RECENT_NS
-        if not stopped:
-            self.blamed = False
+        stopped = frozenset(n for n, axis in enumerate(state.axes) if axis.flags & STOPPED)
+        recent = self._simulated and self._seen is not None and now - self._seen <= RECENT_NS
+        self._after_late = (self._after_late & stopped) | (stopped - self._stopped if recent else frozenset())
         self._stopped = stopped
+        self.axes = frozenset(n for n in self._after_late if _by_lateness(state.axes[n]))
+
+
+def _by_lateness(axis: AxisState) -> bool:
+    """A drive that names another fault has that fault, late machine or not."""
+    return not axis.flags & AxisFlag.FAULT or axis.fault_code in SUPERVISED

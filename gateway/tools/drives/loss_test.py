@@ -11,6 +11,7 @@ from drivers.emulator.servo.record import Record, Row, read
 from gateway.assembly.drive_buses import MISSED
 from gateway.assembly.plant import motor_rad
 from gateway.assembly.run import slug_of
+from gateway.files.stop_report import sheet_digest
 from gateway.pure.cell.cell import Bus, Cell
 from gateway.pure.image.records.cell import AxisFlag
 from gateway.runtime.clock import wall
@@ -194,6 +195,7 @@ def report(cell: Cell, stops: list[Stop], evidence: str = "emulator") -> dict[st
     """Everything a stop-time protocol needs; `evidence`: key of EVIDENCE."""
     return {
         "cell": cell.cell.name, "file": cell.file, "wall": wall(), "evidence": evidence, "drives": fingerprint(cell),
+        "data_sheets": {axis.name: sheet_digest(cell, axis) for axis in cell.axis},
         "stops": [asdict(stop) for stop in stops], "good": all(stop.good for stop in stops),
     }  # fmt: skip
 

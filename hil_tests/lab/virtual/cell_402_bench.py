@@ -35,6 +35,7 @@ class Dialogue:
         self.steps: list[steps.Step] = []
         self.refuse: dict[tuple[int, int], int] = {}  # (index, sub) of a download -> abort code: a hostile node
         self.lies: dict[tuple[int, int], bytes] = {}  # what an upload answers instead
+        self.absent: set[tuple[int, int]] = set()  # uploads of objects that the node does not have
         self.silent: set[tuple[int, int]] = set()  # uploads that are not answered
 
     def carry(self, plan: Generator[steps.Step, Answer, T]) -> T:
@@ -53,6 +54,8 @@ class Dialogue:
             case steps.Read(index, sub):
                 if (index, sub) in self.silent:
                     return Silent.YES
+                if (index, sub) in self.absent:
+                    return Refused(sdo.Abort.NO_OBJECT)
                 return self.lies.get((index, sub)) or self.upload(index, sub)
             case steps.Write(index, sub, data):
                 if (index, sub) in self.refuse:

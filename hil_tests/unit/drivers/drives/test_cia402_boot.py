@@ -1,5 +1,7 @@
 """Start-up of a CiA 402 node: order, read-back, what is refused and which object is named; the node is the emulated drive."""
 
+from dataclasses import replace
+
 import pytest
 
 from drivers.drives import cia402_boot as plans
@@ -149,6 +151,31 @@ def test_a_drive_that_keeps_running_on_whatever_is_written_is_not_started() -> N
     why = refused(dialogue, one_plan())
     assert "not ready" in str(why) and "runs on" in str(why) and "6007h" in str(why)
     assert rig.slave.seat(NODE).node.state.name != "OPERATIONAL"
+
+
+def test_a_drive_without_6007h_is_refused_with_what_to_do_unless_its_stop_was_measured() -> None:
+    rig = OneNode()
+    dialogue = rig.dialogue()
+    dialogue.refuse[0x6007, 0] = sdo.Abort.NO_OBJECT
+    dialogue.absent.add((0x6007, 0))
+    why = refused(dialogue, one_plan())
+    assert "does not tell" in str(why) and "stop_evidence" in str(why) and "loss-test" in str(why)
+    assert rig.slave.seat(NODE).node.state.name != "OPERATIONAL"
+    booted = dialogue.carry(boot(replace(one_plan(), stop_evidence="loss-test-x.json")))
+    assert any("loss-test-x.json" in note for note in booted.notes) and "abort connection" not in booted.options
+
+
+def test_measured_or_not_a_drive_that_shows_that_it_runs_on_or_that_does_not_watch_the_gateway_is_refused() -> None:
+    plan = replace(one_plan(), stop_evidence="loss-test-x.json")
+    for key, refusal, lies in (((0x6007, 0), sdo.Abort.READ_ONLY, b"\0\0"), ((0x1016, 1), sdo.Abort.NO_OBJECT, b"")):
+        dialogue = OneNode().dialogue()
+        dialogue.refuse[key] = refusal
+        if lies:
+            dialogue.lies[key] = lies
+        assert refused(dialogue, plan).key == key
+    dialogue = OneNode().dialogue()
+    dialogue.silent.add((0x6007, 0))
+    assert "does not tell" in str(refused(dialogue, plan)), "no answer is not an object that is not there"
 
 
 # ---- plans that cannot be ------------------------------------------------------------------------------------------------
