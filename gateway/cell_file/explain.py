@@ -13,6 +13,7 @@ from gateway.cell_file.keys import line_of, steps_of, written
 from gateway.cell_file.rho3_parameters import LEGAL
 from gateway.checks.blocks import place_of
 from gateway.files.find import find_config, read_signals, read_text
+from gateway.files.texts import read_texts
 from gateway.pure.cell.cell import Cell
 from gateway.pure.cell.cell import Line as CellLine
 from gateway.pure.image.addresses import (
@@ -80,7 +81,7 @@ class Explainer:
 
     def parameter(self, number: str) -> list[Line]:
         """A P number: its value, and what it sets."""
-        meaning, unit = PARAMETERS.get(number, ("kept as typed, not used yet", ""))
+        meaning, unit = PARAMETERS.get(number) or _not_used(number)
         params = self.cell.rho3
         raw = self._raw.get("rho3")
         given = isinstance(raw, dict) and number in raw
@@ -251,6 +252,11 @@ def _step(here: Any, part: str) -> tuple[str, Any] | None:
 def _value(cell: Cell, key: str) -> Any:
     found = _find(cell, key)
     return None if found is None else found[1]
+
+
+def _not_used(number: str) -> tuple[str, str]:
+    """A P number that acts on nothing."""
+    return (f"acts on nothing: {read_texts('rho3-parameters').said(number)}" if number in LEGAL else "", "")
 
 
 def _leaves(key: str, value: Any) -> Iterator[tuple[str, Any]]:

@@ -108,9 +108,7 @@ def without_6007h(cell: Cell) -> Iterator[Notice]:
         elif axis.stop_evidence:
             found = stop_evidence(cell, axis)
             text = f"a drive without 6007h is accepted: {found.file}, measured {found.wall} with axis {found.axis}"
-            yield Notice(
-                "note", where, f"{text}, reacted after {found.reaction_ms:g} ms; 1016h is read back at each start"
-            )
+            yield Notice("note", where, f"{text}, reacted after {found.reaction_ms:g} ms; 1016h is read back at each start")
 
 
 CHECKS = (nodes, identifiers, stop_evidences)

@@ -8,8 +8,11 @@ import sys
 
 from gateway.cell_file.load import load_cell
 from gateway.files.find import ConfigNotFound
+from gateway.files.texts import read_texts
 from gateway.pure.cell.cell import Cell
 from gateway.pure.cell.faults import CellFaults, Fault
+from gateway.pure.lines.texts import LANGUAGES, language_of
+from gateway.pure.reports.sentences import Sentence, in_language
 from gateway.runtime.exit_codes import Exit
 
 EXAMPLES = """examples:
@@ -17,6 +20,7 @@ EXAMPLES = """examples:
   axisgate check demo                 a shipped cell by its name: demo, s5-rk512, rho3-servodyn
   axisgate check cell.toml --json     the same for a program
 exit code: 0 valid, 1 valid but --strict found a warning, 2 file or command line invalid"""
+TEXTS = read_texts("check")
 COLOURS = {"error": "\033[31m", "warning": "\033[33m", "note": "\033[36m"}
 
 
@@ -27,39 +31,43 @@ def main(argv: list[str]) -> int:
     parser.add_argument("cell", metavar="CELL", help="cell file, or the name of a shipped one")
     parser.add_argument("--json", action="store_true", help="one JSON object on standard output")
     parser.add_argument("--strict", action="store_true", help="exit 1 when there are warnings")
+    parser.add_argument("--language", choices=LANGUAGES, help="of the report (default: the system's)")
     options = parser.parse_args(argv)
+    language = language_of(options.language, os.environ)
     try:
         cell = load_cell(options.cell)
     except CellFaults as found:
-        print(json.dumps(as_json(options.cell, found.faults), indent=1) if options.json else "\n".join(told(options.cell, found.faults)))
+        rows = told(options.cell, found.faults, language)
+        print(json.dumps(as_json(options.cell, found.faults), indent=1) if options.json else "\n".join(rows))
         return Exit.INVALID
     except (ConfigNotFound, OSError) as error:
         print(f"axisgate check: {error}", file=sys.stderr)
         return Exit.INVALID
-    print(json.dumps(valid_json(cell), indent=1) if options.json else "\n".join(valid(options.cell, cell)))
+    print(json.dumps(valid_json(cell), indent=1) if options.json else "\n".join(valid(options.cell, cell, language)))
     return Exit.FINDING if options.strict and cell.warnings else Exit.OK
 
 
-def valid(name: str, cell: Cell) -> list[str]:
+def valid(name: str, cell: Cell, language: str = "en") -> list[str]:
     """The lines for a valid file."""
-    parts = ((len(cell.axis), "axis", "axes"), (len(cell.line), "line", "lines"), (len(cell.bus), "bus", "buses"))
-    counted = ", ".join(_plural(*part) for part in parts)
-    warnings, notes = _plural(len(cell.warnings), "warning", "warnings"), _plural(len(cell.notes), "note", "notes")
-    lines = [f"{name}: {counted}: 0 errors, {warnings}, {notes}"]
-    lines += [f"{_level(notice.level)}{notice.where}: {notice.text}" for notice in cell.notices]
+    parts = [_counted(len(cell.axis), "axis", "axes"), _counted(len(cell.line), "line", "lines"), _counted(len(cell.bus), "bus", "buses")]
+    found = [_counted(len(cell.warnings), "warning", "warnings"), _counted(len(cell.notes), "note", "notes")]
+    rows = [(notice.level, notice.where, in_language(notice.text, language)) for notice in cell.notices]
+    lines = [TEXTS.said("valid", name, *parts, *found)]
     if cell.not_playable() or not cell.axis:
-        first = f"axis.{cell.axis[0].name}" if cell.axis else "cell"
-        return [*lines, f"next: axisgate explain {first} --cell {name}"]
-    return [*lines, f"next: axisgate run {name} --sim      then: axisgate explain axis.{cell.axis[0].name} --cell {name}"]
+        last = TEXTS.said("explain", name, f"axis.{cell.axis[0].name}" if cell.axis else "cell")
+    else:
+        last = TEXTS.said("next", name, cell.axis[0].name)
+    told_rows = [f"{_level(level, language)}{where}: {text}" for level, where, text in rows]
+    return [*(in_language(line, language) for line in lines), *told_rows, in_language(last, language)]
 
 
-def told(name: str, faults: tuple[Fault, ...]) -> list[str]:
+def told(name: str, faults: tuple[Fault, ...], language: str = "en") -> list[str]:
     """The lines for a file with faults."""
     crossed = sum(fault.kind == "cross" for fault in faults)
-    kinds = f" ({len(faults) - crossed} in single keys, {crossed} between keys)" if crossed else ""
-    lines = [f"{name}: {_plural(len(faults), 'error', 'errors')}{kinds}"]
-    lines += [_level("error") + str(fault) for fault in faults]
-    return [*lines, f"next: correct them, then: axisgate check {name}"]
+    count = _counted(len(faults), "error", "errors")
+    head = TEXTS.said("errors", name, count, len(faults) - crossed, crossed) if crossed else TEXTS.said("only_errors", name, count)
+    rows = [_level("error", language) + str(fault) for fault in faults]
+    return [in_language(head, language), *rows, in_language(TEXTS.said("correct", name), language)]
 
 
 def as_json(name: str, faults: tuple[Fault, ...]) -> dict[str, object]:
@@ -82,12 +90,13 @@ def valid_json(cell: Cell) -> dict[str, object]:
     }
 
 
-def _plural(count: int, one: str, many: str) -> str:
-    return f"{count} {one if count == 1 else many}"
+def _counted(count: int, one: str, many: str) -> Sentence:
+    return TEXTS.said(f"one_{one}" if count == 1 else f"some_{many}", count)
 
 
-def _level(level: str) -> str:
+def _level(level: str, language: str) -> str:
     """The level in a column of nine characters, coloured only on a terminal."""
+    word = in_language(TEXTS.said(level), language)
     if sys.stdout.isatty() and not os.environ.get("NO_COLOR"):
-        return f"{COLOURS[level]}{level:<9}\033[0m"
-    return f"{level:<9}"
+        return f"{COLOURS[level]}{word:<9}\033[0m"
+    return f"{word:<9}"

@@ -18,6 +18,7 @@ from gateway.files.find import find_config
 from gateway.tools.client import ToolError, simulated
 from gateway.tools.drives import loss_test as losstest
 from gateway.tools.drives import loss_test_on_bus as losstest_bus
+from hil_tests.lab.cells.on_a_machine import on_a_machine
 from hil_tests.lab.partners.durand_drive import DurandDrive
 from hil_tests.lab.running.bus_running import running_bus
 
@@ -55,7 +56,7 @@ def test_a_date_is_written_where_it_stands_and_a_shipped_file_is_nobodys_to_writ
     with pytest.raises(stopdate.NotWritten, match=r"is shipped with axisgate; .* last_stop_test = 2027-02-03"):
         stopdate.write(shipped, day)
     own = tmp_path / "own.toml"
-    text = shipped.read_text()
+    text = on_a_machine(shipped.read_text())
     own.write_text(text)
     line = stopdate.write(own, day)
     changed = [(a, b) for a, b in zip(text.splitlines(), own.read_text().splitlines(), strict=True) if a != b]

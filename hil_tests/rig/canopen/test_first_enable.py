@@ -16,6 +16,7 @@ from gateway.files.find import find_config
 from gateway.pure.cell.cell import Cell
 from gateway.pure.image.records.cell import AxisState, CellState
 from gateway.tools.drives.first_enable import WORDS, confirm, fingerprint, log_of, needed, unconfirmed
+from hil_tests.lab.cells.on_a_machine import on_a_machine
 
 
 def answering(typed: str) -> Callable[[str], str]:
@@ -24,7 +25,7 @@ def answering(typed: str) -> Callable[[str], str]:
 
 def real(folder: pathlib.Path, *changes: tuple[str, str]) -> Cell:
     """The S5 cell as somebody's own file on a real bus, without its couplers."""
-    text = find_config("s5-rk512", "cells").read_text()
+    text = on_a_machine(find_config("s5-rk512", "cells").read_text())
     start, end = text.index("[[io]]"), text.index("# ---- drives")
     text = text[:start] + text[end:]
     for old, new in changes:

@@ -9,7 +9,7 @@ import pytest
 
 from gateway.cell_file.load import PARTS, CellFaults, Fault, load_cell
 from gateway.cell_file.models import cell as models
-from gateway.files.find import find_config, read_text
+from gateway.files.find import find_config, names_in, read_text
 from gateway.pure.cell.cell import Cell
 
 SHIPPED = ("demo", "s5-rk512", "rho3-servodyn")
@@ -298,8 +298,8 @@ CROSS = [
     ("demo", ('profile  = "rho3"', 'profile  = "rho"'), "line.plc1.profile", "did you mean rho3?"),
     ("demo", ('format   = "9600 8E1"', 'format   = "9600 7E1"'), "line.plc1.format", "8 data bits"),
     ("demo", ('target           = "simulation"', 'target = "machine"'), "safety", "[safety]"),
-    ("s5-rk512", ("sto_wired       = true\n", ""), "safety.sto_wired", 'target = "machine" needs it'),
-    ("s5-rk512", ('guard           = "fence with interlock -S31"', 'guard = ""'), "safety.guard", "needs it"),
+    ("s5-rk512", ('target   = "simulation"', 'target   = "machine"'), "safety.sto_wired", 'target = "machine" needs it'),
+    ("rho3-servodyn", ('target   = "simulation"', 'target   = "machine"'), "safety.guard", "needs it"),
     ("s5-rk512", ("{ X = 1250.0,", "{ X = 3250.0,"), "check_position.pin in fixture 1.at", "outside the axis' limits"),
     ("s5-rk512", ("input = 0 }", "output = 0 }"), "io.safety_ok.device", "is this contact already"),
     ("s5-rk512", ("node = 2, eds", "node = 1, eds"), "axis.Y.drive.node", "axis X has node 1"),
@@ -429,3 +429,9 @@ def test_a_program_that_is_not_there_is_told_with_the_places_looked_in(tmp_path:
 def test_a_program_beside_the_cell_is_found_with_and_without_its_suffix(name: str, tmp_path: pathlib.Path) -> None:
     (tmp_path / "own.txt").write_text(read_text(find_config("portal-u-cycle", "programs")))
     assert load_cell(portal_with(name, tmp_path)).program[0].file == name
+
+
+@pytest.mark.parametrize("name", names_in("cells"))
+def test_no_shipped_cell_says_for_its_owner_what_the_plant_guarantees(name: str) -> None:
+    safety = load_cell(name).safety
+    assert safety is None or not any(getattr(safety, field) for field in safety.__slots__), safety

@@ -1,0 +1,56 @@
+"""P numbers of [rho3] that act on nothing: each is named with its meaning, in both languages; those that act are not."""
+
+import re
+
+import pytest
+
+from gateway.cell_file.load import load_cell
+from gateway.cell_file.rho3_parameters import LEGAL, USED
+from gateway.files.find import PACKAGED, find_config, read_text
+from gateway.files.texts import read_texts
+from gateway.pure.cell.cell import Cell
+from gateway.pure.cell.rho3 import CONTROLLED, DOWNLOADED
+from gateway.pure.reports.sentences import in_language
+
+NOTHING = LEGAL - USED - DOWNLOADED - CONTROLLED
+BARE = 'format = 1\n[cell]\nname = "bare"\n[rho3]\n'
+
+
+def warned(cell: Cell, language: str = "en") -> dict[str, str]:
+    return {notice.where: in_language(notice.text, language) for notice in cell.warnings if notice.where.startswith("rho3.P")}
+
+
+def test_each_of_the_34_is_warned_of_by_number_and_meaning() -> None:
+    cell = load_cell("bare.toml", BARE + "".join(f"{number} = [1]\n" for number in sorted(NOTHING)))
+    english, german = warned(cell), warned(cell, "de")
+    assert len(NOTHING) == 34 and set(english) == {f"rho3.{number}" for number in NOTHING}
+    assert english["rho3.P402"] == "acts on nothing: referencing on or off; here: home.by of the axis"
+    assert german["rho3.P402"] == "wirkt auf nichts: Referenzieren ein oder aus; hier: home.by der Achse"
+
+
+def test_a_parameter_that_acts_is_warned_of_only_where_it_cannot() -> None:
+    given = "P5 = 8\nP103 = [1.0]\nP3 = 16\nP602 = [1.0]\n"
+    assert list(warned(load_cell("bare.toml", BARE + given))) == ["rho3.P3", "rho3.P602"]
+    shipped = read_text(find_config("rho3-servodyn", "cells"))
+    assert warned(load_cell("own.toml", shipped)) == {}
+    text = shipped.replace("P2   = 3 ", "P3 = 16\nP602 = [1, 1, 1, 1, 1, 1]\nP2   = 3 ")
+    said = warned(load_cell("own.toml", text))
+    assert "P601 = false" in said["rho3.P602"] and ("rho3.P3" in said) is ("[controller]" not in shipped)
+    assert warned(load_cell("own.toml", text + '\n[controller]\nkind = "rho3"\n' * ("[controller]" not in shipped))).keys() == {"rho3.P602"}
+
+
+@pytest.mark.parametrize("number", sorted(NOTHING))
+def test_nothing_in_the_tree_reads_a_parameter_that_is_said_to_act_on_nothing(number: str) -> None:
+    readers = [
+        path
+        for folder in ("gateway", "drivers")
+        for path in (PACKAGED.parent / folder).rglob("*.py")
+        if re.search(rf'["\']{number}["\']|\.{number}\b', path.read_text())
+    ]
+    assert readers == []
+
+
+def test_every_parameter_beside_the_tables_own_has_its_meaning_in_both_languages() -> None:
+    texts = read_texts("rho3-parameters")
+    assert texts.ids() == LEGAL - USED
+    assert all(str(texts.said(number)) != texts.said(number).german for number in texts.ids())
