@@ -1,0 +1,182 @@
+"""The user memory: programs by directory and name, their definitions, global and local variables.  Source: robotstar 1.2, 2.3.
+
+A variable lives with the program that defines it; local ones, too: they keep their values from call to call.
+"""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+
+from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.source import SourceFile
+from gateway.pure.languages.robotstar.operands import Number, Operand, Ref, Text
+from gateway.pure.languages.robotstar.program import DEFINITIONS, KINDS, Program, Step
+from gateway.pure.languages.robotstar.reader import read_program
+from gateway.pure.languages.robotstar.values import ELEMENTS, Cell, Structure, Variable, made
+from gateway.pure.languages.robotstar.words import Words
+
+LONGEST = 128  # characters of a program's name; 20 of a directory's (D-45)
+DIRECTORY_LONGEST, DEEPEST = 20, 6
+MOST_ELEMENTS = 100_000
+DEFAULT_TOOL = "T"  # printed everywhere without a definition
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """One file of the memory: path below the root with `/`, its text."""
+
+    path: str
+    text: str
+
+
+@dataclass(slots=True)
+class Memory:
+    """All programs.  `globals` and `locals` hold the variables; `locals` by key of the program."""
+
+    words: Words
+    programs: dict[str, list[Program]] = field(default_factory=dict)  # upper-case name -> programs
+    globals: dict[str, Variable] = field(default_factory=dict)
+    owners: dict[str, Program] = field(default_factory=dict)  # of global names
+    locals: dict[str, dict[str, Variable]] = field(default_factory=dict)
+    version: int = 0  # grows whenever programs change
+
+    @classmethod
+    def read(cls, sources: Iterable[Source], words: Words, faults: Faults) -> "Memory":
+        """Reads all sources; what cannot be read is in `faults`."""
+        memory = cls(words)
+        for source in sources:
+            memory._take(source, faults)
+        return memory
+
+    def _take(self, source: Source, faults: Faults) -> None:
+        directory, _, file = source.path.rpartition("/")
+        name, dot, kind = file.rpartition(".")
+        place = SourceFile(source.path, source.text)
+        parts = [part for part in directory.split("/") if part]
+        if not dot or kind.upper() not in KINDS:
+            faults.error("rsv.file", place.at(1), f"{file} is no program: the name ends with {' '.join('.' + each for each in KINDS)}")
+            return
+        if len(name) > LONGEST or any(len(part) > DIRECTORY_LONGEST for part in parts):
+            faults.error("rsv.name", place.at(1), f"{source.path}: names have at most {LONGEST} characters, of directories {DIRECTORY_LONGEST}")
+        if len(parts) > DEEPEST:
+            faults.error("rsv.depth", place.at(1), f"{source.path}: directories nest at most {DEEPEST} deep")
+        program = read_program(place, name, kind.upper(), self.words, faults, directory)
+        if any(each.key == program.key and each.kind != "PLC" for each in self.programs.get(name.upper(), [])) and program.kind != "PLC":
+            faults.error("rsv.program_twice", place.at(1), f"{program.key}: there are two programs of this name")
+        self.add(program, faults)
+
+    def add(self, program: Program, faults: Faults | None = None) -> None:
+        """Takes a program into the memory with its definitions."""
+        self.version += 1
+        self.programs.setdefault(program.name.upper(), []).append(program)
+        self.locals.setdefault(program.key, {})
+        if program.kind != "PLC":
+            for step in program.steps:
+                if step.valid and step.word in DEFINITIONS and "name" in step.slots:
+                    self._define(program, step, faults)
+
+    def remove(self, program: Program) -> None:
+        """Deletes a program and what it defines."""
+        self.version += 1
+        self.programs[program.name.upper()].remove(program)
+        self.locals.pop(program.key, None)
+        for name in [name for name, owner in self.owners.items() if owner is program]:
+            del self.owners[name], self.globals[name]
+
+    def all(self) -> Iterator[Program]:
+        """All programs in the order of their names."""
+        for name in sorted(self.programs):
+            yield from sorted(self.programs[name], key=lambda program: program.key)
+
+    def find(self, name: str, near: str = "", kinds: tuple[str, ...] = ("MPR", "SPR", "MAC", "PAL")) -> Program | None:
+        """A program by name or path: first in the directory `near`, then in the root, then anywhere."""
+        path = name.replace("\\", "/").upper()
+        path = path.partition(":")[2] if ":" in path else path
+        directory, _, plain = path.strip().lstrip("/").rpartition("/")
+        for kind in kinds:
+            plain = plain.removesuffix("." + kind)
+        found = [program for program in self.programs.get(plain, []) if program.kind in kinds]
+        if directory:
+            found = [program for program in found if program.directory.upper() == directory]
+        order = sorted(found, key=lambda each: (each.directory.upper() != near.upper(), each.directory != "", kinds.index(each.kind), each.key))
+        return order[0] if order else None
+
+    # ---- definitions ---------------------------------------------------------------------------------------------------
+    def _define(self, program: Program, step: Step, faults: Faults | None) -> None:
+        name = step.slots["name"]
+        assert isinstance(name, Ref)
+        place = SourceFile(program.file, "").at(step.line)
+        kind = self.kind_of(name.name)
+        wrong = self._wrong(name, kind, step)
+        local = step.word.startswith("LOC_")
+        table = self.locals[program.key] if local else self.globals
+        if not wrong and name.name in table:
+            where = "this program" if local else f"the memory (in {self.owners[name.name].key})"
+            wrong = f"{name.name} is defined twice in {where}"
+        if not wrong:
+            variable = made(name.name, name.index if isinstance(name.index, int) else None, name.length or 0, kind)
+            wrong = self._filled(variable, step)
+        if wrong:
+            if faults is not None:
+                faults.error("rsv.definition", place, f"step {step.number}: {wrong}")
+            program.refused.append(wrong)
+            return
+        table[name.name] = variable
+        if not local:
+            self.owners[name.name] = program
+
+    def kind_of(self, name: str) -> str:
+        """The type of a name: its first letter; "" where that is no type (L764-771)."""
+        if name in self.words.integers:
+            return "I"
+        return name[0] if name[0] in "IRVPTS" else ""
+
+    def _wrong(self, name: Ref, kind: str, step: Step) -> str:
+        if not kind:
+            return f"{name.name}: the first letter of a variable is its type: I R V P T S"
+        if name.element or isinstance(name.index, str):
+            return f"{name.name}: a definition has the name and the number of elements"
+        if isinstance(name.index, int) and not 1 <= name.index <= MOST_ELEMENTS:
+            return f"{name.name}[{name.index}]: the number of elements is outside 1 .. {MOST_ELEMENTS}"
+        if (kind == "S") != (name.length is not None) and not (kind == "S" and step.word.endswith("CONST")):
+            return f"{name.name}: the length of a string stands in round brackets" if kind == "S" else f"{name.name} has no length"
+        if name.length is not None and not 1 <= name.length <= 256:
+            return f"{name.name}({name.length}): the length is outside 1 .. 256"
+        if step.word.endswith("CONST") and len(step.slots) < 2:
+            return f"{name.name}: a constant has a value"
+        return ""
+
+    def _filled(self, variable: Variable, step: Step) -> str:
+        """Gives a constant its value, a variable the one it was kept with; "" or a sentence."""
+        values = {place: operand for place, operand in step.slots.items() if place != "name"}
+        constant = step.word.endswith("CONST")
+        try:
+            if isinstance(variable, Cell):
+                if values:
+                    if list(values) != ["value"]:
+                        return "one value is needed"
+                    variable.write(_literal(values["value"]))
+                variable.constant = constant
+            elif isinstance(variable, Structure):
+                for name, operand in zip(_elements(values, variable.kind), values.values(), strict=False):
+                    number = _literal(operand)
+                    if name not in variable.parts or isinstance(number, str):
+                        return f"{name} is no element of a variable of type {variable.kind}"
+                    variable.put(name, number)
+                variable.constant = constant
+            elif values:
+                return "an array has no value in its definition"
+        except Exception as fault:  # a StepFault with COPY's text, or a value that is none
+            return getattr(fault, "text", str(fault))
+        return ""
+
+
+def _elements(values: dict[str, Operand], kind: str) -> list[str]:
+    """The elements meant: by descriptor, else in the order of the type."""
+    order = [name for name in ELEMENTS[kind] if kind != "P" or name not in ("MA", "AA", "PT", "FRAME")]
+    return [order[at] if name == "value" or name.startswith("V") else name for at, name in enumerate(values)]
+
+
+def _literal(operand: Operand) -> int | float | str:
+    if isinstance(operand, Number | Text):
+        return operand.value
+    raise ValueError("the value of a definition is a number or a text")

@@ -1,0 +1,51 @@
+"""A program as the memory holds it: head, steps, parameters.  Source: robotstar 1.1, 1.2, 2.1."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from gateway.pure.languages.robotstar.operands import Operand
+
+KINDS = ("MPR", "SPR", "MAC", "PAL", "PLC")
+HEADS = frozenset((*KINDS, "DIR"))
+DEFINITIONS = frozenset(("VAR", "LOC_VAR", "CONST", "LOC_CONST"))
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """One parameter; `descriptor` is the word of the table, "" where none was written."""
+
+    operand: Operand
+    descriptor: str = ""
+    column: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One step.  `number` counts from 1 (the head); `line` is the line of the file."""
+
+    number: int
+    word: str  # of the table; of a macro call its name
+    parameters: tuple[Parameter, ...] = ()
+    line: int = 0
+    valid: bool = True
+    macro: bool = False
+    text: str = ""  # as written, without number and backslash
+    slots: Mapping[str, Operand] = field(default_factory=dict)  # the parameters by their place in the command
+
+
+@dataclass(slots=True)
+class Program:
+    """One program of the memory.  `directory` is its path below the root, "" for the root."""
+
+    name: str
+    kind: str
+    steps: list[Step] = field(default_factory=list)
+    directory: str = ""
+    file: str = ""
+    labels: dict[str, int] = field(default_factory=dict)  # name -> step number
+    refused: list[str] = field(default_factory=list)  # faults that keep it from running
+
+    @property
+    def key(self) -> str:
+        """Path below the root and name, upper case."""
+        return f"{self.directory}/{self.name}".upper() if self.directory else self.name.upper()

@@ -1,0 +1,306 @@
+"""Reads one program of the memory: a step a line, `[number] [\\]WORD parameters`, as the control prints it.  Never an exception.
+
+All faults of the text are collected; a step that cannot be read keeps its number, so that the steps behind it keep theirs.
+"""
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.source import SourceFile
+from gateway.pure.languages.robotstar.grammar import GRAMMAR, NOT_BUILT, Place, fits, typed
+from gateway.pure.languages.robotstar.operands import Equate, Operand, OperandFault, Ref, Text, operand
+from gateway.pure.languages.robotstar.program import DEFINITIONS, HEADS, Parameter, Program, Step
+from gateway.pure.languages.robotstar.words import Words
+
+_NUMBERED = re.compile(r"\s*S?\s*\d+\s*[.:)]?\s+(?=\S)", re.IGNORECASE)
+_WORD = re.compile(r"(?P<word>[^\W\d][\w$-]*|\d[\w$-]*)\s*(?P<unit>\[[^\]\d]*\])?\s*(?P<rest>.*)", re.DOTALL)
+_DESCRIPTOR = re.compile(r"([^\W\d][\w-]*)\s*(?:\[[^\]]*\])?\s*:(?!/)\s*")
+_ASSIGNED = re.compile(r"(_[A-Z]\w*)\s*=\s*(\S+)", re.IGNORECASE)
+_REMARK = re.compile(r"/\*.*?\*/")
+_TOKEN = re.compile(
+    r'"[^"]*"?|<(?![=>])[^>]*>|\#(?:<>|<=|>=|<|>|=[01](?![\d.])|=|\w+)?|,|:(?!/)'
+    r"|[+-]?\d[\w.]*(?:[eE][+-]\d+)?|(?:[^\s,:\"#\[(]|:/)+(?:\s*\[[^,\"]*\]*)?(?:\s*\([^,\"]*\)?)?(?:\.\w+)?|\S"
+)
+POSITION_ELEMENTS = ("X", "Y", "Z", "A", "B", "C")
+
+
+@dataclass(slots=True)
+class _Reading:
+    words: Words
+    source: SourceFile
+    faults: Faults
+    program: Program
+    refused: int = 0
+
+    def fault(self, id: str, line: int, text: str, hint: str = "") -> None:
+        """A fault of one line; the program does not run."""
+        self.faults.error(id, self.source.at(line), text, hint)
+        self.program.refused.append(text)
+
+
+def read_program(source: SourceFile, name: str, kind: str, words: Words, faults: Faults, directory: str = "") -> Program:
+    """Reads a program; its name and kind are the file's."""
+    program = Program(name, kind, directory=directory, file=source.name)
+    reading = _Reading(words, source, faults, program)
+    number = 0
+    for line, text in enumerate(source.text.splitlines(), 1):
+        text = _REMARK.sub("", text.replace("\ufeff", "")).strip()
+        if text:
+            number += 1
+            program.steps.append(_step(reading, number, line, text))
+    _frame(reading)
+    return program
+
+
+def _step(reading: _Reading, number: int, line: int, text: str) -> Step:
+    text = unnumbered(text)
+    valid = not text.startswith("\\")
+    text = text.lstrip("\\").strip()
+    assigned = _ASSIGNED.fullmatch(text)
+    if assigned:
+        text = f"COPY {assigned[2]}, {assigned[1]}"
+    found = _WORD.match(text)
+    if not found:
+        reading.fault("rsv.step", line, f"step {number}: {text[:40]!r} does not begin with a command")
+        return Step(number, "", line=line, valid=False, text=text)
+    spelling = found["word"].upper()
+    rest = found["rest"]
+    if found["unit"] and found["unit"][1:-1].strip().lower() not in reading.words.units:
+        rest = found["unit"] + rest
+    word = reading.words.words.get(spelling, "")
+    step = Step(number, word or spelling, line=line, valid=valid, macro=not word, text=text)
+    if word == "C":
+        return step
+    return _with_parameters(reading, step, rest[1:] if rest.startswith(":") else rest)
+
+
+def unnumbered(text: str) -> str:
+    """Without the step number, the cursor marks and the table bars of a print."""
+    text = text.lstrip("->").strip() if text.startswith(("->", "- ")) else text.strip()
+    found = _NUMBERED.match(text)
+    return text[found.end() :].strip() if found else text
+
+
+def _with_parameters(reading: _Reading, step: Step, rest: str) -> Step:
+    if step.word in HEADS and not step.macro:
+        return replace(step, slots={"name": Text(_head_name(rest))})
+    if step.word == "LABEL" and rest.strip() and '"' not in rest and not _DESCRIPTOR.match(rest.strip()):
+        return replace(step, slots={"label": Text(rest.strip().upper())})
+    if step.word in NOT_BUILT:
+        if step.valid:
+            reading.fault("rsv.not_built", step.line, f"step {step.number}: {NOT_BUILT[step.word]}", "mark the step invalid with a backslash")
+        return step
+    try:
+        parameters = tuple(_parameters(rest, reading.words))
+    except OperandFault as fault:
+        if step.valid:
+            reading.fault("rsv.operand", step.line, str(fault))
+        return replace(step, word="" if step.valid else step.word, valid=False, slots={})
+    step = replace(step, parameters=parameters)
+    if not step.valid or step.macro:
+        return step
+    if step.word == "POSITION":
+        return _position(reading, step)
+    return _placed(reading, step, GRAMMAR[step.word])
+
+
+def _head_name(rest: str) -> str:
+    """The name in a head: in quotes of either kind, or the rest of the line."""
+    rest = rest.strip()
+    quoted = re.match(r"[\"']([^\"']*)[\"']|(?:name|Name)\s*:\s*\"?([^\"]*)\"?", rest)
+    return (quoted[1] or quoted[2] or "").strip() if quoted else rest
+
+
+def _parameters(rest: str, words: Words) -> Iterator[Parameter]:
+    """Parameters in their order: separated by commas, or by spaces where none is missing."""
+    descriptor, expected = "", False
+    tokens = [(found.group(), found.start() + 1) for found in _TOKEN.finditer(rest)]
+    at = 0
+    while at < len(tokens):
+        text, column = tokens[at]
+        at += 1
+        if text == ",":
+            if not expected:
+                raise OperandFault("a parameter is missing in front of a comma")
+            expected = False
+            continue
+        following = tokens[at][0] if at < len(tokens) else ""
+        known = words.descriptor(text)
+        if following == ":" and not text.startswith(('"', "#")):
+            if not known:
+                raise OperandFault(f"{text}: no such descriptor")
+            descriptor, at = known, at + 1
+            continue
+        if known.startswith("OP_") and following and following != ",":
+            descriptor = known  # the colon is missing in the print (L754)
+            continue
+        if text == ":":
+            raise OperandFault("a colon without a descriptor in front of it")
+        yield Parameter(operand(text, dict(words.equates)), descriptor, column)
+        descriptor, expected = "", True
+    if descriptor:
+        raise OperandFault(f"{descriptor}: a value is missing behind the colon")
+    if tokens and tokens[-1][0] == ",":
+        raise OperandFault("a parameter is missing behind the last comma")
+
+
+def _placed(reading: _Reading, step: Step, places: tuple[Place, ...]) -> Step:
+    """Each parameter in its place: by its descriptor, an equate by its value, the rest in order."""
+    slots: dict[str, Operand] = {}
+    for parameter in step.parameters:
+        place = _place_of(parameter, places, slots, step.word)
+        if place is None:
+            if step.word in DEFINITIONS and "name" in slots:
+                slots[parameter.descriptor or f"V{len(slots)}"] = parameter.operand  # values of a structure, by element
+                continue
+            what = f"{parameter.descriptor} does not belong to this command" if parameter.descriptor else "there are too many parameters"
+            reading.fault("rsv.parameters", step.line, f"step {step.number}: {step.word}: {what}")
+            return replace(step, valid=False, word="")
+        wrong = fits(place, parameter.operand)
+        if wrong:
+            reading.fault("rsv.parameters", step.line, f"step {step.number}: {step.word}: {place.name} must be {wrong}")
+            return replace(step, valid=False, word="")
+        wrong = typed(place, parameter.operand)
+        if wrong:
+            reading.fault("rsv.range", step.line, f"step {step.number}: {step.word}: {wrong}")
+            return replace(step, valid=False, word="")
+        slots[place.name] = parameter.operand
+    missing = [place.name for place in places if not place.optional and place.name not in slots]
+    if missing:
+        reading.fault("rsv.parameters", step.line, f"step {step.number}: {step.word}: {', '.join(missing)} missing")
+        return replace(step, valid=False, word="")
+    return replace(step, slots=slots)
+
+
+def _place_of(parameter: Parameter, places: tuple[Place, ...], slots: Mapping[str, Operand], word: str) -> Place | None:
+    free = [place for place in places if place.name not in slots]
+    if parameter.descriptor:
+        named = [place for place in free if parameter.descriptor in place.descriptors]
+        exact = [place for place in named if parameter.descriptor == place.descriptors[0]]
+        return (exact or named or [None])[0]
+    if isinstance(parameter.operand, Equate):
+        return next((place for place in free if place.kind == "equate"), None)
+    if word in DEFINITIONS and isinstance(parameter.operand, Ref) and slots:
+        return None
+    return next((place for place in free if place.kind != "equate"), None)
+
+
+def _position(reading: _Reading, step: Step) -> Step:
+    """POSITION #N, X:.., Y:.., ..: the six values, or those of the axes; or the name of a position variable."""
+    slots: dict[str, Operand] = {}
+    plain = list(POSITION_ELEMENTS)
+    for parameter in step.parameters:
+        name = parameter.descriptor
+        if isinstance(parameter.operand, Equate) and parameter.operand.name in ("N", "P"):
+            name = "kind"
+        elif isinstance(parameter.operand, Ref | Text) or type(parameter.operand).__name__ == "Blank":
+            name = "variable" if name == "VARIABLE" or isinstance(parameter.operand, Ref) else "name"
+        elif not name:
+            name = plain.pop(0) if plain else "?"
+        if name in slots or name in ("?", "VALUE", "BYTE") or (isinstance(parameter.operand, Equate) and name != "kind"):
+            reading.fault("rsv.position", step.line, f"step {step.number}: POSITION: {name} is given twice or does not belong here")
+            return replace(step, valid=False, word="")
+        slots[name] = parameter.operand
+    wrong = _lacking(slots)
+    if wrong:
+        reading.fault("rsv.position", step.line, f"step {step.number}: POSITION: {wrong}", "robotstar import --points fills in named positions")
+        return replace(step, valid=False, word="")
+    return replace(step, slots=slots)
+
+
+def _lacking(slots: Mapping[str, Operand]) -> str:
+    cartesian = [name for name in POSITION_ELEMENTS if name in slots]
+    axes = [name for name in slots if re.fullmatch(r"A\d+", name)]
+    if cartesian and len(cartesian) < 6:
+        return f"{', '.join(name for name in POSITION_ELEMENTS if name not in slots)} missing"
+    if cartesian or axes or ("variable" in slots and isinstance(slots["variable"], Ref)):
+        return ""
+    return "it has no values"
+
+
+def _frame(reading: _Reading) -> None:
+    """Head, END, labels, place of the definitions."""
+    program = reading.program
+    if not program.steps:
+        reading.fault("rsv.empty", 1, "the program is empty; it needs a head and END")
+        return
+    head, last = program.steps[0], program.steps[-1]
+    if head.word not in HEADS or head.macro or not head.valid:
+        reading.fault("rsv.head", head.line, f"step 1 is the head of the program: {program.kind} and the name")
+    else:
+        _head(reading, head)
+    if last.word != "END" or last.macro or not last.valid:
+        reading.fault("rsv.end", last.line, f"step {last.number}: the last step is END")
+    for step in program.steps[1:-1]:
+        if step.valid and not step.macro and (step.word in HEADS or step.word == "END"):
+            reading.fault("rsv.order", step.line, f"step {step.number}: {step.word} stands only at the {'end' if step.word == 'END' else 'begin'}")
+    _labels(reading)
+    if program.kind != "PAL":
+        _definitions_first(reading)
+
+
+def _head(reading: _Reading, head: Step) -> None:
+    program = reading.program
+    name = head.slots.get("name")
+    if head.word != program.kind and not (head.word == "PAL" and program.kind == "MPR") and not (head.word == "MPR" and program.kind == "PAL"):
+        reading.fault("rsv.head", head.line, f"the head names {head.word}, the file {program.kind}")
+    if isinstance(name, Text) and name.value.split("(")[0].strip().upper() != program.name.upper():
+        reading.fault("rsv.head", head.line, f"the head names {name.value or 'nothing'}, the file {program.name}")
+
+
+def _labels(reading: _Reading) -> None:
+    program = reading.program
+    for step in program.steps:
+        if step.word == "LABEL" and step.valid and not step.macro:
+            name = label_of(step)
+            if name in program.labels:
+                reading.fault("rsv.label_twice", step.line, f"step {step.number}: label {name} is at step {program.labels[name]}, too")
+            else:
+                program.labels[name] = step.number
+    for step in program.steps:
+        needed = needed_label(step)
+        if needed and needed not in program.labels:
+            reading.fault("rsv.label_lost", step.line, f"step {step.number}: label {needed} is not in this program")
+
+
+def label_of(step: Step) -> str:
+    """The name of a label in a step, upper case; "" for none."""
+    found = step.slots.get("label")
+    if isinstance(found, Text):
+        return found.value.strip().upper()
+    if isinstance(found, Ref):
+        return found.name
+    value = getattr(found, "value", None)
+    return "" if value is None else str(value)
+
+
+def needed_label(step: Step) -> str:
+    """The label a step may branch to.  WAIT_BIT without a time never does (L543)."""
+    if not step.valid or step.macro or step.word not in ("BRANCH", "TEST", "TEST_BIT", "WAIT_BIT"):
+        return ""
+    time = step.slots.get("time")
+    if step.word == "WAIT_BIT" and (time is None or getattr(time, "value", 1) == 0):
+        return ""
+    return label_of(step) or "(none)"
+
+
+def _definitions_first(reading: _Reading) -> None:
+    """Definitions stand in front of all other steps but comments (L803); a pallet pattern may end with constants (L4582)."""
+    began: Step | None = None
+    pattern = _looks_like_pattern(reading.program)
+    for step in reading.program.steps[1:]:
+        if not step.valid or step.word in ("C", "END"):
+            continue
+        if step.word not in DEFINITIONS or step.macro:
+            began = began or step
+        elif began is not None and not (pattern and step.word in ("LOC_CONST", "CONST")):
+            reading.fault("rsv.definition_late", step.line, f"step {step.number}: definitions stand at the begin, before step {began.number}")
+
+
+def _looks_like_pattern(program: Program) -> bool:
+    """The steps of a pallet pattern and no others."""
+    words = [step.word for step in program.steps[1:-1] if step.valid and step.word != "C"]
+    rest = [word for word in words if word not in DEFINITIONS]
+    return len(rest) == 5 and rest[0] == "TOOL" and all(word in ("POSITION", "VAR_POS") for word in rest[1:])
