@@ -117,7 +117,8 @@ GRAMMAR: Mapping[str, tuple[Place, ...]] = {
     **dict.fromkeys(("AND", "OR", "EXCL_OR"), _LOGIC),
     "INVERT": (variable("destination", "I_", "DESTINATION", "OP_1"),),
     **dict.fromkeys(
-        ("SHIFT_L", "SHIFT_R"), (number("count", "COUNT", "OP_1", low=0, high=2**31 - 1), variable("destination", "I_", "DESTINATION", "OP_2"))
+        ("SHIFT_L", "SHIFT_R"),
+        (number("count", "COUNT", "OP_1", low=0, high=2**31 - 1), variable("destination", "I_", "DESTINATION", "OP_2")),
     ),
     "PALLET": (program(), equate("order", "INIT", "ON", "OFF")),
     "TRAFO_6D": (
@@ -137,7 +138,7 @@ NOT_BUILT = {
 
 
 def fits(place: Place, operand: Operand) -> str:
-    """"" where the operand may stand in the place, else what belongs there."""
+    """ "" where the operand may stand in the place, else what belongs there."""
     if place.kind == "equate":
         good = isinstance(operand, Equate) and operand.name in place.equates
         return "" if good else "one of " + ", ".join(f"#{name}" for name in place.equates)
@@ -146,7 +147,7 @@ def fits(place: Place, operand: Operand) -> str:
     if isinstance(operand, Equate):
         return "no system equate"
     if place.kind == "text":
-        plain = isinstance(operand, Ref) and not operand.element or (isinstance(operand, Number) and isinstance(operand.value, int))
+        plain = (isinstance(operand, Ref) and not operand.element) or (isinstance(operand, Number) and isinstance(operand.value, int))
         return "" if isinstance(operand, Text) or plain else "a name"
     if place.kind == "name":
         return "" if isinstance(operand, Ref) else "the name of a variable"
@@ -156,7 +157,7 @@ def fits(place: Place, operand: Operand) -> str:
 
 
 def typed(place: Place, operand: Operand) -> str:
-    """"" where type and range suit the place, else a sentence."""
+    """ "" where type and range suit the place, else a sentence."""
     if isinstance(operand, Ref) and place.types and not operand.element:
         if not operand.name.startswith("_") and operand.name[0] not in place.types:
             return f"{operand.name} is of type {operand.name[0]}; {' or '.join(place.types.strip('_'))} is needed"

@@ -17,6 +17,7 @@ from gateway.pure.languages.robotstar.words import Words
 LONGEST = 128  # characters of a program's name; 20 of a directory's (D-45)
 DIRECTORY_LONGEST, DEEPEST = 20, 6
 MOST_ELEMENTS = 100_000
+MESSAGES = "PLCMSG_CNF"  # texts of the PLC, read with it
 DEFAULT_TOOL = "T"  # printed everywhere without a definition
 
 
@@ -56,11 +57,16 @@ class Memory:
             faults.error("rsv.file", place.at(1), f"{file} is no program: the name ends with {' '.join('.' + each for each in KINDS)}")
             return
         if len(name) > LONGEST or any(len(part) > DIRECTORY_LONGEST for part in parts):
-            faults.error("rsv.name", place.at(1), f"{source.path}: names have at most {LONGEST} characters, of directories {DIRECTORY_LONGEST}")
+            faults.error(
+                "rsv.name", place.at(1), f"{source.path}: names have at most {LONGEST} characters, of directories {DIRECTORY_LONGEST}"
+            )
         if len(parts) > DEEPEST:
             faults.error("rsv.depth", place.at(1), f"{source.path}: directories nest at most {DEEPEST} deep")
+        if kind.upper() == "PLC" or name.upper() == MESSAGES:
+            self.add(Program(name, "PLC", directory=directory, file=source.path))
+            return
         program = read_program(place, name, kind.upper(), self.words, faults, directory)
-        if any(each.key == program.key and each.kind != "PLC" for each in self.programs.get(name.upper(), [])) and program.kind != "PLC":
+        if any(each.key == program.key and each.kind != "PLC" for each in self.programs.get(name.upper(), [])):
             faults.error("rsv.program_twice", place.at(1), f"{program.key}: there are two programs of this name")
         self.add(program, faults)
 
@@ -97,7 +103,9 @@ class Memory:
         found = [program for program in self.programs.get(plain, []) if program.kind in kinds]
         if directory:
             found = [program for program in found if program.directory.upper() == directory]
-        order = sorted(found, key=lambda each: (each.directory.upper() != near.upper(), each.directory != "", kinds.index(each.kind), each.key))
+        order = sorted(
+            found, key=lambda each: (each.directory.upper() != near.upper(), each.directory != "", kinds.index(each.kind), each.key)
+        )
         return order[0] if order else None
 
     # ---- definitions ---------------------------------------------------------------------------------------------------
@@ -118,7 +126,7 @@ class Memory:
         if wrong:
             if faults is not None:
                 faults.error("rsv.definition", place, f"step {step.number}: {wrong}")
-            program.refused.append(wrong)
+            program.refused.append((step.line, wrong))
             return
         table[name.name] = variable
         if not local:

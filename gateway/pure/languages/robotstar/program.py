@@ -43,7 +43,7 @@ class Program:
     directory: str = ""
     file: str = ""
     labels: dict[str, int] = field(default_factory=dict)  # name -> step number
-    refused: list[str] = field(default_factory=list)  # faults that keep it from running
+    refused: list[tuple[int, str]] = field(default_factory=list)  # (line, fault) of what keeps it from running
 
     @property
     def key(self) -> str:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.source import SourceFile
 from gateway.pure.languages.robotstar.grammar import GRAMMAR, NOT_BUILT, Place, fits, typed
-from gateway.pure.languages.robotstar.operands import Equate, Operand, OperandFault, Ref, Text, operand
+from gateway.pure.languages.robotstar.operands import Blank, Equate, Number, Operand, OperandFault, Ref, Text, operand
 from gateway.pure.languages.robotstar.program import DEFINITIONS, HEADS, Parameter, Program, Step
 from gateway.pure.languages.robotstar.words import Words
 
@@ -32,12 +32,11 @@ class _Reading:
     source: SourceFile
     faults: Faults
     program: Program
-    refused: int = 0
 
     def fault(self, id: str, line: int, text: str, hint: str = "") -> None:
         """A fault of one line; the program does not run."""
         self.faults.error(id, self.source.at(line), text, hint)
-        self.program.refused.append(text)
+        self.program.refused.append((line, text))
 
 
 def read_program(source: SourceFile, name: str, kind: str, words: Words, faults: Faults, directory: str = "") -> Program:
@@ -90,7 +89,9 @@ def _with_parameters(reading: _Reading, step: Step, rest: str) -> Step:
         return replace(step, slots={"label": Text(rest.strip().upper())})
     if step.word in NOT_BUILT:
         if step.valid:
-            reading.fault("rsv.not_built", step.line, f"step {step.number}: {NOT_BUILT[step.word]}", "mark the step invalid with a backslash")
+            reading.fault(
+                "rsv.not_built", step.line, f"step {step.number}: {NOT_BUILT[step.word]}", "mark the step invalid with a backslash"
+            )
         return step
     try:
         parameters = tuple(_parameters(rest, reading.words))
@@ -179,7 +180,7 @@ def _place_of(parameter: Parameter, places: tuple[Place, ...], slots: Mapping[st
     if parameter.descriptor:
         named = [place for place in free if parameter.descriptor in place.descriptors]
         exact = [place for place in named if parameter.descriptor == place.descriptors[0]]
-        return (exact or named or [None])[0]
+        return next(iter(exact or named), None)
     if isinstance(parameter.operand, Equate):
         return next((place for place in free if place.kind == "equate"), None)
     if word in DEFINITIONS and isinstance(parameter.operand, Ref) and slots:
@@ -195,17 +196,22 @@ def _position(reading: _Reading, step: Step) -> Step:
         name = parameter.descriptor
         if isinstance(parameter.operand, Equate) and parameter.operand.name in ("N", "P"):
             name = "kind"
-        elif isinstance(parameter.operand, Ref | Text) or type(parameter.operand).__name__ == "Blank":
-            name = "variable" if name == "VARIABLE" or isinstance(parameter.operand, Ref) else "name"
+        elif isinstance(parameter.operand, Ref | Text | Blank) and name in ("", "NAME", "VARIABLE"):
+            name = "variable" if isinstance(parameter.operand, Ref) else "name"
         elif not name:
             name = plain.pop(0) if plain else "?"
-        if name in slots or name in ("?", "VALUE", "BYTE") or (isinstance(parameter.operand, Equate) and name != "kind"):
-            reading.fault("rsv.position", step.line, f"step {step.number}: POSITION: {name} is given twice or does not belong here")
+        element = name in ("MA", "AA", "PT", "FRAME", *POSITION_ELEMENTS) or re.fullmatch(r"A\d+", name)
+        if name in slots or not (name in ("kind", "variable", "name") or (element and isinstance(parameter.operand, Number))):
+            reading.fault(
+                "rsv.position", step.line, f"step {step.number}: POSITION: {name} is given twice, no number or does not belong here"
+            )
             return replace(step, valid=False, word="")
         slots[name] = parameter.operand
     wrong = _lacking(slots)
     if wrong:
-        reading.fault("rsv.position", step.line, f"step {step.number}: POSITION: {wrong}", "robotstar import --points fills in named positions")
+        reading.fault(
+            "rsv.position", step.line, f"step {step.number}: POSITION: {wrong}", "robotstar import --points fills in named positions"
+        )
         return replace(step, valid=False, word="")
     return replace(step, slots=slots)
 
@@ -235,7 +241,9 @@ def _frame(reading: _Reading) -> None:
         reading.fault("rsv.end", last.line, f"step {last.number}: the last step is END")
     for step in program.steps[1:-1]:
         if step.valid and not step.macro and (step.word in HEADS or step.word == "END"):
-            reading.fault("rsv.order", step.line, f"step {step.number}: {step.word} stands only at the {'end' if step.word == 'END' else 'begin'}")
+            reading.fault(
+                "rsv.order", step.line, f"step {step.number}: {step.word} stands only at the {'end' if step.word == 'END' else 'begin'}"
+            )
     _labels(reading)
     if program.kind != "PAL":
         _definitions_first(reading)
@@ -244,7 +252,11 @@ def _frame(reading: _Reading) -> None:
 def _head(reading: _Reading, head: Step) -> None:
     program = reading.program
     name = head.slots.get("name")
-    if head.word != program.kind and not (head.word == "PAL" and program.kind == "MPR") and not (head.word == "MPR" and program.kind == "PAL"):
+    if (
+        head.word != program.kind
+        and not (head.word == "PAL" and program.kind == "MPR")
+        and not (head.word == "MPR" and program.kind == "PAL")
+    ):
         reading.fault("rsv.head", head.line, f"the head names {head.word}, the file {program.kind}")
     if isinstance(name, Text) and name.value.split("(")[0].strip().upper() != program.name.upper():
         reading.fault("rsv.head", head.line, f"the head names {name.value or 'nothing'}, the file {program.name}")
@@ -296,7 +308,9 @@ def _definitions_first(reading: _Reading) -> None:
         if step.word not in DEFINITIONS or step.macro:
             began = began or step
         elif began is not None and not (pattern and step.word in ("LOC_CONST", "CONST")):
-            reading.fault("rsv.definition_late", step.line, f"step {step.number}: definitions stand at the begin, before step {began.number}")
+            reading.fault(
+                "rsv.definition_late", step.line, f"step {step.number}: definitions stand at the begin, before step {began.number}"
+            )
 
 
 def _looks_like_pattern(program: Program) -> bool:

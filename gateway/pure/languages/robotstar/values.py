@@ -10,6 +10,7 @@ from typing import TypeAlias
 
 from gateway.pure.languages.robotstar.faults import INDEX_RANGE, NO_READING, NO_VARIABLE, NO_WRITING, UNSET, WRONG_TYPES, StepFault
 from gateway.pure.languages.robotstar.operands import HIGHEST, LOWEST
+from motion.geometry.conventions import angles_zyx, rotation_zyx
 
 Scalar: TypeAlias = int | float | str
 AXES = tuple(f"A{n}" for n in range(1, 25))
@@ -167,7 +168,11 @@ class Structure:
         rows = [self.raw[at] for at in (0, 1, 2, 4, 5, 6, 8, 9, 10)]
         known = [value for value in rows if value is not None]
         if len(known) == 9:
-            for name, angle in zip(("RX", "RY", "RZ"), angles_zyx(known), strict=True):
+            for name, angle in zip(
+                ("RX", "RY", "RZ"),
+                angles_zyx((known[0], known[1], known[2], known[3], known[4], known[5], known[6], known[7], known[8])),
+                strict=True,
+            ):
                 self.parts[name] = math.degrees(angle)
 
 
@@ -213,31 +218,6 @@ def converted(value: Scalar, kind: str, length: int) -> Scalar:
     if not LOWEST <= value <= HIGHEST:
         raise StepFault(f"value {value} is outside the range of an integer variable")
     return value
-
-
-def rotation_zyx(a: float, b: float, c: float) -> tuple[float, ...]:
-    """Rz(c) Ry(b) Rx(a), row by row; rad (AX-350)."""
-    sa, ca, sb, cb, sc, cc = math.sin(a), math.cos(a), math.sin(b), math.cos(b), math.sin(c), math.cos(c)
-    return (
-        cc * cb,
-        cc * sb * sa - sc * ca,
-        cc * sb * ca + sc * sa,
-        sc * cb,
-        sc * sb * sa + cc * ca,
-        sc * sb * ca - cc * sa,
-        -sb,
-        cb * sa,
-        cb * ca,
-    )
-
-
-def angles_zyx(rows: Sequence[float]) -> tuple[float, float, float]:
-    """The angles of a rotation, rad; at b = +-90 degrees a is 0."""
-    across = math.hypot(rows[0], rows[3])
-    b = math.atan2(-rows[6], across)
-    if across < 1e-9:
-        return 0.0, b, math.atan2(-rows[1], rows[4])
-    return math.atan2(rows[7], rows[8]), b, math.atan2(rows[3], rows[0])
 
 
 def made(name: str, size: int | None, length: int, kind: str) -> Variable:

@@ -28,8 +28,11 @@ class Words:
             raise WordFault(f"format {data.get('format')}: 1 is known")
         integers = cast(Mapping[str, list[list[str]]], data["integers"])["names"]
         units = cast(Mapping[str, list[str]], data["units"])["names"]
+        tables = [_table(cast(Mapping[str, list[list[str]]], data[name])) for name in ("words", "equates", "descriptors")]
         return cls(
-            *(_table(cast(Mapping[str, list[list[str]]], data[name])) for name in ("words", "equates", "descriptors")),
+            tables[0],
+            tables[1],
+            tables[2],
             frozenset(row[0] for row in integers),
             frozenset(units),
         )

@@ -1,0 +1,89 @@
+"""Programs of a Reis ROBOTstar V: check a memory, run a program in virtual time, import printed listings."""
+
+import argparse
+import json
+import sys
+
+from gateway.files.robotstar import FolderFault, sources, words
+from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.robotstar.checker import check
+from gateway.pure.languages.robotstar.memory import Memory
+from gateway.pure.languages.robotstar.robot import MODES
+from gateway.pure.languages.robotstar.virtual import NS, OrderFault, VirtualCell, orders
+from gateway.runtime.exit_codes import Exit
+
+EXAMPLES = """examples:
+  axisgate robotstar check memory                                  all faults of a folder of programs, with file and line
+  axisgate robotstar run memory --program PALTEST --virtual        AUTO in virtual time, START at 0
+  axisgate robotstar run memory --program P --virtual --mode test1 --at "1 START" --at "2 F2" --until 10 --json
+  axisgate robotstar import listing.txt --points points.csv        a printed listing as programs of a memory
+exit code: 0 done, 1 faults or an error of the program, 2 nothing to read or a wrong option"""
+
+
+def main(argv: list[str]) -> int:
+    parser = argparse.ArgumentParser(
+        "axisgate robotstar", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parts = parser.add_subparsers(dest="part", required=True, metavar="check|run|import")
+    for name, add in (("check", _check_options), ("run", _run_options)):
+        add(parts.add_parser(name, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter))
+    options = parser.parse_args(argv)
+    try:
+        return {"check": _check, "run": _run}[options.part](options)
+    except (FolderFault, OrderFault) as fault:
+        print(f"axisgate robotstar: {fault}", file=sys.stderr)
+        return Exit.INVALID
+
+
+def _check_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("folder", metavar="FOLDER", help="the memory: NAME.MPR, NAME.SPR, NAME.MAC, NAME.PAL, NAME.PLC, directories")
+    parser.add_argument("--json", action="store_true")
+
+
+def _run_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("folder", metavar="FOLDER", help="the memory")
+    parser.add_argument("--program", required=True, metavar="P", help="program that START begins with")
+    parser.add_argument("--virtual", action="store_true", required=True, help="virtual time, no processes, no hardware")
+    parser.add_argument("--mode", choices=sorted(MODES), default="auto")
+    parser.add_argument("--until", type=_seconds, metavar="S", help="end of the virtual time (default 600)")
+    parser.add_argument("--at", action="append", default=[], metavar='"S WHAT"', help='order at a time: "1.5 E0.6=1", "2 START", "3 F2"')
+    parser.add_argument("--json", action="store_true")
+
+
+def _seconds(text: str) -> float:
+    value = float(text)
+    if not 0 <= value <= 1e6:
+        raise argparse.ArgumentTypeError(f"{text}: 0 .. 1000000 seconds")
+    return value
+
+
+def _memory(folder: str) -> tuple[Memory, Faults]:
+    faults = Faults()
+    return Memory.read(sources(folder), words(), faults), faults
+
+
+def _check(options: argparse.Namespace) -> int:
+    memory, faults = _memory(options.folder)
+    check(memory, faults, VirtualCell(memory, MODES["auto"]).system.names())
+    rows = faults.rows()
+    if options.json:
+        print(json.dumps({"faults": rows}, indent=1, ensure_ascii=False))
+    else:
+        print("\n".join(str(fault) for fault in faults) or "no fault")
+    return Exit.FINDING if rows else Exit.OK
+
+
+def _run(options: argparse.Namespace) -> int:
+    memory, faults = _memory(options.folder)
+    cell = VirtualCell(memory, MODES[options.mode])
+    check(memory, faults, cell.system.names())
+    script = orders(options.at)
+    cell.run(script, None if options.until is None else round(options.until * NS), options.program)
+    end = cell.end(options.program)
+    if options.json:
+        print(json.dumps({"events": cell.events, "end": end}, indent=1, ensure_ascii=False))
+    else:
+        for event in cell.events:
+            print(f"{event['at']:>10} {event['what']} {event['value']}")
+        print(f"{end['state']}: program {end['program']}, step {end['step']}")
+    return Exit.FINDING if end["state"] == "error" else Exit.OK

@@ -1,0 +1,193 @@
+"""What is wrong with the programs of a memory beyond the form of their steps.  Faults that are certain are found before a start;
+those marked late stop a program only at the step (the texts of COPY, missing programs), so that the rest of it runs as on the control.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.source import SourceFile
+from gateway.pure.languages.robotstar.control_steps import BYTES
+from gateway.pure.languages.robotstar.faults import INDEX_RANGE, IS_ARRAY, NO_ARRAY, NO_VARIABLE, NOT_FOUND, WRONG_TYPES, StepFault
+from gateway.pure.languages.robotstar.memory import DEFAULT_TOOL, Memory
+from gateway.pure.languages.robotstar.operands import HIGHEST, LOWEST, Equate, Number, Operand, Ref, Text
+from gateway.pure.languages.robotstar.pallet import pattern_of
+from gateway.pure.languages.robotstar.program import DEFINITIONS, HEADS, Program, Step
+from gateway.pure.languages.robotstar.values import Array, Cell, Names, Structure, SystemCell, Variable
+
+POSITIONS = ("POSITION", "VAR_POS")
+WRITTEN = ("destination", "control")  # places a step writes to
+TAKE_PROGRAMS = ("CALL", "PROGRAM", "PALLET", "TRAFO_6D")
+NAMES_OF_PROGRAMS = frozenset(("program", "ref_source", "ref_destination", "source", "destination"))
+
+
+@dataclass(slots=True)
+class _Check:
+    memory: Memory
+    faults: Faults
+    system: Names
+    known: dict[str, list[Variable]] = field(default_factory=dict)
+
+    def structural(self, program: Program, step: Step, id: str, text: str) -> None:
+        """A fault that keeps the program from starting."""
+        self.late(program, step, id, text)
+        program.refused.append((step.line, f"step {step.number}: {text}"))
+
+    def late(self, program: Program, step: Step, id: str, text: str) -> None:
+        """A fault that stops the program at the step."""
+        self.faults.error(id, SourceFile(program.file, "").at(step.line), f"step {step.number}: {text}")
+
+
+def check(memory: Memory, faults: Faults, system: Names) -> None:
+    """All programs of the memory; the faults go to `faults`, those that refuse a start to the programs."""
+    checking = _Check(memory, faults, system)
+    for table in (memory.globals, *memory.locals.values()):
+        for name, variable in table.items():
+            checking.known.setdefault(name, []).append(variable)
+    for program in memory.all():
+        if program.kind != "PLC":
+            _program(checking, program)
+
+
+def _program(checking: _Check, program: Program) -> None:
+    tool = False
+    for step in program.steps:
+        if not step.valid or step.word == "C":
+            continue
+        if step.macro:
+            tool = True
+            _macro(checking, program, step)
+            continue
+        tool = tool or step.word in ("TOOL", "CALL")
+        if step.word in POSITIONS:
+            _position(checking, program, step, tool)
+        if step.word not in HEADS and step.word not in DEFINITIONS:
+            _step(checking, program, step)
+
+
+def _macro(checking: _Check, program: Program, step: Step) -> None:
+    if checking.memory.find(step.word, program.directory, ("MAC",)) is None:
+        checking.structural(program, step, "rsv.word", f"{step.word} is neither a command nor a macro of this memory")
+    elif step.parameters:
+        checking.structural(program, step, "rsv.parameters", f"macro {step.word} has no parameters")
+
+
+def _position(checking: _Check, program: Program, step: Step, tool: bool) -> None:
+    if program.kind == "MAC":
+        checking.structural(program, step, "rsv.macro_position", f"{step.word}: a macro contains no positions")
+    elif not tool and program.kind == "MPR":
+        checking.structural(program, step, "rsv.no_tool", f"{step.word}: TOOL is needed in front of the first position")
+
+
+def _step(checking: _Check, program: Program, step: Step) -> None:
+    for text in _ranges(step):
+        checking.structural(program, step, "rsv.range", f"{step.word}: {text}")
+    if step.word in ("CALL", "PROGRAM"):
+        wrong = _target(checking, program, step)
+        if wrong:
+            checking.late(program, step, "rsv.program", wrong)
+    if step.word == "PALLET":
+        wrong = _pattern(checking, program, step)
+        if wrong:
+            checking.late(program, step, "rsv.pallet", wrong)
+    for place, operand in step.slots.items():
+        named = step.word in TAKE_PROGRAMS and place in NAMES_OF_PROGRAMS
+        if isinstance(operand, Ref) and place != "label" and not named:
+            wrong = _reference(checking, operand, written=place in WRITTEN or (place == "position" and step.word == "ACT_POS"))
+            if wrong:
+                checking.late(program, step, "rsv.operand", f"{operand.name}: {wrong}")
+    if step.word == "COPY" and _types_differ(checking.memory, step):
+        checking.late(program, step, "rsv.operand", WRONG_TYPES)
+
+
+def _ranges(step: Step) -> Iterator[str]:
+    """Byte and bit numbers, and integers too large for the variable they go to."""
+    area = step.slots.get("area")
+    if isinstance(area, Equate) and area.name in BYTES:
+        byte = step.slots.get("second" if step.word == "TEST" else "byte")
+        if isinstance(byte, Number) and not (isinstance(byte.value, int) and 0 <= byte.value < BYTES[area.name]):
+            yield f"byte {byte.value:g} is outside 0 .. {BYTES[area.name] - 1}"
+        bit = step.slots.get("bit")
+        if isinstance(bit, Number) and not (isinstance(bit.value, int) and 0 <= bit.value <= 7):
+            yield f"bit {bit.value:g} is outside 0 .. 7"
+    source, destination = step.slots.get("source"), step.slots.get("destination")
+    if step.word in ("COPY", "ADD", "SUB", "MUL", "DIV", "MODULO") and isinstance(source, Number) and isinstance(destination, Ref):
+        integer = destination.name.lstrip("_")[:1] == "I" and not destination.element
+        if integer and not LOWEST <= source.value <= HIGHEST:
+            yield f"{source.value:g} is outside the range of an integer, {LOWEST} .. {HIGHEST}"
+
+
+def _target(checking: _Check, program: Program, step: Step) -> str:
+    name = step.slots["program"]
+    if isinstance(name, Ref) and name.name[0] in "S_":
+        return ""
+    text = name.value if isinstance(name, Text | Number) else getattr(name, "name", "")
+    kinds = ("SPR",) if step.word == "CALL" else ("MPR",)
+    if checking.memory.find(str(text), program.directory, kinds) is not None:
+        return ""
+    if checking.memory.find(str(text), program.directory) is not None:
+        return f"program {text} is no {'sub-program' if step.word == 'CALL' else 'main program'}"
+    return f"program {text} not found"
+
+
+def _pattern(checking: _Check, program: Program, step: Step) -> str:
+    name = step.slots["program"]
+    if isinstance(name, Ref) and name.name[0] in "S_":
+        return ""
+    text = str(name.value if isinstance(name, Text | Number) else getattr(name, "name", ""))
+    found = checking.memory.find(text, program.directory, ("PAL", "MPR"))
+    if found is None:
+        return f"pallet program {text} not found"
+    try:
+        pattern_of(found, checking.memory.kind_of)
+    except StepFault as fault:
+        return fault.text
+    return ""
+
+
+def _reference(checking: _Check, ref: Ref, written: bool) -> str:
+    """A fault that is certain whatever program calls this one; "" for none."""
+    if ref.name.startswith("_"):
+        found = [checking.system[ref.name]] if ref.name in checking.system else []
+    else:
+        found = checking.known.get(ref.name, [])
+    if not found:
+        return "" if ref.name == DEFAULT_TOOL else NOT_FOUND
+    if len(found) > 1:
+        return ""
+    variable = found[0]
+    if ref.index is None and isinstance(variable, Array):
+        return IS_ARRAY
+    if ref.index is not None and not isinstance(variable, Array):
+        return NO_ARRAY
+    if isinstance(variable, Array):
+        return INDEX_RANGE if isinstance(ref.index, int) and not 1 <= ref.index <= len(variable.items) else ""
+    if ref.element and not (isinstance(variable, Structure) and ref.element in variable.parts):
+        return WRONG_TYPES
+    if written and isinstance(variable, Cell | Structure) and variable.constant:
+        return NO_VARIABLE
+    if written and isinstance(variable, SystemCell) and variable.put is None:
+        return "Writing not allowed!"
+    return ""
+
+
+def _types_differ(memory: Memory, step: Step) -> bool:
+    """Structures go only to their own type, numbers and texts to neither of them."""
+    one, other = _kind(memory, step.slots["source"]), _kind(memory, step.slots["destination"])
+    if not one or not other:
+        return False
+    return one != other and bool({one, other} & set("VPTS"))
+
+
+def _kind(memory: Memory, operand: Operand) -> str:
+    """The type of an operand: I and R count as R; "" where it is not known."""
+    if isinstance(operand, Text):
+        return "S"
+    if isinstance(operand, Number):
+        return "R"
+    if isinstance(operand, Ref):
+        if operand.element:
+            return "R"
+        kind = memory.kind_of(operand.name.lstrip("_") or "?")
+        return "R" if kind in ("I", "R") else kind if not operand.name.startswith("_") else ""
+    return ""

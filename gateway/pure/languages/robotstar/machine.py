@@ -1,0 +1,264 @@
+"""Runs the steps of programs: stack of calls, names in force, the request a step waits for.  Source: robotstar 1.1, 2.3, 2.7.
+
+Each step of a program is one function without parameters that returns the index of the next step, or -1 where the machine has to look:
+a request was made, or the stack changed.  The index of the step in force is all that a resumption needs.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Protocol, TypeAlias
+
+from gateway.pure.languages.base.requests import Ns, Request
+from gateway.pure.languages.robotstar.faults import IN_THE_STACK, StepFault, operating
+from gateway.pure.languages.robotstar.memory import Memory
+from gateway.pure.languages.robotstar.path import PathState, Target
+from gateway.pure.languages.robotstar.program import Program
+from gateway.pure.languages.robotstar.values import Names, Structure
+
+Op: TypeAlias = Callable[[], int]
+DEEPEST = 12  # calls of SPR and MAC in one another (L213)
+LOOK = -1
+OWN_RETURN = 4017  # END of a sub-program that nobody called (L211)
+
+
+class Surroundings(Protocol):
+    """What a program sees of the cell.  Areas: INPUT, OUTPUT, MARKER."""
+
+    def byte(self, area: str, number: int) -> int:
+        """A byte of an area."""
+
+    def set_bit(self, area: str, number: int, bit: int, level: bool) -> None:
+        """Sets a bit of an output or marker byte."""
+
+    def element(self, area: str, number: int) -> int:
+        """Four bytes from `number` on, the lowest first, signed."""
+
+    def set_element(self, area: str, number: int, value: int) -> None:
+        """Writes four bytes."""
+
+    def analog_input(self, channel: int) -> float:
+        """Volts."""
+
+    def set_analog_output(self, channel: int, volts: float) -> None:
+        """Volts."""
+
+    def actual(self) -> Target:
+        """Where the robot is."""
+
+
+@dataclass(frozen=True, slots=True)
+class Wait(Request):
+    """WAIT: `left` ns."""
+
+    left: Ns
+
+
+@dataclass(frozen=True, slots=True)
+class BitWait(Request):
+    """WAIT_BIT: until `test` holds; after `left` ns (None: for ever) on at `late`.  `keys`: F1 and F2 give the level."""
+
+    test: Callable[[], bool]
+    level: bool
+    left: Ns | None
+    late: int
+    keys: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class KeyTest(Request):
+    """TEST_BIT on a simulated input: F1 and F2 give the level; on at `branch` where it is `level`."""
+
+    level: bool
+    branch: int
+
+
+@dataclass(frozen=True, slots=True)
+class Go(Request):
+    """A position: `left` of `whole` ns."""
+
+    target: Target
+    mode: str
+    whole: Ns
+
+
+@dataclass(slots=True, eq=False)
+class Frame:
+    """A program in work.  `kind`: main, call or macro."""
+
+    program: Program
+    kind: str
+    names: Names
+    ops: list[Op] = field(default_factory=list)
+    at: int = 0
+
+
+class Halted(Exception):
+    """The program stops itself: STOP, or END of a main program in a test mode."""
+
+
+@dataclass(slots=True)
+class Machine:
+    """State of the interpreter.  `build` makes the steps' functions of a program."""
+
+    memory: Memory
+    world: Surroundings
+    system: Names
+    build: "Callable[[Machine, Program], list[Op]]"
+    stack: list[Frame] = field(default_factory=list)
+    frame: Frame | None = None
+    names: Names = field(default_factory=dict)
+    request: Request | None = None
+    path: PathState = field(default_factory=PathState)
+    tool: Structure | None = None
+    repeats: bool = True  # END of a main program goes on at step 1 (AUTO)
+    returns: bool = True  # END of a main program goes to step 1 at all (not in Test 5)
+    simulated: bool = False  # inputs come from F1 and F2, outputs are not switched
+    executer: bool = False  # Test 5
+    effects: int = 0
+    polled: tuple[Frame | None, int, int] = (None, 0, -1)  # frame, step and effects at the last jump back
+    idle: bool = False
+    _built: dict[str, tuple[int, list[Op]]] = field(default_factory=dict)
+    _names: dict[tuple[int, str], tuple[Names, Names]] = field(default_factory=dict)
+    _version: int = -1
+
+    # ---- programs --------------------------------------------------------------------------------------------------------
+    def select(self, program: Program) -> None:
+        """The operator's choice: nothing of what ran before is left but parameters' defaults."""
+        self.stack, self.request = [], None
+        self.path, self.tool = PathState(self.path.defaults), None
+        self._push(program, "main")
+
+    def switch(self, name: str) -> None:
+        """PROGRAM: goes to step 1 of another main program."""
+        assert self.frame is not None
+        found = self.memory.find(name, self.frame.program.directory)
+        if found is None:
+            raise StepFault(f"program {name} not found")
+        if found.kind != "MPR":
+            raise StepFault(f"program {name} is no main program")
+        if self.frame.program.kind not in ("MPR", "PAL"):
+            raise StepFault("PROGRAM stands only in a main program")
+        self._refuse_faulty(found)
+        self.stack = []
+        self._push(found, "main")
+
+    def call(self, name: str, kinds: tuple[str, ...], back: int) -> None:
+        """CALL or a macro; goes on at step index `back` afterwards."""
+        assert self.frame is not None
+        found = self.memory.find(name, self.frame.program.directory, kinds) or self.memory.find(name, self.frame.program.directory)
+        if found is None:
+            raise StepFault(f"program {name} not found")
+        if found.kind not in kinds:
+            raise StepFault(f"program {name} is no {'sub-program' if 'SPR' in kinds else 'macro'}")
+        if len(self.stack) > DEEPEST:
+            raise StepFault(f"nesting depth too big: more than {DEEPEST} calls")
+        self._refuse_faulty(found)
+        self.frame.at = back
+        self._push(found, "macro" if found.kind == "MAC" else "call")
+
+    def _refuse_faulty(self, program: Program) -> None:
+        if program.refused:
+            raise StepFault(f"program {program.name} has faults: {program.refused[0][1]}")
+
+    def _push(self, program: Program, kind: str) -> None:
+        above = self.stack[-1].names if self.stack else None
+        self.stack.append(Frame(program, kind, self._names_of(above, program), self._ops(program)))
+        self.frame = self.stack[-1]
+        self.names = self.frame.names
+
+    def end(self) -> int:
+        """END of the program in force."""
+        frame = self.frame
+        assert frame is not None
+        if len(self.stack) > 1:
+            self.stack.pop()
+            self.frame = self.stack[-1]
+            self.names = self.frame.names
+            return LOOK
+        if frame.program.kind not in ("MPR", "PAL"):
+            raise operating(OWN_RETURN)
+        if self.returns:
+            frame.at = 0
+        if not self.repeats:
+            raise Halted
+        return LOOK
+
+    def _ops(self, program: Program) -> list[Op]:
+        version, ops = self._built.get(program.key, (-1, []))
+        if version != self.memory.version:
+            ops = self.build(self, program)
+            self._built[program.key] = (self.memory.version, ops)
+        return ops
+
+    def _names_of(self, above: Names | None, program: Program) -> Names:
+        """System, global and local names as `program` sees them below its caller."""
+        if self._version != self.memory.version:
+            self._names.clear()
+            self._version = self.memory.version
+        key = (id(above), program.key)
+        if key not in self._names:
+            base: Names = above if above is not None else {**self.system, **self.memory.globals}
+            self._names[key] = ({**base, **self.memory.locals.get(program.key, {})}, base)  # base is kept: its id is in the key
+        return self._names[key][0]
+
+    def refresh(self) -> None:
+        """Programs have changed: the frames in work get the names in force now."""
+        above: Names | None = None
+        for frame in self.stack:
+            frame.names = above = self._names_of(above, frame.program)
+        if self.frame is not None:
+            self.names = self.frame.names
+
+    def forbid_in_stack(self, program: Program | None) -> None:
+        """StepFault where the program is in work (L3814)."""
+        if program is not None and any(frame.program.key == program.key for frame in self.stack):
+            raise StepFault(IN_THE_STACK)
+
+    # ---- steps -----------------------------------------------------------------------------------------------------------
+    def run(self, budget: int) -> int:
+        """Runs up to `budget` steps, until a request or an end; what is left of the budget.  StepFault, Halted: `frame.at` is the step."""
+        while budget > 0 and self.request is None and not self.idle:
+            frame = self.frame
+            assert frame is not None
+            ops, at = frame.ops, frame.at
+            try:
+                while budget > 0:
+                    budget -= 1
+                    frame.at = at
+                    at = ops[at]()
+                    if at < 0:
+                        break
+                else:
+                    frame.at = at
+            except IndexError:
+                raise StepFault("Step not defined!") from None
+        return budget
+
+    def jump(self, here: int, target: int) -> int:
+        """A branch that is taken.  A loop that changes nothing gives its time away until the next cycle."""
+        if target <= here:
+            mark = (self.frame, here, self.effects)
+            if mark == self.polled:
+                assert self.frame is not None
+                self.frame.at, self.idle = target, True
+                return LOOK
+            self.polled = mark
+        return target
+
+    def ask(self, request: Request, following: int) -> int:
+        """Waits for a request; goes on at `following`."""
+        assert self.frame is not None
+        self.request = request
+        self._following = following
+        return LOOK
+
+    _following: int = 0
+
+    def answered(self, at: int | None = None) -> None:
+        """The request is answered: on at its following step, or at `at`."""
+        assert self.frame is not None
+        self.request = None
+        self.frame.at = self._following if at is None else at
+
+
+SystemNames: TypeAlias = Mapping[str, object]

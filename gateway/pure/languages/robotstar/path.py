@@ -1,0 +1,186 @@
+"""Motion parameters as they stand at each position, displacement, and the faults of a path.  Source: robotstar 2.4, 3.2-3.9.
+
+mm, mm/s, %, s, degrees: the manual's units.  Every value is taken step by step, so a program may change any of them in between.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+from gateway.pure.languages.robotstar.faults import StepFault, path_fault
+
+CARTESIAN = ("X", "Y", "Z", "A", "B", "C")
+CIRCLES = ("ZIRK_MIN_ORI", "ZIRK_BAHN_ORI")
+RS_POS_EPS, RS_ORI_EPS = 0.01, 0.1  # mm, degrees (L2019-2033)
+NOMINAL_SPEED, NOMINAL_TURN = 1000.0, 100.0  # mm/s, degrees/s: 100 % of PTP in a virtual run (AX-757)
+NOMINAL_ACCEL, NOMINAL_TURN_ACCEL = 2000.0, 200.0
+ACC_MAX = 2000.0  # mm/s2: _RACC_MAX
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """A position: X..C with a frame, or axes alone (then `pose` is empty).  `axes`: A1.. by name."""
+
+    pose: tuple[float, ...] = ()
+    frame: int = 0
+    axes: Mapping[str, float] = field(default_factory=dict)
+
+    def values(self) -> dict[str, float | int]:
+        """As `run --json` prints it."""
+        found: dict[str, float | int] = {name: _plain(value) for name, value in zip(CARTESIAN, self.pose, strict=False)}
+        if self.frame:
+            found["Frame"] = self.frame
+        return found | {name: _plain(value) for name, value in self.axes.items()}
+
+    def moved(self, shift: "Target") -> "Target":
+        """With another's values added, number by number; only axes this position has."""
+        pose = tuple(a + b for a, b in zip(self.pose, shift.pose or (0.0,) * 6, strict=True)) if self.pose else ()
+        return Target(pose, self.frame, {name: value + shift.axes.get(name, 0.0) for name, value in self.axes.items()})
+
+
+def _plain(value: float) -> float:
+    return round(value, 6) + 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Defaults:
+    """Pre-allocation at system start (L2043-2067), by the name of the parameter."""
+
+    values: Mapping[str, float] = field(
+        default_factory=lambda: {
+            "MOVE_MODE": 0, "FLYBY": 0, "PATH_SPEED": 10.0, "PATH_ACCEL": 50, "PTP_SPEED": 20, "PTP_ACCEL": 50,
+            "PATH_RADIUS": 1.0, "PATH_DISTANCE": 0.0, "PATH_TIME": 0.0, "_IV_FLYBY_S": 100, "_IV_FLYBY_O": 0, "_IV_CIRCHP_O": 100,
+            "_ISPL_TENS": 100, "_IORI_TENS": 100, "_IORI_WEIGHT": 100, "_IORI_CIRCHP": 100, "_IACC_TIME": 25,
+        }
+    )  # fmt: skip
+
+
+RANGES: Mapping[str, tuple[float, float]] = {
+    **dict.fromkeys(("_IV_FLYBY_S", "_IV_FLYBY_O", "_IV_CIRCHP_O", "_ISPL_TENS", "_IORI_TENS", "_IORI_WEIGHT", "_IORI_CIRCHP"), (0, 100)),
+    "_IACC_TIME": (0, 50),
+    **dict.fromkeys(("PTP_SPEED", "PTP_ACCEL", "PATH_ACCEL"), (1e-6, 100)),
+    "PATH_SPEED": (1e-6, 1e6),
+    **dict.fromkeys(("PATH_TIME", "PATH_RADIUS", "PATH_DISTANCE"), (0, 1e6)),
+    "MOVE_MODE": (0, 4),
+    "FLYBY": (0, 1),
+}
+MODES = ("PTP", "LINEAR", "SPLINE", "ZIRK_MIN_ORI", "ZIRK_BAHN_ORI")
+
+
+@dataclass(slots=True)
+class PathState:
+    """Parameters in force, displacement, and what the last position leaves behind."""
+
+    defaults: Defaults = field(default_factory=Defaults)
+    values: dict[str, float] = field(default_factory=dict)
+    mode: str = "PTP"
+    shift: Target = field(default_factory=Target)  # RELATIVE
+    pallet: Target = field(default_factory=Target)  # PALLET #ON
+    relation: object = None  # the vector of CALC_REL that waits for its position
+    auxiliary: bool = False  # a circle's auxiliary point has been given, its end is missing
+    weight: float = 100.0  # of the orientation at the last position
+    rounded: bool = False  # the last position is approximated
+
+    def __post_init__(self) -> None:
+        self.values = dict(self.defaults.values)
+        self.mode = MODES[int(self.values["MOVE_MODE"])]
+
+    def set(self, name: str, value: float) -> None:
+        """A parameter; StepFault outside its range."""
+        low, high = RANGES[name]
+        if not low <= value <= high:
+            raise StepFault(f"{name.lstrip('_')} {value:g} is outside {low:g} .. {high:g}")
+        self.values[name] = value
+
+    def set_mode(self, mode: str) -> None:
+        """MOVE_MODE; a circle must be complete (L310)."""
+        if mode != self.mode and self.auxiliary:
+            raise StepFault(f"circle without its end point before #{mode}: an even number of positions is needed", 0, "path")
+        self.mode = mode
+
+    def shifted(self, target: Target) -> Target:
+        """With RELATIVE and the pallet's offset."""
+        return target.moved(self.shift).moved(self.pallet)
+
+    def accept(self, target: Target, actual: Target, approximates: bool) -> float:
+        """Takes the next position; the seconds it takes.  StepFault with the number of a path error."""
+        way, turn = _ways(actual, target)
+        circle = self.mode in CIRCLES
+        if self.mode == "PTP":
+            seconds = self._ptp_seconds(actual, target)
+        else:
+            seconds = self._path_seconds(way, turn)
+            self._check(way, turn, approximates)
+        self._check_weight(circle)
+        self.auxiliary = circle and not self.auxiliary
+        self.rounded = approximates and self.values["FLYBY"] == 1 and self.mode not in ("PTP", "SPLINE")
+        self.values["PATH_TIME"], self.values["_IORI_WEIGHT"] = 0.0, 100
+        return seconds
+
+    def _ptp_seconds(self, actual: Target, target: Target) -> float:
+        """The slowest of all ways, each with trapezoidal speed."""
+        speed, accel = self.values["PTP_SPEED"] / 100, self.values["PTP_ACCEL"] / 100
+        way, turn = _ways(actual, target)
+        axes = max((abs(value - actual.axes.get(name, 0.0)) for name, value in target.axes.items()), default=0.0)
+        return max(
+            ramped(way, NOMINAL_SPEED * speed, NOMINAL_ACCEL * accel),
+            ramped(max(turn, axes), NOMINAL_TURN * speed, NOMINAL_TURN_ACCEL * accel),
+        )
+
+    def _path_seconds(self, way: float, turn: float) -> float:
+        if self.values["PATH_TIME"]:
+            return self.values["PATH_TIME"]
+        del turn
+        return ramped(way, self.values["PATH_SPEED"], ACC_MAX * self.values["PATH_ACCEL"] / 100)
+
+    def _check(self, way: float, turn: float, approximates: bool) -> None:
+        moves, turns = way > RS_POS_EPS, turn > RS_ORI_EPS
+        if approximates and self.values["FLYBY"] == 1 and self.mode != "SPLINE":
+            if not moves and not turns:
+                raise path_fault(620, "approximation together with a path zero step")
+            if not moves:
+                raise path_fault(621, "approximation together with a path without distance")
+            if not self.values["PATH_RADIUS"] and not self.values["PATH_DISTANCE"]:
+                raise path_fault(102, "BAHN_RADIUS and BAHN_DISTANZ are both 0 mm with activated approximation")
+        if not moves and turns and not self.values["PATH_TIME"]:
+            raise path_fault(622, "BAHN_ZEIT is missing: only the orientation moves")
+        if self.rounded and not moves:
+            text = "only the orientation moves" if turns else "there is no way"
+            raise path_fault(624 if turns else 623, f"approximation to a following path where {text}")
+
+    def _check_weight(self, circle: bool) -> None:
+        """Path error 903; the weight of an auxiliary point is _IORI_CIRCHP."""
+        if self.mode == "PTP":
+            self.weight = 100
+            return
+        weight = self.values["_IORI_CIRCHP" if circle and not self.auxiliary else "_IORI_WEIGHT"]
+        if self.weight != 100 and weight != 100:
+            raise path_fault(903, "weighted orientation for two successive points")
+        self.weight = weight
+
+
+def ramped(way: float, speed: float, accel: float) -> float:
+    """Seconds of a way with trapezoidal speed from rest to rest."""
+    if way <= 0:
+        return 0.0
+    if way * accel < speed * speed:
+        return 2 * math.sqrt(way / accel)
+    return way / speed + speed / accel
+
+
+def _ways(start: Target, end: Target) -> tuple[float, float]:
+    """Distance of the tool, and its largest change of an angle; between axes and pose all counts as turning."""
+    if start.pose and end.pose:
+        turn = max(abs((b - a + 180) % 360 - 180) for a, b in zip(start.pose[3:], end.pose[3:], strict=True))
+        return math.dist(start.pose[:3], end.pose[:3]), turn
+    if not start.pose and not end.pose:
+        changes = [abs(value - start.axes.get(name, 0.0)) for name, value in end.axes.items()]
+        return 0.0, max(changes, default=0.0)
+    return 100.0, 0.0
+
+
+def between(start: Target, end: Target, part: float) -> Target:
+    """A point on the way."""
+    if start.pose and end.pose:
+        return replace(end, pose=tuple(a + part * (b - a) for a, b in zip(start.pose, end.pose, strict=True)))
+    return start if part < 1 else end

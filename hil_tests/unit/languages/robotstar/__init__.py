@@ -1,0 +1,1 @@
+"""ROBOTstar V programs: the language, its checker, its interpreter in virtual time."""
