@@ -49,6 +49,11 @@ class PatientHttp(H11Protocol):
             self._begin()
             self._look()
 
+    def handle_websocket_upgrade(self, event: h11.Request) -> None:
+        """From now on a live connection: its request was whole, which h11 is not asked any more."""
+        self._end()
+        super().handle_websocket_upgrade(event)
+
     @property
     def unfinished(self) -> float:
         """Since when its request is under way; 0: none is."""
@@ -74,7 +79,7 @@ class PatientHttp(H11Protocol):
             self._timer = None
 
     def _look(self) -> None:
-        """The request is whole, was refused, or has become a live connection."""
+        """The request is whole or was refused."""
         if self.conn.their_state not in (h11.IDLE, h11.SEND_BODY):
             self._end()
 

@@ -9,6 +9,8 @@ from collections import Counter
 from collections.abc import Iterator
 
 import pytest
+from websockets.sync.client import connect
+from websockets.typing import Origin
 
 from gateway.web.unfinished_requests import PLACES, REQUEST_S
 from hil_tests.lab.running.cell_running import P5_MS, free_port, running_cell
@@ -55,6 +57,14 @@ def stopped(web: WebAsk) -> float:
     status, told = web.ask("POST", "/api/stop", x_axisgate="1")
     assert status == 200, told
     return time.monotonic() - began
+
+
+def test_a_live_connection_is_no_unfinished_request(web: WebAsk) -> None:
+    with connect(f"ws://127.0.0.1:{web.port}/live", origin=Origin(web.url)) as live:
+        live.send(json.dumps({"t": "page", "name": "overview", "watch": []}))
+        end = time.monotonic() + 1.6 * REQUEST_S
+        while time.monotonic() < end:
+            assert json.loads(live.recv(timeout=REQUEST_S))["t"] == "live"
 
 
 def test_half_requests_end_after_five_seconds(web: WebAsk) -> None:
