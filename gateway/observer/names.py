@@ -10,7 +10,7 @@ from gateway.pure.arbitration.block_keys import block_key
 from gateway.pure.arbitration.data_blocks import RC_NAMES
 from gateway.pure.cell.cell import Cell, Db
 from gateway.pure.cycle.enabling_inputs import AS_SHIPPED, PERMITS
-from gateway.pure.image.addresses import DataBit, DataWord, Direction, RcBit, parse, pic
+from gateway.pure.image.addresses import AddressFault, DataBit, DataWord, Direction, Kind, Operand, RcBit, parse, parse_operand, pic
 from gateway.pure.image.records.cell import RC_BYTES
 from gateway.pure.image.signals import SignalList, from_tables
 
@@ -22,7 +22,8 @@ TOLD = 16  # places of use told in a row, and searched by
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """One value.  `id` is what a page watches: in:24, out:64, db:10:2, db:10:0.8, axis:A1.actual, cell.ready, named:order.number."""
+    """One value.  `id` is what a page watches: in:24, out:64, db:10:2, db:10:0.8, axis:A1.actual, cell.ready, named:order.number,
+    io:button, inw:90:2 (two bytes of the RC inputs from byte 90 on), outw:64:1."""
 
     id: str
     group: str  # branch of the tree: RC inputs / byte 3; DB 10; axes / A1
@@ -55,7 +56,7 @@ class Names:
         signals = from_tables(read_signals())
         self.signals: SignalList = signals.moved(cell.signals) if cell.signals else signals
         self._used = _uses(cell)
-        self.all = [*self._cell_values(), *self._axes(), *self._blocks(), *self._named(), *self._rc()]
+        self.all = [*self._cell_values(), *self._axes(), *self._blocks(), *self._named(), *self._contacts(), *self._rc()]
         self.by_id = {entry.id: entry for entry in self.all}
         self._texts = [_searchable(entry) for entry in self.all]
 
@@ -72,7 +73,54 @@ class Names:
         first = words.strip().casefold()
         if first:
             found.sort(key=lambda entry: (not _is(entry, first), not entry.name.casefold().startswith(first)))
+        wide = [entry for entry in self._wide(words) if not group or entry.group == group or entry.group.startswith(group + " /")]
+        found = [*wide, *(entry for entry in found if entry not in wide)]
         return len(found), found[:MOST]
+
+    def entry(self, id_: str) -> Entry:
+        """What a page watches under this id, also bytes and words of the image, which are in no list.  KeyError: no such value."""
+        found = self.by_id.get(id_)
+        if found is not None:
+            return found
+        match id_.split(":"):
+            case ["inw" | "outw" as area, byte, size] if byte.isdecimal() and size in ("1", "2", "4") and int(byte) + int(size) <= RC_BYTES:
+                return self._word(Operand(Kind.OUTPUT if area == "inw" else Kind.INPUT, int(byte), bytes=int(size)))
+        raise KeyError(f"no value {id_}")
+
+    def _wide(self, words: str) -> list[Entry]:
+        """`AW 90`, `EB 8`, `QD 4`: this part of the process image, and each of its bits; []: the words name none."""
+        try:
+            place = parse_operand(words)
+        except AddressFault:
+            return []
+        if not isinstance(place, Operand) or place.kind not in (Kind.INPUT, Kind.OUTPUT):
+            return []
+        prefix = "in" if place.kind is Kind.OUTPUT else "out"
+        bits = range(8 * place.number, 8 * (place.number + place.bytes))
+        return [self._word(place), *(self.by_id[f"{prefix}:{number}"] for number in bits)]
+
+    @staticmethod
+    def _word(place: Operand) -> Entry:
+        """An output of the PLC is an RC input; its first byte is the high one, as in STEP 5."""
+        inward = place.kind is Kind.OUTPUT
+        width = {1: "B", 2: "W", 4: "D"}[place.bytes]
+        addresses = tuple(f"{letter}{width} {place.number}" for letter in ("AQO" if inward else "EI"))
+        title = f"RC {'inputs' if inward else 'outputs'} / byte {place.number}"
+        kind = {1: "KY", 2: "KF", 4: "DH"}[place.bytes]
+        return Entry(f"{'inw' if inward else 'outw'}:{place.number}:{place.bytes}", title, addresses[0], addresses, "word", kind)
+
+    def _contacts(self) -> Iterator[Entry]:
+        for io in self.cell.io:
+            way = "input" if io.device.input is not None else "output"
+            channel = io.device.input if io.device.input is not None else io.device.output
+            place = " ".join(
+                str(part) for part in (io.device.type, io.device.bus or io.device.url or io.device.chip, io.device.node) if part
+            )
+            used = self._used.get(f"io.{io.name}", ())
+            yield Entry(
+                f"io:{io.name}", "contacts", f"io.{io.name}", (io.signal, f"{place} {way} {channel}"), "bit",
+                door=place if way == "input" else "axisgate", used=tuple(used),
+            )  # fmt: skip
 
     def tree(self) -> list[dict[str, object]]:
         """Branches with how many values each has, in their order."""

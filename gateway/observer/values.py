@@ -7,7 +7,7 @@ from typing import Any
 from gateway.observer.names import AXIS_FIELDS
 from gateway.observer.regions import Regions
 from gateway.observer.tool_link import Gone, Refused, ServicesLink
-from gateway.pure.image.records.cell import Quality
+from gateway.pure.image.records.cell import RC_BYTES, Quality
 
 Row = dict[str, Any]
 
@@ -17,7 +17,7 @@ class Watched:
 
     def __init__(self, regions: Regions) -> None:
         self.regions = regions
-        self.looked: Row = {"blocks": {}, "named": {}, "forced": {}, "forced_words": {}}
+        self.looked: Row = {"blocks": {}, "named": {}, "contacts": {}, "forced": {}, "forced_words": {}}
         self.fresh = False
 
     async def look(self, desk: ServicesLink) -> None:
@@ -42,12 +42,33 @@ class Watched:
                 return [*self.regions.input_bit(int(rest)), forced]
             case "out":
                 return [*self.regions.output_bit(int(rest)), False]
+            case "inw" | "outw":
+                return self._image_word(kind, rest)
             case "db":
                 return self._word(rest)
+            case "io":
+                contact = self.looked["contacts"].get(rest)
+                return None if contact is None else [contact[0], contact[1] if self.fresh else int(Quality.STALE), None, contact[2]]
             case "named":
                 found = self.looked["named"].get(rest)
                 return None if found is None else [found[0], found[1] if self.fresh else int(Quality.STALE), found[2], False]
         return self._own(name, rows)
+
+    def _image_word(self, kind: str, rest: str) -> list[object] | None:
+        """Bytes of the process image: as good and as fresh as the worst of them."""
+        byte, _, size = rest.partition(":")
+        if not (byte.isdecimal() and size.isdecimal() and 0 < int(size) <= 4 and int(byte) + int(size) <= RC_BYTES):
+            return None
+        octets = range(int(byte), int(byte) + int(size))
+        image, look = (
+            (self.regions.inputs.values, self.regions.input_bit) if kind == "inw" else (self.regions.outputs, self.regions.output_bit)
+        )
+        told = [look(8 * octet) for octet in octets]
+        ages = [age for _, _, age in told]
+        bits = {str(bit) for octet in octets for bit in range(8 * octet, 8 * octet + 8)}
+        forced = kind == "inw" and not bits.isdisjoint(self.looked["forced"])
+        oldest = None if None in ages else max(age for age in ages if age is not None)
+        return [bytes(image[octet] for octet in octets).hex(), min(quality for _, quality, _ in told), oldest, forced]
 
     def _word(self, rest: str) -> list[object] | None:
         """Data blocks: four bytes from the word on, or a bit."""

@@ -13,6 +13,7 @@ from gateway.assembly.data_block_signals import signals_of
 from gateway.pure.cell.cell import Cell
 from gateway.pure.scope.channels import AxisFact, Channel, channel
 from gateway.pure.scope.records import SCOPE_LAYOUT
+from gateway.pure.scope.rolling import Rolling
 from gateway.pure.scope.trigger import Capture, Trigger, parse_trigger
 from gateway.runtime.regions import ImageError, RingReader, recv_fds
 from gateway.runtime.supervisor_client import ask
@@ -75,7 +76,7 @@ def capture(
     return kept
 
 
-def recording_of(kept: Capture, channels: Sequence[Channel], cell: Cell, period_s: float, trigger: str) -> Recording:
+def recording_of(kept: Capture | Rolling, channels: Sequence[Channel], cell: Cell, period_s: float, trigger: str) -> Recording:
     """Time 0 is the trigger; without one the first record."""
     stamps = np.frombuffer(kept.stamps, dtype=np.int64) if kept.stamps else np.zeros(0, np.int64)
     values = np.frombuffer(kept.rows.flat, dtype=np.float64) if kept.stamps else np.zeros(0)  # no copy: ten minutes are 38 MB

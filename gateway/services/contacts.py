@@ -145,6 +145,10 @@ class DigitalContacts:
             return Said(bool(sample.value), sample.quality)
         return Said(bool(services.values.get(signal)), Quality.GOOD)
 
+    def values(self) -> dict[str, list[int]]:
+        """Name -> value, quality, whether forced; of an output what its device confirms."""
+        return {io.name: [int(self.said[n].value), int(self.said[n].quality), int(n in self._forced)] for n, io in enumerate(self.contacts)}
+
     # ---- tools -------------------------------------------------------------------------------------------------------
     def rows(self) -> list[dict[str, object]]:
         """Every contact as it stands, for `io test` and the page."""

@@ -81,7 +81,7 @@ class PageInterfaces:
         return {"ok": True}
 
     def _look(self) -> dict[str, object]:
-        """Bytes of every data block, named values with quality and age in ms, forced inputs."""
+        """Bytes of every data block, named values with quality and age in ms, contacts, forced inputs."""
         services, now = self._services, time.monotonic_ns()
         blocks: dict[str, dict[str, object]] = {}
         for door in services.doors:
@@ -94,7 +94,7 @@ class PageInterfaces:
             sample = services.named.sample(name)
             age = round((now - sample.stamp_ns) / 1e6) if sample.stamp_ns else None
             named[name] = [sample.value, int(sample.quality), age, sample.source]
-        return {"blocks": blocks, "named": named, **self._forced()}
+        return {"blocks": blocks, "named": named, "contacts": services.contacts.values(), **self._forced()}
 
     def _forced(self) -> dict[str, object]:
         """RC inputs with their values; words as block:word with the mask of forced bits."""

@@ -1,12 +1,14 @@
 """Handlers of the interface; who may call what stands in the table of `endpoints`."""
 
 import asyncio
+import math
+import time
 from collections.abc import Awaitable, Callable
 from typing import Any
 
 from starlette.responses import JSONResponse, Response
 
-from gateway.observer.names import Entry, Names
+from gateway.observer.names import MOST, Entry, Names
 from gateway.web.access import COOKIE, Access, Denied
 from gateway.web.bodies import (
     Cable,
@@ -15,6 +17,8 @@ from gateway.web.bodies import (
     FileName,
     Force,
     ForceWord,
+    Keep,
+    Kept,
     Login,
     Named,
     Permit,
@@ -31,10 +35,13 @@ from gateway.web.live import Live
 from gateway.web.operator_control import OperatorControl
 from gateway.web.scope import Wanted
 from gateway.web.store import SESSION_S, Role, Store, StoreError
+from gateway.web.trends import LEAST_S, MOST_S
 from gateway.web.word_forces import forced_words
 
 Row = dict[str, Any]
 ALARM_FILTER = (("q", "string"), ("state", "string"), ("source", "string"), ("from", "string"), ("to", "string"))
+SEARCH = (("q", "string"), ("group", "string"), ("id", "string"))
+LISTS = ("watch", "scope")
 KINDS = {"scope": "application/octet-stream", "csv": "text/csv", "mf4": "application/octet-stream"}
 
 
@@ -67,14 +74,48 @@ class Api:
         return self.cell
 
     async def search(self, call: Call) -> Row:
+        wanted = call.request.query_params.getlist("id")[:MOST]
+        if wanted:  # a watch list; what this cell does not have is left out
+            found = [entry for id_ in wanted if (entry := self._known(id_[:100])) is not None]
+            return {"total": len(found), "rows": [entry.row() for entry in found]}
         total, found = self.names.search(call.query.get("q", "")[:200], call.query.get("group", "")[:100])
         return {"total": total, "rows": [entry.row() for entry in found]}
+
+    def _known(self, id_: str) -> Entry | None:
+        try:
+            return self.names.entry(id_)
+        except KeyError:
+            return None
 
     async def value(self, call: Call) -> Row:
         return await self.hands.desk.ask("get", address=call.query.get("address", "")[:100])
 
     async def tree(self, call: Call) -> Row:
         return {"tree": self.names.tree(), "total": len(self.names.all)}
+
+    async def trend(self, call: Call) -> Row:
+        """The last seconds of one value; `wall_ms` is the moment its times count back from."""
+        now = time.monotonic()
+        told = self.live.trends.told(call.query.get("id", "")[:100], seconds_of(call.query.get("seconds", "3600")), now)
+        return {**told, "wall_ms": round(time.time() * 1e3)}
+
+    # ---- watch lists and layouts of the scope -----------------------------------------------------------------------------
+    async def kept(self, call: Call) -> Row:
+        kind = call.query.get("kind", "")
+        if kind not in LISTS:
+            raise ValueError(f"kind: {', '.join(LISTS)}")
+        return {"kept": self.store.kept(kind)}
+
+    async def keep(self, call: Call) -> Row:
+        body: Keep = call.body
+        self.store.keep(body.kind, body.name, body.value)
+        return {"kept": self.store.kept(body.kind)}
+
+    async def drop_kept(self, call: Call) -> Row:
+        body: Kept = call.body
+        if not self.store.drop_kept(body.kind, body.name):
+            raise StoreError(f"nothing is kept under {body.name}")
+        return {"kept": self.store.kept(body.kind)}
 
     async def errors(self, call: Call) -> Row:
         return {"errors": found(call.query.get("q", "")[:100])}
@@ -140,7 +181,7 @@ class Api:
 
     async def scope_start(self, call: Call) -> Row:
         body: Record = call.body
-        self.live.scope.start(Wanted(tuple(body.channels), body.seconds, body.pre, body.trigger, call.person.name))
+        self.live.scope.start(Wanted(tuple(body.channels), body.seconds, body.pre, body.trigger, call.person.name, body.rolling))
         return {"ok": True}
 
     async def scope_stop(self, call: Call) -> Row:
@@ -260,6 +301,17 @@ class Api:
         return {"entries": self.store.audit(), "broken_at": self.store.verify()}
 
 
+def seconds_of(text: str) -> float:
+    """ValueError: no number of seconds."""
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = math.nan
+    if not LEAST_S <= seconds <= MOST_S:
+        raise ValueError(f"seconds: {LEAST_S:.0f}..{MOST_S:.0f}")
+    return seconds
+
+
 async def _nothing() -> None:
     """No connection is open."""
 
@@ -272,8 +324,19 @@ def endpoints(api: Api) -> list[Endpoint]:
         row("GET", "/api/health", n, "whether cycle and services live", api.health),
         row("GET", "/api/me", n, "who am I, and what may I", api.me),
         row("GET", "/api/cell", v, "devices, wiring, check results, evidence", api.show_cell),
-        row("GET", "/api/signals", v, "search values by name or address", api.search, query=(("q", "string"), ("group", "string"))),
+        row(
+            "GET",
+            "/api/signals",
+            v,
+            "search values by name or address",
+            api.search,
+            query=(("q", "string"), ("group", "string"), ("id", "string")),
+        ),
         row("GET", "/api/value", v, "one value by name or address, also phg.33282.1.2", api.value, query=(("address", "string"),)),
+        row("GET", "/api/trend", v, "the last hours of one value", api.trend, query=(("id", "string"), ("seconds", "number"))),
+        row("GET", "/api/kept", v, "kept watch lists, or layouts of the scope", api.kept, query=(("kind", "string"),)),
+        row("POST", "/api/kept", o, "keep one under a name", api.keep, Keep, True),
+        row("POST", "/api/kept/drop", o, "remove one", api.drop_kept, Kept, True),
         row("GET", "/api/tree", v, "branches of all values", api.tree),
         row("GET", "/api/errors", v, "the error catalogue by number, family and number, or words", api.errors, query=(("q", "string"),)),
         row("GET", "/api/alarms", v, "alarms that came, were acknowledged and went", api.alarms, query=ALARM_FILTER),
@@ -288,9 +351,9 @@ def endpoints(api: Api) -> list[Endpoint]:
         row("POST", "/api/unforce/word", s, "end its force", api.unforce_word, UnforceWord, True),
         row("GET", "/api/scope/names", v, "what the scope can record, and what is kept", api.scope_names),
         row("GET", "/api/scope/file", v, "the recording, as scope, csv or mf4", api.scope_file, query=(("as", "string"),)),
-        row("POST", "/api/scope/start", v, "record", api.scope_start, Record, True),
-        row("POST", "/api/scope/stop", v, "end the recording", api.scope_stop, None, True),
-        row("POST", "/api/scope/open", v, "show a kept recording", api.scope_open, FileName, True),
+        row("POST", "/api/scope/start", o, "record", api.scope_start, Record, True),
+        row("POST", "/api/scope/stop", o, "end the recording", api.scope_stop, None, True),
+        row("POST", "/api/scope/open", o, "show a kept recording to everybody", api.scope_open, FileName, True),
         row("POST", "/api/scope/save", o, "keep the recording on the gateway", api.scope_save, FileName, True),
         row("POST", "/api/set", s, "write a value as the PLC would (simulation)", api.put, Put, True),
         row("POST", "/api/cable", s, "pull a simulated cable", api.cable, Cable, True, plant=True),

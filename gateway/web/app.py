@@ -68,9 +68,10 @@ def make_app(plan: RunPlan, web: Web, regions: Regions, store: Store, scope: Sco
     desk, looker = ServicesLink(plan.slug), ServicesLink(plan.slug, GLANCE_S)
     hands = OperatorControl(desk, regions, plan.cell.axis)
     plant = Plant(plan)
-    live = Live(plan, regions, looker, hands, plant, scope)
+    names = Names(plan.cell)
+    live = Live(plan, regions, looker, hands, plant, scope, names)
     access = Access(store, web, simulated=plan.simulated)
-    api = Api(live, Names(plan.cell), access, described(plan, plant, live.skeleton))
+    api = Api(live, names, access, described(plan, plant, live.skeleton))
     sockets = Sockets(live, hands, access)
     api.judge = sockets.judge
     table = endpoints(api)

@@ -91,12 +91,30 @@ class Record(Body):
     seconds: float = Field(default=5.0, ge=0.01, le=600.0)
     pre: float = Field(default=0.0, ge=0.0, le=60.0)
     trigger: Annotated[str, Field(max_length=100)] = ""
+    rolling: bool = False  # shows the last `seconds` until it is stopped
 
 
 class FileName(Body):
     """Of a recording; no path."""
 
     name: Annotated[str, Field(min_length=1, max_length=60, pattern=r"^[A-Za-z0-9][A-Za-z0-9_+-]*$")]
+
+
+ListKind = Literal["watch", "scope"]
+ListName = Annotated[str, Field(min_length=1, max_length=60, pattern=r"^[^\x00-\x1f]*\S[^\x00-\x1f]*$")]
+
+
+class Keep(Body):
+    """A watch list (ids of values) or a layout of the scope, as the page wrote it."""
+
+    kind: ListKind
+    name: ListName
+    value: Annotated[str, Field(min_length=2, max_length=12_000)]
+
+
+class Kept(Body):
+    kind: ListKind
+    name: ListName
 
 
 class Put(Body):

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from gateway.assembly.run import RunPlan
+from gateway.observer.names import Names
 from gateway.observer.regions import Regions
 from gateway.observer.tool_link import Gone, Refused, ServicesLink, supervisor
 from gateway.observer.values import Watched
@@ -25,8 +26,10 @@ from gateway.web.operator_control import OperatorControl
 from gateway.web.plant_view import Plant
 from gateway.web.scope import Scope
 from gateway.web.skeleton import Skeleton
+from gateway.web.trends import Trends
 
 TICK_S = 0.1
+TREND_TICKS = 10  # one look a second, whether somebody watches or not
 MOST_WATCHED = 400  # values of one page
 Row = dict[str, Any]
 Look = Callable[[], Awaitable[Row]]
@@ -57,7 +60,9 @@ class Topic:
 class Live:
     """The ticking heart of the page."""
 
-    def __init__(self, plan: RunPlan, regions: Regions, desk: ServicesLink, hands: OperatorControl, plant: Plant, scope: Scope) -> None:
+    def __init__(
+        self, plan: RunPlan, regions: Regions, desk: ServicesLink, hands: OperatorControl, plant: Plant, scope: Scope, names: Names
+    ) -> None:
         self.scope = scope
         self.plan, self.regions, self.desk, self.hands, self.plant = plan, regions, desk, hands, plant
         self.viewers: set[Viewer] = set()
@@ -70,12 +75,13 @@ class Live:
         self.head = "null"
         self.values: Row = {}  # of everything watched
         self.watched = Watched(regions)
+        self.trends = Trends(names, self.watched)
         self._ticks = 0
         self.topics = {
             "overview": Topic(self._overview, 2),
             "axes": Topic(self._axes),
             "signals": Topic(self._signals, 5),
-            "scope": Topic(self._scope, 4),
+            "scope": Topic(self._scope, 3),
             "lines": Topic(self._lines, 3),
             "bus": Topic(self._bus, 5),
             "motion": Topic(self._motion),
@@ -97,6 +103,8 @@ class Live:
         self.regions.look()
         if self._ticks % 5 == 1:
             await self._ask_supervisor()
+        if self._ticks % TREND_TICKS == 1:
+            await self.trends.look(self.desk)
         if not self.viewers:
             self._close_buses()
             return

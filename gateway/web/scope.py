@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 from gateway.assembly.data_block_signals import signals_of
 from gateway.assembly.run import RunPlan
 from gateway.pure.scope.channels import AxisFact, Channel, all_names, channel
+from gateway.pure.scope.rolling import Rolling
 from gateway.pure.scope.trigger import Capture, parse_trigger
 from gateway.runtime.regions import RingReader
 
@@ -27,7 +28,8 @@ AT_ONCE = 2048
 SILENT_S = 5.0
 MOST_VALUES = 5_000_000  # records times channels, 40 MB: ten minutes of 16 channels at 2 ms; longer ones: axisgate scope record
 MOST_FILES = 200
-DRAWN = 160  # moments of a running recording that are told
+DRAWN, DRAWN_ROLLING = 160, 600  # moments of a running recording, and of a rolling one, that are told
+MOST_ROLLING_S = 60.0
 Row = dict[str, Any]
 
 
@@ -40,6 +42,7 @@ class Wanted:
     pre_s: float
     trigger: str
     who: str
+    rolling: bool = False  # the last `seconds`, until it is stopped
 
 
 class Scope:
@@ -51,7 +54,7 @@ class Scope:
         self._signals = signals_of(plan.cell)
         self._period_s = plan.p5_ms / 1000.0
         self._channels: list[Channel] = []
-        self._kept: Capture | None = None
+        self._kept: Capture | Rolling | None = None
         self._wanted: Wanted | None = None
         self._task: asyncio.Task[None] | None = None
         self.recording: Recording | None = None
@@ -74,12 +77,20 @@ class Scope:
             seconds = MOST_VALUES * self._period_s / len(wanted.names)
             raise ValueError(f"up to {seconds:.0f} s of {len(wanted.names)} channels here; longer: axisgate scope record")
         self._channels = [channel(name, self._facts, self._signals) for name in wanted.names]
-        trigger = parse_trigger(wanted.trigger, self._facts, self._signals) if wanted.trigger else None
-        self._kept = Capture(self._channels, max(1, round(wanted.seconds / self._period_s)), round(wanted.pre_s / self._period_s), trigger)
+        self._kept = self._keeper(wanted)
         self._wanted, self.why = wanted, ""
         while len(self._ring.take(AT_ONCE)) == AT_ONCE:
             pass  # what was before the key was pressed
         self._task = asyncio.create_task(self._run(self._kept))
+
+    def _keeper(self, wanted: Wanted) -> Capture | Rolling:
+        post = max(1, round(wanted.seconds / self._period_s))
+        if wanted.rolling:
+            if wanted.trigger or wanted.pre_s or wanted.seconds > MOST_ROLLING_S:
+                raise ValueError(f"a rolling scope keeps the last seconds, {MOST_ROLLING_S:.0f} at most, and has no trigger")
+            return Rolling(self._channels, post)
+        trigger = parse_trigger(wanted.trigger, self._facts, self._signals) if wanted.trigger else None
+        return Capture(self._channels, post, round(wanted.pre_s / self._period_s), trigger)
 
     async def stop(self) -> None:
         """What came so far is kept."""
@@ -89,7 +100,7 @@ class Scope:
                 await self._task
         self._end("stopped before its trigger" if self._kept is not None and self._kept.triggered_at is None else "")
 
-    async def _run(self, kept: Capture) -> None:
+    async def _run(self, kept: Capture | Rolling) -> None:
         heard, generation = time.monotonic(), self._ring.generation
         while not kept.full:
             await asyncio.sleep(LOOK_S)
@@ -111,7 +122,9 @@ class Scope:
         if kept is None or self._wanted is None:
             return
         self.why = why
-        if kept.rows:
+        if isinstance(kept, Rolling):
+            kept.trim()
+        if len(kept.rows):
             from gateway.scope.live import recording_of
 
             self._show(recording_of(kept, self._channels, self._plan.cell, self._period_s, self._wanted.trigger), "")
@@ -129,12 +142,17 @@ class Scope:
             row |= {"state": "done", "records": len(self.recording.time), "lost": self.recording.lost, "trigger": self.recording.trigger}
         if kept is not None and wanted is not None:
             row |= {"state": "waiting" if kept.triggered_at is None else "running", "records": len(kept.rows), "lost": kept.lost,
-                    "trigger": wanted.trigger, "who": wanted.who, "names": list(wanted.names), "tail": self._tail(kept)}  # fmt: skip
+                    "trigger": wanted.trigger, "who": wanted.who, "names": list(wanted.names),
+                    "rolling": wanted.rolling, "tail": self._tail(kept)}  # fmt: skip
+            row["units"] = [each.unit for each in self._channels]
             row["wanted"] = max(1, round(wanted.seconds / self._period_s)) + round(wanted.pre_s / self._period_s)
         return row
 
-    def _tail(self, kept: Capture) -> Row:
+    def _tail(self, kept: Capture | Rolling) -> Row:
         """A thin picture of what is there while it grows: times in s, one list a channel."""
+        if isinstance(kept, Rolling):
+            times, columns = kept.picture(DRAWN_ROLLING)
+            return {"t": [round(moment, 4) for moment in times], "values": [[round(value, 5) for value in column] for column in columns]}
         count = len(kept.rows)
         places = range(0, count, max(1, count // DRAWN))
         zero = kept.stamps[min(kept.triggered_at or 0, count - 1)] if count else 0

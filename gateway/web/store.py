@@ -20,6 +20,7 @@ from gateway.runtime.clock import wall
 
 SHORTEST = 10  # characters of a password
 SESSION_S = 12 * 3600
+MOST_KEPT = 100  # watch lists, and layouts
 BEGIN = "0" * 64  # what the first entry of the audit follows
 SCHEMA = """
 create table if not exists user (name text primary key, role integer not null, hash text not null);
@@ -27,6 +28,7 @@ create table if not exists session (id text primary key, name text not null, csr
 create table if not exists token (id text primary key, label text not null unique, role integer not null, made text not null);
 create table if not exists audit (number integer primary key, wall text not null, who text not null, source text not null,
                                   what text not null, detail text not null, hash text not null);
+create table if not exists kept (kind text not null, name text not null, value text not null, primary key (kind, name));
 """
 
 
@@ -156,6 +158,27 @@ class Store:
 
     def drop_token(self, label: str) -> bool:
         return bool(self._do("delete from token where label = ?", label))
+
+    # ---- watch lists and layouts ------------------------------------------------------------------------------------------
+    def kept(self, kind: str) -> list[dict[str, object]]:
+        """Names and what the page wrote, by name."""
+        rows = self._rows("select name, value from kept where kind = ? order by name collate nocase", kind)
+        return [{"name": name, "value": value} for name, value in rows]
+
+    def keep(self, kind: str, name: str, value: str) -> None:
+        """Under a name; an older one of the same name is replaced.  StoreError: no JSON, or too many."""
+        try:
+            json.loads(value)
+        except (ValueError, RecursionError):
+            raise StoreError("what is to be kept is JSON") from None
+        names = {row["name"] for row in self.kept(kind)}
+        if name not in names and len(names) >= MOST_KEPT:
+            raise StoreError(f"{MOST_KEPT} are kept; remove one first")
+        self._do("insert or replace into kept values (?, ?, ?)", kind, name, value)
+
+    def drop_kept(self, kind: str, name: str) -> bool:
+        """False: there was none."""
+        return bool(self._do("delete from kept where kind = ? and name = ?", kind, name))
 
     # ---- audit -----------------------------------------------------------------------------------------------------------
     def note(self, who: str, source: str, what: str, detail: dict[str, object] | str = "") -> None:

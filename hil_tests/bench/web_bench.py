@@ -68,7 +68,7 @@ def scope_figure(seconds: float) -> Figure:
 def recorded(web: WebAsk, seconds: float, p5_ms: int) -> tuple[int, int, int]:
     """(records kept, records asked for, records that never came) of one recording of the page, read from its file."""
     _, before = web.ask("GET", "/api/scope/names")
-    status, told = web.ask("POST", "/api/scope/start", {"channels": CHANNELS, "seconds": seconds}, x_axisgate="1")
+    status, told = web.ask("POST", "/api/scope/start", {"channels": CHANNELS, "seconds": seconds}, **web.headers())
     assert status == 200, told
     waited("web, scope", seconds)
 

@@ -191,6 +191,7 @@ function stop() {
 
 document.getElementById("stop").addEventListener("click", stop);
 addEventListener("popstate", show);
+addEventListener("click", (event) => { const value = event.target.closest?.("[data-trend]"); if (value) import("./hours.js").then(({ hours }) => hours(value.dataset.trend)).catch((error) => toast(error.message, "bad")); });
 addEventListener("keydown", (event) => {
   if (event.key === "Escape" && event.shiftKey) stop();
   if (event.altKey && /^[0-9]$/.test(event.key)) document.querySelectorAll("#nav a")[(Number(event.key) + 9) % 10]?.click();

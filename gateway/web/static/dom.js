@@ -1,4 +1,6 @@
 // Small helpers: elements, numbers, tables whose rows live on and only change their texts.
+import { t } from "./texts.js";
+
 export function h(tag, attributes = {}, ...children) {
   const element = document.createElement(tag);
   for (const [name, value] of Object.entries(attributes)) {
@@ -75,6 +77,15 @@ export class Table {
 }
 
 export const text = (get, digits) => (row, td) => put(td, digits === undefined ? get(row) ?? "" : number(get(row), digits));
+
+// A value whose trend over hours is one click away; id: what the page watches it by.
+export const trended = (id, get, digits) => (row, td) => trendValue(td, id(row), digits === undefined ? get(row) ?? "" : number(get(row), digits));
+
+export function trendValue(td, id, words) {
+  const button = td.firstElementChild || td.appendChild(h("button", { type: "button", class: "value", title: t("trend over hours") }));
+  if (button.dataset.trend !== id) button.dataset.trend = id;
+  put(button, words);
+}
 
 const MOST_TOASTS = 3; // more would grow over the page, and over STOP
 

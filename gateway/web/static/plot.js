@@ -43,21 +43,30 @@ export class Plot {
 
   height() { return Math.max(260, Math.min(460, Math.round(innerHeight * 0.48))); }
 
-  // channels: [[name, unit]]; shown: which of them; columns: values of each.
-  async show(channels, time, columns, shown) {
+  // channels: [[name, unit]]; columns: values of each; shown: which of them; scales: { joint: one scale a unit, ranges: name -> [from, to] }.
+  async show(channels, time, columns, shown, scales = { joint: true, ranges: {} }) {
     const mine = (this.wanted = Symbol("drawing"));
     const uPlot = await load();
     if (mine !== this.wanted || !this.box.isConnected) return;
-    const units = [...new Set(channels.filter((_, n) => shown[n]).map(([, unit]) => unit || "1"))];
+    const made = JSON.stringify([channels, shown, scales, dark(), this.box.clientWidth > 700]);
+    if (this.plot && this.made === made && this.rolls) { this.plot.setData([time, ...columns]); this.time = time; return; }
+    this.made = made;
+    const fixed = (name) => scales.ranges[name] || [null, null];
+    const own = (name) => !scales.joint || fixed(name).some((end) => end !== null);
+    const key = channels.map(([name, unit], n) => (own(name) ? `c${n}` : unit || "1"));
+    const ranges = Object.fromEntries(channels.flatMap(([name], n) => (own(name) ? [[key[n], { range: (u, low, high) => range(fixed(name), low, high) }]] : [])));
     const axis = { stroke: style("--text"), grid: { stroke: style("--line") }, ticks: { stroke: style("--line") }, font: "12px system-ui, sans-serif" };
+    const first = [...new Set(channels.map((_, n) => n).filter((n) => shown[n] && (own(channels[n][0]) || key.findIndex((other, m) => other === key[n] && shown[m]) === n)))].slice(0, this.box.clientWidth > 700 ? 4 : 2);
+    const title = (n) => (own(channels[n][0]) ? `${channels[n][0]}${channels[n][1] ? `, ${channels[n][1]}` : ""}` : channels[n][1] || "1");
     this.plot?.destroy();
     this.plot = new uPlot({
-      width: this.box.clientWidth || 600, height: this.height(), ms: 1e-3, scales: { x: { time: false } }, legend: { show: false },
+      width: this.box.clientWidth || 600, height: this.height(), ms: 1e-3, scales: { x: { time: false }, ...ranges }, legend: { show: false },
       cursor: { drag: { x: true, y: false } },
-      series: [{}, ...channels.map(([name, unit], n) => ({ label: name, scale: unit || "1", stroke: colour(n), width: 1.6, show: shown[n], points: { show: false } }))],
-      axes: [{ ...axis, label: "s", labelSize: 20 }, ...units.slice(0, 2).map((unit, n) => ({ ...axis, scale: unit, side: n ? 1 : 3, size: 62, label: unit, labelSize: 20, grid: { show: !n, stroke: style("--line") } }))],
+      series: [{}, ...channels.map(([name], n) => ({ label: name, scale: key[n], stroke: colour(n), width: 1.6, show: shown[n], points: { show: false } }))],
+      axes: [{ ...axis, label: "s", labelSize: 20 }, ...first.map((n, place) => ({ ...axis, scale: key[n], side: place % 2 ? 1 : 3, size: 60, label: title(n), labelSize: 20, labelFont: "12px system-ui, sans-serif", stroke: own(channels[n][0]) ? colour(n) : style("--text"), grid: { show: !place, stroke: style("--line") } }))],
       hooks: { draw: [(plot) => this.lines(plot)] },
     }, [time, ...columns], this.box);
+    this.box.dataset.scales = String(new Set(key).size);
     this.time = time;
     let down = null;
     this.plot.over.addEventListener("pointerdown", (event) => { down = event.offsetX; });
@@ -94,6 +103,14 @@ export class Plot {
   }
 
   close() { this.wanted = null; this.watch.disconnect(); this.plot?.destroy(); this.plot = null; }
+}
+
+// The ends somebody chose, else those of the values with a little room.
+function range([from, to], low, high) {
+  if (low === null || low === undefined) { low = 0; high = 1; }
+  const room = high > low ? 0.06 * (high - low) : Math.max(1e-3, Math.abs(high) * 0.05);
+  const ends = [from ?? low - room, to ?? high + room];
+  return ends[0] < ends[1] ? ends : [ends[0], ends[0] + 1];
 }
 
 // One channel over another, on a canvas of its own: uPlot wants times that rise.

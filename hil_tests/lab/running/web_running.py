@@ -48,6 +48,18 @@ class WebAsk:
             return answer.status, json.loads(data)
         return answer.status, data
 
+    def headers(self, name: str = ADMIN, password: str = PASSWORD) -> dict[str, str]:
+        """Headers of a login without a browser; the first one sets the first password."""
+        fresh = self.ask("GET", "/api/me")[1]["fresh"]
+        link = http.client.HTTPConnection("127.0.0.1", self.port, timeout=PATIENCE_S)
+        body = json.dumps({"name": name, "password": password})
+        link.request("POST", "/api/setup" if fresh else "/api/login", body, {"content-type": "application/json", "x-axisgate": "1"})
+        answer = link.getresponse()
+        assert answer.status == 200, answer.read()
+        cookie = str(answer.headers["set-cookie"]).partition(";")[0]
+        link.close()
+        return {"cookie": cookie, "x_axisgate_csrf": str(self.ask("GET", "/api/me", cookie=cookie)[1]["csrf"])}
+
     def answers(self) -> bool:
         """The page is there."""
         with contextlib.suppress(OSError):

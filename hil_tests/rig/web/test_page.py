@@ -233,7 +233,7 @@ def test_the_scope_keeps_what_was_before_its_trigger(web: WebRun, boss: Page) ->
 
 
 def test_a_recording_is_kept_reopened_and_taken_away(web: WebRun, boss: Page, tmp_path: pathlib.Path) -> None:
-    boss.fill("#scope-name", "edge")
+    boss.fill("#recording-name", "edge")
     boss.click("#keep")
     until(lambda: "edge" in boss.inner_text("#kept"), "it is kept on the gateway")
     boss.click("#xy")
@@ -410,9 +410,10 @@ def test_sixteen_channels_are_recorded_whole_by_the_page(web: WebRun, boss: Page
     """The short form of `axisgate bench web`, which asks for ten minutes at 2 ms."""
     records, wanted, lost = recorded(web, 2.0, web.run.p5_ms)
     assert (records, lost) == (wanted, 0)
-    told = web.ask("POST", "/api/scope/start", {"channels": CHANNELS, "seconds": 600.0}, x_axisgate="1")
+    own = web.headers()
+    told = web.ask("POST", "/api/scope/start", {"channels": CHANNELS, "seconds": 600.0}, **own)
     assert told[0] == 200, ("ten minutes are not too long", told)
-    assert web.ask("POST", "/api/scope/stop", {}, x_axisgate="1")[0] == 200
+    assert web.ask("POST", "/api/scope/stop", {}, **own)[0] == 200
 
 
 def test_too_many_wrong_passwords_have_to_wait(web: WebRun) -> None:

@@ -1,5 +1,5 @@
 // Set, actual, lag, torque, state, limits; jog and reference while a key is held.
-import { Table, chip, grey, h, mark, number, put, text } from "../dom.js";
+import { Table, chip, grey, h, mark, number, put, trendValue, trended } from "../dom.js";
 import { FLAG, drive } from "../parts.js";
 import { Trend } from "../trend.js";
 
@@ -56,10 +56,10 @@ export function mount(root, { t, cell, live, login, may, me, post, unable }) {
   const table = new Table([
     { title: t("axis"), cell: (row, td) => { if (!td.firstChild) td.append(h("button", { type: "button", class: "tiny", onclick: () => { chosen = row.name; trend.clear(chosen); } }, row.name)); } },
     { title: t("state"), cell: (row, td) => { const [kind, words] = drive(row, t); const c = td.firstChild || td.appendChild(chip(kind, words)); put(c, words); mark(c, `chip ${kind}`); } },
-    { title: t("set"), n: true, cell: text((row) => row.set, 3) },
-    { title: t("actual"), n: true, cell: text((row) => row.actual, 3) },
-    { title: t("lag"), n: true, cell: (row, td) => { put(td, number(row.lag, 3)); const a = info.get(row.name); td.classList.toggle("badq", a.warn !== null && Math.abs(row.lag) > a.warn); } },
-    { title: t("torque %"), n: true, cell: text((row) => row.torque, 1) },
+    { title: t("set"), n: true, cell: trended((row) => `axis.${row.name}.set`, (row) => row.set, 3) },
+    { title: t("actual"), n: true, cell: trended((row) => `axis.${row.name}.actual`, (row) => row.actual, 3) },
+    { title: t("lag"), n: true, cell: (row, td) => { trendValue(td, `axis.${row.name}.lag`, number(row.lag, 3)); const a = info.get(row.name); td.classList.toggle("badq", a.warn !== null && Math.abs(row.lag) > a.warn); } },
+    { title: t("torque %"), n: true, cell: trended((row) => `axis.${row.name}.torque`, (row) => row.torque, 1) },
     { title: t("limits"), cell: place },
     { title: t("reference, hold"), cell: (row, td) => {
       const n = info.get(row.name).n;

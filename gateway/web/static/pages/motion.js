@@ -1,5 +1,5 @@
 // The robot and its path in three dimensions; override, feed hold, what waits.
-import { Table, facts, grey, h, put, text } from "../dom.js";
+import { Table, facts, grey, h, put, text, trended } from "../dom.js";
 
 const TRAIL = 600;
 
@@ -14,7 +14,7 @@ export function mount(root, { t, cell, me, post, unable }) {
   const wipe = h("button", { type: "button", onclick: () => { trail.length = 0; } }, t("Forget the path"));
   const queue = h("div");
   const table = new Table([
-    { title: t("axis"), cell: text((row) => row.name) }, { title: t("actual"), n: true, cell: text((row) => row.actual, 3) }, { title: t("set"), n: true, cell: text((row) => row.set, 3) }, { title: t("speed"), n: true, cell: text((row) => row.speed, 1) },
+    { title: t("axis"), cell: text((row) => row.name) }, { title: t("actual"), n: true, cell: trended((row) => `axis.${row.name}.actual`, (row) => row.actual, 3) }, { title: t("set"), n: true, cell: trended((row) => `axis.${row.name}.set`, (row) => row.set, 3) }, { title: t("speed"), n: true, cell: trended((row) => `axis.${row.name}.speed`, (row) => row.speed, 1) },
   ], (row) => row.name, { label: t("Axes") });
   const trail = [];
   let scene = null;

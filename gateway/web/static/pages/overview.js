@@ -1,5 +1,5 @@
 // Is everything there, and if not: what came first, and what to do.
-import { Table, chip, h, mark, put, text } from "../dom.js";
+import { Table, chip, h, mark, put, text, trended } from "../dom.js";
 import { drive, errors, age } from "../parts.js";
 import { language } from "../texts.js";
 
@@ -22,8 +22,8 @@ export function mount(root, { t, cell }) {
   const drives = new Table([
     { title: t("axis"), cell: text((row) => row.name) },
     { title: t("drive"), cell: (row, td) => { const [kind, words] = drive(row, t); state(td, kind, words); } },
-    { title: t("actual"), n: true, cell: text((row) => row.actual, 3) },
-    { title: t("lag"), n: true, cell: text((row) => row.lag, 3) },
+    { title: t("actual"), n: true, cell: trended((row) => `axis.${row.name}.actual`, (row) => row.actual, 3) },
+    { title: t("lag"), n: true, cell: trended((row) => `axis.${row.name}.lag`, (row) => row.lag, 3) },
   ], (row) => row.name, { label: t("Drives") });
   const cycle = h("div", { class: "small mono", id: "cycle" });
   const evidence = new Table([

@@ -1,21 +1,23 @@
 // Every value by any name or address: live, with age and quality, where it is used; forced inputs are marked.
-import { Table, h, put, text } from "../dom.js";
+import { Table, h, put, text, trendValue } from "../dom.js";
 import { age, asked } from "../parts.js";
+import { WatchList } from "../watch.js";
 
-export function mount(root, { t, get, post, may, live }) {
+export function mount(root, { t, get, post, may, live, unable }) {
   let rows = [];
   let values = {};
   let group = "";
   let chosen = "";
   let wait = 0;
-  const search = h("input", { type: "search", id: "search", placeholder: t("name, address, text: DB10.DW2, O3.0, 40001, feed"), "aria-label": t("Search"), oninput: () => { clearTimeout(wait); wait = setTimeout(find, 60); } });
+  const search = h("input", { type: "search", id: "search", placeholder: t("name, address, text: DB10.DW2, O3.0, 40001, feed"), "aria-label": t("Search"), oninput: () => { list.close(); clearTimeout(wait); wait = setTimeout(find, 60); } });
   const found = h("span", { class: "soft", id: "found", role: "status" });
   const tree = h("div", { class: "tree" });
   const detail = h("section", { class: "card", id: "detail" }, h("p", { class: "soft" }, t("Choose a row to see where the value is used.")));
   const unforce = h("button", { type: "button", id: "unforce-all", class: "danger", onclick: () => post("/api/unforce", {}, "No input is forced any more") }, t("End all forces"));
+  const list = new WatchList({ t, get, post, unable, find: () => find() }, () => { if (list.open) find(); else table.update(rows); });
   const table = new Table([
-    { title: t("name"), cell: (row, td) => { if (!td.firstChild) td.append(h("button", { type: "button", class: "link", "data-row": row.id, onclick: () => show(row) }, row.name)); } },
-    { title: t("value"), n: true, cell: (row, td) => { put(td, shown(row)); td.dataset.id = row.id; } },
+    { title: t("name"), cell: (row, td) => { if (!td.firstChild) td.append(h("span", { class: "bar", style: "margin:0;flex-wrap:nowrap" }, list.star(row.id), h("button", { type: "button", class: "link", "data-row": row.id, onclick: () => show(row) }, row.name))); list.mark(td.querySelector(".star"), row.id); } },
+    { title: t("value"), n: true, cell: (row, td) => { if (row.kind === "text" && Number.isNaN(Number(values[row.id]?.[0]))) put(td, shown(row)); else trendValue(td, row.id, shown(row)); td.dataset.id = row.id; } },
     { title: t("unit"), cell: text((row) => row.unit) },
     { title: t("quality"), cell: text((row) => quality(row)) },
     { title: t("age"), n: true, cell: text((row) => age(values[row.id]?.[2])) },
@@ -94,7 +96,9 @@ export function mount(root, { t, get, post, may, live }) {
   }
   async function find() {
     try {
-      const told = await get(`/api/signals?q=${encodeURIComponent(search.value)}&group=${encodeURIComponent(group)}`);
+      const ids = list.open ? list.ids.map((id) => `&id=${encodeURIComponent(id)}`).join("") : "";
+      if (list.open && !ids) { rows = []; table.update(rows); live.page("signals", []); put(found, t("The watch list is empty: the stars beside the names put values into it.")); return; }
+      const told = await get(`/api/signals?q=${encodeURIComponent(list.open ? "" : search.value)}&group=${encodeURIComponent(list.open ? "" : group)}${ids}`);
       rows = told.rows;
       put(found, `${t("found")}: ${told.total}${told.total > rows.length ? `, ${rows.length} ${t("shown")}` : ""}`);
       table.update(rows);
@@ -121,18 +125,20 @@ export function mount(root, { t, get, post, may, live }) {
   }
   function choose(button, name) {
     group = name;
+    list.close();
     tree.querySelectorAll("[aria-pressed]").forEach((each) => each.setAttribute("aria-pressed", String(each === button)));
     find();
   }
   root.append(h("div", { class: "grid" },
     h("section", { class: "card side" }, h("h2", {}, t("Tree")), tree),
-    h("div", { class: "w9" }, h("section", { class: "card" }, h("div", { class: "bar", style: "flex-wrap:nowrap" }, search), h("div", { class: "bar spread" }, found, unforce), table.element),
+    h("div", { class: "w9" }, h("section", { class: "card" }, h("div", { class: "bar", style: "flex-wrap:nowrap" }, search), list.element, h("div", { class: "bar spread" }, found, unforce), table.element),
       h("div", { style: "height:.9rem" }), detail)));
   plant().then(find);
   return {
     update(page, head, fresh) {
       values = fresh;
       unforce.disabled = !head.forced || !may("setter");
+      list.update();
       table.update(rows);
     },
     watch: () => [],

@@ -38,6 +38,36 @@ def test_a_register_leads_to_its_sixteen_bits(names: Names) -> None:
     assert [row.id for row in names.search("30005")[1]][:1] == ["out:64"]
 
 
+@pytest.mark.parametrize(
+    "words, first, bits",
+    [
+        ("AW 90", "inw:90:2", [f"in:{n}" for n in range(720, 736)]),
+        ("aw90", "inw:90:2", [f"in:{n}" for n in range(720, 736)]),
+        ("QB 5", "inw:5:1", [f"in:{n}" for n in range(40, 48)]),
+        ("EB 8", "outw:8:1", [f"out:{n}" for n in range(64, 72)]),
+        ("ID 8", "outw:8:4", [f"out:{n}" for n in range(64, 96)]),
+    ],
+)
+def test_bytes_and_words_of_the_image_are_found_with_their_bits(names: Names, words: str, first: str, bits: list[str]) -> None:
+    total, rows = names.search(words)
+    assert [row.id for row in rows[: 1 + len(bits)]] == [first, *bits]
+    assert total >= 1 + len(bits) and rows[0].kind == "word"
+    assert names.entry(first) == rows[0]
+
+
+def test_an_id_beyond_the_image_is_no_value(names: Names) -> None:
+    for id_ in ("inw:127:2", "inw:0:3", "outw:-1:2", "inw:x:2", "nothing"):
+        with pytest.raises(KeyError):
+            names.entry(id_)
+    assert names.search("AW 127")[1] == []
+
+
+def test_a_contact_is_found_by_its_name() -> None:
+    found = Names(load_cell("s5-rk512")).search("io.safety_ok")[1]
+    assert [(entry.id, entry.group, entry.kind) for entry in found] == [("io:safety_ok", "contacts", "bit")]
+    assert "canopen-401 can0 20 input 0" in found[0].addresses
+
+
 def test_all_words_must_occur_and_the_answer_is_limited(names: Names) -> None:
     total, rows = names.search("axis actual")
     assert {row.id for row in rows if row.id.startswith("axis.")} == {f"axis.A{n}.actual" for n in range(1, 7)}
