@@ -9,6 +9,7 @@ const two = (number) => String(number).padStart(2, "0");
 export const clock = (seconds, long = true) => { const at = new Date(seconds * 1e3); return `${two(at.getHours())}:${two(at.getMinutes())}${long ? `:${two(at.getSeconds())}` : ""}`; };
 
 export function hours(id) {
+  document.getElementById("trend")?.close();
   let span = 3600;
   try { span = Number(localStorage.getItem("trend")) || span; } catch { /* no storage */ }
   let plot = null;
@@ -46,7 +47,7 @@ export function hours(id) {
     const since = found.since_s === null || found.since_s >= span ? "" : `, ${t("kept since")} ${clock(now - found.since_s)}`;
     put(told, known.length ? `${t("now")} ${found.values.at(-1) === null ? t("not known") : short(found.values.at(-1))}, ${t("least")} ${short(Math.min(...known))}, ${t("greatest")} ${short(Math.max(...known))}${since}` : t("No number of this value is known in this time."));
     box.dataset.points = String(data[0].length);
-    const range = [now - span, now];
+    const range = [now - Math.min(span, Math.max(60, found.since_s ?? 60)), now];
     if (plot) { plot.batch(() => { plot.setData(data, false); plot.setScale("x", { min: range[0], max: range[1] }); }); return; }
     const style = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
     const axis = { stroke: style("--text"), grid: { stroke: style("--line") }, ticks: { stroke: style("--line") }, font: "12px system-ui, sans-serif" };
@@ -58,7 +59,8 @@ export function hours(id) {
     plot.setScale("x", { min: range[0], max: range[1] });
   }
   document.body.append(dialog);
-  dialog.showModal();
+  dialog.show(); // beside the page, not over it: STOP is always within reach
+  dialog.addEventListener("keydown", (event) => { if (event.key === "Escape" && !event.shiftKey) dialog.close(); });
   watch.observe(box);
   look();
 }

@@ -44,6 +44,9 @@ def test_a_value_shows_its_trend_by_one_click_and_what_was_before_it(web: WebRun
         until(lambda: boss.evaluate(POINTS) >= 2, "points are drawn")
         boss.evaluate(QUIET)
         boss.screenshot(path=pictures() / f"trend-{name}.png")
+        boss.click("#stop")
+        until(lambda: "Stop is ordered" in boss.inner_text("#toasts"), "STOP is within reach of an open trend")
+        boss.evaluate(QUIET)
         boss.click("#trend-close")
         assert boss.locator("#trend").count() == 0
     assert web.ask("GET", "/api/trend?id=no.such&seconds=600")[0] == 404
