@@ -1,0 +1,414 @@
+"""Translates statements to the text of Python generator functions, with checks and faults in one pass (AX-694)."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+from gateway.pure.languages.baps2 import calls, exchange, travel
+from gateway.pure.languages.baps2.flow import Path, label_paths, needs_jumps
+from gateway.pure.languages.baps2.scope import Names
+from gateway.pure.languages.baps2.statements import DEVICES
+from gateway.pure.languages.baps2.tree import (
+    Block,
+    CallStatement,
+    Case,
+    Exclusive,
+    Expression,
+    FileOrder,
+    If,
+    Instruction,
+    Jump,
+    Label,
+    Move,
+    Name,
+    Parallel,
+    Read,
+    Repeat,
+    Set,
+    Simple,
+    StartStop,
+    Statement,
+    Sync,
+    Synchron,
+    Wait,
+    WaitUntil,
+    Write,
+)
+from gateway.pure.languages.baps2.types import BINARY, CHAR, INTEGER, NONE, POINTS, TEXT, Type, fits
+from gateway.pure.languages.baps2.typing import Typed, Typing
+
+REAL_CHECKED = "(t if -3.4028235e+38 <= (t := {}) <= 3.4028235e+38 else real_overflow())"
+
+
+@dataclass(slots=True)
+class Lines:
+    """Python text under construction."""
+
+    indent: int = 0
+    rows: list[str] = field(default_factory=list)
+
+    def add(self, text: str) -> None:
+        """One line."""
+        self.rows.append("    " * self.indent + text)
+
+
+@dataclass(slots=True)
+class Function:
+    """What belongs to one Python function: its labels, parts and loops."""
+
+    labels: dict[str, Path]
+    apart: bool  # labels are inside: the body is a row of parts
+    numbers: dict[str, int] = field(default_factory=dict)
+    parts: int = 0
+    path: list[int] = field(default_factory=list)
+    exclusives: list[tuple[int, str]] = field(default_factory=list)
+    count: int = 0  # statements so far
+    counted: dict[str, int] = field(default_factory=dict)
+    line: int = 0  # as the text last set it
+
+    def part(self) -> int:
+        """A new part."""
+        self.parts += 1
+        return self.parts
+
+
+class Bodies:
+    """Translates bodies; the text grows in `out`."""
+
+    def __init__(self, names: Names, typing: Typing, way: str) -> None:
+        self.names, self.typing, self.way = names, typing, way
+        self.out = Lines()
+        self.function = Function({}, False)
+        self._temporary = 0
+
+    def new(self, letter: str) -> str:
+        """A Python name that nothing else has."""
+        self._temporary += 1
+        return f"{letter}{self._temporary}"
+
+    def body(self, statements: tuple[Statement, ...], after: Iterable[str], own: Iterable[str] = ()) -> None:
+        """The whole body of a function, its head excluded.  `after`: lines at the end; `own`: variables of this function."""
+        labels = label_paths(statements, self.names.faults)
+        outer, self.function = self.function, Function(labels, bool(labels))
+        written, self.typing.written = self.typing.written, set()
+        place = len(self.out.rows)
+        self.out.add("")  # the place of nonlocal
+        if labels:
+            self._apart(statements)
+        else:
+            self.several(statements)
+        for row in after:
+            self.out.add(row)
+        outside = sorted(self.typing.written - set(own))
+        self.out.rows[place] = "    " * self.out.indent + (f"nonlocal {', '.join(outside)}" if outside else "pass")
+        self.function, self.typing.written = outer, written
+
+    def _apart(self, statements: tuple[Statement, ...]) -> None:
+        self.function.numbers = {label: self.function.part() for label in self.function.labels}
+        self.out.add("at = 0")
+        self.out.add("while True:")
+        self.out.indent += 1
+        self.out.add("if at == 0:")
+        self.out.indent += 1
+        self.out.add("pass")
+        self.several(statements)
+        self.out.indent -= 1
+        self.out.add("break")
+        self.out.indent -= 1
+
+    def _begin_part(self, number: int) -> None:
+        """Ends the part before, which runs on into this one."""
+        self.out.add(f"at = {number}")
+        self.out.indent -= 1
+        self.out.add(f"if at == {number}:")
+        self.out.indent += 1
+        self.out.add("pass")
+        self.function.line = 0
+
+    def _go(self, number: int) -> None:
+        self.out.add(f"at = {number}")
+        self.out.add("continue")
+
+    def several(self, statements: Iterable[Statement]) -> None:
+        """Statements one after the other."""
+        for statement in statements:
+            self.one(statement)
+
+    def _nested(self, *statements: Statement) -> None:
+        """A body one level deeper."""
+        self.out.indent += 1
+        self.out.add("pass")
+        self.function.line = 0
+        self.several(statements)
+        self.function.line = 0
+        self.out.indent -= 1
+
+    def one(self, statement: Statement) -> None:
+        """One statement."""
+        self.function.count += 1
+        if not isinstance(statement, Label | Instruction | Block) and statement.at.line != self.function.line:
+            self.function.line = statement.at.line
+            self.out.add(f"p.line = {statement.at.line}")
+        if self._flow(statement):
+            return
+        match statement:
+            case Set():
+                self._set(statement)
+            case Move():
+                self.otherwise(travel.move(self, statement), statement.otherwise)
+            case Wait(seconds=seconds):
+                self.out.add(f"yield Dwell({self.typing.number(seconds, 'a time').code})")
+            case WaitUntil():
+                self.otherwise(travel.wait(self, statement), statement.otherwise)
+            case StartStop(word=word, program=program):
+                self._startstop(statement, "StartProgram" if word == "START" else "StopProgram", program)
+            case Simple():
+                self._simple(statement)
+            case Sync():
+                travel.sync(self, statement)
+            case Synchron():
+                travel.synchron(self, statement)
+            case Read():
+                exchange.read(self, statement)
+            case Write():
+                exchange.write(self, statement)
+            case FileOrder():
+                exchange.file_order(self, statement)
+            case CallStatement():
+                calls.call(self, statement)
+
+    def _flow(self, statement: Statement) -> bool:
+        """Statements that hold others or jump; False: it is none of them."""
+        match statement:
+            case Label(name=name):
+                self.function.counted[name] = self.function.count
+                self._begin_part(self.function.numbers[name])
+            case Instruction(word=word, value=value):
+                if word == "KINEMATICS":
+                    self.typing.kinematic = value
+                else:
+                    self.way = value
+            case Block(body=body):
+                self.several(body)
+            case Jump():
+                self._jump(statement)
+            case If():
+                self._if(self.typing.truth(statement.condition, "the condition").code, statement.then, statement.otherwise)
+            case Case():
+                self._case(statement)
+            case Repeat():
+                self._repeat(statement)
+            case Parallel():
+                self._parallel(statement)
+            case Exclusive():
+                self._exclusive(statement)
+            case _:
+                return False
+        return True
+
+    # ---- flow
+
+    def otherwise(self, answer: str, statement: Statement | None) -> None:
+        """The ERROR part of a statement whose answer stands in `answer`."""
+        if statement is not None and answer:
+            self._if(f"not {answer}", statement, None)
+
+    def _if(self, condition: str, then: Statement, otherwise: Statement | None) -> None:
+        if needs_jumps(then) or (otherwise is not None and needs_jumps(otherwise)):
+            other, end = self.function.part(), self.function.part()
+            self.out.add(f"if not ({condition}):")
+            self.out.indent += 1
+            self._go(other)
+            self.out.indent -= 1
+            self.several((then,))
+            self._go(end)
+            self._begin_part(other)
+            self.several(() if otherwise is None else (otherwise,))
+            self._begin_part(end)
+            return
+        self.out.add(f"if {condition}:")
+        self._nested(then)
+        if otherwise is not None:
+            self.out.add("else:")
+            self._nested(otherwise)
+
+    def _jump(self, statement: Jump) -> None:
+        number = self.function.numbers.get(statement.label)
+        if number is None:
+            self.names.faults.error("label-missing", statement.at, f"label {statement.label} is not there")
+            return
+        path = self.function.labels[statement.label]
+        if path != tuple(self.function.path[: len(path)]):
+            self.names.faults.error("jump-into", statement.at, f"label {statement.label} is inside of a loop, a choice or an EXCLUSIVE")
+        for key, semaphore in reversed(self.function.exclusives):
+            if key not in path:
+                self.out.add(f"yield Leave({semaphore})")
+        self.turn(max(1, self.function.count - self.function.counted.get(statement.label, self.function.count)))
+        self._go(number)
+
+    def turn(self, statements: int) -> None:
+        """Counts statements and gives up the processor where the budget is used."""
+        self.out.add(f"p.left -= {statements}")
+        self.out.add("if p.left < 0:")
+        self.out.add("    yield TURN")
+
+    def _case(self, statement: Case) -> None:
+        selector = self.typing.of(statement.selector)
+        if selector.type not in (NONE, BINARY, INTEGER, CHAR, TEXT):
+            self.names.faults.error("type", statement.at, f"CASE takes BINARY, INTEGER, CHAR or TEXT, not {selector.type}")
+        name = self.new("c")
+        self.out.add(f"{name} = {selector.code}")
+        self.function.path.append(id(statement))
+        seen: set[object] = set()
+        end = self.function.part() if needs_jumps(statement) else 0
+        word = "if"
+        for choice in statement.choices:
+            texts = [self._constant(value, selector.type, seen) for value in choice.values]
+            condition = f"{name} in ({' '.join(f'{text},' for text in texts)})"
+            if end:
+                self._if(condition, choice.body, None)
+                continue
+            self.out.add(f"{word} {condition}:")
+            self._nested(choice.body)
+            word = "elif"
+        self._default(statement, name, seen, end, word)
+        self.function.path.pop()
+
+    def _default(self, statement: Case, name: str, seen: set[object], end: int, word: str) -> None:
+        if statement.otherwise is None:
+            return
+        if end:
+            self._if(f"{name} not in ({' '.join(f'{each!r},' for each in sorted(seen, key=repr))})", statement.otherwise, None)
+        elif word == "if":
+            self.several((statement.otherwise,))
+        else:
+            self.out.add("else:")
+            self._nested(statement.otherwise)
+
+    def _constant(self, tree: Expression, kind: Type, seen: set[object]) -> str:
+        """A constant of a CASE: of the type of the selector, and there only once."""
+        found = self.typing.of(tree)
+        if found.type is NONE or kind is NONE:
+            return "None"
+        if found.constant is None:
+            self.names.faults.error("no-constant", tree.at, "a constant is expected behind EQUAL")
+        elif not fits(kind, found.type, found.constant) or found.type.base == "REAL":
+            self.names.faults.error("type", tree.at, f"{found.type} does not fit {kind}")
+        elif found.constant in seen:
+            self.names.faults.error("case-twice", tree.at, f"{found.constant!r} stands twice in this CASE")
+        seen.add(found.constant)
+        return repr(found.constant)
+
+    def _repeat(self, statement: Repeat) -> None:
+        times = self.typing.whole(statement.times, "the number of repetitions").code
+        self.function.path.append(id(statement))
+        before = self.function.count
+        if needs_jumps(statement):
+            name, begin, end = self.new("c"), self.function.part(), self.function.part()
+            self.out.add(f"{name} = {times}")
+            self._begin_part(begin)
+            self.out.add(f"if {name} <= 0:")
+            self.out.indent += 1
+            self._go(end)
+            self.out.indent -= 1
+            self.out.add(f"{name} -= 1")
+            self.several(statement.body)
+            self.turn(self.function.count - before + 1)
+            self._go(begin)
+            self._begin_part(end)
+        else:
+            self.out.add(f"for _ in range({times}):")
+            self._nested(*statement.body)
+            self.out.indent += 1
+            self.turn(self.function.count - before + 1)
+            self.out.indent -= 1
+        self.function.path.pop()
+
+    def _parallel(self, statement: Parallel) -> None:
+        found = []
+        for branch in statement.branches:
+            name = self.new("b")
+            found.append(name)
+            self.out.add(f"def {name}(p):")
+            self.out.indent += 1
+            self.body(branch, ("yield Drain()",))
+            self.out.indent -= 1
+        self.out.add(f"yield Branches(({' '.join(f'{name},' for name in found)}))")
+
+    def _exclusive(self, statement: Exclusive) -> None:
+        symbol = self.names.find(statement.semaphore)
+        if symbol is None or symbol.kind != "semaphore":
+            self.names.faults.error("semaphore", statement.at, f"{statement.semaphore} is no semaphore")
+            return
+        key = f"{(symbol.owner, symbol.name)!r}"
+        self.out.add(f"yield Enter({key})")
+        self.function.path.append(id(statement))
+        self.function.exclusives.append((id(statement), key))
+        self.several(statement.body)
+        self.function.exclusives.pop()
+        self.function.path.pop()
+        self.out.add(f"yield Leave({key})")
+
+    # ---- simple statements
+
+    def _simple(self, statement: Simple) -> None:
+        match statement.word:
+            case "BREAK":
+                self.out.add("yield GiveUp()")
+            case "HALT":
+                self.out.add("yield Halt()")
+            case "REF_PNT":
+                self.out.add(f"yield Reference({statement.name or self.typing.kinematic!r})")
+            case _:
+                self.out.add("yield Synchronise('', 0)")
+
+    def _startstop(self, statement: StartStop, request: str, program: str) -> None:
+        symbol = self.names.find(program)
+        if symbol is not None and symbol.kind != "program":
+            self.names.faults.error("no-program", statement.at, f"{program} is a {symbol.kind}, no program")
+        self.out.add(f"yield {request}({program!r})")
+
+    def _set(self, statement: Set) -> None:
+        target = self.target(statement.target)
+        if target.type.base in POINTS and not target.type.is_array:
+            value = self.typing.point(statement.value, target.type.kinematic or self.typing.kinematic)
+        else:
+            value = self.typing.of(statement.value)
+        if target.type is NONE:
+            return
+        self.store(statement.target, target.type, value)
+
+    def target(self, tree: Expression) -> Typed:
+        """What is set; the value is not read, so nothing is asked."""
+        if isinstance(tree, Name):
+            symbol = self.names.find(tree.name)
+            if symbol is not None and symbol.kind in ("input", "constant", "belt", "semaphore", "file", "program", "special", "subroutine"):
+                self.typing.assigned(tree, "")
+                return Typed(NONE, "")
+            if symbol is None and tree.name in DEVICES:
+                self.names.faults.error("not-assignable", tree.at, f"{tree.name} cannot be assigned to")
+                return Typed(NONE, "")
+        return self.typing.of(tree)
+
+    def store(self, tree: Expression, kind: Type, value: Typed) -> None:
+        """Sets a variable of a type to a value, if it fits."""
+        if not fits(kind, value.type, value.constant):
+            hint = "use ROUND or TRUNC" if (kind, value.type.base) == (INTEGER, "REAL") else ""
+            self.names.faults.error("type", tree.at, f"{value.type} cannot be assigned to {kind}", hint)
+            return
+        if row := self.typing.assigned(tree, converted(kind, value)):
+            self.out.add(row)
+
+
+def converted(kind: Type, value: Typed) -> str:
+    """Python text of a value as a variable of the type keeps it."""
+    if kind.is_array or value.type is NONE:
+        return value.code
+    if kind.base == "REAL" and value.constant is None:
+        return REAL_CHECKED.format(value.code) if value.type.base == "REAL" else f"float({value.code})"
+    if kind.base == "REAL" and isinstance(value.constant, int):
+        return repr(float(value.constant))
+    if kind.base == "TEXT" and value.constant is None:
+        return f"text({value.code})"
+    if kind.base in POINTS and not value.code.startswith("("):
+        return f"point({value.code})"
+    return value.value

@@ -1,0 +1,112 @@
+"""Translates READ, WRITE and the orders for files."""
+
+from typing import TYPE_CHECKING
+
+from gateway.pure.languages.baps2.scope import Symbol
+from gateway.pure.languages.baps2.statements import DEVICES
+from gateway.pure.languages.baps2.tree import Expression, FileOrder, Name, Read, Write
+from gateway.pure.languages.baps2.types import NONE, POINTS, SCALARS, TEXT, Type, fits
+from gateway.pure.languages.baps2.typing import Typed
+
+if TYPE_CHECKING:
+    from gateway.pure.languages.baps2.bodies import Bodies
+
+BINARY_FORMS = ("INTEGER", "BINARY", "REAL", "POINT", "JC_POINT")  # of BNR files (L6942-6944)
+MOST_LETTERS = 80  # of an array that is written (L779-783)
+
+
+def _unit(bodies: "Bodies", name: str, statement: Read | Write | FileOrder) -> tuple[str, Symbol | None]:
+    """Python text of the name of a unit and its symbol; the PHG where none is named."""
+    symbol = bodies.names.find(name) if name else None
+    if symbol is not None and symbol.kind == "file":
+        return (symbol.python if symbol.reference else repr(name)), symbol
+    if symbol is not None or (name and name not in DEVICES):
+        bodies.names.faults.error("file-unknown", statement.at, f"{name} is no file and no device")
+    return repr(name or "PHG"), None
+
+
+def _fits_file(bodies: "Bodies", symbol: Symbol | None, kind: Type, tree: Expression) -> None:
+    """Reports a value that a binary file cannot hold."""
+    if symbol is None or kind is NONE or (symbol.type.base == "FILE" and symbol.type.element in ("", "CHAR")):
+        return
+    element = symbol.type.element
+    if kind.base not in BINARY_FORMS:
+        bodies.names.faults.error("file-type", tree.at, f"{kind} cannot be in a binary file")
+    elif element and element != kind.base and not (element == "REAL" and kind.base == "INTEGER"):
+        bodies.names.faults.error("file-type", tree.at, f"{kind} cannot be in a file of {element}")
+
+
+def _form(bodies: "Bodies", kind: Type) -> tuple[int, int]:
+    """Components of a point, elements of an array."""
+    size = len(bodies.names.components(kind)) if kind.base in POINTS else 0
+    return size, kind.high - kind.low + 1 if kind.low is not None and kind.high is not None else 0
+
+
+def read(bodies: "Bodies", statement: Read) -> None:
+    """READ; each variable is one request."""
+    statement = _first_is_unit(bodies, statement)
+    unit, symbol = _unit(bodies, statement.device, statement)
+    for tree in statement.targets:
+        target = bodies.target(tree)
+        if target.type is NONE:
+            continue
+        if target.type.base not in SCALARS or target.type.base == "WC_FRAME":
+            bodies.names.faults.error("type", tree.at, f"{target.type} cannot be read")
+            continue
+        _fits_file(bodies, symbol, target.type, tree)
+        size, count = _form(bodies, target.type)
+        name = bodies.new("d")
+        bodies.out.add(f"{name} = yield ReadDevice({unit}, {target.type.base!r}, {size}, {count})")
+        bodies.out.add(f"if {name} is not None:")
+        bodies.out.indent += 1
+        bodies.out.add("pass")
+        bodies.store(tree, target.type, Typed(target.type, name))
+        bodies.out.indent -= 1
+
+
+def _first_is_unit(bodies: "Bodies", statement: Read) -> Read:
+    """READ with a file that is a parameter, which only the names tell."""
+    first = statement.targets[0] if statement.targets else None
+    symbol = bodies.names.find(first.name) if isinstance(first, Name) else None
+    if not statement.device and symbol is not None and symbol.kind == "file" and isinstance(first, Name):
+        return Read(statement.at, first.name, statement.targets[1:])
+    return statement
+
+
+def write(bodies: "Bodies", statement: Write) -> None:
+    """WRITE; all values go in one request."""
+    unit, symbol = _unit(bodies, statement.device, statement)
+    items = []
+    for tree in statement.values:
+        value = bodies.typing.of(tree)
+        kind = value.type
+        if kind is NONE:
+            continue
+        if kind.base not in SCALARS or kind.base == "WC_FRAME":
+            bodies.names.faults.error("type", tree.at, f"{kind} cannot be written")
+        _, count = _form(bodies, kind)
+        if kind.base == "CHAR" and count > MOST_LETTERS:
+            bodies.names.faults.error("array-size", tree.at, f"{count} characters; a WRITE takes {MOST_LETTERS}")
+        _fits_file(bodies, symbol, kind, tree)
+        items.append(f"({kind.base!r}, {_written(value)}),")
+    bodies.out.add(f"yield WriteDevice({unit}, ({' '.join(items)}), {statement.open})")
+
+
+def _written(value: Typed) -> str:
+    return f"point({value.code})" if value.type.base in POINTS and not value.type.is_array else value.value
+
+
+def file_order(bodies: "Bodies", statement: FileOrder) -> None:
+    """READ_BEGIN, WRITE_BEGIN, WRITE_END, CLOSE, ASSIGN."""
+    unit, symbol = _unit(bodies, statement.file, statement)
+    if symbol is None and statement.word in ("WRITE_END", "CLOSE") and statement.file in DEVICES:
+        bodies.names.faults.error("file-unknown", statement.at, f"{statement.word} takes a file, {statement.file} is a device")
+    value = "None"
+    if statement.word == "ASSIGN" and statement.value is not None:
+        text = bodies.typing.of(statement.value)
+        if not fits(TEXT, text.type):
+            bodies.names.faults.error("type", statement.at, f"ASSIGN takes a TEXT, not {text.type}")
+        value = f"text({text.code})"
+    elif statement.value is not None:
+        value = bodies.typing.whole(statement.value, "the offset").code
+    bodies.out.add(f"yield FileAction({statement.word!r}, {unit}, {value})")

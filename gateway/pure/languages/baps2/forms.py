@@ -1,0 +1,138 @@
+"""Values as bytes: binary as protocol 8 (3964R) and BNR files have them, characters for all else (rho 3 releases L1957-1983, 6942-6944)."""
+
+import struct
+
+from gateway.pure.languages.baps2.types import TEXT_SIZE
+from gateway.pure.languages.baps2.values import MOST_REAL, Array
+
+BLANKS = b" \t,;\r\n\0"
+SIZES = {"BINARY": 1, "CHAR": 1, "INTEGER": 4, "REAL": 4, "TEXT": TEXT_SIZE}
+
+
+class BadForm(Exception):
+    """The bytes are not of the type.  `code`: what CONDITION gives."""
+
+    def __init__(self, code: int) -> None:
+        super().__init__(str(code))
+        self.code = code
+
+
+def encode(base: str, value: object, *, binary: bool, file: bool = False) -> bytes:
+    """One value of a WRITE, or all elements of an array."""
+    if isinstance(value, Array):
+        return b"".join(encode(base, item, binary=binary, file=file) for item in value.items)
+    return _binary(base, value, file) if binary else _letters(base, value)
+
+
+def _binary(base: str, value: object, file: bool) -> bytes:
+    if isinstance(value, tuple):
+        return b"".join(_single(each) for each in value)
+    if base == "TEXT":
+        return _latin(str(value)).ljust(TEXT_SIZE, b"\0")[:TEXT_SIZE]
+    if base == "CHAR":
+        return _latin(str(value))[:1]
+    if base == "REAL":
+        return _single(value)
+    number = int(value) if isinstance(value, int | float) else 0
+    return bytes([number & 1]) if base == "BINARY" and not file else number.to_bytes(4, "little", signed=True)
+
+
+def _single(value: object) -> bytes:
+    number = float(value) if isinstance(value, int | float) else 0.0
+    return struct.pack("<f", max(-MOST_REAL, min(MOST_REAL, number)))
+
+
+def _latin(text: str) -> bytes:
+    return text.encode("latin-1", "replace")
+
+
+def _letters(base: str, value: object) -> bytes:
+    if isinstance(value, tuple):
+        return b" ".join(_letters("REAL", each) for each in value)
+    if base == "REAL" and isinstance(value, int | float):
+        return real_text(float(value)).encode()
+    if base == "TEXT":
+        return _latin(str(value).partition("\0")[0])
+    return _latin(str(value))
+
+
+def real_text(value: float) -> str:
+    """A REAL in digits: seven that count, no more than needed, always with a point."""
+    text = f"{value:.7g}"
+    if "e" in text:
+        return text.upper()
+    return text if "." in text else f"{text}.0"
+
+
+def decode_binary(base: str, size: int, data: bytes, file: bool) -> object:
+    """One value of exactly its bytes.  BadForm: a BINARY that is not 0 or 1, a REAL that is none."""
+    if base in ("POINT", "JC_POINT"):
+        return tuple(_real(data[at : at + 4]) for at in range(0, size * 4, 4))
+    if base == "TEXT":
+        return data.partition(b"\0")[0].decode("latin-1")
+    if base == "CHAR":
+        return data.decode("latin-1")
+    if base == "REAL":
+        return _real(data)
+    number = int.from_bytes(data, "little", signed=base == "INTEGER" or file)
+    if base == "BINARY" and number not in (0, 1):
+        raise BadForm(-9)
+    return number
+
+
+def _real(data: bytes) -> float:
+    (number,) = struct.unpack("<f", data)
+    if not abs(number) <= MOST_REAL:
+        raise BadForm(-10)
+    return float(number)
+
+
+def bytes_of(base: str, size: int, file: bool) -> int:
+    """Bytes of one value in binary form."""
+    if base in ("POINT", "JC_POINT"):
+        return 4 * size
+    return 4 if file and base == "BINARY" else SIZES[base]
+
+
+def decode_letters(base: str, size: int, data: bytes) -> tuple[object, int]:
+    """One value from characters and how many of them it took.  BadForm: there is no such value."""
+    if base == "CHAR":
+        return data[:1].decode("latin-1"), 1
+    if base == "TEXT":
+        return _line(data)
+    if base in ("POINT", "JC_POINT"):
+        found, at = [], 0
+        for _ in range(max(size, 1)):
+            number, taken = _number("REAL", data[at:])
+            found.append(float(number))
+            at += taken
+        return tuple(found), at
+    return _number(base, data)
+
+
+def _line(data: bytes) -> tuple[str, int]:
+    end = next((at for at, sign in enumerate(data) if sign in b"\r\n\0"), len(data))
+    taken = min(end, TEXT_SIZE)
+    return data[:taken].decode("latin-1"), taken + (_end(data, end) if taken == end else 0)
+
+
+def _end(data: bytes, at: int) -> int:
+    """Characters of the line end there."""
+    return 2 if data[at : at + 2] == b"\r\n" else 1 if at < len(data) else 0
+
+
+def _number(base: str, data: bytes) -> tuple[int | float, int]:
+    begin = len(data) - len(data.lstrip(BLANKS))
+    end = next((at for at in range(begin, len(data)) if data[at] in BLANKS), len(data))
+    text, taken = data[begin:end].decode("latin-1"), end + _end(data, end)
+    try:
+        value = float(text) if base == "REAL" else int(text)
+    except ValueError:
+        raise BadForm(-10 if base == "REAL" else -9) from None
+    if (
+        (base == "REAL" and not abs(value) <= MOST_REAL)
+        or (base == "BINARY" and value not in (0, 1))
+        or (not -(2**31) <= value < 2**31 and base != "REAL")
+    ):
+        raise BadForm(-10 if base == "REAL" else -9)
+    return value, taken

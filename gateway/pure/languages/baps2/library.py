@@ -1,0 +1,65 @@
+"""The programs of a user memory: read and checked when first asked for."""
+
+from collections.abc import Iterable
+
+from gateway.pure.languages.baps2.reader import read
+from gateway.pure.languages.baps2.translation import Unit, check
+from gateway.pure.languages.baps2.tree import Program
+from gateway.pure.languages.baps2.words import Words
+from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.source import SourceFile
+from gateway.pure.languages.base.store import ProgramStore
+
+
+class Library:
+    """Programs by name, without extension and in any case."""
+
+    def __init__(self, words: Words, store: ProgramStore) -> None:
+        self._words, self._store = words, store
+        self._trees: dict[str, Program | None] = {}
+        self._units: dict[str, tuple[Unit | None, Faults]] = {}
+
+    def names(self) -> Iterable[str]:
+        """All programs there are."""
+        return [name.removesuffix(".QLL") for name in self._store.names() if name.endswith(".QLL")]
+
+    def has(self, name: str) -> bool:
+        """Whether there is a source."""
+        return self._store.text(f"{name}.QLL") is not None
+
+    def tree(self, name: str) -> Program | None:
+        """The tree of a program, its faults left to its own check."""
+        name = name.upper()
+        if name not in self._trees:
+            text = self._store.text(f"{name}.QLL")
+            self._trees[name] = None if text is None else self._read(SourceFile(f"{name}.QLL", text), Faults())
+        return self._trees[name]
+
+    def _read(self, source: SourceFile, faults: Faults) -> Program | None:
+        try:
+            return read(source, self._words, self._store, faults)
+        except RecursionError:
+            faults.error("too-complex", source.at(1), f"{source.name} nests too deep")
+            return None
+
+    def check(self, file: str, text: str) -> tuple[Unit | None, Faults]:
+        """Reads and checks one source."""
+        faults = Faults()
+        program = self._read(SourceFile(file, text), faults)
+        if program is None:
+            return None, faults
+        unit = check(program, faults, self.tree)
+        return (unit if not faults.errors else None), faults
+
+    def unit(self, name: str) -> tuple[Unit | None, Faults]:
+        """A program that can run, or None with its faults; without faults there is no source."""
+        name = name.upper()
+        if name not in self._units:
+            text = self._store.text(f"{name}.QLL")
+            self._units[name] = (None, Faults()) if text is None else self.check(f"{name}.QLL", text)
+        return self._units[name]
+
+    def forget(self, name: str) -> None:
+        """A source was replaced or deleted."""
+        self._trees.pop(name.upper(), None)
+        self._units.pop(name.upper(), None)

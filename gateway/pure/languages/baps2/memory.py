@@ -1,0 +1,60 @@
+"""The user memory: all files by name.  QLL sources are the program store; PKT files hold points as text (AX-695)."""
+
+import re
+from collections.abc import Iterable
+
+from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.source import Position
+
+_POINT = re.compile(r"(?:[^\W\d]\w*\s*\.\s*)?(@?[^\W\d]\w*)\s*=\s*@?\s*\(?\s*([^()]*?)\s*\)?")
+Points = dict[str, tuple[float, ...]]
+
+
+def decoded(data: bytes) -> str:
+    """A source as text: UTF-8, else the characters of the old control's time (Latin-1)."""
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return data.decode("latin-1")
+
+
+class Memory:
+    """Files by name in upper case; a program store.  `compiled`: programs, the oldest translation first."""
+
+    def __init__(self, files: dict[str, bytes], compiled: Iterable[str] = ()) -> None:
+        self.files = {name.upper(): data for name, data in files.items()}
+        self._ages = {name.upper(): age for age, name in enumerate(compiled)}
+
+    def names(self) -> Iterable[str]:
+        """All files, sorted."""
+        return sorted(self.files)
+
+    def text(self, name: str) -> str | None:
+        """A file as text."""
+        data = self.files.get(name.upper())
+        return None if data is None else decoded(data)
+
+    def age(self, name: str) -> int | None:
+        """Place of a program in the order of translation."""
+        return self._ages.get(name.upper().removesuffix(".QLL"))
+
+    def points(self, program: str, faults: Faults) -> Points:
+        """The points of a program's PKT file."""
+        text = self.text(f"{program}.PKT")
+        return {} if text is None else points_of(text, f"{program}.PKT", faults)
+
+
+def points_of(text: str, file: str, faults: Faults) -> Points:
+    """Lines `NAME = (1, 2, 3)`; `;` begins a comment, `@(` and a kinematic in front are taken too."""
+    found: Points = {}
+    for number, line in enumerate(text.splitlines(), 1):
+        row = line.partition(";")[0].strip()
+        match = _POINT.fullmatch(row)
+        if row and match is None:
+            faults.error("point-line", Position(file, number), f"{row[:40]!r} is no point", "the form is NAME = (1, 2, 3)")
+        elif match is not None:
+            try:
+                found[match[1].upper()] = tuple(float(each) for each in re.split(r"[\s,]+", match[2].strip(", ")))
+            except ValueError:
+                faults.error("point-line", Position(file, number), f"{match[2][:40]!r} are no numbers", "the form is NAME = (1, 2, 3)")
+    return found

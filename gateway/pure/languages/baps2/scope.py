@@ -1,0 +1,79 @@
+"""The names of a program: what each is, how a translated program reads, sets and passes it."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+from gateway.pure.languages.baps2.tree import Head
+from gateway.pure.languages.baps2.types import NONE, Type
+from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.source import Position
+
+
+def python_name(name: str, level: int) -> str:
+    """A Python name for a name of a program, whatever characters it has."""
+    return f"v{level}_" + "".join(sign if sign.isascii() and (sign.isalnum() or sign == "_") else f"_{ord(sign):x}_" for sign in name)
+
+
+@dataclass(slots=True)
+class Symbol:
+    """One name.  `kind`: variable, constant, input, output, belt, file, semaphore, program, special, subroutine."""
+
+    name: str
+    kind: str
+    type: Type = NONE
+    python: str = ""  # variable: how it is read
+    shared: bool = False  # PUBLIC or imported: an attribute
+    reference: bool = False  # passed by reference: a Ref
+    constant: object = None
+    channel: int = 0
+    owner: str = ""  # program that a semaphore or an import belongs to
+    parameters: tuple["tuple[Type, bool]", ...] = ()  # type, by value
+    level: int = 0
+
+
+@dataclass(slots=True)
+class Names:
+    """Scopes, the innermost last; kinematics and their components."""
+
+    head: Head
+    faults: Faults
+    scopes: list[dict[str, Symbol]] = field(default_factory=lambda: [{}])
+
+    def declare(self, symbol: Symbol, at: Position) -> None:
+        """Enters a name in the innermost scope."""
+        if symbol.name in self.scopes[-1]:
+            self.faults.error("declared-twice", at, f"{symbol.name} is declared twice")
+            return
+        self.scopes[-1][symbol.name] = symbol
+
+    def find(self, name: str) -> Symbol | None:
+        """What a name is; None: not declared."""
+        for scope in reversed(self.scopes):
+            if (symbol := scope.get(name)) is not None:
+                return symbol
+        return None
+
+    @property
+    def kinematic(self) -> str:
+        """The default kinematic at the beginning."""
+        if self.head.default_kinematic or not self.head.kinematics:
+            return self.head.default_kinematic
+        return min(self.head.kinematics, key=lambda name: self.head.kinematics[name])
+
+    def components(self, kind: Type) -> tuple[str, ...]:
+        """Component names of points of a type; () where the program names none."""
+        table = self.head.joint_names if kind.base == "JC_POINT" else self.head.world_names
+        other = self.head.world_names if kind.base == "JC_POINT" else self.head.joint_names
+        kinematic = kind.kinematic or self.kinematic
+        return table.get(kinematic) or table.get("") or other.get(kinematic) or other.get("") or ()
+
+    def component(self, kind: Type, name: str) -> int | None:
+        """Index of a component; world and joint names of a kinematic serve both kinds of points."""
+        tables = (self.head.joint_names, self.head.world_names)
+        first, second = tables if kind.base == "JC_POINT" else tables[::-1]
+        keys: Iterable[str] = (kind.kinematic,) if kind.kinematic else (self.kinematic, *self.head.kinematics)
+        for table in (first, second):
+            for key in (*keys, ""):
+                if name in table.get(key, ()):
+                    return table[key].index(name)
+        return None

@@ -1,0 +1,258 @@
+"""Special functions on the paper machine (spec 5.7, 4.3-4.16).  17 and 27 are only named: they are options that are not there (AX-693)."""
+
+import struct
+from typing import TYPE_CHECKING
+
+from gateway.pure.languages.baps2 import demands
+from gateway.pure.languages.baps2.errors import fault
+from gateway.pure.languages.baps2.filing import file_name
+from gateway.pure.languages.baps2.tasks import MOST_PREPARED, Lane, Task
+from gateway.pure.languages.baps2.values import MOST_REAL, Ref, point
+from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.requests import PENDING, RuntimeFault
+
+if TYPE_CHECKING:
+    from gateway.pure.languages.baps2.paper import PaperMachine
+
+COPIES = {"QLL": ("QLL", "ERR", "DAT"), "DAT": ("QLL", "ERR", "DAT"), "PKT": ("PKT",), "SYM": ("SYM",), "IRD": ("IRD",)}
+HEADER, VERSION = 24, 500  # of a MOVE_FILE: bytes of its fields, version of TO05 (L6975-7005)
+
+
+def _whole(value: object) -> int:
+    return int(value) if isinstance(value, int | float) else 0
+
+
+def _number(value: object) -> float:
+    return float(value) if isinstance(value, int | float) else 0.0
+
+
+def _get(value: object) -> object:
+    return value.get() if isinstance(value, Ref) else value
+
+
+def _set(target: object, value: object) -> None:
+    if isinstance(target, Ref):
+        target.set(value)
+
+
+class Specials:
+    """State of the special functions."""
+
+    def __init__(self, machine: "PaperMachine") -> None:
+        self._machine = machine
+        self._resets: dict[int, float] = {}
+        self._belt_types: dict[int, int] = {}
+        self._active: dict[tuple[int, int, int], tuple[object, ...]] = {}  # function, kinematic, number -> its values
+        self._measuring: dict[str, int] = {}
+
+    def call(self, task: Task, number: int, values: tuple[object, ...]) -> object:
+        """Runs a special function; PENDING where it waits for the motion of the process."""
+        if number in (3, 43, 44) and task.queue:
+            return PENDING
+        match number:
+            case 1 | 2:
+                self._logic(task, number, values)
+            case 3:
+                self._machine_position(task, values)
+            case 4:
+                self._command(task, values)
+            case 15:
+                self._belt(_whole(values[0]))
+            case 16:
+                self._select(values)
+            case 21:
+                self._belt_type(_whole(values[0]), _whole(values[1]))
+            case 28:
+                self._resets[self._belt(_whole(values[0]))] = _number(values[1])
+            case 41:
+                self._lane(task, values[0])[1].factors["VFACTOR"] = _number(values[1])
+            case 42:
+                self._lane(task, values[0])[1].distance = _number(values[1])
+            case 43:
+                self._lane(task, values[0])[1].measured = None
+                self._measuring[self._lane(task, values[0])[0]] = _whole(values[-1])
+            case 44:
+                self._measuring.pop(self._lane(task, values[0])[0], None)
+            case 45:
+                return self._move_file(task, values)
+            case 46:
+                self._block_search(task, values)
+            case _:
+                raise fault(204, f"special function {number}")
+        return None
+
+    def _lane(self, task: Task, number: object) -> tuple[str, Lane]:
+        """A kinematic by its number."""
+        head = task.unit.program.head
+        name = next((name for name, each in head.kinematics.items() if each == _whole(number)), None)
+        if name is None and (head.kinematics or _whole(number) != 1):
+            raise fault(220, str(number))
+        return name or "", self._machine.lane(name or "")
+
+    def _logic(self, task: Task, number: int, values: tuple[object, ...]) -> None:
+        """IOL and PPO: a negative number resets the function and issues the value at once (L4210-4245)."""
+        function, kinematic = _whole(values[0]), _whole(values[1])
+        self._lane(task, kinematic)
+        key = (number, kinematic, abs(function))
+        if function < 0:
+            self._active.pop(key, None)
+            value = _number(values[4])
+            self._machine.outputs[-function] = value
+            facts = {"channel": -function, "value": int(value) if value.is_integer() else value}
+            self._machine.event(task, "out", task.process.line, **facts)
+        elif key in self._active:
+            raise fault(216 if number == 1 else 217)
+        else:
+            self._active[key] = values
+
+    def _machine_position(self, task: Task, values: tuple[object, ...]) -> None:
+        """Belts in the point are not set (L4119-4208)."""
+        _, lane = self._lane(task, values[0])
+        lane.position = lane.planned = point(_get(values[1]))
+        if lane.measured is not None:
+            lane.measured = lane.position
+
+    # ---- belts
+
+    def _belt(self, number: int) -> int:
+        if number not in self._machine.feed.belts:
+            raise fault(93, str(number))
+        return number
+
+    def _belt_type(self, number: int, kind: int) -> None:
+        self._belt(number)
+        if kind != 1 and not (kind % 10 in (2, 3) and 0 <= kind // 10 <= 12):
+            raise fault(92, str(kind))
+        self._belt_types[number] = kind % 10
+
+    def reset_value(self, channel: int) -> float:
+        """What SYNC sets the counter to."""
+        return self._resets.get(channel % 500, 0.0)
+
+    def check_synchronous(self, lane: Lane, request: demands.MoveTo) -> None:
+        """What belt types 2 and 3 forbid (L6114-6128, 6319-6341)."""
+        kind = self._belt_types.get(lane.belt % 500, 1)
+        if kind == 1:
+            return
+        if request.way == "ptp":
+            raise fault(23)
+        if request.way == "circular" and kind == 3:
+            raise fault(20)
+        last = request.target[-1]
+        if last == (0.0 if request.relative else lane.planned[-1]):
+            raise fault(89)
+
+    # ---- files
+
+    def _command(self, task: Task, values: tuple[object, ...]) -> None:
+        """COMMAND (L5795-5996): statuses 1..7 are negative (D-22)."""
+        source, target = str(_get(values[1])).rstrip(), str(_get(values[2])).rstrip()
+        actions = {1: self._compile, 2: self._copy, 3: self._delete, 4: self._start, 5: self._stop}
+        action = actions.get(_whole(values[0]))
+        _set(values[3], -1 if action is None else action(task, source, target))
+
+    def _compile(self, task: Task, source: str, target: str) -> int:
+        if not source.upper().endswith(".QLL"):
+            return -3 if "." in source else -2
+        name = source.upper().removesuffix(".QLL")
+        if source.upper() not in self._machine.filing.files:
+            return -4
+        self._machine.library.forget(name)
+        _, faults = self._machine.library.unit(name)
+        return len(faults)
+
+    def _copy(self, task: Task, source: str, target: str) -> int:
+        files = self._machine.filing
+        one, other = file_name(source), file_name(target)
+        if other is None:
+            return -2
+        if one is None or one not in files.files:
+            return -6
+        if other.rpartition(".")[2] not in COPIES.get(one.rpartition(".")[2], ()):
+            return -2
+        if files.is_open(one) or files.is_open(other):
+            return -5
+        files.files[other] = files.files[one]
+        self._machine.library.forget(other.partition(".")[0])
+        return 0
+
+    def _delete(self, task: Task, source: str, target: str) -> int:
+        name = file_name(source)
+        if name is None or name not in self._machine.filing.files:
+            return -2
+        if self._machine.filing.is_open(name):
+            return -5
+        del self._machine.filing.files[name]
+        self._machine.library.forget(name.partition(".")[0])
+        return 0
+
+    def _start(self, task: Task, source: str, target: str) -> int:
+        try:
+            self._machine.start(source, task)
+        except RuntimeFault as error:
+            return error.code
+        return 0
+
+    def _stop(self, task: Task, source: str, target: str) -> int:
+        try:
+            self._machine.stop_named(task, source)
+        except RuntimeFault as error:
+            return error.code
+        return 0
+
+    def _select(self, values: tuple[object, ...]) -> None:
+        """PNT_SELECT (L10776-10833)."""
+        name, wanted = str(_get(values[0])).strip(), str(_get(values[1])).strip().upper()
+        base, _, extension = name.partition(".")
+        if not base or file_name(base) is None:
+            code = 1
+        elif extension != "PKT":
+            code = 2
+        elif name not in self._machine.filing.files:
+            code = 3
+        else:
+            points = self._machine.memory.points(base, Faults())
+            code = 5 if not points else 12 if wanted and wanted not in points else 0
+        _set(values[2], code)
+
+    def _move_file(self, task: Task, values: tuple[object, ...]) -> object:
+        """MOVE_FILE: the header is compared, then one block to the last point (L6956-7212)."""
+        name, lane = self._lane(task, values[0])
+        file, _ = self._machine.outside.place(task, str(values[1]))
+        opened = self._machine.filing.opened(file, [task.process.number, task.main.process.number], writing=False)
+        if opened is None:
+            raise fault(63)
+        rows = self._checked(bytes(opened.data), opened.place, lane, _whole(values[2]), _get(values[3]), len(lane.position))
+        if len([each for each in task.blocks(name) if each.began is None]) >= lane.most:
+            return PENDING
+        return self._machine.move(task, demands.MoveTo(name, "ptp", False, True, False, rows[-1]))
+
+    def _checked(self, data: bytes, place: int, lane: Lane, base: int, flag: object, axes: int) -> list[tuple[float, ...]]:
+        if len(data) < HEADER:
+            raise fault(100)
+        header, file_base, time_base, file_axes, version, unchecked = struct.unpack("<6i", data[:HEADER])
+        axes = axes or file_axes
+        if version != VERSION:
+            raise fault(95)
+        if file_axes != axes or axes <= 0:
+            raise fault(96)
+        if place < header:
+            raise fault(97)
+        if unchecked != 1 and time_base != (self._machine.feed.p5 // 1_000 if file_base == 1 else time_base):
+            raise fault(98)
+        if unchecked != 1 and file_base != base:
+            raise fault(99)
+        if (len(data) - place) % (4 * axes) or (place - header) % (4 * axes) or place >= len(data):
+            raise fault(100)
+        if not isinstance(flag, tuple) or any(value is None for value in flag):
+            raise fault(101)
+        rows = [struct.unpack(f"<{axes}f", data[at : at + 4 * axes]) for at in range(place, len(data), 4 * axes)]
+        if any(not abs(value) <= MOST_REAL for row in (rows[0], rows[-1]) for value in row):
+            raise fault(38)
+        return rows
+
+    def _block_search(self, task: Task, values: tuple[object, ...]) -> None:
+        count = _whole(values[1])
+        if not 1 <= count <= MOST_PREPARED:
+            raise fault(218, f"{count} is not in 1..{MOST_PREPARED}")
+        self._lane(task, values[0])[1].most = count

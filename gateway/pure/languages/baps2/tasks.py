@@ -1,0 +1,117 @@
+"""Processes of the control and the blocks each has prepared; the kinematics they move (rho 3 releases L7949-7994, spec 4.17, 5.5)."""
+
+from collections import deque
+from dataclasses import dataclass, field
+
+from gateway.pure.languages.baps2.demands import Until
+from gateway.pure.languages.baps2.translation import Unit
+from gateway.pure.languages.base.process import Process
+
+MOST_PREPARED = 11  # blocks prepared while one runs
+
+
+@dataclass(slots=True, eq=False)
+class Block:
+    """A movement that is prepared.  `start` is filled in when it begins."""
+
+    number: int
+    kinematic: str
+    target: tuple[float, ...]
+    line: int
+    until: Until | None = None
+    start: tuple[float, ...] = ()
+    began: int | None = None
+    was: bool = False  # the condition a moment ago
+    met: bool | None = None
+
+
+@dataclass(slots=True, eq=False)
+class Output:
+    """An output that acts where the block before ends."""
+
+    channel: int
+    value: int | float
+    line: int
+
+
+@dataclass(slots=True, eq=False)
+class FastWait:
+    """A wait for a high-speed input among the blocks; `delay` behind it in ns."""
+
+    until: Until
+    delay: int
+    due: int | None = None
+
+
+Item = Block | Output | FastWait
+
+
+@dataclass(slots=True)
+class Lane:
+    """A kinematic: where it is, where its last prepared block ends."""
+
+    position: tuple[float, ...] = ()
+    planned: tuple[float, ...] = ()
+    owner: "Task | None" = None
+    moving: Block | None = None
+    measured: tuple[float, ...] | None = None
+    frame: tuple[float, ...] = (0.0,) * 6
+    belt: int = 0  # channel while it is synchronous
+    factors: dict[str, float] = field(default_factory=dict)
+    limits: dict[str, tuple[float, ...]] = field(default_factory=dict)
+    most: int = MOST_PREPARED
+    distance: float = 0.0  # special function 42
+    referenced: bool = False
+
+
+@dataclass(slots=True, eq=False)
+class Task:
+    """What the machine knows of a process.  `root`: the main process of branches."""
+
+    process: Process
+    unit: Unit
+    kind: str
+    root: "Task | None" = None
+    starter: "Task | None" = None
+    queue: deque[Item] = field(default_factory=deque)
+    since: int = 0  # the moment of the request it waits for
+    began: int | None = None  # the moment from which a wait counts
+    block: Block | None = None  # of the move it waits for
+    children: list["Task"] = field(default_factory=list)
+    semaphores: list[tuple[str, str]] = field(default_factory=list)
+    conditions: dict[str, int] = field(default_factory=dict)
+    held: dict[str, bytes] = field(default_factory=dict)  # output that is kept open
+    names: dict[str, str] = field(default_factory=dict)  # file variable -> name of the file, by ASSIGN
+    moment: int = -1  # of the last reading
+    readings: int = 0  # in that moment
+    depth: int = 0
+    round: int = 0
+    how: str = ""  # it ends
+    halted: bool = False
+
+    @property
+    def main(self) -> "Task":
+        """The main process."""
+        return self.root or self
+
+    def blocks(self, kinematic: str | None = None) -> list[Block]:
+        """Prepared movements, the running one first."""
+        return [item for item in self.queue if isinstance(item, Block) and kinematic in (None, item.kinematic)]
+
+    def prepared(self, now: int, block_ns: int, p5: int) -> bool:
+        """Whether the last movement is in its last two P5 or over: then inputs and positions are read."""
+        if any(isinstance(item, FastWait) for item in self.queue):
+            return False
+        blocks = self.blocks()
+        if not blocks:
+            return True
+        last = blocks[-1]
+        return len(blocks) == 1 and last.began is not None and now >= last.began + block_ns - 2 * p5
+
+
+def between(block: Block, now: int, block_ns: int) -> tuple[float, ...]:
+    """Where a running block is: on a straight line."""
+    if block.began is None:
+        return block.start
+    part = min(1.0, (now - block.began) / block_ns)
+    return tuple(a + (b - a) * part for a, b in zip(block.start, block.target, strict=True))

@@ -1,0 +1,214 @@
+"""A whole program: checked, and translated to a Python module that makes one running copy of it at a time."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from gateway.pure.languages.baps2 import demands, errors, values
+from gateway.pure.languages.baps2.bodies import Bodies
+from gateway.pure.languages.baps2.flow import inside
+from gateway.pure.languages.baps2.naming import Naming, Programs
+from gateway.pure.languages.baps2.scope import Names, Symbol, python_name
+from gateway.pure.languages.baps2.standard import STANDARD_NAMES
+from gateway.pure.languages.baps2.statements import DEVICES
+from gateway.pure.languages.baps2.travel import targets
+from gateway.pure.languages.baps2.tree import Declared, Instruction, Move, Parallel, Program, Routine, Statement
+from gateway.pure.languages.baps2.types import NONE, POINTS, Type, default_of
+from gateway.pure.languages.baps2.typing import Typing
+from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.process import Body, Process
+from gateway.pure.languages.base.requests import Turn
+
+Main = Callable[[Process], Body]  # an external subroutine takes its parameters behind the process
+GLOBALS: dict[str, object] = {
+    **{name: value for name, value in vars(values).items() if not name.startswith("_")},
+    **{name: value for name, value in vars(demands).items() if isinstance(value, type)},
+    "fault": errors.fault,
+    "TURN": Turn(),
+}
+
+
+@dataclass(slots=True)
+class Unit:
+    """A program that can run."""
+
+    name: str
+    program: Program
+    text: str = ""
+    parameters: int = 0
+    imports: str = ""
+    files: dict[str, Type] = field(default_factory=dict)
+    make: Callable[[object], Main] | None = None
+    share: Callable[[object, object], None] | None = None
+
+    @property
+    def permanent(self) -> bool:
+        """Whether it is a permanent process."""
+        return self.program.head.permanent
+
+
+def check(program: Program, faults: Faults, programs: Programs) -> Unit:
+    """Checks a program; the unit can run if there are no errors."""
+    unit = Unit(program.main.name, program)
+    try:
+        unit.text = _Translation(unit, faults, programs).text()
+        if not faults.errors:
+            space = dict(GLOBALS)
+            exec(compile(unit.text, f"<{unit.name}>", "exec"), space)
+            unit.make, unit.share = space["make"], space["share"]  # type: ignore[assignment]
+    except (RecursionError, SyntaxError, MemoryError):
+        faults.error("too-complex", program.main.at, f"{unit.name} nests too deep", "divide its expressions or loops into smaller ones")
+    return unit
+
+
+class _Translation:
+    def __init__(self, unit: Unit, faults: Faults, programs: Programs) -> None:
+        self._unit, self._faults = unit, faults
+        self._head = unit.program.head
+        self._names = Names(self._head, faults)
+        self._asked: dict[str, str] = {}
+        self._typing = Typing(self._names, self._ask)
+        self._naming = Naming(self._names, self._typing, unit.name, programs)
+        self._bodies = Bodies(self._names, self._typing, self._head.default_way)
+
+    def _ask(self, code: str) -> str:
+        """The Python name of a request that is made once for the whole program."""
+        return self._asked.setdefault(code, f"q{len(self._asked)}")
+
+    def text(self) -> str:
+        """The Python module."""
+        program = self._unit.program
+        self._declare_subroutines(program)
+        parameters = [self._naming.parameter(each, 0) for each in program.main.parameters]
+        self._naming.declare(program.main.declarations, 0)
+        for routine in program.subroutines:
+            self._check_subroutine_names(routine)
+        self._teach_points(program)
+        self._unit.files = {name: symbol.type for name, symbol in self._names.scopes[0].items() if symbol.kind == "file"}
+        self._unit.parameters, self._unit.imports = len(parameters), self._naming.imported
+        variables = list(self._naming.variables)
+        out = self._bodies.out
+        out.indent = 1
+        for level, routine in enumerate(program.subroutines, 1):
+            self._subroutine(routine, level)
+        self._main(program.main, parameters)
+        head = [f"{name} = {code}" for code, name in self._asked.items()]
+        return "\n".join([*head, "def make(h):", *self._prologue(variables), *out.rows, "    return main", *self._share(variables), ""])
+
+    def _declare_subroutines(self, program: Program) -> None:
+        for routine in program.subroutines:
+            if routine.name in DEVICES:
+                self._faults.error("declared-twice", routine.at, f"{routine.name} is a device")
+            parameters: tuple[tuple[Type, bool], ...] = ()
+            self._names.declare(Symbol(routine.name, "subroutine", parameters=parameters), routine.at)
+
+    def _check_subroutine_names(self, routine: Routine) -> None:
+        """Types of the parameters, which may need constants of the main program."""
+        symbol = self._names.find(routine.name)
+        if symbol is not None and symbol.kind == "subroutine":
+            symbol.parameters = tuple((self._naming.type_of(each.type), each.by_value) for each in routine.parameters)
+
+    # ---- teach points
+
+    def _teach_points(self, program: Program) -> None:
+        for routine in (program.main, *program.subroutines):
+            own = {each.name for each in routine.parameters} | {getattr(each, "name", "") for each in routine.declarations}
+            self._taught(routine.body, own, [self._names.kinematic])
+
+    def _taught(self, body: tuple[Statement, ...], own: set[str], kinematic: list[str]) -> None:
+        for outer in body:
+            for each in inside(outer):
+                if isinstance(each, Instruction) and each.word == "KINEMATICS":
+                    kinematic[0] = each.value
+                elif isinstance(each, Parallel):
+                    for branch in each.branches:
+                        self._taught(branch, own, kinematic)
+                elif isinstance(each, Move):
+                    self._targets(each, own, each.kinematic or kinematic[0])
+
+    def _targets(self, move: Move, own: set[str], kinematic: str) -> None:
+        for name in targets(move):
+            known = self._is_known(name.name)
+            if name.name in own or known or self._names.find(name.name) is not None:
+                continue
+            kind = Type("JC_POINT" if name.name.startswith("@") else "POINT", kinematic)
+            symbol = Symbol(name.name, "variable", kind, python_name(name.name, 0))
+            self._names.declare(symbol, name.at)
+            self._naming.variables.append((symbol, None))
+
+    def _is_known(self, name: str) -> bool:
+        return name in STANDARD_NAMES or name in self._head.kinematics or name in DEVICES
+
+    # ---- parts of the module
+
+    def _value_at_start(self, symbol: Symbol) -> str:
+        if symbol.type.base in POINTS and not symbol.type.is_array:
+            return f"h.taught({self._unit.name!r}, {symbol.name!r})"
+        return default_of(symbol.type) if symbol.type is not NONE else "None"
+
+    def _declared(self, symbol: Symbol, indent: str) -> list[str]:
+        """A variable and, where it is passed by reference, its Ref."""
+        name = symbol.python
+        rows = [f"{indent}{name} = {self._value_at_start(symbol)}"]
+        if name in self._typing.referenced:
+            rows += [
+                f"{indent}def w_{name}(x):",
+                f"{indent}    nonlocal {name}",
+                f"{indent}    {name} = x",
+                f"{indent}r_{name} = Ref(lambda: {name}, w_{name})",
+            ]
+        return rows
+
+    def _prologue(self, variables: list[tuple[Symbol, Declared | None]]) -> list[str]:
+        rows = ["    pass"]
+        if self._naming.publics:
+            rows.append(f"    g = h.shared({self._unit.name!r})")
+        if self._naming.imported:
+            rows.append(f"    {python_name(self._naming.imported, 9)} = h.shared({self._naming.imported!r})")
+        for symbol, _ in variables:
+            if not symbol.shared:
+                rows += self._declared(symbol, "    ")
+        return rows
+
+    def _share(self, variables: list[tuple[Symbol, Declared | None]]) -> list[str]:
+        rows = [f"    {symbol.python} = {self._value_at_start(symbol)}" for symbol, _ in variables if symbol.shared]
+        return ["def share(h, g):", "    pass", *rows]
+
+    def _main(self, routine: Routine, parameters: list[Symbol]) -> None:
+        out = self._bodies.out
+        names = ", ".join(["p", *(each.python for each in parameters)])
+        out.add(f"def main({names}):")
+        out.indent += 1
+        self._bodies.body(
+            routine.body,
+            ("yield Drain()",) if not self._unit.program.external_subroutine else ("if 0: yield",),
+            [each.python for each in parameters],
+        )
+        out.indent -= 1
+
+    def _subroutine(self, routine: Routine, level: int) -> None:
+        self._names.scopes.append({})
+        kinematic, way = self._typing.kinematic, self._bodies.way
+        before = len(self._naming.variables)
+        parameters = [self._naming.parameter(each, level) for each in routine.parameters]
+        self._naming.declare(routine.declarations, level)
+        mine = [symbol for symbol, _ in self._naming.variables[before:] if symbol.level == level]
+        out = self._bodies.out
+        out.add(f"def s_{python_name(routine.name, 0)}({', '.join(['p', *(each.python for each in parameters)])}):")
+        out.indent += 1
+        out.add("h.deeper(p)")
+        place = len(out.rows)
+        own = [symbol.python for symbol in (*parameters, *mine)]
+        self._bodies.body(routine.body, ("h.back(p)", "if 0: yield"), own)
+        rows = [row for symbol in mine if not symbol.shared for row in self._declared(symbol, "    " * out.indent)]
+        rows += [row for symbol in parameters for row in self._passed_on(symbol, "    " * out.indent)]
+        out.rows[place + 1 : place + 1] = rows
+        out.indent -= 1
+        del self._naming.variables[before:]
+        self._names.scopes.pop()
+        self._typing.kinematic, self._bodies.way = kinematic, way
+
+    def _passed_on(self, symbol: Symbol, indent: str) -> list[str]:
+        """The Ref of a parameter by value that is passed by reference further on."""
+        if symbol.reference or symbol.kind != "variable" or symbol.python not in self._typing.referenced:
+            return []
+        return self._declared(symbol, indent)[1:]

@@ -1,0 +1,497 @@
+"""Types expressions and translates them to Python in one pass.  A faulty part is reported and has the type NONE, which fits everything."""
+
+import operator
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from gateway.pure.languages.baps2 import standard, values
+from gateway.pure.languages.baps2.scope import Names, Symbol
+from gateway.pure.languages.baps2.statements import DEVICES
+from gateway.pure.languages.baps2.tree import Binary, Call, Expression, Index, Member, Name, Number, PointValue, Text, Unary
+from gateway.pure.languages.baps2.types import BINARY, CHAR, FRAME, INTEGER, LETTERS, NONE, NUMBERS, POINTS, REAL, TEXT, Type, fits
+from gateway.pure.languages.base.requests import RuntimeFault
+from gateway.pure.languages.base.source import Position
+
+COMPARISONS = {"=": "==", "<>": "!=", "<": "<", ">": ">", "<=": "<=", ">=": ">="}
+CHECKED = "(t if -2147483648 <= (t := {}) <= 2147483647 else overflow())"
+_COMPARE: dict[str, Callable[[object, object], bool]] = {"=": operator.eq, "<>": operator.ne}
+ASYNCHRONOUS = 1_000
+
+
+@dataclass(frozen=True, slots=True)
+class Typed:
+    """An expression with its Python text.  `constant`: its value where it is known."""
+
+    type: Type
+    code: str
+    constant: object = None
+    truth: bool = False  # the text gives True or False, not 1 or 0
+
+    @property
+    def value(self) -> str:
+        """The text as a value that is stored."""
+        return f"(1 if {self.code} else 0)" if self.truth else self.code
+
+
+NOTHING = Typed(NONE, "None")
+
+
+class Typing:
+    """Translates the expressions of a program.  `ask`: the Python name of a request that is made once."""
+
+    def __init__(self, names: Names, ask: Callable[[str], str]) -> None:
+        self.names, self._ask = names, ask
+        self.direct = False  # inside of a condition that is waited for: nothing is asked of the host, values are looked up
+        self.kinematic = names.kinematic  # the default here
+        self.referenced: set[str] = set()  # variables that are passed by reference somewhere
+        self.written: set[str] = set()  # variables that the function under translation sets
+
+    def fault(self, id: str, at: Position, text: str, hint: str = "") -> Typed:
+        """Reports a fault."""
+        self.names.faults.error(id, at, text, hint)
+        return NOTHING
+
+    def of(self, tree: Expression) -> Typed:
+        """The typed expression."""
+        match tree:
+            case Number(value=value):
+                return self._number(tree.at, value)
+            case Text(value=value):
+                return Typed(CHAR if len(value) == 1 else TEXT, repr(value[:80]), value[:80])
+            case Name():
+                return self._name(tree)
+            case Member():
+                return self._member(tree)
+            case Index():
+                return self._index(tree)
+            case PointValue():
+                return self._point(tree)
+            case Call():
+                return self._call(tree)
+            case Unary():
+                return self._unary(tree)
+            case Binary():
+                return self._binary(tree)
+
+    def _number(self, at: Position, value: int | float) -> Typed:
+        if isinstance(value, int):
+            if value > values.HIGHEST:
+                return self.fault("number-range", at, f"{value} is no 32-bit integer")
+            return Typed(INTEGER, str(value), value)
+        if not abs(value) <= values.MOST_REAL:
+            return self.fault("number-range", at, "this number is greater than any REAL")
+        return Typed(REAL, repr(value), value)
+
+    # ---- names
+
+    def _name(self, tree: Name) -> Typed:
+        symbol = self.names.find(tree.name)
+        if symbol is None:
+            return self._standard(tree, self.kinematic)
+        if symbol.kind == "variable":
+            return Typed(symbol.type, f"{symbol.python}.get()" if symbol.reference and not symbol.type.is_array else symbol.python)
+        if symbol.kind == "constant":
+            return Typed(symbol.type, repr(symbol.constant), symbol.constant)
+        if symbol.kind == "input":
+            return Typed(symbol.type, self._input(symbol))
+        if symbol.kind == "output":
+            return Typed(symbol.type, f"h.output({symbol.channel})")
+        if symbol.kind == "belt":
+            return Typed(REAL, f"h.belt({symbol.channel})")
+        return self.fault("no-value", tree.at, f"{tree.name} is a {symbol.kind} and has no value")
+
+    def _input(self, symbol: Symbol) -> str:
+        if symbol.reference:
+            return f"h.input({symbol.python})" if self.direct else f"(yield ReadInput({symbol.python}))"
+        return f"h.input({symbol.channel})" if self.direct else f"(yield {self._ask(f'ReadInput({symbol.channel})')})"
+
+    def _standard(self, tree: Name, kinematic: str) -> Typed:
+        name = tree.name
+        if name in standard.POSITIONS:
+            code = f"ReadPosition({kinematic!r}, {name!r})"
+            direct = f"h.position({kinematic!r}, {name!r})"
+            return Typed(Type(standard.POSITIONS[name], kinematic), direct if self.direct else f"(yield {self._ask(code)})")
+        if name in standard.CONSTANTS:
+            kind, value = standard.CONSTANTS[name]
+            return Typed(kind, repr(value), value)
+        if name in standard.FACTORS:
+            return Typed(REAL, f"h.factor({kinematic!r}, {name!r})")
+        if name in standard.LIMITS:
+            return Typed(Type("POINT", kinematic), f"h.limit({kinematic!r}, {name!r})")
+        if name == "WC_UR":
+            return Typed(FRAME, "(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)")
+        if name == "WC_SYSTEM":
+            return Typed(FRAME, f"h.frame({kinematic!r})")
+        if name in self.names.head.kinematics:
+            return self.fault("no-value", tree.at, f"{name} is a kinematic and has no value")
+        if name in DEVICES:
+            return self.fault("no-value", tree.at, f"{name} is a device and has no value")
+        return self.fault("name-unknown", tree.at, f"{name} is not declared")
+
+    def is_kinematic(self, tree: Expression) -> bool:
+        """Whether the expression names a kinematic."""
+        return isinstance(tree, Name) and tree.name in self.names.head.kinematics and self.names.find(tree.name) is None
+
+    def _member(self, tree: Member) -> Typed:
+        if isinstance(tree.base, Name) and self.is_kinematic(tree.base):
+            if tree.name not in standard.STANDARD_NAMES:
+                return self.fault("name-unknown", tree.at, f"{tree.name} is no standard variable of a kinematic")
+            return self._standard(Name(tree.at, tree.name), tree.base.name)
+        base = self.of(tree.base)
+        index = self.component(tree, base.type)
+        return Typed(REAL, f"component({base.code}, {index})") if index is not None else NOTHING
+
+    def component(self, tree: Member, kind: Type) -> int | None:
+        """Index of the component that is named; faults are reported."""
+        if kind is NONE:
+            return None
+        if kind.base not in POINTS or kind.is_array:
+            self.fault("type", tree.at, f"{tree.name} is no component: {kind} has none")
+            return None
+        index = self.names.component(kind, tree.name)
+        if index is None:
+            self.fault("component-unknown", tree.at, f"{tree.name} is no component of {kind}")
+        return index
+
+    def _index(self, tree: Index) -> Typed:
+        base, index = self.of(tree.base), self.whole(tree.index, "an index")
+        if base.type is NONE or index.type is NONE:
+            return NOTHING
+        self.bounds(tree, base.type, index)
+        if base.type.is_array:
+            return Typed(base.type.item, f"{base.code}.get({index.code})")
+        if base.type == TEXT:
+            return Typed(CHAR, f"letter({base.code}, {index.code})")
+        return self.fault("type", tree.at, f"{base.type} has no elements")
+
+    def bounds(self, tree: Index, kind: Type, index: Typed) -> None:
+        """Reports a constant index outside the bounds."""
+        low, high = (kind.low, kind.high) if kind.low is not None and kind.high is not None else (1, 80)
+        if isinstance(index.constant, int) and not low <= index.constant <= high:
+            self.fault("index-range", tree.at, f"index {index.constant} is not in {low}..{high}")
+
+    def whole(self, tree: Expression, what: str) -> Typed:
+        """An INTEGER."""
+        found = self.of(tree)
+        if found.type not in (INTEGER, NONE):
+            return self.fault("type", tree.at, f"{what} is INTEGER, not {found.type}")
+        return found
+
+    def number(self, tree: Expression, what: str) -> Typed:
+        """INTEGER or REAL."""
+        found = self.of(tree)
+        if found.type not in (INTEGER, REAL, NONE):
+            return self.fault("type", tree.at, f"{what} is a number, not {found.type}")
+        return found
+
+    def truth(self, tree: Expression, what: str) -> Typed:
+        """A condition."""
+        found = self.of(tree)
+        if found.type not in (BINARY, NONE) and not (found.type == INTEGER and found.constant in (0, 1)):
+            return self.fault("type", tree.at, f"{what} is BINARY, not {found.type}")
+        return found
+
+    # ---- points
+
+    def _point(self, tree: PointValue) -> Typed:
+        parts = [self.number(value, "a component") for value in tree.values]
+        if any(part.type is NONE for part in parts):
+            return NOTHING
+        return Typed(Type("JC_POINT" if tree.joint else "POINT"), numbers_text(parts))
+
+    def point(self, tree: Expression, kinematic: str, *, target: bool = False) -> Typed:
+        """A point of a kinematic; a number in brackets is a point with one component (L1667)."""
+        found = self.of(tree)
+        if found.type in (INTEGER, REAL):
+            found = Typed(Type("POINT"), numbers_text([found]))
+            tree = PointValue(tree.at, (tree,), joint=False)
+        if found.type is NONE:
+            return found
+        if found.type.base not in POINTS or found.type.is_array:
+            return self.fault("type", tree.at, f"a point is expected, not {found.type}")
+        self.size(tree, kinematic)
+        if target and found.type.kinematic and found.type.kinematic != kinematic:
+            return self.fault("kinematic-other", tree.at, f"this point belongs to {found.type.kinematic}, {kinematic} moves")
+        return found
+
+    def size(self, tree: Expression, kinematic: str) -> None:
+        """Reports a point in brackets that has not the components of the kinematic."""
+        if not isinstance(tree, PointValue):
+            return
+        expected = len(self.names.components(Type("JC_POINT" if tree.joint else "POINT", kinematic)))
+        if expected and len(tree.values) != expected:
+            self.fault("point-size", tree.at, f"{len(tree.values)} components; {kinematic or 'the kinematic'} has {expected}")
+
+    # ---- functions
+
+    def _call(self, tree: Call) -> Typed:
+        if tree.name in standard.FUNCTIONS and self.names.find(tree.name) is None:
+            return self._function(tree)
+        if tree.name in standard.CONDITIONS:
+            return self._condition(tree)
+        if tree.name in standard.ENDS:
+            unit = self.unit(tree.arguments[0]) if len(tree.arguments) == 1 else ""
+            return Typed(BINARY, f"h.at_end(p, {unit})", truth=True) if unit else self.fault("type", tree.at, f"{tree.name} takes a file")
+        if tree.name in standard.CONVERSIONS:
+            return self._conversion(tree)
+        if tree.name == "WC_FRAME":
+            parts = [self.number(value, "a component") for value in tree.arguments]
+            if len(parts) != 6:
+                return self.fault("argument-count", tree.at, f"WC_FRAME takes 6 values, not {len(parts)}")
+            return NOTHING if any(part.type is NONE for part in parts) else Typed(FRAME, numbers_text(parts))
+        known = self.names.find(tree.name)
+        if known is not None:
+            return self.fault("no-value", tree.at, f"{tree.name} is a {known.kind}, no function")
+        return self.fault("name-unknown", tree.at, f"{tree.name} is no function")
+
+    def _function(self, tree: Call) -> Typed:
+        takes, result, python = standard.FUNCTIONS[tree.name]
+        if len(tree.arguments) != 1:
+            return self.fault("argument-count", tree.at, f"{tree.name} takes one value, not {len(tree.arguments)}")
+        value = self.of(tree.arguments[0])
+        good = value.type.base in NUMBERS if takes == "NUMBER" else value.type.base == takes
+        if value.type is NONE:
+            return NOTHING
+        if not good or value.type.is_array:
+            return self.fault("type", tree.at, f"{tree.name} takes {takes}, not {value.type}")
+        if tree.name == "ABS":
+            return Typed(value.type, CHECKED.format(f"abs({value.code})") if value.type == INTEGER else f"abs({value.code})")
+        if tree.name == "CHR":
+            constant = chr(value.constant % 256) if isinstance(value.constant, int) else None
+            return Typed(result, repr(constant) if constant is not None else f"chr({value.code} % 256)", constant)
+        number = values.code(value.constant) if tree.name == "ORD" and isinstance(value.constant, str) else None
+        return Typed(result, f"{python}({value.code})", number)
+
+    def _conversion(self, tree: Call) -> Typed:
+        takes, gives = standard.CONVERSIONS[tree.name]
+        if len(tree.arguments) != 1:
+            return self.fault("argument-count", tree.at, f"{tree.name} takes one point")
+        value = self.of(tree.arguments[0])
+        if value.type is NONE:
+            return NOTHING
+        if value.type.base != takes:
+            return self.fault("type", tree.at, f"{tree.name} takes {takes}, not {value.type}")
+        kinematic = value.type.kinematic or self.kinematic
+        return Typed(Type(gives, value.type.kinematic), f"h.{tree.name.lower()}({kinematic!r}, point({value.code}))")
+
+    def _condition(self, tree: Call) -> Typed:
+        if len(tree.arguments) != 1:
+            return self.fault("argument-count", tree.at, f"{tree.name} takes one device, file or signal")
+        argument = tree.arguments[0]
+        if isinstance(argument, Text):
+            if not signal_place(argument.value):
+                return self.fault("signal", argument.at, f"{argument.value!r} is no signal", "the form is I88.0")
+            code = f"Condition({argument.value.upper()!r}, True)"
+        elif (unit := self.unit(argument)) == "":
+            return self.fault("type", tree.at, f"{tree.name} takes a device, a file or a signal")
+        else:
+            code = f"Condition({unit})"
+        return Typed(INTEGER, f"h.condition(p, {code})" if self.direct else f"(yield {code})")
+
+    def unit(self, tree: Expression) -> str:
+        """Python text of the name of a device or file; "": it is none."""
+        if not isinstance(tree, Name):
+            return ""
+        symbol = self.names.find(tree.name)
+        if symbol is not None:
+            if symbol.kind != "file":
+                return ""
+            return symbol.python if symbol.reference else repr(tree.name)
+        return repr(tree.name) if tree.name in DEVICES else ""
+
+    # ---- operators
+
+    def _unary(self, tree: Unary) -> Typed:
+        if tree.sign == "NOT":
+            value = self.truth(tree.value, "the operand of NOT")
+            return Typed(BINARY, f"(not {value.code})", truth=True)
+        if tree.sign == "-" and isinstance(tree.value, Number) and tree.value.value == 2**31:
+            return Typed(INTEGER, "(-2147483648)", -(2**31))
+        value = self.of(tree.value)
+        if value.type is NONE:
+            return NOTHING
+        if value.type.base in POINTS and tree.sign != "%" and not value.type.is_array:
+            return value if tree.sign == "+" else Typed(value.type, f"scaled({value.code}, -1)")
+        if value.type not in (INTEGER, REAL):
+            return self.fault("type", tree.at, f"{value.type} has no sign")
+        constant = value.constant if isinstance(value.constant, int | float) else None
+        if tree.sign == "%":
+            return Typed(REAL, f"({value.code} / 100)", None if constant is None else constant / 100)
+        if tree.sign == "+":
+            return value
+        if constant is not None:
+            return Typed(value.type, f"({-constant!r})", -constant)
+        return Typed(value.type, CHECKED.format(f"-{value.code}") if value.type == INTEGER else f"(-{value.code})")
+
+    def _binary(self, tree: Binary) -> Typed:
+        if tree.sign in ("AND", "OR"):
+            left, right = (self.truth(each, f"an operand of {tree.sign}") for each in (tree.left, tree.right))
+            return Typed(BINARY, f"({left.code} {tree.sign.lower()} {right.code})", truth=True)
+        left, right = self.of(tree.left), self.of(tree.right)
+        if NONE in (left.type, right.type):
+            return NOTHING
+        if tree.sign in COMPARISONS:
+            return self._comparison(tree, left, right)
+        if left.type in (INTEGER, REAL) and right.type in (INTEGER, REAL):
+            return self._arithmetic(tree, left, right)
+        if left.type.base in POINTS or right.type.base in POINTS:
+            return self._points(tree, left, right)
+        return self.fault("type", tree.at, f"{left.type} {tree.sign} {right.type} is not possible")
+
+    def _points(self, tree: Binary, left: Typed, right: Typed) -> Typed:
+        if not (left.type.is_array or right.type.is_array):
+            if tree.sign in ("+", "-") and fits(left.type, right.type):
+                kind = left.type if left.type.kinematic else right.type
+                return Typed(kind, f"joined({tree.sign!r}, {left.code}, {right.code})")
+            if tree.sign == "*" and right.type.base in NUMBERS:
+                return Typed(left.type, f"scaled({left.code}, {right.code})")
+            if tree.sign == "*" and left.type.base in NUMBERS:
+                return Typed(right.type, f"scaled({right.code}, {left.code})")
+            if tree.sign == "/" and right.type.base in NUMBERS:
+                return Typed(left.type, f"scaled({left.code}, divide(1, {right.code}))")
+        return self.fault("type", tree.at, f"{left.type} {tree.sign} {right.type} is not possible")
+
+    def _comparison(self, tree: Binary, left: Typed, right: Typed) -> Typed:
+        code = f"({left.code} {COMPARISONS[tree.sign]} {right.code})"
+        arrays = left.type.is_array or right.type.is_array
+        if not arrays and left.type.base in NUMBERS and right.type.base in NUMBERS:
+            return Typed(BINARY, code, truth=True)
+        if not arrays and left.type.base in LETTERS and right.type.base in LETTERS:
+            return Typed(BINARY, code, truth=True)
+        equal = tree.sign in ("=", "<>")
+        for one, other in ((left, right), (right, left)):
+            if equal and not arrays and one.type == BINARY and fits(BINARY, other.type, other.constant):
+                return Typed(BINARY, code, truth=True)
+        if equal and not arrays and left.type.base in POINTS and fits(left.type, right.type):
+            return Typed(BINARY, f"(point({left.code}) {COMPARISONS[tree.sign]} point({right.code}))", truth=True)
+        return self.fault("type", tree.at, f"{left.type} {tree.sign} {right.type} is not possible")
+
+    def _arithmetic(self, tree: Binary, left: Typed, right: Typed) -> Typed:
+        sign, whole = tree.sign, left.type == right.type == INTEGER
+        if sign == "MOD" and not whole:
+            return self.fault("type", tree.at, "MOD takes INTEGER values")
+        if isinstance(left.constant, int | float) and isinstance(right.constant, int | float):
+            return self._folded(tree, left.constant, right.constant, whole)
+        if sign == "MOD":
+            if isinstance(right.constant, int) and right.constant:
+                return Typed(INTEGER, f"({left.code} % {abs(right.constant)})")
+            return Typed(INTEGER, f"modulo({left.code}, {right.code})")
+        if sign == "/":
+            return Typed(INTEGER, f"quotient({left.code}, {right.code})") if whole else Typed(REAL, f"divide({left.code}, {right.code})")
+        code = f"{left.code} {sign} {right.code}"
+        return Typed(INTEGER, CHECKED.format(code)) if whole else Typed(REAL, f"({code})")
+
+    def _folded(self, tree: Binary, left: float, right: float, whole: bool) -> Typed:
+        try:
+            if tree.sign == "MOD":
+                value: float = values.modulo(int(left), int(right))
+            elif tree.sign == "/":
+                value = values.quotient(int(left), int(right)) if whole else values.divide(left, right)
+            else:
+                value = {"+": operator.add, "-": operator.sub, "*": operator.mul}[tree.sign](left, right)
+            if whole and not values.LOWEST <= value <= values.HIGHEST:
+                values.overflow()
+            value = int(value) if whole else values.real(value)
+        except RuntimeFault as error:
+            return self.fault("constant", tree.at, error.text)
+        return Typed(INTEGER if whole else REAL, f"({value!r})", value)
+
+    # ---- what is set
+
+    def assigned(self, tree: Expression, value: str) -> str:
+        """Python statement that sets a variable; "" where it cannot be set (reported)."""
+        match tree:
+            case Name():
+                return self._set_name(tree, value)
+            case Member() if isinstance(tree.base, Name) and self.is_kinematic(tree.base):
+                return self._set_standard(tree, tree.base.name, tree.name, value)
+            case Member():
+                base = self.of(tree.base)
+                index = self.component(tree, base.type)
+                if index is None:
+                    return ""
+                size = len(self.names.components(base.type))
+                return self.assigned(tree.base, f"with_component({base.code}, {index}, {size}, {value})")
+            case Index():
+                base, place = self.of(tree.base), self.whole(tree.index, "an index")
+                if base.type is NONE or place.type is NONE:
+                    return ""
+                self.bounds(tree, base.type, place)
+                if base.type.is_array:
+                    return f"{base.code}.set({place.code}, {value})"
+                return self.assigned(tree.base, f"lettered({base.code}, {place.code}, {value})") if base.type == TEXT else ""
+        self.fault("not-assignable", tree.at, "this cannot be assigned to")
+        return ""
+
+    def _set_name(self, tree: Name, value: str) -> str:
+        symbol = self.names.find(tree.name)
+        if symbol is None:
+            return self._set_standard(tree, self.kinematic, tree.name, value)
+        if symbol.kind == "output":
+            return f"yield WriteOutput({symbol.channel}, {value})"
+        if symbol.kind != "variable":
+            self.fault("not-assignable", tree.at, f"{tree.name} is {_article(symbol.kind)} and cannot be assigned to")
+            return ""
+        if symbol.type.is_array:
+            return f"{symbol.python}.fill({value})"
+        if symbol.reference:
+            return f"{symbol.python}.set({value})"
+        if not symbol.shared:
+            self.written.add(symbol.python)
+        return f"{symbol.python} = {value}"
+
+    def _set_standard(self, tree: Expression, kinematic: str, name: str, value: str) -> str:
+        if name in standard.FACTORS:
+            return f"h.set_factor({kinematic!r}, {name!r}, {value})"
+        if name in standard.LIMITS:
+            return f"h.set_limit({kinematic!r}, {name!r}, {value})"
+        if name == "WC_SYSTEM":
+            return f"h.set_frame({kinematic!r}, {value})"
+        if name in standard.STANDARD_NAMES:
+            self.fault("not-assignable", tree.at, f"{name} cannot be assigned to")
+        else:
+            self.fault("name-unknown", tree.at, f"{name} is not declared")
+        return ""
+
+    def reference(self, tree: Expression) -> tuple[Type, str]:
+        """Type and Python text of a variable that is passed by reference; NONE and "" where it is none (reported)."""
+        found = self.of(tree)
+        if found.type is NONE:
+            return NONE, ""
+        symbol = self.names.find(tree.name) if isinstance(tree, Name) else None
+        if found.type.is_array:
+            return found.type, found.code
+        if symbol is not None and symbol.reference and symbol.kind == "variable":
+            return found.type, symbol.python
+        written = set(self.written)
+        value = self.assigned(tree, "x")
+        self.written = written
+        if symbol is not None and symbol.kind == "variable" and not symbol.shared:
+            self.referenced.add(symbol.python)
+            return found.type, f"r_{symbol.python}"
+        if symbol is not None and symbol.shared:
+            owner, _, attribute = symbol.python.partition(".")
+            return found.type, f"Ref(lambda: {symbol.python}, lambda x: setattr({owner}, {attribute!r}, x))"
+        if isinstance(tree, Index) and value and ".set(" in value and " = " not in value and "yield" not in value:
+            return found.type, f"element({self.of(tree.base).code}, {self.of(tree.index).code})"
+        self.fault("reference", tree.at, "a variable or an element is expected, which the subroutine can set", "use VALUE for expressions")
+        return NONE, ""
+
+
+def numbers_text(parts: list[Typed]) -> str:
+    """Python text of a point."""
+    if all(isinstance(part.constant, int | float) for part in parts):
+        return "(" + " ".join(f"{float(part.constant)!r}," for part in parts if isinstance(part.constant, int | float)) + ")"
+    return "numbers_of((" + " ".join(f"{part.code}," for part in parts) + "))"
+
+
+def signal_place(text: str) -> tuple[str, int, int] | None:
+    """Letter, byte and bit of a signal; English and German letters (L11298-11322)."""
+    letter, (byte, _, bit) = text[:1].upper(), text[1:].partition(".")
+    if letter not in ("I", "O", "E", "A", "M") or not (byte.isdecimal() and byte.isascii()) or bit not in tuple("01234567"):
+        return None
+    return ({"E": "I", "A": "O"}.get(letter, letter), int(byte), int(bit)) if len(byte) <= 3 and int(byte) < 128 else None
+
+
+def _article(kind: str) -> str:
+    return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
