@@ -1,10 +1,10 @@
 """Translates statements to the text of Python generator functions, with checks and faults in one pass (AX-694)."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
 
 from gateway.pure.languages.baps2 import calls, exchange, travel
-from gateway.pure.languages.baps2.flow import Path, label_paths, needs_jumps
+from gateway.pure.languages.baps2.flow import label_paths, needs_jumps
+from gateway.pure.languages.baps2.output import Function, Lines
 from gateway.pure.languages.baps2.scope import Names
 from gateway.pure.languages.baps2.statements import DEVICES
 from gateway.pure.languages.baps2.tree import (
@@ -37,38 +37,6 @@ from gateway.pure.languages.baps2.types import BINARY, CHAR, INTEGER, NONE, POIN
 from gateway.pure.languages.baps2.typing import Typed, Typing
 
 REAL_CHECKED = "(t if -3.4028235e+38 <= (t := {}) <= 3.4028235e+38 else real_overflow())"
-
-
-@dataclass(slots=True)
-class Lines:
-    """Python text under construction."""
-
-    indent: int = 0
-    rows: list[str] = field(default_factory=list)
-
-    def add(self, text: str) -> None:
-        """One line."""
-        self.rows.append("    " * self.indent + text)
-
-
-@dataclass(slots=True)
-class Function:
-    """What belongs to one Python function: its labels, parts and loops."""
-
-    labels: dict[str, Path]
-    apart: bool  # labels are inside: the body is a row of parts
-    numbers: dict[str, int] = field(default_factory=dict)
-    parts: int = 0
-    path: list[int] = field(default_factory=list)
-    exclusives: list[tuple[int, str]] = field(default_factory=list)
-    count: int = 0  # statements so far
-    counted: dict[str, int] = field(default_factory=dict)
-    line: int = 0  # as the text last set it
-
-    def part(self) -> int:
-        """A new part."""
-        self.parts += 1
-        return self.parts
 
 
 class Bodies:
@@ -163,6 +131,14 @@ class Bodies:
                 self._startstop(statement, "StartProgram" if word == "START" else "StopProgram", program)
             case Simple():
                 self._simple(statement)
+            case CallStatement():
+                calls.call(self, statement)
+            case _:
+                self._exchange(statement)
+
+    def _exchange(self, statement: Statement) -> None:
+        """Statements about belts, devices and files."""
+        match statement:
             case Sync():
                 travel.sync(self, statement)
             case Synchron():
@@ -173,8 +149,6 @@ class Bodies:
                 exchange.write(self, statement)
             case FileOrder():
                 exchange.file_order(self, statement)
-            case CallStatement():
-                calls.call(self, statement)
 
     def _flow(self, statement: Statement) -> bool:
         """Statements that hold others or jump; False: it is none of them."""

@@ -1,19 +1,15 @@
 """Translates calls: subroutines, external subroutines, special functions, standard procedures."""
 
-from typing import TYPE_CHECKING
-
 from gateway.pure.languages.baps2 import standard
+from gateway.pure.languages.baps2.output import Writer
 from gateway.pure.languages.baps2.scope import Symbol, python_name
 from gateway.pure.languages.baps2.tree import CallStatement, Expression, Name
 from gateway.pure.languages.baps2.types import INTEGER, NONE, Type, fits, same
 
-if TYPE_CHECKING:
-    from gateway.pure.languages.baps2.bodies import Bodies
-
 UNITS = ("FILE", "BNR_FILE")
 
 
-def call(bodies: "Bodies", statement: CallStatement) -> None:
+def call(bodies: Writer, statement: CallStatement) -> None:
     """A statement that is only a name."""
     symbol = bodies.names.find(statement.name)
     faults = bodies.names.faults
@@ -40,7 +36,7 @@ def call(bodies: "Bodies", statement: CallStatement) -> None:
     bodies.function.line = 0
 
 
-def _arguments(bodies: "Bodies", statement: CallStatement, symbol: Symbol) -> list[str] | None:
+def _arguments(bodies: Writer, statement: CallStatement, symbol: Symbol) -> list[str] | None:
     """Python texts of the values; None: they do not fit (reported)."""
     if symbol.constant == "any":
         return [bodies.typing.of(tree).code for tree in statement.arguments]
@@ -58,7 +54,7 @@ def _arguments(bodies: "Bodies", statement: CallStatement, symbol: Symbol) -> li
     return found
 
 
-def _argument(bodies: "Bodies", tree: Expression, kind: Type, by_value: bool) -> str:
+def _argument(bodies: Writer, tree: Expression, kind: Type, by_value: bool) -> str:
     if kind.base in (*UNITS, "INPUT", "OUTPUT"):
         return _place(bodies, tree, kind)
     if not by_value:
@@ -83,7 +79,7 @@ def _argument(bodies: "Bodies", tree: Expression, kind: Type, by_value: bool) ->
     return f"float({value.code})" if kind.base == "REAL" and value.type == INTEGER else value.value
 
 
-def _place(bodies: "Bodies", tree: Expression, kind: Type) -> str:
+def _place(bodies: Writer, tree: Expression, kind: Type) -> str:
     """Name of a file or channel of an input."""
     symbol = bodies.names.find(tree.name) if isinstance(tree, Name) else None
     if kind.base in UNITS:
@@ -95,12 +91,12 @@ def _place(bodies: "Bodies", tree: Expression, kind: Type) -> str:
     return ""
 
 
-def _special(bodies: "Bodies", statement: CallStatement, symbol: Symbol, values: list[str]) -> None:
+def _special(bodies: Writer, statement: CallStatement, symbol: Symbol, values: list[str]) -> None:
     """A special function: what is passed by reference comes back in lists."""
     bodies.out.add(f"yield Special({symbol.channel}, ({' '.join(f'{value},' for value in values)}))")
 
 
-def _procedure(bodies: "Bodies", statement: CallStatement) -> None:
+def _procedure(bodies: Writer, statement: CallStatement) -> None:
     """INT_ASC and ASC_INT."""
     arguments = statement.arguments
     if len(arguments) != 5:

@@ -1,21 +1,17 @@
 """Translates READ, WRITE and the orders for files."""
 
-from typing import TYPE_CHECKING
-
+from gateway.pure.languages.baps2.output import Writer
 from gateway.pure.languages.baps2.scope import Symbol
 from gateway.pure.languages.baps2.statements import DEVICES
 from gateway.pure.languages.baps2.tree import Expression, FileOrder, Name, Read, Write
 from gateway.pure.languages.baps2.types import NONE, POINTS, SCALARS, TEXT, Type, fits
 from gateway.pure.languages.baps2.typing import Typed
 
-if TYPE_CHECKING:
-    from gateway.pure.languages.baps2.bodies import Bodies
-
 BINARY_FORMS = ("INTEGER", "BINARY", "REAL", "POINT", "JC_POINT")  # of BNR files (L6942-6944)
 MOST_LETTERS = 80  # of an array that is written (L779-783)
 
 
-def _unit(bodies: "Bodies", name: str, statement: Read | Write | FileOrder) -> tuple[str, Symbol | None]:
+def _unit(bodies: Writer, name: str, statement: Read | Write | FileOrder) -> tuple[str, Symbol | None]:
     """Python text of the name of a unit and its symbol; the PHG where none is named."""
     symbol = bodies.names.find(name) if name else None
     if symbol is not None and symbol.kind == "file":
@@ -25,7 +21,7 @@ def _unit(bodies: "Bodies", name: str, statement: Read | Write | FileOrder) -> t
     return repr(name or "PHG"), None
 
 
-def _fits_file(bodies: "Bodies", symbol: Symbol | None, kind: Type, tree: Expression) -> None:
+def _fits_file(bodies: Writer, symbol: Symbol | None, kind: Type, tree: Expression) -> None:
     """Reports a value that a binary file cannot hold."""
     if symbol is None or kind is NONE or (symbol.type.base == "FILE" and symbol.type.element in ("", "CHAR")):
         return
@@ -36,13 +32,13 @@ def _fits_file(bodies: "Bodies", symbol: Symbol | None, kind: Type, tree: Expres
         bodies.names.faults.error("file-type", tree.at, f"{kind} cannot be in a file of {element}")
 
 
-def _form(bodies: "Bodies", kind: Type) -> tuple[int, int]:
+def _form(bodies: Writer, kind: Type) -> tuple[int, int]:
     """Components of a point, elements of an array."""
     size = len(bodies.names.components(kind)) if kind.base in POINTS else 0
     return size, kind.high - kind.low + 1 if kind.low is not None and kind.high is not None else 0
 
 
-def read(bodies: "Bodies", statement: Read) -> None:
+def read(bodies: Writer, statement: Read) -> None:
     """READ; each variable is one request."""
     statement = _first_is_unit(bodies, statement)
     unit, symbol = _unit(bodies, statement.device, statement)
@@ -64,7 +60,7 @@ def read(bodies: "Bodies", statement: Read) -> None:
         bodies.out.indent -= 1
 
 
-def _first_is_unit(bodies: "Bodies", statement: Read) -> Read:
+def _first_is_unit(bodies: Writer, statement: Read) -> Read:
     """READ with a file that is a parameter, which only the names tell."""
     first = statement.targets[0] if statement.targets else None
     symbol = bodies.names.find(first.name) if isinstance(first, Name) else None
@@ -73,7 +69,7 @@ def _first_is_unit(bodies: "Bodies", statement: Read) -> Read:
     return statement
 
 
-def write(bodies: "Bodies", statement: Write) -> None:
+def write(bodies: Writer, statement: Write) -> None:
     """WRITE; all values go in one request."""
     unit, symbol = _unit(bodies, statement.device, statement)
     items = []
@@ -96,7 +92,7 @@ def _written(value: Typed) -> str:
     return f"point({value.code})" if value.type.base in POINTS and not value.type.is_array else value.value
 
 
-def file_order(bodies: "Bodies", statement: FileOrder) -> None:
+def file_order(bodies: Writer, statement: FileOrder) -> None:
     """READ_BEGIN, WRITE_BEGIN, WRITE_END, CLOSE, ASSIGN."""
     unit, symbol = _unit(bodies, statement.file, statement)
     if symbol is None and statement.word in ("WRITE_END", "CLOSE") and statement.file in DEVICES:

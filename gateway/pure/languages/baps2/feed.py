@@ -1,4 +1,4 @@
-"""What a paper run is given from outside: times, inputs, device data, points, files.  Checked here; each fault is one sentence."""
+"""What a dry run is given from outside: times, inputs, device data, points, files.  Checked here; each fault is one sentence."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -1,19 +1,16 @@
 """What a translated program calls directly: things that are only looked up or set, and take no time."""
 
 from collections.abc import Generator
-from typing import TYPE_CHECKING
 
 from gateway.pure.languages.baps2.demands import Condition
 from gateway.pure.languages.baps2.errors import fault
 from gateway.pure.languages.baps2.feed import Feed
 from gateway.pure.languages.baps2.frames import Frame, to_workpiece, to_world
+from gateway.pure.languages.baps2.machine import Machine
+from gateway.pure.languages.baps2.tasks import Task
 from gateway.pure.languages.baps2.values import Shared
 from gateway.pure.languages.base.process import Process
 from gateway.pure.languages.base.requests import Request
-
-if TYPE_CHECKING:
-    from gateway.pure.languages.baps2.paper import PaperMachine
-    from gateway.pure.languages.baps2.tasks import Task
 
 MOST_CALLS = 100  # subroutines one in the other
 RATIOS = ("VFACTOR", "AFACTOR", "DFACTOR", "R_PTP")
@@ -22,7 +19,7 @@ RATIOS = ("VFACTOR", "AFACTOR", "DFACTOR", "R_PTP")
 class Handle:
     """One running program's way to its machine."""
 
-    def __init__(self, machine: "PaperMachine", task: "Task | None") -> None:
+    def __init__(self, machine: Machine, task: Task | None) -> None:
         self._machine, self._task = machine, task
         self._external: dict[str, object] = {}
 
@@ -80,7 +77,7 @@ class Handle:
         self._machine.lane(kinematic).frame = value
 
     def wc(self, kinematic: str, value: tuple[float, ...]) -> tuple[float, ...]:
-        """Joints to world: the paper machine has them equal."""
+        """Joints to world: the dry run has them equal."""
         return to_workpiece(self._machine.lane(kinematic).frame, value)
 
     def jc(self, kinematic: str, value: tuple[float, ...]) -> tuple[float, ...]:
@@ -89,11 +86,11 @@ class Handle:
 
     def at_end(self, process: Process, unit: str) -> bool:
         """END_OF_FILE."""
-        return self._machine.outside.at_end(self._machine.tasks[process.number], unit)
+        return self._machine.units.at_end(self._machine.tasks[process.number], unit)
 
     def condition(self, process: Process, request: Condition) -> int:
         """CONDITION in a condition that is waited for."""
-        return self._machine.outside.condition(self._machine.tasks[process.number], request)
+        return self._machine.units.condition(self._machine.tasks[process.number], request)
 
     def taught(self, program: str, name: str) -> tuple[float, ...] | None:
         """A point at the start of the program."""

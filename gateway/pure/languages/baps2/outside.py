@@ -1,18 +1,14 @@
-"""Devices and files of the paper machine: READ, WRITE, the file orders and CONDITION (spec 1.3-1.7, 5.3)."""
-
-from typing import TYPE_CHECKING
+"""Devices and files of the dry run: READ, WRITE, the file orders and CONDITION (spec 1.3-1.7, 5.3)."""
 
 from gateway.pure.languages.baps2 import demands, filing, forms
 from gateway.pure.languages.baps2.errors import fault
 from gateway.pure.languages.baps2.feed import UnitFeed
+from gateway.pure.languages.baps2.machine import Machine
 from gateway.pure.languages.baps2.statements import DEVICES
 from gateway.pure.languages.baps2.tasks import Task
 from gateway.pure.languages.baps2.typing import signal_place
 from gateway.pure.languages.baps2.units import Device, Incomplete
 from gateway.pure.languages.base.requests import PENDING, Request, RuntimeFault
-
-if TYPE_CHECKING:
-    from gateway.pure.languages.baps2.paper import PaperMachine
 
 NO_INTERFACE = -1
 PANEL = "PHG"  # is always there
@@ -22,7 +18,7 @@ NAME_LETTERS = 8
 class Outside:
     """Answers what concerns devices and files."""
 
-    def __init__(self, machine: "PaperMachine") -> None:
+    def __init__(self, machine: Machine) -> None:
         self._machine = machine
         machine.devices.setdefault(PANEL, Device(UnitFeed()))
 

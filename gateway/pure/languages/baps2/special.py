@@ -1,18 +1,15 @@
-"""Special functions on the paper machine (spec 5.7, 4.3-4.16).  17 and 27 are only named: they are options that are not there (AX-693)."""
+"""Special functions on the dry run (spec 5.7, 4.3-4.16).  17 and 27 are only named: they are options that are not there (AX-693)."""
 
 import struct
-from typing import TYPE_CHECKING
 
 from gateway.pure.languages.baps2 import demands
 from gateway.pure.languages.baps2.errors import fault
 from gateway.pure.languages.baps2.filing import file_name
+from gateway.pure.languages.baps2.machine import Machine
 from gateway.pure.languages.baps2.tasks import MOST_PREPARED, Lane, Task
 from gateway.pure.languages.baps2.values import MOST_REAL, Ref, point
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.requests import PENDING, RuntimeFault
-
-if TYPE_CHECKING:
-    from gateway.pure.languages.baps2.paper import PaperMachine
 
 COPIES = {"QLL": ("QLL", "ERR", "DAT"), "DAT": ("QLL", "ERR", "DAT"), "PKT": ("PKT",), "SYM": ("SYM",), "IRD": ("IRD",)}
 HEADER, VERSION = 24, 500  # of a MOVE_FILE: bytes of its fields, version of TO05 (L6975-7005)
@@ -38,7 +35,7 @@ def _set(target: object, value: object) -> None:
 class Specials:
     """State of the special functions."""
 
-    def __init__(self, machine: "PaperMachine") -> None:
+    def __init__(self, machine: Machine) -> None:
         self._machine = machine
         self._resets: dict[int, float] = {}
         self._belt_types: dict[int, int] = {}
@@ -64,6 +61,15 @@ class Specials:
                 self._belt_type(_whole(values[0]), _whole(values[1]))
             case 28:
                 self._resets[self._belt(_whole(values[0]))] = _number(values[1])
+            case 45:
+                return self._move_file(task, values)
+            case _:
+                self._motion(task, number, values)
+        return None
+
+    def _motion(self, task: Task, number: int, values: tuple[object, ...]) -> None:
+        """Functions about one kinematic."""
+        match number:
             case 41:
                 self._lane(task, values[0])[1].factors["VFACTOR"] = _number(values[1])
             case 42:
@@ -73,13 +79,10 @@ class Specials:
                 self._measuring[self._lane(task, values[0])[0]] = _whole(values[-1])
             case 44:
                 self._measuring.pop(self._lane(task, values[0])[0], None)
-            case 45:
-                return self._move_file(task, values)
             case 46:
                 self._block_search(task, values)
             case _:
                 raise fault(204, f"special function {number}")
-        return None
 
     def _lane(self, task: Task, number: object) -> tuple[str, Lane]:
         """A kinematic by its number."""
@@ -218,7 +221,7 @@ class Specials:
     def _move_file(self, task: Task, values: tuple[object, ...]) -> object:
         """MOVE_FILE: the header is compared, then one block to the last point (L6956-7212)."""
         name, lane = self._lane(task, values[0])
-        file, _ = self._machine.outside.place(task, str(values[1]))
+        file, _ = self._machine.units.place(task, str(values[1]))
         opened = self._machine.filing.opened(file, [task.process.number, task.main.process.number], writing=False)
         if opened is None:
             raise fault(63)

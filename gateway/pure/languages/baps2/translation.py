@@ -54,7 +54,7 @@ def check(program: Program, faults: Faults, programs: Programs) -> Unit:
         if not faults.errors:
             space = dict(GLOBALS)
             exec(compile(unit.text, f"<{unit.name}>", "exec"), space)
-            unit.make, unit.share = space["make"], space["share"]  # type: ignore[assignment]
+            unit.make, unit.share = space["make"], space["share"]  # type: ignore[assignment]  # what exec() made of our own text
     except (RecursionError, SyntaxError, MemoryError):
         faults.error("too-complex", program.main.at, f"{unit.name} nests too deep", "divide its expressions or loops into smaller ones")
     return unit

@@ -1,21 +1,18 @@
 """Translates what moves or waits: MOVE, WAIT UNTIL, SYNC, SYNCHRON."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 from gateway.pure.languages.baps2 import standard
+from gateway.pure.languages.baps2.output import Writer
 from gateway.pure.languages.baps2.scope import Symbol
 from gateway.pure.languages.baps2.tree import Binary, Expression, Leg, Move, Name, Sync, Synchron, Unary, WaitUntil
 from gateway.pure.languages.baps2.types import NONE
-
-if TYPE_CHECKING:
-    from gateway.pure.languages.baps2.bodies import Bodies
 
 FAST = range(600, 800)  # inputs of servo boards (spec 0.3)
 WAYS = {"": "ptp", "PTP": "ptp", "LINEAR": "linear", "CIRCULAR": "circular"}
 
 
-def move(bodies: "Bodies", statement: Move) -> str:
+def move(bodies: Writer, statement: Move) -> str:
     """All targets of a MOVE; the Python name of whether UNTIL was met."""
     typing = bodies.typing
     kinematic = statement.kinematic or typing.kinematic
@@ -36,7 +33,7 @@ def move(bodies: "Bodies", statement: Move) -> str:
     return met
 
 
-def _block(bodies: "Bodies", statement: Move, leg: Leg, kinematic: str, until: str) -> str:
+def _block(bodies: Writer, statement: Move, leg: Leg, kinematic: str, until: str) -> str:
     point = bodies.typing.point(leg.point, kinematic, target=True)
     way = WAYS[statement.way or bodies.way]
     joint = point.type.base == "JC_POINT"
@@ -48,7 +45,7 @@ def _block(bodies: "Bodies", statement: Move, leg: Leg, kinematic: str, until: s
     return f"MoveTo({kinematic!r}, {way!r}, {leg.through}, {joint}, {statement.relative}, {target}{more})"
 
 
-def _until(bodies: "Bodies", statement: Move) -> str:
+def _until(bodies: Writer, statement: Move) -> str:
     """Python text of the condition that ends the movement."""
     if statement.until is None:
         return ""
@@ -68,7 +65,7 @@ def _input_of(tree: Expression) -> str:
     return tree.name if isinstance(tree, Name) else ""
 
 
-def _channel(bodies: "Bodies", name: str) -> str:
+def _channel(bodies: Writer, name: str) -> str:
     """Python text of the channel of an input; "": it is none."""
     symbol = bodies.names.find(name)
     if symbol is None or symbol.kind != "input":
@@ -76,7 +73,7 @@ def _channel(bodies: "Bodies", name: str) -> str:
     return symbol.python if symbol.reference else str(symbol.channel)
 
 
-def _direct(bodies: "Bodies", tree: Expression, what: str) -> str:
+def _direct(bodies: Writer, tree: Expression, what: str) -> str:
     """A condition that looks values up and asks nothing."""
     outer, bodies.typing.direct = bodies.typing.direct, True
     try:
@@ -85,7 +82,7 @@ def _direct(bodies: "Bodies", tree: Expression, what: str) -> str:
         bodies.typing.direct = outer
 
 
-def wait(bodies: "Bodies", statement: WaitUntil) -> str:
+def wait(bodies: Writer, statement: WaitUntil) -> str:
     """WAIT UNTIL; the Python name of whether the condition held in time."""
     condition = _direct(bodies, statement.condition, "the condition behind WAIT UNTIL")
     limit = "None" if statement.max_time is None else bodies.typing.number(statement.max_time, "MAX_TIME").code
@@ -100,7 +97,7 @@ def _is_fast(symbol: Symbol) -> bool:
     return symbol.kind == "input" and not symbol.reference and symbol.channel in FAST and symbol.channel % 10 != 0
 
 
-def _belt(bodies: "Bodies", statement: Sync | Synchron) -> int | None:
+def _belt(bodies: Writer, statement: Sync | Synchron) -> int | None:
     symbol = bodies.names.find(statement.belt)
     if symbol is None or symbol.kind != "belt":
         bodies.names.faults.error("belt-unknown", statement.at, f"{statement.belt} is no belt")
@@ -108,7 +105,7 @@ def _belt(bodies: "Bodies", statement: Sync | Synchron) -> int | None:
     return symbol.channel
 
 
-def sync(bodies: "Bodies", statement: Sync) -> None:
+def sync(bodies: Writer, statement: Sync) -> None:
     """SYNC with an input or with a value of the belt."""
     channel = _belt(bodies, statement)
     if channel is None:
@@ -123,7 +120,7 @@ def sync(bodies: "Bodies", statement: Sync) -> None:
     bodies.out.add(f"yield SyncBelt({channel}, lambda: {_direct(bodies, condition, 'the condition of SYNC')})")
 
 
-def synchron(bodies: "Bodies", statement: Synchron) -> None:
+def synchron(bodies: Writer, statement: Synchron) -> None:
     """SYNCHRON; nothing is asked but that the belt is one."""
     channel = _belt(bodies, statement)
     if channel is not None:

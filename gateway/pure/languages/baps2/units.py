@@ -1,4 +1,4 @@
-"""Devices of a paper run: what came in is read piece by piece, in the form of the protocol."""
+"""Devices of a dry run: what came in is read piece by piece, in the form of the protocol."""
 
 from dataclasses import dataclass, field
 

@@ -1,4 +1,4 @@
-"""The paper machine: programs run in virtual time, every block lasts the same, world equals joints.  Pure; gives the trace (AX-696)."""
+"""Programs run dry: in virtual time, every block lasts the same, world equals joints.  Pure; gives the trace (AX-696)."""
 
 from collections.abc import Iterator
 
@@ -28,7 +28,7 @@ READINGS = 32  # readings of a process in one moment; the next one is a P5 later
 PROBES = range(600, 800)
 
 
-class PaperMachine:
+class DryRun:
     """Host of the processes."""
 
     def __init__(self, library: Library, memory: Memory, feed: Feed) -> None:
@@ -42,7 +42,7 @@ class PaperMachine:
         self.filing = Filing({**memory.files, **feed.files})
         memory.files = self.filing.files
         self.devices = {name: Device(each) for name, each in feed.units.items()}
-        self.outside = Outside(self)
+        self.units = Outside(self)
         self.specials = Specials(self)
         self.belts = dict.fromkeys(feed.belts, 0.0)  # counters at the moment `_belts_at`
         self._belts_at = 0
@@ -384,10 +384,38 @@ class PaperMachine:
                 return self.move(task, request)
             case demands.ReadPosition(kinematic=kinematic, name=name):
                 return self.position(task, kinematic, name) if self._may_read(task) else PENDING
+            case demands.Special(number=number, values=values):
+                return self.specials.call(task, number, values)
+            case demands.Dwell() | demands.WaitFor() | demands.SyncBelt() | demands.Synchronise() | demands.Reference():
+                return self._at_rest(task, request)
+        return self._process_answer(task, request)
+
+    def _at_rest(self, task: Task, request: Request) -> object:
+        """Requests that begin when all that is prepared is done, but for high-speed inputs."""
+        if isinstance(request, demands.WaitFor) and request.fast:
+            task.queue.append(FastWait(demands.Until(0, request.test), round((request.limit or 0) * SECOND)))
+            self._passed(task)
+            return True
+        if task.queue:
+            return PENDING
+        if task.began is None:
+            task.began = self.now
+        match request:
             case demands.Dwell(seconds=seconds):
-                return self._dwell(task, seconds)
+                return None if self.now >= task.began + round(seconds * SECOND) else PENDING
             case demands.WaitFor():
                 return self._wait(task, request)
+            case demands.SyncBelt():
+                return self._sync(request)
+            case demands.Synchronise(kinematic=kinematic, channel=channel):
+                self._synchronise(kinematic, channel)
+            case demands.Reference(kinematic=kinematic):
+                self.lane(kinematic).referenced = True
+        return None
+
+    def _process_answer(self, task: Task, request: Request) -> object:
+        """Requests about processes."""
+        match request:
             case demands.Branches(bodies=bodies):
                 return self._parallel(task, bodies)
             case demands.Drain():
@@ -409,15 +437,7 @@ class PaperMachine:
                 return None
             case demands.StopProgram(program=program):
                 return self.stop_named(task, program)
-            case demands.SyncBelt():
-                return self._sync(task, request)
-            case demands.Synchronise(kinematic=kinematic, channel=channel):
-                return self._synchronise(task, kinematic, channel)
-            case demands.Reference(kinematic=kinematic):
-                return self._reference(task, kinematic)
-            case demands.Special(number=number, values=values):
-                return self.specials.call(task, number, values)
-        return self.outside.answer(task, request)
+        return self.units.answer(task, request)
 
     def _passed(self, task: Task) -> None:
         """An item that nothing stands before acts at once."""
@@ -445,25 +465,10 @@ class PaperMachine:
         self.event(task, "in", task.process.line, channel=channel, value=value)
         return value
 
-    def _dwell(self, task: Task, seconds: float) -> object:
-        if task.queue:
-            return PENDING
-        if task.began is None:
-            task.began = self.now
-        return None if self.now >= task.began + round(seconds * SECOND) else PENDING
-
     def _wait(self, task: Task, request: demands.WaitFor) -> object:
-        if request.fast:
-            task.queue.append(FastWait(demands.Until(0, request.test), round((request.limit or 0) * SECOND)))
-            self._passed(task)
-            return True
-        if task.queue:
-            return PENDING
-        if task.began is None:
-            task.began = self.now
         if request.test():
             return True
-        return False if request.limit is not None and self.now >= task.began + round(request.limit * SECOND) else PENDING
+        return False if request.limit is not None and self.now >= (task.began or 0) + round(request.limit * SECOND) else PENDING
 
     def move(self, task: Task, request: demands.MoveTo) -> object:
         """Prepares a block."""
@@ -541,9 +546,7 @@ class PaperMachine:
         self.stop(found, "stopped")
         return None
 
-    def _sync(self, task: Task, request: demands.SyncBelt) -> object:
-        if task.queue:
-            return PENDING
+    def _sync(self, request: demands.SyncBelt) -> object:
         value = self.belt(request.channel)
         compare = {">=": value >= request.at, ">": value > request.at, "<=": value <= request.at, "<": value < request.at}
         if not (request.test() if request.test is not None else compare[request.sign]):
@@ -554,19 +557,6 @@ class PaperMachine:
         )
         return None
 
-    def _synchronise(self, task: Task, kinematic: str, channel: int) -> object:
-        if task.queue:
-            return PENDING
-        if channel:
-            self.lane(kinematic).belt = channel
-        else:
-            for lane in self.lanes.values():
-                lane.belt = 0
-        return None
-
-    def _reference(self, task: Task, kinematic: str) -> object:
-        if task.queue:
-            return PENDING
-        lane = self.lane(kinematic)
-        lane.referenced = True
-        return None
+    def _synchronise(self, kinematic: str, channel: int) -> None:
+        for lane in [self.lane(kinematic)] if channel else self.lanes.values():
+            lane.belt = channel

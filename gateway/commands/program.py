@@ -1,0 +1,123 @@
+"""`axisgate program`: programs of the rho 3 (BAPS2) checked, run dry in virtual time, listed."""
+
+import argparse
+import json
+import pathlib
+import sys
+
+from gateway.files.program_memory import baps2_words, folder_memory, read_feed
+from gateway.pure.languages.baps2.dry_run import DryRun
+from gateway.pure.languages.baps2.feed import Feed, FeedFault
+from gateway.pure.languages.baps2.library import Library
+from gateway.pure.languages.baps2.memory import Memory, decoded
+from gateway.pure.languages.base.faults import Faults
+from gateway.runtime.exit_codes import Exit
+
+EXAMPLES = """examples:
+  axisgate program check memory/QUICKST.QLL memory/MAIN.QLL      every fault with file, line and column
+  axisgate program trace memory QUICKST --feed feed.toml --json  what the program does, event by event, in virtual time
+  axisgate program list memory                                   all programs of a memory folder
+exit code: 0 done; 1 a program has errors; 2 a file, folder or program is not there, or the feed is invalid"""
+
+
+def main(argv: list[str]) -> int:
+    """check, trace, list."""
+    parser = argparse.ArgumentParser(
+        "axisgate program", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    tools = parser.add_subparsers(dest="tool", required=True)
+    check = tools.add_parser("check", help="checks programs; the folder of a file is its memory")
+    check.add_argument("files", nargs="+", metavar="FILE", type=pathlib.Path)
+    check.add_argument("--json", action="store_true", help="a JSON list of faults")
+    trace = tools.add_parser("trace", help="runs a program dry and prints its events")
+    trace.add_argument("folder", metavar="FOLDER", type=pathlib.Path, help="the memory folder")
+    trace.add_argument("program", metavar="PROGRAM")
+    trace.add_argument("--feed", metavar="FILE", type=pathlib.Path, help="inputs, points, device data and files of the run (TOML)")
+    trace.add_argument("--json", action="store_true", help="one JSON object an event, each on its line")
+    listed = tools.add_parser("list", help="lists the programs of a memory folder")
+    listed.add_argument("folder", metavar="FOLDER", type=pathlib.Path, nargs="?", default=pathlib.Path())
+    listed.add_argument("--json", action="store_true", help="a JSON list of programs")
+    options = parser.parse_args(argv)
+    try:
+        return int({"check": _check, "trace": _trace, "list": _list}[options.tool](options))
+    except OSError as error:
+        return _invalid(f"{error.filename}: {error.strerror}")
+
+
+def _invalid(text: str) -> int:
+    print(f"axisgate program: {text}", file=sys.stderr)
+    return Exit.INVALID
+
+
+def _check(options: argparse.Namespace) -> int:
+    words = baps2_words()
+    rows, errors = [], 0
+    memories: dict[pathlib.Path, Library] = {}
+    for path in options.files:
+        text = decoded(path.read_bytes())
+        folder = path.resolve().parent
+        if folder not in memories:
+            memories[folder] = Library(words, folder_memory(folder))
+        _, faults = memories[folder].check(str(path), text)
+        errors += faults.errors
+        rows += faults.rows()
+        if not options.json:
+            for fault in faults:
+                print(fault)
+    if options.json:
+        print(json.dumps(rows, indent=1))
+    return Exit.FINDING if errors else Exit.OK
+
+
+def _trace(options: argparse.Namespace) -> int:
+    try:
+        feed = read_feed(options.feed) if options.feed else Feed()
+    except FeedFault as fault:
+        return _invalid(f"{options.feed}: {fault}")
+    memory = folder_memory(options.folder, feed)
+    library = Library(baps2_words(), memory)
+    name = options.program.upper().removesuffix(".QLL")
+    if not library.has(name):
+        known = ", ".join(library.names())
+        return _invalid(f"there is no program {name} in {options.folder}" + (f"; there are {known}" if known else ""))
+    unit, faults = library.unit(name)
+    if unit is None:
+        return _faulty(name, faults)
+    run = DryRun(library, memory, feed)
+    if (error := run.run(name)) is not None:
+        return _invalid(f"{name} does not start: {error.code} {error.text}")
+    for event in run.trace:
+        print(json.dumps(event) if options.json else _line(event))
+    return Exit.OK
+
+
+def _faulty(name: str, faults: Faults) -> int:
+    for fault in faults:
+        print(fault, file=sys.stderr)
+    print(f"axisgate program: {name} has {faults.errors} errors and does not run", file=sys.stderr)
+    return Exit.FINDING
+
+
+def _line(event: dict[str, object]) -> str:
+    """An event for people."""
+    facts = " ".join(f"{name}={value}" for name, value in event.items() if name not in ("t", "process", "line", "event"))
+    return f"{event['t']:>10} {event['process']}:{event['line']} {event['event']} {facts}".rstrip()
+
+
+def _list(options: argparse.Namespace) -> int:
+    library = Library(baps2_words(), memory := folder_memory(options.folder))
+    rows = [_row(name, library, memory) for name in library.names()]
+    if options.json:
+        print(json.dumps(rows, indent=1))
+        return Exit.OK
+    for row in rows:
+        print(f"{row['program']:<13} {row['kind']:<10} {row['lines']:>6} lines {row['errors']:>4} errors {row['warnings']:>4} warnings")
+    return Exit.OK
+
+
+def _row(name: str, library: Library, memory: Memory) -> dict[str, str | int]:
+    _, faults = library.unit(name)
+    tree = library.tree(name)
+    kind = "faulty" if tree is None else "subroutine" if tree.external_subroutine else "permanent" if tree.head.permanent else "program"
+    lines = (memory.text(f"{name}.QLL") or "").count("\n")
+    return {"program": name, "kind": kind, "lines": lines, "errors": faults.errors, "warnings": len(faults) - faults.errors}

@@ -1,0 +1,72 @@
+"""The machine as its parts see it: programs, processes, kinematics, devices, files."""
+
+from typing import Protocol
+
+from gateway.pure.languages.baps2.demands import Condition, MoveTo
+from gateway.pure.languages.baps2.feed import Feed
+from gateway.pure.languages.baps2.filing import Filing
+from gateway.pure.languages.baps2.library import Library
+from gateway.pure.languages.baps2.memory import Memory
+from gateway.pure.languages.baps2.tasks import Lane, Task
+from gateway.pure.languages.baps2.units import Device
+from gateway.pure.languages.baps2.values import Shared
+
+
+class Units(Protocol):
+    """What programs look up of devices and files."""
+
+    def at_end(self, task: Task, unit: str) -> bool:
+        """END_OF_FILE."""
+
+    def condition(self, task: Task, request: Condition) -> int:
+        """CONDITION."""
+
+    def place(self, task: Task, unit: str) -> tuple[str, bool]:
+        """Name of the device or file of a unit, and whether it is a device."""
+
+
+class Machine(Protocol):
+    """Host of the processes."""
+
+    library: Library
+    memory: Memory
+    feed: Feed
+    filing: Filing
+    tasks: dict[int, Task]
+    outputs: dict[int, int | float]
+    devices: dict[str, Device]
+    now: int
+
+    @property
+    def units(self) -> Units:
+        """Devices and files."""
+
+    def lane(self, kinematic: str, size: int = 0) -> Lane:
+        """A kinematic."""
+
+    def input(self, channel: int) -> int | float:
+        """Value of an input now."""
+
+    def belt(self, channel: int) -> float:
+        """Counter of a belt in mm."""
+
+    def position(self, task: Task, kinematic: str, name: str) -> tuple[float, ...]:
+        """POS, @POS, @MPOS now."""
+
+    def taught(self, program: str, name: str) -> tuple[float, ...] | None:
+        """A point at the start of a program."""
+
+    def shared(self, program: str) -> Shared:
+        """The PUBLIC variables of a program."""
+
+    def move(self, task: Task, request: MoveTo) -> object:
+        """Prepares a block."""
+
+    def start(self, program: str, starter: Task | None) -> Task:
+        """Starts a program as a process."""
+
+    def stop_named(self, task: Task, program: str) -> object:
+        """STOP."""
+
+    def event(self, task: Task, event: str, line: int, **facts: object) -> None:
+        """One event of the trace."""

@@ -1,0 +1,64 @@
+"""Python text under construction, and what the parts of the translation share of it."""
+
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from gateway.pure.languages.baps2.flow import Path
+from gateway.pure.languages.baps2.scope import Names
+from gateway.pure.languages.baps2.tree import Expression
+from gateway.pure.languages.baps2.types import Type
+from gateway.pure.languages.baps2.typing import Typed, Typing
+
+
+@dataclass(slots=True)
+class Lines:
+    """Python text under construction."""
+
+    indent: int = 0
+    rows: list[str] = field(default_factory=list)
+
+    def add(self, text: str) -> None:
+        """One line."""
+        self.rows.append("    " * self.indent + text)
+
+
+@dataclass(slots=True)
+class Function:
+    """What belongs to one Python function: its labels, parts and loops."""
+
+    labels: dict[str, Path]
+    apart: bool  # labels are inside: the body is a row of parts
+    numbers: dict[str, int] = field(default_factory=dict)
+    parts: int = 0
+    path: list[int] = field(default_factory=list)
+    exclusives: list[tuple[int, str]] = field(default_factory=list)
+    count: int = 0  # statements so far
+    counted: dict[str, int] = field(default_factory=dict)
+    line: int = 0  # as the text last set it
+
+    def part(self) -> int:
+        """A new part."""
+        self.parts += 1
+        return self.parts
+
+
+class Writer(Protocol):
+    """The translation of statements, as its parts see it."""
+
+    names: Names
+    typing: Typing
+    way: str
+    out: Lines
+    function: Function
+
+    def new(self, letter: str) -> str:
+        """A Python name that nothing else has."""
+
+    def turn(self, statements: int) -> None:
+        """Counts statements and gives up the processor where the budget is used."""
+
+    def target(self, tree: Expression) -> Typed:
+        """What is set; the value is not read, so nothing is asked."""
+
+    def store(self, tree: Expression, kind: Type, value: Typed) -> None:
+        """Sets a variable of a type to a value, if it fits."""
