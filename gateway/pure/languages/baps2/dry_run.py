@@ -56,7 +56,7 @@ class DryRun:
     def run(self, program: str) -> RuntimeFault | None:
         """Starts a program and runs up to the end of the feed or of all processes; the fault that kept it from starting."""
         try:
-            self.start(program, None)
+            name = self.start(program, None).unit.name
         except RuntimeFault as error:
             return error
         spare = SPARE
@@ -76,7 +76,7 @@ class DryRun:
             self.now = moment
         self.filing_close()
         rows = {name: data.hex() for name, data in sorted(self.filing.files.items()) if name.endswith((".DAT", ".BNR"))}
-        self.trace.add(self.now, program.upper(), 0, "files", files=rows)
+        self.trace.add(self.now, name, 0, "files", files=rows)
         return None
 
     def filing_close(self) -> None:
@@ -139,6 +139,8 @@ class DryRun:
         self.tasks[process.number] = task
         if starter is not None:
             starter.main.children.append(task)
+        for kinematic in unit.program.head.kinematics:
+            self.lane(kinematic, size_of(unit, kinematic))
         self.event(task, "start", unit.program.main.at.line, kind=kind)
         self._warn(task, unit)
         if unit.make is not None:
@@ -207,6 +209,7 @@ class DryRun:
     def _advance(self) -> bool:
         """Lets all that is prepared act up to now; whether anything did."""
         changed = False
+        self.specials.measure()
         for device in self.devices.values():
             device.take_in(self.now)
         for task in list(self.tasks.values()):
@@ -298,10 +301,16 @@ class DryRun:
     # ---- what is looked up
 
     def input(self, channel: int) -> int | float:
-        """Value of an input now."""
+        """Value of an input now; of a probe that measures in flight: whether it has measured."""
+        if (measured := self.specials.measured(channel)) is not None:
+            return measured
+        return self.signal(channel, self.now)
+
+    def signal(self, channel: int, now: int) -> int | float:
+        """Value of an input as the feed has it."""
         value: float = 0
         for moment, each in self.feed.inputs.get(channel % 1_000, ()):
-            if moment <= self.now:
+            if moment <= now:
                 value = each
         return value if 201 <= channel % 1_000 <= 299 else int(value)
 
@@ -331,6 +340,11 @@ class DryRun:
         if not where:
             raise fault(200)
         return to_workpiece(lane.frame, where) if name == "POS" else where
+
+    def where(self, kinematic: str) -> tuple[float, ...]:
+        """Joints of a kinematic now."""
+        lane = self.lane(kinematic)
+        return lane.position if lane.moving is None else between(lane.moving, self.now, self.feed.block)
 
     def taught(self, program: str, name: str) -> tuple[float, ...] | None:
         """A point of the feed or the point file; None: not defined."""
@@ -522,6 +536,8 @@ class DryRun:
     def _give_up(self, task: Task) -> object:
         if task.round == self._round:
             self._counted(task)
+            self.scheduler.processes.remove(task.process)  # to the end of the queue
+            self.scheduler.processes.append(task.process)
             return PENDING
         return None if task.moment != self.now or task.readings < READINGS else PENDING
 
@@ -560,3 +576,10 @@ class DryRun:
     def _synchronise(self, kinematic: str, channel: int) -> None:
         for lane in [self.lane(kinematic)] if channel else self.lanes.values():
             lane.belt = channel
+
+
+def size_of(unit: Unit, kinematic: str) -> int:
+    """Components of a kinematic's points as the program names them; 0: it names none."""
+    head = unit.program.head
+    tables = (head.joint_names, head.world_names)
+    return max((len(table.get(key, ())) for table in tables for key in (kinematic, "")), default=0)

@@ -40,7 +40,8 @@ def _form(bodies: Writer, kind: Type) -> tuple[int, int]:
 
 def read(bodies: Writer, statement: Read) -> None:
     """READ; each variable is one request."""
-    statement = _first_is_unit(bodies, statement)
+    if (file := _file_of(bodies, statement.targets, statement.device)) is not None:
+        statement = Read(statement.at, file, statement.targets[1:])
     unit, symbol = _unit(bodies, statement.device, statement)
     for tree in statement.targets:
         target = bodies.target(tree)
@@ -60,17 +61,17 @@ def read(bodies: Writer, statement: Read) -> None:
         bodies.out.indent -= 1
 
 
-def _first_is_unit(bodies: Writer, statement: Read) -> Read:
-    """READ with a file that is a parameter, which only the names tell."""
-    first = statement.targets[0] if statement.targets else None
+def _file_of(bodies: Writer, values: tuple[Expression, ...], device: str) -> str | None:
+    """A file that only the names tell, because it is declared elsewhere."""
+    first = values[0] if values and not device else None
     symbol = bodies.names.find(first.name) if isinstance(first, Name) else None
-    if not statement.device and symbol is not None and symbol.kind == "file" and isinstance(first, Name):
-        return Read(statement.at, first.name, statement.targets[1:])
-    return statement
+    return first.name if isinstance(first, Name) and symbol is not None and symbol.kind == "file" else None
 
 
 def write(bodies: Writer, statement: Write) -> None:
     """WRITE; all values go in one request."""
+    if (file := _file_of(bodies, statement.values, statement.device)) is not None:
+        statement = Write(statement.at, file, statement.values[1:], statement.open)
     unit, symbol = _unit(bodies, statement.device, statement)
     items = []
     for tree in statement.values:

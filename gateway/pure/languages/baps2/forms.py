@@ -20,7 +20,8 @@ class BadForm(Exception):
 def encode(base: str, value: object, *, binary: bool, file: bool = False) -> bytes:
     """One value of a WRITE, or all elements of an array."""
     if isinstance(value, Array):
-        return b"".join(encode(base, item, binary=binary, file=file) for item in value.items)
+        between = b"" if binary or base == "CHAR" else b" "  # L7214-7245: a readable file
+        return between.join(encode(base, item, binary=binary, file=file) for item in value.items)
     return _binary(base, value, file) if binary else _letters(base, value)
 
 

@@ -33,6 +33,7 @@ class Machine(Protocol):
     feed: Feed
     filing: Filing
     tasks: dict[int, Task]
+    lanes: dict[str, Lane]
     outputs: dict[int, int | float]
     devices: dict[str, Device]
     now: int
@@ -46,6 +47,12 @@ class Machine(Protocol):
 
     def input(self, channel: int) -> int | float:
         """Value of an input now."""
+
+    def signal(self, channel: int, now: int) -> int | float:
+        """Value of an input as the feed has it."""
+
+    def where(self, kinematic: str) -> tuple[float, ...]:
+        """Joints of a kinematic now."""
 
     def belt(self, channel: int) -> float:
         """Counter of a belt in mm."""

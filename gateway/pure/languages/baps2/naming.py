@@ -53,9 +53,9 @@ class Naming:
             self.fault("no-constant", each.at, f"{each.name} is no constant: its value is known only when the program runs")
         self._names.declare(Symbol(each.name, "constant", value.type, constant=value.constant), each.at)
 
-    def type_of(self, written: TypeName) -> Type:
-        """The type that is written; NONE where its bounds are faulty (reported)."""
-        kind = Type(written.base, written.kinematic, element=written.element)
+    def type_of(self, written: TypeName, *, joint: bool = False) -> Type:
+        """The type that is written; NONE where its bounds are faulty (reported).  `joint`: WC_POINT of an @ name (D-34)."""
+        kind = Type("JC_POINT" if joint and written.base == "POINT" else written.base, written.kinematic, element=written.element)
         if written.base == "WC_FRAME":
             return FRAME
         if written.low is None or written.high is None:
@@ -69,7 +69,7 @@ class Naming:
         if not 0 <= high - low < MOST_ELEMENTS:
             self.fault("bounds", written.at, f"{low}..{high}: the bounds of an array rise, to {MOST_ELEMENTS} elements at most")
             return NONE
-        return Type(written.base, written.kinematic, low, high)
+        return Type(kind.base, written.kinematic, low, high)
 
     def _declared(self, each: Declared, level: int) -> None:
         base = each.type.base
@@ -77,26 +77,21 @@ class Naming:
             self.fault("public-place", each.at, "PUBLIC and DEF stand in the declarations of the main program only")
         if each.teach and base not in ("POINT", "JC_POINT"):
             self.fault("teach-type", each.at, f"DEF is for points, {each.name} is {base}")
-        if each.name.startswith("@") != (base == "JC_POINT") and base in ("POINT", "JC_POINT"):
-            self._at_sign(each)
+        if base == "JC_POINT" and not each.name.startswith("@"):
+            self.fault("at-sign", each.at, f"the name of a JC_POINT begins with @: {each.name}")
         if base in ("INPUT", "OUTPUT", "BELT"):
             self._names.declare(self._channel(each), each.at)
             return
         if base in ("FILE", "BNR_FILE", "SEMAPHORE"):
-            kind = "semaphore" if base == "SEMAPHORE" else "file"
-            symbol = Symbol(each.name, kind, self.type_of(each.type), owner=self._program)
+            symbol = Symbol(each.name, "semaphore" if base == "SEMAPHORE" else "file", self.type_of(each.type), owner=self._program)
         else:
             name = python_name(each.name, level)
-            symbol = Symbol(each.name, "variable", self.type_of(each.type), f"g.{name}" if each.public else name, each.public, level=level)
+            kind = self.type_of(each.type, joint=each.name.startswith("@"))
+            symbol = Symbol(each.name, "variable", kind, f"g.{name}" if each.public else name, each.public, level=level)
             self.variables.append((symbol, each))
         self._names.declare(symbol, each.at)
         if each.public:
             self.publics.append(symbol)
-
-    def _at_sign(self, each: Declared) -> None:
-        if each.name.startswith("@"):
-            return  # WC_POINT is printed for points of joints (D-34)
-        self.fault("at-sign", each.at, f"the name of a JC_POINT begins with @: {each.name}")
 
     def _channel(self, each: Declared) -> Symbol:
         kind, number = each.type.base.lower(), 0

@@ -60,6 +60,12 @@ class Outside:
         task.conditions[name] = code
 
     def _read(self, task: Task, request: demands.ReadDevice) -> object:
+        if request.base in ("POINT", "JC_POINT") and not request.size:
+            sizes = [len(lane.position) for lane in self._machine.lanes.values() if lane.position]
+            sizes += [len(start) for start in self._machine.feed.start.values()]
+            if not sizes:
+                raise fault(220, "the program names no components")
+            request = demands.ReadDevice(request.unit, request.base, sizes[0], request.count)
         name, is_device = self.place(task, request.unit)
         if not is_device:
             return self._read_file(task, name, request)

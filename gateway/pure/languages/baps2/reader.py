@@ -23,6 +23,7 @@ def read(source: SourceFile, words: Words, store: ProgramStore, faults: Faults) 
 class _Reader:
     def __init__(self, stream: Stream, faults: Faults) -> None:
         self._stream, self._faults, self._head = stream, faults, Head()
+        self._main: tuple[ExpressionReader, DeclarationReader] | None = None  # its names are known in the subroutines too
 
     def program(self) -> Program | None:
         self._instructions()
@@ -66,6 +67,12 @@ class _Reader:
         at, name = self._stream.token.position, ""
         expressions = ExpressionReader(self._stream, set())
         declarations = DeclarationReader(self._stream, expressions, self._head)
+        if self._main is None:
+            self._main = expressions, declarations
+        else:
+            expressions.names |= self._main[0].names
+            declarations.files |= self._main[1].files
+            declarations.belts |= self._main[1].belts
         parameters: tuple[Parameter, ...] = ()
         try:
             name = self._stream.name("the name of the program" if word == "PROGRAM" else "the name of the subroutine").key

@@ -1,10 +1,12 @@
 """Special functions on the dry run (spec 5.7, 4.3-4.16).  17 and 27 are only named: they are options that are not there (AX-693)."""
 
 import struct
+from dataclasses import dataclass, field
 
 from gateway.pure.languages.baps2 import demands
 from gateway.pure.languages.baps2.errors import fault
 from gateway.pure.languages.baps2.filing import file_name
+from gateway.pure.languages.baps2.frames import to_workpiece
 from gateway.pure.languages.baps2.machine import Machine
 from gateway.pure.languages.baps2.tasks import MOST_PREPARED, Lane, Task
 from gateway.pure.languages.baps2.values import MOST_REAL, Ref, point
@@ -12,6 +14,7 @@ from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.requests import PENDING, RuntimeFault
 
 COPIES = {"QLL": ("QLL", "ERR", "DAT"), "DAT": ("QLL", "ERR", "DAT"), "PKT": ("PKT",), "SYM": ("SYM",), "IRD": ("IRD",)}
+MOST_ENTRIES, MOST_SYSTEMS = 50, 24  # of a recorded path (L5257), measuring systems
 HEADER, VERSION = 24, 500  # of a MOVE_FILE: bytes of its fields, version of TO05 (L6975-7005)
 
 
@@ -32,6 +35,27 @@ def _set(target: object, value: object) -> None:
         target.set(value)
 
 
+@dataclass(slots=True)
+class _Measuring:
+    """A probe that measures in flight."""
+
+    kinematic: str
+    edge: int
+    was: int
+    done: bool = False
+
+
+@dataclass(slots=True)
+class _Record:
+    """A recorded path."""
+
+    system: int
+    distance: float
+    running: bool = True
+    last: float = 0.0
+    points: list[tuple[float, ...]] = field(default_factory=list)
+
+
 class Specials:
     """State of the special functions."""
 
@@ -40,7 +64,8 @@ class Specials:
         self._resets: dict[int, float] = {}
         self._belt_types: dict[int, int] = {}
         self._active: dict[tuple[int, int, int], tuple[object, ...]] = {}  # function, kinematic, number -> its values
-        self._measuring: dict[str, int] = {}
+        self._measuring: dict[int, _Measuring] = {}  # channel of the probe
+        self._records: dict[str, _Record] = {}
 
     def call(self, task: Task, number: int, values: tuple[object, ...]) -> object:
         """Runs a special function; PENDING where it waits for the motion of the process."""
@@ -75,10 +100,13 @@ class Specials:
             case 42:
                 self._lane(task, values[0])[1].distance = _number(values[1])
             case 43:
-                self._lane(task, values[0])[1].measured = None
-                self._measuring[self._lane(task, values[0])[0]] = _whole(values[-1])
+                name, lane = self._lane(task, values[0])
+                lane.measured, channel = None, _whole(values[2])
+                self._measuring[channel] = _Measuring(name, _whole(values[1]), int(self._machine.signal(channel, self._machine.now)))
             case 44:
-                self._measuring.pop(self._lane(task, values[0])[0], None)
+                self._measuring.pop(_whole(values[-1]), None)
+            case 29 | 30 | 31:
+                self._record(task, number, values)
             case 46:
                 self._block_search(task, values)
             case _:
@@ -91,6 +119,51 @@ class Specials:
         if name is None and (head.kinematics or _whole(number) != 1):
             raise fault(220, str(number))
         return name or "", self._machine.lane(name or "")
+
+    def measured(self, channel: int) -> int | None:
+        """1 once a probe that measures in flight has measured (L7594-7679); None: it does not measure."""
+        found = self._measuring.get(channel)
+        return None if found is None else int(found.done)
+
+    def measure(self) -> None:
+        """Stores positions at the edges of probes, and points of recorded paths."""
+        for channel, each in self._measuring.items():
+            value = int(self._machine.signal(channel, self._machine.now))
+            if not each.done and value != each.was and value == each.edge:
+                each.done = True
+                self._machine.lane(each.kinematic).measured = self._machine.where(each.kinematic)
+            each.was = value
+        for kinematic, record in self._records.items():
+            if record.running:
+                self._store(record, self._machine.where(kinematic))
+
+    def _store(self, record: _Record, joints: tuple[float, ...]) -> None:
+        """One entry each DISTANCE of a component; the newest are kept (L5198-5255)."""
+        now = joints[record.system - 1] if record.system <= len(joints) else 0.0
+        if not record.points or abs(now - record.last) >= record.distance:
+            record.points, record.last = [*record.points, joints][-MOST_ENTRIES:], now
+
+    def _record(self, task: Task, number: int, values: tuple[object, ...]) -> None:
+        """Records a path (29), ends that (30), reads an entry, 1 the newest (31)."""
+        name, lane = self._lane(task, values[0])
+        if number == 29:
+            system = _whole(values[1])
+            if not 1 <= system <= max(MOST_SYSTEMS, len(lane.position)):
+                raise fault(91, str(system))
+            self._records[name] = _Record(system, _number(values[2]))
+            return
+        record = self._records.get(name)
+        if number == 30:
+            if record is not None:
+                record.running = False
+            _set(values[1], 0 if record is None else len(record.points))
+            return
+        index = _whole(values[1])
+        if record is None or not 1 <= index <= len(record.points):
+            raise fault(90, str(index))
+        joints = record.points[-index]
+        _set(values[2], joints)
+        _set(values[3], to_workpiece(lane.frame, joints))
 
     def _logic(self, task: Task, number: int, values: tuple[object, ...]) -> None:
         """IOL and PPO: a negative number resets the function and issues the value at once (L4210-4245)."""

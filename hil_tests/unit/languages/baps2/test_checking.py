@@ -1,0 +1,119 @@
+"""Faults of sources that can be read but not run: each with its kind and line; what the manual prints has none."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hil_tests.unit.languages.baps2.running import body, faults_of, library_of
+from hil_tests.unit.languages.baps2.words import WORDS
+
+HEAD = ";;KINEMATICS : (1=K, 2=L)\n;;K.WC_NAMES = X,Y\n;;K.JC_NAMES = A1,A2\n;;L.WC_NAMES = Z\n"
+
+
+@pytest.mark.parametrize(
+    "statements, declared, expected",
+    [
+        ("X = 1", "", [("name-unknown", 4)]),
+        ("I = 1.5", "INTEGER : I", [("type", 4)]),
+        ("I = 'A'", "INTEGER : I", [("type", 4)]),
+        ("B = 2", "BINARY : B", [("type", 4)]),
+        ("B = 1 R = 1", "BINARY : B REAL : R", []),
+        ("C = 2", "CONST : C = 1", [("not-assignable", 4)]),
+        ("E = 1", "INPUT : 1 = E", [("not-assignable", 4)]),
+        ("IF I THEN HALT", "INTEGER : I", [("type", 4)]),
+        ("JUMP GONE", "", [("label-missing", 4)]),
+        ("L: L: HALT", "", [("label-twice", 4)]),
+        ("JUMP M REPEAT 2 TIMES M: HALT REPEAT_END", "", [("jump-into", 4)]),
+        ("GONE", "", [("name-unknown", 4)]),
+        ("A[11] = 1", "ARRAY[1..10] INTEGER : A", [("index-range", 4)]),
+        ("A['X'] = 1", "ARRAY[1..10] INTEGER : A", [("type", 4)]),
+        ("EXCLUSIVE S EXCLUSIVE_END", "", [("semaphore", 4)]),
+        ("CASE I EQUAL 1 : HALT EQUAL 1 : HALT CASE_END", "INTEGER : I", [("case-twice", 4)]),
+        ("CASE I EQUAL J : HALT CASE_END", "INTEGER : I, J", [("no-constant", 4)]),
+        ("WRITE FOO, 1", "", [("name-unknown", 4)]),
+        ("I = 1", "INTEGER : I, I", [("declared-twice", 2)]),
+        ("I = 1", "INPUT : 130 = E, 999 = F INTEGER : I", [("channel", 2)]),
+        ("SF(1)", "SPC_FCT : 99 = SF(VALUE INTEGER : A)", [("special-function-unknown", 2)]),
+        ("SF(1)", "SPC_FCT : 28 = SF(VALUE INTEGER : A)", [("special-function-parameters", 2)]),
+        ("SF(1)", "SPC_FCT : 28 = SF(VALUE INTEGER : A VALUE REAL : B)", [("argument-count", 4)]),
+        ("WRITE F, 'A'", "BNR_FILE : F", [("file-type", 4)]),
+        ("WRITE F, 1.5", "FILE INTEGER : F", [("file-type", 4)]),
+        ("I = 99999999999", "INTEGER : I", [("number-range", 4)]),
+        ("I = 1 / 0", "INTEGER : I", [("constant", 4)]),
+        ("WRITE PHG, CLS IF VERSION < 2.31 THEN HALT", "", []),
+    ],
+)
+def test_faults_name_kind_and_line(statements: str, declared: str, expected: list[tuple[str, int]]) -> None:
+    assert faults_of(body(statements, declared)) == expected
+
+
+@pytest.mark.parametrize(
+    "statements, expected",
+    [
+        ("MOVE TO HERE HERE.X = 1 @THERE.A1 = 2 MOVE @THERE", []),
+        ("MOVE L TO (1,2)", [("point-size", 8)]),
+        ("MOVE TO (1)", [("point-size", 8)]),
+        ("MOVE L TO (1) MOVE_REL L (0)", []),
+        ("P1.Q = 1", [("component-unknown", 8)]),
+        ("P1 = @POS", [("type", 8)]),
+        ("P1 = WC(@POS) @J = JC(P1)", []),
+        ("MOVE L TO P1", [("kinematic-other", 8)]),
+        ("MOVE UNTIL P1.X > 1 TO P1", [("until-condition", 8)]),
+        ("MOVE WITH Q = 1 TO P1", [("factor-unknown", 8)]),
+        ("V = 1 K.VFACTOR = 0.5 MOVE WITH R_PTP = 140% VIA P1", []),
+    ],
+)
+def test_points_belong_to_their_kinematic(statements: str, expected: list[tuple[str, int]]) -> None:
+    assert faults_of(HEAD + body(statements, "K.POINT : P1 K.JC_POINT : @J")) == expected
+
+
+@pytest.mark.requirement("RHO-BAP-03", by="gateway.pure.languages.baps2.naming:Naming._constant")
+def test_constants_are_worked_out_and_cannot_be_set() -> None:
+    declared = "CONST : RED = 1, YELLOW = 2 * RED, GREEN = 2 * YELLOW ARRAY[RED..GREEN] CHAR : A"
+    assert faults_of(body("A[4] = 'X' A[5] = 'X' GREEN = 1", declared)) == [("index-range", 4), ("not-assignable", 4)]
+
+
+@pytest.mark.requirement("RHO-BAP-01", by="gateway.pure.languages.base.faults:Faults.full")
+def test_error_n_ends_after_n_errors_and_warnings_can_be_off() -> None:
+    text = "PROGRAM P\nINTEGER : A_VERY_LONG_NAME\nBEGIN\nA = 1\nB = 1\nC = 1\nF = 1\nPROGRAM_END"
+    assert [id for id, _ in faults_of(text)].count("name-unknown") == 3
+    assert [id for id, _ in faults_of(";;ERROR = 2\n" + text)].count("name-unknown") == 2
+    assert "long-name" not in [id for id, _ in faults_of(";;WARNING -\n" + text)]
+
+
+def test_imports_are_typed_by_the_exporter() -> None:
+    exporter = "PROGRAM A\nPUBLIC INTEGER : N\nINTEGER : M\nBEGIN PROGRAM_END"
+    assert faults_of(body("N = 'X'", "EXTERNAL A : N"), A=exporter) == [("type", 4)]
+    assert faults_of(body("N = 1", "EXTERNAL A : M, N"), A=exporter) == [("import-unknown", 2)]
+    assert faults_of(body("N = 1", "EXTERNAL GONE : N")) == [("import-missing", 2)]
+    assert ("import-mixed", 3) in faults_of(body("N = 1", "PUBLIC INTEGER : O\nEXTERNAL A : N"), A=exporter)
+    assert ("import-two", 3) in faults_of(body("N = 1", "EXTERNAL A : N\nEXTERNAL B : Q"), A=exporter, B=exporter)
+
+
+@pytest.mark.requirement("RHO-BAP-21", by="gateway.pure.languages.baps2.words:Words.token")
+def test_words_in_lower_case_and_translator_s_words_are_read() -> None:
+    text = "Program p\ninput : 1 = e\nStart\nWait until e = 1\nparallel\nif e = 1 then halt otherwise break\n"
+    text += "also\nmove after p1\nparallel_end\nprogram_end"
+    assert faults_of(text) == []
+
+
+@given(
+    st.lists(
+        st.sampled_from(
+            [
+                *(each.text for row in WORDS.spellings.values() for each in row),
+                *"X Y @P 1 2.5 ( ) , = : . [ ] + - * / < 'T' .. POS P.X \n".split(" "),
+            ]
+        ),
+        max_size=80,
+    )
+)
+def test_any_row_of_words_is_checked_without_an_exception(row: list[str]) -> None:
+    library = library_of({})
+    library.check("P.QLL", "PROGRAM P INTEGER : X TEXT : Y POINT : P BEGIN " + " ".join(row) + " PROGRAM_END")
+    library.check("P.QLL", " ".join(row))
+
+
+def test_long_chains_and_deep_loops_are_faults_and_no_crash() -> None:
+    assert ("too-complex", 1) in faults_of(body("I = " + "+".join(["I"] * 5_000), "INTEGER : I"))
+    assert ("too-complex", 1) in faults_of(body("REPEAT 1 TIMES " * 40 + "REPEAT_END " * 40))

@@ -1,0 +1,273 @@
+"""What programs do: arithmetic, flow, texts, processes and motion, in virtual time."""
+
+import pytest
+
+from hil_tests.unit.languages.baps2.running import all_of, body, run, short, written
+
+
+@pytest.mark.parametrize(
+    "expression, expected",
+    [
+        ("7 / 2", "3"),
+        ("-7 / 2", "-3"),
+        ("-1 MOD 65536", "65535"),
+        ("I / J", "-3"),
+        ("I MOD J", "1"),
+        ("ROUND(2.5)", "3"),
+        ("TRUNC(-2.5)", "-2"),
+        ("ORD('i')", "105"),
+        ("CHR(321)", "A"),
+        ("140%", "1.4"),
+        ("1 + 2.5", "3.5"),
+        ("-1234.45", "-1234.45"),
+    ],
+)
+@pytest.mark.requirement("RHO-BAP-04", by="gateway.pure.languages.baps2.values:code")
+def test_expressions_have_the_values_of_the_manual(expression: str, expected: str) -> None:
+    assert written(run(body(f"I = -7 J = 2 WRITE {expression}", "INTEGER : I, J"))) == [expected]
+
+
+@pytest.mark.parametrize(
+    "statements, code",
+    [
+        ("I = 2147483647 I = I + 1", 208),
+        ("I = I / I", 209),
+        ("R = 1 / R", 209),
+        ("I = 11 A[I] = 1", 210),
+        ("P1.X = P2.X", 200),
+    ],
+)
+def test_runtime_errors_have_number_text_and_line(statements: str, code: int) -> None:
+    head = ";;KINEMATICS : (1=K)\n;;K.WC_NAMES = X\n"
+    events = run(head + body(statements, "INTEGER : I REAL : R ARRAY[1..10] INTEGER : A POINT : P1, P2"))
+    assert short(events, "error", "end") == [(0.0, "error", code), (0.0, "end", "aborted")]
+    assert [event["line"] for event in events if event["event"] == "error"] == [6]
+
+
+def test_jumps_loops_and_choices_go_where_they_say() -> None:
+    events = run(
+        body(
+            "I = 0\nLOOP: I = I + 1\nREPEAT 2 TIMES J = J + 1 IF J = 5 THEN JUMP OUT REPEAT_END\n"
+            "IF I < 9 THEN JUMP LOOP\nOUT: WRITE I, ' ', J\n"
+            "CASE J EQUAL 1,2 : WRITE 'A' EQUAL 5 : BEGIN WRITE 'B' END DEFAULT WRITE 'C' CASE_END",
+            "INTEGER : I, J",
+        )
+    )
+    assert written(events) == ["3 5", "B"]
+
+
+@pytest.mark.requirement("RHO-BAP-02", by="gateway.pure.languages.baps2.bodies:Bodies._case")
+def test_case_chooses_by_its_constants_and_does_nothing_without_default() -> None:
+    text = "CASE B EQUAL 9,10 : O = 0 EQUAL 13 : O = 2 CASE_END WRITE O"
+    assert written(run(body(f"O = 5 B = 13 {text}", "INTEGER : B, O"))) == ["2"]
+    assert written(run(body(f"O = 5 B = 14 {text}", "INTEGER : B, O"))) == ["5"]
+
+
+@pytest.mark.requirement("RHO-BAP-05", by="gateway.pure.languages.baps2.values:int_asc")
+def test_int_asc_is_right_aligned_and_leaves_the_array_on_errors() -> None:
+    declared = "ARRAY[1..10] CHAR : A TEXT : T INTEGER : E"
+    assert written(run(body("INT_ASC(-1234, A, 1, 6, E) WRITE A, E", declared))) == [" -1234    0"]
+    assert written(run(body("A = 'XYZ' INT_ASC(-1234, A, 1, 3, E) WRITE A, E", declared))) == ["XYZ       -3"]
+    assert written(run(body("INT_ASC(5, A, 8, 5, E) WRITE E INT_ASC(5, A, 0, 1, E) WRITE E INT_ASC(5, A, 1, 0, E) WRITE E", declared))) == [
+        "-2",
+        "-1",
+        "-6",
+    ]
+    assert written(run(body("INT_ASC(1234, T, 1, 8, E) T[9] = CHR(0) WRITE T, E", declared))) == ["    12340"]
+
+
+@pytest.mark.requirement("RHO-BAP-06", by="gateway.pure.languages.baps2.values:asc_int")
+def test_asc_int_reads_to_the_first_sign_that_is_no_digit() -> None:
+    declared = "ARRAY[1..10] CHAR : A INTEGER : I, E"
+    assert written(run(body("A = '12A' ASC_INT(A, I, 1, 5, E) WRITE I, ' ', E", declared))) == ["12 0"]
+    assert written(run(body("I = 7 A = 'AaBc' ASC_INT(A, I, 1, 5, E) WRITE I, ' ', E", declared))) == ["7 -7"]
+
+
+def test_subroutines_set_what_is_passed_by_reference_and_not_what_is_passed_by_value() -> None:
+    text = (
+        body("I = 1 J = 1 SUB(I, J) WRITE I, J, A[2]\nSUB(A[2], J) WRITE A[2]", "INTEGER : I, J ARRAY[1..3] INTEGER : A")
+        + "SUBROUTINE SUB(INTEGER : X VALUE INTEGER : Y)\nBEGIN X = X + 10 Y = 99 DEEPER(X) SUB_END\n"
+        + "SUBROUTINE DEEPER(INTEGER : Z)\nINTEGER : L\nBEGIN L = Z Z = L + 1 SUB_END\n"
+    )
+    assert written(run(text)) == ["1210", "11"]
+
+
+def test_a_subroutine_without_end_of_calls_is_a_runtime_error() -> None:
+    events = run(body("SUB") + "SUBROUTINE SUB\nBEGIN SUB SUB_END\n")
+    assert short(events, "error") == [(0.0, "error", 207)]
+
+
+@pytest.mark.requirement("RHO-BAP-20", by="gateway.pure.languages.baps2.tasks:Task.prepared")
+def test_normal_inputs_wait_for_the_last_two_p5_and_asynchronous_ones_do_not() -> None:
+    text = body("MOVE LINEAR TO P1 B = S MOVE TO P2 B = N", "INPUT : 1 = N, 1001 = S BINARY : B")
+    events = run(text, "p5_ms = 20\n[points.P]\nP1 = [1]\nP2 = [2]\n[[input]]\nchannel = 1\nat = 0.5")
+    assert short(events, "in", "moved") == [
+        (0.0, "in", 1001, 0),
+        (1.0, "moved", 1),
+        (1.96, "in", 1, 1),
+        (2.0, "moved", 2),
+    ]
+
+
+def test_outputs_and_waits_act_where_the_block_before_ends() -> None:
+    events = run(body("MOVE VIA (1,0) O = 1 MOVE TO (2,0) WAIT 0.5 O = 0", "OUTPUT : 1 = O"))
+    assert short(events, "moving", "moved", "out", "end") == [
+        (0.0, "moving", 1),
+        (1.0, "moved", 1),
+        (1.0, "out", 1, 1),
+        (1.0, "moving", 2),
+        (2.0, "moved", 2),
+        (2.5, "out", 1, 0),
+        (2.5, "end", "ended"),
+    ]
+    assert [event["t"] for event in events if event["event"] == "move"] == [0.0, 0.0]
+
+
+def test_eleven_blocks_are_prepared_ahead_or_what_special_function_46_says() -> None:
+    moves = "REPEAT 15 TIMES MOVE_REL (1,0) REPEAT_END"
+    head = ";;KINEMATICS : (1=K)\n;;K.WC_NAMES = X,Y\n"
+    events = run(head + body(moves))
+    assert sum(event["t"] == 0.0 for event in events if event["event"] == "move") == 12
+    declared = "SPC_FCT : 46 = SEARCH(VALUE INTEGER : K VALUE INTEGER : N)"
+    events = run(head + body(f"SEARCH(1, 3) {moves}", declared))
+    assert sum(event["t"] == 0.0 for event in events if event["event"] == "move") == 4
+    assert [event["target"] for event in events if event["event"] == "move"][-1] == [15.0, 0.0]
+
+
+def test_move_until_stops_on_the_path_and_runs_its_error_part_when_not_met() -> None:
+    text = body("MOVE LINEAR UNTIL E = 1 ERROR WRITE 'NO' TO (10)\nWRITE 'NEXT'\nMOVE_REL LINEAR (1)", "INPUT : 1 = E")
+    met = run(text, "[[input]]\nchannel = 1\nat = 0.25")
+    assert short(met, "moved")[0] == (0.25, "moved", 1, True)
+    assert [event["target"] for event in met if event["event"] == "move"] == [[10.0], [3.5]]
+    assert written(met) == ["NEXT"]
+    missed = run(text)
+    assert short(missed, "moved")[0] == (1.0, "moved", 1, False)
+    assert written(missed) == ["NO", "NEXT"]
+
+
+def test_a_probe_needs_a_change_and_stores_the_position() -> None:
+    head = ";;KINEMATICS : (1=K)\n;;K.JC_NAMES = X\n"
+    text = head + body("MOVE LINEAR UNTIL PROBE = 1 TO (10) @M = @MPOS WRITE @M.X", "K.JC_POINT : @M INPUT : 610 = PROBE")
+    pressed = run(text, "[[input]]\nchannel = 610")
+    assert short(pressed, "moved", "error") == [(1.0, "moved", 1, False), (1.0, "error", 200)]
+    events = run(text, "[[input]]\nchannel = 610\nat = 0.5")
+    assert written(events) == ["5.0"]
+
+
+@pytest.mark.requirement("RHO-BAP-09", by="gateway.pure.languages.baps2.dry_run:DryRun._parallel")
+def test_branches_move_kinematics_at_once_and_the_program_goes_on_behind_both() -> None:
+    head = ";;KINEMATICS : (1=K, 2=L)\n;;K.WC_NAMES = X\n;;L.WC_NAMES = Y\n"
+    events = run(head + body("PARALLEL MOVE K TO (1) ALSO MOVE L VIA (1) MOVE L TO (2) PARALLEL_END WRITE 'BOTH'"))
+    assert short(events, "moving") == [(0.0, "moving", 1), (0.0, "moving", 2), (1.0, "moving", 3)]
+    assert [event["t"] for event in events if event["event"] == "write"] == [2.0]
+    assert {event["process"] for event in events} == {"P"}
+
+
+@pytest.mark.requirement("RHO-BAP-10", by="gateway.pure.languages.baps2.dry_run:DryRun.stop_named")
+def test_stop_ends_a_program_with_what_it_started_and_its_kinematic_rests() -> None:
+    events = run(
+        body("START A WAIT 0.5 STOP A WAIT 1 START NONE", "EXTERNAL : A"),
+        A="PROGRAM A\nEXTERNAL : B\nBEGIN START B MOVE TO (10) PROGRAM_END",
+        B="PROGRAM B\nBEGIN WAIT 9 PROGRAM_END",
+    )
+    ends = [(event["t"], event["process"], event["how"]) for event in events if event["event"] == "end"]
+    assert ends == [(0.5, "B", "stopped"), (0.5, "A", "stopped"), (1.5, "P", "aborted")]
+    assert short(events, "moved", "error") == [(1.5, "error", 1092)]
+
+
+@pytest.mark.requirement("RHO-BAP-11", by="gateway.pure.languages.baps2.dry_run:DryRun._give_up")
+def test_break_gives_the_turn_to_the_others() -> None:
+    other = "PROGRAM {0}\nBEGIN REPEAT 2 TIMES WRITE '{0}' BREAK REPEAT_END PROGRAM_END"
+    events = run(body("START A START B REPEAT 2 TIMES WRITE 'P' BREAK REPEAT_END"), A=other.format("A"), B=other.format("B"))
+    assert "".join(written(events)) == "PABPAB"
+
+
+@pytest.mark.requirement("RHO-BAP-08", by="gateway.pure.languages.baps2.dry_run:DryRun._enter")
+def test_sections_of_one_semaphore_never_overlap() -> None:
+    section = "EXCLUSIVE S WRITE '{0}' WAIT 1 WRITE '{0}' EXCLUSIVE_END"
+    events = run(body(f"PARALLEL {section.format('A')} ALSO {section.format('B')} PARALLEL_END", "SEMAPHORE : S"))
+    assert written(events) == ["A", "A", "B", "B"]
+
+
+@pytest.mark.requirement("RHO-BAP-07", by="gateway.pure.languages.baps2.dry_run:DryRun.shared")
+def test_an_importer_sees_exported_values_and_is_warned_when_it_is_older() -> None:
+    exporter = "PROGRAM A\nPUBLIC INTEGER : N\nBEGIN N = N + 5 PROGRAM_END"
+    text = body("START A WAIT 0.1 WRITE N", "EXTERNAL A : N")
+    assert written(run(text, A=exporter)) == ["5"]
+    assert [event["event"] for event in run(text, 'compiled = ["P", "A"]', A=exporter)][:2] == ["start", "warning"]
+
+
+@pytest.mark.requirement("RHO-BAP-22", by="gateway.pure.languages.baps2.outside:Outside._write")
+def test_an_open_write_is_sent_with_the_next_one() -> None:
+    assert written(run(body("WRITE 'A', .. WRITE 'B', 1, .. WRITE 'C'"))) == ["AB1C"]
+
+
+def test_protocol_8_sends_bytes_and_a_unit_not_named_has_no_interface() -> None:
+    declared = "INTEGER : I REAL : R TEXT : T"
+    events = run(body("I = -2 R = 1 T = 'AB' WRITE V24_1, I, R, CHR(7) WRITE V24_1, T", declared), "[devices.V24_1]\nprotocol = 8")
+    assert [event["hex"] for event in events if event["event"] == "write"] == ["feffffff0000803f07", "4142" + "00" * 78]
+    assert short(run(body("WRITE V24_1, 1")), "error", "end") == [(0.0, "error", 212), (0.0, "end", "aborted")]
+    text = ";;SER_IO_STOP -\n" + body("READ V24_1, I WRITE CONDITION(V24_1)", declared)
+    assert written(run(text)) == ["-1"]
+
+
+def test_a_block_border_inside_a_value_is_a_protocol_error() -> None:
+    feed = '[devices.V24_1]\nprotocol = 8\n[[devices.V24_1.in]]\nhex = "0100"\n'
+    events = run(body("READ V24_1, I", "INTEGER : I"), feed)
+    assert [(event["code"], event["text"]) for event in events if event["event"] == "error"] == [(201, "Protocol error READ")]
+
+
+@pytest.mark.requirement("RHO-BAP-15", "RHO-BAP-16", by="gateway.pure.languages.baps2.filing:Filing.begin_reading")
+def test_binary_files_are_placed_by_bytes_and_hold_four_bytes_a_value() -> None:
+    feed = '[files]\n"F.BNR" = "0100000002000000"'
+    declared = "BNR_FILE : F, G INTEGER : I BINARY : B REAL : R"
+    assert written(run(body("READ_BEGIN F, 4 READ F, I WRITE I", declared), feed)) == ["2"]
+    last = all_of(body("WRITE_BEGIN G B = 1 R = 1 WRITE G, B, 7, R", declared), feed)[-1]
+    assert last["files"] == {"F.BNR": "0100000002000000", "G.BNR": "01000000070000000000803f"}
+    assert short(run(body("WRITE_BEGIN F READ_BEGIN F", declared), feed), "error") == [(0.0, "error", 1057)]
+
+
+@pytest.mark.requirement("RHO-BAP-13", "RHO-BAP-14", by="gateway.pure.languages.baps2.filing:file_name")
+def test_assign_takes_names_as_the_manual_allows_them() -> None:
+    declared = "FILE : F TEXT : T"
+    assert short(run(body("ASSIGN F, 'lower.dat'", declared)), "error") == [(0.0, "error", 202)]
+    text = ";;FILE_ERROR -\n" + body("ASSIGN F, 'lower.dat' WRITE CONDITION(F), CONDITION(F)", declared)
+    assert written(run(text, '[files]\n"F.DAT" = "31"')) == ["-10"]
+    text = body("ASSIGN F, 'CADDATEN' WRITE F, 'X' CLOSE F ASSIGN F, 'X.' WRITE F, 'Y'", declared)
+    assert all_of(text)[-1]["files"] == {"CADDATEN.DAT": "580d0a"}
+
+
+@pytest.mark.requirement("RHO-BAP-18", by="gateway.pure.languages.baps2.typing:signal_place")
+def test_signals_have_english_and_german_letters() -> None:
+    text = body("WRITE CONDITION('I0.1'), ZUSTAND('E0.1'), CONDITION('O0.3'), STATUS('A0.3')", "OUTPUT : 3 = O")
+    assert written(run(text.replace("WRITE", "O = 1 WRITE"), "[[input]]\nchannel = 1")) == ["1111"]
+
+
+def test_work_pieces_move_and_turn_world_targets_and_not_joints() -> None:
+    head = ";;KINEMATICS : (1=K)\n;;K.WC_NAMES = X,Y,Z\n"
+    text = head + body("K.WC_SYSTEM = WC_FRAME(10,0,30,0,0,90) MOVE TO (1,0,0) WRITE ROUND(POS.X) MOVE TO @(1,0,0) WC_SYSTEM = WC_UR")
+    events = run(text)
+    targets = [event["target"] for event in events if event["event"] == "move"]
+    assert targets[0] == pytest.approx([10, 1, 30])
+    assert targets[1] == [1, 0, 0]
+    assert written(events) == ["1"]
+
+
+def test_halt_in_a_branch_ends_the_whole_program() -> None:
+    events = run(body("PARALLEL WAIT 9 ALSO WAIT 1 HALT PARALLEL_END WRITE 'NEVER'"))
+    assert short(events, "write", "end") == [(1.0, "end", "ended")]
+
+
+def test_an_endless_loop_takes_time_and_ends_with_the_run() -> None:
+    events = run(
+        body("L: I = I + 1 IF E = 1 THEN HALT JUMP L", "INTEGER : I INPUT : 1 = E"), "until_s = 0.05\n[[input]]\nchannel = 1\nat = 0.02"
+    )
+    assert short(events, "end") == [(0.02, "end", "ended")]
+    assert run(body("L: JUMP L"), "until_s = 0.05")[-1]["event"] == "start"
+
+
+def test_a_sync_waits_for_the_belt_and_sets_its_counter() -> None:
+    head = ";;KINEMATICS : (1=K)\n;;K.WC_NAMES = X, B\n"
+    declared = "K.BELT : 501 = B1 SPC_FCT : 28 = SETB(VALUE INTEGER : N VALUE REAL : V)"
+    events = run(head + body("SETB(1, -20) SYNC B1 >= 100 WRITE B1", declared), "belts = [100]")
+    assert [(event["t"], written([event])) for event in events if event["event"] == "write"] == [(1.0, ["-20.0"])]
