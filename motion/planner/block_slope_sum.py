@@ -32,9 +32,9 @@ def own_ramp(block: Block, path: JointPath, machine: Machine) -> Ramped:
         path,
         machine.limits,
         speed=min(pace.speed, 1.0),
-        accel=min(pace.accel, pace.decel, 1.0),
+        accel=(min(pace.accel, 1.0), min(pace.decel, 1.0)),
         tool=tool_tops([block], machine),
-        pulls=tool_pulls(block, machine) if sine else (math.inf, math.inf),
+        pulls=tool_pulls(block, machine) if sine else ((math.inf, math.inf), math.inf),
         sine=sine,
     )
     if not sine:
@@ -51,12 +51,13 @@ def sum_keeps(before: Ramped, after: Ramped, start: float, blocks: tuple[Block, 
     s -= s[0]
     middle = float(np.interp(0.5 * s[-1], s, t))
     limits = _limits(before, after, blocks, machine, float(s[-1]), float(np.interp(middle - JUDGE_S, t, s)))
-    speed, accel, _ = limits.at(s)
+    speed, pulls = limits.at(s)[0], limits.pulls(s)
     axes, sums = before.path.axes, one[1] + two[1]
-    v, a = np.abs(sums), np.abs(one[2] + two[2])
-    if bool(np.any(v > TRUE * speed[:, :axes])) or bool(np.any(a > TRUE * accel[:, :axes])):
+    accel = one[2] + two[2]
+    allowed = np.where(sums * accel >= 0.0, pulls[0, :, :axes], pulls[1, :, :axes])
+    if bool(np.any(np.abs(sums) > TRUE * speed[:, :axes])) or bool(np.any(np.abs(accel) > TRUE * allowed)):
         return False
-    if not np.any(np.isfinite(np.concatenate([speed[:, axes:], accel[:, axes:]]))):
+    if not np.any(np.isfinite(np.concatenate([speed[:, axes:], pulls[0, :, axes:], pulls[1, :, axes:]]))):
         return True
     place = before.path.at(np.zeros(1))[:, :axes] + one[0] + two[0]
     first = s <= 0.5 * s[-1]
@@ -64,8 +65,9 @@ def sum_keeps(before: Ramped, after: Ramped, start: float, blocks: tuple[Block, 
     rates = np.concatenate([tool_rates(machine, block.tool.pose, place[here], sums[here]) for block, here in halves])
     if bool(np.any(rates > TRUE * speed[:, axes:])):
         return False
-    pull = np.abs(np.diff(rates, axis=0)) / float(t[1] - t[0])
-    return bool(np.all(pull <= TRUE * np.maximum(accel[1:, axes:], accel[:-1, axes:])))
+    pull = np.diff(rates, axis=0) / float(t[1] - t[0])
+    up, down = np.maximum(pulls[:, 1:, axes:], pulls[:, :-1, axes:])
+    return bool(np.all(np.abs(pull) <= TRUE * np.where(pull >= 0.0, up, down)))
 
 
 def _limits(before: Ramped, after: Ramped, blocks: tuple[Block, Block], machine: Machine, length: float, middle: float) -> LawLimits:

@@ -26,20 +26,21 @@ def robot_limits(machine: Machine, caps: Sequence[Cap]) -> LawLimits:
 def block_caps(block: Block, path: JointPath, way: float, start: float, end: float, machine: Machine, factors: Factors = FULL) -> list[Cap]:
     """Of a block on the stretch start .. end of s.  path: of its axes, or of the corner it is passed in; way: whole length of the block."""
     pace, caps = block.pace, []
-    accel = min(pace.accel * factors.acceleration, pace.decel * factors.deceleration)
+    accel, decel = min(pace.accel * factors.acceleration, 1.0), min(pace.decel * factors.deceleration, 1.0)
     lead = _lead(block, path)
     for n, axis in enumerate(machine.limits):
         speed = pace.speed * factors.velocity if lead is None or lead == n else factors.velocity
-        if speed < 1.0 or accel < 1.0:
-            caps.append(Cap(start, end, n, axis.speed * min(speed, 1.0), axis.accel * min(accel, 1.0)))
+        if speed < 1.0 or accel < 1.0 or decel < 1.0:
+            caps.append(Cap(start, end, n, axis.speed * min(speed, 1.0), axis.accel * accel, axis.accel * decel))
     ptp = block.kind is Interpolation.PTP  # accelerates as its axes can: of the tool its speeds alone are asked for
-    path_accel = FREE if ptp else min(pace.path_accel or FREE, pace.path_decel or FREE) * min(factors.acceleration, factors.deceleration)
+    path_accel = FREE if ptp else (pace.path_accel or FREE) * factors.acceleration
+    path_decel = FREE if ptp else (pace.path_decel or FREE) * factors.deceleration
     if pace.time is not None and way > 0.0:  # rounded at an end: as fast as the time of the whole block asks
         speed, ramp = figures(way, pace.time, pace.ramp)
         still = not np.any(path.at(np.zeros(1), 1)[0, WAY])
-        caps.append(Cap(start, end, TURNING if still else WAY, speed, ramp))
-    if pace.path_speed is not None or math.isfinite(path_accel):
-        caps.append(Cap(start, end, WAY, (pace.path_speed or FREE) * factors.velocity, path_accel))
+        caps.append(Cap(start, end, TURNING if still else WAY, speed, ramp, ramp))
+    if pace.path_speed is not None or math.isfinite(path_accel) or math.isfinite(path_decel):
+        caps.append(Cap(start, end, WAY, (pace.path_speed or FREE) * factors.velocity, path_accel, path_decel))
     if pace.turn_speed is not None:
         caps.append(Cap(start, end, TURNING, pace.turn_speed * factors.velocity))
     return caps

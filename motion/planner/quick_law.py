@@ -19,6 +19,7 @@ from motion.paths.joints import JointPath
 from motion.timing import topp
 from motion.timing.law import Law, check_seconds
 from motion.timing.limits import LawLimits, speed_squares
+from motion.timing.pulls import pull_shares
 
 Array = NDArray[np.float64]
 STEP_S = 1e-3
@@ -87,7 +88,7 @@ def swift(path: JointPath, limits: LawLimits, width: float, before: Swift | None
     grid = np.linspace(s0, path.length, points + 1)
     first, second = path.at(grid, 1), path.at(grid, 2)
     behind = 0.0 if before is None else float(before.law.s[min(cut, len(before.law.s) - 1)])  # the mean is still there
-    accel, most = SHARE * limits.at(grid)[1], _kept(path, limits, grid, behind, width)
+    accel, most = SHARE * limits.pulls(grid), _kept(path, limits, grid, behind, width)
     floor = _braking(first, accel, grid, v0)
     made: Swift | None = None
     for k in range(ROUNDS + STUBBORN):
@@ -194,8 +195,8 @@ def _excess(path: JointPath, limits: LawLimits, law: Law, keep: int) -> tuple[Ar
     """(s, how many times too much) at the samples that may still change, acceleration and jerk by differences of the columns."""
     s = np.concatenate([law.s[:1]] * 3 + [law.s] + [law.s[-1:]] * 3)
     q = path.at(s)
-    _, accel, jerk = limits.at(s)
-    second = np.abs(np.diff(q, 2, axis=0)) / STEP_S**2 / accel[1:-1] / ACCEL_GOOD
+    jerk = limits.at(s)[2]
+    second = pull_shares(q, STEP_S, limits.pulls(s)[:, 1:-1]) / ACCEL_GOOD
     third = np.abs(np.diff(q, 3, axis=0)) / STEP_S**3 / jerk[1:-2] / JERK_GOOD
     both = np.maximum(second[1:].max(axis=1), third.max(axis=1) ** (2 / 3))[2:]
     at = s[3 : 3 + len(both)]

@@ -114,9 +114,9 @@ def _chained(paths: Sequence[JointPath], counting: int) -> JointPath:
 def merged(caps: Sequence[Cap]) -> list[Cap]:
     """Neighbours that ask the same of a column become one: a thousand short blocks of one speed are one cap."""
     found: list[Cap] = []
-    open_: dict[tuple[int, float, float], int] = {}
+    open_: dict[tuple[int, float, float, float], int] = {}
     for cap in caps:
-        key = (cap.column, cap.speed, cap.accel)
+        key = (cap.column, cap.speed, cap.accel, cap.decel)
         at = open_.get(key)
         if at is not None and found[at].end >= cap.start - 1e-12:
             found[at] = Cap(found[at].start, max(found[at].end, cap.end), *key)

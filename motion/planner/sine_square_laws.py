@@ -43,11 +43,14 @@ def _alone(run: Run) -> Law | None:
     """The smallest of all limits along the path, as if it were straight."""
     s = np.linspace(0.0, run.path.length, max(LOOKS * len(run.path.coefficients), LEAST_LOOKS) + 1)
     first = np.abs(run.path.at(s, 1))
+    top, _, jolt = run.limits.at(s)
     with np.errstate(divide="ignore"):
-        most = [float(np.min(np.where(first > 1e-12, rows / np.maximum(first, 1e-12), np.inf))) for rows in run.limits.at(s)]
-    if not all(map(math.isfinite, most)):
+        speed, accel, decel, jerk = (
+            float(np.min(np.where(first > 1e-12, rows / np.maximum(first, 1e-12), np.inf))) for rows in (top, *run.limits.pulls(s), jolt)
+        )
+    if not all(map(math.isfinite, (speed, accel, decel, jerk))):
         return None
-    return sine_square(run.path.length, *most).law()
+    return sine_square(run.path.length, speed, accel, jerk, decel).law()
 
 
 def _added(run: Run) -> Law | None:

@@ -55,10 +55,12 @@ def tool_tops(blocks: Sequence[Block], machine: Machine) -> tuple[float, float]:
     return min(machine.path_speed, *ways, inf), min(machine.turn_speed, *turns, inf)
 
 
-def tool_pulls(block: Block, machine: Machine) -> tuple[float, float]:
-    """Acceleration of the tool (m/s2) and of its turning (rad/s2) along its way: of PTP that of the robot alone."""
-    own = (block.pace.path_accel, block.pace.path_decel) if block.kind is not Interpolation.PTP else ()
-    return min(machine.path_accel, *(each or inf for each in own), inf), machine.turn_accel
+def tool_pulls(block: Block, machine: Machine) -> tuple[tuple[float, float], float]:
+    """Acceleration and deceleration of the tool (m/s2) and acceleration of its turning (rad/s2) along its way: of PTP those of the robot
+    alone."""
+    own = (block.pace.path_accel, block.pace.path_decel) if block.kind is not Interpolation.PTP else (None, None)
+    up, down = (min(machine.path_accel, each or inf) for each in own)
+    return (up, down), machine.turn_accel
 
 
 def _reached(path: JointPath, machine: Machine, blocks: Sequence[Block], tops: tuple[float, float]) -> bool:

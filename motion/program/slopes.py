@@ -21,6 +21,7 @@ from motion.paths.corner import hermite
 from motion.paths.joints import JointPath, joint_path
 from motion.timing.law import Law
 from motion.timing.sine_square import SineSquare, sine_square
+from motion.timing.two_ramps import TwoRamps, two_ramps
 
 Array = NDArray[np.float64]
 TRIES = 24  # start times looked at between the earliest one and no overlap
@@ -55,7 +56,7 @@ class Ramped:
 
     path: JointPath
     duration: float
-    _profile: Profile | SineSquare
+    _profile: Profile | TwoRamps | SineSquare
 
     def s(self, t: float) -> tuple[float, float, float]:
         """(s, sdot, sddot) t seconds after its start; at rest before and after."""
@@ -110,14 +111,14 @@ def ramped(
     limits: Sequence[AxisLimits],
     *,
     speed: float = 1.0,
-    accel: float = 1.0,
+    accel: tuple[float, float] = (1.0, 1.0),
     tool: tuple[float, float] = (math.inf, math.inf),
-    pulls: tuple[float, float] = (math.inf, math.inf),
+    pulls: tuple[tuple[float, float], float] = ((math.inf, math.inf), math.inf),
     sine: bool = False,
 ) -> Ramped:
-    """A block with constant limits along s: the smallest its axes allow anywhere on it; shares of speed and acceleration; tool: most speed
-    (m/s) and turning (rad/s) of the tool, by the path's last two columns, pulls: its accelerations; sine: with the sine-square slope
-    (AX-575)."""
+    """A block with constant limits along s: the smallest its axes allow anywhere on it; shares of speed and of acceleration up and
+    down; tool: most speed (m/s) and turning (rad/s) of the tool, by the path's last two columns, pulls: its accelerations, way up and
+    down; sine: with the sine-square slope (AX-575)."""
     s = np.linspace(0.0, path.length, 33)
     n = path.axes
     first, second = np.abs(path.at(s, 1)), np.abs(path.at(s, 2))[:, :n]
@@ -126,15 +127,21 @@ def ramped(
     v = float(np.min(top * speed / largest))
     for most, rate in zip(tool, np.max(first[:, n:], axis=0), strict=True):
         v = min(v, most / max(float(rate), 1e-12))
-    bend = float(np.max(second / (strength * accel)))
+    bend = float(np.max(second / (strength * min(accel))))
     if bend > 0.0:  # half of the acceleration is left for the ramps
         v = min(v, math.sqrt(0.5 / bend))
-    left = strength * accel - np.max(second, axis=0) * v * v
-    pull, quickest = float(np.min(left / largest)), float(np.min(jolt / largest))
-    pull = min(pull, *(most / max(float(rate), 1e-12) for most, rate in zip(pulls, np.max(first[:, n:], axis=0), strict=True)))
+    quickest, way, turn = (float(x) for x in (np.min(jolt / largest), *np.maximum(np.max(first[:, n:], axis=0), 1e-12)))
+    bent = np.max(second, axis=0) * v * v
+    pull, drag = (
+        min(float(np.min((strength * share - bent) / largest)), own / way, pulls[1] / turn)
+        for share, own in zip(accel, pulls[0], strict=True)
+    )
     if sine:
-        shape = sine_square(path.length, v, pull, quickest)
+        shape = sine_square(path.length, v, pull, quickest, drag)
         return Ramped(path, shape.duration, shape)
+    if pull != drag:
+        ramps = two_ramps(path.length, v, (pull, drag), quickest)
+        return Ramped(path, ramps.duration, ramps)
     profile = Profile()
     profile.configure(path.length, pull, quickest)
     if not profile.to_end((0.0, 0.0, 0.0), v):

@@ -21,6 +21,7 @@ from motion.timing.interior import Rows, fastest
 from motion.timing.law import Law, check_seconds
 from motion.timing.limits import LawLimits, speed_squares
 from motion.timing.needed import needed
+from motion.timing.pulls import pull_shares, sided
 from motion.timing.slices import Work, whole
 
 Array = NDArray[np.float64]
@@ -128,9 +129,10 @@ def _differences(path: JointPath, limits: LawLimits, law: Law, period_s: float, 
     s = law.at(np.arange(phase * period_s, check_seconds(law.duration) + 4 * period_s, period_s))
     s = np.concatenate([np.full(3 if law.at_rest else 0, law.s[0]), s])
     q = path.at(s)
-    bounds = limits.at(s)
-    parts = [np.max(np.abs(np.diff(q, order, axis=0)) / period_s**order / bounds[order - 1][order:], axis=1) for order in (1, 2, 3)]
-    return s, parts
+    most, _, jolt = limits.at(s)
+    speed, jerk = (np.abs(np.diff(q, order, axis=0)) / period_s**order / rows[order:] for order, rows in ((1, most), (3, jolt)))
+    accel = pull_shares(q, period_s, limits.pulls(s)[:, 2:])
+    return s, [np.max(part, axis=1) for part in (speed, accel, jerk)]
 
 
 def _excess(path: JointPath, limits: LawLimits, law: Law) -> tuple[Array, Array, Array]:
@@ -163,13 +165,13 @@ def _guess(path: JointPath, limits: LawLimits, start: tuple[float, float, float]
 def _second(path: JointPath, limits: LawLimits, start: tuple[float, float, float], count: int, *, bends: bool = False) -> topp.Topp:
     """The acceleration-limited law on so many intervals; bends: and no faster than the jerk of the path's own bends at a steady speed."""
     s = np.linspace(start[0], path.length, count + 1)
-    _, accel, jerk = limits.at(s)
+    jerk = limits.at(s)[2]
     most = speed_squares(path, s, limits)
     if bends:
         with np.errstate(divide="ignore", invalid="ignore"):
             shares = np.nan_to_num(np.abs(path.at(s, 3)) / jerk)
             most = np.minimum(most, np.max(shares, axis=1) ** (-2 / 3))
-    return topp.solve(path.at(s, 1), path.at(s, 2), float(s[1] - s[0]), accel, most, start[1] ** 2)
+    return topp.solve(path.at(s, 1), path.at(s, 2), float(s[1] - s[0]), limits.pulls(s), most, start[1] ** 2)
 
 
 def _ramp(limits: LawLimits) -> float:
@@ -185,16 +187,17 @@ def _rows(path: JointPath, limits: LawLimits, law: Law, beta: Array, tight: Arra
     q = path.at(padded) if law.at_rest else _extended(path, padded)
     first, second = (q[3:-1] - q[1:-3]) / (2 * h), (q[3:-1] - 2 * q[2:-2] + q[1:-3]) / h**2
     thirds = np.diff(q, 3, axis=0) / h**3
-    speed, accel, jerk = limits.at(law.s)
+    speed, _, jerk = limits.at(law.s)
     speed, jerk = TOUCH * slow[:, None] * speed, JERK_USED * jerk * tight[:, None]
     some = np.any(np.isfinite(limits.speed)[None, :] | np.isfinite(speed), axis=0)
-    first, second, thirds, speed, accel, jerk = (part[:, some] for part in (first, second, thirds, speed, accel, jerk))
+    highest, lowest = sided(first, limits.pulls(law.s))
+    first, second, thirds, speed, highest, lowest, jerk = (part[:, some] for part in (first, second, thirds, speed, highest, lowest, jerk))
     none, unity = np.zeros_like(first), np.ones_like(first)
     fastest_of_all = np.argmax(np.abs(first / speed), axis=1)[:, None] == np.arange(first.shape[1])
     blocks = [(none, (first / speed) ** 2, none, unity, fastest_of_all)]
-    a1, a2 = 0.25 * first / accel / h, second / accel
-    counts = needed(np.stack([a1, a2], axis=2))
-    blocks += [(-sign * a1, sign * a2, sign * a1, unity, counts) for sign in (1.0, -1.0)]
+    both = [(0.25 * sign * first / most / h, sign * second / most) for sign, most in ((1.0, highest), (-1.0, lowest))]
+    counts = unity > 0.0 if limits.lopsided else needed(np.stack(both[0], axis=2))
+    blocks += [(-a1, a2, a1, unity, counts) for a1, a2 in both]
     side, middle = 0.75 * second / jerk / h, 0.5 * first / jerk / h**2
     flat, steep = 1.5 / np.sqrt(known) * unity, 0.5 / known**1.5  # tangent of 1 / sqrt(beta) at the beta of the round before
     for third in (thirds[:-1] / jerk, thirds[1:] / jerk):

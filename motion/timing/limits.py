@@ -22,7 +22,8 @@ class Cap:
     end: float
     column: int  # of an axis, WAY or TURNING
     speed: float = FREE
-    accel: float = FREE
+    accel: float = FREE  # speeding up
+    decel: float = FREE  # slowing down
 
 
 @dataclass(frozen=True)
@@ -41,15 +42,28 @@ class LawLimits:
         axes = np.arange(len(self.speed)) < len(self.speed) - 2
         return replace(self, accel=np.where(axes, self.accel / accel, self.accel), jerk=np.where(axes, self.jerk / jerk, self.jerk))
 
+    @property
+    def lopsided(self) -> bool:
+        """Whether somewhere speeding up and slowing down differ."""
+        return any(cap.accel != cap.decel for cap in self.caps)
+
     def at(self, s: Array) -> tuple[Array, Array, Array]:
-        """(n, axes + 2) speed, accel, jerk at these s, caps applied."""
+        """(n, axes + 2) speed, accel, jerk at these s, caps applied; accel: the smaller one where speeding up and slowing down differ."""
         shape = (len(s), len(self.speed))
-        speed, accel = np.broadcast_to(self.speed, shape).copy(), np.broadcast_to(self.accel, shape).copy()
+        speed = np.broadcast_to(self.speed, shape).copy()
         for cap in self.caps:
             inside = (s >= cap.start) & (s <= cap.end)
             speed[inside, cap.column] = np.minimum(speed[inside, cap.column], cap.speed)
-            accel[inside, cap.column] = np.minimum(accel[inside, cap.column], cap.accel)
-        return speed, accel, np.broadcast_to(self.jerk, shape)
+        return speed, np.asarray(self.pulls(s).min(axis=0)), np.broadcast_to(self.jerk, shape)
+
+    def pulls(self, s: Array) -> Array:
+        """(2, n, axes + 2) accelerations at these s, caps applied: speeding up, slowing down."""
+        found = np.broadcast_to(self.accel, (2, len(s), len(self.accel))).copy()
+        for cap in self.caps:
+            inside = (s >= cap.start) & (s <= cap.end)
+            for side, most in zip(found, (cap.accel, cap.decel), strict=True):
+                side[inside, cap.column] = np.minimum(side[inside, cap.column], most)
+        return found
 
 
 def law_limits(

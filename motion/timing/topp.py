@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from motion.errors import MotionError
 from motion.timing.needed import needed
+from motion.timing.pulls import sided
 
 Array = NDArray[np.float64]
 BIG = 1e12  # stands for no limit on b
@@ -74,11 +75,12 @@ class _Rows:
 
 
 def solve(first: Array, second: Array, step: float, accel: Array, most: Array, b_start: float = 0.0, b_end: float = 0.0) -> Topp:
-    """first, second: (n + 1, m) q' and q''; accel: (m,) or (n + 1, m) limits; most: (n + 1,) largest b the speeds allow (see speed_limit).
+    """first, second: (n + 1, m) q' and q''; accel: (m,) or (n + 1, m) limits, or (2, n + 1, m): speeding up, slowing down;
+    most: (n + 1,) largest b the speeds allow (see speed_limit).
 
     Raises MotionError where no law leads from b_start to b_end.
     """
-    rows = _rows(first, second, step, np.broadcast_to(accel, first.shape))
+    rows = _rows(first, second, step, np.broadcast_to(accel, (2, *first.shape)))
     controllable = _backward(rows, np.minimum(most, BIG), step, b_end)
     if b_start > controllable[0] * (1 + 1e-9) + 1e-15:
         raise MotionError(f"the path cannot be entered at {b_start**0.5:.6g}: at most {controllable[0] ** 0.5:.6g} can still be braked")
@@ -96,24 +98,27 @@ def _rows(first: Array, second: Array, h: float, accel: Array) -> _Rows:
     """Rows at both ends of every interval, solved for u, and what they say about b."""
     d = np.concatenate([first[:-1], first[1:] + 2 * h * second[1:]], axis=1)
     c = np.concatenate([second[:-1], second[1:]], axis=1)
-    a = np.concatenate([accel[:-1], accel[1:]], axis=1)
-    a = np.where(np.isfinite(a), a, 1e9)
-    if d.shape[1] > FEW:
-        d, c, a = _that_count(d, c, a)
+    highest, lowest = (np.concatenate([a[:-1], a[1:]], axis=1) for a in sided(first, np.where(np.isfinite(accel), accel, 1e9)))
+    if d.shape[1] > FEW and np.array_equal(highest, lowest):
+        d, c, highest = _that_count(d, c, highest)
+        lowest = highest
     flat = np.abs(d) < FLAT
     size = np.where(flat, 1.0, np.abs(d))
     slope = np.where(flat, 0.0, -c / np.where(flat, 1.0, d))
-    width = np.where(flat, BIG, a / size)
-    low0, high0 = -width, width
-    # lower row r against upper row s: -width_r + slope_r b <= width_s + slope_s b; of (r, s) and (s, r) the one that leans counts
+    up = d >= 0.0
+    high0 = np.where(flat, BIG, np.where(up, highest, lowest) / size)
+    low0 = -np.where(flat, BIG, np.where(up, lowest, highest) / size)
+    # lower row r against upper row s: low_r + slope_r b <= high_s + slope_s b; of (r, s) and (s, r) the one that leans counts
     one, two = np.triu_indices(d.shape[1], 1)
-    wide, lean = np.ascontiguousarray(width.T), np.ascontiguousarray(slope.T)
-    gap, apart = wide[one] + wide[two], np.abs(lean[one] - lean[two])
+    above, below, lean = (np.ascontiguousarray(each.T) for each in (high0, -low0, slope))
+    apart = lean[one] - lean[two]
+    gap = np.where(apart > 0.0, below[one] + above[two], above[one] + below[two])
+    apart = np.abs(apart)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = gap / apart
         ratio[apart <= FLAT] = BIG
         pairs = ratio.min(axis=0, initial=BIG)
-        alone = np.where(flat & (np.abs(c) > FLAT), a / np.abs(c), BIG).min(axis=1)
+        alone = np.where(flat & (np.abs(c) > FLAT), np.where(c > 0.0, highest, lowest) / np.abs(c), BIG).min(axis=1)
         # b at the next point may not become negative: u >= -b / 2h must leave room under every upper row
         floor = slope + 1 / (2 * h)
         stays = np.where(floor < -FLAT, high0 / np.maximum(-floor, FLAT), BIG).min(axis=1)

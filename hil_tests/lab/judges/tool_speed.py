@@ -59,19 +59,19 @@ def excess(blocks: Sequence[Block], forward: Forward, q: Array, numbers: Sequenc
     ]
     speed = np.array([min(math.dist(a.position, b.position) for a, b in each) for each in pairs]) / PERIOD_S
     turn = np.array([min(_between(a, b) for a, b in each) for each in pairs]) / PERIOD_S
-    accel = np.abs(np.diff(speed)) / PERIOD_S
-    tops = [[_asked(block, name) for block in own] for name in ("path_speed", "turn_speed", "path_accel")]
+    change = np.diff(speed) / PERIOD_S
+    tops = [[_asked(block, name) for block in own] for name in ("path_speed", "turn_speed", "path_accel", "path_decel")]
     found = []
-    for values, top in zip((speed, turn, accel), tops, strict=True):
+    for values, top in zip((speed, turn, np.maximum(change, 0.0), np.maximum(-change, 0.0)), tops, strict=True):
         width = len(top) - len(values) + 1
         allowed = np.max([top[k : k + len(values)] for k in range(width)], axis=0)
         found.append(float(np.max(values / allowed)))
-    return found[0], found[1], found[2]
+    return found[0], found[1], max(found[2:])
 
 
 def _asked(block: Block, name: str) -> float:
     value = getattr(block.pace, name)
-    path = block.kind is not Interpolation.PTP or name != "path_accel"  # which PTP knows not
+    path = block.kind is not Interpolation.PTP or name not in ("path_accel", "path_decel")  # which PTP knows not
     return float(value) if value is not None and path else math.inf
 
 
@@ -85,8 +85,8 @@ def random_blocks(dice: random.Random, count: int = 8) -> list[Block]:
     for _ in range(count):
         x, y, z = (c + dice.uniform(-0.08, 0.08) for c in (x, y, z))
         size = dice.choice((0.002, 0.01, 0.03))
-        accel = dice.choice((None, None, 2.0))
-        pace = Pace(path_speed=dice.choice((0.03, 0.1, 0.3, 1.0, 2.0)), path_accel=accel, path_decel=accel)
+        accel, decel = dice.choice(((None, None), (None, None), (2.0, 2.0), (2.0, 6.0), (6.0, 2.0), (None, 3.0)))
+        pace = Pace(path_speed=dice.choice((0.03, 0.1, 0.3, 1.0, 2.0)), path_accel=accel, path_decel=decel)
         target = PoseTarget(Pose((x, y, z), NO_ROTATION))
         blocks.append(Block(Interpolation.LINEAR, target, pace=pace, blend=Blend(Rounding.CARTESIAN, size, size)))
     return blocks

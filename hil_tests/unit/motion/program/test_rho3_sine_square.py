@@ -92,7 +92,7 @@ def test_no_other_speed_of_such_a_slope_is_quicker(case: tuple[float, float, flo
     for other in np.geomspace(1e-3, 1.0, 200) * speed:
         ramp = max(2 * other / accel, math.sqrt(2 * math.pi * other / jerk))
         if other * ramp <= length:
-            assert SineSquare(length, float(other), ramp).duration >= best * (1 - 1e-9)
+            assert SineSquare(length, float(other), ramp, ramp).duration >= best * (1 - 1e-9)
 
 
 def test_a_block_between_exact_stops_follows_it_and_the_robots_default_is_the_same() -> None:
@@ -123,7 +123,7 @@ def test_one_ramp_up_and_one_down_on_a_curve() -> None:
     speed = found.tool_speed()[found.block == 2]
     top, length = float(speed.max()), 0.3
     ramp = (np.count_nonzero(found.block == 2) - 1) * 1e-3 - length / top
-    wanted = SineSquare(length, top, ramp).states(np.arange(len(speed), dtype=np.float64) * 1e-3)[:, 1]
+    wanted = SineSquare(length, top, ramp, ramp).states(np.arange(len(speed), dtype=np.float64) * 1e-3)[:, 1]
     assert float(np.abs(speed - wanted).max()) < 0.01 * top
 
 
