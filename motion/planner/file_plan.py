@@ -16,6 +16,7 @@ from motion.planner.path_checks import Slowed
 from motion.planner.robot import Machine
 from motion.program.blocks import Block
 from motion.program.errors import BlockError
+from motion.timing.slices import Work
 
 ROUNDING = 1e-6  # of a round: REAL32 gives seven digits
 SHORTEST_US = 100  # of a time base nobody compares
@@ -138,6 +139,10 @@ class FilePlan:
     def take_marks(self) -> list[Mark]:
         """Functions in front of the block are called where it begins."""
         return [Mark(self._made[0].id, 0.0, 0, 0.0, function) for function in self.block.functions] if self._made else []
+
+    def ending(self) -> Work[None]:
+        """As motion.planner.planner.Planner: nothing."""
+        yield from ()
 
     def finish(self) -> None:
         """Nothing of it depends on what follows."""

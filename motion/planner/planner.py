@@ -162,6 +162,10 @@ class Planner:
         self._take()
         return number
 
+    def ending(self, block: Block | None = None) -> Work[None]:
+        """What the next block, or finish() (None), would work out for long, in slices; before either of them.  Raises BlockError."""
+        yield from self._route.ending(block) if isinstance(self._route, Route) else ()
+
     def finish(self) -> None:
         """The last block is run to its target and the axes stop there."""
         self._route.finish()

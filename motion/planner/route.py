@@ -38,6 +38,7 @@ from motion.program.blocks import MEASURED, Block, Called, Interpolation, JointT
 from motion.program.errors import BlockError
 from motion.program.passing import passed
 from motion.program.slopes import Clock, Ramped, earliest, frozen, overlap
+from motion.timing.slices import Work, whole
 
 EMPTY = 1e-9  # of a block: less is nothing left to run
 SMALLEST = 1e-7  # m or rad: a smaller corner is none
@@ -164,18 +165,33 @@ class Route:
         measured = self._now.measured is not None
         self._now = _State(tuple(standing), self._now.number, measured=tuple(standing) if measured else None)
 
+    def ending(self, block: Block | None = None) -> Work[None]:
+        """The row of splines that `block` does not go on with (None: the last one) is ended in slices: a long one takes seconds.  add() and
+        finish() do the same at once.  Raises BlockError."""
+        row = self._now.splines
+        if row and not (block is not None and block.kind is Interpolation.SPLINE and goes_on(row, block)):
+            kept = replace(self._now)
+            try:
+                yield from self._end_splines()
+            except MotionError as error:
+                raise self._undone(kept, kept.number, error) from error
+
     def _guarded(self, number: int, action: Callable[[], None]) -> None:
         kept = replace(self._now)
         try:
             action()
         except MotionError as error:
-            fault = told(error, number, self._machine)
-            row = kept.splines if any(fault.block == each for each, _ in kept.splines) else ()
-            self._now = replace(kept, splines=(), standing=kept.spline_start) if row else kept
-            raise fault from error
+            raise self._undone(kept, number, error) from error
+
+    def _undone(self, kept: _State, number: int, error: MotionError) -> BlockError:
+        """As before the block; without its row of splines, where one of them is the fault."""
+        fault = told(error, number, self._machine)
+        row = kept.splines if any(fault.block == each for each, _ in kept.splines) else ()
+        self._now = replace(kept, splines=(), standing=kept.spline_start) if row else kept
+        return fault
 
     def _finish(self) -> None:
-        self._end_splines()
+        whole(self._end_splines())
         if self._now.last is not None:
             self._run_out(self._now.last)
 
@@ -188,7 +204,7 @@ class Route:
         if block.kind is Interpolation.SPLINE:
             self._add_spline(number, block)
             return
-        self._end_splines()
+        whole(self._end_splines())
         leg = make_leg(number, self._carrying(block), now.standing, self._machine)
         if leg is None:
             now.carried = (*now.carried, *block.carried, *block.functions, *block.outputs)
@@ -207,7 +223,7 @@ class Route:
     def _add_spline(self, number: int, block: Block) -> None:
         now = self._now
         if not goes_on(now.splines, block):
-            self._end_splines()
+            whole(self._end_splines())
         if now.last is not None:
             self._run_out(now.last)
         check_numbers(block)
@@ -220,8 +236,8 @@ class Route:
     def _carrying(self, block: Block) -> Block:
         return replace(block, carried=self._now.carried) if self._now.carried else block
 
-    def _end_splines(self) -> None:
-        """One curve through the row of SPLINE blocks, one stretch for each of them."""
+    def _end_splines(self) -> Work[None]:
+        """One curve through the row of SPLINE blocks, one stretch for each of them: a slice each."""
         now, machine = self._now, self._machine
         if not now.splines:
             return
@@ -236,6 +252,7 @@ class Route:
                 check_end(leg.block, before, q, machine)
             except MotionError as error:
                 raise told(error, leg.number, machine) from error
+            yield
         now.standing = q
 
     # ---- stretches ---------------------------------------------------------------------------------------------------

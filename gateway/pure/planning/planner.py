@@ -7,6 +7,7 @@ to the cycle (AX-322).  A fault in a block ends the job, and what was handed on 
 
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 from gateway.pure.cycle.path_outputs import Places
 from gateway.pure.image.records.planner import (
@@ -25,6 +26,7 @@ from gateway.pure.planning.belt_statements import act_order, act_record, belts_a
 from gateway.pure.planning.cell_checks import Away, OfCell, check_acts
 from gateway.pure.planning.chain import Chain
 from gateway.pure.planning.parts import Coming, Measuring, apart, ending, told
+from gateway.pure.planning.reading import Reading
 from gateway.pure.planning.team import (
     begun_part,
     machines_in,
@@ -55,6 +57,7 @@ from motion.program.text.team import TeamReader
 from motion.sync.alterable import check_alterable
 from motion.sync.belts import Type
 from motion.sync.facts import BeltFacts
+from motion.timing.slices import Work
 
 QUIET_TURNS = 6  # turns without a new block after which what is known is run
 ALWAYS = 1 << 62
@@ -106,6 +109,7 @@ class Programs:
     _off: int = 0  # axes (bit n-1 = axis n) nobody wants on, as the program was ordered
     _belts: Sequence[BeltFacts] = ()  # as programs have set them since the cycle began (SF 21)
     _override: float = 1.0
+    _reading: Reading = field(default_factory=Reading)  # records, and lines of a program of the cell
     _placed: int = 0  # axes whose positions were set in this cycle (SF 3)
 
     def turn(
@@ -132,15 +136,14 @@ class Programs:
         self._override = override
         if generation != self.generation:
             self.generation, self._belts, self._placed = generation, self.belts, 0  # a start-up of the control
+            self._reading.forget()
             self._drop()
             self.workpiece.started_up()
             self._out.clear()
         if failed and failed == self.state.job:
             self._drop()
         self._quiet += 1
-        for record in records:
-            self._off = off if record.say is Say.RUN else 0 if record.say is Say.BEGIN else self._off
-            self._heard(record, standing)
+        self._listen(records, off, standing)
         if self.state.job and self._handed and parts != self._parts:
             self._measured = measured
             self._go_on(standing, engaged, met=met)
@@ -164,11 +167,21 @@ class Programs:
             self._belts = tuple(replace(each, kind=Type(kind), tolerance=tolerance) for each, (kind, tolerance) in rows)
 
     # ---- what is said ------------------------------------------------------------------------------------------------------
-    def _heard(self, record: BlockRecord, standing: Sequence[float]) -> None:
-        self._quiet = 0
-        if record.say is Say.DROP:
-            self._drop()
-            return
+    def _listen(self, records: Sequence[BlockRecord], off: int, standing: Sequence[float]) -> None:
+        """New records, up to one that takes long: prepare() goes on with it, and the next turn with what comes behind."""
+        for record in records:
+            if record.say is Say.DROP:
+                self._reading.forget()
+                self._drop()
+            else:
+                self._reading.put(partial(self._heard, record, off, standing))
+        while self._reading.busy:
+            self._quiet = 0
+            if not self._reading.go():
+                break
+
+    def _heard(self, record: BlockRecord, off: int, standing: Sequence[float]) -> Work[None]:
+        self._off = off if record.say is Say.RUN else 0 if record.say is Say.BEGIN else self._off
         if record.say is Say.BEGIN and self.state.job and not self._ended:
             return  # one stream at a time; whoever orders sees that its job did not begin
         if record.say in (Say.BEGIN, Say.RUN):
@@ -176,7 +189,7 @@ class Programs:
         if record.job != self.state.job:
             return
         try:
-            self._obey(record, standing)
+            yield from self._obey(record, standing)
         except MotionError as error:
             self._fail(error)
 
@@ -191,7 +204,7 @@ class Programs:
         self.slowing.begin()
         self.workpiece.begin()
 
-    def _obey(self, record: BlockRecord, standing: Sequence[float]) -> None:
+    def _obey(self, record: BlockRecord, standing: Sequence[float]) -> Work[None]:
         if record.say is Say.RUN:
             order = run_of(record)
             self._factors = Factors(order.velocity, order.acceleration, order.acceleration)
@@ -199,14 +212,15 @@ class Programs:
             self._lines = enumerate(self.text_of(order.number).splitlines(), 1)
             return
         if record.text:
-            self._statement(record.text, 0, standing)
+            yield from self._statement(record.text, 0, standing)
         if record.say is Say.FINISH and self._planner is not None:
+            yield from self._planner.ending()
             self._planner.finish()
             self._quiet = QUIET_TURNS
         if record.say is Say.END:
-            self._end()
+            yield from self._end()
 
-    def _statement(self, text: str, line: int, standing: Sequence[float]) -> None:
+    def _statement(self, text: str, line: int, standing: Sequence[float]) -> Work[None]:
         self._reader = reader_for(text, self._reader)
         self._reader.statement(text, line)
         for read in self._reader.take():
@@ -226,7 +240,7 @@ class Programs:
             else:
                 check_alterable(block, self._last, len(self._line_of), option=kinematic in self.altered)
                 self._last = block
-                self._add(planner, block)
+                yield from self._add(planner, block)
             self._trial.armed_by(block)
 
     def _adding(self, standing: Sequence[float]) -> Planner:
@@ -236,12 +250,14 @@ class Programs:
             planner = self._planner = self._made(standing)
         return planner
 
-    def _add(self, planner: Planner, block: Block) -> None:
+    def _add(self, planner: Planner, block: Block) -> Work[None]:
         """A block that ends with an input, waits for one or goes to @MPOS, and a part on a belt, are parts of their own: where they begin
         or end is known only then.  What comes after is tried as if the part had reached its target, the belt where it was programmed."""
         if self._trial.begun or apart(block):
+            yield from self._trial.ending(planner, block)
             self._trial.add(planner, block, len(self._line_of), self.kinematic_of(planner.robot))
         else:
+            yield from planner.ending(block)
             self._add_whole(planner, block)
 
     def _add_whole(self, planner: Planner, block: Block | Shared) -> None:
@@ -251,9 +267,10 @@ class Programs:
             own = slice(first, first + machine.axes)
             away.check(before[own], planner.standing[own], len(self._line_of), machine, self.mask_of(machine))
 
-    def _behind(self, standing: Sequence[float]) -> None:
+    def _behind(self, standing: Sequence[float]) -> Work[None]:
         """What is done at rest behind the last block."""
         if self._reader.acts:
+            yield from self._trial.ending(self._adding(standing))
             self._trial.behind(self._adding(standing), self._reader.acts, len(self._line_of), self._reader.labels.label)
         if any(systems := systems_of(self._reader)):
             self.workpiece.behind(systems, len(self._line_of) + 1, self._adding(standing).machine, self.kinematic_of)
@@ -319,11 +336,12 @@ class Programs:
         self._out += [*part.begins(job, generation, self.kinematic_of(machines_in(planner.machine)[0])), *records]
         self._mark(at_rest(each) for each in planner.left())
 
-    def _end(self) -> None:
-        self._ended = True
+    def _end(self) -> Work[None]:
         if isinstance(self._planner, Planner):
+            yield from self._planner.ending()
             self._planner.finish()
             self._trial.check_done(len(self._line_of), self._planner.left())
+        self._ended = True
         self._quiet = QUIET_TURNS
 
     def _made(self, standing: Sequence[float]) -> Planner:
@@ -335,22 +353,25 @@ class Programs:
 
     @property
     def preparing(self) -> bool:
-        """A program of the cell is not read to its end yet."""
-        return self._lines is not None
+        """A program of the cell is not read to its end yet, or a statement takes long."""
+        return self._lines is not None or self._reading.busy
 
     def prepare(self, standing: Sequence[float]) -> None:
-        """One more line of it: its block is tried from where the one before ends, and nothing moves meanwhile."""
-        if self._lines is None:
-            return
+        """One more line of it, or a slice of one: its block is tried from where the one before ends, and nothing of it moves meanwhile."""
+        if self._lines is not None and not self._reading.busy:
+            self._reading.put(partial(self._line, self._lines, standing))
+        self._reading.go()
+
+    def _line(self, lines: Iterator[tuple[int, str]], standing: Sequence[float]) -> Work[None]:
         try:
-            number, text = next(self._lines, (0, ""))
+            number, text = next(lines, (0, ""))
             if number:
-                self._statement(text, number, standing)
+                yield from self._statement(text, number, standing)
             else:
-                self._lines = None
                 self._reader.ended()
-                self._behind(standing)
-                self._end()
+                yield from self._behind(standing)
+                yield from self._end()
+                self._lines = None
         except MotionError as error:
             self._fail(error)
 
@@ -380,10 +401,12 @@ class Programs:
             self.state, failed_job=job, fault=words, fault_block=block, fault_code=code, job=0, ended=True, waiting=0, warning=""
         )
         self._planner, self._ended, self._lines = None, True, None
+        self._reading.stop()
         self._out.append(PieceRecord(Part.FAULT, job, self.generation))
 
     def _drop(self) -> None:
         self._planner, self._ended, self._lines = None, True, None
+        self._reading.stop()
         self._chain.begin()
         self.state = replace(self.state, job=0, waiting=0, ended=True, warning="")
 

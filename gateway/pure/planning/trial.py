@@ -20,6 +20,7 @@ from motion.program.blocks import MEASURED, Act, Block, Called, Flying, Output
 from motion.program.errors import BlockError
 from motion.program.team import Shared
 from motion.sync.facts import BeltFacts
+from motion.timing.slices import Work
 
 LEAST = 1e-3  # velocity factor of an order
 
@@ -81,6 +82,16 @@ class Trial:
     def begun(self) -> bool:
         """Parts are looked at by themselves from here on."""
         return self._route is not None
+
+    def ending(self, planner: Planner, block: Block | None = None) -> Work[None]:
+        """Before add() and behind(): what they would work out for long, in slices (motion.planner.route.Route.ending)."""
+        if self._route is None:
+            yield from planner.ending()
+        elif isinstance(self._route, Route):
+            try:
+                yield from self._route.ending(block)
+            except BlockError as error:
+                raise told(error, self._tried) from error
 
     def add(self, planner: Planner, block: Block, number: int, kinematic: int) -> None:
         """The block is tried as if the part before had reached its target, the belt where it was programmed; BlockError.  kinematic:

@@ -1,0 +1,44 @@
+"""What the planner reads, one statement after the other, each in slices: a row of splines takes seconds, and the planner must show life and
+hand on pieces meanwhile.  Pure.
+"""
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from motion.timing.slices import Slices, Work
+
+
+@dataclass
+class Reading:
+    """In the order in which it came."""
+
+    _waiting: deque[Callable[[], Work[None]]] = field(default_factory=deque)
+    _now: Slices[None] | None = None
+
+    @property
+    def busy(self) -> bool:
+        """Something is not read to its end."""
+        return self._now is not None or bool(self._waiting)
+
+    def put(self, work: Callable[[], Work[None]]) -> None:
+        """One more; it begins when what came before is done."""
+        self._waiting.append(work)
+
+    def go(self) -> bool:
+        """A slice of the first; True: that one is done."""
+        if self._now is None and self._waiting:
+            self._now = Slices(self._waiting.popleft()())
+        now = self._now
+        if now is not None and now.go():
+            self._now = None
+        return self._now is None
+
+    def stop(self) -> None:
+        """The one under way is not read on; what waits may belong to another job."""
+        self._now = None
+
+    def forget(self) -> None:
+        """All of it."""
+        self._waiting.clear()
+        self.stop()
