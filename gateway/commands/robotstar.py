@@ -3,10 +3,12 @@
 import argparse
 import json
 import sys
+from pathlib import Path
 
-from gateway.files.robotstar import FolderFault, sources, words
+from gateway.files.robotstar import FolderFault, sources, text_of, words, write
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.robotstar.checker import check
+from gateway.pure.languages.robotstar.listing import PointFault, import_listing, points_of
 from gateway.pure.languages.robotstar.memory import Memory
 from gateway.pure.languages.robotstar.robot import MODES
 from gateway.pure.languages.robotstar.virtual import NS, OrderFault, VirtualCell, orders
@@ -25,12 +27,12 @@ def main(argv: list[str]) -> int:
         "axisgate robotstar", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parts = parser.add_subparsers(dest="part", required=True, metavar="check|run|import")
-    for name, add in (("check", _check_options), ("run", _run_options)):
+    for name, add in (("check", _check_options), ("run", _run_options), ("import", _import_options)):
         add(parts.add_parser(name, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter))
     options = parser.parse_args(argv)
     try:
-        return {"check": _check, "run": _run}[options.part](options)
-    except (FolderFault, OrderFault) as fault:
+        return {"check": _check, "run": _run, "import": _import}[options.part](options)
+    except (FolderFault, OrderFault, PointFault) as fault:
         print(f"axisgate robotstar: {fault}", file=sys.stderr)
         return Exit.INVALID
 
@@ -47,6 +49,13 @@ def _run_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--mode", choices=sorted(MODES), default="auto")
     parser.add_argument("--until", type=_seconds, metavar="S", help="end of the virtual time (default 600)")
     parser.add_argument("--at", action="append", default=[], metavar='"S WHAT"', help='order at a time: "1.5 E0.6=1", "2 START", "3 F2"')
+    parser.add_argument("--json", action="store_true")
+
+
+def _import_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("listing", type=Path, metavar="LISTING", help="text of a printed listing")
+    parser.add_argument("--points", type=Path, metavar="CSV", help="name,X,Y,Z,A,B,C[,Frame,A7..] of the positions")
+    parser.add_argument("--to", type=Path, metavar="FOLDER", help="writes the programs there; otherwise they are printed")
     parser.add_argument("--json", action="store_true")
 
 
@@ -87,3 +96,19 @@ def _run(options: argparse.Namespace) -> int:
             print(f"{event['at']:>10} {event['what']} {event['value']}")
         print(f"{end['state']}: program {end['program']}, step {end['step']}")
     return Exit.FINDING if end["state"] == "error" else Exit.OK
+
+
+def _import(options: argparse.Namespace) -> int:
+    points = points_of(text_of(options.points)) if options.points else {}
+    found = import_listing(text_of(options.listing), words(), points, options.listing.stem.upper())
+    if options.to:
+        write(options.to, found.files)
+    notes = [{"line": note.line, "text": note.text} for note in found.notes]
+    if options.json:
+        print(json.dumps({"files": found.files, "notes": notes}, indent=1, ensure_ascii=False))
+    else:
+        for name, text in found.files.items():
+            print(f"{name}: written to {options.to}" if options.to else f"{name}\n{text}")
+        for note in notes:
+            print(f"{options.listing}:{note['line']}: {note['text']}", file=sys.stderr)
+    return Exit.FINDING if any("not printed" in str(note["text"]) for note in notes) or not found.files else Exit.OK

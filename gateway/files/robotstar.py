@@ -2,7 +2,7 @@
 
 import importlib.resources
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from gateway.pure.languages.robotstar.memory import Source
@@ -49,3 +49,16 @@ def text_of(path: Path) -> str:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:
         return data.decode("cp1252", errors="replace")
+
+
+def write(folder: Path, files: Mapping[str, str]) -> None:
+    """Writes programs; FolderFault where one is there already: nothing is overwritten."""
+    there = [name for name in files if (folder / name).exists()]
+    if there:
+        raise FolderFault(f"{folder} holds {', '.join(there)} already; name an empty folder")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, text in files.items():
+            (folder / name).write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise FolderFault(f"{folder}: {error.strerror}") from None

@@ -1,0 +1,184 @@
+"""Printed listings become programs of a memory; what was repaired or is missing is named by line.  Source: L322-338, L592-606, L4348-4649.
+
+A listing may be a table with bars, a numbered list, a block of code, with or without step numbers; several programs may follow one
+another, each with its head.
+"""
+
+import csv
+import difflib
+import re
+import unicodedata
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from gateway.pure.languages.robotstar.path import CARTESIAN
+from gateway.pure.languages.robotstar.program import HEADS
+from gateway.pure.languages.robotstar.words import Words
+
+QUOTES = str.maketrans({"„": '"', "“": '"', "”": '"', "»": '"', "«": '"', "\u2013": "-", "\u00a0": " ", "\u2019": "'"})
+_NUMBER = re.compile(r"S?\s*(\d+)\s*[.:)]?(\s+|$)", re.IGNORECASE)
+_WORD = re.compile(r"(\\?\s*)([^\W\d][\w-]*)(.*)", re.DOTALL)
+_POSITION = re.compile(r"#[NP]\b|\b[XYZABC]\s*:|\bA\d+\s*:", re.IGNORECASE)
+ALIKE = 0.84  # likeness of a misread word to a command
+
+
+class PointFault(ValueError):
+    """The table of points cannot be read."""
+
+
+@dataclass(frozen=True, slots=True)
+class Note:
+    """What was repaired, or is missing, in a line of the listing."""
+
+    line: int
+    text: str
+
+
+@dataclass(slots=True)
+class Imported:
+    """Programs as files of a memory (name -> text) and the notes."""
+
+    files: dict[str, str] = field(default_factory=dict)
+    notes: list[Note] = field(default_factory=list)
+
+
+@dataclass(slots=True)
+class _Open:
+    """The program that is being read."""
+
+    name: str
+    kind: str
+    steps: list[str]
+    ended: bool = False
+    last: int = 0  # step number printed last
+
+
+def points_of(text: str) -> dict[str, str]:
+    """Parameters of POSITION by the name of a point: columns name, X..C, optional Frame and axes; PointFault with a sentence."""
+    rows = list(csv.reader(text.splitlines(), delimiter=";" if text.partition("\n")[0].count(";") else ","))
+    if not rows or not rows[0] or rows[0][0].strip().lower() != "name":
+        raise PointFault("the first line of the table of points names the columns: name,X,Y,Z,A,B,C[,Frame,A7..]")
+    head = [column.strip().upper() for column in rows[0]]
+    if any(column not in (*CARTESIAN, "FRAME") and not re.fullmatch(r"A\d{1,2}", column) for column in head[1:]):
+        raise PointFault(f"columns are name, {', '.join(CARTESIAN)}, Frame, A1 .. A24; there is {', '.join(head[1:])}")
+    found: dict[str, str] = {}
+    for number, row in enumerate(rows[1:], 2):
+        if not any(cell.strip() for cell in row):
+            continue
+        values = [cell.strip() for cell in row[1:]]
+        if len(row) != len(head) or any(not re.fullmatch(r"[+-]?\d+(\.\d+)?", value) for value in values if value):
+            raise PointFault(f"line {number}: {len(head)} columns with a name and numbers with a decimal point are needed")
+        found[_plain(row[0])] = ", ".join(
+            f"{'Frame' if name == 'FRAME' else name}:{value}" for name, value in zip(head[1:], values, strict=True) if value
+        )
+    return found
+
+
+def _plain(name: str) -> str:
+    return " ".join(name.strip().strip('<>"').upper().split())
+
+
+def import_listing(text: str, words: Words, points: Mapping[str, str] | None = None, name: str = "LISTING") -> Imported:
+    """All programs of a listing.  `name` is that of a program without a head."""
+    result = Imported()
+    program: _Open | None = None
+    for number, line in enumerate(text.splitlines(), 1):
+        printed, step = _step(number, line, words, points or {}, result.notes)
+        if step is None:
+            if printed and program is not None:
+                result.notes.append(Note(number, f"step {printed} is not printed"))
+                program.last = printed
+            continue
+        word = step.lstrip("\\").split(None, 1)[0].rstrip(":").upper()
+        if words.words.get(word) in HEADS and not step.startswith("\\"):
+            _close(program, result, number)
+            program = _head(step, word, words)
+            program.last = printed
+            continue
+        if program is None or program.ended:
+            program = _Open(name, "MPR", [f'MPR "{name}"'])
+            result.notes.append(Note(number, f"the head is not printed; main program {name} is assumed"))
+        elif printed > program.last + 1 > 1:
+            result.notes.append(Note(number, f"steps {program.last + 1} to {printed - 1} are not printed"))
+        program.last = printed or program.last
+        program.steps.append(step)
+        if words.words.get(word) == "END":
+            _close(program, result, number)
+    _close(program, result, len(text.splitlines()))
+    return result
+
+
+def _head(step: str, word: str, words: Words) -> _Open:
+    kind = words.words[word]
+    rest = step.split(None, 1)[1] if " " in step else ""
+    quoted = re.match(r"[\"']([^\"']+)[\"']|<([^>]+)>|([^\s(]+)", rest.removeprefix("name:").strip())
+    name = re.sub(r"[^\w$-]+", "_", (quoted[1] or quoted[2] or quoted[3]) if quoted else "LISTING").strip("_") or "LISTING"
+    return _Open(name.upper(), kind, [f'{kind} "{name.upper()}"'])
+
+
+def _close(program: _Open | None, result: Imported, line: int) -> None:
+    """Writes a program down; END is added where the print ends before it."""
+    if program is None or program.ended:
+        return
+    if program.steps[-1].split()[0].upper() not in ("END", "ENDE"):
+        result.notes.append(Note(line, f"{program.name}: END is not printed; it is added"))
+        program.steps.append("END")
+    program.ended = True
+    file, number = f"{program.name}.{program.kind}", 1
+    while file in result.files:
+        number += 1
+        file = f"{program.name}_{number}.{program.kind}"
+        program.steps[0] = f'{program.kind} "{program.name}_{number}"'
+    result.files[file] = "".join(f"{number:<4} {step}\n" for number, step in enumerate(program.steps, 1))
+
+
+def _step(number: int, line: str, words: Words, points: Mapping[str, str], notes: list[Note]) -> tuple[int, str | None]:
+    """(step number printed or 0, the step); None for a line that holds none."""
+    text = line.translate(QUOTES).replace("**", "").strip()
+    if text.startswith(("```", "#")) or re.fullmatch(r"[|\s:-]*", text):
+        return 0, None
+    if text.startswith("|"):
+        text = " ".join(cell.strip() for cell in text.strip("|").split("|")).strip()
+    found = _NUMBER.match(text)
+    printed = int(found[1]) if found else 0
+    text = text[found.end() :].strip() if found else text
+    if not text:
+        return printed, None
+    if text.startswith('"') and text.count('"') % 2:
+        notes.append(Note(number, "a quotation mark without its other is left out"))
+        text = text[1:].strip()
+    matched = _WORD.match(text)
+    if not matched:
+        notes.append(Note(number, f"{text[:40]!r} is no step and left out"))
+        return printed, None
+    word = _repaired(number, matched[2], words, notes, certain=bool(printed))
+    if not word:
+        return printed, None
+    return printed, f"{matched[1].strip()}{word}{_parameters(number, word, matched[3], words, points, notes)}"
+
+
+def _repaired(number: int, word: str, words: Words, notes: list[Note], certain: bool) -> str:
+    """The word, a misread one put right; "" where a line without a number is no step."""
+    if word.upper() in words.words or (word.startswith("_") and word.isupper()):
+        return word
+    bare = "".join(sign for sign in unicodedata.normalize("NFKD", word.upper()) if not unicodedata.combining(sign))
+    near = [bare] if bare in words.words else difflib.get_close_matches(bare, list(words.words), 1, ALIKE)
+    if near and (certain or near[0] == bare):
+        notes.append(Note(number, f"{word} is read as {near[0]}"))
+        return near[0]
+    if certain or word.isupper():
+        notes.append(Note(number, f"{word} is no command; it is kept as the call of a macro"))
+        return word
+    notes.append(Note(number, f"{word} .. is no step and left out"))
+    return ""
+
+
+def _parameters(number: int, word: str, rest: str, words: Words, points: Mapping[str, str], notes: list[Note]) -> str:
+    if words.words.get(word.upper()) != "POSITION" or _POSITION.search(rest) or re.match(r"\s*variable\s*:", rest, re.IGNORECASE):
+        return f" {rest.strip()}" if rest.strip() and not rest.startswith((":", "[")) else rest.rstrip()
+    rest = rest.partition("<")[0].strip() or rest.strip() if re.match(r"\s*\w+\s+<", rest) else rest.strip()  # A <start point>
+    name = _plain(rest)
+    if name in points:
+        return f" #N, {points[name]}"
+    notes.append(Note(number, f"POSITION {name or 'without a name'}: the values are not printed; give them with --points"))
+    return f" {rest}" if rest else ""
