@@ -46,6 +46,14 @@ class SioCore:
                 line.want(now)
         self._also: list[AnyCall] = []  # finished while another instruction began; told with the next wake
 
+    def declare(self, channel: Channel, now: Ns) -> None:
+        """A channel that comes later.  Raises ValueError listing its faults."""
+        if faults := [*channel.faults(), *([f"sio channel {channel.name}: declared twice"] if channel.name in self._lines else [])]:
+            raise ValueError("; ".join(faults))
+        line = self._lines[channel.name] = Line(channel, self._next_number)
+        if channel.kind is Kind.SERIAL:
+            line.want(now)
+
     # ------------------------------------------------------------------------------------------------- variables
 
     def variable(self, link: str | None = None) -> Sio:

@@ -1,0 +1,199 @@
+"""Instructions on any variable, arrays and collections.  Source: VAL 3 reference 2.5.4-2.5.6, L1055-1355; doubt D47."""
+
+from collections.abc import Callable
+
+from gateway.pure.languages.val3.errors import Rte
+from gateway.pure.languages.val3.model import MOST_VALUES
+from gateway.pure.languages.val3.values import Container, Grid, Structure, copied, rounded
+
+Maker = Callable[[], object]
+
+
+class Local(tuple[list[object], int]):
+    """A local array as a parameter of an instruction: it does not grow."""
+
+    def __new__(cls, values: list[object], start: int) -> "Local":
+        """Container and first place."""
+        return super().__new__(cls, (values, start))  # type: ignore[type-var]  # a tuple of two
+
+
+def ix(index: float) -> int:
+    """An index to the nearest whole number; 21 below 0.  Above the size the list itself raises."""
+    return rounded(index)
+
+
+def key(collection: dict[str, object], name: str) -> str:
+    """A key that is there; 23 for an empty one, 25."""
+    if name in collection:
+        return name
+    raise Rte(25 if name else 23, f"key {name!r}")
+
+
+def store(container: dict[object, object], place: object, value: object) -> object:
+    """= of plain values, as an expression."""
+    container[place] = value
+    return value
+
+
+def take(target: Structure, value: object) -> object:
+    """= of structures, as an expression."""
+    if target is not value:
+        target.set(value if not isinstance(value, Structure) else value.copy())
+    return target
+
+
+def field_list(owner: object, name: object) -> list[object]:
+    """One value of a collection or one field as an array of one."""
+    return _Window(owner, name)
+
+
+class _Window(list[object]):
+    """A list of one element that lies in something else."""
+
+    def __init__(self, owner: object, name: object) -> None:
+        super().__init__([None])
+        self.owner, self.name = owner, name
+
+    def __getitem__(self, at: object) -> object:  # type: ignore[override]  # index 0 or slices of it
+        if isinstance(at, slice):
+            return [self.owner[self.name]][at]  # type: ignore[index]  # a collection or a structure
+        if at != 0:
+            raise IndexError
+        return self.owner[self.name]  # type: ignore[index]
+
+    def __setitem__(self, at: object, value: object) -> None:  # type: ignore[override]
+        if isinstance(at, slice):
+            made = [self.owner[self.name]]  # type: ignore[index]
+            made[at] = value  # type: ignore[call-overload]
+            value = made[0]
+        elif at != 0:
+            raise IndexError
+        self.owner[self.name] = value  # type: ignore[index]
+
+
+def f_size(container: Container, offset: object) -> float:
+    """Elements, from `offset` on."""
+    if isinstance(container, list) and isinstance(offset, int):
+        return float(max(len(container) - offset, 0))
+    return float(len(container)) if not isinstance(container, Grid) else float(container.dims[0])
+
+
+def f_size_of(container: Container, offset: object, dimension: float) -> float:
+    """Of a dimension, counted from 1; 0 where there is none."""
+    which = rounded(dimension)
+    if isinstance(container, Grid):
+        return float(container.dims[which - 1]) if 1 <= which <= len(container.dims) else 0.0
+    return f_size(container, offset) if which == 1 else 0.0
+
+
+def f_is_defined(find: Callable[[], Container], offset: int, place: tuple[object, ...] | None) -> bool:
+    """Whether the element, the key or the datum of a library is there."""
+    try:
+        container = find()
+    except Rte:
+        return False
+    if place is None:
+        return True
+    if isinstance(container, dict):
+        return place[0] in container
+    try:
+        numbers = [rounded(float(each)) for each in place if isinstance(each, float | int)]
+    except Rte:
+        return False
+    sizes = container.dims if isinstance(container, Grid) else (len(container) - offset,)
+    return all(number < size for number, size in zip(numbers, sizes, strict=True))
+
+
+def _growing(container: Container, local: bool, more: int = 1) -> None:
+    if local:
+        raise Rte(71)
+    if not isinstance(container, Grid) and len(container) + more > MOST_VALUES:
+        raise Rte(40, f"more than {MOST_VALUES} values")
+
+
+def f_insert(container: Container, place: object, make: Maker, local: bool) -> bool:
+    """A new value at an index or under a key; false: the key is there."""
+    if isinstance(container, dict):
+        name = str(place)
+        if not name:
+            raise Rte(23)
+        if name in container:
+            return False
+        _growing(container, local)
+        container[name] = make()
+        return True
+    _growing(container, local)
+    if not isinstance(container, list) or not isinstance(place, int) or place > len(container):
+        raise Rte(20, f"index {place}")
+    container.insert(place, make())
+    return True
+
+
+def f_delete(container: Container, place: object, make: Maker, local: bool) -> bool:
+    """Removes a value; the last one of an array stays: 70 (D47)."""
+    if isinstance(container, dict):
+        del container[key(container, str(place))]
+        return True
+    if local:
+        raise Rte(71)
+    if not isinstance(container, list) or not isinstance(place, int) or place >= len(container):
+        raise Rte(20, f"index {place}")
+    if len(container) == 1:
+        raise Rte(70, "an array keeps one element")
+    del container[place]
+    return True
+
+
+def f_append(container: list[object], make: Maker, local: bool) -> None:
+    """A new value at the end."""
+    _growing(container, local)
+    container.append(make())
+
+
+def f_resize(container: Container, dimension: float, size: float, make: Maker, local: bool) -> None:
+    """Adds or drops values at the end of a dimension."""
+    if local:
+        raise Rte(71)
+    which, wanted = rounded(dimension), rounded(size)
+    dims = container.dims if isinstance(container, Grid) else (len(container),)
+    if not 1 <= which <= len(dims) or wanted < 1:
+        raise Rte(70, f"resize of dimension {which} to {wanted}")
+    if isinstance(container, Grid):
+        container.resize(which - 1, wanted, make)
+    elif isinstance(container, list):
+        if wanted > MOST_VALUES:
+            raise Rte(40, f"{wanted} values, {MOST_VALUES} at most")
+        del container[wanted:]
+        container.extend(make() for _ in range(wanted - len(container)))
+
+
+def f_first(container: dict[str, object]) -> str:
+    """The first key in alphabetical order."""
+    return min(container, default="")
+
+
+def f_last(container: dict[str, object]) -> str:
+    """The last key."""
+    return max(container, default="")
+
+
+def f_next(container: dict[str, object], name: str) -> str:
+    """The key behind this one; "" behind the last."""
+    return min((each for each in container if each > key(container, name)), default="")
+
+
+def f_prev(container: dict[str, object], name: str) -> str:
+    """The key in front of this one."""
+    return max((each for each in container if each < key(container, name)), default="")
+
+
+def copy_values(source: list[object], start: int, target: list[object], first: int) -> int:
+    """Until one of the two ends; how many."""
+    amount = min(len(source) - start, len(target) - first)
+    for at in range(amount):
+        mine = target[first + at]
+        if isinstance(mine, Structure):
+            mine.set(copied(source[start + at]))
+        else:
+            target[first + at] = source[start + at]
+    return amount

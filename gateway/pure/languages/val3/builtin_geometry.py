@@ -1,0 +1,252 @@
+"""trsf, frame, tool, point, joint and config instructions, on the mathematics of motion.val3.  Source: VAL 3 reference 9, L4496-5349."""
+
+from collections.abc import Callable
+
+from gateway.pure.languages.val3.errors import Rte
+from gateway.pure.languages.val3.instance import Instance
+from gateway.pure.languages.val3.values import ConfigV, FrameV, JointV, PointV, ToolV, TrsfV
+from motion.kinematics.base import Configuration, Elbow, Shoulder, Wrist
+from motion.val3 import cartesian, trsf
+from motion.val3.trsf import Trsf
+
+DEEPEST = 100
+INCH = 25.4
+
+
+def scale_of(own: Instance) -> float:
+    """mm in a length unit of the application."""
+    return 1.0 if own.loaded.app.millimetres else INCH
+
+
+def trsf_in(own: Instance, value: TrsfV) -> Trsf:
+    """In mm."""
+    s = scale_of(own)
+    return Trsf(value.x * s, value.y * s, value.z * s, value.rx, value.ry, value.rz)
+
+
+def trsf_out(own: Instance, value: Trsf) -> TrsfV:
+    """In the length unit of the application."""
+    s = scale_of(own)
+    return TrsfV(value.x / s, value.y / s, value.z / s, value.rx, value.ry, value.rz)
+
+
+def frame_in(own: Instance, value: FrameV, depth: int = 0) -> cartesian.Frame:
+    """With all it hangs on."""
+    if depth > DEEPEST:
+        raise Rte(165, "frames linked in a ring")
+    father = frame_in(own, value.father, depth + 1) if value.father is not None else None
+    return cartesian.Frame(trsf_in(own, value.trsf), father, value.root)
+
+
+def tool_in(own: Instance, value: ToolV, depth: int = 0) -> cartesian.Tool:
+    """With all it hangs on."""
+    if depth > DEEPEST:
+        raise Rte(165, "tools linked in a ring")
+    father = tool_in(own, value.father, depth + 1) if value.father is not None else None
+    return cartesian.Tool(trsf_in(own, value.trsf), father, value.root)
+
+
+def config_in(value: ConfigV) -> Configuration:
+    """The words as what the kinematics takes."""
+    return Configuration(Shoulder(value.shoulder), Elbow(value.elbow), Wrist(value.wrist))
+
+
+def config_out(value: Configuration) -> ConfigV:
+    """As words."""
+    return ConfigV(value.shoulder.value, value.elbow.value, value.wrist.value)
+
+
+def point_in(own: Instance, value: PointV) -> cartesian.Point:
+    """With its frame."""
+    check_family(own, value.family)
+    frame = frame_in(own, value.father) if value.father is not None else None
+    return cartesian.Point(trsf_in(own, value.trsf), config_in(value.config), frame)
+
+
+def check_family(own: Instance, family: str) -> None:
+    """81 for values of another arm."""
+    if family and own.machine.family and family != own.machine.family:
+        raise Rte(81, f"a value of an {family.upper()} arm")
+
+
+def joint_in(own: Instance, value: JointV) -> tuple[float, ...]:
+    """Degrees and mm; 81."""
+    check_family(own, value.family)
+    return value.numbers()
+
+
+# ---- operators -------------------------------------------------------------------------------------------------------------
+
+
+def _axes(first: JointV, second: JointV, rule: Callable[[float, float], float]) -> JointV:
+    return JointV([rule(a, b) for a, b in zip(first.numbers(), second.numbers(), strict=False)], first.count, first.family)
+
+
+def joint_sum(own: Instance, first: JointV, second: JointV) -> JointV:
+    """+ by fields."""
+    return _axes(first, second, lambda a, b: a + b)
+
+
+def joint_difference(own: Instance, first: JointV, second: JointV) -> JointV:
+    """- by fields."""
+    return _axes(first, second, lambda a, b: a - b)
+
+
+def joint_above(own: Instance, first: JointV, second: JointV) -> bool:
+    """Every field is greater."""
+    return all(a > b for a, b in zip(first.numbers(), second.numbers(), strict=False))
+
+
+def joint_below(own: Instance, first: JointV, second: JointV) -> bool:
+    """Every field is smaller."""
+    return all(a < b for a, b in zip(first.numbers(), second.numbers(), strict=False))
+
+
+def f_abs_joint(own: Instance, joint: JointV) -> JointV:
+    """Magnitude by fields."""
+    return JointV([abs(value) for value in joint.numbers()], joint.count, joint.family)
+
+
+def trsf_product(own: Instance, first: TrsfV, second: TrsfV) -> TrsfV:
+    """*: composition."""
+    return TrsfV(*trsf.times(Trsf(*first.numbers()), Trsf(*second.numbers())))
+
+
+def trsf_inverse(own: Instance, value: TrsfV) -> TrsfV:
+    """!."""
+    return TrsfV(*trsf.inverted(Trsf(*value.numbers())))
+
+
+# ---- trsf ------------------------------------------------------------------------------------------------------------------
+
+
+def f_distance_trsf(own: Instance, first: TrsfV, second: TrsfV) -> float:
+    """Of the translations."""
+    return trsf.distance(Trsf(*first.numbers()), Trsf(*second.numbers()))
+
+
+def f_interpolate_l(own: Instance, start: TrsfV, end: TrsfV, position: float) -> TrsfV:
+    """70 outside ]-1, 2[."""
+    return TrsfV(*trsf.interpolate_l(Trsf(*start.numbers()), Trsf(*end.numbers()), position))
+
+
+def f_interpolate_c(own: Instance, start: TrsfV, middle: TrsfV, end: TrsfV, position: float) -> TrsfV:
+    """550 .. 553 where there is no arc."""
+    return TrsfV(*trsf.interpolate_c(Trsf(*start.numbers()), Trsf(*middle.numbers()), Trsf(*end.numbers()), position))
+
+
+def f_align(own: Instance, value: TrsfV, reference: TrsfV) -> TrsfV:
+    """z along the nearest axis of the reference."""
+    return TrsfV(*trsf.align(Trsf(*value.numbers()), Trsf(*reference.numbers())))
+
+
+# ---- frame, tool, point ----------------------------------------------------------------------------------------------------
+
+
+def f_set_frame(own: Instance, origin: PointV, on_x: PointV, in_xy: PointV, result: FrameV) -> float:
+    """0, -1, -2."""
+    made = frame_in(own, result)
+    had = made.reference is not None
+    code = cartesian.set_frame(point_in(own, origin), point_in(own, on_x), point_in(own, in_xy), made)
+    if code == 0:
+        result.trsf.set(trsf_out(own, made.trsf))
+        if not had:
+            result.father = origin.father
+    return float(code)
+
+
+def f_position_frame(own: Instance, value: FrameV, reference: FrameV) -> TrsfV:
+    """161, 163."""
+    return trsf_out(own, cartesian.position(frame_in(own, value), frame_in(own, reference)))
+
+
+def f_position_point(own: Instance, value: PointV, reference: FrameV) -> TrsfV:
+    """162."""
+    return trsf_out(own, cartesian.position(point_in(own, value), frame_in(own, reference)))
+
+
+def f_position_tool(own: Instance, value: ToolV, reference: ToolV) -> TrsfV:
+    """160, 164."""
+    return trsf_out(own, cartesian.tool_position(tool_in(own, value), tool_in(own, reference)))
+
+
+def f_link(own: Instance, what: FrameV | ToolV | PointV, reference: FrameV | ToolV) -> None:
+    """The reference changes, the trsf stays; 165 for a ring."""
+    here: FrameV | ToolV | None = reference
+    for _ in range(DEEPEST):
+        if here is None:
+            break
+        if here is what:
+            raise Rte(165, "linked in a ring")
+        here = here.father
+    what.father = reference  # type: ignore[assignment]  # the checker lets only frames hang on frames, tools on tools
+
+
+def f_distance_point(own: Instance, first: PointV, second: PointV) -> float:
+    """In the world; 162."""
+    return cartesian.distance(point_in(own, first), point_in(own, second)) / scale_of(own)
+
+
+def _moved(own: Instance, source: PointV, made: cartesian.Point) -> PointV:
+    result = PointV()
+    result.set(source)
+    result.trsf.set(trsf_out(own, made.trsf))
+    return result
+
+
+def f_compose(own: Instance, point: PointV, reference: FrameV, change: TrsfV) -> PointV:
+    """Moved in the coordinates of the reference."""
+    return _moved(own, point, cartesian.compose_point(point_in(own, point), frame_in(own, reference), trsf_in(own, change)))
+
+
+def f_appro(own: Instance, point: PointV, change: TrsfV) -> PointV:
+    """Moved in its own axes."""
+    return _moved(own, point, cartesian.appro(point_in(own, point), trsf_in(own, change)))
+
+
+def _arm(own: Instance) -> cartesian.Arm:
+    if own.machine.arm is None:
+        raise Rte(153, "there is no arm")
+    return own.machine.arm
+
+
+def _point_out(own: Instance, made: cartesian.Point, reference: FrameV) -> PointV:
+    result = PointV(reference)
+    result.trsf.set(trsf_out(own, made.trsf))
+    result.config.set(config_out(made.config))
+    return result
+
+
+def f_joint_to_point(own: Instance, tool: ToolV, reference: FrameV, joint: JointV) -> PointV:
+    """Forward kinematics."""
+    made = _arm(own).joint_to_point(tool_in(own, tool), frame_in(own, reference), joint_in(own, joint))
+    return _point_out(own, made, reference)
+
+
+def f_here(own: Instance, tool: ToolV, reference: FrameV) -> PointV:
+    """Of the commanded position."""
+    made = _arm(own).here(tool_in(own, tool), frame_in(own, reference), own.machine.moves.joints())
+    return _point_out(own, made, reference)
+
+
+def f_point_to_joint(own: Instance, tool: ToolV, initial: JointV, point: PointV, result: JointV) -> bool:
+    """false: no way there."""
+    found = _arm(own).point_to_joint(tool_in(own, tool), joint_in(own, initial), point_in(own, point))
+    if found is not None:
+        result.set(JointV(found, own.machine.axes))
+    return found is not None
+
+
+def f_config(own: Instance, joint: JointV) -> ConfigV:
+    """Of a joint position."""
+    return config_out(_arm(own).config(joint_in(own, joint)))
+
+
+def f_herej(own: Instance) -> JointV:
+    """The commanded position."""
+    return JointV(own.machine.moves.joints(), own.machine.axes)
+
+
+def f_is_in_range(own: Instance, joint: JointV) -> bool:
+    """Inside the software limits."""
+    return own.machine.moves.in_range(joint_in(own, joint))

@@ -1,0 +1,230 @@
+"""Move instructions.  Source: VAL 3 reference 10.6-10.7, L5724-6056."""
+
+import math
+from collections.abc import Generator
+from dataclasses import replace
+
+from gateway.pure.languages.base.requests import Ns
+from gateway.pure.languages.val3.builtin_geometry import joint_in, point_in, scale_of, tool_in
+from gateway.pure.languages.val3.builtin_io import io_put
+from gateway.pure.languages.val3.errors import Rte
+from gateway.pure.languages.val3.instance import Instance
+from gateway.pure.languages.val3.moves import Moves, refused
+from gateway.pure.languages.val3.numbers import Place
+from gateway.pure.languages.val3.values import JointV, MdescV, PointV, ToolV
+from motion.val3.errors import RuntimeFault
+from motion.val3.mdesc import BlendKind, Mdesc
+
+Waiting = Generator[Ns | None, None, object]
+BLENDS = {"off": BlendKind.OFF, "joint": BlendKind.JOINT, "Cartesian": BlendKind.CARTESIAN}
+
+
+def mdesc_in(value: MdescV) -> Mdesc:
+    """As the motion stack takes it."""
+    return Mdesc(value.accel, value.vel, value.decel, value.tvel, value.rvel, BLENDS[value.blend], value.leave, value.reach)
+
+
+def moves_of(own: Instance) -> Moves:
+    """153 without an arm."""
+    if own.machine.arm is None:
+        raise Rte(153, "there is no arm")
+    return own.machine.moves
+
+
+def _note(own: Instance, kind: str, target: object) -> dict[str, object]:
+    task = own.machine.current
+    return {
+        "kind": kind,
+        "at_s": round(own.machine.now / 1e9, 6),
+        "task": task.name if task else "",
+        "program": task.program if task else "",
+        "line": task.line if task else 0,
+        "target": target,
+    }
+
+
+def f_movej_joint(own: Instance, joint: JointV, tool: ToolV, mdesc: MdescV) -> Waiting:
+    """To a joint position; its move id."""
+    moves, hand, pace = moves_of(own), tool_in(own, tool), mdesc_in(mdesc)
+    note = _note(own, "movej", {name: getattr(joint, name) for name in joint.names()})
+    target = joint_in(own, joint)
+    while True:
+        try:
+            number = moves.joint_move(target, hand, pace, scale_of(own) * 1e-3, note)
+        except RuntimeFault as fault:
+            raise refused(fault) from fault
+        if number is not None:
+            return float(number)
+        yield None
+
+
+def _to_points(own: Instance, kind: str, points: list[PointV], tool: ToolV, mdesc: MdescV) -> Waiting:
+    moves, hand, pace = moves_of(own), tool_in(own, tool), mdesc_in(mdesc)
+    targets = [point_in(own, point) for point in points]
+    seen = points[-1].trsf
+    note = _note(own, kind, {name: getattr(seen, name) for name in seen.names()})
+    while True:
+        try:
+            number = moves.point_move(kind, targets, hand, pace, scale_of(own) * 1e-3, note)
+        except RuntimeFault as fault:
+            raise refused(fault) from fault
+        if number is not None:
+            return float(number)
+        yield None
+
+
+def f_movej_point(own: Instance, point: PointV, tool: ToolV, mdesc: MdescV) -> Waiting:
+    """To a point, in joint space."""
+    return _to_points(own, "movej", [point], tool, mdesc)
+
+
+def f_movel(own: Instance, point: PointV, tool: ToolV, mdesc: MdescV) -> Waiting:
+    """On the straight line."""
+    return _to_points(own, "movel", [point], tool, mdesc)
+
+
+def f_movec(own: Instance, through: PointV, point: PointV, tool: ToolV, mdesc: MdescV) -> Waiting:
+    """On the arc."""
+    return _to_points(own, "movec", [through, point], tool, mdesc)
+
+
+def f_stop_move(own: Instance) -> None:
+    """Stops on the path."""
+    moves_of(own).stack.stop_move()
+
+
+def f_restart_move(own: Instance) -> None:
+    """Goes on."""
+    moves_of(own).stack.restart_move()
+
+
+def f_reset_motion(own: Instance) -> None:
+    """Drops what is queued."""
+    moves_of(own).reset()
+
+
+def f_reset_motion_at(own: Instance, joint: JointV) -> None:
+    """The next move begins there."""
+    moves_of(own).reset(joint_in(own, joint))
+
+
+def f_wait_end_move(own: Instance) -> Waiting:
+    """Until the command has reached its end."""
+    stack = moves_of(own).stack
+    if not own.machine.current_is_synchronous:
+        yield own.machine.now
+    while not stack.wait_end_move():
+        yield None
+    return None
+
+
+def _gripper(own: Instance, tool: ToolV, value: bool, seconds: float) -> Waiting:
+    yield from f_wait_end_move(own)
+    io_put(own, tool.gripper, value)
+    end = own.machine.now + max(round(seconds * 1e9), 0)
+    while own.machine.now < end:
+        yield end
+    return None
+
+
+def f_open(own: Instance, tool: ToolV) -> Waiting:
+    """waitEndMove, gripper true, otime."""
+    return _gripper(own, tool, True, tool.otime)
+
+
+def f_close(own: Instance, tool: ToolV) -> Waiting:
+    """waitEndMove, gripper false, ctime."""
+    return _gripper(own, tool, False, tool.ctime)
+
+
+def f_is_empty(own: Instance) -> bool:
+    """No move pending."""
+    return moves_of(own).stack.is_empty()
+
+
+def f_is_settled(own: Instance) -> bool:
+    """The virtual arm follows without error: settled where it rests."""
+    return moves_of(own).arm.resting
+
+
+def f_is_settled_tool(own: Instance, tool: ToolV, accuracy: float) -> bool:
+    """As isSettled()."""
+    return f_is_settled(own)
+
+
+def f_is_settled_time(own: Instance, tool: ToolV, accuracy: float, turn: float, seconds: float) -> bool:
+    """As isSettled()."""
+    return f_is_settled(own)
+
+
+def f_auto_connect_move(own: Instance, active: bool) -> None:
+    """Set."""
+    moves_of(own).stack.auto_connect_move(active)
+
+
+def f_auto_connect(own: Instance) -> bool:
+    """Asked."""
+    return moves_of(own).stack.auto_connect_move()
+
+
+def f_get_speed(own: Instance, tool: ToolV) -> float:
+    """Of the flange of the commanded positions, in length units a second."""
+    return moves_of(own).speed * 1e3 / scale_of(own)
+
+
+def f_get_position_err(own: Instance) -> JointV:
+    """The virtual arm has none."""
+    return JointV(count=own.machine.axes)
+
+
+def f_get_joint_force(own: Instance, force: Place) -> None:
+    """No load; 70 for too small an array."""
+    if len(force[0]) - force[1] < own.machine.axes:
+        raise Rte(70, f"{own.machine.axes} elements are needed")
+    force[0][force[1] : force[1] + own.machine.axes] = [0.0] * own.machine.axes
+
+
+def f_get_move_id(own: Instance) -> float:
+    """Move under way and its progress."""
+    return float(moves_of(own).stack.get_move_id())
+
+
+def f_set_move_id(own: Instance, number: float) -> float:
+    """Of the next move."""
+    whole = math.floor(number + 0.5)
+    moves_of(own).stack.set_move_id(whole)
+    return float(whole)
+
+
+def f_reset_turn(own: Instance, reference: JointV) -> JointV:
+    """Shifts the last axis by whole turns next to the reference: AX-724."""
+    moves = moves_of(own)
+    moves.reset()
+    values = list(moves.joints())
+    last = len(values) - 1
+    turns = math.floor((joint_in(own, reference)[last] - values[last]) / 360.0 + 0.5)
+    values[last] += 360.0 * turns
+    if turns:
+        start = replace(moves, start=tuple(values))
+        moves.arm, moves.stack = start.arm, start.stack
+    return JointV(values, own.machine.axes)
+
+
+def f_alter_off(own: Instance, reference: object, mdesc: MdescV) -> float:
+    """-2: the option is not enabled in a virtual run."""
+    return -2.0
+
+
+def f_alter_none(own: Instance) -> float:
+    """-1: not started."""
+    return -1.0
+
+
+def f_alter_none_of(own: Instance, change: object) -> float:
+    """-1: not started."""
+    return -1.0
+
+
+def f_alter_stop_time(own: Instance) -> float:
+    """0: alter mode is off."""
+    return 0.0

@@ -1,0 +1,184 @@
+"""Popups, log, user pages, screens, profile, language, date.  Source: VAL 3 reference 4, L2810-3313; what a page shows goes to the log."""
+
+import datetime
+import math
+from collections.abc import Generator, Sequence
+
+from gateway.pure.languages.base.requests import Ns
+from gateway.pure.languages.val3.errors import Rte
+from gateway.pure.languages.val3.instance import Instance
+from gateway.pure.languages.val3.numbers import Place
+from gateway.pure.languages.val3.strings import f_to_string
+from gateway.pure.languages.val3.values import ScreenV, cut
+
+Waiting = Generator[Ns | None, None, object]
+LANGUAGES = ("francais", "english", "deutsch", "italiano", "espanol")
+START = datetime.datetime(2020, 1, 1)  # date of a virtual run: the same in every run (AX-725)
+DATES = ("%y", "%Y", "%m", "%d", "%H", "%I", "%p", "%M", "%S")
+SEVERITIES = (1, 2, 3, 4)
+
+
+def date_at(now: Ns) -> datetime.datetime:
+    """Date and time of a moment of the run."""
+    return START + datetime.timedelta(microseconds=now // 1000)
+
+
+def _severity(value: float) -> int:
+    if value not in SEVERITIES:
+        raise Rte(70, f"severity {value:g}, 1 to 4")
+    return int(value)
+
+
+def f_pop_up_msg(own: Instance, text: str, severity: float = 1.0) -> None:
+    """A popup of the operator."""
+    _severity(severity)
+    own.machine.popup(text)
+
+
+def f_log_msg(own: Instance, text: str, severity: float = 1.0) -> bool:
+    """A line of the log."""
+    _severity(severity)
+    return own.machine.note(text, "USR")
+
+
+def f_user_page(own: Instance, name: str) -> float:
+    """0; -1: the page is not there."""
+    if not own.machine.has_page(own, name):
+        return -1.0
+    own.machine.note(f"user page {name}", "PAGE")
+    return 0.0
+
+
+def f_user_page_none(own: Instance) -> float:
+    """s7: the text page."""
+    return 0.0
+
+
+def f_page(own: Instance, instruction: str, texts: Sequence[str | None]) -> bool:
+    """A binding of a page: noted."""
+    own.machine.note(f"{instruction} {' '.join(text for text in texts if text is not None)}".rstrip(), "PAGE")
+    return True
+
+
+def f_user_page_alert(own: Instance, text: str) -> None:
+    """Confirmed at once in a virtual run."""
+    own.machine.popup(text)
+
+
+def f_user_page_confirm(own: Instance, text: str) -> bool:
+    """OK at once in a virtual run."""
+    own.machine.popup(text)
+    return True
+
+
+def f_user_page_prompt(own: Instance, text: str, entry: Place) -> bool:
+    """CANCEL at once in a virtual run: nobody enters anything."""
+    own.machine.popup(text)
+    return False
+
+
+def f_get_profile(own: Instance) -> str:
+    """The current profile."""
+    return own.machine.robot.profile
+
+
+def f_set_profile(own: Instance, name: str, password: str) -> Waiting:
+    """0, -1, -2, -3, -4."""
+    machine = own.machine
+    if not machine.current_is_synchronous:
+        yield machine.now
+    if machine.robot.profile == "staubli":
+        return -4.0
+    if name == "staubli":
+        return -3.0
+    if name not in machine.profiles:
+        return -1.0
+    if machine.profiles[name] != password:
+        return -2.0
+    machine.robot.profile = name
+    return 0.0
+
+
+def f_get_language(own: Instance) -> str:
+    """The language of the controller."""
+    return own.machine.robot.language
+
+
+def f_set_language(own: Instance, name: str) -> bool:
+    """false: there is no such translation."""
+    if name not in LANGUAGES:
+        return False
+    own.machine.robot.language = name
+    return True
+
+
+def f_get_date(own: Instance, form: str) -> str:
+    """%y %Y %m %d %H %I %p %M %S inside any text."""
+    now = date_at(own.machine.now)
+    for code in DATES:
+        form = form.replace(code, now.strftime(code))
+    return cut(form)
+
+
+# ---- text page of s7: 14 lines of 40 characters (assumed) ---------------------------------------------------------------------
+
+
+def _text(value: str | float) -> str:
+    return value if isinstance(value, str) else f_to_string(".6", value).rstrip()
+
+
+def f_screen_cls(own: Instance, screen: ScreenV | None = None) -> None:
+    """Empties the page."""
+    own.machine.screen.clear()
+
+
+def f_screen_gotoxy(own: Instance, column: float, line: float) -> None:
+    """70 outside the page."""
+    own.machine.screen.go(math.floor(column + 0.5), math.floor(line + 0.5))
+
+
+def f_screen_gotoxy_of(own: Instance, screen: ScreenV, column: float, line: float) -> None:
+    """As gotoxy."""
+    f_screen_gotoxy(own, column, line)
+
+
+def f_screen_put(own: Instance, value: str | float) -> None:
+    """At the cursor."""
+    own.machine.screen.put(_text(value))
+
+
+def f_screen_put_of(own: Instance, screen: ScreenV, value: str | float) -> None:
+    """As put."""
+    f_screen_put(own, value)
+
+
+def f_screen_putln(own: Instance, value: str | float) -> None:
+    """And a new line."""
+    own.machine.screen.put(_text(value))
+    own.machine.note(_text(value), "SCREEN")
+    own.machine.screen.newline()
+
+
+def f_screen_putln_of(own: Instance, screen: ScreenV, value: str | float) -> None:
+    """As putln."""
+    f_screen_putln(own, value)
+
+
+def f_screen_title(own: Instance, text: str) -> None:
+    """The title."""
+    own.machine.screen.title = text
+
+
+def f_screen_title_of(own: Instance, screen: ScreenV, text: str) -> None:
+    """As title."""
+    f_screen_title(own, text)
+
+
+def f_screen_key(own: Instance, screen: ScreenV | None = None) -> float:
+    """-1: no key was pressed."""
+    return -1.0
+
+
+def f_screen_pressed(own: Instance, key: float) -> bool:
+    """No key is pressed."""
+    return False

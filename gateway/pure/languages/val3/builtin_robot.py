@@ -1,0 +1,217 @@
+"""Instructions on the robot itself.  Source: VAL 3 reference 8 and 11-13, L4163-4470, L6062-6597."""
+
+import math
+from collections.abc import Generator
+
+from gateway.pure.languages.base.requests import Ns
+from gateway.pure.languages.val3.errors import Rte
+from gateway.pure.languages.val3.instance import Instance
+from gateway.pure.languages.val3.numbers import Place
+from gateway.pure.languages.val3.robot_state import REMOTE
+from gateway.pure.languages.val3.values import Container, DioV, Grid, JointV, ToolV, TrsfV
+from gateway.pure.languages.val3.virtual_io import last_name
+
+Waiting = Generator[Ns | None, None, object]
+FAST = ("fin0", "fin1")
+
+
+def f_disable_power(own: Instance) -> Waiting:
+    """Stops on the path, cuts the power, waits until it is off."""
+    machine = own.machine
+    machine.robot.powered = False
+    if not machine.current_is_synchronous:
+        yield machine.now
+    return None
+
+
+def f_enable_power(own: Instance) -> None:
+    """Only in remote mode; leaves an entry in the log."""
+    if own.machine.robot.enable():
+        own.machine.note("power on by program", "SYS")
+
+
+def f_is_powered(own: Instance) -> bool:
+    """Whether the arm has power."""
+    return own.machine.robot.powered
+
+
+def f_is_calibrated(own: Instance) -> bool:
+    """A virtual arm always is."""
+    return True
+
+
+def f_working_mode(own: Instance, status: Place | None = None) -> float:
+    """1 manual, 2 test, 3 local, 4 remote; status 0 programmed move, hold by mode."""
+    robot = own.machine.robot
+    if status is not None:
+        held = {1: 6, 2: 3}.get(robot.mode, 2)
+        status[0][status[1]] = float(held if robot.hold or not robot.powered else 0)
+    return float(robot.mode)
+
+
+def f_es_status(own: Instance) -> float:
+    """0 .. 3."""
+    return float(own.machine.robot.estop)
+
+
+def f_get_monitor_speed(own: Instance) -> float:
+    """0 .. 100."""
+    return own.machine.robot.speed
+
+
+def f_set_monitor_speed(own: Instance, speed: float) -> float:
+    """0, -1, -2, -3."""
+    return float(own.machine.robot.set_speed(speed))
+
+
+def f_get_version(own: Instance, component: str) -> str:
+    """ "" for an unknown component."""
+    robot = own.machine.robot
+    known = {
+        "system": robot.version,
+        "val3": robot.version.split("cs")[0].rstrip("."),
+        "system date": "Jun  1 2016",
+        "system time": "11:59:29",
+        "arm type": robot.arm_type,
+        "arm tuning": "R3",
+        "arm mounting": "floor",
+        "arm s/n": "virtual",
+        "controller s/n": "virtual",
+        "configuration version": "c2.009",
+    }
+    wanted = component.strip().lower()
+    return robot.components.get(wanted, known.get(wanted, ""))
+
+
+def f_get_jnt_ref(own: Instance, name: str) -> JointV:
+    """70: no reference of that name."""
+    found = own.machine.references.get(name)
+    if found is None:
+        raise Rte(70, f"joint reference {name!r}")
+    return JointV(found, own.machine.axes)
+
+
+def f_hibernate_robot(own: Instance) -> float:
+    """-3 while power is on, else -1: a virtual arm has no encoders to switch off."""
+    return -3.0 if own.machine.robot.powered else -1.0
+
+
+def f_wake_up_robot(own: Instance) -> float:
+    """0: it is awake."""
+    return 0.0
+
+
+def f_has_cpu_ext_power_supply(own: Instance) -> bool:
+    """The controller reacts to a power failure by itself (D11)."""
+    return True
+
+
+def f_prepare_cpu_shutdown(own: Instance) -> None:
+    """Nothing is open."""
+
+
+def f_brake_test(own: Instance, status: Place) -> float:
+    """-1 not remote, -2 moving, -5 powered; else all brakes hold."""
+    machine = own.machine
+    if len(status[0]) - status[1] < machine.axes:
+        raise Rte(70, f"{machine.axes} elements are needed")
+    if machine.robot.mode != REMOTE:
+        return -1.0
+    if machine.arm is not None and not machine.moves.arm.resting:
+        return -2.0
+    if machine.robot.powered:
+        return -5.0
+    status[0][status[1] : status[1] + machine.axes] = [0.0] * machine.axes
+    return 0.0
+
+
+def f_set_latch(own: Instance, source: DioV) -> None:
+    """Only fIn0 and fIn1; 70."""
+    point = own.machine.io.usable(source.link)
+    if last_name(point.path).lower() not in FAST:
+        raise Rte(70, f"{point.path} is no fast input")
+    own.machine.latch.arm(point)
+
+
+def f_get_latch(own: Instance, joint: JointV) -> bool:
+    """The position of the edge, once there was one."""
+    found = own.machine.latch.position
+    if found is None:
+        return False
+    joint.set(JointV(found, own.machine.axes))
+    return True
+
+
+def f_set_payload(own: Instance, tool: ToolV, mass: float, centre: TrsfV, inertia: Container) -> float:
+    """0, -4, -5; 70 for a matrix of another size."""
+    numbers = inertia.flat if isinstance(inertia, Grid) else inertia
+    if isinstance(numbers, dict) or len(numbers) not in (1, 3, 9):
+        raise Rte(70, "an inertia matrix of 1, 3 or 9 elements is needed")
+    if mass < 0:
+        return -4.0
+    if len(numbers) == 9 and any(numbers[3 * i + j] != numbers[3 * j + i] for i in range(3) for j in range(i)):
+        return -5.0
+    own.machine.payload = (mass, centre.numbers(), tuple(value for value in numbers if isinstance(value, float)))
+    return 0.0
+
+
+def f_get_payload(own: Instance, tool: ToolV, mass: Place, centre: TrsfV, inertia: Container) -> float:
+    """The array gets 9 elements, or stays at 3 where the matrix is diagonal."""
+    kilograms, place, matrix = own.machine.payload
+    if isinstance(inertia, dict):
+        raise Rte(70, "an array is needed")
+    full = _full(matrix)
+    diagonal = all(full[k] == 0 for k in (1, 2, 3, 5, 6, 7))
+    mass[0][mass[1]] = kilograms
+    centre.set(TrsfV(*place))
+    if isinstance(inertia, Grid):
+        inertia.dims, inertia.flat[:] = (3, 3), list(full)
+    elif len(inertia) == 3 and diagonal:
+        inertia[:] = [full[0], full[4], full[8]]
+    else:
+        inertia[:] = list(full)
+    return 0.0
+
+
+def _full(matrix: tuple[float, ...]) -> tuple[float, ...]:
+    if len(matrix) == 9:
+        return matrix
+    if len(matrix) == 3:
+        return (matrix[0], 0.0, 0.0, 0.0, matrix[1], 0.0, 0.0, 0.0, matrix[2])
+    return (0.0,) * 9
+
+
+def f_get_ids(own: Instance, ids: Place) -> None:
+    """Newest first, 20 at most."""
+    newest = [float(event.id) for event in reversed(own.machine.events)]
+    for at in range(ids[1], len(ids[0])):
+        if at - ids[1] < len(newest):
+            ids[0][at] = newest[at - ids[1]]
+
+
+def f_get_events(own: Instance, number: Place, ids: Place, types: Place, infos: Place) -> float:
+    """Oldest first from a number on; the last number read."""
+    events = own.machine.events
+    wanted = number[0][number[1]]
+    assert isinstance(wanted, float)
+    start = math.floor(wanted + 0.5)
+    last = own.machine.event_count
+    if start > last or not events:
+        return float(last)
+    start = max(start, last - len(events) + 1)
+    room = min(*(len(array[0]) - array[1] for array in (ids, types, infos)), 20)
+    read = events[start - (last - len(events) + 1) :][:room]
+    for at, event in enumerate(read):
+        ids[0][ids[1] + at], types[0][types[1] + at], infos[0][infos[1] + at] = float(event.id), float(event.type), event.info
+    number[0][number[1]] = float(start)
+    return float(start + len(read) - 1)
+
+
+def f_get_licence(own: Instance, name: str, password: str) -> str:
+    """ "" : no OEM licence is installed."""
+    return own.machine.licences.get(name, "")
+
+
+def f_set_dh(own: Instance, *arrays: Place) -> bool:
+    """250: the option absolute robot is not installed."""
+    raise Rte(250, "absolute robot")

@@ -1,0 +1,227 @@
+"""Reads .pjx, .dtx and .pgx files.  Source: S8 note N01 and its corrections; faults name the file and its line."""
+
+from collections.abc import Iterable
+
+from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.source import Position
+from gateway.pure.languages.val3.disk import Disk, PathFault, resolve
+from gateway.pure.languages.val3.model import (
+    BUILT_IN,
+    MOST_VALUES,
+    Application,
+    Declaration,
+    Initial,
+    Parameter,
+    ProgramText,
+    Use,
+)
+from gateway.pure.languages.val3.xmltree import Element, XmlFault, parse_xml
+
+ROOT = "http://www.staubli.com/robotics/VAL3/"
+LONGEST_FILE = 16 << 20
+
+
+def is_name(text: str) -> bool:
+    """Characters a..zA..Z0..9_, first a letter (L1016)."""
+    return bool(text) and text.isascii() and text[0].isalpha() and text.replace("_", "a").isalnum()
+
+
+class Reader:
+    """Reads the files of one application; all faults are collected."""
+
+    def __init__(self, disk: Disk, faults: Faults) -> None:
+        self.disk, self.faults = disk, faults
+
+    def application(self, folder: str, name: str) -> Application | None:
+        """None where there is no project file that can be read."""
+        made = Application(name, folder)
+        root = self._root(made.project, "Project", "Project/3")
+        if root is None:
+            return None
+        if not self._head(made, root):
+            return None
+        for kind, reader in (("Database", self._data), ("Programs", self._programs)):
+            for listed in (each for group in root.all(kind) for each in group.children):
+                if path := self._file(made, listed):
+                    reader(made, path)
+        self._uses(made, root)
+        return made
+
+    # ---- the project -----------------------------------------------------------------------------------------------------
+    def _head(self, made: Application, root: Element) -> bool:
+        head = root.first("Parameters")
+        if head is None:
+            return True
+        made.version = head.get("version")
+        if made.version[:2].lower() in ("s3", "s4", "s5", "s6"):
+            self._say(made.project, head.line, f"the application was written by {made.version}; s7 and s8 are read, s6 and older are not")
+            return False
+        try:
+            made.stack = int(head.get("stackSize", "5000"))
+        except ValueError:
+            self._say(made.project, head.line, f"stackSize {head.get('stackSize')!r} is no whole number")
+        made.millimetres = head.get("millimeterUnit", "true").lower() != "false"
+        return True
+
+    def _uses(self, made: Application, root: Element) -> None:
+        for group, tag, key, found in (("Libraries", "Library", "alias", made.libraries), ("Types", "Type", "name", made.types)):
+            for each in (one for part in root.all(group) for one in part.all(tag)):
+                name, path = each.get(key), each.get("path")
+                if not name.replace("_", "a").isalnum():
+                    self._say(made.project, each.line, f"'{name}' : invalid name")
+                elif name in found:
+                    self._say(made.project, each.line, f"'{name}' is declared twice")
+                else:
+                    found[name] = Use(name, path, each.line, each.get("autoload").lower() == "true")
+
+    def _file(self, made: Application, listed: Element) -> str | None:
+        path = listed.get("file")
+        try:
+            found = resolve(path if "://" in path else f"./{path}", made.path)
+        except PathFault as fault:
+            self._say(made.project, listed.line, str(fault))
+            return None
+        if self.disk.read(found) is None:
+            self._say(made.project, listed.line, f"the file {path} is missing")
+            return None
+        return found
+
+    # ---- data ------------------------------------------------------------------------------------------------------------
+    def _data(self, made: Application, path: str) -> None:
+        root = self._root(path, "Database", "Data/2")
+        for each in (one for group in (root.all("Datas") if root else ()) for one in group.all("Data")):
+            declared = self.declaration(path, each)
+            if declared is None:
+                continue
+            if declared.name in made.data:
+                self._say(path, each.line, f"'{declared.name}' is declared twice")
+            else:
+                made.data[declared.name] = declared
+
+    def declaration(self, path: str, each: Element) -> Declaration | None:
+        """A Data, Field or Local element."""
+        name, type_name = each.get("name"), each.get("type")
+        if not is_name(name):
+            self._say(path, each.line, f"'{name}' : invalid name")
+            return None
+        kind = each.get("xsi:type", "array")
+        declared = Declaration(name, type_name, public=each.get("access").lower() == "public", file=path, line=each.line)
+        declared.type_name, declared.family = family_of(type_name)
+        if kind == "collection":
+            declared.dims, declared.sizes = 0, ()
+        elif kind not in ("array", "element"):
+            self._say(path, each.line, f"'{name}' : the container {kind!r} is unknown; there are array and collection")
+            return None
+        else:
+            sizes = self._numbers(each.get("size", "1"))
+            total = 1
+            for size in sizes or ():
+                total *= size
+            if not sizes or len(sizes) > 3 or min(sizes) < 1 or total > MOST_VALUES:
+                self._say(path, each.line, f"'{name}' : size {each.get('size')!r}; 1 to 3 sizes from 1, {MOST_VALUES} values at most")
+                return None
+            declared.dims, declared.sizes = len(sizes), sizes
+        declared.values = [self._value(path, declared, one) for one in each.all("Value")]
+        declared.values = [value for value in declared.values if self._key_fits(path, declared, value)]
+        return declared
+
+    def _value(self, path: str, declared: Declaration, each: Element) -> Initial:
+        fields = {}
+        for one in each.all("Field"):
+            if (found := self.declaration(path, one)) is not None:
+                fields[found.name] = found
+        return Initial(each.get("key", "0"), each.attributes, fields, each.line)
+
+    def _key_fits(self, path: str, declared: Declaration, value: Initial) -> bool:
+        if declared.dims == 0:
+            good = value.key != ""
+        else:
+            numbers = self._numbers(value.key)
+            good = len(numbers) == declared.dims and all(n < size for n, size in zip(numbers, declared.sizes, strict=True))
+        if not good:
+            self._say(path, value.line, f"'{declared.name}' : there is no value with the key {value.key!r}")
+        return good
+
+    @staticmethod
+    def _numbers(text: str) -> tuple[int, ...]:
+        parts = [part.strip() for part in text.split(",")]
+        return tuple(int(part) for part in parts) if all(p.isascii() and p.isdecimal() and len(p) < 9 for p in parts) else ()
+
+    # ---- programs --------------------------------------------------------------------------------------------------------
+    def _programs(self, made: Application, path: str) -> None:
+        root = self._root(path, "Programs", "Program/2")
+        for each in root.all("Program") if root else ():
+            program = self._program(path, each)
+            if program is None:
+                continue
+            if program.name in made.programs:
+                self._say(path, each.line, f"the program '{program.name}' is declared twice")
+            else:
+                made.programs[program.name] = program
+
+    def _program(self, path: str, each: Element) -> ProgramText | None:
+        name = each.get("name")
+        if not is_name(name):
+            self._say(path, each.line, f"'{name}' : invalid name")
+            return None
+        code = each.first("Code")
+        text = code.text if code is not None else ""
+        lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+        while lines and not lines[0].strip():
+            del lines[0]
+        parameters = [made for group in each.all("Parameters") for one in group.all("Parameter") if (made := self._parameter(path, one))]
+        found = [made for group in each.all("Locals") for one in group.all("Local") if (made := self.declaration(path, one))]
+        return ProgramText(name, path, each.get("access").lower() == "public", parameters, found, lines, each.line)
+
+    def _parameter(self, path: str, each: Element) -> Parameter | None:
+        name = each.get("name")
+        if not is_name(name):
+            self._say(path, each.line, f"'{name}' : invalid name")
+            return None
+        kind = each.get("xsi:type", "element")
+        reference = each.get("use", "value").lower() == "reference"
+        dims = self._numbers(each.get("dimensions", "1"))
+        made = Parameter(name, family_of(each.get("type"))[0], reference, kind != "element", dims[0] if dims else 1, each.line)
+        if kind == "collection":
+            made.dims = 0
+        if made.whole and not reference:
+            self._say(path, each.line, f"'{name}' : an array or a collection is passed by reference, never by value")
+        return made
+
+    # ---- common ----------------------------------------------------------------------------------------------------------
+    def _root(self, path: str, tag: str, space: str) -> Element | None:
+        data = self.disk.read(path)
+        if data is None:
+            self._say(path, 1, f"the file {path} is missing")
+            return None
+        if len(data) > LONGEST_FILE:
+            self._say(path, 1, f"the file has {len(data)} bytes, {LONGEST_FILE} at most are read")
+            return None
+        try:
+            root = parse_xml(data)
+        except XmlFault as fault:
+            self._say(path, fault.line, fault.text)
+            return None
+        named = root.get("xmlns", ROOT + space)
+        if root.tag != tag or not named.startswith(ROOT + space.split("/")[0]):
+            self._say(path, root.line, f"<{tag}> of {ROOT}{space} expected, <{root.tag}> of {named} found")
+            return None
+        return root
+
+    def _say(self, path: str, line: int, text: str) -> None:
+        self.faults.error("val3-file", Position(path, line), text)
+
+
+def family_of(type_name: str) -> tuple[str, str]:
+    """jointRx -> joint, rx; other types as they are."""
+    for plain in ("joint", "point", "config"):
+        rest = type_name[len(plain) :].lower()
+        if type_name.startswith(plain) and rest in ("rx", "rs", "tx", "ts"):
+            return plain, {"tx": "rx", "ts": "rs"}.get(rest, rest)
+    return type_name, ""
+
+
+def unknown_types(names: Iterable[str], known: Iterable[str]) -> list[str]:
+    """Type names that nothing declares."""
+    there = {*BUILT_IN, *known}
+    return [name for name in names if name not in there]

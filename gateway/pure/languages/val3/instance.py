@@ -1,0 +1,160 @@
+"""One application in memory: its data, its programs ready to run, the libraries behind its identifiers."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from gateway.pure.languages.val3.errors import Rte
+from gateway.pure.languages.val3.loader import Loaded
+from gateway.pure.languages.val3.model import ProgramText, UserType
+from gateway.pure.languages.val3.tasks import Step, bytes_of
+from gateway.pure.languages.val3.translate import Code
+from gateway.pure.languages.val3.values import Container, Grid, Surroundings, container_of, default
+
+if TYPE_CHECKING:
+    from gateway.pure.languages.val3.machine import Machine
+
+
+@dataclass(eq=False)
+class Program:
+    """A program of an instance; its steps are made when it is first called."""
+
+    owner: "Instance"
+    text: ProgramText
+    code: Code
+    bytes: int = 0
+    _steps: list[Step] | None = None
+
+    def __post_init__(self) -> None:
+        self.bytes = bytes_of(self)
+
+    @property
+    def name(self) -> str:
+        """As declared."""
+        return self.text.name
+
+    def steps(self) -> list[Step]:
+        """One function a step."""
+        if self._steps is None:
+            own = dict(self.owner.names)
+            exec(compile(self.code.text, self.text.file, "exec"), own)
+            self._steps = [own.get(f"L{at}", _nothing) for at in range(self.code.steps)]
+        return self._steps
+
+    def line_of(self, pc: int) -> int:
+        """Line of a step."""
+        return self.code.lines[pc] if 0 <= pc < len(self.code.lines) else self.code.last_line
+
+    def step_at(self, line: int) -> int:
+        """The first step at or behind a line."""
+        for at, own in enumerate(self.code.lines):
+            if own >= line:
+                return self.code.targets[at]
+        return self.code.targets[-1]
+
+
+def _nothing(_: list[object]) -> int:
+    raise Rte(61, "a step that is none")
+
+
+@dataclass(eq=False)
+class Instance:
+    """`prefix`: "" for the application, else the identifier it was first loaded under."""
+
+    machine: "Machine"
+    loaded: Loaded
+    prefix: str = ""
+    data: dict[str, Container] = field(default_factory=dict)
+    programs: dict[str, Program] = field(default_factory=dict)
+    libraries: "dict[str, Instance | None]" = field(default_factory=dict)
+    names: dict[str, object] = field(default_factory=dict)
+    path: str = ""
+
+    def __post_init__(self) -> None:
+        app = self.loaded.app
+        self.libraries = dict.fromkeys(app.libraries)
+        for name, declared in app.data.items():
+            self.data[name] = container_of(declared, self.home, linked=True)
+        for name, declared in app.data.items():  # again with links, now that all frames and tools are there
+            self._fathers(name)
+        self.programs = {name: Program(self, app.programs[name], code) for name, code in self.loaded.codes.items()}
+
+    def _fathers(self, name: str) -> None:
+        declared = self.loaded.app.data[name]
+        if declared.type not in ("frame", "tool", "point"):
+            if isinstance(declared.type, UserType):
+                self.data[name] = container_of(declared, self.home, True, self.linked)
+            return
+        container = self.data[name]
+        for value in declared.values:
+            father = self.linked(value.attributes.get("fatherId", ""))
+            if father is None:
+                continue
+            if isinstance(container, dict):
+                one = container[value.key]
+            elif isinstance(container, Grid):
+                one = container.flat[container.at(*map(float, value.key.split(",")))]
+            else:
+                one = container[int(value.key)]
+            setattr(one, "father", father)
+
+    def linked(self, text: str) -> object:
+        """world[0], fBase[2], lib:fPart[0]: the frame or tool of that name; None: there is none."""
+        name, _, index = text.rstrip("]").partition("[")
+        if name in ("world", "flange"):
+            return getattr(self.home, name)
+        container = self.data.get(name)
+        if isinstance(container, list) and index.isdecimal() and int(index) < len(container):
+            return container[int(index)]
+        if isinstance(container, dict):
+            return container.get(index.strip('"'))
+        return None
+
+    @property
+    def home(self) -> Surroundings:
+        """Axes and roots."""
+        return self.machine
+
+    @property
+    def stack(self) -> int:
+        """Bytes of a task."""
+        return self.loaded.app.stack
+
+    def library(self, identifier: str) -> "Instance":
+        """What is loaded under an identifier; 80."""
+        found = self.libraries.get(identifier)
+        if found is None:
+            raise Rte(80, f"library {identifier} is not loaded")
+        return found
+
+    def public_data(self, identifier: str, name: str) -> Container:
+        """identifier:name; 80 where the library has no such public datum of the same kind."""
+        found = self.library(identifier)
+        declared = found.loaded.app.data.get(name)
+        interface = self.loaded.app.interfaces.get(identifier)
+        expected = interface.data.get(name) if interface is not None else None
+        if declared is None or not declared.public:
+            raise Rte(80, f"{identifier}:{name} does not exist")
+        if expected is not None and (declared.type is not expected.type and declared.type != expected.type or declared.dims != expected.dims):
+            raise Rte(80, f"{identifier}:{name} is of another type")
+        return found.data[name]
+
+    def public_program(self, identifier: str, name: str) -> Program:
+        """identifier:name(); 80."""
+        program = self.library(identifier).programs.get(name)
+        if program is None or not program.text.public:
+            raise Rte(80, f"{identifier}:{name}() does not exist")
+        interface = self.loaded.app.interfaces.get(identifier)
+        expected = interface.programs.get(name) if interface is not None else None
+        if expected is not None and [(p.type, p.reference, p.whole, p.dims) for p in expected.parameters] != [
+            (p.type, p.reference, p.whole, p.dims) for p in program.text.parameters
+        ]:
+            raise Rte(80, f"{identifier}:{name}() has other parameters")
+        return program
+
+    def maker(self, kind: str) -> Callable[[], object]:
+        """Makes default values of a type; `type:PATH` for a user type."""
+        if kind.startswith("type:"):
+            found = self.machine.loader.user_types()[kind[5:]]
+            return lambda: default(found, self.home)
+        return lambda: default(kind, self.home, linked=True)

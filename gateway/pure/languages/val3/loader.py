@@ -1,0 +1,174 @@
+"""Loads applications from the disk: user types, interfaces of libraries, checked and translated programs, data."""
+
+from dataclasses import dataclass, field
+
+from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.source import Position
+from gateway.pure.languages.val3.disk import Disk, PathFault, application_of
+from gateway.pure.languages.val3.files import Reader
+from gateway.pure.languages.val3.model import BUILT_IN, FAMILIES, Application, Declaration, Type, UserType
+from gateway.pure.languages.val3.translate import Code, ProgramTranslator
+
+DEEPEST = 20  # user types one in the other
+
+
+@dataclass(slots=True)
+class Loaded:
+    """One application, checked.  `codes`: translated programs, those with faults are missing."""
+
+    app: Application
+    faults: Faults
+    codes: dict[str, Code] = field(default_factory=dict)
+
+
+class Loader:
+    """Everything read from one disk, each application once."""
+
+    def __init__(self, disk: Disk, axes: int = 6, *, family: str = "rx", strict: bool = False) -> None:
+        self.disk, self.axes, self.family, self.strict = disk, axes, family, strict
+        self._read: dict[str, tuple[Application | None, Faults]] = {}
+        self._types: dict[str, UserType] = {}
+        self._open_types: list[str] = []
+        self._loaded: dict[str, Loaded | None] = {}
+        self._linking: list[str] = []
+        self._linked: set[str] = set()
+
+    # ---- reading ---------------------------------------------------------------------------------------------------------
+    def read(self, folder: str, name: str) -> tuple[Application | None, Faults]:
+        """The files of an application, once."""
+        key = f"{folder}/{name}".lower()
+        if key not in self._read:
+            faults = Faults()
+            self._read[key] = (Reader(self.disk, faults).application(folder, name), faults)
+            app = self._read[key][0]
+            if app is not None:
+                self._link_types(app, faults)
+        return self._read[key]
+
+    def forget(self, folder: str, name: str) -> None:
+        """The files have changed."""
+        key = f"{folder}/{name}".lower()
+        self._read.pop(key, None)
+        self._loaded.pop(key, None)
+        self._linked.discard(key)
+
+    def _link_types(self, app: Application, faults: Faults) -> None:
+        for use in app.types.values():
+            found = self._user_type(app, use.name, use.path, use.line, faults)
+            if found is not None:
+                app.resolved[use.name] = found
+        for declared in app.data.values():
+            self._resolve(app, declared, faults)
+        for program in app.programs.values():
+            for parameter in program.parameters:
+                kind = self._type(app, parameter.type_name)
+                if kind is None:
+                    faults.error("val3-type", Position(program.file, parameter.line), f"'{parameter.name}' : invalid type ({parameter.type_name})")
+                parameter.type = kind if kind is not None else "num"
+            for local in program.locals:
+                self._resolve(app, local, faults)
+
+    def _resolve(self, app: Application, declared: Declaration, faults: Faults) -> None:
+        kind = self._type(app, declared.type_name)
+        if kind is None:
+            faults.error("val3-type", Position(declared.file, declared.line), f"'{declared.name}' : invalid type ({declared.type_name})")
+        declared.type = kind if kind is not None else "num"
+
+    @staticmethod
+    def _type(app: Application, name: str) -> Type | None:
+        return name if name in BUILT_IN else app.resolved.get(name)
+
+    def _user_type(self, app: Application, name: str, path: str, line: int, faults: Faults) -> UserType | None:
+        try:
+            folder, own = application_of(path, app.path)
+        except PathFault as fault:
+            faults.error("val3-type", Position(app.project, line), f"'{name}' : {fault}")
+            return None
+        key = f"{folder}/{own}".lower()
+        if key in self._types:
+            return self._types[key]
+        if key in self._open_types or len(self._open_types) > DEEPEST:
+            faults.error("val3-type", Position(app.project, line), f"'{name}' : the type is made of itself")
+            return None
+        self._open_types.append(key)
+        made, _ = self.read(folder, own)
+        self._open_types.pop()
+        if made is None:
+            faults.error("val3-type", Position(app.project, line), f"'{name}' : there is no application {path}")
+            return None
+        kind = UserType(name, key)
+        kind.fields = {each.name: each for each in made.data.values() if each.public}
+        self._types[key] = kind
+        return kind
+
+    def user_types(self) -> dict[str, UserType]:
+        """All user types by the path of what defines them."""
+        return self._types
+
+    # ---- loading ---------------------------------------------------------------------------------------------------------
+    def load(self, folder: str, name: str) -> Loaded | None:
+        """With interfaces and programs; None: there is no such application."""
+        key = f"{folder}/{name}".lower()
+        if key in self._loaded:
+            return self._loaded[key]
+        app, read_faults = self.read(folder, name)
+        if app is None:
+            made = Loaded(Application(name, folder), read_faults) if len(read_faults) else None
+            self._loaded[key] = made
+            return made
+        faults = Faults()
+        for fault in read_faults:
+            faults.error(fault.id, fault.position, fault.text)
+        self._interfaces(app, faults)
+        made = Loaded(app, faults)
+        self._loaded[key] = made
+        for program in app.programs.values():
+            code = ProgramTranslator(app, program, faults, self.axes, strict=self.strict).translate()
+            if code is not None:
+                made.codes[program.name] = code
+        self._families(app, faults)
+        return made
+
+    def _families(self, app: Application, faults: Faults) -> None:
+        for declared in app.data.values():
+            if declared.family and self.family and declared.family != self.family:
+                text = f"'{declared.name}' : type of an {declared.family.upper()} arm, the arm is an {self.family.upper()}; using it is error 81"
+                faults.warning("val3-family", Position(declared.file, declared.line), text)
+
+    def _interfaces(self, app: Application, faults: Faults) -> None:
+        """Libraries are only looked at for what they show (L3927)."""
+        for use in app.libraries.values():
+            if not use.path:
+                app.interfaces[use.name] = None
+                continue
+            try:
+                folder, own = application_of(use.path, app.path)
+            except PathFault as fault:
+                faults.error("val3-library", Position(app.project, use.line), f"library '{use.name}': {fault}")
+                continue
+            found, _ = self.read(folder, own)
+            app.interfaces[use.name] = found
+            if found is None:
+                faults.error("val3-library", Position(app.project, use.line), f"library '{use.name}': there is no application {use.path}")
+            elif ring := self._ring(app, found, [app.project]):
+                faults.error("val3-library", Position(app.project, use.line), f"libraries in a ring: {' -> '.join(ring)}")
+
+    def _ring(self, app: Application, found: Application, way: list[str]) -> list[str]:
+        if found.project == app.project:
+            return [*way, found.project]
+        if found.project in way:
+            return []
+        for use in found.libraries.values():
+            try:
+                folder, own = application_of(use.path, found.path)
+            except PathFault:
+                continue
+            inner, _ = self.read(folder, own)
+            if inner is not None and (ring := self._ring(app, inner, [*way, found.project])):
+                return ring
+        return []
+
+
+def family_of_arm(axes: int) -> str:
+    """rx for six axes, rs for four, "" for others."""
+    return next((family for family, count in FAMILIES.items() if count == axes), "")

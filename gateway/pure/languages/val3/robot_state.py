@@ -1,0 +1,71 @@
+"""State of the robot and its operator in a virtual run: mode, power, speed, safety, watchdog.  Source: VAL 3 reference 5.10 and 8."""
+
+from dataclasses import dataclass, field
+
+from gateway.pure.languages.base.requests import Ns
+from gateway.pure.languages.val3.errors import Rte
+
+MANUAL, TEST, LOCAL, REMOTE = 1, 2, 3, 4
+POWER_UP_NS: Ns = 0
+
+
+@dataclass(slots=True)
+class RobotState:
+    """As the operator and the safety board have it.  version: of the system."""
+
+    mode: int = REMOTE
+    powered: bool = True
+    speed: float = 100.0
+    speed_by_operator: bool = False
+    estop: int = 0  # esStatus
+    hold: bool = False
+    language: str = "english"
+    profile: str = "default"
+    version: str = "s8.0cs9_B587"
+    arm_type: str = "virtual"
+    watchdog_ns: Ns = 0  # 0: none
+    watchdog_until: Ns | None = None
+    watchdog_broken: bool = False
+    components: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def moving_allowed(self) -> bool:
+        """Power is on, nothing holds."""
+        return self.powered and self.estop == 0 and not self.hold
+
+    def refresh_watchdog(self, now: Ns) -> bool:
+        """Whether it was active; 45 where there is none, and power stays off then."""
+        if self.watchdog_ns <= 0:
+            self.watchdog_broken, self.powered = True, False
+            raise Rte(45)
+        active = self.watchdog_until is not None and now < self.watchdog_until
+        if not active and self.estop:
+            self.estop = 0
+        self.watchdog_until = now + self.watchdog_ns
+        return active
+
+    def tick(self, now: Ns) -> None:
+        """An expired watchdog stops the robot."""
+        if self.watchdog_until is not None and now >= self.watchdog_until and self.powered:
+            self.estop, self.powered, self.watchdog_until = 2, False, None
+
+    def enable(self) -> bool:
+        """enablePower: only in remote mode."""
+        if self.mode != REMOTE or self.estop or self.watchdog_broken:
+            return False
+        if self.watchdog_ns > 0 and self.watchdog_until is None:
+            return False
+        self.powered = True
+        return True
+
+    def set_speed(self, speed: float) -> int:
+        """setMonitorSpeed: 0, -1, -2, -3."""
+        if not 0 <= speed <= 100:
+            return -3
+        if speed > self.speed:
+            if self.mode != REMOTE:
+                return -1
+            if self.speed_by_operator:
+                return -2
+        self.speed = speed
+        return 0

@@ -1,0 +1,507 @@
+"""Values at run time.  An array is a list, a collection a dict, a 2-D or 3-D array a Grid; structures are changed in place, so that
+frames, tools and references that point to them keep doing so."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from typing import Protocol
+
+from gateway.pure.languages.val3.errors import Rte
+from gateway.pure.languages.val3.model import FIELDS, MOST_VALUES, WORDS, Declaration, Initial, Type, UserType
+
+MOST_AXES = 12
+LONGEST = 128  # bytes of a string (L2041)
+
+
+class Structure:
+    """Fields by name."""
+
+    FIELDS: tuple[str, ...] = ()
+    __slots__ = ()
+
+    def names(self) -> tuple[str, ...]:
+        """Its fields in their order."""
+        return self.FIELDS
+
+    def set(self, other: object) -> None:
+        """Takes the values of another; nested structures stay the same objects."""
+        for name in self.names():
+            mine, given = getattr(self, name), getattr(other, name)
+            if isinstance(mine, Structure) and name != "father":  # what it hangs on is another variable
+                mine.set(given)
+            else:
+                setattr(self, name, given)
+
+    def copy(self) -> Structure:
+        """One of its own with the same values."""
+        made = type(self)()
+        made.set(self)
+        return made
+
+    def same(self, other: object) -> bool:
+        """The operator ==."""
+        return all(equal(getattr(self, name), getattr(other, name)) for name in self.names())
+
+    def __getitem__(self, name: str) -> object:
+        return getattr(self, name)
+
+    def __setitem__(self, name: str, value: object) -> None:
+        setattr(self, name, value)
+
+
+class TrsfV(Structure):
+    """trsf: length unit and degrees."""
+
+    FIELDS = ("x", "y", "z", "rx", "ry", "rz")
+    __slots__ = FIELDS
+
+    def __init__(self, x: float = 0.0, y: float = 0.0, z: float = 0.0, rx: float = 0.0, ry: float = 0.0, rz: float = 0.0) -> None:
+        self.x, self.y, self.z, self.rx, self.ry, self.rz = x, y, z, rx, ry, rz
+
+    def numbers(self) -> tuple[float, float, float, float, float, float]:
+        """All six."""
+        return self.x, self.y, self.z, self.rx, self.ry, self.rz
+
+
+class ConfigV(Structure):
+    """config of an arm; a SCARA uses shoulder alone."""
+
+    FIELDS = ("shoulder", "elbow", "wrist")
+    __slots__ = FIELDS
+
+    def __init__(self, shoulder: str = "ssame", elbow: str = "esame", wrist: str = "wsame") -> None:
+        self.shoulder, self.elbow, self.wrist = shoulder, elbow, wrist
+
+
+class MdescV(Structure):
+    """mdesc (L5697-5712)."""
+
+    FIELDS = ("accel", "vel", "decel", "tvel", "rvel", "blend", "leave", "reach")
+    __slots__ = FIELDS
+
+    def __init__(self) -> None:
+        self.accel = self.vel = self.decel = 100.0
+        self.tvel = self.rvel = 9999.0
+        self.blend = "joint"
+        self.leave = self.reach = 50.0
+
+
+class JointV(Structure):
+    """One number an axis; `count` of them are shown."""
+
+    FIELDS = tuple(f"j{n}" for n in range(1, MOST_AXES + 1))
+    __slots__ = (*FIELDS, "count", "family")
+
+    def __init__(self, values: Iterable[float] = (), count: int = 6, family: str = "") -> None:
+        self.count, self.family = count, family
+        for name in JointV.FIELDS:
+            setattr(self, name, 0.0)
+        for name, value in zip(JointV.FIELDS, values, strict=False):
+            setattr(self, name, value)
+
+    def names(self) -> tuple[str, ...]:
+        """j1 .. of the arm."""
+        return JointV.FIELDS[: self.count]
+
+    def set(self, other: object) -> None:
+        """All axes of the other one."""
+        super().set(other)
+        self.family = getattr(other, "family", "")
+
+    def copy(self) -> JointV:
+        """With the same number of axes."""
+        return JointV(self.numbers(), self.count, self.family)
+
+    def numbers(self) -> tuple[float, ...]:
+        """All of them."""
+        return tuple(getattr(self, name) for name in self.names())
+
+    def same(self, other: object) -> bool:
+        """Within the accuracy of the robot (L4522): 0.001 deg or mm (AX-722)."""
+        return all(abs(getattr(self, name) - getattr(other, name)) < 1e-3 for name in self.names())
+
+
+class LinkV(Structure):
+    """dio, aio, sio: the link to a system input or output, None: none."""
+
+    FIELDS = ("link",)
+    __slots__ = ("link",)
+
+    def __init__(self, link: str | None = None) -> None:
+        self.link = link
+
+
+class DioV(LinkV):
+    """A digital variable."""
+
+    __slots__ = ()
+
+
+class AioV(LinkV):
+    """An analog variable."""
+
+    __slots__ = ()
+
+
+class SioV(LinkV):
+    """A serial line or socket."""
+
+    __slots__ = ("made",)
+
+    def __init__(self, link: str | None = None) -> None:
+        super().__init__(link)
+        self.made: object = None  # what the sio core knows it as
+
+
+class ScreenV(Structure):
+    """A text page of s7."""
+
+    __slots__ = ("text",)
+
+    def __init__(self) -> None:
+        self.text: list[str] = []
+
+
+class FrameV(Structure):
+    """frame: trsf and the frame it hangs on."""
+
+    FIELDS = ("trsf", "father")
+    __slots__ = (*FIELDS, "root")
+
+    def __init__(self, father: FrameV | None = None, root: bool = False) -> None:
+        self.trsf, self.father, self.root = TrsfV(), father, root
+
+    def same(self, other: object) -> bool:
+        """The same reference and the same position."""
+        return isinstance(other, FrameV) and self.father is other.father and self.trsf.same(other.trsf)
+
+
+class ToolV(Structure):
+    """tool: trsf, gripper and its times, and the tool it hangs on."""
+
+    FIELDS = ("trsf", "gripper", "otime", "ctime", "father")
+    __slots__ = (*FIELDS, "root")
+
+    def __init__(self, father: ToolV | None = None, root: bool = False) -> None:
+        self.trsf, self.gripper, self.father, self.root = TrsfV(), DioV(None), father, root
+        self.otime = self.ctime = 0.0
+
+    def same(self, other: object) -> bool:
+        """Base, position, output and both times."""
+        return (
+            isinstance(other, ToolV)
+            and self.father is other.father
+            and self.trsf.same(other.trsf)
+            and self.gripper.link == other.gripper.link
+            and (self.otime, self.ctime) == (other.otime, other.ctime)
+        )
+
+
+class PointV(Structure):
+    """point: trsf, configuration and the frame it hangs on."""
+
+    FIELDS = ("trsf", "config", "father")
+    __slots__ = (*FIELDS, "family")
+
+    def __init__(self, father: FrameV | None = None) -> None:
+        self.trsf, self.config, self.father, self.family = TrsfV(), ConfigV(), father, ""
+
+    def same(self, other: object) -> bool:
+        """Reference and position (L5060)."""
+        return isinstance(other, PointV) and self.father is other.father and self.trsf.same(other.trsf)
+
+    def set(self, other: object) -> None:
+        """With its arm family."""
+        super().set(other)
+        self.family = getattr(other, "family", "")
+
+
+class UserV(Structure):
+    """A value of a user type: each field is a container."""
+
+    __slots__ = ("__dict__", "type")
+
+    def __init__(self, kind: UserType) -> None:
+        self.type = kind
+
+    def names(self) -> tuple[str, ...]:
+        """Attributes of its fields."""
+        return tuple(f"u_{name}" for name in self.type.fields)
+
+    def set(self, other: object) -> None:
+        """Sizes and values, deep (L4153)."""
+        for name in self.names():
+            replace_container(getattr(self, name), getattr(other, name))
+
+    def copy(self) -> UserV:
+        """Deep."""
+        made = UserV(self.type)
+        for name in self.names():
+            setattr(made, name, copy_container(getattr(self, name)))
+        return made
+
+
+class Grid:
+    """A 2-D or 3-D array."""
+
+    __slots__ = ("dims", "flat")
+
+    def __init__(self, dims: tuple[int, ...], flat: list[object]) -> None:
+        self.dims, self.flat = dims, flat
+
+    def at(self, *wanted: float) -> int:
+        """The place of an element; 20 and 21."""
+        place = 0
+        for size, index in zip(self.dims, map(rounded, wanted), strict=True):
+            if index >= size:
+                raise Rte(20, f"index {index} of {size}")
+            place = place * size + index
+        return place
+
+    def resize(self, dimension: int, size: int, new: Callable[[], object]) -> None:
+        """Adds or drops values at the end of a dimension (0..)."""
+        dims = (*self.dims[:dimension], size, *self.dims[dimension + 1 :])
+        if math.prod(dims) > MOST_VALUES:
+            raise Rte(40, f"{math.prod(dims)} values, {MOST_VALUES} at most")
+        kept = []
+        for place in range(math.prod(dims)):
+            indices, rest = [], place
+            for length in reversed(dims):
+                rest, index = divmod(rest, length)
+                indices.append(index)
+            indices.reverse()
+            inside = all(i < n for i, n in zip(indices, self.dims, strict=True))
+            kept.append(self.flat[self.at(*indices)] if inside else new())
+        self.dims = dims
+        self.flat[:] = kept
+
+
+Container = list[object] | dict[str, object] | Grid
+
+
+def rounded(index: float) -> int:
+    """An index to the nearest whole number; 21 for a negative one."""
+    place = math.floor(index + 0.5)
+    if place < 0:
+        raise Rte(21, f"index {index:g}")
+    return place
+
+
+def equal(first: object, second: object) -> bool:
+    """The operator == of any type that has one."""
+    return first.same(second) if isinstance(first, Structure) else first == second
+
+
+def cut(text: str) -> str:
+    """At most 128 bytes."""
+    if len(text) * 4 <= LONGEST:
+        return text
+    data = text.encode("utf-8", "replace")
+    return text if len(data) <= LONGEST else data[:LONGEST].decode("utf-8", "ignore")
+
+
+def copied(value: object) -> object:
+    """A value of its own."""
+    return value.copy() if isinstance(value, Structure) else value
+
+
+def copy_container(container: object) -> Container:
+    """Deep."""
+    if isinstance(container, dict):
+        return {key: copied(value) for key, value in container.items()}
+    if isinstance(container, Grid):
+        return Grid(container.dims, [copied(value) for value in container.flat])
+    assert isinstance(container, list)
+    return [copied(value) for value in container]
+
+
+def replace_container(mine: object, other: object) -> None:
+    """The values of another container; structures that are there stay the same objects."""
+    if isinstance(mine, dict) and isinstance(other, dict):
+        taken = {key: _kept(mine.get(key), value) for key, value in other.items()}
+        mine.clear()
+        mine.update(taken)
+    elif isinstance(mine, Grid) and isinstance(other, Grid):
+        mine.dims = other.dims
+        replace_container(mine.flat, other.flat)
+    elif isinstance(mine, list) and isinstance(other, list):
+        old: list[object] = list(mine)
+        mine[:] = [_kept(old[at] if at < len(old) else None, value) for at, value in enumerate(other)]
+
+
+def _kept(mine: object, value: object) -> object:
+    if isinstance(mine, Structure) and isinstance(value, Structure):
+        if mine is not value:
+            mine.set(value)
+        return mine
+    return copied(value)
+
+
+class Surroundings(Protocol):
+    """What defaults depend on: the arm's axes, the roots of frames and tools."""
+
+    axes: int
+    world: FrameV
+    flange: ToolV
+
+
+def default(kind: Type, home: Surroundings, linked: bool = False) -> object:
+    """The value of a new variable; `linked`: global data, whose frames hang on world and tools on flange (L4825, L4923)."""
+    if isinstance(kind, UserType):
+        made = UserV(kind)
+        for name, declared in kind.fields.items():
+            setattr(made, f"u_{name}", container_of(declared, home, linked=False))
+        return made
+    match kind:
+        case "num":
+            return 0.0
+        case "bool":
+            return False
+        case "string":
+            return ""
+        case "joint":
+            return JointV(count=home.axes)
+        case "frame":
+            return FrameV(home.world if linked else None)
+        case "tool":
+            tool = ToolV(home.flange if linked else None)
+            tool.gripper.link = "valve1" if linked else None
+            return tool
+        case "point":
+            return PointV(home.world if linked else None)
+    return MAKERS[kind]()
+
+
+MAKERS: dict[str, Callable[[], object]] = {
+    "trsf": TrsfV,
+    "config": ConfigV,
+    "mdesc": MdescV,
+    "dio": DioV,
+    "aio": AioV,
+    "sio": SioV,
+    "screen": ScreenV,
+    "shoulder": lambda: "ssame",
+    "elbow": lambda: "esame",
+    "wrist": lambda: "wsame",
+    "blend": lambda: "off",
+}
+Link = Callable[[str], object]  # a name as files write it -> frame or tool
+
+
+def container_of(declared: Declaration, home: Surroundings, linked: bool, link: Link | None = None) -> Container:
+    """A container with its initial values.  Raises Rte 70 for a value its type does not have."""
+    if declared.dims == 0:
+        found: dict[str, object] = {}
+        for value in declared.values:
+            found[value.key] = initial(declared, value, home, linked, link)
+        return found
+    flat = [default(declared.type, home, linked) for _ in range(math.prod(declared.sizes))]
+    if declared.family:
+        for one in flat:
+            if isinstance(one, JointV | PointV):
+                one.family = declared.family
+    grid = Grid(declared.sizes, flat)
+    for value in declared.values:
+        place = grid.at(*(float(part) for part in value.key.split(",")))
+        flat[place] = initial(declared, value, home, linked, link)
+    return flat if declared.dims == 1 else grid
+
+
+def initial(declared: Declaration, value: Initial, home: Surroundings, linked: bool, link: Link | None) -> object:
+    """One value as the file writes it."""
+    made = default(declared.type, home, linked)
+    given = value.attributes
+    match made:
+        case bool():
+            return given.get("value", "false").lower() in ("true", "1")
+        case float():
+            return number(given.get("value", "0"))
+        case str() if declared.type == "string":
+            return cut(given.get("value", ""))
+        case UserV():
+            for name, own in value.fields.items():
+                if name in made.type.fields:
+                    target = made.type.fields[name]
+                    filled = Declaration(name, target.type_name, own.dims, own.sizes, True, own.values, own.file, own.line, target.type)
+                    filled.family = own.family
+                    setattr(made, f"u_{name}", container_of(filled, home, False, link))
+            return made
+        case LinkV():
+            made.link = given.get("link") or None
+            return made
+        case Structure():
+            fill(made, given)
+            if declared.family and isinstance(made, JointV | PointV):
+                made.family = declared.family
+            if isinstance(made, FrameV | ToolV | PointV) and link is not None and given.get("fatherId"):
+                father = link(given["fatherId"])
+                if father is not None:
+                    setattr(made, "father", father)
+    return made
+
+
+ALIASES = {"tmax": "tvel", "rmax": "rvel", "open": "otime", "close": "ctime"}
+
+
+def fill(made: Structure, given: dict[str, str]) -> None:
+    """Attributes into fields: x..rz go to the trsf, shoulder .. wrist to the configuration."""
+    parts = [made]
+    for name in ("trsf", "config"):
+        inner = getattr(made, name, None)
+        if isinstance(inner, Structure):
+            parts.append(inner)
+    for name, text in given.items():
+        name = ALIASES.get(name, name) if isinstance(made, MdescV | ToolV) else name
+        if name == "ioLink" and isinstance(made, ToolV):
+            made.gripper.link = text or None
+        for part in parts:
+            if name in part.names() and name not in ("father", "trsf", "config", "gripper"):
+                setattr(part, name, word(name, text) if name in WORDS else number(text))
+
+
+def word(kind: str, text: str) -> str:
+    """A word of an enumeration in any case."""
+    for known in WORDS[kind]:
+        if known.lower() == text.lower():
+            return known
+    raise Rte(70, f"{kind} {text!r}: there are {', '.join(WORDS[kind])}")
+
+
+def number(text: str) -> float:
+    """A number of a file; 70 for anything that is none."""
+    try:
+        value = float(text.strip() or "0")
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise Rte(70, f"{text!r} is no number")
+    return value
+
+
+def literal(kind: Type, parts: Iterable[object], home: Surroundings) -> Structure:
+    """{a, b, ...}: None is an empty field, 0 (L986)."""
+    made = default(kind, home)
+    assert isinstance(made, Structure)
+    for name, part in zip(fields_of(kind, home.axes), parts, strict=False):
+        if part is None:
+            part = empty(FIELDS.get(str(kind), {}).get(name, "num"), home)
+        mine = getattr(made, name)
+        if isinstance(mine, Structure):
+            mine.set(part)
+        else:
+            setattr(made, name, part)
+    return made
+
+
+def empty(kind: str, home: Surroundings) -> object:
+    """What stands for an empty field."""
+    return default(kind, home)
+
+
+def fields_of(kind: Type, axes: int) -> Iterator[str]:
+    """Names of the fields of a structured type, in their order."""
+    if kind == "joint":
+        yield from JointV.FIELDS[:axes]
+    elif isinstance(kind, str):
+        yield from FIELDS.get(kind, {})

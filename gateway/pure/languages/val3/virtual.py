@@ -1,0 +1,238 @@
+"""A virtual run: an application in virtual time, what happens from outside at given moments, and its result as plain data."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from gateway.pure.languages.base.requests import Ns
+from gateway.pure.languages.val3.errors import Rte
+from gateway.pure.languages.val3.instance import Instance
+from gateway.pure.languages.val3.machine import Machine
+from gateway.pure.languages.val3.robot_state import LOCAL, MANUAL, REMOTE, TEST
+from gateway.pure.languages.val3.values import (
+    AioV,
+    Container,
+    DioV,
+    Grid,
+    LinkV,
+    ScreenV,
+    Structure,
+    UserV,
+)
+
+MODES = {"manual": MANUAL, "test": TEST, "local": LOCAL, "remote": REMOTE}
+WORDS = {"true": 1.0, "on": 1.0, "false": 0.0, "off": 0.0}
+
+
+class EventFault(Exception):
+    """An event that cannot be carried out; one sentence."""
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """WHAT=VALUE at a moment."""
+
+    at: Ns
+    what: str
+    value: str
+
+
+def event_of(seconds: str, text: str) -> Event:
+    """From the command line.  EventFault says what is wrong."""
+    try:
+        at = float(seconds)
+    except ValueError:
+        raise EventFault(f"--at {seconds}: a number of seconds is expected") from None
+    what, separator, value = text.partition("=")
+    if not separator or not what or not 0 <= at < 1e9:
+        raise EventFault(f"--at {seconds} {text}: seconds from 0 and WHAT=VALUE are expected")
+    return Event(round(at * 1e9), what.strip(), value.strip())
+
+
+def number(event: Event) -> float:
+    """The value as a number."""
+    try:
+        return WORDS[event.value.lower()] if event.value.lower() in WORDS else float(event.value)
+    except ValueError:
+        raise EventFault(f"{event.what}={event.value}: a number, true or false is expected") from None
+
+
+def happen(machine: Machine, own: Instance, event: Event) -> None:
+    """What the operator, the plant or the safety board does."""
+    kind, _, name = event.what.partition(".")
+    match kind:
+        case "dio" | "aio" if name:
+            value = number(event)
+            machine.io.declare(name).value = value if kind == "aio" else float(value != 0)
+        case "mode":
+            if event.value.lower() not in MODES:
+                raise EventFault(f"mode={event.value}: {', '.join(MODES)} are expected")
+            machine.robot.mode = MODES[event.value.lower()]
+        case "power":
+            machine.robot.powered = number(event) != 0
+        case "speed":
+            value = number(event)
+            if not 0 <= value <= 100:
+                raise EventFault(f"speed={event.value}: 0 to 100 is expected")
+            machine.robot.speed = value
+        case "estop":
+            machine.robot.estop = 2 if number(event) else 0
+            if machine.robot.estop:
+                machine.robot.powered = False
+        case "hold":
+            machine.robot.hold = number(event) != 0
+        case "app":
+            if event.value.lower() != "stop":
+                raise EventFault(f"app={event.value}: stop is expected")
+            machine.stop()
+        case _:
+            put(machine, own, event)
+
+
+def put(machine: Machine, own: Instance, event: Event) -> None:
+    """A global: name, name[3], name[key], name.field."""
+    steps = event.what.replace("]", "").replace("[", ".[").split(".")
+    container: object = own.data.get(steps[0])
+    if container is None:
+        raise EventFault(f"{event.what}: there is no global of that name; dio., aio., mode, power, speed, estop, hold and app are known, too")
+    place: object = 0
+    try:
+        for at, step in enumerate(steps[1:], start=1):
+            if step.startswith("["):
+                container, place = _element(container, step[1:])
+            else:
+                value = container[place]  # type: ignore[index]  # containers and structures have places
+                inner = getattr(value, f"u_{step}", None)
+                container, place = (inner, 0) if inner is not None else (value, step)
+        if isinstance(container, dict | Grid) and place == 0:
+            raise LookupError
+        old = container[place]  # type: ignore[index]
+    except (LookupError, ValueError, AttributeError, TypeError, Rte):
+        raise EventFault(f"{event.what}: there is no such value") from None
+    match old:
+        case bool():
+            container[place] = number(event) != 0  # type: ignore[index]
+        case float():
+            container[place] = number(event)  # type: ignore[index]
+        case str():
+            container[place] = event.value  # type: ignore[index]
+        case DioV() | AioV() if old.link:
+            machine.io.declare(old.link).value = number(event)
+        case _:
+            raise EventFault(f"{event.what}: only numbers, bools, strings, dio and aio are set")
+
+
+def _element(container: object, text: str) -> tuple[object, object]:
+    if isinstance(container, Grid):
+        return container.flat, container.at(*(float(part) for part in text.split(",")))
+    return (container, text.strip('"')) if isinstance(container, dict) else (container, int(text))
+
+
+@dataclass(slots=True)
+class Run:
+    """One virtual run."""
+
+    machine: Machine
+    own: Instance
+    until: Ns
+    events: list[Event]
+
+    def go(self) -> None:
+        """To the end of the application, to `until`, or until nothing can happen any more."""
+        machine, waiting = self.machine, sorted(self.events, key=lambda event: event.at)
+        machine.start(self.own)
+        while not machine.ended and machine.clock < self.until:
+            moment = min([self.until, *(event.at for event in waiting[:1])])
+            machine.run(moment)
+            while waiting and waiting[0].at <= machine.clock:
+                happen(machine, self.own, waiting.pop(0))
+            if not waiting and machine.stuck and not machine.ended:
+                break
+            if not waiting and moment == self.until:
+                break
+
+    def result(self) -> dict[str, object]:
+        """As `axisgate val3 run --json` prints it."""
+        machine = self.machine
+        return {
+            "globals": {name: shown_container(machine, each) for name, each in self.own.data.items()},
+            "tasks": {self._name(task): {"status": task.status, "program": task.program, "line": task.line} for task in machine.tasks},
+            "log": machine.log,
+            "popups": machine.popups,
+            "moves": machine.moves_or_none.list if machine.moves_or_none is not None else [],
+            "end_s": round(min(machine.clock, self.until) / 1e9, 6),
+        }
+
+    def _name(self, task: object) -> str:
+        owner, name = getattr(task, "owner", None), str(getattr(task, "name", ""))
+        prefix = owner.prefix if isinstance(owner, Instance) else ""
+        return f"{prefix}:{name}" if prefix else name
+
+
+def shown_container(machine: Machine, container: Container) -> object:
+    """An array of one value is the value (L957); arrays are lists, collections objects."""
+    if isinstance(container, dict):
+        return {key: shown(machine, value) for key, value in sorted(container.items())}
+    if isinstance(container, Grid):
+        return _rows(machine, container.dims, container.flat)
+    return shown(machine, container[0]) if len(container) == 1 else [shown(machine, value) for value in container]
+
+
+def _rows(machine: Machine, dims: tuple[int, ...], flat: list[object]) -> list[object]:
+    if len(dims) == 1:
+        return [shown(machine, value) for value in flat]
+    size = len(flat) // dims[0]
+    return [_rows(machine, dims[1:], flat[at * size : (at + 1) * size]) for at in range(dims[0])]
+
+
+def shown(machine: Machine, value: object) -> object:
+    """One value: numbers without a fraction as whole ones, structures by field."""
+    match value:
+        case float():
+            return int(value) if value.is_integer() and abs(value) < 1e15 else value
+        case DioV():
+            point = machine.io.find(value.link) if value.link else None
+            return None if point is None else point.value != 0
+        case AioV():
+            point = machine.io.find(value.link) if value.link else None
+            return None if point is None else shown(machine, point.value)
+        case LinkV():
+            return value.link
+        case ScreenV():
+            return machine.screen.lines
+        case UserV():
+            return {name: shown_container(machine, getattr(value, f"u_{name}")) for name in value.type.fields}
+        case Structure():
+            return {name: shown(machine, getattr(value, name)) for name in value.names() if name != "father"}
+    return value
+
+
+def declare_links(machine: Machine, containers: Iterable[Container]) -> None:
+    """Links with a path first, so that bare names find them."""
+    links = [link for container in containers for value in values_of(container) for link in links_of(value)]
+    for link in sorted(set(links), key=lambda each: ("\\" not in each, each)):
+        machine.io.declare(link)
+
+
+def values_of(container: Container) -> Iterable[object]:
+    """All values of a container."""
+    return container.values() if isinstance(container, dict) else container.flat if isinstance(container, Grid) else container
+
+
+def links_of(value: object) -> Iterable[str]:
+    """Links to inputs and outputs in a value."""
+    if isinstance(value, DioV | AioV):
+        return [value.link] if value.link else []
+    if isinstance(value, UserV):
+        return [link for name in value.names() for one in values_of(getattr(value, name)) for link in links_of(one)]
+    gripper = getattr(value, "gripper", None)
+    return [gripper.link] if isinstance(gripper, DioV) and gripper.link else []
+
+
+def summary(result: Mapping[str, object]) -> list[str]:
+    """The result for a person."""
+    tasks, log, popups = result["tasks"], result["log"], result["popups"]
+    lines = [f"ended after {result['end_s']} s of virtual time"]
+    if isinstance(tasks, dict):
+        lines += [f"task {name}: status {each['status']}, {each['program']} line {each['line']}" for name, each in tasks.items()]
+    lines += [f"popup: {text}" for text in popups] if isinstance(popups, list) else []
+    return lines + ([str(line) for line in log] if isinstance(log, list) else [])

@@ -1,0 +1,79 @@
+"""Inputs and outputs of a virtual run: every link that an application names is there.  Directions by name: AX-723."""
+
+from dataclasses import dataclass, field
+from enum import IntEnum
+
+from gateway.pure.languages.val3.errors import Rte
+
+
+class Status(IntEnum):
+    """What ioStatus returns (L2385-2398)."""
+
+    WORKS, LOCKED, SIMULATED = 0, 1, 2
+    NO_LINK, UNKNOWN, FAULT = -1, -2, -3
+
+
+@dataclass(slots=True)
+class Point:
+    """One input or output.  A digital one holds 0 or 1."""
+
+    path: str
+    value: float = 0.0
+    is_input: bool = False
+    status: Status = Status.WORKS
+
+
+def looks_like_input(path: str) -> bool:
+    """%I0, fIn0 and the inputs of boards whose module says so are inputs; all others are written, too."""
+    last = last_name(path).lower()
+    module = path.replace("/", "\\").lower().split("\\")[:-1]
+    return last.startswith(("%i", "fin")) or any(part.endswith(("inputs", "_in")) or part == "in" for part in module)
+
+
+def last_name(path: str) -> str:
+    """The name behind board and module."""
+    return path.replace("/", "\\").rpartition("\\")[2]
+
+
+@dataclass(slots=True)
+class VirtualIo:
+    """Points by path; a bare name finds the path that ends so."""
+
+    points: dict[str, Point] = field(default_factory=dict)
+    changes: int = 0
+
+    def find(self, link: str) -> Point | None:
+        """The point behind a link, as path or last name, in any case."""
+        name = link.replace("/", "\\").lower()
+        if (found := self.points.get(name)) is not None:
+            return found
+        last = last_name(name)
+        for path, point in self.points.items():
+            if last_name(path) == last and (last == name or path == last):
+                return point
+        return None
+
+    def declare(self, link: str) -> Point:
+        """The point behind a link; made where there was none."""
+        found = self.find(link)
+        if found is None:
+            found = self.points[link.replace("/", "\\").lower()] = Point(link, is_input=looks_like_input(link))
+        return found
+
+    def usable(self, link: str | None) -> Point:
+        """123 without a link, 125 where the device is in fault."""
+        if not link:
+            raise Rte(123)
+        point = self.declare(link)
+        if point.status is Status.FAULT:
+            raise Rte(125, point.path)
+        return point
+
+    def write(self, link: str | None, value: float) -> None:
+        """122 for an input; without effect where the operator has locked it."""
+        point = self.usable(link)
+        if point.is_input:
+            raise Rte(122, point.path)
+        if point.status is not Status.LOCKED:
+            point.value = value
+            self.changes += 1

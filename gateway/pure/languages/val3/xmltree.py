@@ -1,0 +1,89 @@
+"""XML of application files as a tree whose elements know their lines.  No document type, no entities: a controller writes none."""
+
+from dataclasses import dataclass, field
+from xml.parsers import expat
+
+DEEPEST = 200
+
+
+class XmlFault(Exception):
+    """The text is no XML the controller would have written."""
+
+    def __init__(self, line: int, text: str) -> None:
+        super().__init__(text)
+        self.line, self.text = line, text
+
+
+@dataclass(slots=True)
+class Element:
+    """One element.  Prefixes are kept, so that xsi:type and type are two attributes."""
+
+    tag: str
+    attributes: dict[str, str]
+    line: int
+    children: list["Element"] = field(default_factory=list)
+    text: str = ""
+    text_line: int = 0  # line of the first character of `text`
+
+    def get(self, name: str, default: str = "") -> str:
+        """An attribute."""
+        return self.attributes.get(name, default)
+
+    def all(self, tag: str) -> list["Element"]:
+        """Children of that tag."""
+        return [child for child in self.children if child.tag == tag]
+
+    def first(self, tag: str) -> "Element | None":
+        """The first child of that tag."""
+        return next(iter(self.all(tag)), None)
+
+
+class _Builder:
+    def __init__(self, parser: expat.XMLParserType) -> None:
+        self.parser = parser
+        self.open: list[Element] = []
+        self.root: Element | None = None
+
+    def start(self, tag: str, attributes: dict[str, str]) -> None:
+        element = Element(tag.rpartition(":")[2], attributes, self.parser.CurrentLineNumber)
+        if self.open:
+            self.open[-1].children.append(element)
+        elif self.root is None:
+            self.root = element
+        if len(self.open) >= DEEPEST:
+            raise XmlFault(element.line, f"more than {DEEPEST} elements one in the other")
+        self.open.append(element)
+
+    def end(self, _: str) -> None:
+        self.open.pop()
+
+    def text(self, data: str) -> None:
+        if self.open:
+            element = self.open[-1]
+            if not element.text:
+                element.text_line = self.parser.CurrentLineNumber
+            element.text += data
+
+    def refuse(self, *_: object) -> None:
+        raise XmlFault(self.parser.CurrentLineNumber, "a document type is declared; application files have none")
+
+
+def parse_xml(data: bytes) -> Element:
+    """The root element.  XmlFault with its line for anything else."""
+    parser = expat.ParserCreate()
+    parser.buffer_text = True
+    parser.buffer_size = 1 << 16
+    builder = _Builder(parser)
+    parser.StartElementHandler = builder.start
+    parser.EndElementHandler = builder.end
+    parser.CharacterDataHandler = builder.text
+    parser.StartDoctypeDeclHandler = builder.refuse
+    try:
+        parser.Parse(data, True)
+    except expat.ExpatError as error:
+        raise XmlFault(error.lineno, f"not well-formed XML: {expat.ErrorString(error.code)}") from None
+    except (ValueError, LookupError) as error:
+        raise XmlFault(1, f"unreadable text: {error}") from None
+    if builder.root is None:
+        raise XmlFault(1, "the file is empty")
+    return builder.root
