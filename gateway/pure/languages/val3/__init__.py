@@ -1,1 +1,1 @@
-"""VAL 3, the language of Staubli controllers: files, checker, translation, tasks and built-in instructions.  Source: VAL 3 reference, version 8."""
+"""VAL 3, the language of Staubli controllers: files, checker, translation, tasks, instructions.  Source: VAL 3 reference 8."""

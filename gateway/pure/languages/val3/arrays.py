@@ -14,7 +14,7 @@ class Local(tuple[list[object], int]):
 
     def __new__(cls, values: list[object], start: int) -> "Local":
         """Container and first place."""
-        return super().__new__(cls, (values, start))  # type: ignore[type-var]  # a tuple of two
+        return super().__new__(cls, (values, start))
 
 
 def ix(index: float) -> int:
@@ -40,35 +40,6 @@ def take(target: Structure, value: object) -> object:
     if target is not value:
         target.set(value if not isinstance(value, Structure) else value.copy())
     return target
-
-
-def field_list(owner: object, name: object) -> list[object]:
-    """One value of a collection or one field as an array of one."""
-    return _Window(owner, name)
-
-
-class _Window(list[object]):
-    """A list of one element that lies in something else."""
-
-    def __init__(self, owner: object, name: object) -> None:
-        super().__init__([None])
-        self.owner, self.name = owner, name
-
-    def __getitem__(self, at: object) -> object:  # type: ignore[override]  # index 0 or slices of it
-        if isinstance(at, slice):
-            return [self.owner[self.name]][at]  # type: ignore[index]  # a collection or a structure
-        if at != 0:
-            raise IndexError
-        return self.owner[self.name]  # type: ignore[index]
-
-    def __setitem__(self, at: object, value: object) -> None:  # type: ignore[override]
-        if isinstance(at, slice):
-            made = [self.owner[self.name]]  # type: ignore[index]
-            made[at] = value  # type: ignore[call-overload]
-            value = made[0]
-        elif at != 0:
-            raise IndexError
-        self.owner[self.name] = value  # type: ignore[index]
 
 
 def f_size(container: Container, offset: object) -> float:

@@ -179,7 +179,7 @@ def f_link(own: Instance, what: FrameV | ToolV | PointV, reference: FrameV | Too
         if here is what:
             raise Rte(165, "linked in a ring")
         here = here.father
-    what.father = reference  # type: ignore[assignment]  # the checker lets only frames hang on frames, tools on tools
+    what.father = reference
 
 
 def f_distance_point(own: Instance, first: PointV, second: PointV) -> float:

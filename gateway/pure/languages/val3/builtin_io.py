@@ -3,13 +3,13 @@
 import math
 from collections.abc import Generator
 
+from gateway.pure.controllers.val3.sio.calls import Call
 from gateway.pure.languages.base.requests import Ns
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.instance import Instance
 from gateway.pure.languages.val3.numbers import Place
 from gateway.pure.languages.val3.values import AioV, DioV, LinkV, SioV, cut
 from gateway.pure.languages.val3.virtual_io import Status
-from gateway.pure.val3_sio.calls import Call
 
 Waiting = Generator[Ns | None, None, object]
 

@@ -32,7 +32,7 @@ def f_lib_load(own: Instance, identifier: str, path: str, password: str | None =
         return 23.0
     if path.lower().endswith(".zip"):
         return 12.0
-    return float(own.machine.load_library(own, identifier, folder, name, path))
+    return float(own.machine.loads(own, identifier, folder, name, path))
 
 
 def f_lib_save(own: Instance, path: str | None = None) -> Waiting:
@@ -110,7 +110,7 @@ def f_lib_exist(own: Instance, identifier: str, symbol: str) -> bool:
     found = own.libraries.get(identifier)
     if found is None:
         return False
-    name = symbol.split("(")[0]
+    name = symbol.split("(", maxsplit=1)[0]
     if "(" in symbol:
         program = found.loaded.app.programs.get(name)
         return program is not None and program.public
@@ -145,8 +145,9 @@ def f_get_data(own: Instance, name: str, target: list[object], place: int, singl
     if not 0 <= start < len(source) or (index or "").startswith("-"):
         return -3.0
     if single:
-        if isinstance(target[place], Structure):
-            target[place].set(copied(source[start]))  # type: ignore[attr-defined]  # a structure, as asked
+        held = target[place]
+        if isinstance(held, Structure):
+            held.set(copied(source[start]))
         else:
             target[place] = source[start]
         return 1.0

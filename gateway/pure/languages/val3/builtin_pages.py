@@ -1,10 +1,10 @@
 """Popups, log, user pages, screens, profile, language, date.  Source: VAL 3 reference 4, L2810-3313; what a page shows goes to the log."""
 
-import datetime
 import math
 from collections.abc import Generator, Sequence
 
 from gateway.pure.languages.base.requests import Ns
+from gateway.pure.languages.val3.dates import date_at
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.instance import Instance
 from gateway.pure.languages.val3.numbers import Place
@@ -13,14 +13,8 @@ from gateway.pure.languages.val3.values import ScreenV, cut
 
 Waiting = Generator[Ns | None, None, object]
 LANGUAGES = ("francais", "english", "deutsch", "italiano", "espanol")
-START = datetime.datetime(2020, 1, 1)  # date of a virtual run: the same in every run (AX-725)
 DATES = ("%y", "%Y", "%m", "%d", "%H", "%I", "%p", "%M", "%S")
 SEVERITIES = (1, 2, 3, 4)
-
-
-def date_at(now: Ns) -> datetime.datetime:
-    """Date and time of a moment of the run."""
-    return START + datetime.timedelta(microseconds=now // 1000)
 
 
 def _severity(value: float) -> int:
@@ -43,7 +37,8 @@ def f_log_msg(own: Instance, text: str, severity: float = 1.0) -> bool:
 
 def f_user_page(own: Instance, name: str) -> float:
     """0; -1: the page is not there."""
-    if not own.machine.has_page(own, name):
+    start = f"{own.loaded.app.path}/" if own.loaded.app.path else ""
+    if own.machine.disk.read(f"{start}interface/{name}.html") is None:
         return -1.0
     own.machine.note(f"user page {name}", "PAGE")
     return 0.0

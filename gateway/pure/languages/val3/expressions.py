@@ -1,6 +1,6 @@
-"""Checks expressions and writes them as Python.  Compile errors in the words of VAL 3 reference L1073-1494, L5745 and of controller logs."""
+"""Checks expressions and writes them as Python.  Compile errors: VAL 3 reference L1073-1494, L5745, logs of controllers."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 from gateway.pure.languages.val3.model import Parameter, Type, UserType
 from gateway.pure.languages.val3.scope import Scope, Value
@@ -262,7 +262,7 @@ class Translator:
     def _matches(self, value: Value, parameter: str) -> bool:
         kind = parameter.rstrip("&").split("[")[0]
         if value.type == LITERAL:
-            return "[" not in parameter and "&" not in parameter and len(value.parts or ()) == len(self.scope.fields(kind))
+            return "[" not in parameter and "&" not in parameter and bool(self.scope.fields(kind))
         return fits(value.type, kind)
 
     def _made(self, node: Invoke, form: Signature, values: list[Value], first: str = "") -> Value:
@@ -287,8 +287,6 @@ class Translator:
 
     def _array(self, value: Value, kind: str, any_dims: bool) -> str:
         if not value.whole:
-            if value.c and value.type == kind:
-                return f"(field_list({value.c}, {value.k}), 0)"
             raise self.fault(value.node, "array variable expected as parameter")
         if value.type != kind:
             raise self.fault(value.node, "invalid type")
@@ -327,7 +325,19 @@ class Translator:
         value = self.value(arguments[0])
         if not value.whole:
             raise self.fault(arguments[0], "variable expected as parameter")
-        return getattr(self, f"_on_{name}")(node, value)  # type: ignore[no-any-return]  # one method an instruction
+        handlers: dict[str, Callable[[Invoke, Value], Value]] = {
+            "size": self._on_size,
+            "isdefined": self._on_isdefined,
+            "insert": self._on_insert,
+            "delete": self._on_delete,
+            "append": self._on_append,
+            "resize": self._on_resize,
+            "first": self._on_first,
+            "last": self._on_last,
+            "next": self._on_next,
+            "prev": self._on_prev,
+        }
+        return handlers[name](node, value)
 
     def _waiting(self, node: Invoke, name: str) -> Value:
         if len(node.arguments) != (1 if name == "wait" else 2):
@@ -462,16 +472,13 @@ class Translator:
 
     def _container(self, value: Value, parameter: Parameter) -> list[str]:
         kind = {0: "collection", 1: "1d array", 2: "2d array", 3: "3d array"}[parameter.dims]
-        field = value.c and not value.whole and parameter.dims == 1
-        if not value.whole and not field:
+        if not value.whole:
             what = "collection" if parameter.dims == 0 else "array"
             raise self.fault(value.node, f"{what} variable expected as parameter" if not value.c else f"{kind} variable expected")
         if value.dims != parameter.dims:
             raise self.fault(value.node, f"{kind} variable expected")
         if value.type is not parameter.type and value.type != parameter.type:
             raise self.fault(value.node, "invalid type")
-        if field:
-            return [f"field_list({value.c}, {value.k})", "0"]
         if parameter.dims == 1:
             return [value.whole, value.offset]
         if value.indexed:

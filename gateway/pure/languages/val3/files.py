@@ -169,8 +169,10 @@ class Reader:
         lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
         while lines and not lines[0].strip():
             del lines[0]
-        parameters = [made for group in each.all("Parameters") for one in group.all("Parameter") if (made := self._parameter(path, one))]
-        found = [made for group in each.all("Locals") for one in group.all("Local") if (made := self.declaration(path, one))]
+        given = [self._parameter(path, one) for group in each.all("Parameters") for one in group.all("Parameter")]
+        parameters = [one for one in given if one is not None]
+        own = [self.declaration(path, one) for group in each.all("Locals") for one in group.all("Local")]
+        found = [one for one in own if one is not None]
         return ProgramText(name, path, each.get("access").lower() == "public", parameters, found, lines, each.line)
 
     def _parameter(self, path: str, each: Element) -> Parameter | None:
@@ -203,7 +205,7 @@ class Reader:
             self._say(path, fault.line, fault.text)
             return None
         named = root.get("xmlns", ROOT + space)
-        if root.tag != tag or not named.startswith(ROOT + space.split("/")[0]):
+        if root.tag != tag or not named.startswith(ROOT + space.split("/", maxsplit=1)[0]):
             self._say(path, root.line, f"<{tag}> of {ROOT}{space} expected, <{root.tag}> of {named} found")
             return None
         return root

@@ -2,17 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
+from gateway.pure.languages.val3.controller import Controller
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.loader import Loaded
 from gateway.pure.languages.val3.model import ProgramText, UserType
 from gateway.pure.languages.val3.tasks import Step, bytes_of
 from gateway.pure.languages.val3.translate import Code
-from gateway.pure.languages.val3.values import Container, Grid, Surroundings, container_of, default
-
-if TYPE_CHECKING:
-    from gateway.pure.languages.val3.machine import Machine
+from gateway.pure.languages.val3.values import Container, Grid, Structure, Surroundings, container_of, default
 
 
 @dataclass(eq=False)
@@ -26,19 +23,25 @@ class Program:
     _steps: list[Step] | None = None
 
     def __post_init__(self) -> None:
-        self.bytes = bytes_of(self)
+        self.bytes = bytes_of(self.text)
 
     @property
     def name(self) -> str:
         """As declared."""
         return self.text.name
 
+    @property
+    def home(self) -> Surroundings:
+        """Of its application."""
+        return self.owner.home
+
     def steps(self) -> list[Step]:
         """One function a step."""
         if self._steps is None:
             own = dict(self.owner.names)
             exec(compile(self.code.text, self.text.file, "exec"), own)
-            self._steps = [own.get(f"L{at}", _nothing) for at in range(self.code.steps)]
+            found = [own.get(f"L{at}") for at in range(self.code.steps)]
+            self._steps = [step if callable(step) else _nothing for step in found]
         return self._steps
 
     def line_of(self, pc: int) -> int:
@@ -61,7 +64,7 @@ def _nothing(_: list[object]) -> int:
 class Instance:
     """`prefix`: "" for the application, else the identifier it was first loaded under."""
 
-    machine: "Machine"
+    machine: Controller
     loaded: Loaded
     prefix: str = ""
     data: dict[str, Container] = field(default_factory=dict)
@@ -75,7 +78,7 @@ class Instance:
         self.libraries = dict.fromkeys(app.libraries)
         for name, declared in app.data.items():
             self.data[name] = container_of(declared, self.home, linked=True)
-        for name, declared in app.data.items():  # again with links, now that all frames and tools are there
+        for name in app.data:  # again with links, now that all frames and tools are there
             self._fathers(name)
         self.programs = {name: Program(self, app.programs[name], code) for name, code in self.loaded.codes.items()}
 
@@ -96,7 +99,8 @@ class Instance:
                 one = container.flat[container.at(*map(float, value.key.split(",")))]
             else:
                 one = container[int(value.key)]
-            setattr(one, "father", father)
+            if isinstance(one, Structure):
+                one["father"] = father
 
     def linked(self, text: str) -> object:
         """world[0], fBase[2], lib:fPart[0]: the frame or tool of that name; None: there is none."""
@@ -135,7 +139,9 @@ class Instance:
         expected = interface.data.get(name) if interface is not None else None
         if declared is None or not declared.public:
             raise Rte(80, f"{identifier}:{name} does not exist")
-        if expected is not None and (declared.type is not expected.type and declared.type != expected.type or declared.dims != expected.dims):
+        if expected is not None and (
+            (declared.type is not expected.type and declared.type != expected.type) or declared.dims != expected.dims
+        ):
             raise Rte(80, f"{identifier}:{name} is of another type")
         return found.data[name]
 

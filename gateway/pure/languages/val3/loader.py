@@ -63,7 +63,9 @@ class Loader:
             for parameter in program.parameters:
                 kind = self._type(app, parameter.type_name)
                 if kind is None:
-                    faults.error("val3-type", Position(program.file, parameter.line), f"'{parameter.name}' : invalid type ({parameter.type_name})")
+                    faults.error(
+                        "val3-type", Position(program.file, parameter.line), f"'{parameter.name}' : invalid type ({parameter.type_name})"
+                    )
                 parameter.type = kind if kind is not None else "num"
             for local in program.locals:
                 self._resolve(app, local, faults)
@@ -132,7 +134,9 @@ class Loader:
     def _families(self, app: Application, faults: Faults) -> None:
         for declared in app.data.values():
             if declared.family and self.family and declared.family != self.family:
-                text = f"'{declared.name}' : type of an {declared.family.upper()} arm, the arm is an {self.family.upper()}; using it is error 81"
+                text = (
+                    f"'{declared.name}' : made for an {declared.family.upper()} arm, this is an {self.family.upper()}; using it is error 81"
+                )
                 faults.warning("val3-family", Position(declared.file, declared.line), text)
 
     def _interfaces(self, app: Application, faults: Faults) -> None:

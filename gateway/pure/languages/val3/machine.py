@@ -1,12 +1,12 @@
-"""Runs an application: tasks in turns, synchronous tasks on the 4 ms grid, life cycle.  Source: VAL 3 reference 2.1, 5, L499-598, L3338-3397.
+"""Runs an application: tasks in turns, synchronous tasks on the 4 ms grid, life cycle.  Source: VAL 3 reference 2.1, 5.
 
 Time is virtual: each line costs `line_ns`.  Tasks that only wait cost nothing; then time goes on to the next cycle.
 """
 
 import functools
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
+from gateway.pure.controllers.val3.sio.errors import Val3Error
 from gateway.pure.languages.base.requests import Ns
 from gateway.pure.languages.val3 import (
     arrays,
@@ -20,23 +20,15 @@ from gateway.pure.languages.val3 import (
     numbers,
     strings,
 )
-from gateway.pure.languages.val3.builtin_pages import date_at
-from gateway.pure.languages.val3.disk import Disk, application_of
+from gateway.pure.languages.val3.controller import Controller
+from gateway.pure.languages.val3.disk import application_of
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.instance import Instance, Program
-from gateway.pure.languages.val3.loader import Loader, family_of_arm
 from gateway.pure.languages.val3.model import Application
-from gateway.pure.languages.val3.moves import Moves
-from gateway.pure.languages.val3.robot_state import RobotState
-from gateway.pure.languages.val3.screen import Screen
-from gateway.pure.languages.val3.tasks import LINES_A_CYCLE, RUNNING, SYSTEM_CYCLE, Task
+from gateway.pure.languages.val3.tasks import LINES_A_CYCLE, RUNNING, SYSTEM_CYCLE, Owner, Task
 from gateway.pure.languages.val3.translate import CALL, END
-from gateway.pure.languages.val3.values import FrameV, ToolV, copied, equal, literal
-from gateway.pure.languages.val3.virtual_io import Point, VirtualIo
-from gateway.pure.languages.val3.virtual_sio import VirtualSio
-from gateway.pure.val3_sio.errors import Val3Error
+from gateway.pure.languages.val3.values import copied, equal, literal, places
 from motion.errors import MotionError
-from motion.val3.cartesian import Arm
 from motion.val3.errors import RuntimeFault
 
 PLAIN = (numbers, strings, arrays)
@@ -45,161 +37,21 @@ OPERATORS = frozenset(
     "io_get io_put sio_write_string sio_write_num sio_read_string sio_read_num joint_sum joint_difference joint_above joint_below "
     "trsf_product trsf_inverse".split()
 )
-MOST_LOG = 10_000
-LOG_A_CYCLE = 50  # lines of the log in one system cycle; the next is lost (L3140)
 START_PRIORITY = 10
 
 
-@dataclass(frozen=True, slots=True)
-class Event:
-    """Of the event ring: type 0 popup, 1 history, 2 log."""
-
-    id: int
-    type: int
-    info: str
-
-
-@dataclass(slots=True)
-class Latch:
-    """The position latch: armed, then caught at the next rising edge."""
-
-    source: Point | None = None
-    seen_low: bool = False
-    position: tuple[float, ...] | None = None
-
-    def arm(self, source: Point) -> None:
-        """setLatch."""
-        self.source, self.seen_low, self.position = source, source.value == 0, None
-
-    def tick(self, joints: Callable[[], tuple[float, ...]]) -> None:
-        """Once a cycle."""
-        if self.source is None:
-            return
-        if self.source.value == 0:
-            self.seen_low = True
-        elif self.seen_low:
-            self.position, self.source = joints(), None
-
-
 @dataclass(eq=False)
-class Machine:
-    """One controller in virtual time.  `moves` None: no arm."""
-
-    disk: Disk
-    moves_or_none: Moves | None = None
-    line_ns: Ns = 1_000
-    robot: RobotState = field(default_factory=RobotState)
-    pages: Callable[[str], bool] = lambda path: False
-    strict: bool = False
-    references: Mapping[str, Sequence[float]] = field(default_factory=dict)
-    licences: Mapping[str, str] = field(default_factory=dict)
-    profiles: Mapping[str, str] = field(default_factory=lambda: {"default": ""})
+class Machine(Controller):
+    """One controller in virtual time."""
 
     def __post_init__(self) -> None:
-        self.axes = len(self.moves_or_none.units) if self.moves_or_none is not None else 6
-        self.family = family_of_arm(self.axes) if self.moves_or_none is not None else ""
-        self.loader = Loader(self.disk, self.axes, family=self.family, strict=self.strict)
-        self.arm: Arm | None = self.moves_or_none.geometry if self.moves_or_none is not None else None
-        self.world, self.flange = FrameV(root=True), ToolV(root=True)
-        self.io, self.sio, self.screen, self.latch = VirtualIo(), VirtualSio(), Screen(), Latch()
-        self.tasks: list[Task] = []
+        super().__post_init__()
         self.shared: dict[str, Instance] = {}
         self.application: Instance | None = None
-        self.current: Task | None = None
-        self.log: list[str] = []
-        self.popups: list[str] = []
-        self.events: list[Event] = []
-        self.event_count = 0
-        self.payload: tuple[float, tuple[float, ...], tuple[float, ...]] = (0.0, (0.0,) * 6, (0.0,))
-        self.clock: Ns = 0  # at the begin of the turn
-        self.next_tick: Ns = 0
-        self.turn = self.left = 0
-        self.gen: object = None
+        self.stop_task: Task | None = None
         self.call: tuple[Program, list[object], int] | None = None
-        self.ended = False
         self.stopping = False
-        self._at = 0  # whose turn it is
-        self._quiet = 0  # turns since the last line
-        self._logged = 0
-
-    # ---- what instructions ask -------------------------------------------------------------------------------------------
-    @property
-    def moves(self) -> Moves:
-        """153 without an arm."""
-        if self.moves_or_none is None:
-            raise Rte(153, "there is no arm")
-        return self.moves_or_none
-
-    @property
-    def now(self) -> Ns:
-        """In the middle of a turn, too."""
-        return self.clock + (self.turn - self.left) * self.line_ns
-
-    @property
-    def current_is_synchronous(self) -> bool:
-        """Of the task that runs."""
-        return self.current is not None and self.current.period > 0
-
-    def expect(self, moment: Ns) -> None:
-        """The current task waits until then at the latest."""
-        if self.current is not None:
-            self.current.deadline = moment
-
-    def task(self, owner: Instance, name: str) -> Task | None:
-        """Only those created by the same application or library are seen."""
-        return next((task for task in self.tasks if task.name == name and task.owner is owner), None)
-
-    def add(self, task: Task) -> None:
-        """Behind those that are there."""
-        task.rest = task.priority
-        if task.period:
-            task.due = (self.now // SYSTEM_CYCLE + 1) * SYSTEM_CYCLE
-        self.tasks.append(task)
-        self._quiet = 0
-
-    def restarted(self, task: Task) -> None:
-        """A stopped task goes on."""
-        task.rest = task.priority
-        self._quiet = 0
-
-    def kill(self, task: Task) -> None:
-        """Gone for good."""
-        task.dead = True
-        if task in self.tasks:
-            at = self.tasks.index(task)
-            del self.tasks[at]
-            if at < self._at:
-                self._at -= 1
-        if task.waiting is not None and task is not self.current:
-            task.waiting.close()
-        self._quiet = 0
-
-    def note(self, text: str, source: str) -> bool:
-        """A line of the log; false: too many at once."""
-        if self._logged >= LOG_A_CYCLE and source == "USR":
-            return False
-        self._logged += 1
-        stamp = date_at(self.now).strftime("%d/%m/%y %H:%M:%S")
-        self.log.append(f"[{stamp}]: <0x{self.event_count + 1:04x}> {source}:{text}")
-        del self.log[:-MOST_LOG]
-        self._event(2, text)
-        return True
-
-    def popup(self, text: str) -> None:
-        """A popup of the operator."""
-        self.popups.append(text)
-        del self.popups[:-MOST_LOG]
-        self._event(0, text)
-
-    def _event(self, kind: int, text: str) -> None:
-        self.event_count += 1
-        self.events.append(Event(self.event_count, kind, text))
-        del self.events[:-20]
-
-    def has_page(self, own: Instance, name: str) -> bool:
-        """Whether the application has a page of that name."""
-        start = f"{own.loaded.app.path}/" if own.loaded.app.path else ""
-        return self.disk.read(f"{start}interface/{name}.html") is not None or self.pages(name)
+        self.loads = self._loads
 
     # ---- applications ----------------------------------------------------------------------------------------------------
     def instance(self, folder: str, name: str, prefix: str) -> Instance | None:
@@ -240,13 +92,19 @@ class Machine:
         found.update({f"g_{name}": container for name, container in own.data.items()})
         return found
 
+    def _loads(self, own: Owner, identifier: str, folder: str, name: str, path: str) -> int:
+        assert isinstance(own, Instance)
+        return self.load_library(own, identifier, folder, name, path)
+
     def load_library(self, own: Instance, identifier: str, folder: str, name: str, path: str) -> int:
         """libLoad: codes of L3970-4006."""
         old = own.libraries.get(identifier)
         if old is not None and any(task.owner is old for task in self.tasks):
             return 14
         loaded = self.loader.load(folder, name)
-        if loaded is None or not loaded.app.programs and not loaded.app.data and loaded.faults.errors and self.disk.read(loaded.app.project) is None:
+        if loaded is None or (
+            not loaded.app.programs and not loaded.app.data and loaded.faults.errors and self.disk.read(loaded.app.project) is None
+        ):
             return 39
         found = self.instance(folder, name, own.prefix + identifier)
         if found is None:
@@ -279,17 +137,17 @@ class Machine:
     def _run_stop(self) -> None:
         assert self.application is not None
         self.stopping = True
-        name = f"~{self.application.loaded.app.name}"
-        self._stop_task = Task(name, self.application, START_PRIORITY)
-        self._stop_task.enter(self.application.programs["stop"], [])
-        self.add(self._stop_task)
+        task = Task(f"~{self.application.loaded.app.name}", self.application, START_PRIORITY)
+        task.enter(self.application.programs["stop"], [])
+        self.stop_task = task
+        self.add(task)
 
     def _life(self) -> None:
         """After a task has ended."""
         if self.application is None or self.ended:
             return
         if self.stopping:
-            if self._stop_task not in self.tasks:
+            if self.stop_task not in self.tasks:
                 for task in reversed(list(self.tasks)):
                     self.kill(task)
                 self.ended = True
@@ -340,7 +198,7 @@ class Machine:
             task.due += task.period
             if task.overrun is not None:
                 container, place = task.overrun
-                container[place] = True  # type: ignore[index]  # the variable given at its creation
+                places(container)[place] = True
         while task.due <= began:
             task.due += task.period
 
@@ -379,7 +237,17 @@ class Machine:
             done = self._lines(task)
         except Rte as fault:
             self._failed(task, fault)
-        except (MotionError, Val3Error, ArithmeticError, LookupError, ValueError, RecursionError, TypeError, AttributeError, AssertionError) as error:
+        except (
+            MotionError,
+            Val3Error,
+            ArithmeticError,
+            LookupError,
+            ValueError,
+            RecursionError,
+            TypeError,
+            AttributeError,
+            AssertionError,
+        ) as error:
             self._failed(task, as_rte(error))
         used = lines - self.left
         self.clock += used * self.line_ns
@@ -423,7 +291,7 @@ class Machine:
                 task.enter(program, arguments)
                 frame.pc = after
             else:
-                task.waiting = self.gen  # type: ignore[assignment]  # set by the line that has just run
+                task.waiting = self.gen
             if task.dead or task.status != RUNNING:
                 return True
 

@@ -5,13 +5,13 @@ from dataclasses import dataclass, field
 
 from gateway.pure.languages.val3.errors import Rte
 from motion.errors import MotionError
-from motion.frames import compose
+from motion.geometry.frames import compose
+from motion.geometry.units import from_si, to_si
 from motion.planner.arm import QUIET, Arm
 from motion.planner.robot import machine_of
 from motion.program.blocks import JointTarget, PoseTarget
 from motion.program.blocks import Tool as BlockTool
 from motion.robot import Robot, kinematics_of
-from motion.units import from_si, to_si
 from motion.val3.cartesian import Arm as Geometry
 from motion.val3.cartesian import Point, Tool
 from motion.val3.errors import RuntimeFault
@@ -41,7 +41,9 @@ class Moves:
         self.arm = Arm(self.machine, start, PERIOD_S)
         self.stack = MotionStack(self.arm)
         own = tuple(unit for axis, unit in zip(self.robot.axes, self.units, strict=True) if axis.role is None)
-        self.geometry = Geometry(kinematics_of(self.robot), own if len(own) == kinematics_of(self.robot).axes else self.units, self.robot.base)
+        self.geometry = Geometry(
+            kinematics_of(self.robot), own if len(own) == kinematics_of(self.robot).axes else self.units, self.robot.base
+        )
         self._open: list[dict[str, object]] = []
         self.blocked = False  # no power, hold or emergency stop
         self._key: tuple[float, bool, bool] = (1.0, False, False)
@@ -70,7 +72,9 @@ class Moves:
         target = JointTarget(tuple(to_si(value, unit) for value, unit in zip(joints, self.units, strict=True)))
         return self._noted(self._with(unit_m).movej(target, self._tool(tool), mdesc), note)
 
-    def point_move(self, kind: str, points: Sequence[Point], tool: Tool, mdesc: Mdesc, unit_m: float, note: dict[str, object]) -> int | None:
+    def point_move(
+        self, kind: str, points: Sequence[Point], tool: Tool, mdesc: Mdesc, unit_m: float, note: dict[str, object]
+    ) -> int | None:
         """movej, movel, movec to points."""
         targets = [PoseTarget(compose(self.robot.base.inverse(), point.in_world()), point.config) for point in points]
         stack, hand = self._with(unit_m), self._tool(tool)
@@ -146,4 +150,4 @@ class Moves:
 
 def refused(fault: RuntimeFault) -> Rte:
     """A move refused by its instruction: 154 with the 5xx as its cause; other codes stay."""
-    return Rte(154, f"{fault.code} {fault}") if fault.code >= 500 else Rte(fault.code, fault.detail)
+    return Rte(154, str(fault)) if fault.code >= 500 else Rte(fault.code, fault.detail)

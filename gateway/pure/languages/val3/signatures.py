@@ -225,7 +225,10 @@ def _table() -> dict[str, list[Signature]]:
 
 SIGNATURES = _table()
 LIBRARY = {  # identifier:instruction
-    "libload": [Signature("libLoad", "num", ("string",), "lib_load", True), Signature("libLoad", "num", ("string", "string"), "lib_load", True)],
+    "libload": [
+        Signature("libLoad", "num", ("string",), "lib_load", True),
+        Signature("libLoad", "num", ("string", "string"), "lib_load", True),
+    ],
     "libsave": [Signature("libSave", "num", (), "lib_save_of", True), Signature("libSave", "num", ("string",), "lib_save_of", True)],
     "libpath": [Signature("libPath", "string", (), "lib_path_of", False)],
     "libexist": [Signature("libExist", "bool", ("string",), "lib_exist", False)],

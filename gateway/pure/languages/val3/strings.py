@@ -51,7 +51,7 @@ def f_to_num(text: str, value: Place, report: Place) -> str:
 
 
 def f_chr(code: float) -> str:
-    """"" for a code that is no character."""
+    """ "" for a code that is no character."""
     whole = math.floor(code + 0.5)
     return chr(whole) if 0 <= whole < 0x110000 and not 0xD800 <= whole < 0xE000 else ""
 

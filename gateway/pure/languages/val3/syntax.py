@@ -107,7 +107,7 @@ class Assign(Node):
 def tokens(line: str) -> list[Token]:
     """The tokens of a line.  CompileFault for a letter the language does not have."""
     found, at = [], 0
-    escapes = line.count('"') % 2 == 1 or '\\"' in line and line.replace('\\"', "").count('"') % 2 == 0
+    escapes = line.count('"') % 2 == 1 or ('\\"' in line and line.replace('\\"', "").count('"') % 2 == 0)
     while at < len(line):
         if not line[at:].strip():
             break

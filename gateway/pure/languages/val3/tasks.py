@@ -2,16 +2,14 @@
 
 from collections.abc import Callable, Generator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, TypeAlias
+from typing import Protocol, TypeAlias
 
 from gateway.pure.languages.base.requests import Ns
 from gateway.pure.languages.val3.errors import Rte
-from gateway.pure.languages.val3.model import Declaration
+from gateway.pure.languages.val3.model import Declaration, ProgramText
 from gateway.pure.languages.val3.scope import width
-from gateway.pure.languages.val3.values import container_of
-
-if TYPE_CHECKING:
-    from gateway.pure.languages.val3.instance import Instance, Program
+from gateway.pure.languages.val3.translate import Code
+from gateway.pure.languages.val3.values import Surroundings, container_of
 
 RUNNING, SUSPENDED = 1, 0
 FRAME_BYTES, SLOT_BYTES, VALUE_BYTES = 32, 8, 8  # AX-721
@@ -22,11 +20,52 @@ Step: TypeAlias = Callable[[list[object]], int]
 Line: TypeAlias = Generator[Ns | None, None, int]
 
 
+class Owner(Protocol):
+    """The application or library that creates a task."""
+
+    prefix: str
+
+    @property
+    def stack(self) -> int:
+        """Bytes of a task."""
+        ...
+
+
+class Callee(Protocol):
+    """A program that is called."""
+
+    text: ProgramText
+    code: Code
+    bytes: int
+
+    @property
+    def name(self) -> str:
+        """As declared."""
+        ...
+
+    @property
+    def home(self) -> Surroundings:
+        """What defaults depend on."""
+        ...
+
+    def steps(self) -> list[Step]:
+        """One function a step."""
+        ...
+
+    def line_of(self, pc: int) -> int:
+        """Line of a step."""
+        ...
+
+    def step_at(self, line: int) -> int:
+        """The first step at or behind a line."""
+        ...
+
+
 @dataclass(slots=True, eq=False)
 class Frame:
     """One call of a program."""
 
-    program: "Program"
+    program: Callee
     v: list[object]
     code: list[Step]
     pc: int
@@ -38,7 +77,7 @@ class Task:
     """One task.  status: 1 running, 0 suspended, else the code of its error."""
 
     name: str
-    owner: "Instance"
+    owner: Owner
     priority: int
     frames: list[Frame] = field(default_factory=list)
     status: int = RUNNING
@@ -63,13 +102,12 @@ class Task:
         """Program it is in."""
         return self.frames[-1].program.name if self.frames else ""
 
-    def enter(self, program: "Program", arguments: list[object]) -> None:
+    def enter(self, program: Callee, arguments: list[object]) -> None:
         """Calls a program; 41 where the memory of the task is too small."""
         if self.bytes + program.bytes > self.owner.stack:
             raise Rte(41, f"{self.bytes + program.bytes} bytes of {self.owner.stack}")
-        home = program.owner.home
         v: list[object] = [*arguments]
-        v += [container_of(local, home, linked=False) for local in program.text.locals]
+        v += [container_of(local, program.home, linked=False) for local in program.text.locals]
         v += [None] * program.code.temps
         self.frames.append(Frame(program, v, program.steps(), program.code.entry, program.bytes))
         self.bytes += program.bytes
@@ -93,10 +131,10 @@ class Task:
         self.status, self.wake, self.detail = RUNNING, None, ""
 
 
-def bytes_of(program: "Program") -> int:
+def bytes_of(text: ProgramText) -> int:
     """Memory of one call: a frame, its parameters, its locals."""
-    total = FRAME_BYTES + SLOT_BYTES * sum(width(each) for each in program.text.parameters)
-    return total + sum(SLOT_BYTES + VALUE_BYTES * count(each) for each in program.text.locals)
+    total = FRAME_BYTES + SLOT_BYTES * sum(width(each) for each in text.parameters)
+    return total + sum(SLOT_BYTES + VALUE_BYTES * count(each) for each in text.locals)
 
 
 def count(declared: Declaration) -> int:

@@ -97,7 +97,11 @@ class ProgramTranslator:
             except RecursionError:
                 self._fault(number, "expression nested too deeply")
         for block in reversed(self.blocks):
-            self._fault(block.line, f"{shown(OPENERS[block.kind])} does not match for" if block.kind == "for" else f"{shown(OPENERS[block.kind])} expected", block.column)
+            self._fault(
+                block.line,
+                f"{shown(OPENERS[block.kind])} does not match for" if block.kind == "for" else f"{shown(OPENERS[block.kind])} expected",
+                block.column,
+            )
         self.line = len(lines)
         self._emit(["return -1"])
         return self._code(len(lines)) if self.faults.errors == before else None
@@ -190,7 +194,9 @@ class ProgramTranslator:
 
     def _add_on(self, parser: Expressions) -> None:
         name = parser.tokens[parser.at + 1].text
-        self.faults.warning("val3-add-on", Position(self.program.file, self.line, parser.next.start + 1), f"'${name}' : add-on not installed")
+        self.faults.warning(
+            "val3-add-on", Position(self.program.file, self.line, parser.next.start + 1), f"'${name}' : add-on not installed"
+        )
         self._emit([f"raise Rte(250, {'$' + name!r})"])
 
     def _do_begin(self, parser: Expressions, translator: Translator) -> None:
@@ -272,7 +278,7 @@ class ProgramTranslator:
         step = translator.of(stepped, "num") if stepped is not None else None
         slot = self._temp()
         block = self._open("for", parser.tokens[0].start + 1)
-        plain = step is None or isinstance(stepped, Number) and stepped.value > 0
+        plain = step is None or (isinstance(stepped, Number) and stepped.value > 0)
         test = f"{target.code} <= v[{slot}][0]"
         if not plain:
             test = f"({target.code} <= v[{slot}][0] if v[{slot}][1] > 0.0 else {target.code} >= v[{slot}][0])"

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator
-from typing import Protocol
+from typing import Protocol, cast
 
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.model import FIELDS, MOST_VALUES, WORDS, Declaration, Initial, Type, UserType
@@ -277,6 +277,21 @@ class Grid:
         self.flat[:] = kept
 
 
+class Places(Protocol):
+    """Anything with values at places: an array, a collection, a structure."""
+
+    def __getitem__(self, place: object, /) -> object:
+        """The value at a place."""
+
+    def __setitem__(self, place: object, value: object, /) -> None:
+        """Puts one there."""
+
+
+def places(what: object) -> Places:
+    """A container or structure as one."""
+    return cast(Places, what)
+
+
 Container = list[object] | dict[str, object] | Grid
 
 
@@ -437,7 +452,7 @@ def initial(declared: Declaration, value: Initial, home: Surroundings, linked: b
             if isinstance(made, FrameV | ToolV | PointV) and link is not None and given.get("fatherId"):
                 father = link(given["fatherId"])
                 if father is not None:
-                    setattr(made, "father", father)
+                    made["father"] = father
     return made
 
 

@@ -17,6 +17,7 @@ from gateway.pure.languages.val3.values import (
     ScreenV,
     Structure,
     UserV,
+    places,
 )
 
 MODES = {"manual": MANUAL, "test": TEST, "local": LOCAL, "remote": REMOTE}
@@ -93,28 +94,30 @@ def put(machine: Machine, own: Instance, event: Event) -> None:
     steps = event.what.replace("]", "").replace("[", ".[").split(".")
     container: object = own.data.get(steps[0])
     if container is None:
-        raise EventFault(f"{event.what}: there is no global of that name; dio., aio., mode, power, speed, estop, hold and app are known, too")
+        raise EventFault(
+            f"{event.what}: there is no global of that name; dio., aio., mode, power, speed, estop, hold and app are known, too"
+        )
     place: object = 0
     try:
-        for at, step in enumerate(steps[1:], start=1):
+        for step in steps[1:]:
             if step.startswith("["):
                 container, place = _element(container, step[1:])
             else:
-                value = container[place]  # type: ignore[index]  # containers and structures have places
+                value = places(container)[place]
                 inner = getattr(value, f"u_{step}", None)
                 container, place = (inner, 0) if inner is not None else (value, step)
         if isinstance(container, dict | Grid) and place == 0:
             raise LookupError
-        old = container[place]  # type: ignore[index]
+        old = places(container)[place]
     except (LookupError, ValueError, AttributeError, TypeError, Rte):
         raise EventFault(f"{event.what}: there is no such value") from None
     match old:
         case bool():
-            container[place] = number(event) != 0  # type: ignore[index]
+            places(container)[place] = number(event) != 0
         case float():
-            container[place] = number(event)  # type: ignore[index]
+            places(container)[place] = number(event)
         case str():
-            container[place] = event.value  # type: ignore[index]
+            places(container)[place] = event.value
         case DioV() | AioV() if old.link:
             machine.io.declare(old.link).value = number(event)
         case _:

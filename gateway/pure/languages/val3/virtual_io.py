@@ -49,7 +49,7 @@ class VirtualIo:
             return found
         last = last_name(name)
         for path, point in self.points.items():
-            if last_name(path) == last and (last == name or path == last):
+            if last_name(path) == last and last in (name, path):
                 return point
         return None
 

@@ -1,12 +1,12 @@
 """Serial lines and sockets of a virtual run: the core is the real one, at its other end nobody answers."""
 
+from gateway.pure.controllers.val3.sio.channel import Channel, Kind
+from gateway.pure.controllers.val3.sio.core import SioCore
+from gateway.pure.controllers.val3.sio.orders import Listen, Open
+from gateway.pure.controllers.val3.sio.variable import Sio
 from gateway.pure.languages.base.requests import Ns
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.values import SioV
-from gateway.pure.val3_sio.channel import Channel, Kind
-from gateway.pure.val3_sio.core import SioCore
-from gateway.pure.val3_sio.orders import Listen, Open
-from gateway.pure.val3_sio.variable import Sio
 
 
 class VirtualSio:

@@ -1,7 +1,7 @@
 """XML of application files as a tree whose elements know their lines.  No document type, no entities: a controller writes none."""
 
+import xml.parsers.expat as expat
 from dataclasses import dataclass, field
-from xml.parsers import expat
 
 DEEPEST = 200
 
