@@ -123,6 +123,9 @@ def page_port_free(web: Web) -> None:
             probe.bind((host, int(port)))
             probe.listen(1)
     except (OSError, OverflowError) as error:
+        if isinstance(error, OSError) and error.errno == errno.EADDRNOTAVAIL:
+            say_at_start(f"page: no interface of this machine has the address of {web.bind} yet; the page comes when the address does")
+            return
         taken = isinstance(error, OSError) and error.errno == errno.EADDRINUSE
         words = "is in use by another program or run" if taken else f"cannot be used ({error})"
         raise PortError(f"the page's port {web.bind} {words}; choose another one: --web PORT, or port in [web]") from error

@@ -12,6 +12,7 @@ import os
 import pathlib
 import signal
 from collections.abc import Coroutine
+from typing import TYPE_CHECKING
 
 from drivers.ports.base import PortError
 from gateway.assembly.run import RunPlan, load_plan
@@ -21,10 +22,14 @@ from gateway.northbound.snapshot import values
 from gateway.observer.regions import Regions
 from gateway.pure.cell.northbound import Northbound, place_of
 from gateway.runtime.journal import Journal
+from gateway.runtime.late_address import patiently
 from gateway.runtime.life import BEAT_S, Life
 from gateway.runtime.realtime import die_with_parent
 from gateway.runtime.regions import fds_from_text
 from gateway.runtime.supervisor_client import ask
+
+if TYPE_CHECKING:
+    from gateway.northbound.opcua import OpcuaOut
 
 NICE = 19
 SAMPLE_S = 0.1
@@ -107,13 +112,11 @@ class Northside:
             out.close()
 
     async def _opcua(self) -> None:
-        from gateway.northbound.opcua import OpcuaOut
-
         assert self.settings.opcua is not None
         while not self.regions.status and not self._done.is_set():
             await asyncio.sleep(SAMPLE_S)  # the command sources are named by the services
-        out = OpcuaOut(self.settings.opcua, self.plan.slug, self.plan.cell.cell.name)
-        await out.start(values(self.regions))
+        out = await patiently(f"OPC UA on {self.settings.opcua.bind}", self._opcua_started, self._alarm)
+        assert out is not None
         try:
             while True:
                 await out.tell(values(self.regions), stale=not self.regions.head()["cycle_alive"])
@@ -121,9 +124,27 @@ class Northside:
         finally:
             await out.stop()
 
+    async def _opcua_started(self) -> "OpcuaOut":
+        from gateway.northbound.opcua import OpcuaOut
+
+        assert self.settings.opcua is not None
+        out = OpcuaOut(self.settings.opcua, self.plan.slug, self.plan.cell.cell.name)
+        try:
+            await out.start(values(self.regions))
+        except OSError:
+            with contextlib.suppress(Exception):  # half started: what it has begun is ended, the reason is what counts
+                await out.stop()
+            raise
+        return out
+
+    def _alarm(self, text: str) -> None:
+        self.journal.write("alarm", text)
+
     async def _serve_metrics(self) -> None:
         assert self.settings.metrics is not None
-        server = await self.metrics.serve(*place_of(self.settings.metrics.bind))
+        host, port = place_of(self.settings.metrics.bind)
+        server = await patiently(f"metrics on {self.settings.metrics.bind}", lambda: self.metrics.serve(host, port), self._alarm)
+        assert server is not None
         async with server:
             await server.serve_forever()
 

@@ -9,12 +9,15 @@ import os
 import pathlib
 import resource
 import signal
+import socket
 
 import uvicorn
 
 from gateway.assembly.run import load_plan
 from gateway.observer.regions import Regions
 from gateway.pure.scope.records import SCOPE_LAYOUT
+from gateway.runtime.journal import Journal
+from gateway.runtime.late_address import listening, patiently
 from gateway.runtime.life import Life
 from gateway.runtime.page_data import data_file
 from gateway.runtime.realtime import die_with_parent
@@ -31,9 +34,23 @@ MOST_FILES = 8192  # handshakes that never end hold one each for five seconds
 class LivingServer(PatientServer):
     """Shows life whenever its loop comes round, ten times a second."""
 
-    def __init__(self, config: uvicorn.Config) -> None:
+    def __init__(self, config: uvicorn.Config, journal: Journal) -> None:
         super().__init__(config)
-        self._life = Life()
+        self._life, self._journal = Life(), journal
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Waits for an address that comes late, alive."""
+
+        async def start() -> socket.socket:
+            return listening(self.config.host, self.config.port)
+
+        where = f"page on {self.config.host}:{self.config.port}"
+        found = await patiently(where, start, self._say, self._life.beat, lambda: self.should_exit)
+        if found is not None:
+            await super().startup([found])
+
+    def _say(self, text: str) -> None:
+        self._journal.write("alarm", text)
 
     async def on_tick(self, counter: int) -> bool:
         self._life.beat()
@@ -63,10 +80,12 @@ def main(argv: list[str] | None = None) -> int:
     )  # fmt: skip
     hard = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
     resource.setrlimit(resource.RLIMIT_NOFILE, (min(hard, MOST_FILES) if hard != resource.RLIM_INFINITY else MOST_FILES, hard))
-    server = LivingServer(config)
+    journal = Journal(plan.journal, "web")
+    server = LivingServer(config, journal)
     os.nice(NICE)  # from here on: the start itself is to be short
     server.run()
     store.close()
+    journal.close()
     return 0 if server.started else 3
 
 

@@ -45,13 +45,16 @@ def read_log(path: pathlib.Path) -> Iterator[Frame]:
     except Exception as error:  # whatever a torn or foreign file makes the library raise
         words = str(error) or type(error).__name__
         raise BadLog(f"{path}: after {count} frames: {words}; the file is torn or no {path.suffix} recording") from error
+    if not count:
+        raise BadLog(f"{path}: no frame in it; the file is torn, empty or no {path.suffix} recording")
 
 
 def _text(path: pathlib.Path) -> Iterator[Frame]:
     """Candump text, also of the local bus; a file without one frame among its lines is another thing."""
-    count = 0
+    count = others = 0
     with path.open(encoding="utf-8", errors="replace") as lines:
         for number, line in enumerate(lines, 1):
+            others += bool(line.strip()) and not line.startswith("#")
             if is_fd(line):
                 raise BadLog(f"{path}: line {number} is CAN FD; the buses here are classic CAN: record it without FD frames")
             for frame in marked_frames_of((line,)):
@@ -59,6 +62,8 @@ def _text(path: pathlib.Path) -> Iterator[Frame]:
                 yield frame
             if number == LINES and not count and not line.startswith("#"):
                 raise BadLog(f"{path}: none of its first {LINES} lines is a frame of candump, e.g. (1.000000) can0 201#0600")
+    if others and not count:
+        raise BadLog(f"{path}: none of its lines is a frame of candump, e.g. (1.000000) can0 201#0600")
 
 
 def _relative(path: pathlib.Path) -> bool:
@@ -94,6 +99,18 @@ def message_of(frame: Frame) -> can.Message:
     )
 
 
+class Candump(can.CanutilsLogWriter):
+    """As candump -L writes it: python-can's own leaves out how many bytes a remote frame asks for."""
+
+    def on_message_received(self, msg: can.Message) -> None:
+        if not msg.is_remote_frame or not msg.dlc:
+            super().on_message_received(msg)
+            return
+        self.last_timestamp = max(self.last_timestamp or 0.0, msg.timestamp)
+        width = 8 if msg.is_extended_id else 3
+        self.file.write(f"({self.last_timestamp:f}) {msg.channel or self.channel} {msg.arbitration_id:0{width}X}#R{msg.dlc} R\n")
+
+
 class LogWriter:
     """One file; the ending decides the form."""
 
@@ -102,7 +119,7 @@ class LogWriter:
             raise BadLog(f"{path}: a recording ends in {', '.join(WRITABLE)}")
         self._path, self._channel = path, channel
         self._frames: list[Frame] = []
-        self._writer = None if path.suffix == ".pcapng" else can.Logger(str(path))
+        self._writer = None if path.suffix == ".pcapng" else Candump(path) if path.suffix == ".log" else can.Logger(str(path))
 
     def put(self, frame: Frame) -> None:
         if self._writer is None:

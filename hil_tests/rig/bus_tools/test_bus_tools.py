@@ -12,7 +12,9 @@ import can
 import pytest
 
 import gateway.tools.bus.log  # loaded before a test's clock runs
+from drivers.ports.can.wire import EFF_FLAG, RTR_FLAG
 from gateway.commands.bus import main
+from gateway.tools.bus.logs import LogWriter, read_log
 from hil_tests.lab.running.bus_running import Bus, running_bus
 from protocols.base.can_bits import frame_bits
 from protocols.base.machine import Frame
@@ -199,6 +201,9 @@ def test_remote_frames_are_shown_counted_recorded_and_replayed(tmp_path: pathlib
         ("letter.log", "Dear Sir or Madam, this is a letter and no log\n" * 60, "none of its first 50 lines"),
         ("letter.blf", "no binary log at all, but long enough to be read as a head" * 10, "torn or no .blf recording"),
         ("letter.csv", "a;b;c\n1;2;3\n", "torn or no .csv recording"),
+        ("damaged.trc", ";$FILEVERSION=1.1\n;$STARTTIME=46349.5\n;---+--\n     1)  xx\n garbage\n", "no frame in it"),
+        ("letter.trc", "Dear Sir or Madam, this is a letter and no recording\n" * 3, "torn or no .trc recording"),
+        ("nothing.asc", "", "no frame in it"),
         ("bytes.log", "\x00\xff\x80" * 100, ""),
     ],
 )
@@ -211,6 +216,22 @@ def test_what_is_no_recording_of_classic_can_is_a_sentence(
         code = main(command)
         told = capsys.readouterr().err
         assert code == 2 and str(path) in told and words in told and "Traceback" not in told, (command, told)
+
+
+def test_a_candump_log_keeps_how_many_bytes_a_remote_frame_asks_for(tmp_path: pathlib.Path) -> None:
+    """As candump -L and canplayer of can-utils write and read it: #R8; python-can reads it back too."""
+    path = tmp_path / "asked.log"
+    asked = [Frame(0x701 | RTR_FLAG, bytes(8), 1_000_000_000), Frame(0x12345 | EFF_FLAG | RTR_FLAG, bytes(3), 1_500_000_000)]
+    frames = [*asked, Frame(0x702 | RTR_FLAG, b"", 2_000_000_000), Frame(0x201, b"\x06\x00", 3_000_000_000)]
+    writer = LogWriter(path, "can0")
+    for frame in frames:
+        writer.put(frame)
+    writer.close()
+    lines = path.read_text().splitlines()
+    assert lines[:2] == ["(1.000000) can0 701#R8 R", "(1.500000) can0 00012345#R3 R"]
+    assert list(read_log(path)) == frames
+    with can.LogReader(path) as reader:
+        assert [(one.is_remote_frame, one.dlc) for one in reader] == [(True, 8), (True, 3), (True, 0), (False, 2)]
 
 
 def test_a_torn_blf_says_after_how_many_frames(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:

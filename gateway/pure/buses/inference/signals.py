@@ -29,6 +29,7 @@ class Found:
     signed: bool
     confidence: float  # 0..1
     why: str
+    wraps: int = 0  # of a counter or position: how often it ran over its end
 
 
 @dataclass(slots=True)
@@ -92,8 +93,29 @@ def _unsteady(values: Sequence[int], moving: Sequence[int]) -> int:
 
 def quiet(steps: Sequence[int]) -> list[int]:
     """The steps without the few jumps of a counter that began anew (power cycle, wrap)."""
-    limit = JUMP * sorted(map(abs, steps))[int(ALMOST_ALL * (len(steps) - 1))]
+    limit = _fastest(steps)
     return [step if abs(step) <= limit else 0 for step in steps]
+
+
+def unwrapped(number: Numbers) -> tuple[list[int], int]:
+    """The steps as the number's width sees them, and how often it ran over its end; jumps that are no wrap stay 0."""
+    size = 1 << number.piece.bits
+    limit = _fastest(number.steps)
+    found, wraps = [], 0
+    for step in number.steps:
+        folded = (step + size // 2) % size - size // 2
+        wrapped = abs(step) > limit and abs(folded) <= limit
+        wraps += wrapped
+        found.append(folded if wrapped else step if abs(step) <= limit else 0)
+    return found, wraps
+
+
+def _fastest(steps: Sequence[int]) -> float:
+    return JUMP * sorted(map(abs, steps))[int(ALMOST_ALL * (len(steps) - 1))]
+
+
+def _wraps(count: int) -> str:
+    return f", {count} wrap{'s' if count != 1 else ''}" if count else ""
 
 
 def counter(number: Numbers) -> Found | None:
@@ -105,13 +127,18 @@ def counter(number: Numbers) -> Found | None:
     if not usual or share < STEADY:
         return None
     piece = number.piece
-    return Found(number.series.identifier, "life", piece.start, piece.bits, False, share, f"+{usual} in {100 * share:.1f} % of the cycles")
+    down = 2 * usual > size  # +255 of 8 bits counts backwards
+    whole = number.series.values(piece.start, piece.bits, False)
+    wraps = sum((b > a) if down else (b < a) for a, b in itertools.pairwise(whole) if (b - a) % size == usual)
+    told = f"{usual - size if down else usual:+} in {100 * share:.1f} % of the cycles{_wraps(wraps)}"
+    return Found(number.series.identifier, "life", piece.start, piece.bits, False, share, told, wraps)
 
 
 def position(number: Numbers) -> Found | None:
     """Travels far in small steps whose change is smaller still: it integrates to a speed."""
-    steps, piece = quiet(number.steps), number.piece
-    way, fastest = max(number.values) - min(number.values), max(map(abs, steps))
+    (steps, wraps), piece = unwrapped(number), number.piece
+    places = list(itertools.accumulate(steps, initial=number.values[0])) if wraps else number.values
+    way, fastest = max(places) - min(places), max(map(abs, steps))
     if way < WAY or fastest == 0 or fastest > way / 8:
         return None
     changes = sorted(abs(b - a) for a, b in itertools.pairwise(steps) if a or b)
@@ -119,8 +146,8 @@ def position(number: Numbers) -> Found | None:
     if rough > SMOOTH:
         return None
     bits, told = _width(number)
-    why = f"way {way}, fastest {fastest} a cycle, change of the step at most {100 * rough:.0f} % of it{told}"
-    return Found(number.series.identifier, "position_inc", piece.start, bits, True, min(0.98, 1.0 - rough), why)
+    why = f"way {way}, fastest {fastest} a cycle, change of the step at most {100 * rough:.0f} % of it{_wraps(wraps)}{told}"
+    return Found(number.series.identifier, "position_inc", piece.start, bits, True, min(0.98, 1.0 - rough), why, wraps)
 
 
 def _width(number: Numbers) -> tuple[int, str]:

@@ -1,6 +1,7 @@
 """`axisgate bus infer`: recordings of the emulated boosters in layouts it was never told (AX-271)."""
 
 import functools
+import itertools
 import struct
 
 import cantools
@@ -10,6 +11,8 @@ from gateway.files.find import find_config, read_text
 from gateway.pure.buses.inference.dbc import as_dbc
 from gateway.pure.buses.inference.proposal import NothingFound, propose
 from gateway.pure.buses.inference.roles import Inferred
+from gateway.pure.buses.inference.series import Piece, Series
+from gateway.pure.buses.inference.signals import Numbers, counter, position
 from hil_tests.lab.virtual.bus_recording import Recording, layout, record
 from protocols.base.dbc import compile_dbc
 from protocols.base.layout import Layout, Packer
@@ -147,3 +150,35 @@ def test_layouts_of_this_test_are_not_the_shipped_one() -> None:
     shipped: dict[str, Layout] = compile_dbc(LAYOUTS["AX-001"])
     for name in OTHERS:
         assert truth(name, "SET_1")["position_inc"] != (shipped["SET_1"].signals[6].start, 32)
+
+
+def one_number(values: list[int], bits: int, start: int = 8) -> Numbers:
+    """A message of 8 bytes in which one number stands, as `numbers` would hand it on."""
+    words = tuple((value & (1 << bits) - 1) << start for value in values)
+    flips = tuple(tuple(n for n in range(1, len(words)) if (words[n] ^ words[n - 1]) >> bit & 1) for bit in range(64))
+    series = Series(201, 8, words, 0.0, flips)
+    signed = min(values) < 0
+    return Numbers(series, Piece(start, bits, start + bits, len(flips[start])), series.values(start, bits, signed), signed)
+
+
+@pytest.mark.parametrize(("bits", "step", "wraps"), [(8, 1, 7), (4, 1, 124), (8, -1, 8), (16, 1, 0), (8, 3, 23)])
+def test_the_wraps_of_a_counter_are_counted(bits: int, step: int, wraps: int) -> None:
+    values = [step * n % (1 << bits) for n in range(2000)]
+    found = counter(one_number(values, bits))
+    assert found is not None and found.wraps == wraps == sum((b - a) * step < 0 for a, b in itertools.pairwise(values))
+    assert found.why.startswith(f"{step:+} in 100.0 %") and (f", {wraps} wraps" in found.why) == bool(wraps)
+
+
+def test_a_counter_that_began_anew_did_not_wrap_there() -> None:
+    values = [n % 256 for n in (*range(1000), *range(100))]
+    found = counter(one_number(values, 8))
+    assert found is not None and found.wraps == 3, "1000 counts: 3 wraps; the power cycle at 231 is none"
+
+
+def test_a_position_goes_on_over_the_end_of_its_counter() -> None:
+    """A ram that goes 200,000 counts up in a 16-bit number, and slows down at the end."""
+    way = [round(40 * n - max(0, n - 4500) ** 2 * 0.04) for n in range(5000)]
+    folded = [(value + 32768) % 65536 - 32768 for value in way]
+    found = position(one_number(folded, 16))
+    assert found is not None and found.wraps == 3 and "3 wraps" in found.why
+    assert f"way {max(way) - min(way)}," in found.why and found.confidence > 0.9
