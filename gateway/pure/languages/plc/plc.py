@@ -149,6 +149,11 @@ class Plc:
         return found
 
     @property
+    def outputs(self) -> bytes:
+        """Outputs as the last whole scan put them out; all 0 while the PLC is stopped."""
+        return self._outputs
+
+    @property
     def outputs_written(self) -> bytes:
         """Mask of the output bits that the last scan wrote; the others are the robot program's (L2274)."""
         return bytes(self.data.written)

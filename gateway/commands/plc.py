@@ -1,0 +1,127 @@
+"""PLC programs of a ROBOTstar V: check them, run them in virtual time, import statement lists of STEP 5 and STEP 7."""
+
+import argparse
+import json
+import pathlib
+import sys
+
+from gateway.files.plc_programs import ProgramFileFault, read_listing, read_programs, write_programs
+from gateway.pure.languages.plc.awl.report import imported
+from gateway.pure.languages.plc.check import check_programs
+from gateway.pure.languages.plc.orders import OrderFault, orders_of
+from gateway.pure.languages.plc.plc import Settings
+from gateway.pure.languages.plc.virtual import Event, VirtualRun
+from gateway.runtime.exit_codes import Exit
+
+EXAMPLES = """examples:
+  axisgate plc check cell/PLC                                        all faults of all programs
+  axisgate plc run cell/PLC --start MAIN --virtual --scans 200       what 200 scans do, without any process
+  axisgate plc run cell/PLC --start MAIN --virtual --at "3 E0.6=1" --at "9 E0.6=0" --json
+  axisgate plc import LIST.TXT --to cell/PLC                         a statement list of STEP 5 or STEP 7 becomes NAME.PLC files
+exit code: 0 done, 1 a finding (faults, a refused start, PLC error, lines not translated), 2 wrong arguments or files"""
+
+
+def main(argv: list[str]) -> int:
+    options = parser().parse_args(argv)
+    try:
+        return {"check": check, "run": run, "import": import_list}[options.action](options)
+    except (ProgramFileFault, OrderFault) as error:
+        print(f"axisgate plc: {error}", file=sys.stderr)
+    except OSError as error:
+        print(f"axisgate plc: {error.filename}: {error.strerror}", file=sys.stderr)
+    return Exit.INVALID
+
+
+def parser() -> argparse.ArgumentParser:
+    """All options."""
+    whole = argparse.ArgumentParser(
+        "axisgate plc", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    actions = whole.add_subparsers(dest="action", required=True)
+    one = actions.add_parser("check", help="faults of all programs of a folder")
+    one.add_argument("folder", type=pathlib.Path, metavar="FOLDER")
+    two = actions.add_parser("run", help="run a program in virtual time")
+    two.add_argument("folder", type=pathlib.Path, metavar="FOLDER", help="the folder S:/PLC with NAME.PLC files")
+    two.add_argument(
+        "--start", required=True, metavar="PROGRAM", help="start program (_SSTARTPLC), with FOLDER/ in front where it lies in one"
+    )
+    two.add_argument("--virtual", action="store_true", required=True, help="in virtual time, without processes")
+    two.add_argument("--period", type=_period, default=10.0, metavar="MS", help="interpolation period (default 10)")
+    two.add_argument("--load", type=_count, metavar="N", help="commands a period (IPLC_LOAD; default: a whole scan each period, 0: off)")
+    two.add_argument("--watchdog", type=_count, default=30, metavar="N", help="longest scan in 1/100 s (_ITIME_PLC, default 30)")
+    two.add_argument("--scans", type=_count, default=100, metavar="N", help="scans 0 to N-1 (default 100)")
+    two.add_argument(
+        "--at", action="append", default=[], metavar='"N WHAT"', help="in front of scan N: E0.6=1, M20=5, EA2=4.5, START, STOP, ACK .."
+    )
+    three = actions.add_parser("import", help="translate a statement list")
+    three.add_argument("file", type=pathlib.Path, metavar="FILE", help="text file: listing of STEP 5 or source of STEP 7")
+    three.add_argument("--to", type=pathlib.Path, required=True, metavar="FOLDER", help="where the NAME.PLC files are written")
+    three.add_argument("--words", type=pathlib.Path, metavar="TABLE", help="data words and markers: one `DB10.DW5 = M200` a line")
+    for each in (one, two, three):
+        each.add_argument("--json", action="store_true", help="one JSON object on standard output")
+    return whole
+
+
+def _count(text: str) -> int:
+    if not text.isascii() or not text.isdigit() or int(text) > 10_000_000:
+        raise argparse.ArgumentTypeError(f"{text}: a whole number from 0 to 10000000")
+    return int(text)
+
+
+def _period(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0.1 <= value <= 1000:
+        raise argparse.ArgumentTypeError(f"{text}: 0.1 to 1000 ms")
+    return value
+
+
+def check(options: argparse.Namespace) -> int:
+    """Prints the faults of all programs."""
+    faults = check_programs(read_programs(options.folder))
+    if options.json:
+        print(json.dumps({"faults": faults.rows()}, indent=1))
+    else:
+        print("\n".join(str(fault) for fault in faults) or "no faults")
+    return Exit.FINDING if len(faults) else Exit.OK
+
+
+def run(options: argparse.Namespace) -> int:
+    """Prints events and end."""
+    orders = [order for text in options.at for order in orders_of(text)]
+    settings = Settings(load=options.load, watchdog=options.watchdog)
+    virtual = VirtualRun(read_programs(options.folder), options.start, orders, round(options.period * 1e6), settings)
+    end = virtual.run(options.scans)
+    if options.json:
+        print(json.dumps({"events": virtual.events, "end": end}, indent=1))
+    else:
+        for event in virtual.events:
+            print(line_of(event))
+        print(f"end: {end['state']}, {end['program']} step {end['step']}, {end['scans']} scans in {end['time_s']} s")
+    return Exit.FINDING if end["state"] == "error" or virtual.plc.program is None else Exit.OK
+
+
+def line_of(event: Event) -> str:
+    """One event as a line."""
+    if event["what"] != "message":
+        return f"{event['at']:>6}  {event['what']} = {event['value']}"
+    place = f" ({event['program']} step {event['step']})" if event["program"] else ""
+    return f"{event['at']:>6}  {event['class']}: {event['text']}{place}"
+
+
+def import_list(options: argparse.Namespace) -> int:
+    """Writes the programs and reports each line that was not translated."""
+    table = read_listing(options.words) if options.words else ""
+    result = imported(read_listing(options.file), table)
+    if not result.programs:
+        raise ProgramFileFault(
+            f"{options.file}: no line of a statement list was found; print the blocks as statement list (AWL) to a text file"
+        )
+    paths = write_programs(options.to, result.programs)
+    if options.json:
+        print(json.dumps({"programs": [str(path) for path in paths], **result.as_dict()}, indent=1))
+    else:
+        print("\n".join([*(f"written: {path}" for path in paths), *result.lines()]))
+    return Exit.FINDING if result.refused else Exit.OK

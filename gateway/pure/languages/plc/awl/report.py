@@ -1,0 +1,70 @@
+"""Imports a statement list: programs, and a reason for each line that was not translated."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from gateway.pure.languages.plc.awl.reader import Reader, Refused
+from gateway.pure.languages.plc.awl.translator import Translator
+
+ROW = re.compile(r"((?:D[BX]\d+\.)?[A-Z]{1,3}\d+(?:\.\d+)?)\s*[=;,\t ]\s*(M\d+(?:\.\d)?)$")
+NARROW = "numbers are calculated with 32 bits; STEP 5 has 16: check lines"
+
+
+@dataclass(slots=True)
+class Imported:
+    """Programs by name, lines that were refused, and what is to be looked at."""
+
+    programs: dict[str, str] = field(default_factory=dict)
+    refused: list[Refused] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+    statements: int = 0
+
+    def as_dict(self) -> dict[str, object]:
+        """For --json."""
+        rows = [{"line": each.line, "block": each.block, "text": each.text, "reason": each.reason} for each in self.refused]
+        return {"statements": self.statements, "refused": rows, "notes": self.notes}
+
+    def lines(self) -> list[str]:
+        """For a reader."""
+        rows = [f"line {each.line}{f' ({each.block})' if each.block else ''}: {each.text}: {each.reason}" for each in self.refused]
+        return [f"{self.statements} statements, {len(self.refused)} not translated", *rows, *self.notes]
+
+
+def words_of(table: str) -> tuple[Mapping[str, str], list[str]]:
+    """The table of words and markers, and the lines that are no row of it."""
+    found: dict[str, str] = {}
+    wrong: list[str] = []
+    for number, line in enumerate(table.splitlines(), 1):
+        text = " ".join(line.split("#")[0].upper().split())
+        if not text:
+            continue
+        if row := ROW.match(text):
+            found[row[1]] = row[2]
+        else:
+            wrong.append(f"table, line {number}: {text[:60]!r} is no row; write DB10.DW5 = M200")
+    return found, wrong
+
+
+def imported(text: str, table: str = "") -> Imported:
+    """The programs of a list."""
+    reader = Reader(text)
+    listing = reader.run()
+    words, wrong = words_of(table)
+    result = Imported(refused=list(listing.refused), notes=[*listing.notes, *wrong])
+    calls: dict[str, str] = {}
+    for block in listing.blocks:
+        translator = Translator(block, words, reader.english)
+        result.programs[block.name] = translator.run()
+        result.statements += len(block.statements)
+        known = {each.line for each in result.refused}
+        result.refused += [each for each in translator.refused if each.line not in known]
+        calls |= dict.fromkeys(translator.calls, block.name)
+        if translator.narrow:
+            result.notes.append(f"{block.name}: {NARROW} {', '.join(str(line) for line in sorted(set(translator.narrow)) if line)}")
+        if block.name.startswith("OB") and block.name != "OB1":
+            result.notes.append(f"{block.name}: the integrated PLC calls OB1 alone; call it with SU, at power-on with U M1020.4")
+    missing = sorted(name for name in calls if name not in result.programs)
+    result.notes += [f"{name} is called in {calls[name]} and is not in the list" for name in missing]
+    result.refused.sort(key=lambda each: each.line)
+    return result

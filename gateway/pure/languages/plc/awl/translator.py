@@ -1,0 +1,345 @@
+"""Translates the statements of a block.  Each line written is checked as the control checks it, or refused with a reason."""
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+from gateway.pure.languages.plc.awl.constants import Kind, constant_of
+from gateway.pure.languages.plc.awl.reader import Block, Refused, Statement
+from gateway.pure.languages.plc.steps import Wrong, step_of
+
+END = "_END"
+ONE = ("O M0.0", "ON M0.0")  # 1 whatever the marker holds
+BIT = re.compile(r"([EAM])\s*(\d+)\.(\d)\b")
+CELL = re.compile(r"([TZ])\s*(\d+)\b(?!\.)")
+BYTE = re.compile(r"([EAM])B\s*(\d+)\b")
+TABLED = re.compile(r"(?:(D[BX]\s*\d+)\s*\.\s*)?(MW|EW|AW|MD|ED|AD|DW|DL|DR|DD|DBW|DBD|DBB|DBX|D)\s*(\d+(?:\.\d+)?)\b")
+BLOCK = re.compile(r"(OB|PB|FB|FX|SB|FC)\s*(\d+)\b")
+LINKS = {"U": "U", "UN": "UN", "O": "O", "ON": "ON", "X": "XO", "XN": "XON"}
+OPENS = {"U(": "U(", "O(": "O(", "X(": "XO("}
+OPENS_NOT = {"UN(": "U(", "ON(": "O(", "XN(": "XO("}
+TIMERS = {"SI": "I", "SV": "V", "SE": "E", "SA": "A"}
+COMPARES = {
+    **{f"{sign}{kind}": to for sign, to in (("!=", "=?"), ("==", "=?"), ("><", "><"), ("<>", "><")) for kind in "FIDG"},
+    **{f"{sign}{kind}": sign for sign in (">=", "<=", ">", "<") for kind in "FID"},
+}
+CALCULATES = {
+    "+F": "+", "+I": "+", "+D": "+", "-F": "-", "-I": "-", "-D": "-", "XF": "MU", "*I": "MU", "*D": "MU", ":F": "DI",
+    "/I": "DI", "/D": "DI",
+    "TAK": "TA", "KEW": "K E", "INVI": "K E", "INVD": "K E", "KZW": "K Z", "NEGI": "K Z", "NEGD": "K Z",
+    "UW": "U ACCU", "OW": "O ACCU", "XOW": "XO ACCU", "UD": "U ACCU", "OD": "O ACCU", "XOD": "XO ACCU",
+    "BTI": "DH", "BTD": "DH", "ITB": "HD", "DTB": "HD",
+}  # fmt: skip
+SHIFTS = {"SLW": "SH L", "SRW": "SH R", "SLD": "SH L", "SRD": "SH R", "RLD": "RO L", "RRD": "RO R"}
+NARROW = {"SLW", "KEW", "INVI", "XF", "*I", "+F", "+I", "-F", "-I", "/I", ":F"}
+REASONS = {
+    "SS": "the integrated PLC has no latching switch-on delay; use a marker that holds the start",
+    "FR": "timers and counters cannot be freed",
+    "LC": "timers and counters cannot be loaded",
+    "B": "operands cannot be indirect",
+    "LIR": "there is no access by address",
+    "TIR": "there is no access by address",
+    "TNB": "there is no access by address",
+    "STP": "a program cannot stop the PLC",
+    "STS": "a program cannot stop the PLC",
+    "AS": "there are no interrupts",
+    "AF": "there are no interrupts",
+    "CALL": "subprograms have no parameters",
+    **dict.fromkeys(
+        ("SPZ", "SPN", "SPP", "SPM", "SPO", "SPMZ", "SPPZ", "SPS", "SPU", "SPL", "SPBB", "SPBIN"), "there are no condition bits; compare"
+    ),
+}
+WORD_ORDER = "byte order of words: STEP has the high byte first, the integrated PLC the low one; give the word a marker with --words"
+
+
+class NoCounterpart(Exception):
+    """A statement that cannot be translated; the text is the reason."""
+
+
+@dataclass(slots=True)
+class Level:
+    """A bracket of the source: brackets to be closed with it, whether a single O is open in it."""
+
+    closes: int = 1
+    single_or: bool = False
+
+
+@dataclass(slots=True)
+class Translator:
+    """One block.  `words` gives operands of the source markers of the integrated PLC."""
+
+    block: Block
+    words: Mapping[str, str]
+    english: bool = False
+    lines: list[str] = field(default_factory=list)
+    refused: list[Refused] = field(default_factory=list)
+    calls: set[str] = field(default_factory=set)
+    narrow: list[int] = field(default_factory=list)  # lines whose 16 bits become 32
+    _levels: list[Level] = field(default_factory=lambda: [Level()])
+    _fresh: bool = True
+    _one: bool = False  # STEP has set the VKE to 1 behind a conditional jump that was not taken
+    _loaded: Kind | None = None
+    _data: str = ""  # data block that is open
+    _ends: bool = False  # a jump to the end
+    _edges: int = 0
+    _next: Statement | None = None
+    _line: int = 0
+    _call: int | None = None  # place of a conditional call behind which no chain has begun
+
+    def run(self) -> str:
+        """The program."""
+        statements = self.block.statements
+        if statements and statements[-1].word == "BE" and not statements[-1].label:
+            statements = statements[:-1]
+        for at, statement in enumerate(statements):
+            self._next = statements[at + 1] if at + 1 < len(statements) else None
+            before, self._line = len(self.lines), statement.line
+            try:
+                self._statement(statement)
+                for line in self.lines[before:]:
+                    if isinstance(wrong := step_of(line, 1), Wrong):
+                        raise NoCounterpart(f"{wrong.text}; {wrong.hint}")
+            except NoCounterpart as reason:
+                del self.lines[before:]
+                self._refuse(statement, str(reason))
+        self._close_or()
+        tail = [f"M {END}"] if self._ends else []
+        return "\n".join([f"PLC {self.block.name}", *self.lines, *tail, "END", ""])
+
+    def _refuse(self, statement: Statement, reason: str) -> None:
+        self.refused.append(Refused(statement.line, self.block.name, statement.text[:100], reason))
+        self.lines.append(f"NOT_TRANSLATED {statement.text[:100].replace(';', ',')} ; line {statement.line}: {reason}")
+
+    def _statement(self, statement: Statement) -> None:
+        word, operand = statement.word, statement.operand
+        if statement.label:
+            self._close_or()
+            self.lines.append(f"M {statement.label}")
+            self._loaded, self._one, self._call = None, False, None
+        if word == "?":
+            raise NoCounterpart("this line is no statement")
+        family = self._family(word)
+        if family is None:
+            raise NoCounterpart(REASONS.get(word, f"the integrated PLC has no {word}"))
+        family(word, operand)
+
+    def _family(self, word: str) -> Callable[[str, str], None] | None:
+        if word in LINKS:
+            return self._link
+        if word in OPENS or word in OPENS_NOT or word == ")":
+            return self._bracket
+        if word in COMPARES or word in CALCULATES or word in SHIFTS:
+            return self._calculate
+        if word in TIMERS or word in ("S", "R", "=", "ZV", "ZR", "FP", "FN"):
+            return self._use
+        return {
+            "L": self._load, "T": self._store, "SPA": self._branch, "SPB": self._branch, "SPBN": self._branch,
+            "UC": self._branch, "CC": self._branch, "CALL": self._branch, "BA": self._branch, "BAB": self._branch,
+            "BE": self._leave, "BEA": self._leave, "BEB": self._leave, "SET": self._constant, "CLR": self._constant, "NOT": self._constant,
+            "NOP": self._nothing, "BLD": self._nothing, "A": self._open_data, "AUF": self._open_data, "AX": self._open_data,
+            "I": self._count_accu, "D": self._count_accu, "INC": self._count_accu, "DEC": self._count_accu,
+        }.get(word)  # fmt: skip
+
+    def _nothing(self, word: str, operand: str) -> None:
+        """NOP and BLD have no effect."""
+
+    def _close_or(self) -> None:
+        if self._levels[-1].single_or:
+            self._levels[-1].single_or = False
+            self.lines.append(")")
+
+    def _operand(self, operand: str) -> str:
+        """A bit, timer or counter."""
+        if found := BIT.match(operand):
+            return self._marker(found[1], int(found[2])) + f".{found[3]}"
+        if found := CELL.match(operand):
+            return f"{found[1]}{int(found[2])}"
+        if tabled := self._tabled(operand):
+            return tabled
+        self._symbol(operand)
+        raise NoCounterpart(f"{operand or 'a missing operand'}: a bit of E, A or M, a timer or a counter is needed")
+
+    def _symbol(self, operand: str) -> None:
+        if operand.startswith(('"', "#", "-")) and not operand[1:2].isdigit():
+            raise NoCounterpart("operands by symbol: write the source with absolute operands")
+
+    def _marker(self, area: str, number: int) -> str:
+        if area == "M" and number > 511:
+            raise NoCounterpart("M512 to M2047 are system markers of the integrated PLC")
+        return f"{area}{number}"
+
+    def _tabled(self, operand: str) -> str | None:
+        """The marker the table gives an operand."""
+        if not (found := TABLED.match(operand)):
+            return None
+        name = found[2] + found[3]
+        data = "".join((found[1] or self._data).split())
+        keys = [f"{data}.{name}"] if found[2].startswith("D") and data else []
+        for key in (*keys, name):
+            if key in self.words:
+                return self.words[key]
+        if found[2].startswith("D"):
+            raise NoCounterpart(f"{keys[0] if keys else name} has no marker; give it one with --words: {(keys or [name])[0]} = M200")
+        raise NoCounterpart(WORD_ORDER)
+
+    def _link(self, word: str, operand: str) -> None:
+        level = self._levels[-1]
+        if word == "O" and not BIT.match(operand) and not CELL.match(operand) and not TABLED.match(operand):
+            self._close_or()
+            self.lines.append("O(")
+            level.single_or = True
+        else:
+            if word not in ("U", "UN"):
+                self._close_or()
+            self.lines.append(f"{LINKS[word]} {self._operand(operand)}")
+        self._fresh, self._one, self._call = False, False, None
+
+    def _bracket(self, word: str, operand: str) -> None:
+        if word == ")":
+            if len(self._levels) == 1:
+                raise NoCounterpart("this bracket was not opened")
+            self._close_or()
+            self.lines += [")"] * self._levels.pop().closes
+            self._fresh = False
+            return
+        if word not in ("U(", "UN("):
+            self._close_or()
+        if word in OPENS_NOT:
+            self.lines += [OPENS_NOT[word], *ONE, "XO("]
+        else:
+            self.lines.append(OPENS[word])
+        self._levels.append(Level(2 if word in OPENS_NOT else 1))
+        self._fresh, self._one, self._call = True, False, None
+
+    def _constant(self, word: str, operand: str) -> None:
+        self._close_or()
+        if word == "NOT":
+            if self._fresh:
+                raise NoCounterpart("NOT behind the end of a chain; invert the chain itself")
+            self.lines += ["XO(", *ONE, ")"]
+            return
+        if self._next is None or self._family(self._next.word) not in (self._link, self._bracket):
+            self.lines += ONE if word == "SET" else ("U M0.0", "UN M0.0")
+        self._fresh, self._one = True, False
+
+    def _result_is_one(self) -> None:
+        """STEP sets the VKE to 1 where a conditional jump is not taken; the integrated PLC leaves it."""
+        if self._one:
+            self.lines += ONE
+        elif self._call is not None:
+            call, number = self.lines[self._call], self._edges
+            self._edges += 1
+            one, two = f"_CALL{number}A", f"_CALL{number}B"
+            name, _, when = call.partition(",")
+            around = "0" if when == "1" else "1"
+            self.lines[self._call] = "\n".join([f"SP {one},{around}", name, f"SP {two}", f"M {one}", *ONE, f"M {two}"])
+        self._one, self._call = False, None
+
+    def _use(self, word: str, operand: str) -> None:
+        self._close_or()
+        self._result_is_one()
+        if word in ("FP", "FN"):
+            self._edge(word, operand)
+            return
+        if word in TIMERS:
+            if self._loaded is not Kind.TIME:
+                raise NoCounterpart("the time is not loaded as a constant (L KT) in front; BCD with a time base has no counterpart")
+            self.lines.append(f"ST {TIMERS[word]},{self._operand(operand)}")
+        elif word in ("ZV", "ZR"):
+            self.lines.append(f"{word} {self._operand(operand)},1")
+        else:
+            target = self._operand(operand)
+            if word == "S" and target.startswith("Z") and self._loaded is not Kind.COUNT:
+                raise NoCounterpart("the count is not loaded as a constant (L KZ) in front; BCD has no counterpart")
+            self.lines.append(f"{word} {target}")
+        self._fresh = True
+
+    def _edge(self, word: str, operand: str) -> None:
+        """Edges by jumps: behind them the result is that of the edge, and the next statement has to use it."""
+        after = self._next and self._next.word
+        if after not in ("=", "S", "R", "SPB", "SPBN", "CC", "BEB", "ZV", "ZR", *TIMERS) or (self._next and self._next.label):
+            raise NoCounterpart(f"{word} is translated in front of =, S, R, a conditional jump, a timer or a counter alone")
+        bit, number = self._operand(operand), self._edges
+        self._edges += 1
+        one, two = f"_EDGE{number}A", f"_EDGE{number}B"
+        if word == "FP":
+            self.lines += [f"SP {one},0", f"UN {bit}", f"S {bit}", f"SP {two}", f"M {one}", f"U {bit}", f"R {bit}", f"U {bit}", f"M {two}"]
+        else:
+            self.lines += [f"SP {one},1", f"U {bit}", f"R {bit}", f"SP {two}", f"M {one}", f"UN {bit}", f"S {bit}", f"UN {bit}", f"M {two}"]
+        self._fresh = True
+
+    def _load(self, word: str, operand: str) -> None:
+        self._loaded = None
+        if found := BYTE.match(operand):
+            self.lines.append(f"L {self._marker(found[1], int(found[2]))}")
+        elif CELL.match(operand):
+            raise NoCounterpart(REASONS["LC"])
+        elif re.match(r"P[YEAW]|P[EA][BWD]|QB|QW", operand):
+            raise NoCounterpart("peripheral bytes are read as E alone")
+        elif found := TABLED.match(operand):
+            self.lines.append(f"{'L' if found[2] in ('DL', 'DR', 'DBB') else 'LD'} {self._tabled(operand)}")
+        elif (constant := constant_of(operand, self.english)) is not None:
+            self.lines.append(f"L {constant.value}")
+            self._loaded = constant.kind
+        else:
+            self._symbol(operand)
+            raise NoCounterpart(f"{operand}: no constant and no byte that the integrated PLC loads")
+
+    def _store(self, word: str, operand: str) -> None:
+        if found := BYTE.match(operand):
+            self.lines.append(f"T {self._marker(found[1], int(found[2]))}")
+        elif found := TABLED.match(operand):
+            self.lines.append(f"{'T' if found[2] in ('DL', 'DR', 'DBB') else 'TD'} {self._tabled(operand)}")
+        else:
+            self._symbol(operand)
+            raise NoCounterpart(f"{operand}: a byte of E, A or M is needed")
+
+    def _calculate(self, word: str, operand: str) -> None:
+        self._loaded = None
+        if word in NARROW:
+            self.narrow.append(self._line)
+        if word in SHIFTS:
+            self.lines.append(f"{SHIFTS[word]},{operand.split(maxsplit=1)[0] if operand else ''}")
+        elif word in COMPARES:
+            self.lines.append(COMPARES[word])
+            self._fresh, self._one, self._call = False, False, None
+        else:
+            self.lines.append(CALCULATES[word])
+
+    def _count_accu(self, word: str, operand: str) -> None:
+        self._loaded = None
+        if not re.match(r"\d+\b", operand):
+            raise NoCounterpart(f"{word} {operand}: a number from 0 to 255 is needed")
+        self.lines.append(f"{'ZV' if word in ('I', 'INC') else 'ZR'} ACCU,{operand.split(maxsplit=1)[0]}")
+
+    def _branch(self, word: str, operand: str) -> None:
+        self._close_or()
+        when = {"SPB": ",1", "CC": ",1", "BAB": ",1", "SPBN": ",0"}.get(word, "")
+        if when:
+            self._result_is_one()
+        if block := BLOCK.match(operand):
+            if operand[block.end() :].strip().startswith(("(", ",")):
+                raise NoCounterpart(REASONS["CALL"])
+            name = block[1] + block[2]
+            self.calls.add(name)
+            self.lines.append(f"SU {name}{when}")
+            self._fresh, self._one, self._call = True, False, len(self.lines) - 1 if when else None
+            return
+        elif label := re.match(r"=?\s*([A-Z_][A-Z0-9_]*)", operand):
+            self.lines.append(f"SP {label[1]}{when}")
+        else:
+            raise NoCounterpart(f"{word} {operand}: a label or a block is needed")
+        self._fresh, self._one = True, bool(when)
+
+    def _leave(self, word: str, operand: str) -> None:
+        self._close_or()
+        if word == "BEB":
+            self._result_is_one()
+        self.lines.append(f"SP {END}{',1' if word == 'BEB' else ''}")
+        self._ends, self._fresh, self._one = True, True, word == "BEB"
+
+    def _open_data(self, word: str, operand: str) -> None:
+        found = re.match(r"(DB|DX|DI)\s*(\d+)\b", operand)
+        if not found:
+            raise NoCounterpart(f"{word} {operand}: a data block is needed")
+        self._data = found[1] + found[2]

@@ -1,0 +1,218 @@
+"""Statement lists of STEP 5 and STEP 7 run as the list says."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gateway.pure.languages.plc.awl.report import Imported, imported
+from hil_tests.unit.languages.plc.rig import Rig
+
+LISTING = """OB 1                           C:TESTST.S5D                    LAE=14   ABS
+                                                              BLATT    1
+SEGMENT 1         0000   Hauptprogramm
+0000      :U    E    0.0         Start
+0001      :U    E    0.1
+0002      :O
+0003      :U    E    0.2
+0004      :UN   E    0.3
+0005      :=    A    1.0         Lampe
+0006      :L    KT 100.1
+0007      :SE   T    1
+0008      :U    T    1
+0009      :=    A    1.1
+000A      :U    E    0.4
+000B      :SPB  FB   3
+000C NAME :ANLAUF
+000D      :U    E    0.5
+000E      :SPB  =M001
+000F      :=    A    1.2
+0010 M001 :NOP 0
+0011      :L    KF +7
+0012      :L    MB 10
+0013      :>F
+0014      :=    A    1.3
+0015      :***
+0016      :BE
+
+FB 3                           C:TESTST.S5D                    LAE=14
+NAME :ANLAUF
+0005      :U    M    1.0
+0006      :BEB
+0007      :S    M    1.1
+0008      :BE
+"""
+SOURCE = """ORGANIZATION_BLOCK OB 1
+TITLE = Main
+VERSION : 0.1
+VAR_TEMP
+  OB1_EV_CLASS : BYTE ;
+END_VAR
+BEGIN
+NETWORK
+TITLE =
+      U(    ;
+      O     E      0.0;
+      O     E      0.1;
+      )     ;
+      UN    E      0.2; // comment
+      =     A      0.0;
+      SPBN  NEXT;
+      L     S5T#2S;
+      SE    T      2;
+NEXT: U     T      2;
+      =     A      0.1;
+      CALL  FC     1 ;
+      SET   ;
+      S     M      5.0;
+      U     E      0.3;
+      FP    M      7.0;
+      =     A      0.2;
+      U     E      0.3;
+      FN    M      7.1;
+      =     A      0.3;
+      U     E      0.4;
+      NOT   ;
+      =     A      0.4;
+END_ORGANIZATION_BLOCK
+FUNCTION FC 1 : VOID
+BEGIN
+      L     W#16#FF;
+      T     MB    20;
+END_FUNCTION
+"""
+
+
+def rig_of(text: str, table: str = "", start: str = "OB1") -> Rig:
+    result = imported(text, table)
+    assert result.refused == []
+    rig = Rig(sources=result.programs, start=start)
+    assert rig.refused == []
+    return rig
+
+
+def test_a_listing_of_step_5_runs() -> None:
+    rig = rig_of(LISTING)
+    assert [bool(rig.scan(*high.split()).outputs[1] & 1) for high in ("E0.0", "E0.0 E0.1", "E0.2", "E0.2 E0.3", "E0.0 E0.1 E0.3")] == [
+        False,
+        True,
+        True,
+        False,
+        True,
+    ]
+    rig = rig_of(LISTING)
+    seen = [bool(rig.scan("E0.2").outputs[1] & 2) for _ in range(1002)]
+    assert seen == [False] * 1000 + [True] * 2
+    assert rig.outputs[1] & 4  # the jump was not taken: STEP 5 sets the result to 1
+    assert not rig.scan("E0.5").plc.data.memory[1] & 2
+    assert rig.scan("E0.4").plc.bit(1, 1)
+    rig.plc.set_marker(10, 6)
+    assert rig.scan().outputs[1] & 8
+
+
+def test_a_source_of_step_7_runs() -> None:
+    rig = rig_of(SOURCE)
+    assert (rig.scan("E0.1").outputs[0], rig.plc.marker(20), rig.plc.bit(5, 0)) == (0x11, 0xFF, True)
+    assert rig.scan("E0.1", "E0.2").outputs[0] == 0x10
+    assert [rig.scan(*high).outputs[0] & 12 for high in (["E0.3"], ["E0.3"], [], [], ["E0.3"])] == [4, 0, 8, 0, 4]
+    assert rig.scan("E0.4").outputs[0] == 0x00 or rig.outputs[0] & 0x10 == 0
+    rig = rig_of(SOURCE)
+    assert [bool(rig.scan("E0.0").outputs[0] & 2) for _ in range(202)] == [False] * 200 + [True] * 2
+
+
+def test_english_mnemonics() -> None:
+    rig = rig_of("A I 0.0\nAN I 0.1\n= Q 0.0\nL KT 5.2\nA I 0.2\nSD T 1\nA T 1\n= Q 0.1\nCU C 3\nA C 3\n= Q 0.2\nBEU\n= Q 0.3\nBE")
+    assert rig.scan("E0.0", "E0.2").outputs[0] == 1
+    assert rig.scan("E0.2", ticks=500).outputs[0] == 0
+    assert rig.scan("E0.2").outputs[0] == 2 + 4
+
+
+@pytest.mark.parametrize(
+    ("line", "reason"),
+    [
+        ("SS T 1", "latching"),
+        ("L MW 10", "byte order of words"),
+        ("T AW 2", "byte order of words"),
+        ("B MW 10", "indirect"),
+        ("LC Z 1", "cannot be loaded"),
+        ("SPZ =M001", "condition bits"),
+        ("U E 40.0", "outside 0..39"),
+        ("U T 40", "outside 0..31"),
+        ("U M 600.0", "system markers"),
+        ("L DW 5", "--words: DW5 = M200"),
+        ("SE T 1", "L KT"),
+        ("S Z 1", "L KZ"),
+        ('U "START"', "symbol"),
+        ("STP", "cannot stop"),
+        ("L PY 64", "peripheral"),
+        ("L KG +1234567+01", "no constant"),
+        ("GIBBERISH 1", "has no GIBBERISH"),
+    ],
+)
+def test_what_has_no_counterpart_is_named_and_keeps_the_program_from_starting(line: str, reason: str) -> None:
+    result = imported(f"OB 1\n:U E 0.0\n:{line}\n:= A 0.0\n:BE")
+    (refused,) = result.refused
+    assert (refused.line, refused.block) == (3, "OB1")
+    assert reason in refused.reason
+    assert Rig(sources=result.programs, start="OB1").refused == ["No PLC-command"]
+
+
+def test_data_words_get_markers_by_a_table() -> None:
+    rig = rig_of(
+        "OB 1\n:A DB 10\n:L KF -3\n:T DW 5\n:L DW 5\n:L KF +2\n:<F\n:= D 6.1\n:U D 6.1\n:= A 0.0\n:L KH 00FF\n:T MW 20\n:BE",
+        "DB10.DW5 = M200  # level\nDB10.D6.1 = M210.1\nMW20 = M300\n",
+    ).scan()
+    assert (rig.plc.number(200), rig.plc.bit(210, 1), rig.outputs[0], rig.plc.number(300)) == (-3, True, 1, 255)
+
+
+@pytest.mark.parametrize(
+    ("constant", "value"),
+    [
+        ("KF -5", -5), ("KH 1F", 31), ("KM 00000000 00000101", 5), ("KY 1,2", 258), ("KB 7", 7), ("KZ 50", 50),
+        ("KT 5.0", 5), ("KT 20.3", 20000),
+        ("W#16#FFFF", 65535), ("2#1010", 10), ("L#-70000", -70000), ("C#9", 9), ("S5T#1M30S", 9000), ("12", 12),
+    ],
+)  # fmt: skip
+def test_constants(constant: str, value: int) -> None:
+    assert rig_of(f"OB 1\n:L {constant}\n:BE" if "#" not in constant else f"BEGIN\nL {constant};\nEND_FUNCTION").refused == []
+    text = imported(f"L {constant}\nBE").programs["OB1"]
+    assert f"L {value}\n" in text
+
+
+def test_an_inverted_bracket() -> None:
+    rig = rig_of("U E 0.0\nUN(\nU E 0.1\nO E 0.2\n)\n= A 0.0\nBE")
+    assert [rig.scan(*high).outputs[0] for high in (["E0.0"], ["E0.0", "E0.1"], ["E0.0", "E0.2"], [])] == [1, 0, 0, 0]
+
+
+def test_a_single_or_in_a_bracket_and_two_in_a_row() -> None:
+    rig = rig_of("U E 0.0\nU(\nU E 0.1\nO\nU E 0.2\nU E 0.3\nO\nU E 0.4\n)\n= A 0.0\nBE")
+    highs = (["E0.0", "E0.1"], ["E0.0", "E0.2"], ["E0.0", "E0.2", "E0.3"], ["E0.0", "E0.4"], ["E0.4"])
+    assert [rig.scan(*high).outputs[0] for high in highs] == [1, 0, 1, 1, 0]
+
+
+def test_a_call_that_is_not_taken_leaves_the_result_1_as_in_step_5() -> None:
+    text = "OB 1\n:U E 0.0\n:SPB PB 2\n:= A 0.0\n:BE\nPB 2\n:U E 0.1\n:= M 1.0\n:BE"
+    rig = rig_of(text)
+    assert [rig.scan(*high).outputs[0] for high in ([], ["E0.0"], ["E0.0", "E0.1"])] == [1, 0, 1]
+
+
+def test_missing_blocks_and_other_organisation_blocks_are_noted() -> None:
+    result = imported("OB 1\n:SPA PB 7\n:BE\nOB 21\n:SPA PB 7\n:BE\nDB 10\n0: KH = 0000;")
+    assert set(result.programs) == {"OB1", "OB21"}
+    assert any("PB7" in note for note in result.notes)
+    assert any("OB21" in note for note in result.notes)
+    assert "data blocks" in result.refused[0].reason
+
+
+ALPHABET = "UNOXELTSPMRDIHKAZFBW 0123456789.,;:()=<>+-\n\"'#"
+
+
+@given(
+    st.text(alphabet=ALPHABET, max_size=150)
+    | st.lists(st.sampled_from(LISTING.splitlines() + SOURCE.splitlines()), max_size=30).map("\n".join)
+)
+def test_any_text_is_imported_or_named(text: str) -> None:
+    result = imported(text, text)
+    assert isinstance(result, Imported)
+    for refused in result.refused:
+        assert refused.reason
+        assert refused.line <= len(text.splitlines())
