@@ -15,10 +15,11 @@ MATRIX ?=
 MUTANTS ?=
 
 .DELETE_ON_ERROR:
-.PHONY: help setup judges tools kernel references pythons native demo lint test pytest bench soak fuzz branches losses mutants coverage-matrix docs pictures lock clean
+.PHONY: help setup judges tools kernel references pythons native demo lint check test pytest bench soak fuzz branches losses mutants coverage-matrix docs pictures lock clean
 
 help:
 	@echo "make demo             six emulated drives, two PLCs, one cable to unplug (DEMO='--seed 7' hands options on)"
+	@echo "make check            lint, types, import arrows and the pure tests on two processors: the daily loop"
 	@echo "make test             lint, types, import arrows, all tests and lanes"
 	@echo "make lint             lint, types, import arrows only"
 	@echo "make bench            all benchmarks; rewrites docs/benchmarks.md"
@@ -96,11 +97,20 @@ lint: $(JUDGES)
 	$(PY) -m hil_tests.matrix.spelled
 	@$(VENV)/bin/lint-imports --no-cache > build/import-contracts.txt 2>&1 && tail -n 2 build/import-contracts.txt || { cat build/import-contracts.txt; exit 1; }
 
+# Pure tests only, by two processes; no process, port or clock takes part, so it may run on a busy machine.
+PURE := hil_tests/unit hil_tests/requirements hil_tests/properties
+SLOWEST := --durations=10
+check: $(JUDGES) native
+	@lint=0; $(MAKE) --no-print-directory lint || lint=1; \
+	$(PY) -m pytest -q --pair $(SLOWEST) $(PURE); tests=$$?; \
+	test $$lint -eq 0 || { echo "make check: lint failed (above the tests)" >&2; exit 1; }; \
+	exit $$tests
+
 # Lint and branches first, all tests whatever they said; pytest's closing line is the last one.
 test: $(JUDGES) references native kernel pythons
 	@mkdir -p build; lint=0; $(MAKE) --no-print-directory lint || lint=1; \
 	branches=0; $(MAKE) --no-print-directory branches || branches=1; \
-	$(PY) -m pytest --matrix=build/matrix/results.json; tests=$$?; \
+	$(PY) -m pytest $(SLOWEST) --matrix=build/matrix/results.json; tests=$$?; \
 	test $$lint -eq 0 || { echo "make test: lint failed (above the tests)" >&2; exit 1; }; \
 	test $$branches -eq 0 || { echo "make test: a branch of the serial protocols is not tested (above the tests)" >&2; exit 1; }; \
 	exit $$tests

@@ -33,6 +33,7 @@ MINE = pytest.StashKey[pathlib.Path]()
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--matrix", metavar="FILE", help="write ids, tests and verdicts of the requirement marks here")
+    parser.addoption("--pair", action="store_true", help="a second process takes half of the files, as in a run of all tests")
 
 
 def pytest_configure(config: pytest.Config) -> None:

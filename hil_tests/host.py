@@ -1,8 +1,8 @@
 """The rig's tests of a whole run, in a process of their own, one module after the other; what a busy machine spoilt is played again.
 
 Modules that stand a busy machine (BESIDE in hil_tests/test_folders.py) are played beside the pure tests and the guests, where those have a
-clock of their own, by a process like that; the others when all these have ended, alone.  What failed beside them counts as not
-played: it is played with the others, and what it says there is its verdict.
+clock of their own, by two processes like that: they wait more than they compute.  The others are played when all these have ended,
+alone.  What failed beside them counts as not played: it is played with the others, and what it says there is its verdict.
 
 A shared machine takes the processor away for tens of milliseconds, and a cell that runs on it then stops, as it must.  Witnesses
 (hil_tests/lab/judges/stolen.py) write it down: one of the highest priority a processor for 10 ms and more in which nobody ran there, an
@@ -35,6 +35,7 @@ REPORTS = "AXISGATE_TEST_RIG"  # set in that process: file for its reports
 P5 = "AXISGATE_TEST_P5"  # ms; hil_tests/lab/running/cell_running.py
 AGAIN_P5_MS = (16, 32, 32, 32)  # of the repetitions
 MOST_AGAIN = 35  # modules, of some forty; more than these is no matter of the machine
+BESIDE_THEM = ("beside-1", "beside-2")  # names of the processes that play BESIDE
 POLL_S = 0.2
 ENDS_S = 60.0
 
@@ -51,7 +52,7 @@ class Child:
         listed = folder / f"{name}.txt"
         listed.write_text("\n".join(ids))
         self._watch = contextlib.ExitStack()
-        if name != "beside":  # there nobody sleeps anyhow
+        if name not in BESIDE_THEM:  # there nobody sleeps anyhow
             self._watch.enter_context(awake())
         for file, option in self._stolen.items():
             self._watch.enter_context(witness(file, option))
@@ -128,7 +129,9 @@ class Host:
     def __init__(self, config: pytest.Config) -> None:
         self._config = config
         self._folder = config.rootpath / "build" / "rig" / str(os.getpid())
-        self._children: dict[str, Child | InGuests] = {}  # in the order of their starts; at most the last one runs
+        self._children: dict[
+            str, Child | InGuests
+        ] = {}  # in the order of their starts; those of BESIDE_THEM run together, else at most the last one
         self._modules: dict[str, list[pytest.Item]] = {}
         self._waiting: dict[str, list[pytest.Item]] = {}  # modules whose verdict is not told yet
         self._by: dict[str, Child | InGuests] = {}  # who played the module last
@@ -143,7 +146,9 @@ class Host:
                 self._modules.setdefault(module_of(item), []).append(item)
         modules = [module for module, items in self._modules.items() if of_one(items[0], BESIDE)]
         if modules and guest.own_time() and (os.cpu_count() or 1) > 1 and not session.testsfailed:
-            self._start("beside", modules)
+            for number, name in enumerate(BESIDE_THEM):
+                if share := modules[number :: len(BESIDE_THEM)]:
+                    self._launch(name, share)
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtest_protocol(self, item: pytest.Item, nextitem: pytest.Item | None) -> bool | None:
@@ -156,7 +161,7 @@ class Host:
         ids = ids_of(self._modules[module])
         child = self._by[module]
         results = child.wait(ids)
-        settled = reports.all_well(ids, results) or (child is not self._children.get("beside") and not child.spoilt(ids))
+        settled = reports.all_well(ids, results) or (not self._beside(child) and not child.spoilt(ids))
         if settled:
             reports.replay(item, nextitem, results, f"the rig's process did not report the end of this test; see {child.log}")
         else:
@@ -178,11 +183,14 @@ class Host:
 
     def _start(self, name: str, modules: Sequence[str], p5_ms: int | None = None) -> None:
         """A process that plays these modules, when the one before has ended."""
+        for child in self._children.values():
+            child.leave()
+        self._launch(name, modules, p5_ms)
+
+    def _launch(self, name: str, modules: Sequence[str], p5_ms: int | None = None) -> None:
         if not self._children:
             forget_the_dead(self._folder.parent)
             self._folder.mkdir(parents=True)
-        for child in self._children.values():
-            child.leave()
         ids = [each for module in modules for each in ids_of(self._modules[module])]
         self._told += [
             f"{module}: failed beside the pure tests; again alone" for module in modules if module in self._waiting and p5_ms is None
@@ -190,8 +198,11 @@ class Host:
         self._children[name] = child = Child(self._config, self._folder, name, ids, p5_ms)
         self._by.update(dict.fromkeys(modules, child))
 
+    def _beside(self, child: Child | InGuests) -> bool:
+        return any(child is self._children.get(name) for name in BESIDE_THEM)
+
     def _play_again(self) -> None:
-        if self._waiting and list(self._children) == ["beside"]:
+        if self._waiting and set(self._children) <= set(BESIDE_THEM):
             self._start("first", list(self._waiting))
         self._tell_settled()
         self._again_in_guests()

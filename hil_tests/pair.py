@@ -1,5 +1,5 @@
 """The pure tests of a whole run, and the rig's that only start commands, by two processes: ours takes files from the front, its mate
-from the back, until they meet.
+from the back, until they meet.  A selection is shared with `--pair` (make check).
 
 They need no quiet and no time of their own, so they may share the machine, also with a guest that has its own clock.
 """
@@ -52,7 +52,7 @@ class Mate:
 
 
 class Pair:
-    """Here: starts the mate, tells its results where they stand.  Only in a whole run; a selection is one process' work."""
+    """Here: starts the mate, tells its results where they stand.  In a whole run, and in folders or files selected with `--pair`."""
 
     def __init__(self, config: pytest.Config) -> None:
         self._config = config
@@ -64,7 +64,7 @@ class Pair:
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtestloop(self, session: pytest.Session) -> None:
         files = list(dict.fromkeys(str(item.path) for item in session.items if ours(item)))
-        if files and whole_run(self._config) and (os.cpu_count() or 1) > 1:
+        if len(files) > 1 and shared(self._config) and (os.cpu_count() or 1) > 1:
             self._start(files)
 
     @pytest.hookimpl(tryfirst=True)
@@ -100,9 +100,18 @@ class Pair:
 
 def whole_run(config: pytest.Config) -> bool:
     """Every test, not a selection."""
+    return config.args_source is pytest.Config.ArgsSource.TESTPATHS and whole_files(config)
+
+
+def shared(config: pytest.Config) -> bool:
+    """Whether a second process takes half of the files."""
+    return whole_run(config) or (bool(config.getoption("--pair")) and whole_files(config))
+
+
+def whole_files(config: pytest.Config) -> bool:
+    """Whether no file is run in part by -k or -m: the mate would run all of it."""
     options = config.option
-    whole = config.args_source is pytest.Config.ArgsSource.TESTPATHS and not (options.keyword or options.markexpr)
-    return whole and not options.collectonly
+    return not (options.keyword or options.markexpr or options.collectonly)
 
 
 def ours(item: pytest.Item) -> bool:

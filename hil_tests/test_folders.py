@@ -29,7 +29,8 @@ COMMANDS = (  # they start commands or call them and read files; no clock runs i
     ),
     *("house/test_mutant.py", "house/test_pair.py", "house/test_places.py"),
     *("line_tools/test_any_system.py", "line_tools/test_commands.py", "line_tools/test_export_is_there.py"),
-    *("rho3can/test_bus_infer_command.py", "rho3can/test_import_command.py", "starting/test_new_and_assess.py"),
+    *("rho3can/test_bus_infer_command.py", "rho3can/test_import_command.py"),
+    *("starting/test_make_check.py", "starting/test_new_and_assess.py"),
     *("trace/test_trace_guide.py", "trace/test_tshark.py", "val3_sio/test_guide.py", "web/test_store.py"),
 )
 BESIDE = (  # real processes that wait more than they compute, and whose times are long ones: they stood a machine six times too busy
@@ -48,6 +49,17 @@ BESIDE = (  # real processes that wait more than they compute, and whose times a
     *("modbus/test_modbus_other_clients.py", "modbus/test_modbus_rtu.py", "modbus/test_modbus_server.py", "modbus/test_modbus_tls.py"),
     *("rho3/test_rho3_guide.py", "serial/test_line_runner.py", "serial/test_rfc2217.py"),
     *("val3_sio/test_serial.py", "val3_sio/test_tcp_server.py", "val3_sio/test_udp.py"),
+    *("bridge/test_route_figures.py", "cell/test_simulated_time_waits.py", "cycle/test_rho3_2_2_one_cycle.py"),
+    *("death/test_cycle_dies.py", "death/test_cycle_dies_402.py", "death/test_every_loop_is_watched.py", "death/test_floods.py"),
+    *("death/test_line_silence.py", "death/test_output_disk_and_terminal.py", "death/test_services_die.py"),
+    *("death/test_too_many_deaths.py", "doors/test_one_tool_in_control.py", "doors/test_refused_over_the_line.py"),
+    *("drives/test_cell_on_an_adapter.py", "drives/test_two_buses_one_away.py", "emulator/test_emulator_process.py"),
+    *("image/test_threads.py", "line_tools/test_foreign_ttys.py", "modbus/test_late_address.py"),
+    *("modbus/test_modbus_growth.py", "modbus/test_modbus_links_reported.py", "recording/test_record_and_replay.py"),
+    *("rho3can/test_11_1_two_controls.py", "rho3can/test_one_part_is_away.py"),
+    *("signals/test_old_control.py", "signals/test_reis_cell.py", "signals/test_val3_cell.py", "starting/test_first_commands.py"),
+    *("telegrams/test_order_and_done.py", "trace/test_journal_of_a_real_port.py"),
+    *("web/test_changed_users.py", "web/test_hostile_visitors.py", "web/test_page_alarms.py"),
 )
 
 NO_OWN_TIME = (  # alone, and never in a guest: hogs, guests, a browser that draws in three dimensions

@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import re
 import subprocess
 import sys
 
@@ -54,6 +55,15 @@ def test_mate():
         time.sleep(0.05)
 """
 BY_MATE = "def test_mate(): pathlib.Path('mate').touch()\n"
+MEETS = """
+import pathlib, time
+def test_meets_the_other():
+    pathlib.Path({mine!r}).touch()
+    until = time.monotonic() + 60
+    while not pathlib.Path({other!r}).exists():
+        assert time.monotonic() < until
+        time.sleep(0.05)
+"""
 WRONG = "import time\ndef test_wrong(): assert 1 == 2\n"
 
 
@@ -94,6 +104,32 @@ def test_what_failed_beside_the_pure_tests_is_judged_alone(tmp_path: pathlib.Pat
     assert "1 failed, 5 passed" in done.stdout and "test_that_always_fails" in done.stdout, done.stdout
     assert done.stdout.count("hil_tests/rig/bus_tools/test_beside.py: failed beside the pure tests; again alone") == 1
     assert len((tmp_path / "always").read_text()) >= 2, "beside them, then alone; more often where the machine was busy then, too"
+
+
+@pytest.mark.skipif(not guest.own_time() or os.cpu_count() == 1, reason="without a guest in a time of its own nothing is played beside it")
+def test_two_processes_share_what_is_played_beside_the_pure_tests(tmp_path: pathlib.Path) -> None:
+    """Each of two modules waits for the other: one process would never end them."""
+    folder = tmp_path / "hil_tests/rig/bus_tools"
+    folder.mkdir(parents=True)
+    for mine, other in (("one", "two"), ("two", "one")):
+        (folder / f"test_{mine}.py").write_text(MEETS.format(mine=mine, other=other))
+    command, environment = whole_run(tmp_path, "hil_tests")
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert (done.returncode, "2 passed" in done.stdout, "again alone" in done.stdout) == (0, True, False), done.stdout
+
+
+def test_a_selection_is_shared_by_two_processes_and_closes_with_one_line(tmp_path: pathlib.Path) -> None:
+    """As `make check` does it: a failure of either process fails the run, and its closing line has the sums."""
+    for name, text in {"a": NO_MATE + BY_US + WRONG, "m": "def test_between(): pass\n", "z": "import pathlib\n" + BY_MATE + WRONG}.items():
+        (file := tmp_path / f"hil_tests/unit/test_{name}.py").parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text)
+    command, environment = whole_run(tmp_path, "elsewhere")
+    command += ["--pair", "--durations=10", "hil_tests/unit"]
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    lines = [line for line in done.stdout.splitlines() if re.search(r"(passed|failed|error).* in [0-9.]+s", line)]
+    assert done.returncode == 1 and len(lines) == 1 and lines == done.stdout.splitlines()[-1:], done.stdout
+    assert "2 failed, 3 passed" in lines[0]
+    assert "slowest 10 durations" in done.stdout
 
 
 def whole_run(folder: pathlib.Path, tests: str) -> tuple[list[str], dict[str, str]]:

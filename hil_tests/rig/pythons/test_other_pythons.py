@@ -9,7 +9,7 @@ import pytest
 from hil_tests.lab.running.pythons import ROOT, Other, others
 
 pytestmark = [pytest.mark.pythons, pytest.mark.slow]
-PURE = ("unit/recording", "unit/routes", "unit/starting", "conformance/p3964r", "conformance/rk512")
+PURE = ("unit/gateway/recording", "unit/gateway/pure/routes", "unit/gateway/tools/new_cell", "requirements/p3964r", "requirements/rk512")
 RUN = "hil_tests/rig/recording/test_record_and_replay.py"
 PURE_S = 240.0
 RUN_S = 200.0
