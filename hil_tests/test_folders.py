@@ -58,6 +58,7 @@ BESIDE = (  # real processes that wait more than they compute, and whose times a
     *("modbus/test_modbus_growth.py", "modbus/test_modbus_links_reported.py", "recording/test_record_and_replay.py"),
     *("rho3can/test_11_1_two_controls.py", "rho3can/test_one_part_is_away.py"),
     *("signals/test_old_control.py", "signals/test_reis_cell.py", "signals/test_val3_cell.py", "starting/test_first_commands.py"),
+    *("starting/test_make_demo.py", "starting/test_wheel.py"),
     *("telegrams/test_order_and_done.py", "trace/test_journal_of_a_real_port.py"),
     *("web/test_changed_users.py", "web/test_hostile_visitors.py", "web/test_page_alarms.py"),
 )
