@@ -7,13 +7,14 @@ from enum import Enum
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.plc.cells import CELLS, KEPT
 from gateway.pure.languages.plc.commands import Program
-from gateway.pure.languages.plc.copies import from_bytes, to_bytes
+from gateway.pure.languages.plc.copies import DamagedCopy, from_bytes, to_bytes
 from gateway.pure.languages.plc.generated import Generated
 from gateway.pure.languages.plc.interpreter import Interpreter, More, Shown
 from gateway.pure.languages.plc.messages import (
     DRIVES_OFF,
     MEMORY,
     NOTE,
+    OVERLOAD,
     STOPS,
     TEXT_PROGRAM,
     TIME,
@@ -95,9 +96,21 @@ class Plc:
             raise ValueError("no PLC program was started")
         return to_bytes(self.program)
 
-    def start_copy(self, copy: bytes) -> None:
-        """Starts what `copy` gave.  DamagedCopy: it cannot run."""
-        self._take(from_bytes(copy), read_texts(self._text_program(), Faults()))
+    def start_copy(self, copy: bytes) -> list[Message]:
+        """Starts what `copy` gave; outputs are 0 until its first whole scan.  The message of a copy that cannot run: 7003 or 7004."""
+        try:
+            program = from_bytes(copy)
+        except DamagedCopy as damaged:
+            message = runtime_error(damaged.number)
+            self._fail(message)
+            return [message]
+        self._outputs = bytes(AREA)
+        self._take(program, read_texts(self._text_program(), Faults()))
+        return []
+
+    def overload(self) -> None:
+        """The load does not fit into the interpolation cycle (L2243): system error 1052, the PLC stops."""
+        self._fail(Message(f"System error {OVERLOAD}", OVERLOAD, DRIVES_OFF))
 
     def stop(self) -> None:
         """Ends the cyclic treatment; all outputs are 0."""

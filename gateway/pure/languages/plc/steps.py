@@ -84,6 +84,8 @@ def _branch(word: str, rest: str, line: int) -> Command | Wrong:
     if ";" in rest:
         return Wrong(f"A comment cannot follow {word}", "write the comment as a step of its own, introduced by ';'")
     name, comma, when = (part.strip() for part in rest.partition(","))
+    if len(name) > 2 and name[0] == name[-1] and name[0] in "'\"":
+        name = name[1:-1].strip()
     if not name or len(name) > NAME_LENGTH or '"' in name or "'" in name:
         return Wrong(f"{word} {rest[:60]}: no name", f"names have 1 to {NAME_LENGTH} characters without quotation marks")
     if word == "M":

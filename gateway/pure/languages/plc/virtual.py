@@ -127,7 +127,7 @@ class VirtualRun:
         program = self.plc.program
         last = program.routines[program.start].last if program else 1
         return {
-            "state": "running" if running else "error" if failure else "stopped",
+            "state": "running" if running else "error" if failure or program is None else "stopped",
             "program": failure.program if failure else program.start if program else self.start,
             "step": failure.step if failure else last if running else 1,
             "scans": scans,

@@ -146,10 +146,14 @@ def test_english_mnemonics() -> None:
         ("L PY 64", "peripheral"),
         ("L KG +1234567+01", "no constant"),
         ("GIBBERISH 1", "has no GIBBERISH"),
+        ("O =EIN", "parameters"),
+        ("O E 41.0", "outside 0..39"),
+        ("CALL PUMP", "a block is needed"),
+        ("EIN :  E 1.0", "parameters"),
     ],
 )
 def test_what_has_no_counterpart_is_named_and_keeps_the_program_from_starting(line: str, reason: str) -> None:
-    result = imported(f"OB 1\n:U E 0.0\n:{line}\n:= A 0.0\n:BE")
+    result = imported(f"OB 1\n:U E 0.0\n{'' if ' :' in line else ':'}{line}\n:= A 0.0\n:BE")
     (refused,) = result.refused
     assert (refused.line, refused.block) == (3, "OB1")
     assert reason in refused.reason
@@ -176,6 +180,11 @@ def test_constants(constant: str, value: int) -> None:
     assert rig_of(f"OB 1\n:L {constant}\n:BE" if "#" not in constant else f"BEGIN\nL {constant};\nEND_FUNCTION").refused == []
     text = imported(f"L {constant}\nBE").programs["OB1"]
     assert f"L {value}\n" in text
+
+
+def test_a_single_or_may_have_a_comment() -> None:
+    rig = rig_of("OB 1\n:U E 0.0\n:O     oder\n:U E 0.1   Taster (links)\n:SPB PB 1  (Presse)\n:BE\nPB 1\n:UN M 5.0\n:S A 0.0\n:BE")
+    assert [rig.scan(*high).outputs[0] for high in ([], ["E0.1"])] == [0, 1]
 
 
 def test_an_inverted_bracket() -> None:

@@ -1,8 +1,9 @@
 """Start, checks of the start, errors of the run, messages, test display."""
 
+import zlib
+
 import pytest
 
-from gateway.pure.languages.plc.copies import DamagedCopy
 from gateway.pure.languages.plc.plc import Plc, PlcState, Settings
 from gateway.pure.languages.plc.translation import Translation, start_name
 from hil_tests.unit.languages.plc.rig import TICK, Rig
@@ -126,11 +127,24 @@ def test_a_scan_may_be_long_as_long_as_the_clock_allows() -> None:
 def test_a_killed_plc_comes_back_with_the_copy_that_ran() -> None:
     rig = Rig("U E0.0\n= A0.0")
     copy = rig.plc.copy()
-    again = Plc({})
-    again.start_copy(copy)
-    assert again.scan(0, bytes([1]) + bytes(39))[0] == 1
-    with pytest.raises(DamagedCopy, match="7004"):
-        again.start_copy(copy[:-1] + b" ")
+    again = Plc({}, Settings(load=1))
+    assert again.start_copy(copy) == []
+    assert [again.scan(at, bytes([1]) + bytes(39))[0] for at in range(3)] == [0, 1, 1]
+    assert [message.text for message in again.start_copy(copy[:-1] + b" ")] == ["PLC error 7004"]
+    assert (again.state, again.drives, again.outputs) == (PlcState.STOP, False, bytes(40))
+    with pytest.raises(ValueError, match="no PLC program"):
+        Plc({}).copy()
+
+
+def test_a_copy_with_an_unknown_function_code_is_error_7003() -> None:
+    data = Rig("U E0.0\n= A0.0").plc.copy()[4:].replace(b'"assign"', b'"nosuch"')
+    assert [message.number for message in Plc({}).start_copy(zlib.crc32(data).to_bytes(4, "little") + data)] == [7003]
+
+
+def test_an_overload_is_system_error_1052() -> None:
+    rig = Rig("U E0.0\n= A0.0").scan("E0.0")
+    rig.plc.overload()
+    assert (rig.plc.take_messages()[0].text, rig.runs, rig.plc.drives, rig.plc.outputs) == ("System error 1052", False, False, bytes(40))
 
 
 TEXTS = """PLC PLCMSG_CNF

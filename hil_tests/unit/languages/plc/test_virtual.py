@@ -92,7 +92,9 @@ def test_a_refused_start_is_a_message_at_0(folder: pathlib.Path, capsys: pytest.
     code, found = ran(folder, capsys, "--scans", "2", start="sub/bad")
     events = found["events"]
     assert isinstance(events, list)
-    assert code == 1
+    end = found["end"]
+    assert isinstance(end, dict)
+    assert (code, end["state"]) == (1, "error")
     assert [(event["at"], event["text"], event["step"]) for event in events[:3]] == [
         (0, "Incorrect parentheses", 2),
         (0, "E40: outside 0..39", 3),

@@ -14,6 +14,7 @@ NOISE = re.compile(
 )
 DECLARATION = re.compile(r"VAR(_TEMP|_INPUT|_OUTPUT|_IN_OUT)?\b", re.IGNORECASE)
 ADDRESSED = re.compile(r"[0-9A-F]{4,6}\s*(?=[:A-Z])", re.IGNORECASE)
+PARAMETER = re.compile(r"(?:[EAMTZDIQCB][BWD]?\s+\d|K[A-Z]\s|[A-Z]+/[A-Z]+/)", re.IGNORECASE)
 PRINTED = re.compile(r"\s*(?:[0-9A-F]{4,6}\s+)?[A-Z0-9_]{0,8}\s*:", re.IGNORECASE)
 LABELLED = re.compile(r"([A-Z_][A-Z0-9_]{0,23})?\s*:\s*(.*)$", re.IGNORECASE)
 WORD = re.compile(
@@ -135,6 +136,7 @@ class Reader:
         self._skipping = re.compile(r"END_VAR\b", re.IGNORECASE)
         if DECLARATION.match(part) and re.match(r"VAR_(INPUT|OUTPUT|IN_OUT)", part, re.IGNORECASE):
             self._refuse(number, part, "subprograms of the integrated PLC have no parameters")
+            self._add(Statement(number, "", "?", "", part))
 
     def _header(self, number: int, part: str) -> bool:
         """Whether the line is a heading, or print without a meaning for the program."""
@@ -170,8 +172,9 @@ class Reader:
         if self._printed and ":" not in body:
             self.found.notes.append(f"line {number}: {part[:60]!r} is taken as print: it has no ':'")
             return
-        if self.step7 and label and ":=" in body:
+        if label and ((self.step7 and ":=" in body) or PARAMETER.match(rest)):
             self._refuse(number, part, "subprograms of the integrated PLC have no parameters")
+            self._add(Statement(number, "", "?", "", part))
             return
         if not rest or rest.startswith("***"):
             if label:

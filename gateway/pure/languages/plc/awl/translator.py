@@ -13,6 +13,7 @@ ONE = ("O M0.0", "ON M0.0")  # 1 whatever the marker holds
 BIT = re.compile(r"([EAM])\s*(\d+)\.(\d)\b")
 CELL = re.compile(r"([TZ])\s*(\d+)\b(?!\.)")
 BYTE = re.compile(r"([EAM])B\s*(\d+)\b")
+OPERAND_LIKE = re.compile(r"[A-Z]{1,3}\s*\d|[=#\"-]")  # anything else behind a single O is a comment
 TABLED = re.compile(r"(?:(D[BX]\s*\d+)\s*\.\s*)?(MW|EW|AW|MD|ED|AD|DW|DL|DR|DD|DBW|DBD|DBB|DBX|D)\s*(\d+(?:\.\d+)?)\b")
 BLOCK = re.compile(r"(OB|PB|FB|FX|SB|FC)\s*(\d+)\b")
 LINKS = {"U": "U", "UN": "UN", "O": "O", "ON": "ON", "X": "XO", "XN": "XON"}
@@ -160,6 +161,8 @@ class Translator:
         raise NoCounterpart(f"{operand or 'a missing operand'}: a bit of E, A or M, a timer or a counter is needed")
 
     def _symbol(self, operand: str) -> None:
+        if operand.startswith("="):
+            raise NoCounterpart(REASONS["CALL"])
         if operand.startswith(('"', "#", "-")) and not operand[1:2].isdigit():
             raise NoCounterpart("operands by symbol: write the source with absolute operands")
 
@@ -184,7 +187,7 @@ class Translator:
 
     def _link(self, word: str, operand: str) -> None:
         level = self._levels[-1]
-        if word == "O" and not BIT.match(operand) and not CELL.match(operand) and not TABLED.match(operand):
+        if word == "O" and not OPERAND_LIKE.match(operand):
             self._close_or()
             self.lines.append("O(")
             level.single_or = True
@@ -318,14 +321,14 @@ class Translator:
         if when:
             self._result_is_one()
         if block := BLOCK.match(operand):
-            if operand[block.end() :].strip().startswith(("(", ",")):
+            if word in ("CALL", "UC", "CC") and operand[block.end() :].strip().startswith(("(", ",")):
                 raise NoCounterpart(REASONS["CALL"])
             name = block[1] + block[2]
             self.calls.add(name)
             self.lines.append(f"SU {name}{when}")
             self._fresh, self._one, self._call = True, False, len(self.lines) - 1 if when else None
             return
-        elif label := re.match(r"=?\s*([A-Z_][A-Z0-9_]*)", operand):
+        elif word in ("SPA", "SPB", "SPBN") and (label := re.match(r"=?\s*([A-Z_][A-Z0-9_]*)", operand)):
             self.lines.append(f"SP {label[1]}{when}")
         else:
             raise NoCounterpart(f"{word} {operand}: a label or a block is needed")
