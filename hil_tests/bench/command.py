@@ -1,4 +1,4 @@
-"""Measure: cycle, 3964r, emulator, drives, planner, motion, modbus, route, web, or all (all rewrites docs/benchmarks.md)."""
+"""Measure: cycle, 3964r, emulator, drives, planner, motion, modbus, route, web, program, or all (all rewrites docs/benchmarks.md)."""
 
 import argparse
 import datetime
@@ -80,6 +80,12 @@ def plc(arguments: argparse.Namespace) -> list[Figure]:
     return [dict(figure) for figure in run()]
 
 
+def program(arguments: argparse.Namespace) -> list[Figure]:
+    from hil_tests.bench.program_bench import run
+
+    return [dict(figure) for figure in run()]
+
+
 BENCHES: dict[str, Callable[[argparse.Namespace], list[Figure]]] = {
     "cycle": cycle,
     "3964r": p3964r,
@@ -91,6 +97,7 @@ BENCHES: dict[str, Callable[[argparse.Namespace], list[Figure]]] = {
     "modbus": modbus,
     "web": web,
     "plc": plc,
+    "program": program,
 }
 
 

@@ -37,6 +37,7 @@ from gateway.pure.languages.baps2.types import BINARY, CHAR, INTEGER, NONE, POIN
 from gateway.pure.languages.baps2.typing import Typed, Typing
 
 REAL_CHECKED = "(t if -3.4028235e+38 <= (t := {}) <= 3.4028235e+38 else real_overflow())"
+MOST_LOOPS = 16  # Python takes 20
 
 
 class Bodies:
@@ -46,7 +47,7 @@ class Bodies:
         self.names, self.typing, self.way = names, typing, way
         self.out = Lines()
         self.function = Function({}, False)
-        self._temporary = 0
+        self._temporary = self._loops = 0
 
     def new(self, letter: str) -> str:
         """A Python name that nothing else has."""
@@ -290,11 +291,15 @@ class Bodies:
             self._go(begin)
             self._begin_part(end)
         else:
+            self._loops += 1
+            if self._loops > MOST_LOOPS:
+                self.names.faults.error("nesting-too-deep", statement.at, f"more than {MOST_LOOPS} REPEAT one in the other")
             self.out.add(f"for _ in range({times}):")
             self._nested(*statement.body)
             self.out.indent += 1
             self.turn(self.function.count - before + 1)
             self.out.indent -= 1
+            self._loops -= 1
         self.function.path.pop()
 
     def _parallel(self, statement: Parallel) -> None:

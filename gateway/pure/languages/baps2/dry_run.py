@@ -22,8 +22,8 @@ from gateway.pure.languages.base.requests import PENDING, Request, RuntimeFault
 from gateway.pure.languages.base.scheduler import Scheduler
 from gateway.pure.languages.base.trace import Trace
 
-BUDGET = 5_000  # statements of a process in a P5, behind the first million
-SPARE = 200  # turns that cost no time
+BUDGET = 5_000  # statements of a process in a turn; in a P5, once the spare turns are used
+SPARE = 2_000  # turns that cost no time
 READINGS = 32  # readings of a process in one moment; the next one is a P5 later
 PROBES = range(600, 800)
 

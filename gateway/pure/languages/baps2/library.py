@@ -56,7 +56,8 @@ class Library:
         name = name.upper()
         if name not in self._units:
             text = self._store.text(f"{name}.QLL")
-            self._units[name] = (None, Faults()) if text is None else self.check(f"{name}.QLL", text)
+            unit, faults = (None, Faults()) if text is None else self.check(f"{name}.QLL", text)
+            self._units[name] = (unit if unit is not None and unit.load(faults) else None), faults
         return self._units[name]
 
     def forget(self, name: str) -> None:

@@ -25,6 +25,7 @@ GLOBALS: dict[str, object] = {
     "fault": errors.fault,
     "TURN": Turn(),
 }
+LONG_ROW, MOST_BRACKETS = 1_000, 190  # Python takes 200 brackets
 
 
 @dataclass(slots=True)
@@ -40,6 +41,17 @@ class Unit:
     make: Callable[[object], Main] | None = None
     share: Callable[[object, object], None] | None = None
 
+    def load(self, faults: Faults) -> bool:
+        """Makes the functions of the text; False: Python cannot take it (reported)."""
+        try:
+            space = dict(GLOBALS)
+            exec(compile(self.text, f"<{self.name}>", "exec"), space)
+            self.make, self.share = space["make"], space["share"]  # type: ignore[assignment]  # what exec() made of our own text
+        except (RecursionError, SyntaxError, MemoryError):
+            _too_complex(self.program, faults)
+            return False
+        return True
+
     @property
     def permanent(self) -> bool:
         """Whether it is a permanent process."""
@@ -51,13 +63,27 @@ def check(program: Program, faults: Faults, programs: Programs) -> Unit:
     unit = Unit(program.main.name, program)
     try:
         unit.text = _Translation(unit, faults, programs).text()
-        if not faults.errors:
-            space = dict(GLOBALS)
-            exec(compile(unit.text, f"<{unit.name}>", "exec"), space)
-            unit.make, unit.share = space["make"], space["share"]  # type: ignore[assignment]  # what exec() made of our own text
-    except (RecursionError, SyntaxError, MemoryError):
-        faults.error("too-complex", program.main.at, f"{unit.name} nests too deep", "divide its expressions or loops into smaller ones")
+        if any(len(row) > LONG_ROW and brackets(row) > MOST_BRACKETS for row in unit.text.splitlines()):
+            _too_complex(program, faults)
+    except RecursionError:
+        _too_complex(program, faults)
     return unit
+
+
+def _too_complex(program: Program, faults: Faults) -> None:
+    faults.error("too-complex", program.main.at, f"{program.main.name} nests too deep", "divide its expressions or loops into smaller ones")
+
+
+def brackets(row: str) -> int:
+    """How many brackets are open one in the other."""
+    deepest = depth = 0
+    for sign in row:
+        if sign == "(":
+            depth += 1
+            deepest = max(deepest, depth)
+        elif sign == ")":
+            depth -= 1
+    return deepest
 
 
 class _Translation:

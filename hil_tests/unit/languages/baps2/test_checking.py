@@ -116,4 +116,5 @@ def test_any_row_of_words_is_checked_without_an_exception(row: list[str]) -> Non
 
 def test_long_chains_and_deep_loops_are_faults_and_no_crash() -> None:
     assert ("too-complex", 1) in faults_of(body("I = " + "+".join(["I"] * 5_000), "INTEGER : I"))
-    assert ("too-complex", 1) in faults_of(body("REPEAT 1 TIMES " * 40 + "REPEAT_END " * 40))
+    assert ("too-complex", 1) in faults_of(body("I = " + "+".join(["I"] * 150), "INTEGER : I"))
+    assert ("nesting-too-deep", 4) in faults_of(body("REPEAT 1 TIMES " * 40 + "REPEAT_END " * 40))
