@@ -48,8 +48,9 @@ TEXTS = {
     220: "no kinematic",
     221: "wrong number of components",
 }
+OURS = range(208, 1_000)  # texts that the manual does not print
 
 
 def fault(code: int, more: str = "") -> RuntimeFault:
-    """The runtime error of a code."""
-    return RuntimeFault(code, TEXTS[code] + (f": {more}" if more else ""))
+    """The runtime error of a code.  `more` is told where the text is ours; the manual's texts stand as printed."""
+    return RuntimeFault(code, TEXTS[code] + (f": {more}" if more and code in OURS else ""))
