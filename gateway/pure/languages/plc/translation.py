@@ -35,14 +35,14 @@ class Translation:
     reader: Reader = read_routine
     faults: Faults = field(default_factory=Faults)
     lines: dict[str, dict[int, int]] = field(default_factory=dict)
-    _routines: dict[str, Routine] = field(default_factory=dict)
+    _texts: dict[str, str] = field(default_factory=dict)
     _ready: dict[str, Routine] = field(default_factory=dict)
     _depths: dict[str, int] = field(default_factory=dict)
 
     def run(self, start: str) -> Program | None:
         """The program; None: there are faults."""
         key = key_of(start)
-        if not key or key not in self._keys():
+        if not key or key not in self._texts:
             known = ", ".join(sorted(self.sources)[:8]) or "none"
             self.faults.error("no-start", Position(start.strip() or "PLC", 1), NO_START, f"programs there are: {known}")
             return None
@@ -54,18 +54,18 @@ class Translation:
 
     def check_all(self) -> Faults:
         """Faults of all sources, whether a start program reaches them or not."""
-        for key in sorted(self._keys()):
+        for key in sorted(self._texts):
             self._follow(key, [])
         return self.faults
 
-    def _keys(self) -> dict[str, str]:
-        return {key_of(name): text for name, text in self.sources.items()}
+    def __post_init__(self) -> None:
+        self._texts = {key_of(name): text for name, text in self.sources.items()}
 
     def _follow(self, key: str, above: list[str]) -> int:
         """Reads a routine and those it calls, these first; the depth of calls under it."""
         if key in self._depths:
             return self._depths[key]
-        routine, self.lines[key] = self.reader(key, self._keys()[key], self.faults)
+        routine, self.lines[key] = self.reader(key, self._texts[key], self.faults)
         check_labels(routine, self._place, self.faults)
         deepest = 0
         for command in routine.commands:
@@ -76,6 +76,8 @@ class Translation:
                 continue
             if target == key or target in above:
                 self.faults.error("depth", self._place(key, command.line), DEEP, f"{command.name} calls itself")
+            elif len(above) >= DEPTH and target not in self._depths:
+                self.faults.error("depth", self._place(key, command.line), DEEP, f"{DEPTH} levels of SU are the most")
             else:
                 deepest = max(deepest, 1 + self._follow(target, [*above, key]))
                 if deepest > DEPTH:
@@ -88,7 +90,7 @@ class Translation:
     def _target(self, key: str, command: Command) -> str | None:
         folder = key.rpartition("/")[0]
         target = f"{folder}/{command.name}" if folder else command.name
-        if "/" in command.name or target not in self._keys():
+        if "/" in command.name or target not in self._texts:
             hint = "SU calls programs of the same directory" if "/" in command.name else f"{command.name} is not in the directory"
             self.faults.error("subprogram", self._place(key, command.line), NO_PROGRAM, hint)
             return None

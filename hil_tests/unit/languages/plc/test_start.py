@@ -50,6 +50,11 @@ def test_subprograms_nest_to_16_levels() -> None:
     assert Rig(sources=levels(17), start="P0").refused == ["Nesting depth too big"]
 
 
+def test_a_chain_of_calls_of_any_length_is_a_fault_and_no_more() -> None:
+    assert set(Rig(sources=levels(3000), start="P0").refused) == {"Nesting depth too big"}
+    assert {fault.id for fault in Translation(levels(3000)).check_all()} == {"depth"}
+
+
 def test_all_faults_are_named_at_once_with_file_and_line() -> None:
     translation = Translation({"MAIN": "PLC MAIN\n\nU E40.0\nU M1.8\nSP X\nSU P\nEND", "P": "PLC P\nL BA12CD33\nST X,T1\nR T32"})
     rows = [(fault.position.file, fault.position.line, fault.id) for fault in translation.check_all()]
