@@ -1,6 +1,6 @@
 """Sentences in English and German by their ids: a string everywhere, the English one, that can be said in German when it is printed."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 
 class Sentence(str):
@@ -37,3 +37,8 @@ class Texts:
 def in_language(text: object, language: str) -> str:
     """A sentence in that language; anything else as it is."""
     return text.german if language == "de" and isinstance(text, Sentence) else str(text)
+
+
+def joined(sentences: Sequence[Sentence]) -> Sentence:
+    """With commas."""
+    return _sentence(", ".join(sentences), ", ".join(sentence.german for sentence in sentences))

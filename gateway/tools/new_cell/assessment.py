@@ -8,6 +8,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 
+from gateway.files.texts import read_texts
+from gateway.pure.reports.sentences import joined
+
 
 class Verdict(IntEnum):
     """The worst one of all answers counts."""
@@ -41,28 +44,27 @@ class BadAnswer(ValueError):
     """An answer that is none of the question's."""
 
 
-ASKED = (
-    Asked("control", "Which control is it?", {
-        "rho3": "Bosch rho 3.0, 3.1, 3.2", "reis": "Reis ROBOTstar V", "val3": "Staubli with VAL 3", "other": "another one",
-    }),
-    Asked("p15", "rho 3: which boards stand in the P15 list (numbers; - for none or another control)?", {}, "numbers with commas, or -"),
-    Asked("axes", "How many axes does it move?", {}, "a number from 1 to 99"),
-    Asked("drives", "What moves them?", {
-        "servodyn": "SERVODYN-GC boosters on CAN that stay", "analog": "drives with an analog set value that stay",
-        "new": "new CiA 402 drives on CAN", "other": "another drive bus",
-    }),
-    Asked("plc", "What couples the PLC?", {
-        "rk512": "3964R with RK512 or BUEP64", "3964r": "3964R without RK512", "can": "CAN I/O blocks", "bits": "24 V contacts",
-        "internal": "the rho 3's own PIC or CL300 in its rack", "modbus": "a new PLC with Modbus", "none": "no PLC",
-    }),
-    Asked("pic", "Does a PIC program run in the control?", {"yes": "", "no": ""}),
-    Asked("baps", "Do motion programs run in it (BAPS, RSV, VAL 3)?", {"yes": "", "no": "", "positions": "only positions, the PLC leads"}),
-    Asked("backups", "Are there backups of parameters, programs and points?", {"yes": "", "printed": "on paper", "no": ""}),
-    Asked("sister", "Is the same cell still alive somewhere, or this control itself?", {"yes": "", "no": ""}),
-    Asked("risk", "Who signs the risk assessment of the change?", {}, "a name, or nobody"),
-)  # fmt: skip
+TEXTS = read_texts("assess")
 
-CAN_BOARDS = {3: "CAN module", 5: "narrow servo board with CAN", 6: "wide servo board with CAN"}
+
+def _asked(key: str, *answers: str) -> Asked:
+    meanings = {answer: TEXTS.said(f"a.{key}.{answer}") if f"a.{key}.{answer}" in TEXTS.ids() else "" for answer in answers}
+    return Asked(key, TEXTS.said(f"q.{key}"), meanings, "" if answers else TEXTS.said(f"free.{key}"))
+
+
+ASKED = (
+    _asked("control", "rho3", "reis", "val3", "other"),
+    _asked("p15"),
+    _asked("axes"),
+    _asked("drives", "servodyn", "analog", "new", "other"),
+    _asked("plc", "rk512", "3964r", "can", "bits", "internal", "modbus", "none"),
+    _asked("pic", "yes", "no"),
+    _asked("baps", "yes", "no", "positions"),
+    _asked("backups", "yes", "printed", "no"),
+    _asked("sister", "yes", "no"),
+    _asked("risk"),
+)
+CAN_BOARDS = (3, 5, 6)
 
 
 def assess(answers: Mapping[str, str]) -> list[Reason]:
@@ -85,37 +87,20 @@ def verdict(reasons: list[Reason]) -> Verdict:
 
 def _control(answers: Mapping[str, str]) -> Reason:
     control = answers["control"]
-    texts = {
-        "rho3": (Verdict.YES, "rho 3: signals, PLC functions, serial devices, CAN and motion semantics from its release manual"),
-        "reis": (
-            Verdict.WITH,
-            "ROBOTstar V: its signal view, markers and motion rules; no program language, no weld or oscillation functions",
-        ),
-        "val3": (Verdict.WITH, "VAL 3: its I/O, serial channels and motion rules; no program language"),
-        "other": (
-            Verdict.WITH,
-            "another control: only what its PLC sees can be matched; read docs/guide/signals.md and compare word by word",
-        ),
-    }
-    return Reason("control", control, *texts[control])
+    return Reason("control", control, Verdict.YES if control == "rho3" else Verdict.WITH, TEXTS.said(f"r.control.{control}"))
 
 
 def _boards(answers: Mapping[str, str]) -> Reason:
     answer = answers["p15"].strip()
     if answer == "-":
-        return Reason("p15", answer, Verdict.YES, "no P15 list: nothing to match")
+        return Reason("p15", answer, Verdict.YES, TEXTS.said("r.p15.none"))
     if not re.fullmatch(r"\d{1,2}( *, *\d{1,2})*", answer):
         raise BadAnswer(f"p15 = {answer}: numbers with commas, or -")
     boards = [int(part) for part in answer.split(",")]
     strange = [number for number in boards if number not in CAN_BOARDS]
-    if not strange:
-        return Reason(
-            "p15",
-            answer,
-            Verdict.YES,
-            f"{', '.join(CAN_BOARDS[number] for number in boards)}: its drives and I/O blocks are reached over CAN",
-        )
-    return Reason("p15", answer, Verdict.WITH, f"board {strange[0]} is no CAN board: the axes behind it need new drives on CAN")
+    if strange:
+        return Reason("p15", answer, Verdict.WITH, TEXTS.said("r.p15.strange", strange[0]))
+    return Reason("p15", answer, Verdict.YES, TEXTS.said("r.p15.can", joined([TEXTS.said(f"r.board.{number}") for number in boards])))
 
 
 def _axes(answers: Mapping[str, str]) -> Reason:
@@ -124,63 +109,33 @@ def _axes(answers: Mapping[str, str]) -> Reason:
         raise BadAnswer(f"axes = {answer}: a number from 1 to 99")
     count = int(answer)
     if count > 32:
-        return Reason("axes", answer, Verdict.NO, "a cell has 32 axes at most")
-    if count > 12:
-        return Reason(
-            "axes", answer, Verdict.WITH, "more than 12 axes need more than two buses; `axisgate bus load` says what cycle time fits"
-        )
-    return Reason("axes", answer, Verdict.YES, "six axes on each CAN bus, two buses at 2 ms measured on emulated drives")
+        return Reason("axes", answer, Verdict.NO, TEXTS.said("r.axes.many"))
+    return Reason("axes", answer, *((Verdict.WITH, TEXTS.said("r.axes.buses")) if count > 12 else (Verdict.YES, TEXTS.said("r.axes.yes"))))
 
 
-_TABLE: Mapping[str, Mapping[str, tuple[Verdict, str]]] = {
-    "drives": {
-        "servodyn": (
-            Verdict.WITH,
-            "the layout of SERVODYN telegrams is not published: listen to the living control first (axisgate bus infer)",
-        ),
-        "analog": (Verdict.NO, "axisgate has no analog set values: new drives on CAN first"),
-        "new": (Verdict.YES, "CiA 402 in CSP; measure your drive's stop at bus loss (axisgate drive loss-test)"),
-        "other": (Verdict.NO, "only SERVODYN-GC and CiA 402 on CAN are driven"),
-    },
+_TABLE: Mapping[str, Mapping[str, Verdict]] = {
+    "drives": {"servodyn": Verdict.WITH, "analog": Verdict.NO, "new": Verdict.YES, "other": Verdict.NO},
     "plc": {
-        "rk512": (Verdict.YES, "the PLC program stays: RK512 over 3964R, blocks as they are"),
-        "3964r": (Verdict.YES, "raw 3964R blocks are declared as [[telegram]]"),
-        "can": (Verdict.YES, "CAN I/O blocks with the old identifiers"),
-        "bits": (Verdict.WITH, "24 V contacts need a CANopen 401 or Modbus coupler ([[io]])"),
-        "internal": (Verdict.WITH, "the PLC in the old rack goes with it: its program moves to a PLC outside"),
-        "modbus": (Verdict.YES, "Modbus TCP or RTU with the old signals under their addresses"),
-        "none": (Verdict.WITH, "somebody has to give commands: a PLC, the page, or a program of the cell"),
+        "rk512": Verdict.YES, "3964r": Verdict.YES, "can": Verdict.YES, "bits": Verdict.WITH, "internal": Verdict.WITH,
+        "modbus": Verdict.YES, "none": Verdict.WITH,
     },
-    "pic": {
-        "yes": (Verdict.WITH, "axisgate runs no PIC program: its logic moves to a PLC; timers, counters and I/O are at the interface"),
-        "no": (Verdict.YES, "no PIC program to move"),
-    },
-    "baps": {
-        "yes": (Verdict.WITH, "axisgate runs no BAPS, RSV or VAL 3 source: rewrite the motions as programs of the cell or position tables"),
-        "no": (Verdict.YES, "no motion programs to move"),
-        "positions": (Verdict.YES, "positions by number are a table of the cell"),
-    },
-    "backups": {
-        "yes": (Verdict.YES, "parameters are read by axisgate import p-list"),
-        "printed": (Verdict.WITH, "the printed P list is typed into a file once (axisgate import p-list)"),
-        "no": (
-            Verdict.WITH,
-            "print or photograph the parameters (PHG mode 7.8) before the control dies; without them every axis is measured anew",
-        ),
-    },
-    "sister": {
-        "yes": (Verdict.YES, "listen before you replace: axisgate learn line, bus infer"),
-        "no": (Verdict.WITH, "nothing to listen to: PLC blocks and telegrams come from listings alone; plan time for it"),
-    },
-}
+    "pic": {"yes": Verdict.WITH, "no": Verdict.YES},
+    "baps": {"yes": Verdict.WITH, "no": Verdict.YES, "positions": Verdict.YES},
+    "backups": {"yes": Verdict.YES, "printed": Verdict.WITH, "no": Verdict.WITH},
+    "sister": {"yes": Verdict.YES, "no": Verdict.WITH},
+}  # fmt: skip
 
 
 def _by_table(answers: Mapping[str, str]) -> list[Reason]:
-    return [Reason(key, answers[key], *rows[answers[key]]) for key, rows in _TABLE.items()]
+    found = []
+    for key, rows in _TABLE.items():
+        other = key == "pic" and answers[key] == "yes" and answers["control"] != "rho3"  # timers and counters are those of a rho 3
+        found.append(Reason(key, answers[key], rows[answers[key]], TEXTS.said(f"r.{key}.{answers[key]}{'.other' if other else ''}")))
+    return found
 
 
 def _risk(answers: Mapping[str, str]) -> Reason:
     name = answers["risk"].strip()
-    if name.lower() in ("nobody", "no", "-", "niemand"):
-        return Reason("risk", name, Verdict.NO, "whoever changes the machine needs a risk assessment first; nobody can sign it later")
-    return Reason("risk", name, Verdict.YES, f"{name} signs; its number goes into [safety] risk_assessment")
+    if name.lower() in ("nobody", "no", "-", "niemand", "nein"):
+        return Reason("risk", name, Verdict.NO, TEXTS.said("r.risk.none"))
+    return Reason("risk", name, Verdict.YES, TEXTS.said("r.risk.yes", name))

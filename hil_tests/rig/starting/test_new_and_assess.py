@@ -1,6 +1,7 @@
 """`axisgate new` and `axisgate assess` as somebody types them."""
 
 import json
+import os
 import pathlib
 import subprocess
 import sys
@@ -98,3 +99,26 @@ def test_a_no_is_exit_1_and_a_missing_answer_is_named() -> None:
     assert refused.returncode == 1 and "new drives on CAN first" in refused.stdout
     missing = axisgate("assess", typed="rho3\n")
     assert missing.returncode == 2 and "p15: numbers with commas, or - is needed" in missing.stderr
+
+
+def test_assess_and_check_speak_the_language_of_the_system(tmp_path: pathlib.Path) -> None:
+    answers = "control=reis p15=- axes=6 drives=new plc=rk512 pic=yes baps=no backups=yes sister=yes risk=Muster".split()
+    given = [part for answer in answers for part in ("--answer", answer)]
+    page = tmp_path / "page.html"
+    command = [sys.executable, "-m", "gateway"]
+
+    def said(language: str, *words: str) -> str:
+        environment = {**os.environ, "LANG": language, "LC_ALL": language}
+        return subprocess.run([*command, *words], check=False, capture_output=True, text=True, timeout=60, env=environment).stdout
+
+    german = said("de_DE.UTF-8", "assess", *given, "--html", str(page))
+    assert "keine Zeiten und Zaehler ihrer SPS" in german and "Mit: axisgate kann uebernehmen" in german
+    assert "no timers" not in german and '<html lang="de">' in page.read_text() and "Unterschrift" in page.read_text()
+    assert "no timers or counters of its PLC" in said("en_GB.UTF-8", "assess", *given)
+    assert "Mit: axisgate" in said("en_GB.UTF-8", "assess", "--language", "de", *given)
+    cell = tmp_path / "own.toml"
+    cell.write_text('format = 1\n[cell]\nname = "own"\n[rho3]\nP402 = 1\n')
+    assert "Warnung  rho3.P402: wirkt auf nichts: Referenzieren ein oder aus" in said("de_AT", "check", str(cell))
+    assert "warning  rho3.P402: acts on nothing: referencing on or off" in said("C", "check", str(cell))
+    cell.write_text("format = 1\n[cell]\nnane = 1\n")
+    assert "Fehler" in said("de_DE", "check", str(cell)) and "weiter: beheben, dann: axisgate check" in said("de_DE", "check", str(cell))

@@ -2,6 +2,8 @@
 
 import pytest
 
+from gateway.files.texts import read_texts
+from gateway.pure.reports.sentences import in_language
 from gateway.tools.new_cell.assessment import ASKED, BadAnswer, Verdict, assess, verdict
 
 GOOD = {
@@ -68,3 +70,21 @@ def test_our_words_promise_nothing_we_do_not_hold() -> None:
     """users.md 5: words to avoid."""
     said = " ".join(reason.text for key in ASKED for answer in key.answers for reason in assess(GOOD | {key.key: answer}))
     assert not {"safe", "certified", "drop-in", "guaranteed"} & set(said.lower().split())
+
+
+def test_every_reason_of_every_answer_has_its_german() -> None:
+    texts = read_texts("assess")
+    assert all(asked.free or asked.answers for asked in ASKED)
+    for key in texts.ids():
+        sentence = texts.said(key, "X")
+        assert in_language(sentence, "de") == sentence.german and (sentence.german != str(sentence) or key.startswith("a.control."))
+    for asked in ASKED:
+        for answer in asked.answers:
+            assert f"r.{asked.key}.{answer}" in texts.ids()
+
+
+def test_nothing_is_promised_that_no_cell_can_do() -> None:
+    """Rows that nothing but the API reaches: sio, the PLC timers of the Reis, transparent output."""
+    said = {key: str(read_texts("assess").said(f"r.control.{key}")) for key in ("rho3", "reis", "val3")}
+    assert "transparent output to the pendant only as a Python API" in said["rho3"]
+    assert "no timers or counters of its PLC" in said["reis"] and "sio channels and the motion stack only as a Python API" in said["val3"]
