@@ -5,11 +5,14 @@ import json
 import sys
 from pathlib import Path
 
+from gateway.files.robots import RobotFaults, load_robot
 from gateway.files.robotstar import FolderFault, sources, text_of, words, write
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.robotstar.checker import check
 from gateway.pure.languages.robotstar.listing import PointFault, import_listing, points_of
 from gateway.pure.languages.robotstar.memory import Memory
+from gateway.pure.languages.robotstar.plc_link import PlcLink, check_plc
+from gateway.pure.languages.robotstar.reach import reach_of
 from gateway.pure.languages.robotstar.robot import MODES
 from gateway.pure.languages.robotstar.virtual import NS, OrderFault, VirtualCell, orders
 from gateway.runtime.exit_codes import Exit
@@ -32,7 +35,7 @@ def main(argv: list[str]) -> int:
     options = parser.parse_args(argv)
     try:
         return {"check": _check, "run": _run, "import": _import}[options.part](options)
-    except (FolderFault, OrderFault, PointFault) as fault:
+    except (FolderFault, OrderFault, PointFault, RobotFaults, FileNotFoundError) as fault:
         print(f"axisgate robotstar: {fault}", file=sys.stderr)
         return Exit.INVALID
 
@@ -47,6 +50,8 @@ def _run_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--program", required=True, metavar="P", help="program that START begins with")
     parser.add_argument("--virtual", action="store_true", required=True, help="virtual time, no processes, no hardware")
     parser.add_argument("--mode", choices=sorted(MODES), default="auto")
+    parser.add_argument("--plc", metavar="P", help="start program of the integrated PLC; without it no PLC runs")
+    parser.add_argument("--robot", metavar="R", help="robot file: positions outside the limits of its axes are refused")
     parser.add_argument("--until", type=_seconds, metavar="S", help="end of the virtual time (default 600)")
     parser.add_argument("--at", action="append", default=[], metavar='"S WHAT"', help='order at a time: "1.5 E0.6=1", "2 START", "3 F2"')
     parser.add_argument("--json", action="store_true")
@@ -74,6 +79,7 @@ def _memory(folder: str) -> tuple[Memory, Faults]:
 def _check(options: argparse.Namespace) -> int:
     memory, faults = _memory(options.folder)
     check(memory, faults, VirtualCell(memory, MODES["auto"]).system.names())
+    check_plc(memory.plc, memory.plc_files, faults)
     rows = faults.rows()
     if options.json:
         print(json.dumps({"faults": rows}, indent=1, ensure_ascii=False))
@@ -84,7 +90,9 @@ def _check(options: argparse.Namespace) -> int:
 
 def _run(options: argparse.Namespace) -> int:
     memory, faults = _memory(options.folder)
-    cell = VirtualCell(memory, MODES[options.mode])
+    cell = VirtualCell(memory, MODES[options.mode], PlcLink(memory.plc, options.plc) if options.plc else None)
+    if options.robot:
+        cell.reaches = reach_of(load_robot(options.robot))
     check(memory, faults, cell.system.names())
     script = orders(options.at)
     cell.run(script, None if options.until is None else round(options.until * NS), options.program)

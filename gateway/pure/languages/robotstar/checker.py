@@ -13,7 +13,7 @@ from gateway.pure.languages.robotstar.memory import DEFAULT_TOOL, Memory
 from gateway.pure.languages.robotstar.operands import HIGHEST, LOWEST, Equate, Number, Operand, Ref, Text
 from gateway.pure.languages.robotstar.pallet import pattern_of
 from gateway.pure.languages.robotstar.program import DEFINITIONS, HEADS, Program, Step
-from gateway.pure.languages.robotstar.values import Array, Cell, Names, Structure, SystemCell, Variable
+from gateway.pure.languages.robotstar.values import Array, Names, Structure, SystemCell, Variable
 
 POSITIONS = ("POSITION", "VAR_POS")
 WRITTEN = ("destination", "control")  # places a step writes to
@@ -164,7 +164,7 @@ def _reference(checking: _Check, ref: Ref, written: bool) -> str:
         return INDEX_RANGE if isinstance(ref.index, int) and not 1 <= ref.index <= len(variable.items) else ""
     if ref.element and not (isinstance(variable, Structure) and ref.element in variable.parts):
         return WRONG_TYPES
-    if written and isinstance(variable, Cell | Structure) and variable.constant:
+    if written and variable.constant:
         return NO_VARIABLE
     if written and isinstance(variable, SystemCell) and variable.put is None:
         return "Writing not allowed!"
@@ -176,7 +176,7 @@ def _types_differ(memory: Memory, step: Step) -> bool:
     one, other = _kind(memory, step.slots["source"]), _kind(memory, step.slots["destination"])
     if not one or not other:
         return False
-    return one != other and bool({one, other} & set("VPTS"))
+    return one != other and not {one, other} <= {"R"}
 
 
 def _kind(memory: Memory, operand: Operand) -> str:

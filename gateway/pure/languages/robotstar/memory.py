@@ -38,6 +38,8 @@ class Memory:
     globals: dict[str, Variable] = field(default_factory=dict)
     owners: dict[str, Program] = field(default_factory=dict)  # of global names
     locals: dict[str, dict[str, Variable]] = field(default_factory=dict)
+    plc: dict[str, str] = field(default_factory=dict)  # path -> text of the integrated PLC's programs
+    plc_files: dict[str, str] = field(default_factory=dict)
     version: int = 0  # grows whenever programs change
 
     @classmethod
@@ -63,7 +65,8 @@ class Memory:
         if len(parts) > DEEPEST:
             faults.error("rsv.depth", place.at(1), f"{source.path}: directories nest at most {DEEPEST} deep")
         if kind.upper() == "PLC" or name.upper() == MESSAGES:
-            self.add(Program(name, "PLC", directory=directory, file=source.path))
+            self.plc[f"{directory}/{name}" if directory else name] = source.text
+            self.plc_files[f"{directory}/{name}" if directory else name] = source.path
             return
         program = read_program(place, name, kind.upper(), self.words, faults, directory)
         if any(each.key == program.key and each.kind != "PLC" for each in self.programs.get(name.upper(), [])):

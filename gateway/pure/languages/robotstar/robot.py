@@ -65,8 +65,8 @@ class Message:
 class Drive(Protocol):
     """The robot that goes."""
 
-    def begin(self, target: Target, now: Ns) -> None:
-        """A way begins."""
+    def begin(self, target: Target, now: Ns) -> str:
+        """A way begins; why it cannot, or ""."""
 
     def way(self, part: float) -> None:
         """How much of the way is done."""
@@ -142,9 +142,7 @@ class Robot:
     def fail(self, message: Message) -> None:
         """An error of the cell: the program stops."""
         self.say(message)
-        if self.state in (State.RUNNING, State.WAITING):
-            self.state = State.ERROR
-        self.acknowledged = False
+        self.state, self.acknowledged = State.ERROR, False
 
     # ---- time ------------------------------------------------------------------------------------------------------------
     def advance(self, now: Ns) -> Ns | None:
@@ -229,6 +227,8 @@ class Robot:
         request = self.machine.request
         if request is not self._request:
             self._begin(request, now)
+            if not self._asked():
+                return None
         self._elapse(now)
         if isinstance(request, Go):
             return self._go(request, now)
@@ -252,7 +252,9 @@ class Robot:
         self._request, self._asked_at, self._key = request, now, None
         if isinstance(request, Go):
             self._left = request.whole
-            self.drive.begin(request.target, now)
+            wrong = self.drive.begin(request.target, now)
+            if wrong:
+                self._failed(StepFault(wrong, 0, "path"))
         else:
             self._left = request.left if isinstance(request, Wait | BitWait) else None
 

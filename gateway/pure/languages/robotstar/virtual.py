@@ -17,7 +17,7 @@ from gateway.pure.languages.robotstar.program import Program
 from gateway.pure.languages.robotstar.robot import CYCLE, Message, Mode, Robot, State
 from gateway.pure.languages.robotstar.steps import build
 from gateway.pure.languages.robotstar.system import System
-from gateway.pure.languages.robotstar.values import Cell, flat
+from gateway.pure.languages.robotstar.values import Cell, Structure, flat
 
 NS = 1_000_000_000
 BASES = {"INPUT": 1968, "OUTPUT": 2008, "MARKER": 0}  # markers that mirror the inputs and outputs (L2985-2986)
@@ -116,7 +116,7 @@ class VirtualCell:
     mode: Mode
     plc: Plc | None = None
     start_pose: Target = field(default_factory=lambda: Target((0.0,) * 6))
-    reaches: Callable[[Target], str] = lambda target: ""  # "" or why a target cannot be reached
+    reaches: Callable[[Target, Structure | None], str] = lambda target, tool: ""  # with this tool; "" or why not
     events: list[Event] = field(default_factory=list)
     image: bytearray = field(default_factory=lambda: bytearray(2048))
     drives: bool = True
@@ -185,14 +185,11 @@ class VirtualCell:
         return self._at
 
     # ---- the robot (Drive) -----------------------------------------------------------------------------------------------
-    def begin(self, target: Target, now: Ns) -> None:
+    def begin(self, target: Target, now: Ns) -> str:
         """A way begins where the robot is."""
         del now
-        wrong = self.reaches(target)
-        if wrong:
-            program, step = self.robot.place()
-            self.robot.fail(Message(wrong, None, program, step, "path"))
         self._from, self._to = self._at, target
+        return self.reaches(target, self.robot.machine.tool)
 
     def way(self, part: float) -> None:
         """The robot is at `part` of its way."""
@@ -332,13 +329,13 @@ class VirtualCell:
         waiting = list(script)
         end = DEFAULT_UNTIL if until is None else until
         self._powered()
-        self._fill()
         self._scan()
         self.start(program)
         while True:
             while waiting and waiting[0].at <= self.now:
                 self.robot.advance(self.now)
                 self.obey(waiting.pop(0))
+            self._scan()
             self._requests()
             due = self.robot.advance(self.now)
             self._requests()
@@ -348,7 +345,6 @@ class VirtualCell:
                 self._last(end)
                 return
             self.now = max(min(moments), self.now)
-            self._scan()
 
     def _last(self, end: Ns) -> None:
         """What is left of a way or a wait counts up to the end of the time."""
@@ -385,7 +381,8 @@ class VirtualCell:
         self._set(MOVES, self.robot.moving)
         self._set((1020, 6), True)
         self._set((1021, 2), True)
-        self._set((1021, 0), self.robot.state is State.ERROR)
+        if self.plc is None or self.robot.state is State.ERROR:
+            self._set((1021, 0), self.robot.state is State.ERROR)
         pose = self._at.pose
         self._set((1120, 0), bool(pose))
         for at, value in enumerate(pose):

@@ -1,0 +1,72 @@
+"""The robot program and the integrated PLC share markers, inputs and outputs."""
+
+from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.robotstar.checker import check
+from gateway.pure.languages.robotstar.memory import Memory, Source
+from gateway.pure.languages.robotstar.plc_link import PlcLink, check_plc
+from gateway.pure.languages.robotstar.robot import MODES
+from gateway.pure.languages.robotstar.virtual import NS, VirtualCell, orders
+from hil_tests.unit.languages.robotstar.memory import WORDS, Ran, sources
+
+
+def run(robot: str, plc: str, until: float, *at: str, mode: str = "auto", texts: str = "PLC 'PLCMSG_CNF'\nEND") -> Ran:
+    faults = Faults()
+    files = [*sources({"P.MPR": robot, "V.MPR": "VAR I1"}), Source("PLC/MAIN.PLC", plc), Source("PLC/PLCMSG_CNF.PLC", texts)]
+    memory = Memory.read(files, WORDS, faults)
+    cell = VirtualCell(memory, MODES[mode], PlcLink(memory.plc, "MAIN"))
+    check(memory, faults, cell.system.names())
+    cell.run(orders(at), round(until * NS), "P")
+    return Ran(cell, [fault.text for fault in faults], cell.end("P"))
+
+
+FOLLOW = "PLC 'MAIN'\nU M20.0\n= A5.3\nU E0.1\n= M21.0\nEND"
+MESSAGES = 'PLC \'PLCMSG_CNF\'\nI 5, 0, "part \\d"\nI 6, 3, "door open"\nI 7, 7, "no air"\nEND'
+
+
+def test_markers_go_both_ways() -> None:
+    robot = "WRITE_BIT #MERKER,1,20,0\nWAIT_BIT #AUSGANG,1,5,3\nWAIT_BIT #MERKER,1,21,0\nCOPY 1,I1\nSTOP"
+    ran = run(robot, FOLLOW, 5, "2 E0.1=1")
+    assert ran.when("state") == [(0.0, "RUN")] and ran.when("A5") == [(0.01, 8)] and ran.when("M21") == [(2.0, 1)]
+    assert ran.value("I1") == 1 and ran.state == "stopped"
+
+
+def test_the_plc_goes_before_the_robot_at_an_output_both_write() -> None:
+    ran = run("WRITE_BIT #AUSGANG,1,5,3\nWRITE_BIT #AUSGANG,1,5,4\nWAIT 1\nSTOP", FOLLOW, 1)
+    assert ran.when("A5")[-1][1] == 16
+
+
+def test_messages_by_m948() -> None:
+    robot = "COPY 42,_SPS[239]\nCOPY 80000005H,_SPS[238]\nWAIT 1\nCOPY 80000006H,_SPS[238]\nWAIT 1\nCOPY 1,I1\nSTOP"
+    ran = run(robot, FOLLOW, 5, texts=MESSAGES)
+    assert ran.texts() == ["part 42", "door open"] and ran.message()["class"] == "message"
+    assert (ran.state, ran.value("I1")) == ("error", None)
+    ran = run(robot, FOLLOW, 9, "3 START", "4 ACK", "4.5 START", texts=MESSAGES)
+    assert ran.texts()[2:] == ["START is refused: the error is not acknowledged"] and (ran.state, ran.value("I1")) == ("stopped", 1)
+
+
+def test_an_error_of_the_plc_stops_all() -> None:
+    ran = run("WRITE_BIT #AUSGANG,1,0,0\nWAIT 100", "PLC 'MAIN'\nM L\nU E0.0\nSP L,1\nEND", 2, "1 E0.0=1")
+    assert (ran.message()["number"], ran.state) == (7000, "error")
+    assert ran.when("state") == [(0.0, "RUN"), (ran.message()["at"], "STOP")] and ran.when("drives")[0][1] == "OFF"
+    assert ran.when("A0")[-1][1] == 0
+
+
+def test_auto_start_and_override_by_the_plc() -> None:
+    ran = run(
+        "WAIT 1\nWRITE_BIT #AUSGANG,1,0,0\nSTOP",
+        "PLC 'MAIN'\nU E0.0\n= M968.1\nU E0.2\n= M968.2\nEND",
+        9,
+        "0.5 E0.2=1",
+        "2 E0.2=0",
+        "3 E0.0=1",
+    )
+    assert [value for _, value in ran.when("A0")] == [1] and isinstance(at := ran.when("A0")[0][0], float) and 3.4 < at < 3.6
+
+
+def test_faults_of_plc_programs_are_named_by_file() -> None:
+    faults = Faults()
+    memory = Memory.read([Source("PLC/MAIN.PLC", "PLC 'MAIN'\nSU NONE\nNONSENSE\nEND")], WORDS, faults)
+    check_plc(memory.plc, memory.plc_files, faults)
+    assert {fault.position.file for fault in faults} == {"PLC/MAIN.PLC"} and "Subprogram not found" in " ".join(
+        fault.text for fault in faults
+    )
