@@ -61,6 +61,7 @@ BESIDE = (  # real processes that wait more than they compute, and whose times a
     *("starting/test_make_demo.py", "starting/test_wheel.py"),
     *("telegrams/test_order_and_done.py", "trace/test_journal_of_a_real_port.py"),
     *("web/test_changed_users.py", "web/test_hostile_visitors.py", "web/test_page_alarms.py"),
+    *("web/test_page_first_steps.py", "web/test_tls.py", "web/test_web_user.py"),
 )
 
 NO_OWN_TIME = (  # alone, and never in a guest: hogs, guests, a browser that draws in three dimensions
