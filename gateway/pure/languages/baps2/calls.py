@@ -5,6 +5,7 @@ from gateway.pure.languages.baps2.output import Writer
 from gateway.pure.languages.baps2.scope import Symbol, python_name
 from gateway.pure.languages.baps2.tree import CallStatement, Expression, Name
 from gateway.pure.languages.baps2.types import INTEGER, NONE, Type, fits, same
+from gateway.pure.languages.baps2.typing import with_article
 
 UNITS = ("FILE", "BNR_FILE")
 
@@ -20,7 +21,7 @@ def call(bodies: Writer, statement: CallStatement) -> None:
             faults.error("name-unknown", statement.at, f"{statement.name} is no subroutine", "declare it, or write a colon behind a label")
         return
     if symbol.kind not in ("subroutine", "special", "program"):
-        faults.error("no-subroutine", statement.at, f"{statement.name} is a {symbol.kind}, no subroutine")
+        faults.error("no-subroutine", statement.at, f"{statement.name} is {with_article(symbol.kind)}, no subroutine")
         return
     values = _arguments(bodies, statement, symbol)
     if values is None:

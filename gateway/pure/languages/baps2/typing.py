@@ -98,7 +98,7 @@ class Typing:
             return Typed(symbol.type, f"h.output({symbol.channel})")
         if symbol.kind == "belt":
             return Typed(REAL, f"h.belt({symbol.channel})")
-        return self.fault("no-value", tree.at, f"{tree.name} is a {symbol.kind} and has no value")
+        return self.fault("no-value", tree.at, f"{tree.name} is {with_article(symbol.kind)} and has no value")
 
     def _input(self, symbol: Symbol) -> str:
         if symbol.reference:
@@ -430,7 +430,7 @@ class Typing:
         if symbol.kind == "output":
             return f"yield WriteOutput({symbol.channel}, {value})"
         if symbol.kind != "variable":
-            self.fault("not-assignable", tree.at, f"{tree.name} is {_article(symbol.kind)} and cannot be assigned to")
+            self.fault("not-assignable", tree.at, f"{tree.name} is {with_article(symbol.kind)} and cannot be assigned to")
             return ""
         if symbol.type.is_array:
             return f"{symbol.python}.fill({value})"
@@ -493,5 +493,6 @@ def signal_place(text: str) -> tuple[str, int, int] | None:
     return ({"E": "I", "A": "O"}.get(letter, letter), int(byte), int(bit)) if len(byte) <= 3 and int(byte) < 128 else None
 
 
-def _article(kind: str) -> str:
+def with_article(kind: str) -> str:
+    """A noun with its article."""
     return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
