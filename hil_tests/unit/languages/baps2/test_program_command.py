@@ -46,8 +46,16 @@ def test_trace_prints_one_object_an_event(folder: pathlib.Path, capsys: pytest.C
         (0.5, "files"),
     ]
     assert events[1] == {
-        "t": 0.0, "process": "PICK", "line": 4, "event": "move", "n": 1, "kinematic": "1", "way": "ptp", "pass": "to",
-        "space": "wc", "target": [1.0, 2.0],
+        "t": 0.0,
+        "process": "PICK",
+        "line": 4,
+        "event": "move",
+        "n": 1,
+        "kinematic": "1",
+        "way": "ptp",
+        "pass": "to",
+        "space": "wc",
+        "target": [1.0, 2.0],
     }
     assert events[-1]["files"] == {"A.DAT": "31"}
 
