@@ -39,8 +39,8 @@ def test_the_tool_counts() -> None:
 def test_a_program_stops_in_front_of_what_is_not_reached() -> None:
     faults = Faults()
     places = "\n".join(f"POSITION #N, X:{x}, Y:0, Z:900, A:180, B:0, C:0" for x in (900, 9000, 800))
-    memory = Memory.read(sources({"P.MPR": f"TOOL T\n{places}"}), WORDS, faults)
+    memory = Memory.read(sources({"P.MPR": f"TOOL T\nPTP_SPEED 100\n{places}"}), WORDS, faults)
     cell = VirtualCell(memory, MODES["auto"], reaches=REACHES)
     cell.run(orders(["5 ACK", "6 START"]), 9 * NS, "P")
     ran = Ran(cell, [], cell.end("P"))
-    assert (ran.state, ran.step, ran.targets(), len(ran.texts())) == ("error", 4, [(900, 0, 900)], 2)
+    assert (ran.state, ran.step, ran.targets(), len(ran.texts())) == ("error", 5, [(900, 0, 900)], 2)
