@@ -10,6 +10,7 @@ from starlette.responses import JSONResponse, Response
 
 from gateway.observer.names import MOST, Entry, Names
 from gateway.web.access import COOKIE, Access, Denied
+from gateway.web.audit_words import told
 from gateway.web.bodies import (
     Cable,
     Command,
@@ -298,7 +299,9 @@ class Api:
         return {"ok": True}
 
     async def audit(self, call: Call) -> Row:
-        return {"entries": self.store.audit(), "broken_at": self.store.verify()}
+        axes = [axis["name"] for axis in self.cell["axes"]]
+        rows = [{**row, "say": told(str(row["what"]), str(row["detail"]), axes)} for row in self.store.audit()]
+        return {"entries": rows, "broken_at": self.store.verify()}
 
 
 def seconds_of(text: str) -> float:

@@ -10,7 +10,7 @@ FILLED = {  # what stands there when a page has something to show
     "bus": "tr:has-text('SYNC') td:nth-child(2):not(:text-is('0.0'))",
     "events": "td:has-text('services started')",
     "emulator": "td:has-text('A6')",
-    "access": "td:has-text('POST')",
+    "access": "td:has-text('logged in')",
 }
 
 CONTRAST = """() => {

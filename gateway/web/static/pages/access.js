@@ -1,5 +1,6 @@
 // Who may do what; tokens for scripts; the chained audit.
 import { Table, chip, h, put, text } from "../dom.js";
+import { language } from "../texts.js";
 
 export function mount(root, { t, get, post, me, may, login }) {
   const own = h("section", { class: "card w12" }, h("h2", {}, t("You")), h("p", {}, `${me.name}: ${t(me.role)}${me.local ? `, ${t("at the gateway itself")}` : ""}`),
@@ -25,19 +26,25 @@ export function mount(root, { t, get, post, me, may, login }) {
     { title: "", cell: (row, td) => { if (!td.firstChild) td.append(h("button", { type: "button", class: "tiny danger", onclick: async () => { await post("/api/tokens/drop", { name: row.label }, "The token is void"); fill(); } }, t("remove"))); } },
   ], (row) => row.label, { label: t("Tokens") });
   const audit = new Table([
-    { title: t("number"), n: true, cell: text((row) => row.number) }, { title: t("time"), cell: text((row) => row.wall.slice(0, 19).replace("T", " ")) }, { title: t("who"), cell: text((row) => row.who) },
-    { title: t("from where"), cell: text((row) => row.source) }, { title: t("what"), cell: text((row) => row.what) }, { title: t("particulars"), free: true, cell: text((row) => row.detail) }, { title: t("hash"), cell: text((row) => row.hash.slice(0, 12)) },
+    { title: t("number"), n: true, cell: text((row) => row.number) }, { title: t("time"), cell: (row, td) => { put(td, moment(row.wall)); td.style.whiteSpace = "nowrap"; } }, { title: t("who"), cell: text((row) => row.who) },
+    { title: t("from where"), cell: text((row) => row.source) }, { title: t("what"), free: true, cell: text((row) => row.say[language() === "de" ? 1 : 0]) },
+    { title: t("particulars"), cell: (row, td) => { if (!td.firstChild) td.append(h("details", { class: "small" }, h("summary", {}, t("more")), h("div", { class: "mono kept" }, `${row.what} ${row.detail}`), h("div", { class: "mono kept" }, `${t("hash")} ${row.hash}`))); } },
   ], (row) => row.number, { tall: true, label: t("Audit") });
+  const moment = (wall) => new Date(wall).toLocaleString(language() === "de" ? "de-DE" : "sv-SE");
+  const words = h("input", { type: "search", id: "audit-words", placeholder: t("filter"), "aria-label": t("filter"), oninput: () => sift() });
+  let entries = [];
+  const sift = () => audit.update(entries.filter((row) => [row.who, row.source, row.what, row.detail, ...row.say].join(" ").toLowerCase().includes(words.value.toLowerCase())));
   const chain = h("span");
   grid.append(
     h("section", { class: "card w6" }, h("h2", {}, t("Users")), users.element, form(t("Save"), "/api/users", [input(t("Name"), { name: "name", autocomplete: "off" }), h("label", {}, t("role"), roles()), input(t("Password"), { name: "password", type: "password", minlength: "10", autocomplete: "new-password" })], "The user is saved")),
     h("section", { class: "card w6" }, h("h2", {}, t("Tokens for scripts")), tokens.element, form(t("Make"), "/api/tokens", [input(t("label"), { name: "label" }), h("label", {}, t("role"), roles())]), secret),
-    h("section", { class: "card w12" }, h("div", { class: "bar" }, h("h2", { style: "margin:0" }, t("Audit")), chain), audit.element));
+    h("section", { class: "card w12" }, h("div", { class: "bar" }, h("h2", { style: "margin:0" }, t("Audit")), chain, words), audit.element));
   async function fill() {
     const [told, kept] = await Promise.all([get("/api/users"), get("/api/audit")]);
     users.update(told.users);
     tokens.update(told.tokens);
-    audit.update(kept.entries);
+    entries = kept.entries;
+    sift();
     chain.replaceChildren(kept.broken_at === null ? chip("good", t("the chain is whole")) : chip("bad", `${t("the chain is broken at entry")} ${kept.broken_at}`));
   }
   fill().catch((error) => put(secret, error.message));
