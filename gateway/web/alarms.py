@@ -9,6 +9,7 @@ from typing import Any
 from starlette.responses import Response
 
 from gateway.services.alarm_file import as_csv, read, told
+from gateway.web.german import both
 
 MOST = 1000
 STATES = ("standing", "open", "gone")  # stands now; not acknowledged yet; gone
@@ -38,7 +39,8 @@ class AlarmHistory:
         rows = await self._all()
         fitting = [row for row in rows if fits(row, query)]
         sources = sorted({str(row["source"]) for row in rows})
-        return {"alarms": fitting[:MOST], "total": len(fitting), "sources": sources}
+        shown = [{**row, "say": both(int(str(row["code"])), str(row["text"]))} for row in fitting[:MOST]]
+        return {"alarms": shown, "total": len(fitting), "sources": sources}
 
     async def file(self, query: Mapping[str, str]) -> Response:
         """What fits, as CSV or JSON."""

@@ -5,6 +5,7 @@ from typing import Any
 from gateway.files.error_catalogue import explain, family, lookup
 from gateway.pure.image.error_entries import Entry, Words
 from gateway.pure.image.reasons import Reason, text
+from gateway.web.german import umlauts
 
 MOST = 120
 OURS = "axisgate"
@@ -27,7 +28,7 @@ def said(answer: dict[str, Any]) -> dict[str, Any]:
     entry = lookup(OURS, code)
     if entry is not None:
         words = [f"{what}. {do[:1].upper()}{do[1:]}" for what, do in zip(words, _both(entry.todo), strict=True)]
-    return {**answer, "say": words}
+    return {**answer, "say": [words[0], umlauts(words[1])]}
 
 
 def found(words: str) -> list[dict[str, object]]:
@@ -43,11 +44,11 @@ def _row(entry: Entry) -> dict[str, object]:
         "text": _both(entry.text),
         "cause": _both(entry.cause),
         "do": _both(entry.todo),
-        "shown": _both(entry.shown),
+        "shown": [entry.shown.en, entry.shown.de],  # as the partner shows it
         "reset": _both(entry.reset_words()),
         "source": entry.source,
     }
 
 
 def _both(words: Words) -> list[str]:
-    return [words.en, words.de]
+    return [words.en, umlauts(words.de)]

@@ -21,6 +21,7 @@ from gateway.web.alarms import AlarmHistory
 from gateway.web.bus_view import BusView
 from gateway.web.catalogue import advice
 from gateway.web.events import Events
+from gateway.web.german import both, umlauts
 from gateway.web.line_view import LineViews, asked_links
 from gateway.web.operator_control import OperatorControl
 from gateway.web.plant_view import Plant
@@ -156,6 +157,7 @@ class Live:
     def _head(self) -> Row:
         head = self.regions.head()
         head["errors"] = [self._told(error) for error in head["errors"]]
+        head["stop_text"] = [head["stop_text"][0], umlauts(head["stop_text"][1])]
         head["holder"] = self.hands.name
         known = head["services_alive"]  # of services that are away nobody knows what their links do
         head["links"] = [[door["name"], door["alive"] if known else None] for door in self.regions.status.get("doors", [])]
@@ -164,7 +166,8 @@ class Live:
 
     @staticmethod
     def _told(error: Row) -> Row:
-        return {**error, **advice(int(error.get("code", 0)))}
+        code = int(error.get("code", 0))
+        return {**error, "say": both(code, str(error.get("text", ""))), **advice(code)}
 
     async def _overview(self) -> Row:
         return {
@@ -196,11 +199,13 @@ class Live:
         return {"buses": [view.told() for view in self.buses], "cycle": self.regions.counters()}
 
     async def _motion(self) -> Row:
-        joints = [axis.set for axis in self.regions.state.axes]
+        joints = [axis.set for axis in self.regions.state.axes[: len(self.regions.facts)]]
         state = self.regions.state
         return {
             "axes": self.regions.drives(),
             "lines": self.skeleton.lines(joints),
+            "frames": self.skeleton.frames(joints),
+            "marks": self.skeleton.marks(joints),
             "queue": self.regions.queue(),
             "job": state.job,
             "progress": round(state.progress, 3),

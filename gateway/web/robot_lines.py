@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 
 from gateway.files.robots import load_robot
-from gateway.web.skeleton import GRIPPER_M, Lines, Point, rounded
+from gateway.web.skeleton import GRIPPER_M, Frame, Lines, Point, rounded
 from motion.errors import MotionError
 from motion.geometry.frames import Pose, compose
 from motion.kinematics.arm6 import ArmGeometry
@@ -22,13 +22,10 @@ class Arm:
 
     def lines(self, joints: Sequence[float]) -> Lines:
         """joints: rad and m; [] where its kinematics has no answer."""
-        whole, base = self._kinematics, self._robot.base
-        arm_alone = whole.main if isinstance(whole, Group) else whole
-        try:
-            flange = arm_alone.forward(joints[: arm_alone.axes])
-            base = compose(base, whole.base(joints[: whole.axes])) if isinstance(whole, Group) else base
-        except MotionError:
+        found = self._poses(joints)
+        if found is None:
             return []
+        base, flange = found
         beside: list[Point] = []
         match self._robot.geometry:
             case ArmGeometry() as arm:
@@ -40,6 +37,48 @@ class Arm:
         tip = compose(base, flange)
         first = [rounded(point) for point in (*(base.apply(each) for each in inner), tip.position, tip.apply((0.0, 0.0, GRIPPER_M)))]
         return [first, [rounded(base.apply(point)) for point in beside]] if beside else [first]
+
+    def _poses(self, joints: Sequence[float]) -> tuple[Pose, Pose] | None:
+        """Base in the cell, flange on the base; None where the kinematics has no answer."""
+        whole, base = self._kinematics, self._robot.base
+        arm_alone = whole.main if isinstance(whole, Group) else whole
+        try:
+            flange = arm_alone.forward(joints[: arm_alone.axes])
+            return compose(base, whole.base(joints[: whole.axes])) if isinstance(whole, Group) else base, flange
+        except MotionError:
+            return None
+
+    def frames(self, joints: Sequence[float]) -> list[Frame]:
+        """The tool is the short piece that is drawn along the flange's own z: its length is not that of the tool in use."""
+        found = self._poses(joints)
+        if found is None:
+            return []
+        base, flange = found
+        tip = compose(base, flange)
+        return [
+            ("base", rounded(base.position), base.rotation),
+            ("flange", rounded(tip.position), tip.rotation),
+            ("tool", rounded(tip.apply((0.0, 0.0, GRIPPER_M))), tip.rotation),
+        ]
+
+    def places(self, joints: Sequence[float]) -> list[tuple[int, Point]]:
+        """Axes 1 to 3 of an arm at their joints, the wrist's at the wrist; carriers and others at the base."""
+        lines = self.lines(joints)
+        if not lines:
+            return []
+        line, own = lines[0], len(self._robot.own)
+        match self._robot.geometry:
+            case ArmGeometry():
+                at = [line[1], line[2], line[3], line[4], line[4], line[5]]
+            case ScaraGeometry():
+                at = [line[1], line[2], line[3], line[-2]]
+            case _ if len(lines) > 1:
+                posts = lines[1]
+                at = [posts[1], line[0], line[-2]]
+            case _:
+                at = []
+        at += [line[-2]] * (own - len(at))
+        return [*enumerate(at[:own]), *((n, line[0]) for n in range(own, min(len(self._robot.axes), len(joints))))]
 
 
 def _arm(arm: ArmGeometry, joints: Sequence[float]) -> list[Point]:

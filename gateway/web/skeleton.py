@@ -3,12 +3,16 @@
 Drawn out of the same robot file the planner uses; a cell without one is drawn as a portal of its linear axes, and says so.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from typing import Protocol
 
 from gateway.pure.cell.cell import Cell
 
 Point = tuple[float, float, float]
 Lines = list[list[Point]]
+Frame = tuple[str, Point, tuple[float, ...]]  # name, origin in m, rotation of nine floats, row after row
+Mark = tuple[str, Point]  # name of an axis, and where it acts
+UPRIGHT, DOWN = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0), (1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0)
 GRIPPER_M = 0.06  # a short piece along the flange's own z, so that its direction is seen
 
 
@@ -20,7 +24,8 @@ class Skeleton:
         linear = [n for n, axis in enumerate(cell.axis) if axis.unit == "mm"][:3]
         ends = [cell.axis[n].limits.max / 1000.0 for n in linear]
         self.reach = max(ends, default=1.0)
-        self._draw: Callable[[Sequence[float]], Lines] = Portal(linear, ends).lines
+        self._names = [axis.name for axis in cell.axis]
+        self._drawn: Drawn = Portal(linear, ends)
         if cell.robot and cell.robot[0].model:
             self._load(cell.robot[0].model)
         if len(cell.robot) > 1 and not self.why:
@@ -39,11 +44,36 @@ class Skeleton:
         except (ConfigNotFound, RobotFaults, OSError, MotionError) as error:
             self.why = f"robot {model}: {error}"
             return
-        self.kind, self.why, self.reach, self._draw = robot.kind, "", robot.reach, robot.lines
+        self.kind, self.why, self.reach, self._drawn = robot.kind, "", robot.reach, robot
 
     def lines(self, joints: Sequence[float]) -> Lines:
         """The last point of the first line is the tip.  joints: SI, as many as the robot has axes or more; []: not drawable."""
-        return self._draw(joints)
+        return self._drawn.lines(joints)
+
+    def frames(self, joints: Sequence[float]) -> list[Frame]:
+        """Base, flange and tool where they are now; those of a robot whose kinematics has no answer are left out."""
+        return self._drawn.frames(joints)
+
+    def marks(self, joints: Sequence[float]) -> list[Mark]:
+        """Each axis by its name of the cell, where it acts; axes of one place share it."""
+        places: dict[Point, list[str]] = {}
+        for number, place in self._drawn.places(joints):
+            if number < len(self._names):
+                places.setdefault(place, []).append(self._names[number])
+        return [(", ".join(names), place) for place, names in places.items()]
+
+
+class Drawn(Protocol):
+    """Something with joints that can be drawn."""
+
+    def lines(self, joints: Sequence[float]) -> Lines:
+        """Polylines; the last point of the first one is the tip."""
+
+    def frames(self, joints: Sequence[float]) -> list[Frame]:
+        """Base, flange, tool."""
+
+    def places(self, joints: Sequence[float]) -> list[tuple[int, Point]]:
+        """Number of an axis, where it acts."""
 
 
 class Portal:
@@ -57,9 +87,21 @@ class Portal:
         """joints: m."""
         x, y, z = (*(joints[n] for n in self._linear), 0.0, 0.0, 0.0)[:3]
         top, wide = 1.3 * self._stroke + 0.2 * self._reach, self._width + 0.1 * self._reach
-        ram = [(x, y, top + 0.3 * self._stroke), (x, y, top), (x, y, top - 0.1 * self._reach - z)]
+        flange = top - 0.1 * self._reach - z
+        ram = [(x, y, top + 0.3 * self._stroke), (x, y, top), (x, y, flange), (x, y, flange - GRIPPER_M)]
         bridge = [(x, -0.1 * self._reach, 0.0), (x, -0.1 * self._reach, top), (x, wide, top), (x, wide, 0.0)]
         return [[rounded(point) for point in ram], [rounded(point) for point in bridge]]
+
+    def frames(self, joints: Sequence[float]) -> list[Frame]:
+        """A portal's ram looks down."""
+        flange, tip = self.lines(joints)[0][-2:]
+        return [("base", (0.0, 0.0, 0.0), UPRIGHT), ("flange", flange, DOWN), ("tool", tip, DOWN)]
+
+    def places(self, joints: Sequence[float]) -> list[tuple[int, Point]]:
+        """The first axis moves the bridge, the second the trolley on it, the third the ram; all others turn at its end."""
+        ram, bridge = self.lines(joints)
+        found = list(zip(self._linear, (bridge[1], ram[1], ram[0]), strict=False))
+        return [*found, *((n, ram[-2]) for n in range(len(joints)) if n not in self._linear)]
 
 
 def rounded(point: Sequence[float]) -> Point:

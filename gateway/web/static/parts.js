@@ -35,7 +35,7 @@ export function age(ms) {
 // First-out: the error that came first, large, with what to do; the others below it.
 export function errors(box, head, t, language) {
   const i = language === "de" ? 1 : 0;
-  const list = head.errors.map((error) => ({ code: error.code, text: error.text, do: error.do?.[i], cause: error.cause?.[i], reset: error.reset?.[i] }));
+  const list = head.errors.map((error) => ({ code: error.code, text: error.say?.[i] || error.text, do: error.do?.[i], cause: error.cause?.[i], reset: error.reset?.[i] }));
   const words = JSON.stringify([list, head.missing, head.stop_text[i], head.ready, i]);
   if (box.dataset.words === words) return;
   box.dataset.words = words;

@@ -34,7 +34,7 @@ export function mount(root, { t, get }) {
     { title: t("gone"), cell: (row, td) => { if (row.gone) { put(td, when(row.gone)); return; } if (!td.querySelector(".chip")) td.replaceChildren(chip("bad", t("is set"))); } },
     { title: t("number"), n: true, cell: text((row) => row.code) },
     { title: t("Source"), cell: text((row) => row.source) },
-    { title: t("text"), free: true, cell: text((row) => row.text) },
+    { title: t("text"), free: true, cell: text((row) => row.say?.[i()] || row.text) },
   ], (row) => row.number, { tall: true, label: t("Alarm history"), row: (row) => (row.gone ? (row.acknowledged ? "" : "stale") : "badq") });
   const choice = (id, label, values) => h("select", { id, "aria-label": label, onchange: () => history() }, values.map(([value, title]) => h("option", { value }, title)));
   const word = h("input", { type: "search", id: "alarm-words", placeholder: t("axis, number or word"), "aria-label": t("filter"), oninput: () => { clearTimeout(wait); wait = setTimeout(history, 200); } });

@@ -14,7 +14,7 @@ export function mount(root, { t, cell }) {
     const body = h("tbody");
     boxes.set(line.name, { state, counters, body });
     root.append(h("section", { class: "card", style: "margin-bottom:.9rem" },
-      h("div", { class: "bar" }, h("h2", { style: "margin:0" }, `${line.name}: ${line.protocol} ${line.layer}`), state, h("span", { class: "soft" }, `${line.format}   ${line.profile}   ${t("priority")} ${line.priority}   ${line.port}`)),
+      h("div", { class: "bar" }, h("h2", { style: "margin:0" }, `${line.name}: ${line.protocol} ${line.layer}`), state, h("span", { class: "soft" }, `${line.format}   ${line.profile}   ${t("priority")} ${t(line.priority)}   ${line.port}`)),
       counters,
       h("div", { class: "scroll", style: "max-height:46vh", tabindex: "0", role: "region", "aria-label": `${t("Lines")} ${line.name}` },
         h("table", {}, h("thead", {}, h("tr", {}, [t("time"), t("side"), t("what"), t("in words"), t("bytes")].map((title) => h("th", { scope: "col" }, title)))), body))));
@@ -70,7 +70,7 @@ export function mount(root, { t, cell }) {
         put(box.state, door.alive ? t("alive") : door.connected === false ? t("port is away") : t("silent"));
         mark(box.state, `chip ${door.alive ? "good" : "bad"}`);
         const known = ["sends", "fetches", "refused", "bad_blocks", "own_jobs", "own_faults", "same_priority", "received", "sent", "unknown", "requests", "losses"];
-        put(box.counters, [...known.filter((name) => name in door).map((name) => `${name.replace("_", " ")} ${door[name]}`), door.advice || "", door.why || ""].filter(Boolean).join("   "));
+        put(box.counters, [...known.filter((name) => name in door).map((name) => `${t(name.replace("_", " "))} ${door[name]}`), door.advice || "", door.why || ""].filter(Boolean).join("   "));
       }
       if (held) return;
       for (const [name, told] of Object.entries(page.lines)) {

@@ -12,6 +12,8 @@ export function mount(root, { t, cell, me, post, unable }) {
   const abandon = h("button", { type: "button", onclick: () => order("abandon") }, t("Abandon rest"));
   const control = h("button", { type: "button", class: "main", onclick: async () => { await post("/api/command", { code: me.holds ? "release_control" : "request_control" }); Object.assign(me, await (await fetch("/api/me")).json()); } });
   const wipe = h("button", { type: "button", onclick: () => { trail.length = 0; } }, t("Forget the path"));
+  const names = h("button", { type: "button", id: "names", "aria-pressed": "true", onclick: () => { named = !named; names.setAttribute("aria-pressed", String(named)); scene?.name(named); } }, t("Names and frames"));
+  let named = true;
   const queue = h("div");
   const table = new Table([
     { title: t("axis"), cell: text((row) => row.name) }, { title: t("actual"), n: true, cell: trended((row) => `axis.${row.name}.actual`, (row) => row.actual, 3) }, { title: t("set"), n: true, cell: trended((row) => `axis.${row.name}.set`, (row) => row.set, 3) }, { title: t("speed"), n: true, cell: trended((row) => `axis.${row.name}.speed`, (row) => row.speed, 1) },
@@ -20,12 +22,13 @@ export function mount(root, { t, cell, me, post, unable }) {
   let scene = null;
   let gone = false;
   let turning = 0; // the slider is in somebody's hand until then
+  let marked = [];
   let lines = null; // a robot at rest is told once: the picture may be made later
-  root.append(h("div", { class: "bar low" }, control, hold, resume, abandon, h("label", {}, `${t("override")} %`, override), wipe),
+  root.append(h("div", { class: "bar low" }, control, hold, resume, abandon, h("label", {}, `${t("override")} %`, override), wipe, names),
     h("div", { class: "grid" },
-      h("section", { class: "card w8" }, canvas, h("p", { class: "soft small" }, cell.robot.why || `${cell.robot.kind} ${cell.robot.model}`), h("p", { class: "soft small" }, t("Drag to turn, wheel or + and - to come nearer; arrow keys turn, too."))),
+      h("section", { class: "card w8" }, canvas, h("p", { class: "soft small" }, t(cell.robot.why) || `${cell.robot.kind} ${cell.robot.model}`), h("p", { class: "soft small" }, t("Drag to turn, wheel or + and - to come nearer; arrow keys turn, too.")), h("p", { class: "soft small" }, t("Frames: x red, y green, z blue."))),
       h("section", { class: "card w4" }, h("h2", {}, t("Motion")), queue, h("div", { style: "height:.7rem" }), table.element)));
-  import("../robot3d.js").then(({ Robot3d }) => { if (gone) return; scene = new Robot3d(canvas, cell.robot.reach || 1); if (lines) scene.show(lines, trail); })
+  import("../robot3d.js").then(({ Robot3d }) => { if (gone) return; scene = new Robot3d(canvas, cell.robot.reach || 1, t); if (!named) scene.name(false); if (lines) scene.show(lines, trail, ...marked); })
     .catch((error) => canvas.append(h("p", { class: "badq", style: "padding:1rem" }, `${t("This browser draws no 3D")}: ${error.message}`)));
   return {
     update(page, head) {
@@ -45,7 +48,8 @@ export function mount(root, { t, cell, me, post, unable }) {
       const last = trail.at(-1);
       if (tip && (!last || Math.hypot(tip[0] - last[0], tip[1] - last[1], tip[2] - last[2]) > 5e-4)) { trail.push(tip); if (trail.length > TRAIL) trail.shift(); }
       lines = page.lines;
-      scene?.show(lines, trail);
+      marked = [page.frames, page.marks];
+      scene?.show(lines, trail, ...marked);
     },
     theme: () => scene?.theme(),
     unmount() { gone = true; scene?.close(); },

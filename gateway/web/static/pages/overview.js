@@ -16,7 +16,7 @@ export function mount(root, { t, cell }) {
     { title: t("link"), cell: text((row) => `${row.number} ${row.name}`) },
     { title: t("state"), cell: (row, td) => state(td, old ? "warn" : row.alive ? "good" : "bad", old ? t("not known") : row.alive ? t("alive") : t("silent")) },
     { title: t("losses"), n: true, cell: text((row) => row.losses) },
-    { title: t("last command"), cell: text((row) => `${row.state.toLowerCase()}${row.reason === "NONE" ? "" : `: ${row.reason.toLowerCase()}`}`) },
+    { title: t("last command"), cell: text((row) => `${row.state === "NONE" ? "" : t(row.state.toLowerCase())}${row.reason === "NONE" ? "" : `: ${row.reason.toLowerCase()}`}`) },
     { title: t("advice"), cell: text((row) => [row.why, row.advice].filter(Boolean).join("; ")) },
   ], (row) => row.number, { label: t("Links"), row: () => (old ? "stale" : "") });
   const drives = new Table([

@@ -84,7 +84,7 @@ export function mount(root, { t, get, post, cell, toast, unable }) {
   const xy = h("canvas", { class: "xy", id: "scope-xy", hidden: true, role: "img" });
   const plot = new Plot(box, (which, value) => cursor(which, value));
   const times = [0, 1].map((which) => h("input", { type: "number", step: "any", id: `cursor-${"ab"[which]}`, style: "width:8rem", onchange: (event) => cursor(which, event.target.value === "" ? null : Number(event.target.value)) }));
-  const pick = (id) => h("select", { id, "aria-label": id, onchange: draw });
+  const pick = (id) => h("select", { id, "aria-label": t(id === "xy-x" ? "across" : "upwards"), onchange: draw });
   const [xAxis, yAxis] = [pick("xy-x"), pick("xy-y")];
   const swap = h("button", { type: "button", id: "xy", "aria-pressed": "false", onclick: () => { over = !over; swap.setAttribute("aria-pressed", String(over)); draw(); } }, t("One over another"));
   const joint = h("button", { type: "button", id: "joint", "aria-pressed": String(set.joint), onclick: () => { set.joint = !set.joint; joint.setAttribute("aria-pressed", String(set.joint)); layout(); draw(); } }, t("One scale for each unit"));

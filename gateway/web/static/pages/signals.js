@@ -118,7 +118,7 @@ export function mount(root, { t, get, post, may, live, unable }) {
     const leaf = (name, title, count) => h("button", { type: "button", "aria-pressed": "false", "data-group": name, onclick: (event) => choose(event.currentTarget, name) }, h("span", {}, title), h("span", { class: "soft" }, String(count)));
     tree.append(leaf("", t("everything"), told.total));
     for (const [top, leaves] of branches) {
-      if (leaves.length === 1 && leaves[0][0] === top) tree.append(leaf(top, top, leaves[0][1]));
+      if (leaves.length === 1 && leaves[0][0] === top) tree.append(leaf(top, t(top), leaves[0][1]));
       else tree.append(h("details", {}, h("summary", {}, t(top)), leaf(top, t("all"), leaves.reduce((sum, [, count]) => sum + count, 0)), leaves.map(([name, count]) => leaf(name, name.slice(top.length + 3), count))));
     }
     tree.querySelector("button").setAttribute("aria-pressed", "true");

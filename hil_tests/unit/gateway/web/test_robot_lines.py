@@ -5,8 +5,10 @@ import math
 
 import pytest
 
+from gateway.cell_file.load import load_cell
 from gateway.files.robots import load_robot
 from gateway.web.robot_lines import Arm
+from gateway.web.skeleton import Skeleton
 from motion.robot import kinematics_of
 
 DRAWN = 2e-4  # m: points are rounded to a tenth of a millimetre
@@ -32,6 +34,27 @@ def test_a_robot_is_drawn_by_its_file(name: str) -> None:
             (posts,) = beside
             assert all(point[0] == pytest.approx(line[-2][0], abs=DRAWN) for point in posts), "the bridge goes with x"
             assert line[0][1] == pytest.approx(line[-2][1], abs=DRAWN) and line[0][2] == posts[1][2], "the ram hangs on it"
+
+
+@pytest.mark.parametrize("name", LENGTHS)
+def test_base_flange_and_tool_have_their_frames_and_each_axis_its_name(name: str) -> None:
+    arm, kinematics, joints = Arm(name), kinematics_of(load_robot(name)), (0.2, 0.3, 0.2, -0.5, 0.4, 0.3)
+    frames = {frame: (at, rotation) for frame, at, rotation in arm.frames(joints)}
+    flange = kinematics.forward(joints[: kinematics.axes])
+    assert list(frames) == ["base", "flange", "tool"]
+    assert frames["flange"][0] == pytest.approx(flange.position, abs=DRAWN) and frames["flange"][1] == pytest.approx(flange.rotation)
+    assert frames["tool"][0] == arm.lines(joints)[0][-1] and frames["flange"][0] == arm.lines(joints)[0][-2]
+    places = arm.places(joints)
+    assert [number for number, _ in places] == list(range(kinematics.axes))
+    assert {place for _, place in places} <= {point for line in arm.lines(joints) for point in line}, "on what is drawn"
+
+
+def test_a_cell_without_a_robot_is_a_portal_with_frames_and_names() -> None:
+    drawn = Skeleton(load_cell("demo"))
+    joints = (0.5, 0.4, 0.1, 0.0, 0.0, 0.0)
+    assert [name for name, _, _ in drawn.frames(joints)] == ["base", "flange", "tool"]
+    marks = dict(drawn.marks(joints))
+    assert list(marks) == ["A1", "A2", "A3", "A4, A5, A6"] and marks["A4, A5, A6"] == drawn.frames(joints)[1][1]
 
 
 def test_an_arm_on_a_track_is_drawn_where_the_track_has_taken_it() -> None:

@@ -1,0 +1,50 @@
+"""German for the page: umlauts where the catalogue writes them out for displays of every code page, sentences of errors in both
+languages (AX-253).
+"""
+
+import re
+
+from gateway.pure.image.reasons import Reason, text
+
+MARK = "\x01detail\x01"
+LETTERS = {"ae": "ä", "oe": "ö", "ue": "ü", "Ae": "Ä", "Oe": "Ö", "Ue": "Ü"}
+TWO_SOUNDS = re.compile(
+    r"zuerst|aktue|manue|virtue|eventue|individue|koeffizient|soeben|value|true|blue|due\b|does|goes|israel", re.IGNORECASE
+)
+SHARP = re.compile(  # behind these, and before these, ss is a sharp s
+    r"(?<![a-zäöü])(Ma)ss(?=st[aä]b)|([Gg]r(?:o|ö))ss|([sS]chlie)ss|([hH]ei)ss(?=[te]|en)|([aA]u)ss(?=er)|([lL]ie)ss|([mM]ä)ss(?=ig)"
+    r"|([fF]lie)ss|([sS]t(?:o|ö))ss|([sS]tra)ss(?=e)|([gG]emä)ss|([wW]ei)ss|([dD]rau)ss"
+)
+
+
+def umlauts(words: str) -> str:
+    """`pruefen` is `prüfen`, `Steuerung` and `Quelle` stay what they are."""
+    return re.sub(r"[^\W\d_]+", lambda found: _word(found[0]), words)
+
+
+def _word(word: str) -> str:
+    if TWO_SOUNDS.search(word):
+        return word
+    word = re.sub(r"(?<![aeqAEQ])[uU]e|[aA]e|[oO]e", lambda found: LETTERS[found[0]], word)
+    return SHARP.sub(lambda found: next(part for part in found.groups() if part) + "ß", word)
+
+
+def both(code: int, words: str) -> list[str]:
+    """An error's sentence, English and German, whichever of them is given; what is no sentence of the list stays as it is."""
+    if code not in Reason.__members__.values():
+        return [words, words]
+    templates = [text(Reason(code), language, MARK) for language in ("en", "de")]
+    for template in templates:
+        head, mark, tail = template.partition(MARK)
+        if mark and words == head.rstrip(": ") + tail:
+            return [_filled(templates[0], ""), umlauts(_filled(templates[1], ""))]
+        if mark and words.startswith(head) and words.endswith(tail) and len(words) >= len(head) + len(tail):
+            detail = words[len(head) : len(words) - len(tail)]
+            return [_filled(templates[0], detail), umlauts(_filled(templates[1], detail))]
+        if not mark and words == template:
+            return [templates[0], umlauts(templates[1])]
+    return [words, words]
+
+
+def _filled(template: str, detail: str) -> str:
+    return template.replace(MARK, detail).rstrip(": ")
