@@ -19,6 +19,7 @@ from hil_tests.unit.languages.baps2.running import all_of, body, run, short, wri
         ("CHR(321)", "A"),
         ("140%", "1.4"),
         ("1 + 2.5", "3.5"),
+        ("1.5E2 + 1.0e-1", "150.1"),
         ("-1234.45", "-1234.45"),
     ],
 )
