@@ -87,6 +87,7 @@ class Controller:
         self.clock: Ns = 0  # at the begin of the turn
         self.next_tick: Ns = 0
         self.turn = self.left = 0
+        self.long_turn = False
         self.gen: Line | None = None
         self.loads: Loads = _no_library
         self.ended = False
@@ -124,14 +125,22 @@ class Controller:
     def add(self, task: Task) -> None:
         """Behind those that are there."""
         task.rest = task.priority
+        self._end_long_turn()
         if task.period:
             task.due = (self.now // SYSTEM_CYCLE + 1) * SYSTEM_CYCLE
         self.tasks.append(task)
         self._quiet = 0
 
+    def _end_long_turn(self) -> None:
+        """Another task is there: a turn that had the processor alone ends with this line."""
+        if self.long_turn:
+            self.turn -= self.left
+            self.left = 0
+
     def restarted(self, task: Task) -> None:
         """A stopped task goes on."""
         task.rest = task.priority
+        self._end_long_turn()
         self._quiet = 0
 
     def kill(self, task: Task) -> None:

@@ -218,8 +218,14 @@ class Machine(Controller):
             self._at += 1
             self._quiet += 1
             return
+        others = [other for other in asynchronous if other is not task and other.status == RUNNING]
+        alone = all(other.wake is not None and other.wake > self.clock for other in others)
+        if alone:  # nobody waits for the end of this turn: it lasts until somebody does
+            until = min([until, *(other.wake for other in others if other.wake is not None)])
         room = max(-(-(until - self.clock) // self.line_ns), 1)
-        used, done = self._turn(task, min(task.rest, room))
+        self.long_turn = alone
+        used, done = self._turn(task, room if alone else min(task.rest, room))
+        self.long_turn = False
         if task in self.tasks:
             task.rest -= used
             if done or task.rest <= 0:
@@ -249,7 +255,7 @@ class Machine(Controller):
             AssertionError,
         ) as error:
             self._failed(task, as_rte(error))
-        used = lines - self.left
+        used = self.turn - self.left
         self.clock += used * self.line_ns
         self.turn = self.left = 0
         self.current = None
@@ -298,11 +304,10 @@ class Machine(Controller):
     def _fast(self, task: Task) -> int | None:
         """Plain lines one after the other; what the last one returned, None: no line is left."""
         frame = task.frames[-1]
-        code, v, pc, left = frame.code, frame.v, frame.pc, self.left
+        code, v, pc = frame.code, frame.v, frame.pc
         try:
-            while left:
-                left -= 1
-                self.left = left
+            while self.left:
+                self.left -= 1
                 after = code[pc](v)
                 if after < 0:
                     return after
