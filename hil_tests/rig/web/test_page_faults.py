@@ -11,7 +11,6 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Page
 
-from gateway.pure.cell import modbus as cell_modbus
 from gateway.pure.image.records.cell import Motion
 from hil_tests.lab.running.cell_running import free_port
 from hil_tests.lab.running.modbus_running import Running
@@ -52,7 +51,7 @@ MANY = "import('/static/dom.js').then(d => { for (let n = 0; n < 60; n += 1) d.t
 
 @pytest.fixture(scope="module")
 def web(tmp_path_factory: pytest.TempPathFactory) -> Iterator[WebRun]:
-    demo = pathlib.Path(cell_modbus.__file__).parents[1] / "configs/cells/demo.toml"
+    demo = pathlib.Path(__file__).parents[3] / "configs/cells/demo.toml"
     file = tmp_path_factory.mktemp("cell") / "faults.toml"
     with Running() as oven:
         file.write_text(demo.read_text() + CLIENTS.replace("{oven}", str(oven.port)).replace("{far}", str(free_port())))
