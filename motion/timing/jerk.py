@@ -66,14 +66,14 @@ def jerk_limited_work(path: JointPath, limits: LawLimits, start: tuple[float, fl
         if made.duration > LONGER * (first or made.duration):
             break
         law, first = made, first or made.duration
-        at, excess, fast = _excess(path, limits, law)
+        at, excess, fast = yield from _excess(path, limits, law)
         if max(float(np.max(excess)), float(np.max(fast))) <= 1.0:
             return law
         for place in np.flatnonzero(np.maximum(excess, fast) > 1.0):
             near = np.abs(guess.s - at[place, 1]) <= at[place, 2] - at[place, 1]
             tight[near] *= 0.97 / max(float(excess[place]), 0.97)
             slow[near] = np.minimum(slow[near], 0.9999 / max(float(fast[place]), 1.0))
-    return _slowed(path, limits, law)
+    return (yield from _slowed(path, limits, law))
 
 
 def estimate(path: JointPath, limits: LawLimits) -> float:
@@ -84,11 +84,11 @@ def estimate(path: JointPath, limits: LawLimits) -> float:
     return _second(path, limits, (0.0, 0.0, 0.0), count, bends=True).duration + _ramp(limits)
 
 
-def _slowed(path: JointPath, limits: LawLimits, law: Law) -> Law:
+def _slowed(path: JointPath, limits: LawLimits, law: Law) -> Work[Law]:
     """Until the set values are good: a long law around the places where they are not, one whose places are many or come again as a whole;
     a moving start cannot be slowed and stays."""
     for k in range(SLOWER):
-        at, excess, fast = _excess(path, limits, law)
+        at, excess, fast = yield from _excess(path, limits, law)
         much = np.maximum(np.cbrt(excess), fast)
         if float(np.max(much)) <= 1.0 or not law.at_rest:
             break
@@ -135,9 +135,9 @@ def _differences(path: JointPath, limits: LawLimits, law: Law, period_s: float, 
     return s, [np.max(part, axis=1) for part in (speed, accel, jerk)]
 
 
-def _excess(path: JointPath, limits: LawLimits, law: Law) -> tuple[Array, Array, Array]:
+def _excess(path: JointPath, limits: LawLimits, law: Law) -> Work[tuple[Array, Array, Array]]:
     """Places (from, at, to in s), how far acceleration or jerk are beyond what is good there, and how far speed is, wherever
-    the samples fall."""
+    the samples fall.  A slice a phase: of a motion of minutes each is some hundred thousand samples."""
     places, much, fast = [], [], []
     for phase in PHASES if law.at_rest else (0.0,):
         s, (speed, accel, jerk) = _differences(path, limits, law, JUDGE_S, phase)
@@ -145,6 +145,7 @@ def _excess(path: JointPath, limits: LawLimits, law: Law) -> tuple[Array, Array,
         places.append(np.stack([s[np.maximum(index - AROUND, 0)], s[index], s[np.minimum(index + AROUND, len(s) - 1)]], axis=1))
         much.append(np.maximum(jerk / JERK_GOOD, accel[1:] / ACCEL_GOOD))
         fast.append(speed[2:])
+        yield
     return np.concatenate(places), np.concatenate(much), np.concatenate(fast)
 
 

@@ -2,6 +2,7 @@
 
 import pathlib
 import random
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -20,11 +21,13 @@ from motion.execution.follower import WAITING
 from motion.planner import commit
 from motion.planner.arm import Arm
 from motion.planner.commit import LONGEST_S, MOST, PLENTY, timed_pieces
+from motion.planner.duration_check import too_long
 from motion.planner.path_checks import Slowed
 from motion.planner.planner import Planner
 from motion.planner.quick_law import swift, width_s
 from motion.planner.route import Route
 from motion.planner.runs import runs
+from motion.planner.trace import route_of
 from motion.program.errors import BlockError
 from motion.program.text.reader import read
 from motion.program.text.team import read_team
@@ -242,3 +245,22 @@ def test_many_rounded_lines_known_at_once_are_handed_on_in_parts_as_those_known_
     pieces += planner.plan(planner.end, hurry=True)
     assert not planner.open and planner.place(planner.end) == (200, 1.0)
     assert sum(piece.duration for piece in pieces) > 15.0
+
+
+def test_three_minutes_of_curve_pass_check_and_planner_and_their_law_is_made_in_slices() -> None:
+    """One slice took half of the work, seconds in which the planner showed no life."""
+    machine, text = robot("portal"), "robot portal\nangles rho3\naxes mm mm mm deg\nstart 300 100 50 0\nset path=2.77\n"
+    program = read(f"{text}circular via pose 450 250 60 0 0 0 to pose 300 400 70 0 0 0\n")
+    found = route_of(program, machine)
+    assert not found.faults and not too_long(found.stretches, machine)
+    planner, spent = Planner(machine, program.start), []
+    planner.add(program.blocks[0])
+    planner.finish()
+    assert planner.begin(0.0, hurry=True)
+    done = False
+    while not done:
+        begin = time.process_time()
+        done = planner.work()
+        spent.append(time.process_time() - begin)
+    assert planner.take() and 170.0 < planner.end < 200.0
+    assert max(spent) < 0.15 * sum(spent)
