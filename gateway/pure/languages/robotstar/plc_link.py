@@ -60,14 +60,13 @@ class PlcLink:
         cell.image[1020:1022] = self.plc.data.memory[1020:1022]
 
     def _take_markers(self, cell: VirtualCell, memory: bytearray) -> None:
-        for number in range(INPUTS):
+        for number in range(INPUTS) if memory[:INPUTS] != cell.image[:INPUTS] else ():
             if memory[number] != cell.image[number]:
                 if number in QUIET:
                     cell.image[number] = memory[number]
                 else:
                     cell.set_byte(number, memory[number])
-        for number in range(INPUTS, INPUTS + AREA):  # inputs a program wrote
-            cell.image[number] = memory[number]
+        cell.image[INPUTS : INPUTS + AREA] = memory[INPUTS : INPUTS + AREA]  # inputs a program wrote
 
     def _take_outputs(self, cell: VirtualCell, outputs: bytes) -> None:
         stopped = self.plc.state is PlcState.STOP and self._shown is PlcState.RUN

@@ -24,6 +24,7 @@ BASES = {"INPUT": 1968, "OUTPUT": 2008, "MARKER": 0}  # markers that mirror the 
 ANALOG_INPUTS, ANALOG_OUTPUTS, SCALE = 1872, 1920, (2**15 - 1) / 10
 POWER_ON, HOLD, REQUESTS, FACTOR, MODE_CODE, MOVES = (1020, 4), (1020, 7), 968, 1436, 1022, (1021, 5)
 DEFAULT_UNTIL = 600 * NS
+AFTER = NS  # the PLC still scans once the program has stopped
 Event = dict[str, object]
 
 
@@ -341,6 +342,9 @@ class VirtualCell:
             self._requests()
             self._fill()
             moments = [moment for moment in (due, self._plc_due, waiting[0].at if waiting else None) if moment is not None]
+            if until is None and not waiting and self.robot.state in (State.STOPPED, State.ERROR):
+                end = min(end, self.now + AFTER)
+                until = end
             if not moments or min(moments) > end:
                 self._last(end)
                 return

@@ -9,13 +9,13 @@ from gateway.pure.languages.robotstar.virtual import NS, VirtualCell, orders
 from hil_tests.unit.languages.robotstar.memory import WORDS, Ran, sources
 
 
-def run(robot: str, plc: str, until: float, *at: str, mode: str = "auto", texts: str = "PLC 'PLCMSG_CNF'\nEND") -> Ran:
+def run(robot: str, plc: str, until: float | None, *at: str, mode: str = "auto", texts: str = "PLC 'PLCMSG_CNF'\nEND") -> Ran:
     faults = Faults()
     files = [*sources({"P.MPR": robot, "V.MPR": "VAR I1"}), Source("PLC/MAIN.PLC", plc), Source("PLC/PLCMSG_CNF.PLC", texts)]
     memory = Memory.read(files, WORDS, faults)
     cell = VirtualCell(memory, MODES[mode], PlcLink(memory.plc, "MAIN"))
     check(memory, faults, cell.system.names())
-    cell.run(orders(at), round(until * NS), "P")
+    cell.run(orders(at), None if until is None else round(until * NS), "P")
     return Ran(cell, [fault.text for fault in faults], cell.end("P"))
 
 
@@ -70,3 +70,8 @@ def test_faults_of_plc_programs_are_named_by_file() -> None:
     assert {fault.position.file for fault in faults} == {"PLC/MAIN.PLC"} and "Subprogram not found" in " ".join(
         fault.text for fault in faults
     )
+
+
+def test_the_run_ends_soon_after_the_program() -> None:
+    ran = run("WAIT 3\nWRITE_BIT #MERKER,1,20,0\nSTOP", FOLLOW, None)
+    assert ran.when("A5") == [(3.01, 8)] and ran.cell.now <= 5 * NS
