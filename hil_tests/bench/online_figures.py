@@ -92,6 +92,7 @@ def override(starts: int = 33, chains: int = 20) -> list[Figure]:
     dice, found = random.Random(5), Changes()
     pieces, limits = pieces_of_u()
     found.add(pieces, limits, starts)
+    on_u = statistics.median(found.times)
     for _ in range(chains):
         found.add(random_pieces(dice, limits, 3), limits, 5)
     scaled = _time_scaling(pieces, limits, starts)
@@ -100,7 +101,7 @@ def override(starts: int = 33, chains: int = 20) -> list[Figure]:
         row("motion.override_a", found.accel, f"x limit, {what}", 1.02, "time scaling on the U, 100 ms ramp, same run", scaled[0]),
         row("motion.override_j", found.jerk, f"x limit, {what}", 1.10, "time scaling on the U, 100 ms ramp, same run", scaled[1]),
         row("motion.override_ms", max(found.times), f"ms, {what}", 120.0, f"second order, worst on the U ({RECORDED})", 99.0),
-        row("motion.override_median_ms", statistics.median(found.times), "ms", 120.0, f"second order, median on the U ({RECORDED})", 39.0),
+        row("motion.override_median_ms", on_u, f"ms, {starts} starts on the U", 50.0, f"second order, median on the U ({RECORDED})", 39.0),
     ]
 
 

@@ -174,6 +174,7 @@ def viewers(run: CellRun, web: WebAsk) -> list[Figure]:
         "web.cycle_p99_us", round(loaded, 1), "us", round(goal, 1), met=loaded <= goal and connected == VIEWERS,
         beside=f"idle p99 {quiet:.1f} us; {connected} viewers on {len(PAGES)} pages; {BLOCKS} alternating blocks of {BLOCK_S:g} s",
     )  # fmt: skip
+    there = figure("web.viewers", connected, "viewers", VIEWERS, met=connected == VIEWERS, beside="fewest really connected in a block")
     row |= {
         "reference": "the same run with nobody looking, us",
         "reference_value": round(quiet, 1),
@@ -182,7 +183,7 @@ def viewers(run: CellRun, web: WebAsk) -> list[Figure]:
     skipped = figure(
         "web.skipped", skips[1], "SYNC", skips[0], met=skips[1] <= skips[0], beside=f"idle {skips[0]:g}; each block {BLOCK_S:g} s"
     )
-    return [row, {**skipped, "reference": "the same run with nobody looking", "reference_value": skips[0]}]
+    return [there, row, {**skipped, "reference": "the same run with nobody looking", "reference_value": skips[0]}]
 
 
 def block(run: CellRun) -> tuple[float, int]:
