@@ -68,9 +68,11 @@ def main(argv: list[str]) -> int:
 def _robot(options: argparse.Namespace) -> Robot:
     if options.cell is None:
         return load_robot(options.robot or ROBOT)
-    named = [robot.kinematics for robot in load_cell(options.cell).robot]
+    named = [robot.model for robot in load_cell(options.cell).robot if robot.model]
     if len(named) != 1:
-        raise EventFault(f"--cell {options.cell}: a cell with one robot is expected, it has {len(named)}; give --robot")
+        raise EventFault(
+            f"--cell {options.cell}: a cell with one robot that names its model is expected, it has {len(named)}; give --robot"
+        )
     return load_robot(named[0])
 
 

@@ -63,3 +63,11 @@ def test_an_application_with_faults_or_without_files_does_not_run(tmp_path: path
     assert main(["run", written(tmp_path, "nope=1"), "--virtual"]) == 1
     assert "'nope' : data expected" in capsys.readouterr().err
     assert main(["check", str(tmp_path / "none")]) == 2 and "there is no such folder or file" in capsys.readouterr().err
+
+
+def test_the_arm_is_the_robot_of_a_cell(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    app = written(tmp_path, "n=herej().j4")
+    assert main(["check", app, "--cell", "scara"]) == 0 and "0 errors" in capsys.readouterr().out
+    assert main(["check", written(tmp_path, "n=herej().j6"), "--cell", "scara"]) == 1
+    assert "'j6' : invalid name" in capsys.readouterr().out
+    assert main(["check", app, "--cell", "demo"]) == 2 and "give --robot" in capsys.readouterr().err
