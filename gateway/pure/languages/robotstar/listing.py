@@ -4,7 +4,6 @@ A listing may be a table with bars, a numbered list, a block of code, with or wi
 another, each with its head.
 """
 
-import csv
 import difflib
 import re
 import unicodedata
@@ -55,7 +54,8 @@ class _Open:
 
 def points_of(text: str) -> dict[str, str]:
     """Parameters of POSITION by the name of a point: columns name, X..C, optional Frame and axes; PointFault with a sentence."""
-    rows = list(csv.reader(text.splitlines(), delimiter=";" if text.partition("\n")[0].count(";") else ","))
+    sign = ";" if ";" in text.partition("\n")[0] else ","
+    rows = [[cell.strip().strip('"') for cell in line.split(sign)] for line in text.splitlines()]
     if not rows or not rows[0] or rows[0][0].strip().lower() != "name":
         raise PointFault("the first line of the table of points names the columns: name,X,Y,Z,A,B,C[,Frame,A7..]")
     head = [column.strip().upper() for column in rows[0]]

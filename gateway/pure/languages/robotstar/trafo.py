@@ -13,7 +13,7 @@ from gateway.pure.languages.robotstar.operands import Number, Operand, Ref, sign
 from gateway.pure.languages.robotstar.path import CARTESIAN, Target
 from gateway.pure.languages.robotstar.program import Program, Step
 from gateway.pure.languages.robotstar.trafo_geometry import Map, Unfit, Xyz
-from gateway.pure.languages.robotstar.values import Array, Cell, Names
+from gateway.pure.languages.robotstar.values import Array, Cell, Names, Structure
 
 OVERWRITE, KEEP_ORIENTATION, SHOWN, FATAL_ONLY = 1, 2, 1 << 8, 1 << 9
 UNUSED = 0b1111_1100_0000_0000  # bits 10..15
@@ -169,7 +169,9 @@ def _target(machine: Machine, names: Names, step: Step, base: int) -> Target:
         raise TrafoFault(base + 8)
     try:
         found = valid(structure(machine, source, "P")) if source.index is not None or source.name in machine.names else names[source.name]
-        return target_from(found)  # type: ignore[arg-type]
+        if not isinstance(found, Structure):
+            raise StepFault(WRONG_TYPES)
+        return target_from(found)
     except StepFault:
         raise TrafoFault(base + 9) from None
 
@@ -188,7 +190,7 @@ def _numbers(names: Names, definitions: list[Step], numeric: int, axes: int, bas
     elif numeric > 1 or axes:
         raise TrafoFault(50)
     else:
-        cells = [value]  # type: ignore[list-item]
+        cells = [value] if isinstance(value, Cell) else []
     numbers = [cell.value for cell in cells if isinstance(cell, Cell)]
     if any(number is None or isinstance(number, str) for number in numbers):
         raise TrafoFault(base + 9)

@@ -179,7 +179,8 @@ def _reflection(normal: Xyz) -> Rows:
 
 
 def _scaled(rows: Rows, by: float) -> Rows:
-    return tuple((by * a, by * b, by * c) for a, b, c in rows)  # type: ignore[return-value]
+    (a, b, c), (d, e, f), (g, h, i) = rows
+    return (by * a, by * b, by * c), (by * d, by * e, by * f), (by * g, by * h, by * i)
 
 
 def plane_distance(one: Xyz, two: Xyz, three: Xyz, at: Xyz) -> float:

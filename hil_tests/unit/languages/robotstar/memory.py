@@ -39,9 +39,9 @@ class Ran:
     def message(self) -> dict[str, object]:
         return next(event for event in self.cell.events if event["what"] == "message")
 
-    def targets(self) -> list[tuple[float, ...]]:
+    def targets(self) -> list[tuple[float, float, float]]:
         found = [event["value"] for event in self.cell.events if event["what"] == "target"]
-        return [tuple(value[name] for name in "XYZ") for value in found if isinstance(value, dict)]
+        return [(value["X"], value["Y"], value["Z"]) for value in found if isinstance(value, dict)]
 
     def when(self, what: str) -> list[tuple[object, object]]:
         return [(event["at"], event["value"]) for event in self.cell.events if event["what"] == what]

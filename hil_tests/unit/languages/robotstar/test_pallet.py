@@ -17,10 +17,10 @@ def pattern(counts: tuple[int, int, int], corners: str = "", behind: str = "", f
     return f"{names}\n{vectors}\nC Constants\n{parts}\n{front}\nTOOL variable:T\n{places}\n{behind}".replace("\n\n", "\n")
 
 
-def files(body: str, *args: object, **given: object) -> dict[str, str]:
+def files(body: str, *args: object, corners: str = "", behind: str = "", front: str = "", integers: int = 4) -> dict[str, str]:
     counts = args[0] if args else (3, 3, 2)
     assert isinstance(counts, tuple)
-    return {"P.MPR": body, "PAT.MPR": pattern(counts, **given)}  # type: ignore[arg-type]
+    return {"P.MPR": body, "PAT.MPR": pattern(counts, corners, behind, front, integers)}
 
 
 ON = f'PALLET "PAT",#ON\n{ZERO}'
@@ -84,10 +84,10 @@ def test_distances() -> None:
 
 @pytest.mark.requirement("RSV-PAL-10", by="gateway.pure.languages.robotstar.pallet:pattern_of")
 @pytest.mark.parametrize(
-    "given", [{"integers": 3}, {"front": "VAR P1\nVAR P2"}, {"behind": "LOC_CONST name:I_STEUER,value:0\nLOC_CONST name:R_X,value:1.0"}]
+    "given", [{"integers": "3"}, {"front": "VAR P1\nVAR P2"}, {"behind": "LOC_CONST name:I_STEUER,value:0\nLOC_CONST name:R_X,value:1.0"}]
 )
-def test_the_format_is_checked(given: dict[str, object]) -> None:
-    memory = files("PALLET PAT #INIT", **given)
+def test_the_format_is_checked(given: dict[str, str]) -> None:
+    memory = files("PALLET PAT #INIT", integers=int(given.pop("integers", "4")), **given)
     ran = run(memory)
     assert "PAT: syntax error" in str(ran.texts()[0]) and ran.step == 2
     assert any("syntax error" in fault.text for fault in checked(memory)[1])

@@ -43,7 +43,7 @@ def numbers(*values: float) -> str:
 
 def moved(ran: Ran) -> list[Point]:
     assert error(ran) == 0, error(ran)
-    return [tuple(round(value, 6) for value in target) for target in ran.targets()]  # type: ignore[misc]
+    return [(round(x, 6), round(y, 6), round(z, 6)) for x, y, z in ran.targets()]
 
 
 @pytest.mark.requirement("RSV-TRF-01", by="gateway.pure.languages.robotstar.trafo_geometry:shift")
