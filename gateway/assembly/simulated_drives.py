@@ -15,6 +15,9 @@ from gateway.pure.cell.cell import Bus, Cell
 END_S = 10.0
 
 
+MODULES = {"broker": "gateway.simulation.bus.broker", "emulator": "gateway.simulation.drives.process"}
+
+
 @contextlib.contextmanager
 def simulated_drives(cell: Cell, bus: Bus) -> Iterator[str]:
     """URL of the local bus the drives hang on; raises PortError when they do not start."""
@@ -30,7 +33,7 @@ def simulated_drives(cell: Cell, bus: Bus) -> Iterator[str]:
 
 @contextlib.contextmanager
 def _running(process_of: str, *arguments: str) -> Iterator[None]:
-    command = [sys.executable, "-m", f"gateway.processes.{process_of}", *arguments, "--die-with-parent"]
+    command = [sys.executable, "-m", MODULES[process_of], *arguments, "--die-with-parent"]
     # a session of their own: Ctrl-C is for the tool, which stops the drive first
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, start_new_session=True)
     assert process.stdout is not None

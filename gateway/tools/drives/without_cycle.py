@@ -30,7 +30,8 @@ from protocols.base.machine import Frame
 from protocols.canopen import cob_id as cobid
 from protocols.canopen import nmt, sdo
 
-QUIET_S = 0.4  # after the last request: whoever has not answered by then is not there
+QUIET_S = 0.4  # after the last request: a node that has not answered by then is not there
+AGAIN_S = 2.0  # once more with so much time where no node answered at all: a loaded machine, a bus that has just come up
 MISSED = 6  # heartbeats of the tool the drive may miss: a tool has no real-time priority
 CONSUMER_HEARTBEAT = 0x1016
 IP_PERIOD_MS = 40  # between two SYNCs of a tool
@@ -50,13 +51,17 @@ def direct(url: str) -> Iterator[DirectLink]:
 
 def scan(link: DirectLink, nodes: Sequence[int] = range(1, 128)) -> list[Found]:
     """Every node that answers SDO, with its identity.  Nothing is written, nothing is started."""
+    return _scanned(link, nodes, QUIET_S) or _scanned(link, nodes, AGAIN_S)
+
+
+def _scanned(link: DirectLink, nodes: Sequence[int], quiet_s: float) -> list[Found]:
     found: dict[int, Found] = {}
     for index, sub, name in OBJECTS:
         asked = nodes if not found else sorted(found)
         for node in asked:
             link.send(cobid.sdo_request(node), sdo.initiate(sdo.Request.INITIATE_UPLOAD, (index, sub)))
             time.sleep(0.001)
-        end = time.monotonic() + QUIET_S
+        end = time.monotonic() + quiet_s
         while time.monotonic() < end:
             _take(link.receive(), (index, sub), name, found)
             time.sleep(0.002)

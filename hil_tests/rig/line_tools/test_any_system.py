@@ -31,8 +31,10 @@ take_away(os, "O_DIRECTORY", "sysconf", "uname", "getloadavg", "statvfs", "chown
 take_away(time, "clock_gettime_ns", "clock_gettime", "CLOCK_MONOTONIC", "CLOCK_MONOTONIC_RAW", "pthread_getcpuclockid")
 take_away(asyncio, "start_unix_server", "open_unix_connection")
 sys.platform = "win32-like"
-import gateway.line_tools
-modules = [f"gateway.line_tools.{module.name}" for module in pkgutil.iter_modules(gateway.line_tools.__path__)]
+import gateway.conformance.serial, gateway.tools.line
+rooms = (gateway.tools.line, gateway.conformance.serial)
+modules = [f"{room.__name__}.{module.name}" for room in rooms for module in pkgutil.iter_modules(room.__path__)]
+modules += ["gateway.conformance.report", "gateway.conformance.case", "gateway.links.serial.tool_wire", "gateway.links.serial.line_monitor"]
 modules += ["gateway.commands." + name for name in ("line", "line_export", "learn", "explain", "check")]
 for module in modules: importlib.import_module(module)
 from gateway.commands.line import main
