@@ -68,6 +68,12 @@ def passed(
             better = (yield from exact(k, k + 1)) < (yield from exact(k, k)) + (yield from exact(k + 1, k + 1))
         chosen.append(better)
     taken, alone = groups(chosen), [(k, k) for k in range(len(may) + 1)]
+    estimated = 0.0
+    for one in taken:
+        estimated += quick(*one)
+        yield
+    if estimated < CLEAR * sum(quick(*one) for one in alone):
+        return chosen
     together = apart = 0.0
     for one in taken:
         together += yield from exact(*one)
