@@ -16,6 +16,7 @@ from motion.timing.limits import LawLimits
 from motion.timing.slices import Work, whole
 
 EDGE = 1e-9  # of a leg: less of it is not driven
+LONG_S = 0.1  # mean time of a leg from which the quick estimate is trusted: jerk rules shorter ones, and it knows little of jerk
 CLEAR = 0.9  # of the time of exact stops, by the quick estimate: less, and nothing more is asked
 
 
@@ -72,7 +73,8 @@ def passed(
     for one in taken:
         estimated += quick(*one)
         yield
-    if estimated < CLEAR * sum(quick(*one) for one in alone):
+    stops = sum(quick(*one) for one in alone)
+    if estimated < CLEAR * stops and stops > LONG_S * len(alone):
         return chosen
     together = apart = 0.0
     for one in taken:
