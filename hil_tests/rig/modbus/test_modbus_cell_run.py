@@ -13,9 +13,9 @@ import pytest
 from pymodbus.client import ModbusTcpClient
 from pymodbus.pdu.file_message import FileRecord
 
+import gateway
 from drivers.ports.base import runtime_dir
 from gateway.conformance.modbus.probe import Prober, probe
-from gateway.pure.cell import modbus as cell_modbus
 from gateway.tools.client import ToolClient
 from hil_tests.lab.running.cell_running import CellRun, free_port, running_cell
 from hil_tests.lab.running.modbus_running import RawClient
@@ -104,7 +104,7 @@ def tank() -> Tank:
 
 @pytest.fixture(scope="module")
 def run(tank: Tank, tmp_path_factory: pytest.TempPathFactory) -> Iterator[CellRun]:
-    demo = pathlib.Path(cell_modbus.__file__).parents[1] / "configs/cells/demo.toml"
+    demo = pathlib.Path(gateway.__file__).parents[1] / "configs/cells/demo.toml"
     registers = '[[modbus.registers]]\nat = 2100\nfrom = "axis.*.actual"\n'
     text = demo.read_text().replace("# ---- drives ---", f"{registers}\n# ---- drives ---", 1)
     assert registers in text

@@ -7,6 +7,7 @@ import zipfile
 
 import pytest
 
+import gateway
 from gateway.assembly import axis_zeros as zeros
 from gateway.cell_file.load import load_cell
 from gateway.commands.backup import main as save
@@ -30,7 +31,7 @@ def plant(tmp_path: pathlib.Path) -> pathlib.Path:
     folder = tmp_path / "plant"
     (folder / "dat").mkdir(parents=True)
     (folder / "dat" / "MSD.DAT").write_bytes(b"01 = 'clamp open'\r\n\x1a")
-    (folder / "own.dbc").write_text((pathlib.Path(backup.__file__).parents[1] / "configs/drives/servodyn_gc.dbc").read_text())
+    (folder / "own.dbc").write_text((pathlib.Path(gateway.__file__).parents[1] / "configs/drives/servodyn_gc.dbc").read_text())
     layout = ('axes     = "1"', 'axes     = "1"\nlayout   = "own.dbc"')
     cell = cell_copy("host-telegrams", folder, layout, more=MORE)
     kept = Retained(path_of(load_cell(str(cell))), ("counter.*",))

@@ -9,6 +9,7 @@ import time
 
 import pytest
 
+import gateway
 from drivers.ports.base import PortError, runtime_dir
 from gateway.assembly import axis_zeros as zeros
 from gateway.cell_file.load import load_cell
@@ -32,7 +33,7 @@ def test_state_goes_to_the_configured_folder_and_two_cells_of_one_name_do_not_me
     zeros.append(one, {"axis": "X", "zero_inc": 12.5})
     assert zeros.zero_inc(one, "X") == 12.5 and zeros.zero_inc(other, "X") is None
     assert retain.path_of(one).exists() and not (tmp_path / "retain").exists()
-    shipped = load_cell(str(pathlib.Path(statefolder.__file__).parents[1] / "configs" / "cells" / "demo.toml"))
+    shipped = load_cell(str(pathlib.Path(gateway.__file__).parents[1] / "configs" / "cells" / "demo.toml"))
     assert zeros.path_of(shipped).is_relative_to(state)
 
 
@@ -47,7 +48,7 @@ def test_run_says_what_does_not_stay(tmp_path: pathlib.Path, monkeypatch: pytest
     cell = real(tmp_path)
     assert statefolder.warning(cell.file, simulated=False).startswith(f"state: the journal lies in {runtime_dir()}")
     assert statefolder.warning(cell.file, simulated=True) == ""
-    shipped = pathlib.Path(statefolder.__file__).parents[1] / "configs" / "cells" / "demo.toml"
+    shipped = pathlib.Path(gateway.__file__).parents[1] / "configs" / "cells" / "demo.toml"
     assert "zeros, last places" in statefolder.warning(str(shipped), simulated=False)
     monkeypatch.setenv(statefolder.VARIABLE, str(tmp_path / "state"))
     assert statefolder.warning(cell.file, simulated=False) == ""

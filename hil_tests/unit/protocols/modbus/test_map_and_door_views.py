@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+import gateway
 from gateway.cell_file.load import load_cell
 from gateway.cell_file.models import modbus as cellmodels_modbus
 from gateway.checks.modbus import modbus as _checked
@@ -36,7 +37,7 @@ KINDS = {
 
 
 def demo(more: str = "") -> Cell:
-    text = (pathlib.Path(cell_modbus.__file__).parents[1] / "configs/cells/demo.toml").read_text()
+    text = (pathlib.Path(gateway.__file__).parents[1] / "configs/cells/demo.toml").read_text()
     return load_cell("demo.toml", text + more)
 
 
