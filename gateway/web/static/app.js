@@ -1,5 +1,6 @@
 // The frame around the pages: navigation, state, stop, language, theme, login.
 import { Live, get, may, me, post, unable, whoami } from "./net.js";
+import { opened } from "./dialog.js";
 import { chip, h, mark, put, toast } from "./dom.js";
 import { language, setLanguage, t } from "./texts.js";
 
@@ -161,7 +162,7 @@ async function login() {
   h("div", { class: "bar" }, h("button", { class: "main", id: "send" }, fresh ? t("Set password") : t("Log in")),
     h("button", { type: "button", onclick: () => dialog.close() }, t("Cancel"))));
   dialog.replaceChildren(form);
-  dialog.showModal();
+  opened(dialog);
 }
 
 async function logout() {

@@ -1,4 +1,5 @@
 // What several pages show.
+import { opened } from "./dialog.js";
 import { h, put } from "./dom.js";
 
 // One value out of a dialog; null when it is left.
@@ -10,7 +11,7 @@ export function asked(t, title, value) {
     dialog.onclose = () => done(null);
     dialog.replaceChildren(h("form", { method: "dialog", onsubmit: (event) => { event.preventDefault(); done(input.value.trim()); } },
       h("h2", {}, title), input, h("div", { class: "bar" }, h("button", { class: "main", id: "send" }, t("force")), h("button", { type: "button", onclick: () => done(null) }, t("Cancel")))));
-    dialog.showModal();
+    opened(dialog);
     input.select();
   });
 }

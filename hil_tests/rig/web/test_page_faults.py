@@ -10,6 +10,7 @@ import time
 from collections.abc import Iterator
 
 import pytest
+from playwright.sync_api import Error as PlaywrightError
 from playwright.sync_api import Page
 
 from gateway.pure.image.records.cell import Motion
@@ -47,6 +48,9 @@ to = "pump.speed"
 JOG = "[data-jog='5+']"
 FULL = """() => fetch('/api/me').then(r => r.json()).then(me => fetch('/api/command', {method: 'POST',
   body: '{"code": "override"}', headers: {'content-type': 'application/json', 'x-axisgate-csrf': me.csrf}}))"""
+STOP_IS_ON_TOP = """() => { const r = document.getElementById('stop').getBoundingClientRect();
+  return r.left >= 0 && r.top >= 0 && r.right <= innerWidth && r.bottom <= innerHeight && [[4, 4], [r.width / 2, r.height / 2],
+  [r.width - 4, r.height - 4]].every(([x, y]) => document.elementFromPoint(r.left + x, r.top + y)?.id === 'stop'); }"""
 MANY = "import('/static/dom.js').then(d => { for (let n = 0; n < 60; n += 1) d.toast(`${n} ` + 'words '.repeat(60), 'bad'); })"
 
 
@@ -205,6 +209,41 @@ def test_toasts_never_cover_stop(web: WebRun) -> None:
         assert covering == 0
         assert page.locator(".toast").count() <= 3
         context.close()
+
+
+@pytest.mark.parametrize("phone", [False, True])
+def test_stop_is_in_reach_while_the_page_asks_something(web: WebRun, boss: Page, *, phone: bool) -> None:
+    context = web.context(phone=phone)
+    page = web.page(context)
+
+    def stops(leave: str) -> None:
+        assert page.evaluate(STOP_IS_ON_TOP)
+        pressed(web, boss)
+        page.click("#stop", timeout=3000)
+        until(lambda: web.run.state().motion is Motion.STOPPED, "STOP stops under the dialog")
+        assert page.is_visible("#dialog"), "what was being asked is still asked"
+        page.locator("#stop").press(leave)  # also with the focus on STOP
+        until(lambda: not page.is_visible("#dialog"), "Escape leaves the question")
+        boss.mouse.up()
+        boss.locator("[data-code=abandon]").click()
+        until(lambda: web.run.state().motion is Motion.IDLE, "nothing waits")
+
+    page.click("#login")
+    page.wait_for_selector("#dialog input[name=password]")
+    page.screenshot(path=pictures() / f"dialog-login-{'phone' if phone else 'desktop'}.png")
+    assert page.evaluate("document.activeElement.name") == "name"
+    with pytest.raises(PlaywrightError):
+        page.click("#nav-axes", timeout=500)  # everything else waits for the answer
+    stops("Escape")
+    web.login(page)
+    web.go(page, "signals")
+    page.fill("input[type=search]", "db:11:2")
+    page.click("[data-force='db:11:2=value']")
+    page.wait_for_selector("#asked")
+    stops("Escape")
+    assert "forced" not in page.inner_text("#state")
+    web.go(page, "axes")  # the page is free again
+    context.close()
 
 
 def test_a_hung_page_process_is_shown_within_three_seconds_and_nothing_looks_alive(web: WebRun, boss: Page) -> None:
