@@ -23,7 +23,7 @@ from gateway.pure.image.life_watch import LifeWatch, Load
 from gateway.runtime.clock import now_ns
 from gateway.runtime.journal import Journal
 from gateway.runtime.life import VARIABLE as LIFE
-from gateway.runtime.realtime import die_with_parent, processor_ns, survive_hang_up, wants_processor
+from gateway.runtime.realtime import die_with_parent, processor_ns, survive_terminal, wants_processor
 from gateway.runtime.regions import ImageError, RegionReader, fds_to_text, send_fds
 from gateway.runtime.spare import OPTION, Spare
 
@@ -40,6 +40,12 @@ REQUEST_BYTES = 4096
 TOOLS = 32  # connected at once; more wait
 POLL_S = 0.01
 SPARE_NS = 1_500_000_000  # a start is over by then: loading a spare takes nothing from it
+GOES_ON = "; the run goes on; it ends with: axisgate stop {slug}"
+SAID_ONCE = {  # signals of a terminal that end or suspend nothing
+    signal.SIGHUP: "the terminal or session has ended (SIGHUP)" + GOES_ON,
+    # Suspended, it would restart nothing and end no hung process, while the cycle moves axes
+    signal.SIGTSTP: "Ctrl-Z (SIGTSTP) does not suspend a run, because its processes would go on unwatched" + GOES_ON + ", or Ctrl-C",
+}
 # A pool of threads nobody needs would keep a killed cycle from being buried, and it takes 80 MB (AX-434)
 ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1"}
 
@@ -83,7 +89,8 @@ class Supervisor:
                 running.reader = RegionReader(self.fds[running.child.life], running.child.life)
         self._selector = selectors.DefaultSelector()
         self._stop = False
-        self._hung_up = self._hang_ups_told = 0
+        self._noted: list[signal.Signals] = []  # of SAID_ONCE, in the order they came
+        self._said: set[signal.Signals] = set()
         self._tools: dict[socket.socket, tuple[int, bytearray]] = {}  # since when it is there, what it said so far
         self._socket = self._listen()
 
@@ -92,7 +99,9 @@ class Supervisor:
         """Until SIGINT, SIGTERM or a stop request; exit code 0, or 3 when a process never came up."""
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, self._on_signal)
-        signal.signal(signal.SIGHUP, self._on_hang_up)
+        survive_terminal()
+        for number in SAID_ONCE:
+            signal.signal(number, self._on_terminal)
         try:
             code = self._start_all()
             while code == 0 and not self._stop:
@@ -104,17 +113,18 @@ class Supervisor:
     def _on_signal(self, number: int, frame: object) -> None:
         self._stop = True
 
-    def _on_hang_up(self, number: int, frame: object) -> None:
-        self._hung_up += 1
+    def _on_terminal(self, number: int, frame: object) -> None:
+        if number not in self._said:
+            self._noted.append(signal.Signals(number))
 
     def _turn(self) -> None:
         for key, _ in self._selector.select(POLL_S):
             key.data(key.fileobj)
-        if self._hung_up > self._hang_ups_told:
-            if not self._hang_ups_told:
-                words = f"the terminal or session has ended (SIGHUP); the run goes on; it ends with: axisgate stop {self.plan.slug}"
-                self.journal.write("process", words)
-            self._hang_ups_told = self._hung_up
+        while self._noted:
+            number = self._noted.pop(0)
+            if number not in self._said:
+                self._said.add(number)
+                self.journal.write("process", SAID_ONCE[number].format(slug=self.plan.slug))
         for running in self._running:
             self._look_after(running)
         if self._tools:
@@ -425,9 +435,9 @@ class Supervisor:
 
 
 def _ready_to_run(parent: int) -> None:
-    """In the child, before its program: a hung one dies with its parent, too, and no hang-up ends it."""
+    """In the child, before its program: a hung one dies with its parent, too, and no terminal ends or suspends it."""
     die_with_parent(parent, signal.SIGKILL)
-    survive_hang_up()
+    survive_terminal()
 
 
 def _request(heard: bytes) -> dict[str, object] | None:

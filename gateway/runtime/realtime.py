@@ -143,9 +143,13 @@ def die_with_parent(parent_pid: int | None = None, number: int = signal.SIGTERM)
         os.kill(os.getpid(), number)
 
 
-def survive_hang_up() -> None:
-    """A terminal or session that ends takes no process of a run with it; what is ignored stays so over an exec."""
-    signal.signal(signal.SIGHUP, signal.SIG_IGN)
+def survive_terminal() -> None:
+    """A terminal or session that ends, or its Ctrl-Z, ends and suspends no process of a run; what is ignored stays so over an exec.
+
+    With SIGTTOU ignored a run in the background writes on (termios(3), TOSTOP); with SIGTTIN ignored a read there fails.
+    """
+    for number in (signal.SIGHUP, signal.SIGTSTP, signal.SIGTTIN, signal.SIGTTOU):
+        signal.signal(number, signal.SIG_IGN)
 
 
 def processor_ns(pid: int) -> int:
