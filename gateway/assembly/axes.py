@@ -8,6 +8,7 @@ from drivers.drives.family import DriveHoming, DriveMaker
 from drivers.drives.referencing import ReferenceSettings, settings_from
 from drivers.drives.scaling import Scaling
 from drivers.drives.servodyn import DriveSettings
+from gateway.assembly.limits import limits_of
 from gateway.assembly.programs import kinematic_by_axis
 from gateway.pure.arbitration.dispatcher import Planner
 from gateway.pure.arbitration.jobs import AxisFacts
@@ -19,7 +20,6 @@ from gateway.pure.image.records.cell import Permit
 from motion.errors import MotionError
 from motion.execution.pieces import encode
 from motion.execution.ptp import plan_ptp
-from motion.geometry.limits import AxisLimits, limits_from
 from motion.geometry.units import to_si
 
 SLOW_SHARE = 0.2  # of the homing speed, where the cell names no slow speed
@@ -51,13 +51,6 @@ def scaling_of(axis: Axis) -> Scaling:
     return Scaling(
         axis.drive.inc_per_turn, mechanics.ratio, to_si(mechanics.feed_per_turn, axis.unit), -1 if mechanics.direction == "-" else 1
     )
-
-
-def limits_of(axis: Axis) -> AxisLimits:
-    """Travel, speed, acceleration, jerk in SI."""
-    limits = axis.limits
-    rates = {"speed": limits.speed, "accel": limits.accel, "jerk": limits.jerk}
-    return limits_from(axis.name, axis.unit, lower=limits.min, upper=limits.max, **rates, modulo=axis.modulo, manual=axis.manual)
 
 
 def reference_of(axis: Axis, scaling: Scaling) -> ReferenceSettings | DriveHoming | None:

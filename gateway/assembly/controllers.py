@@ -16,12 +16,13 @@ from gateway.pure.controllers.reis.regulator import Reference
 from gateway.pure.controllers.rho3.functions.addresses import STROBE_TIME, Places
 from gateway.pure.controllers.rho3.functions.plc import Settings
 from gateway.pure.controllers.rho3.pendant.infos import SIGNALS
-from gateway.pure.controllers.rho3.signals.control import Declared, RhoControl, Setup
+from gateway.pure.controllers.rho3.signals.control import RhoControl
 from gateway.pure.controllers.rho3.signals.coupling import Coupling, Ranges
 from gateway.pure.controllers.rho3.signals.drives import AXES as SIGNALLED
 from gateway.pure.controllers.rho3.signals.fast_io import Configured, FastParts
 from gateway.pure.controllers.rho3.signals.numbers import numbers_of
 from gateway.pure.controllers.rho3.signals.panel_view import TEST_MN
+from gateway.pure.controllers.rho3.signals.setup import Declared, Setup
 from gateway.pure.controllers.rho3.signals.steps import Step
 from gateway.pure.controllers.rho3.signals.supervision import has_grace
 from gateway.pure.controllers.rho3.signals.timers import unit_of

@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 from math import isnan, nan
 
-from gateway.assembly.axes import limits_of
 from gateway.assembly.belts import belt_facts
 from gateway.assembly.contact_regions import MOST_BELTS, OFFSETS, OFFSETS_LAYOUT
+from gateway.assembly.limits import limits_of
 from gateway.assembly.programs import robots_placed
 from gateway.pure.cell.cell import Cell
 from gateway.pure.cycle.belts import CoreBelts

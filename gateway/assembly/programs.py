@@ -140,7 +140,7 @@ def machines_of_cell(cell: Cell) -> "tuple[Machine, ...]":
 
 
 def _machine(cell: Cell, table: Robot, first: int) -> "Machine":
-    from gateway.assembly.axes import limits_of
+    from gateway.assembly.limits import limits_of
     from gateway.files.robots import RobotFaults, load_robot
     from motion.errors import MotionError
     from motion.planner.robot import machine_of

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from gateway.assembly.axes import limits_of
+from gateway.assembly.limits import limits_of
 from gateway.pure.cell.cell import Cell
 
 if TYPE_CHECKING:

@@ -2,6 +2,7 @@
 
 from collections import deque
 from collections.abc import Sequence
+from typing import Protocol
 
 from drivers.drives.family import Actual, BusFamily, SetRecord
 from drivers.drives.masters import OtherMaster
@@ -11,7 +12,6 @@ from drivers.ports.can.open import open_can
 from drivers.ports.can.wire import RECORD_BYTES
 from gateway.assembly.cycle_belts import Encoder
 from gateway.cycle.native.quick import NativeParts, QuickTelegrams
-from gateway.cycle.recording_tap import CycleTap
 from protocols.base.errors import DecodeError
 from protocols.base.machine import Frame, FrameFault
 
@@ -22,6 +22,16 @@ BUS_OFF = (
     "bus-off: the controller left the bus after too many errors and is restarted; check cable, termination (120 ohm at both ends) and bit"
     " rate; if it stays away: sudo ip link set can0 type can restart (axisgate does that itself where it has CAP_NET_ADMIN)"
 )
+
+
+class BusTap(Protocol):
+    """What a recording takes from a bus."""
+
+    def sent(self, bus: int, frames: Sequence[Frame]) -> None:
+        """The burst has left."""
+
+    def heard(self, bus: int, frames: Sequence[Frame]) -> None:
+        """These came from the port."""
 
 
 class BusLink:
@@ -40,7 +50,7 @@ class BusLink:
         self._local: BrokerPort | None = None  # the port, where its messages may be made and read in C
         self._values: Sequence[SetRecord] = ()
         self._message: bytes | None = None  # the next burst as it goes to the local bus; None: `_burst` holds it
-        self.tap: CycleTap | None = None  # while somebody records
+        self.tap: BusTap | None = None  # while somebody records
         self.port: CanPort | None = None
         self.fd = -1  # of the port
         self.refused = 0  # frames the port did not take: never silent

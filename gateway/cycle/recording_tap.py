@@ -1,8 +1,8 @@
 """The cycle's end of a recording: messages into a ring, while a recorder lives; no file, nobody is waited for."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING
 
+from gateway.cycle.bus_link import BusLink
 from gateway.pure.buses.cia401 import CouplerFamily
 from gateway.pure.cycle.core import CycleLogic
 from gateway.pure.image.records.cell import Aside, Motion, unpack_order
@@ -24,16 +24,13 @@ from gateway.recording.states import Snapshots, Start, StateError
 from gateway.runtime.regions import RegionReader, RingWriter
 from protocols.base.machine import Frame, Ns
 
-if TYPE_CHECKING:
-    from gateway.cycle.bus_link import BusLink
-
 LOOK_EVERY = 16  # cycles between looks for a recorder while none is there
 
 
 class CycleTap:
     """`on`: somebody records."""
 
-    def __init__(self, core: CycleLogic, buses: Sequence["BusLink"], fds: Mapping[str, int]) -> None:
+    def __init__(self, core: CycleLogic, buses: Sequence[BusLink], fds: Mapping[str, int]) -> None:
         self.on = False
         self._core, self._buses = core, buses
         self._ring = RingWriter(fds["record"], "record", CHUNK_LAYOUT)

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 
 from gateway.files.robots import load_robot
-from gateway.web.skeleton import GRIPPER_M, Frame, Lines, Point, rounded
+from gateway.web.points import GRIPPER_M, Frame, Lines, Point, rounded
 from motion.errors import MotionError
 from motion.geometry.frames import Pose, compose
 from motion.kinematics.arm6 import ArmGeometry

@@ -7,13 +7,10 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from gateway.pure.cell.cell import Cell
+from gateway.web.points import GRIPPER_M, Frame, Lines, Point, rounded
 
-Point = tuple[float, float, float]
-Lines = list[list[Point]]
-Frame = tuple[str, Point, tuple[float, ...]]  # name, origin in m, rotation of nine floats, row after row
 Mark = tuple[str, Point]  # name of an axis, and where it acts
 UPRIGHT, DOWN = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0), (1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0)
-GRIPPER_M = 0.06  # a short piece along the flange's own z, so that its direction is seen
 
 
 class Skeleton:
@@ -102,8 +99,3 @@ class Portal:
         ram, bridge = self.lines(joints)
         found = list(zip(self._linear, (bridge[1], ram[1], ram[0]), strict=False))
         return [*found, *((n, ram[-2]) for n in range(len(joints)) if n not in self._linear)]
-
-
-def rounded(point: Sequence[float]) -> Point:
-    """To a tenth of a millimetre."""
-    return round(point[0], 4), round(point[1], 4), round(point[2], 4)

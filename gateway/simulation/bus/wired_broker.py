@@ -13,7 +13,7 @@ import time
 from drivers.emulator.wire.cable import Carried, Wire
 from drivers.ports.can.wire import CONTROL, MAX_DATA, MAX_ID, RECORD
 from drivers.ports.timerfd import Timer
-from gateway.simulation.bus.broker import Broker, Client
+from gateway.simulation.bus.base import Broker, Client
 from gateway.simulation.bus.log import LogPipe
 from protocols.base.machine import Frame, Ns, ms
 

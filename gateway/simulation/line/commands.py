@@ -7,14 +7,11 @@ import socket
 import time
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import TYPE_CHECKING
 
 from drivers.ports.base import PortError
 from drivers.ports.serial.cable import PENDING_LIMIT, Fault
+from gateway.simulation.line.cable import Line
 from protocols.base.machine import Ns
-
-if TYPE_CHECKING:
-    from gateway.simulation.line.process import Line
 
 CLIENTS = 8
 LONGEST = 16384  # bytes of a command
@@ -29,7 +26,7 @@ class BadCommand(ValueError):
 class ControlSocket:
     """Listens, reads lines, answers.  Clients that do not read their answers are dropped."""
 
-    def __init__(self, path: str, line: "Line", carry: Callable[["Line", Command], Answer]) -> None:
+    def __init__(self, path: str, line: Line, carry: Callable[[Line, Command], Answer]) -> None:
         self._path, self._line, self._carry = path, line, carry
         self._listener: socket.socket | None = None
         self._clients: dict[int, tuple[socket.socket, bytearray]] = {}
@@ -108,7 +105,7 @@ class ControlSocket:
             return {"ok": False, "why": str(error)}
 
 
-def carry_out(line: "Line", command: Command) -> Answer:
+def carry_out(line: Line, command: Command) -> Answer:
     """One command.  What has left the line before it is not touched by it."""
     line.move(time.monotonic_ns())
     match command.get("do"):
@@ -136,7 +133,7 @@ def carry_out(line: "Line", command: Command) -> Answer:
             raise BadCommand(f"{other!r}: unplug, plug, remove, insert, damage, calm, noise, status or stop expected")
 
 
-def _damage(line: "Line", command: Command) -> Answer:
+def _damage(line: Line, command: Command) -> Answer:
     sender, fault = _side(command, "from"), _fault(command)
     if "probability" in command:
         probability, seed = command["probability"], command.get("seed", 0)
@@ -151,7 +148,7 @@ def _damage(line: "Line", command: Command) -> Answer:
     return {"stamp_ns": line.note(f"damage from={sender} kind={fault.value} next={n}")}
 
 
-def _noise(line: "Line", command: Command) -> Answer:
+def _noise(line: Line, command: Command) -> Answer:
     """Characters (or one BREAK) as if the sender had sent them, behind what it has sent already."""
     sender, text = _side(command, "from"), command.get("hex", "")
     if not isinstance(text, str):
@@ -170,7 +167,7 @@ def _noise(line: "Line", command: Command) -> Answer:
     return {"stamp_ns": line.note(f"noise from={sender} {data.hex()}")}
 
 
-def _status(line: "Line") -> Answer:
+def _status(line: Line) -> Answer:
     line.recorder.flush()
     return {
         "stamp_ns": time.monotonic_ns(),

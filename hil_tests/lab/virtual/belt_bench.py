@@ -8,9 +8,10 @@ from drivers.drives.servodyn_family import ServodynFamily
 from drivers.emulator.cia402.slave import Cia402Slave
 from drivers.emulator.io.belts import EmulatedBelt, EmulatedBelts
 from drivers.emulator.servodyn.slave import ServodynSlave
-from gateway.assembly.axes import core_axes, limits_of
+from gateway.assembly.axes import core_axes
 from gateway.assembly.belts import belt_facts
 from gateway.assembly.cycle_belts import encoders_of
+from gateway.assembly.limits import limits_of
 from gateway.assembly.programs import machine_of_cell
 from gateway.cell_file.load import load_cell
 from gateway.pure.arbitration.command_block import Code, Command

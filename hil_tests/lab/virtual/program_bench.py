@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from gateway.assembly.axes import limits_of
+from gateway.assembly.limits import limits_of
 from gateway.pure.arbitration.command_block import Code, Command
 from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.arbitration.jobs import Job

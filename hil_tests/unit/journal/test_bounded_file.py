@@ -8,7 +8,7 @@ from drivers.ports.serial.line_format import Note
 from gateway.links.serial.dialogue_log import JournalFile
 from gateway.runtime.bounded_file import BoundedFile
 from gateway.simulation.bus.log import log_file, write_log
-from gateway.simulation.line.process import Recorder
+from gateway.simulation.line.cable import Recorder
 
 LIMIT, BUS_LIMIT = 8192, 200_000
 

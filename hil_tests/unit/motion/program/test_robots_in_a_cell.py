@@ -8,7 +8,7 @@ import pathlib
 
 import pytest
 
-from gateway.assembly.axes import limits_of
+from gateway.assembly.limits import limits_of
 from gateway.cell_file.load import load_cell
 from gateway.pure.arbitration.command_block import Code
 from gateway.pure.image.reasons import CommandState

@@ -6,26 +6,25 @@ office.  A restart of services counts as a start of the control (AX-332): nothin
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 
 from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.arbitration.jobs import Job
 from gateway.pure.controllers.pic_image import PicImage
-from gateway.pure.controllers.rho3.functions.plc import Functions, Settings
+from gateway.pure.controllers.rho3.functions.plc import Functions
 from gateway.pure.controllers.rho3.functions.processes import Kind, Process, ProcessTable, Program, State
 from gateway.pure.controllers.rho3.pendant.panel import Panel
 from gateway.pure.controllers.rho3.signals.codes import EMERGENCY_STOP, PIC_TIMER, PLC_SILENT, CycleErrors, code_text
 from gateway.pure.controllers.rho3.signals.commands import AxisCommands
-from gateway.pure.controllers.rho3.signals.coupling import Coupling
+from gateway.pure.controllers.rho3.signals.control_state import ControlState
 from gateway.pure.controllers.rho3.signals.drives import DriveOn
 from gateway.pure.controllers.rho3.signals.errors import RHO3
-from gateway.pure.controllers.rho3.signals.fast_io import Channels, FastParts
-from gateway.pure.controllers.rho3.signals.numbers import AS_SHIPPED, Numbers
+from gateway.pure.controllers.rho3.signals.fast_io import Channels
 from gateway.pure.controllers.rho3.signals.panel_view import PanelView
 from gateway.pure.controllers.rho3.signals.phg_values import PhgValues
+from gateway.pure.controllers.rho3.signals.setup import Setup
 from gateway.pure.controllers.rho3.signals.steps import Step, body_maker, fault_of
 from gateway.pure.controllers.rho3.signals.supervision import PicGuard, PlcWatch
-from gateway.pure.controllers.rho3.signals.whole import Installation, Seen, SignalInterface
+from gateway.pure.controllers.rho3.signals.whole import Seen, SignalInterface
 from gateway.pure.image.error_list import ErrorList
 from gateway.pure.image.records.cell import RC_BYTES, CellState, InputImage, Permit, get_bit, set_bit
 from motion.program.factors import FactorTable, Operation
@@ -36,44 +35,6 @@ KEEP_PERMANENT = 61  # RC input (L2620)
 RESET_MODE = "11.1"  # mode of the panel that resets (L3059)
 BOARD_IN, BOARD_OUT = 8, 5
 SETTLES = 200  # cycles after a start in which a late one says nothing about the timer (AX-478)
-
-
-@dataclass(frozen=True, slots=True)
-class Declared:
-    """A program of the cell."""
-
-    name: str
-    steps: tuple[Step, ...]
-    permanent: bool = False
-    priority: int = 140
-    kinematics: tuple[int, ...] = (1,)
-    repeat: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class Setup:
-    """What the cell says; bit numbers as this cell has them."""
-
-    installation: Installation = Installation()
-    numbers: Numbers = AS_SHIPPED
-    functions: Settings = field(default_factory=Settings)
-    programs: tuple[Declared, ...] = ()
-    axes: tuple[str, ...] = ()
-    owners: Mapping[int, int] = field(default_factory=dict)  # RC input byte -> command source
-    assumed: tuple[int, ...] = ()  # RC inputs that are not wired and count as 1
-    of_cycle: bytes = bytes(RC_BYTES)  # RC output bits the cycle writes
-    emergency_op: int = 140  # RC input: emergency mode without RC
-    chain_assumed: bool = False
-    fast: FastParts = FastParts()  # servo boards, P11, P36
-    coupling: Coupling | None = None
-    plc_silence: Ns = 0  # time-out of the PLC; 0: not supervised
-    plc_grace: bool = True
-    pic_timeout: Ns = 0  # longest time between two cycles of the PIC; 0: not supervised (AX-478)
-    sets_override: bool = True
-    units: tuple[tuple[str, float], ...] = ()  # of the axes: name, and how many of them a rad or m is
-    limits: tuple[tuple[float, float], ...] = ()  # of the axes, in these units
-    info_bits: Mapping[str, int] = field(default_factory=dict)  # RC inputs the pendant's INFO speaks of, by symbol
-    option: int = 0  # P25 as the option byte: what resets factors
 
 
 class RhoControl:
@@ -102,18 +63,17 @@ class RhoControl:
         self._last = now
         self._listed: set[str] = set()  # programs with a process, as of the last cycle
         self._closed = True  # the chain, as the interface was told last
-        self._now = now
-        self.state = CellState()  # as the cycle told it last
         self.factor_table = FactorTable(setup.installation.kinematics, setup.option)
-        self.panel_view = PanelView(self)
+        self.view = ControlState(setup, errors, self.image, self.modes, self.user, self.processes, self.channels, self.factor_table, now)
+        self.panel_view = PanelView(self.view)
         self.panel = Panel(self.functions.display, self.functions.phg, self.functions.statuses, self.panel_view, setup.functions.language)
-        self.phg = PhgValues(self)
+        self.phg = PhgValues(self.view)
         self._names = self._all_names()
 
     @property
     def now(self) -> Ns:
         """Of the last cycle."""
-        return self._now
+        return self.view.now
 
     @property
     def outputs(self) -> bytes:
@@ -123,7 +83,7 @@ class RhoControl:
     # ---- one cycle -----------------------------------------------------------------------------------------------------
     def step(self, inputs: InputImage, cycle: bytes, state: CellState, now: Ns, *, heard: bool = False) -> list[str]:
         """`cycle`: RC outputs as the cycle published them; `heard`: the PLC has transmitted since.  What a person should read."""
-        self._now, self.state = now, state
+        self.view.now, self.view.cell = now, state
         if self._guard is None:
             return self._cycle(inputs, cycle, state, now, heard=heard)
         told: list[str] = []
@@ -139,7 +99,7 @@ class RhoControl:
     def _halt(self, now: Ns, *, first: bool) -> list[str]:
         """Nothing moves and nobody switches on: READY is kept open against every fault reset."""
         self._office.bar((1 << len(self.setup.axes)) - 1)
-        if self.state.generation and not self.state.emergency:
+        if self.view.cell.generation and not self.view.cell.emergency:
             self._office.open_ready()
         if not first:
             return []
@@ -230,7 +190,7 @@ class RhoControl:
             if process is not None:
                 reason = fault_of(fault)
                 process.state, process.error, process.error_text = State.FAULTY, reason.code, reason.text
-                self.interface.faults.came(reason.code, where=process.name, now=self._now)
+                self.interface.faults.came(reason.code, where=process.name, now=self.now)
                 told.append(f"{process.name}: {reason.text}")
         if seen.outcome.processes_end:
             self.factor_table.happened(Operation.CONTROL_RESET)
@@ -248,7 +208,7 @@ class RhoControl:
             process = self.processes.named(name)
             alive = process is not None and process.state is not State.FAULTY
             if job.open and not alive:
-                self._commands.stop(job.door, self._now, give_up=job)
+                self._commands.stop(job.door, self.now, give_up=job)
             if not job.open or not alive:
                 del self._jobs[name]
         listed = {process.name for process in self.processes.processes}

@@ -1,17 +1,14 @@
 """The control as its pendant asks it (gateway.pure.controllers.rho3.pendant.pages.Source)."""
 
 from collections.abc import Collection, Sequence
-from typing import TYPE_CHECKING
 
 from gateway.pure.controllers.rho3.functions.processes import ProcessTable
 from gateway.pure.controllers.rho3.pendant.infos import Condition, conditions_of
 from gateway.pure.controllers.rho3.signals.codes import code_text
+from gateway.pure.controllers.rho3.signals.control_state import ControlState
 from gateway.pure.controllers.rho3.signals.errors import RHO3
 from gateway.pure.image.records.cell import AxisFlag
 from motion.program.factors import Factors
-
-if TYPE_CHECKING:
-    from gateway.pure.controllers.rho3.signals.control import RhoControl
 
 TEST_MN = "TEST_MN_RCI"
 
@@ -19,7 +16,7 @@ TEST_MN = "TEST_MN_RCI"
 class PanelView:
     """Reads one control; starts programs and sets factors as the operator at the pendant may."""
 
-    def __init__(self, control: "RhoControl") -> None:
+    def __init__(self, control: ControlState) -> None:
         self._control = control
 
     @property
@@ -31,15 +28,11 @@ class PanelView:
         return self._control.factor_table.global_factors()
 
     def set_factor(self, which: str, value: float, kinematic: int = 0) -> None:
-        table = self._control.factor_table
-        if kinematic:
-            table.set_kinematic(kinematic, **{which: value})
-        else:
-            table.set_global(**{which: value})
+        self._control.set_factor(which, value, kinematic)
 
     def positions(self) -> Sequence[tuple[str, str, float]]:
         setup = self._control.setup
-        places = zip(setup.axes, setup.units, self._control.state.axes, strict=False)
+        places = zip(setup.axes, setup.units, self._control.cell.axes, strict=False)
         return [(name, unit, axis.actual * factor) for name, (unit, factor), axis in places]
 
     def faults(self) -> Sequence[tuple[int, str]]:
@@ -60,7 +53,7 @@ class PanelView:
     def conditions(self) -> Collection[Condition]:
         control = self._control
         bits = control.setup.info_bits
-        axes = control.state.axes[: len(control.setup.axes)]
+        axes = control.cell.axes[: len(control.setup.axes)]
         return conditions_of(
             lambda name: name in bits and control.image.input(bits[name]),
             referenced=all(axis.flags & AxisFlag.REFERENCED for axis in axes),
@@ -69,4 +62,4 @@ class PanelView:
         )
 
     def start(self, name: str) -> object:
-        return self._control.start(name)
+        return self._control.processes.start(name)

@@ -3,17 +3,13 @@
 What this control does not have (boards, files, text lists, object coordinates) is refused, never shown as a zero.
 """
 
-from typing import TYPE_CHECKING
-
 from gateway.pure.controllers.rho3.functions.system_variables import SystemVariables, VariableError
 from gateway.pure.controllers.rho3.pendant.catalogue import variable_of
 from gateway.pure.controllers.rho3.pendant.variables import AxisView, KinematicView, Machine, Message, SetBits, SetFactor, Value, Variables
 from gateway.pure.controllers.rho3.signals.codes import code_text
+from gateway.pure.controllers.rho3.signals.control_state import ControlState
 from gateway.pure.controllers.rho3.signals.errors import RHO3
 from gateway.pure.image.records.cell import MOST_AXES, AxisFlag, AxisState
-
-if TYPE_CHECKING:
-    from gateway.pure.controllers.rho3.signals.control import RhoControl
 
 WARNINGS = 5  # group of error codes (rho3 3.3)
 AREA = 128  # bytes of the PIC's areas
@@ -24,7 +20,7 @@ NO_AXES = [AxisState()] * MOST_AXES  # until the cycle has spoken
 class PhgValues:
     """Reads and writes one control; the selected process stays selected."""
 
-    def __init__(self, control: "RhoControl") -> None:
+    def __init__(self, control: ControlState) -> None:
         self._control = control
         self._variables = Variables(Machine(), SystemVariables(control.processes, language=control.setup.functions.language))
 
@@ -48,7 +44,7 @@ class PhgValues:
         order = self._variables.write(variable.code, value, index)
         match order:
             case SetFactor(kinematic, which, share):
-                self._control.panel_view.set_factor(which, share, kinematic)
+                self._control.set_factor(which, share, kinematic)
             case SetBits(first, bits):
                 self._outputs(name, first, bits)
 
@@ -66,7 +62,7 @@ class PhgValues:
         language = control.setup.functions.language
         told = [(each.code, Message(each.code, 0, f"{code_text(each.code, language)} {each.where}".strip())) for each in records]
         return Machine(
-            pic_inputs=control.outputs[:AREA].ljust(AREA, b"\0"),
+            pic_inputs=bytes(control.image.outputs)[:AREA].ljust(AREA, b"\0"),
             rci=bytes(control.image.inputs)[:AREA].ljust(AREA, b"\0"),
             flags=bytes(control.image.flags)[:AREA].ljust(AREA, b"\0"),
             kinematics=self._kinematics(),
@@ -82,7 +78,7 @@ class PhgValues:
         axes = tuple(
             AxisView(name, axis.set * factor, axis.actual * factor, axis.lag * factor, bool(axis.flags & AxisFlag.IN_POSITION), most, least)
             for name, (_, factor), (least, most), axis in zip(
-                setup.axes, setup.units, setup.limits, [*control.state.axes, *NO_AXES], strict=False
+                setup.axes, setup.units, setup.limits, [*control.cell.axes, *NO_AXES], strict=False
             )
         )
         count = setup.installation.kinematics

@@ -44,7 +44,7 @@ def test_signals_and_positions_of_the_running_control(bench: ControlBench) -> No
     bench.control.write_flags(4, b"\x81")
     assert [read(bench, "phg.33027.39"), read(bench, "phg.33030.4"), read(bench, "phg.33033.3")] == [1, 0x81, 0x8100]
     assert read(bench, "phg.33025.107") == 1, "run-up finished is an RC output, an input of the PIC"
-    axis = bench.rho3.state.axes[1]
+    axis = bench.rho3.view.cell.axes[1]
     axis.actual, axis.set, axis.lag = 0.0125, 0.013, 0.0005
     assert [read(bench, f"phg.{code}.1.2") for code in (33282, 33281, 33293)] == pytest.approx([12.5, 13.0, 0.5])
     assert read(bench, "phg.33282.2") == pytest.approx(12.5) and read(bench, "phg.33291.1.2") == "A2"

@@ -5,7 +5,8 @@ import re
 
 import pytest
 
-from gateway.assembly.axes import core_axes, limits_of
+from gateway.assembly.axes import core_axes
+from gateway.assembly.limits import limits_of
 from gateway.assembly.shared_outputs import shared_of_cell
 from gateway.cell_file.load import load_cell
 from gateway.pure.arbitration.command_block import Code

@@ -4,8 +4,8 @@ from math import isnan, nan
 
 import pytest
 
-from gateway.assembly.axes import limits_of
 from gateway.assembly.cycle_belts import Encoder
+from gateway.assembly.limits import limits_of
 from gateway.pure.cycle.belts import CoreBelts
 from gateway.pure.image.records.cell import InputImage
 from hil_tests.lab.running.belt_run import INCREMENT
