@@ -10,6 +10,7 @@ from collections.abc import Iterator
 import pytest
 
 from drivers.ports.serial.line_format import escape
+from drivers.ports.serial.pty import offer_marks
 from gateway.links.serial.val3_channels import SioRunner
 from gateway.pure.controllers.val3.sio.channel import Channel, Kind
 from gateway.pure.controllers.val3.sio.control import Value
@@ -31,6 +32,7 @@ class Pair:
     def insert(self) -> None:
         self.master, slave = os.openpty()
         self.path.symlink_to(os.ttyname(slave))
+        offer_marks(slave)  # damage comes in PARMRK form, as from the line process
         os.close(slave)
 
     def remove(self) -> None:
