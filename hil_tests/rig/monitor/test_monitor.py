@@ -302,6 +302,7 @@ def dialogue(screens: Iterator[str], *words: str) -> None:
 @pytest.mark.parametrize("end", ["\x11", "\x03"], ids=["ctrl-q", "ctrl-c"])
 def test_the_pendant_in_a_real_terminal(run: CellRun, end: str) -> None:
     """Its display, a mode chosen by direct selection, and its end."""
+    assert main(["see", "--press", "MODE 0 ENTER"]) == 0, "from the basic level: the panel keeps its mode between two terminals"
     dialogue(screen_of(f"m7.1\r{end}", "see", "--pendant"), "Basic level", *["Mode="] * 4, "7.1 Axis display")
 
 
