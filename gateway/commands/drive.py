@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from gateway.tools.drives.loss_test import Stop
 
 EXAMPLES = """examples:
-  axisgate drive scan socketcan:can0                 nodes 1..127 with identity; nothing is written
+  axisgate drive scan socketcan:can0                 nodes 1..127 with identity; listens first, writes nothing
   axisgate drive commission cell.toml X              start-up of one drive as the cell would do it, and the line that pins it
   axisgate drive commission demo-402 A2 --sim        the same without metal, on emulated drives
   axisgate drive commission cell.toml X --mode pp --way 2    and then 2 mm (or deg) in profile position; also pv, hm, ip
@@ -39,6 +39,7 @@ def main(argv: list[str]) -> int:
     parser.add_argument("place", help="the cell, or its name; scan also takes a CAN port (socketcan:can0, broker:NAME)")
     parser.add_argument("axis", nargs="?", help="commission: name of the axis")
     parser.add_argument("--port", help="scan, commission: CAN port in place of the cell's")
+    parser.add_argument("--beside", action="store_true", help="scan: also where another master is heard on the bus")
     parser.add_argument("--sim", action="store_true", help="commission: emulated drives on a bus of their own, no metal")
     parser.add_argument("--mode", choices=("pp", "pv", "hm", "ip"), help="commission: move once by SDO in this mode, at first_enable speed")
     parser.add_argument("--way", type=float, help="commission --mode: way in the axis' unit (default: first_enable travel)")
@@ -67,7 +68,7 @@ def main(argv: list[str]) -> int:
 def _scan_place(arguments: argparse.Namespace) -> int:
     """A CAN port, or every CANopen bus of a cell, at --port or at the port the cell names."""
     if ":" in arguments.place and not arguments.place.endswith(".toml"):
-        return _scan(arguments.place, as_json=arguments.json)
+        return _scan(arguments.place, arguments)
     cell = load(arguments.place)
     if isinstance(cell, int):
         return cell
@@ -80,15 +81,19 @@ def _scan_place(arguments: argparse.Namespace) -> int:
         words = f'bus {simulated[0]} has port = "sim"; name one: axisgate drive scan {arguments.place} --port socketcan:can0'
         print(f"axisgate drive scan: {words}", file=sys.stderr)
         return USAGE
-    return max(_scan(arguments.port or bus.port, as_json=arguments.json) for bus in buses)
+    return max(_scan(arguments.port or bus.port, arguments) for bus in buses)
 
 
-def _scan(url: str, *, as_json: bool) -> int:
+def _scan(url: str, arguments: argparse.Namespace) -> int:
+    """Listens first: SDO requests of two clients take each other's answers."""
+    from gateway.links.canopen.listen_first import refuse_other_master
     from gateway.tools.drives.without_cycle import direct, scan
 
     with direct(url) as link:
+        if not arguments.beside:
+            refuse_other_master(link.port, url, "canopen", ", or ask all the same with --beside")
         found = scan(link)
-    if as_json:
+    if arguments.json:
         print(json.dumps(found))
     else:
         for row in found:

@@ -36,7 +36,7 @@ class Relay:
         self._near: BrokerPort | None = None
         self._far: AdapterPort | None = None
         self._said = ""
-        self._told = self._faults_told = False
+        self._told = self._faults_told = self._fd_told = False
         self._again = 0.0
         self.stale = self._stale_told = 0
 
@@ -92,7 +92,7 @@ class Relay:
                 self._near = BrokerPort(self._bus)
             if self._far is None:
                 self._far = AdapterPort(self._url, self._bitrate, listen_only=self._listen_only)
-                self._told = self._faults_told = False
+                self._told = self._faults_told = self._fd_told = False
                 self._said = ""
                 print(f"{self._url}: open" + (", listening only" if self._listen_only else ""), flush=True)
         except PortError as error:
@@ -110,6 +110,9 @@ class Relay:
         if far.take_faults() and not self._faults_told:
             self._faults_told = True
             print(f"{self._url}: error frames on the bus: check cable, termination, bit rate", flush=True)
+        if far.fd and not self._fd_told:
+            self._fd_told = True
+            print(f"{self._url}: frames of CAN FD on the bus: they are passed over, drives and couplers here speak classic CAN", flush=True)
         if not self._told and (len(far.own_ns) >= SAMPLES or len(far.answer_ns) >= SAMPLES):
             self._told = True
             print(f"{self._url}: {latency_words(far.own_ns, far.answer_ns)}", flush=True)

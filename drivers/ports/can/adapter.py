@@ -36,6 +36,7 @@ class AdapterPort:
     def __init__(self, url: str, bitrate: int = 1_000_000, *, listen_only: bool = False) -> None:
         self.name = url
         self.counters = CanCounters()
+        self.fd = 0  # frames of CAN FD among those ignored
         self.own_ns: list[Ns] = []  # from sending a frame until the adapter gave it back; the first SAMPLES
         self.answer_ns: list[Ns] = []  # from a burst until the first frame of somebody else; the first SAMPLES
         self._faults: list[tuple[FrameFault, Ns]] = []
@@ -86,6 +87,7 @@ class AdapterPort:
                 self._echo(message, now)
             elif message.is_extended_id or message.is_remote_frame or message.is_fd:
                 self.counters.ignored += 1
+                self.fd += message.is_fd
             else:
                 frames.append(Frame(message.arbitration_id, bytes(message.data), now))
         if frames and self._burst_ns and frames[-1].stamp_ns > self._burst_ns:

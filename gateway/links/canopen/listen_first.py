@@ -27,11 +27,11 @@ def listen(port: CanPort, seconds: float = LISTEN_S) -> list[Frame]:
     return heard
 
 
-def refuse_other_master(port: CanPort, url: str, protocol: str) -> None:
-    """Returns when no master was heard; raises OtherMasterError, PortError."""
+def refuse_other_master(port: CanPort, url: str, protocol: str, otherwise: str = "") -> None:
+    """Returns when no master was heard; raises OtherMasterError, which ends with `otherwise`, and PortError."""
     words = masters_in(listen(port), protocol)
     if words:
-        raise OtherMasterError(f"{url}: another master speaks on this bus: {words}; {END_IT}")
+        raise OtherMasterError(f"{url}: another master speaks on this bus: {words}; {END_IT}{otherwise}")
 
 
 def refuse_on(url: str, protocol: str) -> None:

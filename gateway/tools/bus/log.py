@@ -4,7 +4,7 @@ import argparse
 import pathlib
 import sys
 
-from gateway.tools.bus.logs import WRITABLE, BadLog, LogWriter
+from gateway.tools.bus.logs import WRITABLE, BadLog, FdFrame, LogWriter
 from gateway.tools.bus.monitor import Summary, live
 from gateway.tools.bus.ports import FORM, NoBus, open_bus
 from gateway.tools.command_support import DONE, ENVIRONMENT, USAGE
@@ -34,10 +34,14 @@ def main(argv: list[str]) -> int:
     except OSError as error:
         print(f"axisgate bus log: {arguments.output}: {error.strerror}", file=sys.stderr)
         return ENVIRONMENT
-    count, summary = 0, Summary()
+    count = fd = 0
+    summary = Summary()
     try:
-        with open_bus(arguments.bus, arguments.bitrate) as bus:
+        with open_bus(arguments.bus, arguments.bitrate, fd=True) as bus:
             for frame in live(bus, arguments.seconds, summary):
+                if isinstance(frame, FdFrame):
+                    fd += 1
+                    continue
                 writer.put(frame)
                 count += 1
     except NoBus as error:
@@ -45,7 +49,7 @@ def main(argv: list[str]) -> int:
         return ENVIRONMENT
     finally:
         writer.close()
-    fd = f", {summary.fd} frames of CAN FD passed over" if summary.fd else ""
-    print(f"{count} frames in {arguments.output}, {summary.errors} error frames{fd}")
+    passed_over = f", {fd} frames of CAN FD passed over" if fd else ""
+    print(f"{count} frames in {arguments.output}, {summary.errors} error frames{passed_over}")
     print(f"next: axisgate bus monitor --from {arguments.output} --summary")
     return DONE

@@ -6,13 +6,14 @@ The data of a remote frame are as many zeros as it asks for.
 
 import pathlib
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import can
 
 from drivers.ports.can.wire import EFF_FLAG, ID_BITS, RTR_FLAG
 from gateway.pure.buses.candump import is_fd, marked_frames_of
 from gateway.pure.lines.pcapng import can_pcapng
-from protocols.base.machine import Frame
+from protocols.base.machine import Frame, Ns
 
 LINES = 50  # of a text, in which its form has to show
 READABLE = (".log", ".asc", ".blf", ".trc", ".csv")
@@ -83,6 +84,21 @@ def frame_of(message: can.Message) -> Frame:
     flag = (EFF_FLAG if message.is_extended_id else 0) | (RTR_FLAG if message.is_remote_frame else 0)
     data = bytes(message.dlc) if message.is_remote_frame else bytes(message.data)
     return Frame(message.arbitration_id | flag, data, round(message.timestamp * 1e9))
+
+
+@dataclass(frozen=True, slots=True)
+class FdFrame:
+    """What a bus of CAN FD carries beside classic frames: shown and counted, understood by nothing here."""
+
+    identifier: int
+    data: bytes  # up to 64
+    stamp_ns: Ns
+    fast: bool  # its data at the second bit rate (BRS)
+
+
+def fd_frame_of(message: can.Message) -> FdFrame:
+    flag = EFF_FLAG if message.is_extended_id else 0
+    return FdFrame(message.arbitration_id | flag, bytes(message.data), round(message.timestamp * 1e9), message.bitrate_switch)
 
 
 def message_of(frame: Frame) -> can.Message:

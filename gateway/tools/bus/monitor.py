@@ -15,7 +15,7 @@ from drivers.ports.can.wire import ID_BITS, RTR_FLAG
 from gateway.files.find import ConfigNotFound
 from gateway.files.frame_decoder import Decode, decoder, named
 from gateway.tools.bus.load import measured
-from gateway.tools.bus.logs import BadLog, frame_of, read_log
+from gateway.tools.bus.logs import BadLog, FdFrame, fd_frame_of, frame_of, read_log
 from gateway.tools.bus.ports import FORM, NoBus, open_bus
 from gateway.tools.command_support import DONE, ENVIRONMENT, USAGE
 from protocols.base.machine import Frame, Ns
@@ -40,7 +40,7 @@ class Seen:
     last: bytes = b""
     changes: int = 0
 
-    def take(self, frame: Frame) -> None:
+    def take(self, frame: Frame | FdFrame) -> None:
         if self.count:
             gap = frame.stamp_ns - self.last_ns
             self.shortest_ns = gap if self.count == 1 else min(self.shortest_ns, gap)
@@ -49,6 +49,11 @@ class Seen:
         else:
             self.first_ns = frame.stamp_ns
         self.count, self.last_ns, self.last = self.count + 1, frame.stamp_ns, frame.data
+
+    def figures(self) -> str:
+        """Its columns of the summary."""
+        period = (self.last_ns - self.first_ns) / 1e6 / (self.count - 1) if self.count > 1 else 0.0
+        return f"{self.count:8}{period:11.3f}{self.shortest_ns / 1e6:9.3f}{self.longest_ns / 1e6:9.3f}{self.changes:9}"
 
 
 @dataclass(slots=True)
@@ -59,9 +64,16 @@ class Summary:
     frames: list[Frame] = field(default_factory=list)
     errors: int = 0
     remotes: int = 0
-    fd: int = 0  # frames of CAN FD, passed over
+    fd: dict[int, Seen] = field(default_factory=dict)  # frames of CAN FD
 
-    def take(self, frame: Frame) -> None:
+    @property
+    def fd_count(self) -> int:
+        return sum(one.count for one in self.fd.values())
+
+    def take(self, frame: Frame | FdFrame) -> None:
+        if isinstance(frame, FdFrame):
+            self.fd.setdefault(frame.identifier, Seen()).take(frame)
+            return
         self.seen.setdefault(frame.identifier, Seen()).take(frame)
         self.frames.append(frame)
         self.remotes += bool(frame.identifier & RTR_FLAG)
@@ -69,14 +81,14 @@ class Summary:
     def lines(self, decode: Decode, rate: int) -> Iterator[str]:
         yield f"{'identifier':>14}{'frames':>8}{'period ms':>11}{'min':>9}{'max':>9}  changed  last"
         for identifier, one in sorted(self.seen.items()):
-            period = (one.last_ns - one.first_ns) / 1e6 / (one.count - 1) if one.count > 1 else 0.0
-            times = f"{period:11.3f}{one.shortest_ns / 1e6:9.3f}{one.longest_ns / 1e6:9.3f}"
-            yield f"{named(identifier):>14}{one.count:8}{times}{one.changes:9}  {decode(Frame(identifier, one.last))}"
+            yield f"{named(identifier):>14}{one.figures()}  {decode(Frame(identifier, one.last))}"
+        for identifier, one in sorted(self.fd.items()):
+            yield f"{named(identifier):>14}{one.figures()}  FD, {len(one.last)} bytes"
         total = measured(self.frames, rate)
         load = f"load {total['load_percent']:.2f} %, busiest 10 ms {total['busiest_percent']:.1f} %"
         yield f"{total['frames']} frames, {load}, remote frames {self.remotes}, error frames {self.errors}"
         if self.fd:
-            yield f"{self.fd} frames of CAN FD passed over: the buses here are classic CAN"
+            yield f"{self.fd_count} frames of CAN FD, not in the load: drives and couplers here speak classic CAN"
 
 
 def main(argv: list[str]) -> int:
@@ -100,7 +112,7 @@ def main(argv: list[str]) -> int:
         decode = decoder(arguments.dbc, canopen=arguments.canopen)
         if arguments.source is not None:
             return show(read_log(arguments.source), decode, arguments, Summary())
-        with open_bus(arguments.bus, arguments.bitrate) as bus:
+        with open_bus(arguments.bus, arguments.bitrate, fd=True) as bus:
             summary = Summary()
             return show(live(bus, arguments.seconds, summary), decode, arguments, summary)
     except NoBus as error:
@@ -113,7 +125,7 @@ def main(argv: list[str]) -> int:
         return USAGE
 
 
-def live(bus: can.BusABC, seconds: float | None, summary: Summary) -> Iterator[Frame]:
+def live(bus: can.BusABC, seconds: float | None, summary: Summary) -> Iterator[Frame | FdFrame]:
     """Frames as they come, until Ctrl-C or `seconds` are over."""
     end = None if seconds is None else time.monotonic() + seconds
     try:
@@ -122,14 +134,14 @@ def live(bus: can.BusABC, seconds: float | None, summary: Summary) -> Iterator[F
             if message is not None and message.is_error_frame:
                 summary.errors += 1
             elif message is not None and message.is_fd:
-                summary.fd += 1
+                yield fd_frame_of(message)
             elif message is not None:
                 yield frame_of(message)
     except KeyboardInterrupt:
         return
 
 
-def show(frames: Iterable[Frame], decode: Decode, arguments: argparse.Namespace, summary: Summary) -> int:
+def show(frames: Iterable[Frame | FdFrame], decode: Decode, arguments: argparse.Namespace, summary: Summary) -> int:
     start: Ns | None = None
     for number, frame in enumerate(frames, 1):
         start = frame.stamp_ns if start is None else start
@@ -143,8 +155,14 @@ def show(frames: Iterable[Frame], decode: Decode, arguments: argparse.Namespace,
     return DONE
 
 
-def _line(frame: Frame, start: Ns, decode: Decode, *, as_json: bool) -> str:
+def _line(frame: Frame | FdFrame, start: Ns, decode: Decode, *, as_json: bool) -> str:
     since = (frame.stamp_ns - start) / 1e6
+    if isinstance(frame, FdFrame):
+        if as_json:
+            facts = {"fd": True, "fast": frame.fast, "text": f"FD, {len(frame.data)} bytes"}
+            return json.dumps({"ms": round(since, 3), "id": frame.identifier & ID_BITS, "data": frame.data.hex(), **facts})
+        words = f"FD{', fast' if frame.fast else ''}, {len(frame.data)} bytes: {frame.data.hex(' ')}"
+        return f"{since:12.3f} ms {named(frame.identifier):>14}  {words}"
     if as_json:
         remote = {"remote": True, "dlc": len(frame.data)} if frame.identifier & RTR_FLAG else {}
         data = "" if remote else frame.data.hex()

@@ -16,8 +16,9 @@ class NoBus(OSError):
 
 
 @contextlib.contextmanager
-def open_bus(url: str, bitrate: int, *, own: bool = False) -> Iterator[can.BusABC]:
-    """bitrate: bit/s, for adapters that set it; `own`: hear own frames back.  Raises NoBus."""
+def open_bus(url: str, bitrate: int, *, own: bool = False, fd: bool = False) -> Iterator[can.BusABC]:
+    """bitrate: bit/s, for adapters that set it; `own`: hear own frames back; `fd`: the kernel's frames of CAN FD as well (other adapters
+    have options of their own for it).  Raises NoBus."""
     try:
         adapter = adapter_of(url)
     except PortError as error:
@@ -26,6 +27,8 @@ def open_bus(url: str, bitrate: int, *, own: bool = False) -> Iterator[can.BusAB
     options: dict[str, object] = {"receive_own_messages": True} if own else {}
     if interface not in ("socketcan", "broker", "virtual", "udp_multicast"):
         options["bitrate"] = adapter.bitrate or bitrate
+    if fd and interface == "socketcan":
+        options["fd"] = True
     options |= adapter.options
     try:
         bus = can.Bus(interface=interface, channel=adapter.channel, **options)  # type: ignore[arg-type]  # each adapter has its own options

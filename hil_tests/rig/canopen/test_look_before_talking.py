@@ -3,6 +3,7 @@
 import pathlib
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
 
@@ -15,8 +16,11 @@ from drivers.drives.cia402_family import Cia402Family
 from drivers.drives.family import Actual
 from drivers.ports.can.broker import BrokerPort
 from gateway.cycle.bus_link import BusLink
+from gateway.tools.drives.without_cycle import QUIET_S
+from hil_tests.lab.partners.durand_drive import DurandDrive
 from hil_tests.lab.running.bus_running import Bus, running_bus
 from protocols.base.machine import Frame
+from protocols.canopen.cob_id import sdo_answer, sdo_request
 
 SYNC_S = 0.02
 
@@ -46,10 +50,12 @@ def axisgate(*words: str) -> subprocess.CompletedProcess[str]:
     "command",
     [
         ("drive", "commission", "demo-402", "A2", "--port", "broker:look"),
+        ("drive", "scan", "broker:look"),
+        ("drive", "scan", "demo-402", "--port", "broker:look"),
         ("bus", "send", "broker:look", "--nmt", "reset-node"),
         ("run", "demo-402", "--bus", "broker:look"),
     ],
-    ids=["commission", "nmt", "run"],
+    ids=["commission", "scan", "scan-cell", "nmt", "run"],
 )
 def test_a_foreign_sync_is_reported_and_nothing_is_sent(bus: Bus, master: canopen.Network, command: tuple[str, ...]) -> None:
     listener = bus.port()
@@ -72,6 +78,40 @@ def test_nmt_beside_a_master_leaves_when_it_is_asked_for(bus: Bus, master: canop
     assert axisgate("bus", "send", "broker:look", "--nmt", "start", "--node", "3", "--beside").returncode == 0
     assert Frame(0, b"\x01\x03") in [frame._replace(stamp_ns=0) for frame in listener.receive()]
     listener.close()
+
+
+def test_a_scan_asks_beside_a_master_when_it_is_asked_for_and_names_the_way(bus: Bus, master: canopen.Network) -> None:
+    assert "or ask all the same with --beside" in axisgate("drive", "scan", "broker:look").stderr
+    drive = DurandDrive("look", 5)
+    try:
+        told = axisgate("drive", "scan", "broker:look", "--beside")
+        assert told.returncode == 0 and "node   5: drive" in told.stdout, told
+    finally:
+        drive.stop()
+
+
+def test_a_scan_that_listened_has_its_second_round(bus: Bus) -> None:
+    """A loaded machine: every answer comes later than the first round waits."""
+    device, ended = bus.port(), threading.Event()
+    waiting: list[tuple[float, Frame]] = []
+
+    def answers() -> None:
+        while not ended.wait(0.005):
+            for frame in device.receive():
+                if frame.identifier == sdo_request(5):
+                    waiting.append(
+                        (time.monotonic() + 3 * QUIET_S, Frame(sdo_answer(5), b"\x43" + frame.data[1:4] + bytes.fromhex("92010200")))
+                    )
+            while waiting and waiting[0][0] < time.monotonic():
+                device.send([waiting.pop(0)[1]])
+
+    thread = threading.Thread(target=answers)
+    thread.start()
+    told = axisgate("drive", "scan", "broker:look")
+    ended.set()
+    thread.join()
+    device.close()
+    assert told.returncode == 0 and "node   5: drive, vendor 0x00020192" in told.stdout, told
 
 
 def test_a_silent_bus_is_talked_on(bus: Bus) -> None:
