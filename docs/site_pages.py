@@ -11,17 +11,16 @@ import re
 import shutil
 import sys
 import typing
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from importlib.metadata import EntryPoint, entry_points
-
-from pydantic import BaseModel
-from pydantic.fields import FieldInfo
 
 from gateway.__main__ import load
 from gateway.cell_file.load import load_cell
-from gateway.cell_file.models.cell import CellFile
 from gateway.commands.assess import WORDS
 from gateway.files.find import read_signals
+from gateway.pure.cell.cell import CellTables
+from gateway.pure.cell.columns import Column, bare_type, columns
+from gateway.pure.cell.marks import Pattern
 from gateway.pure.reports.tables import render
 from gateway.tools.address_map import SHEETS
 from gateway.tools.new_cell.assessment import ASKED, assess
@@ -39,56 +38,40 @@ MADE = "Made by `make docs` out of the program; it is never edited.\n"
 
 
 def cell_keys() -> str:
-    """Every key of the cell file: tables in the order of the file, from the models that check it."""
+    """Every key of the cell file: tables in the order of the file, from the classes that check it."""
     sections = [f"# Keys of the cell file\n\n{MADE}\n`axisgate explain KEY --cell CELL` tells what a key came to, and why.\n"]
-    for path, model in tables(CellFile, ""):
-        rows = "".join(_key(name, field) for name, field in model.model_fields.items() if not _inner(field))
+    for path, table in tables(CellTables, ""):
+        rows = "".join(_key(column) for column in columns(table).values() if not column.table and not column.loaded)
         if rows:
             title = f"`{path}`" if path else "The file itself"
             sections.append(f"## {title}\n\n| key | takes | without it |\n|---|---|---|\n{rows}")
     return "\n".join(sections)
 
 
-def tables(model: type[BaseModel], path: str) -> Iterator[tuple[str, type[BaseModel]]]:
-    """All tables below a model with their headings as a file writes them."""
-    yield path, model
-    for name, field in model.model_fields.items():
-        inner = _inner(field)
-        if inner is not None:
-            bare = f"{path.strip('[]')}.{field.alias or name}" if path else field.alias or name
-            yield from tables(inner, f"[[{bare}]]" if _is_list(field.annotation) else f"[{bare}]")
+def tables(table: type, path: str) -> Iterator[tuple[str, type]]:
+    """All tables below a table with their headings as a file writes them."""
+    yield path, table
+    for key, column in columns(table).items():
+        if column.table is not None:
+            bare = f"{path.strip('[]')}.{key}" if path else key
+            yield from tables(column.table, f"[[{bare}]]" if typing.get_origin(bare_type(column.annotation)) is tuple else f"[{bare}]")
 
 
-def _models(annotation: object) -> Iterator[type[BaseModel]]:
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        yield annotation
-    for part in typing.get_args(annotation):
-        yield from _models(part)
+def _key(column: Column) -> str:
+    allowed = [mark.allowed for mark in column.marks if isinstance(mark, Pattern)]
+    takes = ", ".join([_type(column.annotation), *_bounds(column.marks), *allowed, *([column.unit] if column.unit else [])])
+    default = "must be given" if column.required else "-" if column.default in ("", None, (), {}) else f"`{_written(column.default)}`"
+    return f"| `{column.key}` | {_cell(takes)} | {_cell(default)} |\n"
 
 
-def _inner(field: FieldInfo) -> type[BaseModel] | None:
-    return next(_models(field.annotation), None)
+def _written(value: object) -> object:
+    """A default as the file writes it: lists in brackets."""
+    return [_written(each) for each in value] if isinstance(value, tuple) else value
 
 
-def _is_list(annotation: object) -> bool:
-    origin = typing.get_origin(annotation)
-    return origin is list or any(_is_list(part) for part in typing.get_args(annotation) if origin is not dict)
-
-
-def _key(name: str, field: FieldInfo) -> str:
-    extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
-    unit = f", {extra['unit']}" if "unit" in extra else ""
-    bounds = [f"{sign} {value}" for sign, value in _bounds(field)]
-    takes = ", ".join([_type(field.annotation), *bounds, *([str(extra["allowed"])] if "allowed" in extra else [])]) + unit
-    default = "must be given" if field.is_required() else "-" if field.default in ("", None, [], {}) else f"`{field.default}`"
-    return f"| `{field.alias or name}` | {_cell(takes)} | {_cell(default)} |\n"
-
-
-def _bounds(field: FieldInfo) -> Iterator[tuple[str, object]]:
+def _bounds(marks: tuple[object, ...]) -> Iterator[str]:
     for sign, name in ((">=", "ge"), (">", "gt"), ("<=", "le"), ("<", "lt")):
-        for meta in field.metadata:
-            if getattr(meta, name, None) is not None:
-                yield sign, getattr(meta, name)
+        yield from (f"{sign} {getattr(mark, name)}" for mark in marks if getattr(mark, name, None) is not None)
 
 
 def _type(annotation: object) -> str:
@@ -101,7 +84,7 @@ def _type(annotation: object) -> str:
     if origin is typing.Annotated:
         return _type(parts[0])
     words = [word for part in parts if part is not Ellipsis and (word := _type(part))]
-    if origin is dict:
+    if origin is Mapping:
         return f"table of {words[-1]}"
     if origin in (list, tuple):
         return f"list of {words[0] if words else 'values'}"

@@ -37,7 +37,8 @@ ALLOWED: dict[str, frozenset[str]] = {
     "drivers/emulator": frozenset({"protocols", "drivers.emulator"}),
     "gateway/pure": frozenset({"protocols", "motion", "drivers.drives", "gateway.pure"}),
     "gateway/pure/languages/val3": frozenset({"motion", "gateway.pure", "xml.parsers.expat", "xml.sax.saxutils", "datetime"}),
-    "gateway/pure/cell/cell.py": frozenset({"gateway.pure", "datetime"}),  # the type of a date in the file
+    "gateway/pure/cell": frozenset({"gateway.pure", "annotated_types"}),  # ranges of the columns
+    "gateway/pure/cell/cell.py": frozenset({"gateway.pure", "annotated_types", "datetime"}),  # the type of a date in the file
 }
 PURE_MODULES = ("protocols.", "motion.", "drivers.drives.", "drivers.emulator.", "gateway.pure.")
 GUARDED_FOLDERS = ("unit", "requirements", "properties")

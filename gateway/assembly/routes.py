@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from gateway.files.find import read_signals
 from gateway.pure.cell.cell import Cell
-from gateway.pure.cell.modbus import ModbusValue
+from gateway.pure.cell.modbus import ModbusTable, ModbusValue
 from gateway.pure.cell.routes import Route
 from gateway.pure.image.addresses import RcBit
 from gateway.pure.image.signals import SignalList, from_tables
@@ -82,7 +82,7 @@ def compile_routes(cell: Cell) -> list[Compiled]:
     return [compile_route(route, symbols, lines, devices) for route in cell.route]
 
 
-TABLES = {0: "coil", 1: "discrete", 3: "input", 4: "holding"}
+TABLES: Mapping[int, ModbusTable] = {0: "coil", 1: "discrete", 3: "input", 4: "holding"}
 POLL_MS = 100  # of a register no route limits
 
 

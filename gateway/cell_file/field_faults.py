@@ -1,20 +1,19 @@
 """Field faults: what pydantic found, told with key, value, allowed range, unit and a hint."""
 
+import dataclasses
 import difflib
-import types
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal, Union, get_args, get_origin
+from typing import Any, get_args
 
-import annotated_types
-from pydantic import BaseModel, ValidationError
-from pydantic.fields import FieldInfo
+from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from drivers.emulator.servo.settings import RANGES
-from gateway.cell_file.models.axes import PlantAxis
-from gateway.cell_file.models.cell import CellFile
-from gateway.cell_file.models.lines import STEP5_TYPES
+from gateway.pure.cell.axes import PlantAxis
+from gateway.pure.cell.cell import CellTables
+from gateway.pure.cell.columns import Column, bare_type, column_of, columns, parts_of
 from gateway.pure.cell.faults import Fault
+from gateway.pure.cell.lines import NumberForm
 from gateway.pure.reports.toml_lines import Path, nearest
 
 RESERVED: Mapping[str, tuple[str, ...]] = {  # line kinds whose shape is kept free (issue 2, item 8)
@@ -23,10 +22,11 @@ RESERVED: Mapping[str, tuple[str, ...]] = {  # line kinds whose shape is kept fr
     "role": ("client",),
     "types": ("P", "B", "S"),
 }
+UNKNOWN_KEY = "unexpected_keyword_argument"
 _KINDS = {
     "int_type": "a whole number", "int_from_float": "a whole number", "float_type": "a number", "bool_type": "true or false",
-    "string_type": 'a text in "quotes"', "list_type": "a list [ .. ]", "dict_type": "a table", "model_type": "a table",
-    "model_attributes_type": "a table", "date_type": "a date, 2026-11-20", "finite_number": "a finite number",
+    "string_type": 'a text in "quotes"', "tuple_type": "a list [ .. ]", "dict_type": "a table", "dataclass_type": "a table",
+    "date_type": "a date, 2026-11-20", "finite_number": "a finite number",
 }  # fmt: skip
 
 
@@ -52,46 +52,32 @@ def key_of(raw: Any, path: Sequence[str | int]) -> str:
     return ".".join(words)
 
 
-def allowed(info: FieldInfo | None) -> tuple[str, str]:
-    """Range and unit of a field, as words."""
-    if info is None:
-        return "", ""
-    extra = info.json_schema_extra if isinstance(info.json_schema_extra, dict) else {}
-    unit = str(extra.get("unit", ""))
-    if "allowed" in extra:
-        return str(extra["allowed"]), unit
-    low, high = "", ""
-    for mark in info.metadata:
-        low = f"{mark.ge}" if isinstance(mark, annotated_types.Ge) else f"> {mark.gt}" if isinstance(mark, annotated_types.Gt) else low
-        high = f"{mark.le}" if isinstance(mark, annotated_types.Le) else f"< {mark.lt}" if isinstance(mark, annotated_types.Lt) else high
-    if low and high:
-        return f"{low}..{high}", unit
-    return (low if low.startswith(">") else f">= {low}" if low else high and f"<= {high}"), unit
-
-
 def field_of(parts: Sequence[str]) -> tuple[str, str]:
     """Range and unit of a key written as people write it; the names of elements are stepped over."""
-    current: Any = CellFile
-    info: FieldInfo | None = None
+    current: Any = CellTables
+    column: Column | None = None
     for part in parts:
-        if isinstance(current, type) and issubclass(current, BaseModel):
+        if _is_table(current):
             if current is PlantAxis and part in RANGES:
                 return f"{RANGES[part].low:g}..{RANGES[part].high:g}", RANGES[part].unit
-            info = _field(current, part) or _field(current, f"{part}_")
-            current = _bare(info.annotation) if info else None
+            column = column_of(current, part)
+            current = bare_type(column.annotation) if column else None
         elif current is not None and get_args(current):
-            info, current = _annotated(get_args(current)[-1]), _bare(get_args(current)[-1])
-    return allowed(info)
+            column = parts_of(_inside(current))
+            current = bare_type(column.annotation)
+    return (column.range, column.unit) if column else ("", "")
 
 
 def _fault(file: str, raw: Mapping[str, Any], places: dict[Path, int], detail: ErrorDetails) -> Fault:
     path: Path = tuple(part for part in detail["loc"] if part != "[key]")
     kind, value = detail["type"], detail["input"]
-    _, info = _walk(path)
-    span, unit = allowed(info)
+    _, column = _walk(path)
+    if "[key]" in detail["loc"]:
+        column = _key_column(path)
+    span, unit = (column.range, column.unit) if column else ("", "")
     shown = "" if kind == "missing" or isinstance(value, dict | list) else _show(value)
     hint = ""
-    if kind == "extra_forbidden":
+    if kind == UNKNOWN_KEY:
         span, shown, hint = "", "", _unknown_key(path)
     elif kind == "missing":
         hint = _missing(path, span, unit)
@@ -133,55 +119,48 @@ def _element(word: str, here: Any, number: int) -> str:
     return f"{word}[{number}]"
 
 
-def _walk(path: Sequence[str | int]) -> tuple[type[BaseModel] | None, FieldInfo | None]:
-    """The innermost model around a path and the field it ends in."""
-    current: Any = CellFile
-    model: type[BaseModel] | None = None
-    info: FieldInfo | None = None
+def _walk(path: Sequence[str | int]) -> tuple[type | None, Column | None]:
+    """The innermost table around a path and the column it ends in."""
+    current: Any = CellTables
+    table: type | None = None
+    column: Column | None = None
     for part in path:
-        if isinstance(current, type) and issubclass(current, BaseModel):
-            model, info = current, _field(current, str(part))
-            current = _bare(info.annotation) if info else None
+        if _is_table(current):
+            table, column = current, column_of(current, str(part))
+            current = bare_type(column.annotation) if column else None
         elif current is not None:
-            inner = get_args(current)
-            current = _bare(inner[-1]) if inner else None
-            info = _annotated(inner[-1]) if inner else None
-    return model, info
+            column = parts_of(_inside(current)) if get_args(current) else None
+            current = bare_type(column.annotation) if column else None
+    return table, column
 
 
-def _field(model: type[BaseModel], key: str) -> FieldInfo | None:
-    for name, info in model.model_fields.items():
-        if key in (name, info.alias):
-            return info
-    return None
+def _key_column(path: Path) -> Column | None:
+    """What the names of a table by names may be."""
+    _, column = _walk(path[:-1])
+    names = get_args(bare_type(column.annotation)) if column else ()
+    return parts_of(names[0]) if names else None
 
 
-def _annotated(annotation: Any) -> FieldInfo | None:
-    return FieldInfo.from_annotation(annotation) if hasattr(annotation, "__metadata__") else None
+def _inside(container: Any) -> Any:
+    """The type of what a list or mapping holds."""
+    return [each for each in get_args(container) if each is not Ellipsis][-1]
 
 
-def _bare(annotation: Any) -> Any:
-    """Without Optional and Annotated."""
-    if hasattr(annotation, "__metadata__"):
-        annotation = get_args(annotation)[0]
-    if get_origin(annotation) in (Union, types.UnionType):
-        inner = [each for each in get_args(annotation) if each is not type(None)]
-        return _bare(inner[0])
-    return None if get_origin(annotation) is Literal else annotation
+def _is_table(kind: Any) -> bool:
+    return isinstance(kind, type) and dataclasses.is_dataclass(kind)
 
 
-def _keys(model: Any) -> list[str]:
-    fields = model.model_fields if isinstance(model, type) and issubclass(model, BaseModel) else {}
-    keys = [info.alias or name for name, info in fields.items() if name not in ("others", "settings")]
-    return [*keys, *RANGES] if model is PlantAxis else keys
+def _keys(table: Any) -> list[str]:
+    keys = [key for key, column in columns(table).items() if not column.loaded] if _is_table(table) else []
+    return [*keys, *RANGES] if table is PlantAxis else keys
 
 
 def _unknown_key(path: Path) -> str:
-    model, _ = _walk(path)
-    key, known = str(path[-1]), _keys(model)
+    table, _ = _walk(path)
+    key, known = str(path[-1]), _keys(table)
     for name in known:
-        inner = _bare(model.model_fields[name].annotation) if model and name in model.model_fields else None
-        if key in _keys(inner):
+        column = column_of(table, name) if table else None
+        if column and key in _keys(bare_type(column.annotation)):
             return f"unknown key here; it belongs into {name}"
     near = _near(key, known)
     return f"unknown key; {near}" if near else f"unknown key; known are {', '.join(known)}"
@@ -195,7 +174,7 @@ def _near(word: str, known: Sequence[str]) -> str:
 
 def _missing(path: Path, span: str, unit: str) -> str:
     if path[-1] == "type" and "entries" in path:
-        return f"missing: every entry says how the number is written, there is no default; types are {', '.join(STEP5_TYPES)}"
+        return f"missing: every entry says how the number is written, there is no default; types are {', '.join(get_args(NumberForm))}"
     what = " ".join(word for word in (span, unit if "{u}" not in unit else "") if word)
     return f"missing{f' ({what})' if what else ''}"
 

@@ -1,45 +1,25 @@
-"""Loads a cell file: text -> tables -> P numbers and defaults worked in -> models -> frozen data, with every fault in one run.
+"""Loads a cell file: text -> tables -> P numbers and defaults worked in -> validated data, with every fault in one run.
 
 `load_cell` is the only way in. Faults come in this order: field faults (each key by itself), then cross faults among the
 parts that are valid by themselves. A part with a field fault is left out of the cross checks, its name stays known.
 """
 
+import dataclasses
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 
 from drivers.emulator.servo.settings import RANGES, ServoSettings
-from gateway.cell_file.field_faults import field_faults
+from gateway.cell_file.field_faults import UNKNOWN_KEY, field_faults
 from gateway.cell_file.keys import line_of
-from gateway.cell_file.models import alter as cellmodels_alter
-from gateway.cell_file.models import axes as cellmodels_axes
-from gateway.cell_file.models import belts as cellmodels_belts
-from gateway.cell_file.models import buses as cellmodels_buses
-from gateway.cell_file.models import cell as models
-from gateway.cell_file.models import controller as cellmodels_controller
-from gateway.cell_file.models import lines as cellmodels_lines
-from gateway.cell_file.models import modbus as cellmodels_modbus
-from gateway.cell_file.models import northbound as cellmodels_northbound
-from gateway.cell_file.models import rho3 as cellmodels_rho3
-from gateway.cell_file.models import shared_outputs as cellmodels_shared
 from gateway.cell_file.rho3_parameters import merge
 from gateway.cell_file.syntax_hints import syntax_fault
+from gateway.cell_file.validation import validated
 from gateway.checks import cross_faults, notices
 from gateway.files.find import find_config, read_signals, read_text
-from gateway.pure.cell import alter as cell_alter
-from gateway.pure.cell import axes as cell_axes
-from gateway.pure.cell import belts as cell_belts
-from gateway.pure.cell import buses as cell_buses
-from gateway.pure.cell import cell as plain
-from gateway.pure.cell import controller as cell_controller
-from gateway.pure.cell import lines as cell_lines
-from gateway.pure.cell import modbus as cell_modbus
-from gateway.pure.cell import northbound as cell_northbound
-from gateway.pure.cell import rho3 as cell_rho3
-from gateway.pure.cell import shared_outputs as cell_shared
-from gateway.pure.cell.cell import Cell, Source
+from gateway.pure.cell.cell import Cell, CellTables, Source
 from gateway.pure.cell.faults import CellFaults, Fault
 from gateway.pure.image.signals import from_tables
 from gateway.pure.reports.toml_lines import Path, lines_of, nearest
@@ -88,23 +68,23 @@ class _Loader:
         if isinstance(merged.raw.get("robot"), dict):
             merged.raw["robot"] = [merged.raw["robot"]]
         faults = [fault for fault in merged.faults if fault.kind == "field"] + self._plant(merged.raw)
-        model, found = self._validated(merged.raw)
+        tables, found = self._validated(merged.raw)
         faults = sorted(faults + found, key=lambda fault: fault.line or 0)
         crossed = [fault for fault in merged.faults if fault.kind == "cross"]
-        if model is not None:
-            cell = self._cell(model, sources)
+        if tables is not None:
+            cell = self._cell(tables, sources)
             known = self._known_names(merged.raw)
             crossed += cross_faults(cell, known, from_tables(read_signals()), self._line)
             if not faults and not crossed:
-                return self._noted(cell)
+                return dataclasses.replace(cell, notices=tuple(notices(cell)))
         raise CellFaults([*faults, *sorted(crossed, key=lambda fault: fault.line or 0)])
 
-    def _validated(self, raw: dict[str, Any]) -> tuple[models.CellFile | None, list[Fault]]:
-        """The model of what is valid, and the field faults of the rest: a faulty part is cut out and the rest tried again."""
+    def _validated(self, raw: dict[str, Any]) -> tuple[CellTables | None, list[Fault]]:
+        """The tables that are valid, and the field faults of the rest: a faulty part is cut out and the rest tried again."""
         faults: list[Fault] = []
         for attempt in range(100):
             try:
-                return models.CellFile.model_validate(raw), faults
+                return validated(raw), faults
             except ValidationError as error:
                 if attempt == 0:
                     faults = field_faults(self.path, raw, self.places, error)
@@ -163,13 +143,9 @@ class _Loader:
         unit, hint = ("", "") if allowed is None else (allowed.unit, allowed.hint)
         return [Fault(self.path, where, str(value), span, unit, hint, self._line(where))]
 
-    def _cell(self, model: models.CellFile, sources: Mapping[str, Source]) -> Cell:
-        values = {name: _plain(getattr(model, name)) for name in type(model).model_fields if name != "defaults"}
+    def _cell(self, tables: CellTables, sources: Mapping[str, Source]) -> Cell:
+        values = {field.name: getattr(tables, field.name) for field in dataclasses.fields(CellTables)}
         return Cell(file=self.path, sources=sources, **values)
-
-    def _noted(self, cell: Cell) -> Cell:
-        values = {name: getattr(cell, name) for name in Cell.__dataclass_fields__}
-        return Cell(**{**values, "notices": tuple(notices(cell))})
 
     def _known_names(self, raw: Mapping[str, Any]) -> Mapping[str, frozenset[str]]:
         """Names of all parts, also of those with field faults: a reference to them is no second fault."""
@@ -188,44 +164,9 @@ def _tables(value: Any) -> list[dict[str, Any]]:
     return [each for each in value if isinstance(each, dict)] if isinstance(value, list) else []
 
 
-# frozen data and their models, class by class of the same name
-PARTS = (
-    (plain, models),
-    (cell_alter, cellmodels_alter),
-    (cell_axes, cellmodels_axes),
-    (cell_belts, cellmodels_belts),
-    (cell_buses, cellmodels_buses),
-    (cell_lines, cellmodels_lines),
-    (cell_rho3, cellmodels_rho3),
-    (cell_shared, cellmodels_shared),
-    (cell_modbus, cellmodels_modbus),
-    (cell_controller, cellmodels_controller),
-    (cell_northbound, cellmodels_northbound),
-)
-PLAIN: Mapping[type[BaseModel], Callable[..., object]] = {
-    getattr(edge, name): getattr(inside, name)
-    for inside, edge in PARTS
-    for name in vars(inside)
-    if isinstance(getattr(edge, name, None), type) and issubclass(getattr(edge, name), BaseModel)
-}
-
-
-def _plain(value: Any) -> Any:
-    """Models become the dataclasses of the same name, lists tuples; byte numbers of [rc_inputs] become int."""
-    if isinstance(value, BaseModel):
-        kind = PLAIN.get(type(value)) or PLAIN[type(value).__mro__[1]]
-        values = {name: _plain(getattr(value, name)) for name in type(value).model_fields}
-        if isinstance(value, models.RcInputs):
-            values["owner"] = {int(byte): door for byte, door in value.owner.items()}
-        return kind(**values)
-    if isinstance(value, list):
-        return tuple(_plain(each) for each in value)
-    return {key: _plain(each) for key, each in value.items()} if isinstance(value, dict) else value
-
-
 def _part(where: tuple[str | int, ...], kind: str) -> Path:
     """What has to be cut out so that the rest can be judged: an unknown key alone, else the list element or table around it."""
-    if kind == "extra_forbidden":
+    if kind == UNKNOWN_KEY:
         return where
     if where[0] == "telegram":  # its entries are counted: none may leave the row
         return where[:2]

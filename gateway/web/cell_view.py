@@ -125,7 +125,8 @@ def evidence(plan: RunPlan) -> list[Row]:
         if bus.layout_evidence:
             rows.append({"what": f"layout of bus {bus.name}", "level": "specified", "why": bus.layout_evidence})
     for line in cell.line:
-        for part in (line.protocol, line.layer):
+        parts: tuple[str, ...] = (line.protocol, line.layer)
+        for part in parts:
             rows += [{"what": f"line {line.name}: {part}", **row} for row in proved(f"line:{part}")]
     rows += [{"what": f"Modbus {server.name}", **row} for server in cell.modbus for row in proved("modbus")]
     for part, there in (("io", cell.io), ("route", cell.route), ("robot", cell.robot), ("northbound", cell.northbound)):

@@ -2,30 +2,35 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Annotated, Literal
+
+from annotated_types import Ge, Gt, Le
 
 from gateway.pure.cell.belts import PlantBelt
+from gateway.pure.cell.marks import Loaded, Name, Pattern, Percent, Unit
 
 
 @dataclass(frozen=True, slots=True)
 class Drive:
     """Inline table `drive` of [[axis]]."""
 
-    type: str  # servodyn | cia402
+    type: Literal["servodyn", "cia402"]
     bus: str
-    module: int | None = None  # servodyn: 1..6 on its bus
-    node: int | None = None  # cia402: 1..127
+    module: Annotated[int | None, Ge(1), Le(6)] = None  # servodyn: 1..6 on its bus
+    node: Annotated[int | None, Ge(1), Le(127)] = None  # cia402: 1..127
     eds: str = ""
     serial: str = ""
-    inc_per_turn: int = 16384
+    inc_per_turn: Annotated[int, Ge(64), Le(1 << 24), Unit("inc")] = 16384
 
 
 @dataclass(frozen=True, slots=True)
 class Mechanics:
     """Inline table `mechanics` of [[axis]]: axis way in `unit` per turn of the output side of the gear."""
 
-    feed_per_turn: float = 360.0
-    gear: str = "1:1"  # motor turns : output turns
-    direction: str = "+"
+    feed_per_turn: Annotated[float, Gt(0), Unit("{u}")] = 360.0
+    # motor turns : output turns
+    gear: Annotated[str, Pattern(r"^[1-9]\d*(\.\d+)?:[1-9]\d*(\.\d+)?$", '"10:1", motor : output turns')] = "1:1"
+    direction: Literal["+", "-"] = "+"
     vertical: bool = False
 
     @property
@@ -39,72 +44,91 @@ class Mechanics:
 class AxisLimits:
     """Inline table `limits` of [[axis]], in unit, unit/s, unit/s^2, unit/s^3."""
 
-    min: float
-    max: float
-    speed: float
-    accel: float
-    jerk: float  # default of the loader: 10 x accel per second (AX-123)
+    min: Annotated[float, Unit("{u}")]
+    max: Annotated[float, Unit("{u}")]
+    speed: Annotated[float, Gt(0), Unit("{u}/s")]
+    accel: Annotated[float, Gt(0), Unit("{u}/s^2")]
+    jerk: Annotated[float, Gt(0), Unit("{u}/s^3")]  # default of the loader: 10 x accel per second (AX-123)
 
 
 @dataclass(frozen=True, slots=True)
 class FollowingError:
     """Inline table `following_error` of [[axis]], in unit."""
 
-    warn: float
-    trip: float
-    standstill: float | None = None  # so far a standing axis may be off; None: as far as a moving one
+    warn: Annotated[float, Gt(0), Unit("{u}")]
+    trip: Annotated[float, Gt(0), Unit("{u}")]
+    standstill: Annotated[float | None, Gt(0), Unit("{u}")] = None  # so far a standing axis may be off; None: as far as a moving one
 
 
 @dataclass(frozen=True, slots=True)
 class Home:
     """Inline table `home` of [[axis]]."""
 
-    by: str = "gateway"  # gateway | drive | none
-    mode: int = 0  # gateway: rho3 2.8, 0..3
-    method: int | None = None  # drive: CiA 402 homing method
-    speed: float = 0.0  # P108, unit/s
-    slow_speed: float = 0.0  # P109, unit/s; 0: a fifth of speed
-    direction: str = "-"  # side on which the switch is searched
-    position: float = 0.0  # P207: actual value at the reference point, unit
-    offset: float = 0.0  # P208: way moved after it, unit
-    timeout_s: float = 60.0
+    by: Literal["gateway", "drive", "none"] = "gateway"
+    mode: Annotated[int, Ge(0), Le(3)] = 0  # gateway: rho3 2.8, 0..3
+    method: Annotated[int | None, Ge(-128), Le(37)] = None  # drive: CiA 402 homing method
+    speed: Annotated[float, Ge(0), Unit("{u}/s")] = 0.0  # P108, unit/s
+    slow_speed: Annotated[float, Ge(0), Unit("{u}/s")] = 0.0  # P109, unit/s; 0: a fifth of speed
+    direction: Literal["+", "-"] = "-"  # side on which the switch is searched
+    position: Annotated[float, Unit("{u}")] = 0.0  # P207: actual value at the reference point, unit
+    offset: Annotated[float, Unit("{u}")] = 0.0  # P208: way moved after it, unit
+    timeout_s: Annotated[float, Gt(0), Le(3600), Unit("s")] = 60.0
 
 
 @dataclass(frozen=True, slots=True)
 class FirstEnable:
     """Inline table `first_enable` of [[axis]]."""
 
-    torque: str = "20 %"
-    speed: str = "5 %"
-    travel: float = 2.0  # unit
+    torque: Percent = "20 %"
+    speed: Percent = "5 %"
+    travel: Annotated[float, Gt(0), Unit("{u}")] = 2.0  # unit
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AxisDefaults:
+    """[defaults.axis]: what every axis takes over that does not set it."""
+
+    following_error: FollowingError | None = None  # None: only the drive supervises the lag
+    home: Home = Home()
+    first_enable: FirstEnable = FirstEnable()
+    mode: Literal["csp", "csv", "pp"] = "csp"
+    stop_on_bus_loss: Literal["quick_stop", "coast"] = "quick_stop"
+    stop_evidence: str = ""  # of a drive without 6007h: report of the loss test, or "untested" in the cell that makes it
+    brake: Literal["drive", "gateway", "none"] = "drive"
 
 
 @dataclass(frozen=True, slots=True)
-class Axis:
+class Defaults:
+    """[defaults]: common values of tables."""
+
+    axis: AxisDefaults = AxisDefaults()
+
+
+@dataclass(frozen=True, slots=True)
+class Axis(AxisDefaults):
     """[[axis]]: one axis; [defaults.axis] and [rho3] are already worked in."""
 
-    name: str
-    unit: str  # mm | deg
+    name: Name
+    unit: Literal["mm", "deg"]
     drive: Drive
     limits: AxisLimits
     mechanics: Mechanics = Mechanics()
     manual: bool = False  # P303 = 1, 4: it does not make the speed of a path without transformation
-    modulo: float = 0.0  # P311 of an endless axis (P303 = 3), unit; 0: an axis with ends
-    following_error: FollowingError | None = None  # None: only the drive supervises the lag
-    home: Home = Home()
-    first_enable: FirstEnable = FirstEnable()
-    mode: str = "csp"
-    stop_on_bus_loss: str = "quick_stop"
-    stop_evidence: str = ""  # of a drive without 6007h: report of the loss test, or "untested" in the cell that makes it
-    brake: str = "drive"  # drive | gateway | none
+    modulo: Annotated[float, Ge(0), Unit("{u}")] = 0.0  # P311 of an endless axis (P303 = 3), unit; 0: an axis with ends
 
 
 @dataclass(frozen=True, slots=True)
 class Span:
     """`reference_switch = { from = .., to = .. }` in axis units: the switch is 1 between both."""
 
-    from_: float
-    to: float
+    from_: Annotated[float, Unit("{u}")]
+    to: Annotated[float, Unit("{u}")]
+
+
+def plant_settings(given: object) -> object:
+    """Numbers as float, yes and no as they are; the loader has judged them."""
+    values = given if isinstance(given, Mapping) else {}
+    return {key: value if isinstance(value, bool) else float(value) for key, value in values.items()}
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,18 +138,18 @@ class PlantAxis:
     `settings` holds the keys of ServoSettings the file gives (motor_inertia_kgm2, kv_per_s, ..): at the motor shaft, SI.
     """
 
-    start: float = 0.0  # axis position at power-up, unit
+    start: Annotated[float, Unit("{u}")] = 0.0  # axis position at power-up, unit
     reference_switch: Span | None = None
     hard_limits: Span | None = None
     probe: Span | None = None  # touch probe inputs of a CiA 402 drive are actuated between these places
-    settings: Mapping[str, float] = field(default_factory=dict)
+    settings: Annotated[Mapping[str, float], Loaded(plant_settings)] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
 class Plant:
     """[plant]: the emulated machine of `run --sim`, `emulate` and the demo."""
 
-    seed: int = 1
+    seed: Annotated[int, Ge(0)] = 1
     axis: Mapping[str, PlantAxis] = field(default_factory=dict)
     belt: Mapping[str, PlantBelt] = field(default_factory=dict)
     absent: tuple[str, ...] = ()  # buses whose I/O modules and couplers are not emulated: something else stands there

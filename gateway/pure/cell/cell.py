@@ -5,15 +5,20 @@ file (deg, mm, ms, %); inside units are made by `drivers.drives.scaling`. Source
 """
 
 import datetime
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from typing import Annotated, Literal
+
+from annotated_types import Ge, Gt, Le, MinLen
 
 from gateway.pure.cell.alter import Alter
-from gateway.pure.cell.axes import Axis, FollowingError, Home, Plant, PlantAxis
+from gateway.pure.cell.axes import Axis, Defaults, FollowingError, Home, Plant, PlantAxis
 from gateway.pure.cell.belts import Belt, Measuring, PathOutput
 from gateway.pure.cell.buses import Bus, Io, IoDevice
 from gateway.pure.cell.controller import Controller
 from gateway.pure.cell.lines import Choices, Db, Entry, Handshake, Line, Rk512, Telegram, TelegramField, TelegramMatch, TelegramPart, Times
+from gateway.pure.cell.marks import Name, Pattern, Spelled, plain_number
 from gateway.pure.cell.modbus import Modbus
 from gateway.pure.cell.northbound import Northbound
 from gateway.pure.cell.positions import Position
@@ -37,13 +42,13 @@ __all__ = [  # who reads a cell finds its tables here
 class CellHead:
     """[cell]: what this plant is and how it is played."""
 
-    name: str
+    name: Annotated[str, MinLen(1)]
     replaces: str = ""
     software: str = ""  # version of the replaced software: decides numbers that changed between versions
-    language: str = "en"  # de | en
-    target: str = "simulation"  # machine | simulation
-    on_services_loss: str = "stop_on_path"  # stop_on_path | finish_move
-    override_step: float = 1.0  # most the override changes in a cycle (Reis RDELTA_OV_MAX); 1: at once
+    language: Literal["de", "en"] = "en"
+    target: Literal["machine", "simulation"] = "simulation"
+    on_services_loss: Literal["stop_on_path", "finish_move"] = "stop_on_path"
+    override_step: Annotated[float, Gt(0), Le(1)] = 1.0  # most the override changes in a cycle (Reis RDELTA_OV_MAX); 1: at once
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,11 +64,16 @@ class Safety:
     last_stop_test: datetime.date | None = None
 
 
+def byte_number(key: object) -> object:
+    """Keys of a file are texts: "11" is byte 11."""
+    return int(key) if isinstance(key, str) and re.fullmatch("[0-9]{1,3}", key) else key
+
+
 @dataclass(frozen=True, slots=True)
 class RcInputs:
     """[rc_inputs]: RC input byte (PIC byte = N div 8) -> the command source that owns it; enabling inputs taken as 1."""
 
-    owner: Mapping[int, str] = field(default_factory=dict)
+    owner: Mapping[Annotated[int, Spelled(byte_number)], Name] = field(default_factory=dict)
     assume: tuple[str, ...] = ()
 
 
@@ -78,9 +88,11 @@ class Robot:
     model: str = ""
     name: str = ""
     zero: str = ""
-    shape: str = "robot"  # as the robot file says, or jerk, sin2
-    too_fast: str | int = "robot"  # as the robot file says, or a word, or P306 sub-query 6, 0..3
-    corrects: str = "xyzabc"  # components of world points a workpiece system corrects (P313)
+    shape: Literal["jerk", "sin2", "robot"] = "robot"  # as the robot file says, or jerk, sin2
+    # as the robot file says, or a word, or P306 sub-query 6, 0..3
+    too_fast: Annotated[Literal["slow", "abort", "error", 0, 1, 2, 3, "robot"], Spelled(plain_number)] = "robot"
+    # components of world points a workpiece system corrects (P313)
+    corrects: Annotated[str, Pattern("^x?y?z?a?b?c?$", "letters of xyzabc in this order")] = "xyzabc"
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +100,7 @@ class CheckPosition:
     """[[check_position]]: a known position, by axis names (`at`) or as joints."""
 
     name: str
-    tolerance: float
+    tolerance: Annotated[float, Gt(0)]
     at: Mapping[str, float] = field(default_factory=dict)
     joints: tuple[float, ...] = ()
 
@@ -110,16 +122,16 @@ class Notice:
     text: str
 
 
-@dataclass(frozen=True, slots=True)
-class Cell:
-    """A whole, checked cell file."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CellTables:
+    """The whole file, table by table; the loader has worked in P numbers and defaults."""
 
-    file: str
+    format: Literal[1]
     cell: CellHead
-    format: int = 1
     safety: Safety | None = None
     rc_inputs: RcInputs = RcInputs()
-    signals: Mapping[str, int] = field(default_factory=dict)  # [signals]: axisgate's own signals on other bit numbers (AX-002)
+    # [signals]: axisgate's own signals on other bit numbers (AX-002)
+    signals: Mapping[Name, Annotated[int, Ge(0), Le(1023)]] = field(default_factory=dict)
     rho3: Rho3 | None = None
     line: tuple[Line, ...] = ()
     db: tuple[Db, ...] = ()
@@ -127,9 +139,10 @@ class Cell:
     position: tuple[Position, ...] = ()
     io: tuple[Io, ...] = ()
     bus: tuple[Bus, ...] = ()
+    defaults: Defaults = Defaults()
     axis: tuple[Axis, ...] = ()
     modbus: tuple[Modbus, ...] = ()
-    robot: tuple[Robot, ...] = ()
+    robot: tuple[Robot, ...] = ()  # one table [robot] is a list of one
     program: tuple[Program, ...] = ()
     belt: tuple[Belt, ...] = ()
     measuring: tuple[Measuring, ...] = ()
@@ -144,6 +157,13 @@ class Cell:
     northbound: Northbound | None = None
     route: tuple[Route, ...] = ()
     controller: Controller | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cell(CellTables):
+    """A whole, checked cell file."""
+
+    file: str
     sources: Mapping[str, Source] = field(default_factory=dict)  # "axis.1.limits.speed" -> P103[1], line 34
     notices: tuple[Notice, ...] = ()
 

@@ -2,6 +2,17 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Annotated, Literal
+
+from annotated_types import Ge, Le, MaxLen, MinLen
+
+from gateway.pure.cell.marks import Pattern, Percent, Unit
+
+PointName = Annotated[str, Pattern(r"^[A-Za-z]\w*$", "letters, digits and _")]
+BoardName = Literal[
+    "servo-3/5/8-wide", "servo-abs-5/8", "servo-inc6/poti", "servo-3/5-narrow", "servo-3is/4is/6is", "servo-abs-3i", "modular-i"
+]  # fmt: skip
+OutputByte = Annotated[int, Ge(0), Le(39)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -9,23 +20,25 @@ class ProcessStep:
     """One step of a process; exactly one of to, program, output, input, wait_ms."""
 
     to: Mapping[str, float] = field(default_factory=dict)  # axis -> target in its unit
-    program: int | None = None  # [[program]] of that number
-    speed: str = "100 %"
-    output: int | None = None  # binary channel: user output, or multi-function output 801..804
-    input: int | None = None  # binary channel: user input, high-speed input 6xy, multi-function input 801..804
+    program: Annotated[int | None, Ge(0), Le(65535)] = None  # [[program]] of that number
+    speed: Percent = "100 %"
+    # binary channel: user output, or multi-function output 801..804
+    output: Annotated[int | None, Ge(1), Le(804), Unit("binary output")] = None
+    # binary channel: user input, high-speed input 6xy, multi-function input 801..804
+    input: Annotated[int | None, Ge(1), Le(804), Unit("binary input")] = None
     value: bool = True
-    wait_ms: int | None = None
+    wait_ms: Annotated[int | None, Ge(0), Le(3_600_000), Unit("ms")] = None
 
 
 @dataclass(frozen=True, slots=True)
 class ControllerProcess:
     """[[controller.process]]: what EXPROG.DAT or the panel may start under this name."""
 
-    name: str
+    name: Annotated[str, Pattern("^[A-Za-z0-9_]{1,8}$", "up to 8 letters, digits and _")]
     steps: tuple[ProcessStep, ...] = ()
-    kind: str = "normal"  # normal | permanent
-    priority: int = 140
-    kinematics: tuple[int, ...] = (1,)
+    kind: Literal["normal", "permanent"] = "normal"
+    priority: Annotated[int, Ge(0), Le(255)] = 140
+    kinematics: tuple[Annotated[int, Ge(1), Le(10)], ...] = (1,)
     repeat: bool = False
 
 
@@ -33,37 +46,37 @@ class ControllerProcess:
 class ControllerPoint:
     """[[controller.point]]: a system input or output of VAL 3; digital at `bit`, analog at `byte` with `steps` per unit."""
 
-    name: str
-    board: str
-    module: str
-    address: str
+    name: PointName
+    board: Annotated[str, MinLen(1)]
+    module: Annotated[str, MinLen(1)]
+    address: Annotated[str, MinLen(1)]
     output: bool = False
-    bit: int | None = None
-    byte: int | None = None
-    steps: int = 0
+    bit: Annotated[int | None, Ge(0), Le(1023)] = None
+    byte: Annotated[int | None, Ge(0), Le(126)] = None
+    steps: Annotated[int, Ge(0), Le(32767), Unit("steps per unit")] = 0
     min: float = 0.0
     max: float = 0.0
     integer: bool = False
-    description: str = ""  # free text, as ioStatus tells it
+    description: Annotated[str, MaxLen(200)] = ""  # free text, as ioStatus tells it
 
 
 @dataclass(frozen=True, slots=True)
 class Controller:
     """[controller]: the control that is replaced, as its PLC sees it."""
 
-    kind: str = "rho3"  # rho3 | reis | val3
+    kind: Literal["rho3", "reis", "val3"] = "rho3"
     files: str = ""  # folder of MSD.DAT, TEXT.DAT, EXPROG.DAT, PHGCODE.DAT; relative to the cell file
-    code_page: str = "cp437"
-    hardware: str = "rho3.1"  # rho3.0 | rho3.1 | rho3.2: unit of timers, multi-function I/O
-    kinematics: int = 1
+    code_page: Literal["cp437", "cp850", "latin-1", "utf-8"] = "cp437"
+    hardware: Literal["rho3.0", "rho3.1", "rho3.2"] = "rho3.1"  # rho3.0 | rho3.1 | rho3.2: unit of timers, multi-function I/O
+    kinematics: Annotated[int, Ge(1), Le(10)] = 1
     phg_option: bool = True  # option 41
-    plc_silence_ms: int = 0  # time-out of the PLC; 0: not supervised here
-    pic_timeout_ms: int = 0  # longest time between two cycles of the PIC; 0: not supervised (AX-478)
-    boards: tuple[str, ...] = ()  # servo boards 1..3 that P11 counts inputs of; a rho3.0 has its own (AX-477)
+    plc_silence_ms: Annotated[int, Ge(0), Le(600000), Unit("ms")] = 0  # time-out of the PLC; 0: not supervised here
+    pic_timeout_ms: Annotated[int, Ge(0), Le(200), Unit("ms")] = 0  # longest time between two cycles of the PIC; 0: not supervised (AX-478)
+    boards: Annotated[tuple[BoardName, ...], MaxLen(3)] = ()  # servo boards 1..3 that P11 counts inputs of; a rho3.0 has its own (AX-477)
     remote: bool = False  # frames of P20 also in blocks of 48 bytes
     door: str = ""  # reis: the command source markers command for; "": the only one
-    first_byte: int = 88  # reis: where its 40 bytes lie
-    plc_only: tuple[int, ...] = ()  # reis: output bytes of the PLC alone
-    robot_only: tuple[int, ...] = ()
+    first_byte: Annotated[int, Ge(0), Le(88), Unit("PIC byte")] = 88  # reis: where its 40 bytes lie
+    plc_only: tuple[OutputByte, ...] = ()  # reis: output bytes of the PLC alone
+    robot_only: tuple[OutputByte, ...] = ()
     process: tuple[ControllerProcess, ...] = ()
     point: tuple[ControllerPoint, ...] = ()  # val3

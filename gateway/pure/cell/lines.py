@@ -1,34 +1,58 @@
 """[[line]], [[db]], [handshake.NAME] and [[telegram]] of a cell: what a PLC or host is reached by.  Shapes: users.md 3.4."""
 
 from dataclasses import dataclass
+from typing import Annotated, Literal
+
+from annotated_types import Ge, Le
+
+from gateway.pure.cell.marks import BAUDS, OWN_NAME, Name, OnLoss, Pattern, Spelled, Unit
+
+PORTS = "sim | /dev/... | COM5 | pty:/path | tcp://host:port | rfc2217://host:port"
+LinePort = Annotated[str, Pattern(r"^(sim|/dev/\S+|COM\d+|pty:\S+|tcp://\S+:\d+|rfc2217://\S+:\d+)$", PORTS)]
+LONGEST = 4000  # bytes of a block at the station that takes most; each profile has its own limit, which `check` knows
+ENGLISH = {"I": "E", "Q": "A", "F": "M", "C": "Z", "DB": "D", "DX": "X"}  # S7 and English STEP 5; users.md 3.2
+
+
+def german(letter: object) -> object:
+    """I Q F C are E A M Z."""
+    return ENGLISH.get(letter, letter) if isinstance(letter, str) else letter
+
+
+AreaLetter = Annotated[Literal["D", "X", "E", "A", "M", "T", "Z"], Spelled(german)]
+NumberForm = Literal["bit", "KF", "DH", "KH", "KM", "KY", "KC", "KT", "KZ", "KG", "REAL", "BCD"]  # STEP 5
+Hex = Annotated[str, Pattern(r"^\s*([0-9A-Fa-f]{2}\s*)+$", '"00 4F", two hex digits a byte')]
+Text = Annotated[str, Pattern(r"^[\x00-\xff]+$", "characters 00h..FFh (Latin-1)")]
+TelegramType = Literal["BINARY", "CHARACTER", "BYTE", "WORD", "KF", "INTEGER", "REAL", "POINT", "JC_POINT", "TEXT"]
+TelegramUnit = Annotated[str, Pattern(r"^(\d+(\.\d+)? )?[^\s\d]\S*$", '"mm" or "0.1 mm" (one count is 0.1 mm)')]
 
 
 @dataclass(frozen=True, slots=True)
 class Rk512:
     """[line.rk512]: what is served and how addresses are counted."""
 
-    db_address_unit: str = "word"  # word | byte
+    db_address_unit: Literal["word", "byte"] = "word"
     reaction: bool = True
-    types: tuple[str, ...] = ("D",)
-    unknown_block: int = 0x14  # error number for a block that is not listed
-    coordination_flag: str = "refuse"  # a job that names one: refuse | ignore | serve | keep (AX-251)
-    end_of_follow_on: str = "ETX"  # ETX | ETB, as a switch of BUEP64 has it
+    types: tuple[AreaLetter, ...] = ("D",)
+    unknown_block: Annotated[int, Ge(1), Le(255)] = 0x14  # error number for a block that is not listed
+    # a job that names one: refuse | ignore | serve | keep (AX-251)
+    coordination_flag: Literal["refuse", "ignore", "serve", "keep"] = "refuse"
+    end_of_follow_on: Literal["ETX", "ETB"] = "ETX"  # ETX | ETB, as a switch of BUEP64 has it
 
 
 @dataclass(frozen=True, slots=True)
 class Times:
     """[line.times]: single values of the profile overridden, in ms and in either vocabulary; None: as the profile has it (AX-250)."""
 
-    QVZ: int | None = None  # acknowledgement delay
-    ADT: int | None = None  # the same
-    ZVZ: int | None = None  # character delay
-    CDT: int | None = None  # the same
-    BWZ: int | None = None  # block wait time: for the repeat of a refused block
-    reaction: int | None = None  # wait for the reaction telegram (VIPA's BWZ)
-    pause: int | None = None  # before a repeat
-    no_buffer: int | None = None  # STX while no buffer is free: NAK after
-    connect_attempts: int | None = None  # the first one counts
-    block_attempts: int | None = None
+    QVZ: Annotated[int | None, Ge(10), Le(65530), Unit("ms")] = None  # acknowledgement delay
+    ADT: Annotated[int | None, Ge(10), Le(65530), Unit("ms")] = None  # the same
+    ZVZ: Annotated[int | None, Ge(10), Le(65530), Unit("ms")] = None  # character delay
+    CDT: Annotated[int | None, Ge(10), Le(65530), Unit("ms")] = None  # the same
+    BWZ: Annotated[int | None, Ge(10), Le(65530), Unit("ms")] = None  # block wait time: for the repeat of a refused block
+    reaction: Annotated[int | None, Ge(10), Le(65530), Unit("ms")] = None  # wait for the reaction telegram (VIPA's BWZ)
+    pause: Annotated[int | None, Ge(0), Le(65530), Unit("ms")] = None  # before a repeat
+    no_buffer: Annotated[int | None, Ge(0), Le(65530), Unit("ms")] = None  # STX while no buffer is free: NAK after
+    connect_attempts: Annotated[int | None, Ge(1), Le(255)] = None  # the first one counts
+    block_attempts: Annotated[int | None, Ge(1), Le(255)] = None
 
     @property
     def ack_delay(self) -> int | None:
@@ -45,11 +69,11 @@ class Times:
 class Choices:
     """[line.choices]: what the manuals leave open, set otherwise than the profile has it; None: as the profile (AX-221, AX-250)."""
 
-    connect_counter: str | None = None  # per_job | per_block | shared
-    stray: str | None = None  # silent | nak_after_quiet | nak_at_once
-    broken_pair: str | None = None  # nak_at_end | nak_at_once | drop_dle
-    too_long: str | None = None  # nak_at_end | nak_at_once
-    interruption: str | None = None  # ignore | back_off
+    connect_counter: Literal["per_job", "per_block", "shared"] | None = None
+    stray: Literal["silent", "nak_after_quiet", "nak_at_once"] | None = None
+    broken_pair: Literal["nak_at_end", "nak_at_once", "drop_dle"] | None = None
+    too_long: Literal["nak_at_end", "nak_at_once"] | None = None
+    interruption: Literal["ignore", "back_off"] | None = None
     silence_ends: bool | None = None
     yields_to_second_conflict: bool | None = None
     nak_at_start: bool | None = None
@@ -61,27 +85,29 @@ class Choices:
 class Supervision:
     """[line.supervision]: when the partner counts as silent and what the axes do then."""
 
-    max_silence_ms: int = 1000  # 0 (telegrams only): a quiet partner is no loss; the loader's default there (AX-195)
+    # 0 (telegrams only): a quiet partner is no loss; the loader's default there (AX-195)
+    max_silence_ms: Annotated[int, Ge(0), Le(60000), Unit("ms")] = 1000
     life_word: str | None = None  # e.g. DB10.DW31: counts up in every SEND of the PLC
-    on_loss: str = "stop_on_path"  # hold | finish_move | stop_on_path | quick_stop
-    restart: str = "new_command"
+    on_loss: OnLoss = "stop_on_path"  # hold | finish_move | stop_on_path | quick_stop
+    restart: Literal["new_command"] = "new_command"
 
 
 @dataclass(frozen=True, slots=True)
 class Line:
     """[[line]]: a serial line to a PLC or host."""
 
-    name: str
-    port: str
-    format: str = "9600 8E1"
+    name: Name
+    port: LinePort
+    format: Annotated[str, Pattern(f"^({BAUDS}) [78][NEO][12]$", '"9600 8E1": baud, bits, parity, stop')] = "9600 8E1"
     wiring: str = ""
-    protocol: str = "3964R"
+    protocol: Literal["3964R", "3964"] = "3964R"
     profile: str = "rho3"
-    priority: str = "low"
-    layer: str = "rk512"  # rk512 | telegrams | buep64 | program
-    role: str = "passive"  # passive | active | both
-    output_timeout: int | None = None  # the rho 3's name for the priority: -1 = low, all else high (worked into priority)
-    byte_order: str = "big"
+    priority: Literal["low", "high"] = "low"
+    layer: Literal["rk512", "telegrams", "buep64", "program"] = "rk512"
+    role: Literal["passive", "active", "both"] = "passive"
+    # the rho 3's name for the priority: -1 = low, all else high (worked into priority)
+    output_timeout: Annotated[int | None, Ge(-1), Le(65535)] = None
+    byte_order: Literal["big", "little"] = "big"
     rk512: Rk512 = Rk512()
     times: Times = Times()
     choices: Choices = Choices()
@@ -98,13 +124,14 @@ class Entry:
     """One entry of a data block; exactly one of `to` (PLC writes) and `from_` (axisgate writes) is set."""
 
     at: str
-    type: str  # bit KF DH KH KM KY KC KT KZ KG REAL BCD
+    type: NumberForm
     to: str | None = None
     from_: str | None = None
-    unit: str = "1"  # "0.1 mm": one count is 0.1 mm
+    # "0.1 mm": one count is 0.1 mm
+    unit: Annotated[str, Pattern(r"^\d+(\.\d+)?( (mm|deg|%|ms|s))?$", '"0.1 mm", "1 deg", "1 %", "1 ms"')] = "1"
     min: float | None = None
     max: float | None = None
-    edge: str | None = None  # rising: only the 0 -> 1 edge acts
+    edge: Literal["rising"] | None = None  # rising: only the 0 -> 1 edge acts
     comment: str = ""
 
     @property
@@ -121,15 +148,16 @@ class Db:
     be sent (writer axisgate) or fetched (writer plc) by us, every so often or when it changed (AX-250, AX-252).
     """
 
-    number: int
-    words: int
-    writer: str  # plc | axisgate | name of a Modbus server (FC 21, AX-479)
-    kind: str = "D"  # D X E A M T Z
+    number: Annotated[int, Ge(0), Le(255)]
+    words: Annotated[int, Ge(1), Le(256), Unit("words")]
+    writer: Name  # plc | axisgate | name of a Modbus server (FC 21, AX-479)
+    kind: AreaLetter = "D"  # D X E A M T Z
     line: str = ""
-    every_ms: int = 0  # our own SEND or FETCH; 0: the partner's business
+    every_ms: Annotated[int, Ge(0), Le(3_600_000), Unit("ms")] = 0  # our own SEND or FETCH; 0: the partner's business
     on_change: bool = False  # our own SEND when a word has changed
-    at_partner: str = ""  # "DB20.DW0": where it lies there; "": same number, from its first word on
-    flag: str = ""  # "M 6.4": coordination flag our job names
+    # "DB20.DW0": where it lies there; "": same number, from its first word on
+    at_partner: Annotated[str, Pattern(r"^(D[BX]\d{1,3}\.DW\d{1,3})?$", '"DB20.DW0" or "DX20.DW0"')] = ""
+    flag: Annotated[str, Pattern(r"^([MF] ?\d{1,3}\.[0-7])?$", '"M 6.4"')] = ""  # "M 6.4": coordination flag our job names
     comment: str = ""
     entries: tuple[Entry, ...] = ()
 
@@ -138,34 +166,34 @@ class Db:
 class Handshake:
     """[handshake.NAME]: the bits an old program starts a move with, as DBn.Dw.b."""
 
-    pattern: str
+    pattern: Literal["start-busy-done", "level-ack", "toggle", "strobe-parity", "number-select"]
     start: str = ""  # request or strobe; number-select needs none
     busy: str = ""
     done: str = ""  # acknowledgement of level-ack, toggle, strobe-parity
     refused: str = ""
-    parity: str = "even"  # strobe-parity: ones of code and parity bit together
+    parity: Literal["even", "odd"] = "even"  # strobe-parity: ones of code and parity bit together
 
 
 @dataclass(frozen=True, slots=True)
 class TelegramMatch:
     """One entry of `match`: exactly one of hex and text stands at `byte`."""
 
-    byte: int
-    hex: str = ""
-    text: str = ""
+    byte: Annotated[int, Ge(0), Le(LONGEST - 1)]
+    hex: Hex = ""
+    text: Text = ""
 
 
 @dataclass(frozen=True, slots=True)
 class TelegramField:
     """One entry of `fields`: `count` values of `type` from `byte` on, written to a named value."""
 
-    byte: int
-    type: str  # BINARY CHARACTER BYTE WORD KF INTEGER REAL POINT JC_POINT TEXT
-    to: str
-    count: int = 1
-    unit: str = ""  # "mm", or "0.1 mm": one count is 0.1 mm
+    byte: Annotated[int, Ge(0), Le(LONGEST - 1)]
+    type: TelegramType  # BINARY CHARACTER BYTE WORD KF INTEGER REAL POINT JC_POINT TEXT
+    to: Annotated[str, Pattern(f"^{OWN_NAME}$", "a name of the cell's own, as order.number")]
+    count: Annotated[int, Ge(1), Le(LONGEST)] = 1
+    unit: TelegramUnit = ""  # "mm", or "0.1 mm": one count is 0.1 mm
     scale: float = 1.0  # value = count x scale
-    byte_order: str | None = None  # little | big; None: as the line
+    byte_order: Literal["big", "little"] | None = None  # little | big; None: as the line
     min: float | None = None
     max: float | None = None
 
@@ -174,14 +202,14 @@ class TelegramField:
 class TelegramPart:
     """One entry of `build`: fixed bytes (hex or text) or a value (type and from)."""
 
-    hex: str = ""
-    text: str = ""
-    type: str = ""
+    hex: Hex = ""
+    text: Text = ""
+    type: TelegramType | Literal[""] = ""
     from_: str = ""
-    count: int = 1
-    unit: str = ""
+    count: Annotated[int, Ge(1), Le(LONGEST)] = 1
+    unit: TelegramUnit = ""
     scale: float = 1.0
-    byte_order: str | None = None
+    byte_order: Literal["big", "little"] | None = None
     min: float | None = None
     max: float | None = None
 
@@ -191,10 +219,10 @@ class Telegram:
     """[[telegram]]: a raw 3964R block; match, fields, then: the partner sends it; when, build: we do."""
 
     line: str
-    name: str
+    name: Name
     match: tuple[TelegramMatch, ...] = ()
-    length: int | None = None  # bytes; None: any length that holds matches and fields
+    length: Annotated[int | None, Ge(1), Le(LONGEST), Unit("bytes")] = None  # bytes; None: any length that holds matches and fields
     fields: tuple[TelegramField, ...] = ()
-    then: str = ""  # "signal order.new"
-    when: str = ""  # "rising order.done"
+    then: Annotated[str, Pattern(f"^signal +{OWN_NAME}$", '"signal order.new"')] = ""  # "signal order.new"
+    when: Annotated[str, Pattern(r"^(rising|falling|change) +\S+$", '"rising order.done", falling, change')] = ""  # "rising order.done"
     build: tuple[TelegramPart, ...] = ()

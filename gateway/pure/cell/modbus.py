@@ -1,25 +1,38 @@
 """[[modbus]] of a cell file as plain frozen data: servers (command sources) and clients (devices of others that we ask)."""
 
 from dataclasses import dataclass
+from typing import Annotated, Literal
 
+from annotated_types import Ge, Le, MinLen
+
+from gateway.pure.cell.marks import BAUDS, OWN_NAME, Bind, Name, OnLoss, Pattern, Unit
 from gateway.pure.cell.web import LOOPBACK
+
+ByteOrder = Literal["ABCD", "CDAB", "BADC", "DCBA"]
+Spans = tuple[Annotated[str, Pattern(r"^\d{1,5}(\.\.\d{1,5})?$", '"0..63" or "7"')], ...]
+PORTS = "sim | /dev/... | pty:/path | tcp://host:port (clients) | rfc2217://host:port"
+ModbusPort = Annotated[str, Pattern(r"^(sim|/dev/\S+|COM\d+|pty:\S+|tcp://\S+:\d+|rfc2217://\S+:\d+)?$", PORTS)]
+ModbusTable = Literal["coil", "discrete", "input", "holding"]
+ModbusForm = Literal["bit", "INT16", "UINT16", "INT32", "UINT32", "INT64", "UINT64", "REAL", "LREAL"]
+View = Literal["rho3", "registers", "reis", "val3"]
 
 
 @dataclass(frozen=True, slots=True)
 class ModbusRegisters:
     """One [[modbus.registers]] table: values beside the view, readable as holding and as input registers."""
 
-    at: int
+    at: Annotated[int, Ge(0), Le(65535)]
     from_: str
-    type: str = ""  # INT16 UINT16 INT32 UINT32 REAL; "": REAL for measured values, else UINT16 (AX-347)
+    # INT16 UINT16 INT32 UINT32 REAL; "": REAL for measured values, else UINT16 (AX-347)
+    type: Literal["", "INT16", "UINT16", "INT32", "UINT32", "REAL"] = ""
 
 
 @dataclass(frozen=True, slots=True)
 class ModbusUnit:
     """One [[modbus.units]] table: a further unit id of the same server and what it shows."""
 
-    unit: int
-    view: str
+    unit: Annotated[int, Ge(1), Le(247)]
+    view: View
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,21 +40,21 @@ class ModbusWriter:
     """One [[modbus.writers]] table: who may write where; "first..last" or "n"."""
 
     from_: str  # an address or a network
-    coils: tuple[str, ...] = ()
-    holding: tuple[str, ...] = ()
-    files: tuple[str, ...] = ()  # data blocks, FC 21
+    coils: Spans = ()
+    holding: Spans = ()
+    files: Spans = ()  # data blocks, FC 21
 
 
 @dataclass(frozen=True, slots=True)
 class ModbusRole:
     """One [[modbus.roles]] table: what a role in a client's certificate may do."""
 
-    role: str
+    role: Annotated[str, MinLen(1)]
     read: bool = True
     write: bool = False
-    coils: tuple[str, ...] | None = None  # None: all
-    holding: tuple[str, ...] | None = None
-    files: tuple[str, ...] | None = None  # None: all where coils and holding are left out too, else none
+    coils: Spans | None = None  # None: all
+    holding: Spans | None = None
+    files: Spans | None = None  # None: all where coils and holding are left out too, else none
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,43 +70,44 @@ class ModbusTls:
 class ModbusLimits:
     """[modbus.limits]: what one server and each of its clients may use (AX-073)."""
 
-    clients: int = 32
-    per_address: int = 16  # connections of one address
-    receive_ms: int = 2000  # a frame's first byte to its last
-    stall_ms: int = 10_000  # answers waiting and nobody taking them
-    idle_ms: int = 0  # no byte at all; 0: idle clients stay
+    clients: Annotated[int, Ge(1), Le(1024)] = 32
+    per_address: Annotated[int, Ge(1), Le(1024)] = 16  # connections of one address
+    receive_ms: Annotated[int, Ge(50), Le(60000), Unit("ms")] = 2000  # a frame's first byte to its last
+    stall_ms: Annotated[int, Ge(100), Le(600000), Unit("ms")] = 10_000  # answers waiting and nobody taking them
+    idle_ms: Annotated[int, Ge(0), Le(86_400_000), Unit("ms")] = 0  # no byte at all; 0: idle clients stay
 
 
 @dataclass(frozen=True, slots=True)
 class ModbusDevice:
     """One [[modbus.device]] table of a client."""
 
-    name: str
-    unit: int = 1
-    timeout_ms: int = 500
-    pause_ms: int = 0
-    retries: int = 2
-    busy_retries: int = 20
-    busy_pause_ms: int = 100
+    name: Name
+    unit: Annotated[int, Ge(0), Le(255)] = 1
+    timeout_ms: Annotated[int, Ge(10), Le(60000), Unit("ms")] = 500
+    pause_ms: Annotated[int, Ge(0), Le(60000), Unit("ms")] = 0
+    retries: Annotated[int, Ge(0), Le(20)] = 2
+    busy_retries: Annotated[int, Ge(0), Le(1000)] = 20
+    busy_pause_ms: Annotated[int, Ge(1), Le(60000), Unit("ms")] = 100
     repeat_writes: bool = True
-    demote_after: int = 2
-    probe_ms: int = 2000
-    order: str = "ABCD"  # word and byte order of its wide values
-    most_words: int = 125
-    most_bits: int = 2000
+    demote_after: Annotated[int, Ge(1), Le(100)] = 2
+    probe_ms: Annotated[int, Ge(100), Le(3_600_000), Unit("ms")] = 2000
+    order: ByteOrder = "ABCD"  # word and byte order of its wide values
+    most_words: Annotated[int, Ge(1), Le(125)] = 125
+    most_bits: Annotated[int, Ge(1), Le(2000)] = 2000
 
 
 @dataclass(frozen=True, slots=True)
 class ModbusValue:
     """One [[modbus.value]] table of a client: a value of a device and the named value it goes to or comes from."""
 
-    device: str
-    table: str  # coil | discrete | input | holding
-    at: int  # protocol address, base 0
-    type: str  # bit INT16 UINT16 INT32 UINT32 INT64 UINT64 REAL LREAL
-    to: str = ""  # read every `every_ms` into this name
-    from_: str = ""  # written when this name changes, and every `every_ms`
-    every_ms: int = 100
+    device: Name
+    table: ModbusTable
+    at: Annotated[int, Ge(0), Le(65535)]  # protocol address, base 0
+    type: ModbusForm
+    to: Annotated[str, Pattern(f"^({OWN_NAME})?$", "a name of the cell's own, as tank.level")] = ""  # read every `every_ms` into this name
+    # written when this name changes, and every `every_ms`
+    from_: Annotated[str, Pattern(f"^({OWN_NAME})?$", "a name of the cell's own, as tank.level")] = ""
+    every_ms: Annotated[int, Ge(5), Le(3_600_000), Unit("ms")] = 100
     scale: float = 1.0  # value = number x scale
 
     @property
@@ -105,22 +119,23 @@ class ModbusValue:
 class Modbus:
     """[[modbus]]: a server (one command source) or a client."""
 
-    name: str
-    role: str = "server"  # server | client
-    framing: str = "tcp"  # tcp | rtu: RTU on a serial port, or over TCP where there is none
-    port_: str = ""  # serial port of RTU; client: "tcp://host:port" as well
-    format: str = "9600 8E1"
-    patience_ms: int = 50
+    name: Name
+    role: Literal["server", "client"] = "server"
+    framing: Literal["tcp", "rtu"] = "tcp"  # tcp | rtu: RTU on a serial port, or over TCP where there is none
+    # serial port of RTU; client: "tcp://host:port" as well
+    port_: ModbusPort = ""
+    format: Annotated[str, Pattern(f"^({BAUDS}) 8[NEO][12]$", '"9600 8E1": baud, bits, parity, stop')] = "9600 8E1"
+    patience_ms: Annotated[int, Ge(0), Le(1000), Unit("ms")] = 50
     # server
-    bind: str = "127.0.0.1:1502"
-    unit: int = 1
+    bind: Bind = "127.0.0.1:1502"
+    unit: Annotated[int, Ge(1), Le(247)] = 1
     allow: tuple[str, ...] = ()  # clients that may write; empty: everybody who reaches the bound address
-    view: str = "rho3"
+    view: View = "rho3"
     command_block: bool = False
-    float: str = "ABCD"
-    first_address: int = 0
-    max_silence_ms: int = 500
-    on_loss: str = "stop_on_path"
+    float: ByteOrder = "ABCD"
+    first_address: Annotated[int, Ge(0), Le(1)] = 0
+    max_silence_ms: Annotated[int, Ge(50), Le(60000), Unit("ms")] = 500
+    on_loss: OnLoss = "stop_on_path"
     registers: tuple[ModbusRegisters, ...] = ()
     units: tuple[ModbusUnit, ...] = ()
     writers: tuple[ModbusWriter, ...] = ()

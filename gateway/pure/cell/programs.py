@@ -1,14 +1,17 @@
 """[[program]] of the cell file: motion programs that command sources order by their number."""
 
 from dataclasses import dataclass
+from typing import Annotated
+
+from annotated_types import Ge, Le, MinLen
 
 
 @dataclass(frozen=True, slots=True)
 class Program:
     """[[program]]: a program in the documented text form (docs/guide/motion-programs.md)."""
 
-    number: int
-    file: str  # beside the cell file, then as configs/programs
+    number: Annotated[int, Ge(1), Le(9999)]
+    file: Annotated[str, MinLen(1)]  # beside the cell file, then as configs/programs
     kinematics: str = ""  # name of [robot]; empty: the only one there is
 
     @property

@@ -2,6 +2,11 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Annotated, Literal
+
+from annotated_types import Ge, Gt, Le, MaxLen, MinLen
+
+from gateway.pure.cell.marks import Loaded, Unit, frozen
 
 ParamValue = bool | int | float | str | tuple["ParamValue", ...] | Mapping[str, "ParamValue"]
 
@@ -10,70 +15,81 @@ ParamValue = bool | int | float | str | tuple["ParamValue", ...] | Mapping[str, 
 class IoBus:
     """One entry of P30: digital I/O blocks of a bus; baud 0..3 = 1 Mbit/s, 500, 250, 125 kbit/s."""
 
-    inputs: int = 0
-    outputs: int = 0
-    baud: int = 0
+    inputs: Annotated[int, Ge(0), Le(5), Unit("blocks")] = 0
+    outputs: Annotated[int, Ge(0), Le(4), Unit("blocks")] = 0
+    baud: Annotated[int, Ge(0), Le(3)] = 0
 
 
 @dataclass(frozen=True, slots=True)
 class IoBlock:
     """One entry of P31 or P32: PIC start byte, length in bytes, CAN identifier."""
 
-    bus: int
-    start: int
-    length: int
-    id: int
+    bus: Annotated[int, Ge(1), Le(2)]
+    start: Annotated[int, Ge(0), Le(127), Unit("PIC byte")]
+    length: Annotated[int, Ge(1), Le(8), Unit("bytes")]
+    id: Annotated[int, Ge(471), Le(550)]
+
+
+@dataclass(frozen=True, slots=True)
+class OutputBlock(IoBlock):
+    """One entry of P32."""
+
+    id: Annotated[int, Ge(471), Le(480)]
 
 
 @dataclass(frozen=True, slots=True)
 class OfKinematic:
     """One entry of P306; monitoring: sub-query 6, "Monitoring axis WC" (L5580-5596)."""
 
-    monitoring: int = 0
+    monitoring: Annotated[int, Ge(0), Le(3)] = 0
 
 
 @dataclass(frozen=True, slots=True)
 class MeasuringSystem:
     """One [[rho3.P401]] table."""
 
-    axis: int
-    module: int
-    ref_mode: int = 0
-    gear_factor: float = 1.0
-    pulses: int = 1  # 1 = 16384, 2 = 8192, 3 = 4096 increments per turn (rho3 2.6)
+    axis: Annotated[int, Ge(1), Le(12)]
+    module: Annotated[int, Ge(1), Le(12)]
+    ref_mode: Annotated[int, Ge(0), Le(3)] = 0
+    gear_factor: Annotated[float, Gt(0)] = 1.0
+    pulses: Annotated[int, Ge(1), Le(3)] = 1  # 1 = 16384, 2 = 8192, 3 = 4096 increments per turn (rho3 2.6)
     evaluation: float = 16384.0  # negative together with output: direction reversed (rho3 2.9)
-    output: int = 0
+    output: Annotated[int, Ge(-20), Le(20)] = 0
+
+
+Speeds = tuple[Annotated[float, Gt(0), Unit("deg/s or mm/s")], ...]
+Ways = tuple[Annotated[float, Unit("deg or mm")], ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Rho3:
     """[rho3]: machine parameters as printed; the ones the gateway uses are attributes, other legal numbers are kept."""
 
-    P2: int = 0
-    P5: int | None = None  # clock, ms
-    P9: int = 40  # strobe of coded outputs, ms
-    P15: tuple[int, ...] = ()
-    P20: int | None = None
-    P21: tuple[int, ...] = ()
-    P24: int | str = "all"
-    P30: tuple[IoBus, ...] = ()
+    P2: Annotated[int, Ge(0), Le(15)] = 0
+    P5: Annotated[int | None, Ge(2), Le(32), Unit("ms")] = None  # clock, ms
+    P9: Annotated[int, Ge(1), Le(1000), Unit("ms")] = 40  # strobe of coded outputs, ms
+    P15: tuple[Annotated[int, Ge(0), Le(20)], ...] = ()
+    P20: Annotated[int | None, Ge(0), Le(99)] = None
+    P21: tuple[Annotated[int, Ge(0), Le(250), Unit("byte")], ...] = ()
+    P24: int | Literal["all"] = "all"
+    P30: Annotated[tuple[IoBus, ...], MaxLen(2)] = ()
     P31: tuple[IoBlock, ...] = ()
-    P32: tuple[IoBlock, ...] = ()
-    P103: tuple[float, ...] = ()
-    P104: tuple[float, ...] = ()
-    P108: tuple[float, ...] = ()
-    P109: tuple[float, ...] = ()
-    P204: tuple[float, ...] = ()
-    P205: tuple[float, ...] = ()
-    P207: tuple[float, ...] = ()
-    P208: tuple[float, ...] = ()
-    P303: tuple[int, ...] = ()
+    P32: tuple[OutputBlock, ...] = ()
+    P103: Speeds = ()
+    P104: Speeds = ()
+    P108: Speeds = ()
+    P109: Speeds = ()
+    P204: Ways = ()
+    P205: Ways = ()
+    P207: Ways = ()
+    P208: Ways = ()
+    P303: tuple[Annotated[int, Ge(0), Le(4)], ...] = ()
     P306: tuple[OfKinematic, ...] = ()
-    P311: tuple[float, ...] = ()
-    P313: tuple[tuple[int, ...], ...] = ()
+    P311: Ways = ()
+    P313: tuple[Annotated[tuple[Annotated[int, Ge(0), Le(24)], ...], MinLen(6), MaxLen(6)], ...] = ()
     P401: tuple[MeasuringSystem, ...] = ()
     P601: bool = False
-    others: Mapping[str, ParamValue] = field(default_factory=dict)
+    others: Annotated[Mapping[str, ParamValue], Loaded(frozen)] = field(default_factory=dict)
 
 
 COMPONENTS = "xyzabc"  # P313

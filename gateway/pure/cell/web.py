@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from gateway.pure.cell.marks import Bind
+
 PAGE_DOOR = 91  # its number among the command sources of the cell; 90 is the commissioning tools'
 LOOPBACK = ("127.0.0.1", "::1", "localhost")
 
@@ -10,7 +12,7 @@ LOOPBACK = ("127.0.0.1", "::1", "localhost")
 class Web:
     """Where the page is served, and what it may do."""
 
-    bind: str = "127.0.0.1:8480"  # address:port
+    bind: Bind = "127.0.0.1:8480"  # address:port
     names: tuple[str, ...] = ()  # names a browser may ask for beside the bound address: a guard against rebinding (AX-473)
     read_only: bool = False  # nothing can be changed through the page; stop on the path stays
     tls_certificate: str = ""  # PEM; both or none; asked for beyond loopback

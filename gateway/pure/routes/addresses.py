@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 
+from gateway.pure.cell.modbus import ModbusForm
 from gateway.pure.image.addresses import (
     AddressFault,
     CellName,
@@ -41,7 +42,7 @@ class World(Enum):
     PARAMETER = "drive parameter"  # object of a CANopen drive
 
 
-REGISTER_TYPES = {  # number form -> type of a Modbus client's value; the order is the device's
+REGISTER_TYPES: Mapping[str, ModbusForm] = {  # number form -> type of a Modbus client's value; the order is the device's
     BIT: "bit", "u16": "UINT16", "KH": "UINT16", "KM": "UINT16", "s16": "INT16", "KF": "INT16",
     "u32": "UINT32", "s32": "INT32", "DH": "INT32", "REAL": "REAL",
 }  # fmt: skip

@@ -6,11 +6,16 @@ from importlib.metadata import entry_points
 from types import ModuleType
 
 import pytest
-from pydantic import BaseModel
 
-from gateway.cell_file.models import cell as cellmodels
 from gateway.files.find import read_signals
-from gateway.files.table_model import Table
+from gateway.pure.cell.axes import PlantAxis
+from gateway.pure.cell.belts import Belt
+from gateway.pure.cell.cell import Axis, Bus, CellHead, CellTables, Io, IoDevice, Line, TelegramPart
+from gateway.pure.cell.columns import columns
+from gateway.pure.cell.controller import ControllerPoint
+from gateway.pure.cell.modbus import ModbusValue
+from gateway.pure.cell.northbound import NorthMqtt
+from gateway.pure.cell.rho3 import OutputBlock
 from hil_tests.purity import ROOT
 
 
@@ -33,16 +38,26 @@ def test_every_page_stands_in_the_navigation_once(pages: ModuleType) -> None:
 
 def test_the_reference_of_the_cell_file_has_every_key_of_every_table(pages: ModuleType) -> None:
     text = pages.cell_keys()
-    models = {model for _, model in pages.tables(cellmodels.CellFile, "")}
-    assert models >= subtables(Table)
-    keys = {field.alias or name for model in models for name, field in model.model_fields.items() if not pages._inner(field)}
+    tables = {table for _, table in pages.tables(CellTables, "")}
+    assert tables >= {
+        Axis,
+        Belt,
+        Bus,
+        CellHead,
+        ControllerPoint,
+        Io,
+        IoDevice,
+        Line,
+        ModbusValue,
+        NorthMqtt,
+        OutputBlock,
+        PlantAxis,
+        TelegramPart,
+    }
+    assert len(tables) > 60
+    keys = {key for table in tables for key, column in columns(table).items() if not column.table and not column.loaded}
     assert {key for key in keys if f"| `{key}` |" not in text} == set()
-
-
-def subtables(base: type[BaseModel]) -> set[type[BaseModel]]:
-    """Tables the file can have: the models of gateway.cell_file.models.cell that a field of another speaks of."""
-    known = {each for each in vars(cellmodels).values() if isinstance(each, type) and issubclass(each, base)}
-    return known - {base}
+    assert "| `from` |" in text and "| `from_` |" not in text
 
 
 def test_the_list_of_signals_is_whole(pages: ModuleType) -> None:

@@ -4,16 +4,13 @@ import csv
 import dataclasses
 import json
 import pathlib
-from typing import Any
 
 import pytest
 
 import gateway
 from gateway.cell_file.load import load_cell
-from gateway.cell_file.models import modbus as cellmodels_modbus
 from gateway.checks.modbus import modbus as _checked
 from gateway.commands.map import main
-from gateway.pure.cell import modbus as cell_modbus
 from gateway.pure.cell.cell import Cell
 from gateway.pure.cell.faults import CellFaults
 from gateway.pure.image.records.cell import RC_BYTES, InputImage
@@ -281,16 +278,6 @@ def test_what_does_not_fit_is_named(more: str, old: str, new: str, fault: str) -
 
 def test_both_good_and_playable() -> None:
     assert demo(CLIENT + REGISTERS).not_playable() == [] and _checked is not None
-
-
-def test_the_models_and_the_data_have_the_same_shape() -> None:
-    compared = 0
-    for name, kind in vars(cell_modbus).items():
-        if isinstance(kind, type) and dataclasses.is_dataclass(kind):
-            model: Any = getattr(cellmodels_modbus, name)
-            assert {field.name for field in dataclasses.fields(kind)} == set(model.model_fields), name
-            compared += 1
-    assert compared == 9
 
 
 def test_neighbours_are_read_together_and_written_in_the_devices_order() -> None:
