@@ -12,7 +12,7 @@ from motion.timing.jerk import jerk_limited_work
 from motion.timing.law import Law
 from motion.timing.slices import Work
 
-KEPT = 16  # laws; more than the comparison of one row makes
+KEPT = 64  # laws; more than the comparison of one row makes
 
 
 @dataclass(frozen=True)

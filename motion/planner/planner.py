@@ -32,7 +32,7 @@ from motion.program.blocks import Block, Called, Output
 from motion.program.errors import BlockError
 from motion.program.factors import FULL, Factors
 from motion.program.team import Shared
-from motion.timing.law import Law
+from motion.timing.law import EndlessError, Law
 from motion.timing.slices import Slices, Work
 
 LOOK_AHEAD = 512  # blocks that may wait (owed: 256)
@@ -308,16 +308,16 @@ class Planner:
             width = width_s(run.limits)
             made = swift(run.path, run.limits, width)
             return self._commit(run, made.law, self.end, None, _Origin(made, 0, width))
-        except TooLongError as error:
+        except (TooLongError, EndlessError) as error:
             fewer = self._half(row, error)
         yield
         return (yield from self._from_rest(fewer))
 
-    def _half(self, row: list[Stretch], error: TooLongError) -> list[Stretch]:
+    def _half(self, row: list[Stretch], error: TooLongError | EndlessError) -> list[Stretch]:
         """Fewer stretches of a motion whose law has more pieces than the ring holds: it is handed on in parts, as one is that becomes known
         block by block.  A single one that has too many is an error."""
         if len(row) == 1 or row[0].source.pace.time is not None:
-            raise BlockError(str(error), block=error.block) from error
+            raise BlockError(str(error), block=error.block if isinstance(error, TooLongError) else row[0].block) from error
         middle = len(row) // 2
         self._fresh.extendleft(reversed(row[middle:]))
         return row[:middle]

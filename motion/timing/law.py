@@ -13,12 +13,16 @@ CALM = 24  # points at the ends that are smoothed less and less
 LONGEST_S, POSSIBLE_S = 1000.0, 400.0  # no longer law is made: pieces hold so much of one at most (motion.planner.commit)
 
 
-def check_seconds(seconds: float) -> float:
-    """The same; MotionError where a law of this duration can be neither made nor handed on."""
-    if seconds < LONGEST_S:
+class EndlessError(MotionError):
+    """A law that takes too long to be made."""
+
+
+def check_seconds(seconds: float, most: float = LONGEST_S) -> float:
+    """The same; EndlessError where a law of this duration can be neither made nor handed on."""
+    if seconds < most:
         return seconds
     long = f"{seconds:.0f} s" if math.isfinite(seconds) else "endless time"
-    raise MotionError(
+    raise EndlessError(
         f"a motion of {long} without a stop is too long, at most {POSSIBLE_S:.0f} s are possible: run it faster, or stop in between"
     )
 

@@ -2,17 +2,27 @@
 
 import pytest
 
+from gateway.assembly.programs import machine_of_cell
+from gateway.cell_file.load import load_cell
+from gateway.files.find import find_config, read_text
 from hil_tests.lab.cells.arms import robot
+from motion.paths.joints import JointPath
 from motion.planner.planner import Planner
 from motion.planner.route import Route
+from motion.planner.runs import runs
 from motion.planner.trace import trace
 from motion.program.text.reader import read
+from motion.timing.jerk import estimate, jerk_limited, jerk_limited_work
+from motion.timing.law import Law
+from motion.timing.limits import LawLimits
+from motion.timing.slices import Work
 
 HEADS = {
     "tx60-like": "robot tx60-like\nangles val3\naxes deg deg deg deg deg deg\nstart 0 30 90 0 60 0\n",
     "portal": "robot portal\naxes mm mm mm deg\nstart 0 0 0 0\n",
 }
 MS = 1e-3
+CELL = find_config("portal", "cells")
 
 
 def drawn(name: str, text: str) -> float:
@@ -63,3 +73,31 @@ def test_rows_of_tiny_moves(count: int, radius: float) -> None:
 def test_where_passing_is_quicker_it_stays() -> None:
     text = steps(40, 0.1)
     assert drawn("portal", f"set radius=0.03\n{text}") < 0.7 * drawn("portal", text)
+
+
+@pytest.mark.parametrize(("mm", "radius", "laws"), [(1.0, 0.3, 4), (0.1, 0.03, 4), (1.0, 0.05, 50)])
+def test_tiny_moves_of_an_arm_are_compared_with_few_laws(mm: float, radius: float, laws: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those that are run, and a few more: it was the law of every pair and of every leg, and those that were run once again."""
+    made: list[JointPath] = []
+
+    def counted(path: JointPath, limits: LawLimits) -> Work[Law]:
+        made.append(path)
+        return jerk_limited_work(path, limits)
+
+    monkeypatch.setattr("motion.planner.law_cache.jerk_limited_work", counted)
+    planned("tx60-like", f"set radius={radius}\n{steps(40, mm)}")
+    assert len(made) <= laws
+
+
+@pytest.mark.parametrize("zone", [20, 40, 60])
+def test_the_law_over_a_corner_is_not_slowed_more_than_its_worst_place_asks_for(zone: int) -> None:
+    """Mended by rounds and by places it came out 12 % slower than slowed as a whole, and so slower than a stop in the corner."""
+    machine = machine_of_cell(load_cell(str(CELL), read_text(CELL)))
+    text = f"{HEADS['portal']}ptp joints 200 0 0 0 zone={zone},{zone},{zone},{zone}\nptp joints 200 200 0 0\n"
+    program = read(text)
+    route = Route(machine, program.start)
+    for block in program.blocks:
+        route.add(block)
+    route.finish()
+    (run,) = runs(route.take(), machine)
+    assert jerk_limited(run.path, run.limits).duration < 1.09 * estimate(run.path, run.limits)
