@@ -23,6 +23,7 @@ from gateway.web.access import Access, Denied
 from gateway.web.api import Api, endpoints
 from gateway.web.cell_view import described
 from gateway.web.endpoints import openapi, routes
+from gateway.web.german import says
 from gateway.web.live import Live
 from gateway.web.operator_control import OperatorControl
 from gateway.web.plant_view import Plant
@@ -84,7 +85,7 @@ def make_app(plan: RunPlan, web: Web, regions: Regions, store: Store, scope: Sco
         try:
             access.host(request)
         except Denied as denied:
-            return JSONResponse({"error": denied.words}, denied.status)
+            return JSONResponse({"error": denied.words, "say": says(denied.words)}, denied.status)
         return FileResponse(STATIC / "index.html")
 
     @contextlib.asynccontextmanager

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from drivers.ports.base import CanPort, PortError
 from drivers.ports.can.open import open_can
 from gateway.pure.cell.cell import Bus
+from gateway.web.german import says
 from protocols.base.can_bits import frame_bits
 from protocols.base.machine import Frame, Ns
 
@@ -112,13 +113,13 @@ class BusView:
                 "min_ms": round(one.shortest / 1e6, 2),
                 "max_ms": round(one.longest / 1e6, 2),
                 "data": one.last.data.hex(" ") if one.last else "",
-                "text": decode(one.last) if one.last else "",
+                "say": says(decode(one.last)) if one.last else ["", ""],
             }
             for identifier, one in sorted(self.seen.items())
         ]
         first = self.recent[0].stamp_ns if self.recent else 0
         frames = [
-            [round((frame.stamp_ns - first) / 1e6, 3), named(frame.identifier), frame.data.hex(" "), decode(frame)]
+            [round((frame.stamp_ns - first) / 1e6, 3), named(frame.identifier), frame.data.hex(" "), says(decode(frame))]
             for frame in list(self.recent)[-40:]
         ]
         return {
@@ -127,7 +128,7 @@ class BusView:
             "bitrate": self.bus.bitrate,
             "url": self.url,
             "open": self.port is not None,
-            "why": self.why,
+            "why": says(self.why),
             "load": round(100.0 * bits / bitrate(self.bus), 1),
             "rate": round(sum(one.rate for one in self.seen.values())),
             "faults": self.faults,

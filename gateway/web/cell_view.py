@@ -7,6 +7,7 @@ from typing import Any
 from gateway.assembly.run import RunPlan
 from gateway.files.find import PACKAGED, read_evidence
 from gateway.pure.cell.cell import Axis, Bus, Cell, Line
+from gateway.web.german import german, says
 from gateway.web.plant_view import Plant
 from gateway.web.skeleton import Skeleton
 
@@ -115,7 +116,11 @@ def wiring(cell: Cell) -> list[Row]:
 
 
 def evidence(plan: RunPlan) -> list[Row]:
-    """How far the parts of this cell were proved, out of configs/evidence.toml: specified, emulator, bench, plant."""
+    """How far the parts of this cell were proved, out of configs/evidence.toml: specified, emulator, bench, plant; in both languages."""
+    return [{"level": row["level"], "what": says(row["what"]), "why": row["why"]} for row in _evidence(plan)]
+
+
+def _evidence(plan: RunPlan) -> list[Row]:
     cell = plan.cell
     rows: list[Row] = []
     for kind in dict.fromkeys(axis.drive.type for axis in cell.axis):
@@ -123,7 +128,7 @@ def evidence(plan: RunPlan) -> list[Row]:
         rows += [{"what": f"layout of {kind} telegrams", **row} for row in proved(f"layout:{kind}")]
     for bus in cell.bus:
         if bus.layout_evidence:
-            rows.append({"what": f"layout of bus {bus.name}", "level": "specified", "why": bus.layout_evidence})
+            rows.append({"what": f"layout of bus {bus.name}", "level": "specified", "why": says(bus.layout_evidence)})
     for line in cell.line:
         parts: tuple[str, ...] = (line.protocol, line.layer)
         for part in parts:
@@ -135,9 +140,9 @@ def evidence(plan: RunPlan) -> list[Row]:
 
 
 def proved(part: str) -> list[Row]:
-    """Level and judge of what stands for this part in the data."""
-    found = [table for table in read_evidence() if part in _parts(table)]
-    return [{"level": table["level"], "why": plain(f"{table['what']}: {table['by']}")} for table in found]
+    """Level of this part in the data, and its judges in both languages."""
+    found = [(table["level"], plain(str(table["what"])), plain(str(table["by"]))) for table in read_evidence() if part in _parts(table)]
+    return [{"level": level, "why": [f"{what}: {by}", f"{german(what)}: {german(by)}"]} for level, what, by in found]
 
 
 def _parts(table: dict[str, object]) -> list[object]:

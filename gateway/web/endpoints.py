@@ -11,6 +11,7 @@ from starlette.routing import Route
 
 from gateway.observer.tool_link import Gone, Refused
 from gateway.web.access import Access, Denied, Person
+from gateway.web.german import says
 from gateway.web.operator_control import NotYours
 from gateway.web.store import Role, StoreError
 
@@ -122,7 +123,7 @@ def _kept(body: BaseModel | None) -> Row:
 
 def _no(status: int, words: str) -> JSONResponse:
     headers = {"retry-after": words.rpartition(" ")[0].rpartition(" ")[2]} if status == 429 else None
-    return JSONResponse({"error": words}, status, headers=headers)
+    return JSONResponse({"error": words, "say": says(words)}, status, headers=headers)
 
 
 def openapi(endpoints: list[Endpoint], version: str) -> Row:

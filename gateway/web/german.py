@@ -2,10 +2,14 @@
 languages (AX-253).
 """
 
+import functools
 import re
 
+from gateway.files.texts import read_texts
 from gateway.pure.image.reasons import Reason, text
+from gateway.pure.reports.spoken import Spoken
 
+TABLES = ("journal", "decoded", "refusals", "evidence")  # of configs/texts
 MARK = "\x01detail\x01"
 LETTERS = {"ae": "ä", "oe": "ö", "ue": "ü", "Ae": "Ä", "Oe": "Ö", "Ue": "Ü"}
 TWO_SOUNDS = re.compile(
@@ -29,10 +33,27 @@ def _word(word: str) -> str:
     return SHARP.sub(lambda found: next(part for part in found.groups() if part) + "ß", word)
 
 
+@functools.cache
+def _spoken() -> Spoken:
+    pairs = [pair for name in TABLES for pair in read_texts(name).pairs()]
+    pairs += [(text(reason, "en", "{0}"), umlauts(text(reason, "de", "{0}"))) for reason in Reason if reason]
+    return Spoken(pairs)
+
+
+def german(sentence: str) -> str:
+    """Of the journal, of a decoder or of a refusal; what has no German stays as it is."""
+    return _spoken().german(sentence)
+
+
+def says(sentence: str) -> list[str]:
+    """English and German."""
+    return [sentence, german(sentence)]
+
+
 def both(code: int, words: str) -> list[str]:
     """An error's sentence, English and German, whichever of them is given; what is no sentence of the list stays as it is."""
     if code not in Reason.__members__.values():
-        return [words, words]
+        return says(words)
     templates = [text(Reason(code), language, MARK) for language in ("en", "de")]
     for template in templates:
         head, mark, tail = template.partition(MARK)
@@ -43,7 +64,7 @@ def both(code: int, words: str) -> list[str]:
             return [_filled(templates[0], detail), umlauts(_filled(templates[1], detail))]
         if not mark and words == template:
             return [templates[0], umlauts(templates[1])]
-    return [words, words]
+    return says(words)
 
 
 def _filled(template: str, detail: str) -> str:

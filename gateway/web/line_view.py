@@ -5,11 +5,14 @@ from typing import Any
 
 from gateway.observer.tool_link import ServicesLink
 from gateway.pure.cell.cell import Cell
+from gateway.pure.image.reasons import Reason, text
 from gateway.pure.lines.decoder import LineDecoder
 from gateway.pure.modbus import texts as modbus_words
+from gateway.web.german import says, umlauts
 from protocols.base.machine import Damage
 
 KEPT, SHOWN = 300, 80
+SAID = ("why", "advice")
 Row = dict[str, Any]
 
 
@@ -17,9 +20,31 @@ def asked_links(status: Row) -> list[Row]:
     """Modbus clients and couplers of the services' status, one row a link: its name, whether all its devices answer, what is refused."""
     found: dict[str, Row] = {**status.get("modbus_clients", {}), **status.get("modbus_couplers", {})}
     return [
-        {**link, "name": name, "alive": bool(link["connected"]) and all(device["alive"] for device in link["devices"].values())}
+        {
+            **link,
+            "name": name,
+            "alive": bool(link["connected"]) and all(device["alive"] for device in link["devices"].values()),
+            "why": says(str(link["why"])),
+            "refused": [says(words) for words in link["refused"]],
+        }
         for name, link in found.items()
     ]
+
+
+def shown_sources(status: Row) -> list[Row]:
+    """Command sources of the services' status, what they say in both languages."""
+    return [
+        {**source, **{key: says(str(source[key])) for key in SAID if source.get(key)}, "because": _reason(source)}
+        for source in status.get("doors", [])
+    ]
+
+
+def _reason(source: Row) -> list[str]:
+    """Why its last command was refused or aborted."""
+    name = str(source.get("reason", "NONE"))
+    if name == "NONE" or name not in Reason.__members__:
+        return ["", ""]
+    return [text(Reason[name], "en", "").rstrip(": "), umlauts(text(Reason[name], "de", "")).rstrip(": ")]
 
 
 class LineViews:
@@ -50,7 +75,7 @@ class LineViews:
             heard = [Damage[what[1:]]] if what.startswith("!") else list(bytes.fromhex(what))
             for each in heard:
                 for one in decoder.take(stamp, side, each):
-                    row = {"ms": round(one.stamp / 1e6, 1), "side": one.side, "kind": one.kind, "text": one.text}
+                    row = {"ms": round(one.stamp / 1e6, 1), "side": one.side, "kind": one.kind, "say": says(one.text)}
                     told.append({**row, "hex": one.data[:64].hex(" "), "ok": one.check_ok})
 
     def _take_modbus(self, server: str, exchanges: list[list[Any]]) -> None:
@@ -61,4 +86,4 @@ class LineViews:
             pdu = bytes.fromhex(asked)
             words = modbus_words.told(pdu, bytes.fromhex(answer))
             row = {"n": number, "ms": round(stamp / 1e6, 1), "client": address, "unit": unit, "function": pdu[0] if pdu else 0}
-            kept.append({**row, "asked": words.asked, "answered": words.answered, "ok": words.ok, "hex": asked, "bytes": long})
+            kept.append({**row, "asked": says(words.asked), "answered": says(words.answered), "ok": words.ok, "hex": asked, "bytes": long})

@@ -21,8 +21,8 @@ from gateway.web.alarms import AlarmHistory
 from gateway.web.bus_view import BusView
 from gateway.web.catalogue import advice
 from gateway.web.events import Events
-from gateway.web.german import both, umlauts
-from gateway.web.line_view import LineViews, asked_links
+from gateway.web.german import both, says, umlauts
+from gateway.web.line_view import LineViews, asked_links, shown_sources
 from gateway.web.operator_control import OperatorControl
 from gateway.web.plant_view import Plant
 from gateway.web.scope import Scope
@@ -173,7 +173,7 @@ class Live:
         return {
             "processes": self.processes.get("processes", []),
             "alarms": self.processes.get("alarms", []),
-            "doors": self.regions.status.get("doors", []),
+            "doors": shown_sources(self.regions.status),
             "drives": self.regions.drives(),
             "cycle": self.regions.counters(),
         }
@@ -190,7 +190,7 @@ class Live:
     async def _lines(self) -> Row:
         status = self.regions.status
         clock_ms = round((time.time() - time.monotonic()) * 1e3, -1)  # stamps of lines are of the monotonic clock
-        told = {"lines": await self.lines.look(), "doors": status.get("doors", []), "asked": asked_links(status)}
+        told = {"lines": await self.lines.look(), "doors": shown_sources(status), "asked": asked_links(status)}
         return {**told, "clock_ms": clock_ms}
 
     async def _bus(self) -> Row:
@@ -206,14 +206,14 @@ class Live:
             "lines": self.skeleton.lines(joints),
             "frames": self.skeleton.frames(joints),
             "marks": self.skeleton.marks(joints),
-            "queue": self.regions.queue(),
+            "queue": {key: says(value) if key in ("fault", "warning") else value for key, value in self.regions.queue().items()},
             "job": state.job,
             "progress": round(state.progress, 3),
         }
 
     async def _events(self) -> Row:
         self.events.look()
-        return {"events": list(self.events.kept)[-200:], "alarms": self.alarms.version}
+        return {"events": [{**row, "say": says(row["text"])} for row in list(self.events.kept)[-200:]], "alarms": self.alarms.version}
 
     async def _emulator(self) -> Row:
         return {**await self.plant.look(), "doors": self.regions.status.get("doors", [])}

@@ -11,6 +11,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from gateway.observer.tool_link import Gone, Refused
 from gateway.web.access import Access, Denied, Person
 from gateway.web.catalogue import said
+from gateway.web.german import says
 from gateway.web.live import MOST_WATCHED, Live, Viewer
 from gateway.web.operator_control import NotYours, OperatorControl
 from gateway.web.store import Role
@@ -108,7 +109,8 @@ class Sockets:
                     self.hands.heard(person.key)
                 answer = await self._take(message, viewer, person)
                 if answer is not None:
-                    await socket.send_text(json.dumps({"t": "told", **answer}))
+                    say = {"say": says(answer["error"])} if "error" in answer else {}
+                    await socket.send_text(json.dumps({"t": "told", **answer, **say}))
 
     async def _take(self, message: dict[str, Any], viewer: Viewer, person: Person) -> dict[str, Any] | None:
         match message.get("t"):

@@ -1,6 +1,6 @@
 """Sentences in English and German by their ids: a string everywhere, the English one, that can be said in German when it is printed."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 
 class Sentence(str):
@@ -27,6 +27,10 @@ class Texts:
     def ids(self) -> frozenset[str]:
         """All ids."""
         return frozenset(self._table)
+
+    def pairs(self) -> Iterable[tuple[str, str]]:
+        """Every sentence as it is written, English and German."""
+        return self._table.values()
 
     def said(self, key: str, *values: object) -> Sentence:
         """The sentence; {0}, {1} are filled, in German with the German of values that have one."""

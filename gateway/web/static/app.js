@@ -2,7 +2,7 @@
 import { Live, get, may, me, post, unable, whoami } from "./net.js";
 import { opened } from "./dialog.js";
 import { chip, h, mark, put, toast } from "./dom.js";
-import { language, setLanguage, t } from "./texts.js";
+import { language, say, setLanguage, t } from "./texts.js";
 
 const PAGES = [
   ["overview", "Overview"], ["axes", "Axes"], ["motion", "Motion"], ["signals", "Signals"], ["scope", "Scope"], ["lines", "Lines"], ["bus", "Bus"],
@@ -114,7 +114,7 @@ function take(message) {
     if (message.head) head(message.head);
     if (message.name === name) view?.update?.(message.page, message.head, message.values);
   } else if (message.t === "told") {
-    const refused = message.error ? t(message.error) : ["REFUSED", "ABORTED", "ENDED"].includes(message.held?.state) ? said(message.held) : "";
+    const refused = message.error ? say(message.say) || t(message.error) : ["REFUSED", "ABORTED", "ENDED"].includes(message.held?.state) ? said(message.held) : "";
     if (refused && (view?.refused ? view.refused() : true)) toast(refused, "bad");
   }
 }

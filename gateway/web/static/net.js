@@ -1,5 +1,5 @@
 // Requests and the live connection, which comes back by itself.
-import { t } from "./texts.js";
+import { say, t } from "./texts.js";
 
 const SILENT_MS = 2200; // ten looks a second come: so long without one is a lost connection, whatever the socket says
 const OPEN_MS = 4000; // a hung process takes a connection and never answers
@@ -35,7 +35,7 @@ export async function post(path, body) {
 
 async function answer(response) {
   const told = await response.json().catch(() => ({}));
-  if (!response.ok) throw Object.assign(new Error(told.error || `HTTP ${response.status}`), { status: response.status });
+  if (!response.ok) throw Object.assign(new Error(say(told.say) || told.error || `HTTP ${response.status}`), { status: response.status });
   return told;
 }
 

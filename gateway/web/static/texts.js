@@ -16,6 +16,11 @@ export function setLanguage(wanted, passing = false) {
   if (!passing) try { localStorage.setItem("language", now); } catch { /* no storage */ }
 }
 
+// What the gateway says in both languages: [English, German].
+export function say(words) {
+  return Array.isArray(words) ? words[now === "de" ? 1 : 0] : words ?? "";
+}
+
 export function t(words) {
   if (words === "SAFETY") return SAFETY[now];
   if (now === "de") return DE[words] ?? words;

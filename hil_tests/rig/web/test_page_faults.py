@@ -189,6 +189,32 @@ def test_a_refused_key_says_so_once_in_words_and_stands_in_the_journal_once(web:
     boss.mouse.up()
 
 
+def test_a_german_page_says_journal_lines_evidence_and_refusals_in_german(web: WebRun) -> None:
+    context = web.context()
+    page = web.page(context)
+    page.evaluate("localStorage.setItem('language', 'de')")
+    page.goto(f"{web.url}/events")
+    web.ready(page, "events")
+    until(lambda: "gestartet, PID" in page.inner_text("[aria-label='Ereignisse']"), "the journal's sentences")
+    shown = page.inner_text("[aria-label='Ereignisse']")
+    assert "keine Verbindung zu tcp://127.0.0.1" in shown and "Befehlsquelle" in shown
+    for english in ("started, pid", "command source", "link is alive", "no connection to", "is tried again"):
+        assert english not in shown
+    web.go(page, "lines")
+    until(lambda: "Ausnahme 02h" in page.inner_text("#asked tr:has-text('tank')"), "the refused read")
+    until(
+        lambda: re.search(r"\d+ Wörter", page.inner_text("[aria-label='Lines plc1'], [aria-label='Leitungen plc1']")) is not None, "RK512"
+    )
+    web.go(page, "overview")
+    evidence = page.inner_text("[aria-label='Nachweis']")
+    assert "Antriebe servodyn" in evidence and "kein echter Booster" in evidence and "drives servodyn" not in evidence
+    told = page.evaluate(
+        """() => import('/static/net.js').then(net => net.post('/api/command', {code: 'enable', mask: 1})).catch(error => error.message)"""
+    )
+    assert "nötig ist die Rolle Bediener" in told or "führt die Befehlsquelle der Seite" in told, told
+    context.close()
+
+
 def test_toasts_never_cover_stop(web: WebRun) -> None:
     for phone in (False, True):
         context = web.context(phone=phone)

@@ -1,5 +1,6 @@
 // Frames decoded, rates, load, error counters.
 import { Table, chip, h, mark, put, text } from "../dom.js";
+import { say } from "../texts.js";
 
 export function mount(root, { t, cell }) {
   const boxes = new Map();
@@ -15,7 +16,7 @@ export function mount(root, { t, cell }) {
       { title: t("shortest ms"), n: true, cell: text((row) => row.min_ms, 2) },
       { title: t("longest ms"), n: true, cell: text((row) => row.max_ms, 2) },
       { title: t("bytes"), cell: (row, td) => { put(td, row.data); mark(td, "whole"); } },
-      { title: t("decoded"), cell: (row, td) => { put(td, row.text); mark(td, "mono small"); } },
+      { title: t("decoded"), cell: (row, td) => { put(td, say(row.say)); mark(td, "mono small"); } },
     ], (row) => row.id, { label: `${t("Bus")} ${bus.name}` });
     const list = h("pre", { class: "scroll", style: "max-height:16rem", tabindex: "0" });
     boxes.set(bus.name, { state, load, figures, table, list });
@@ -31,13 +32,13 @@ export function mount(root, { t, cell }) {
       for (const bus of page.buses) {
         const box = boxes.get(bus.name);
         if (!box) continue;
-        put(box.state, bus.open ? t("listening") : bus.why);
+        put(box.state, bus.open ? t("listening") : say(bus.why));
         mark(box.state, `chip ${bus.open ? "good" : "bad"}`);
         box.load.firstChild.style.width = `${Math.min(100, bus.load)}%`;
         box.load.title = `${t("load")} ${bus.load} %`;
         put(box.figures, `${t("load")} ${bus.load} %   ${bus.rate} ${t("frames/s")}   ${t("error frames")} ${bus.faults}`);
         box.table.update(bus.rows);
-        put(box.list, bus.frames.map(([ms, id, data, words]) => `${ms.toFixed(3).padStart(9)} ms ${id.padStart(14)}  ${data.padEnd(24)} ${words}`).join("\n"));
+        put(box.list, bus.frames.map(([ms, id, data, words]) => `${ms.toFixed(3).padStart(9)} ms ${id.padStart(14)}  ${data.padEnd(24)} ${say(words)}`).join("\n"));
       }
       const c = page.cycle;
       put(cycle, `${t("cycle")}: ${t("skipped")} ${c.skipped}   ${t("incomplete")} ${c.incomplete}   ${t("late")} ${c.late}`);

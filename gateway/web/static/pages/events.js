@@ -1,7 +1,7 @@
 // What happened, and what every number means.
 import { Table, chip, facts, h, put, text } from "../dom.js";
 import { errors } from "../parts.js";
-import { language } from "../texts.js";
+import { language, say } from "../texts.js";
 
 const FILES = "csv json".split(" ");
 
@@ -14,7 +14,7 @@ export function mount(root, { t, get }) {
     { title: t("time"), n: true, cell: text((row) => (row.wall || "").slice(11, 23)) },
     { title: t("process"), cell: text((row) => row.process) },
     { title: t("kind"), cell: text((row) => t(row.kind)) },
-    { title: t("event"), free: true, cell: text((row) => row.text) },
+    { title: t("event"), free: true, cell: text((row) => say(row.say)) },
   ], (row) => row.n, { tall: true, label: t("Events"), row: (row) => (row.kind === "alarm" || row.kind === "force" ? "badq" : "") });
   const i = () => (language() === "de" ? 1 : 0);
   const known = new Table([
@@ -59,7 +59,7 @@ export function mount(root, { t, get }) {
   let wait = 0;
   const wanted = h("input", { type: "search", id: "catalogue", placeholder: t("number or word"), "aria-label": t("Error catalogue"), oninput: () => { clearTimeout(wait); wait = setTimeout(know, 150); } });
   const know = () => get(`/api/errors?q=${encodeURIComponent(wanted.value)}`).then((told) => known.update(told.errors)).catch(() => {});
-  const fill = () => table.update(last.filter((row) => (!kinds.value || row.kind === kinds.value) && row.text.toLowerCase().includes(filter.value.toLowerCase())).slice(-150).reverse());
+  const fill = () => table.update(last.filter((row) => (!kinds.value || row.kind === kinds.value) && say(row.say).toLowerCase().includes(filter.value.toLowerCase())).slice(-150).reverse());
   know();
   const gone = h("p", { class: "badq" });
   root.append(h("div", { class: "grid" },

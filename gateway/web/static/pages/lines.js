@@ -1,5 +1,6 @@
 // What goes over the lines, in words.
 import { Table, chip, h, mark, put, text } from "../dom.js";
+import { say } from "../texts.js";
 
 export function mount(root, { t, cell }) {
   const boxes = new Map();
@@ -46,8 +47,8 @@ export function mount(root, { t, cell }) {
   function links(found) {
     devices.hidden = !found.length;
     asked.update(found.flatMap((link) => Object.entries(link.devices).map(([device, seen]) => {
-      const refused = link.refused.filter((each) => each.startsWith(`${device}, `)).map((each) => each.slice(device.length + 2));
-      return { ...seen, link: link.name, url: link.url, device, connected: link.connected, asked: seen.requests, words: [link.connected ? "" : link.why, ...refused].filter(Boolean).join("; ") };
+      const refused = link.refused.filter((each) => each[0].startsWith(`${device}, `)).map((each) => say(each).slice(device.length + 2));
+      return { ...seen, link: link.name, url: link.url, device, connected: link.connected, asked: seen.requests, words: [link.connected ? "" : say(link.why), ...refused].filter(Boolean).join("; ") };
     })));
   }
   // The time of day at the browser, to the millisecond.
@@ -57,7 +58,7 @@ export function mount(root, { t, cell }) {
   }
   function exchange(row, offset) {
     return h("tr", { class: row.ok ? "" : "badq" }, h("td", { class: "n" }, clock(row.ms, offset)), h("td", {}, `${row.client} / ${row.unit}`), h("td", { class: "n" }, `FC ${row.function}`),
-      h("td", { class: "free" }, row.asked), h("td", { class: "free mono small" }, row.answered), h("td", { class: "free mono small" }, row.hex.replace(/(..)(?=.)/g, "$1 ")));
+      h("td", { class: "free" }, say(row.asked)), h("td", { class: "free mono small" }, say(row.answered)), h("td", { class: "free mono small" }, row.hex.replace(/(..)(?=.)/g, "$1 ")));
   }
   const SIDES = { A: t("partner"), B: "axisgate" };
   return {
@@ -70,7 +71,7 @@ export function mount(root, { t, cell }) {
         put(box.state, door.alive ? t("alive") : door.connected === false ? t("port is away") : t("silent"));
         mark(box.state, `chip ${door.alive ? "good" : "bad"}`);
         const known = ["sends", "fetches", "refused", "bad_blocks", "own_jobs", "own_faults", "same_priority", "received", "sent", "unknown", "requests", "losses"];
-        put(box.counters, [...known.filter((name) => name in door).map((name) => `${t(name.replace("_", " "))} ${door[name]}`), door.advice || "", door.why || ""].filter(Boolean).join("   "));
+        put(box.counters, [...known.filter((name) => name in door).map((name) => `${t(name.replace("_", " "))} ${door[name]}`), say(door.advice), say(door.why)].filter(Boolean).join("   "));
       }
       if (held) return;
       for (const [name, told] of Object.entries(page.lines)) {
@@ -79,7 +80,7 @@ export function mount(root, { t, cell }) {
         if (box.modbus) { box.body.replaceChildren(...told.slice(-60).reverse().map((row) => exchange(row, page.clock_ms))); continue; }
         const rows = told.filter((row) => dull.checked || row.kind.length > 3).slice(-60).reverse();
         box.body.replaceChildren(...rows.map((row) => h("tr", { class: row.ok === false || ["BROKEN", "DAMAGED", "STRAY"].includes(row.kind) ? "badq" : "" },
-          h("td", { class: "n" }, clock(row.ms, page.clock_ms)), h("td", {}, SIDES[row.side]), h("td", {}, row.kind), h("td", { class: "free" }, row.text), h("td", { class: "free mono small" }, row.hex))));
+          h("td", { class: "n" }, clock(row.ms, page.clock_ms)), h("td", {}, SIDES[row.side]), h("td", {}, row.kind), h("td", { class: "free" }, say(row.say)), h("td", { class: "free mono small" }, row.hex))));
       }
     },
   };

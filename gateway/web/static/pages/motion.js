@@ -1,5 +1,6 @@
 // The robot and its path in three dimensions; override, feed hold, what waits.
 import { Table, facts, grey, h, put, text, trended } from "../dom.js";
+import { say } from "../texts.js";
 
 const TRAIL = 600;
 
@@ -40,7 +41,7 @@ export function mount(root, { t, cell, me, post, unable }) {
       table.update(page.axes);
       const words = [[t("state"), t(["at rest", "moving", "stopping", "stopped on the path", "referencing"][head.motion])], [t("override"), `${head.override} %`], [t("order"), page.job || "-"], [t("progress"), page.job ? `${Math.round(page.progress * 100)} %` : "-"]];
       const q = page.queue;
-      if ("waiting" in q) words.push([t("program"), q.job || "-"], [t("block"), q.block || "-"], [t("blocks waiting"), q.waiting], [t("pieces handed on"), q.handed], [t("fault"), q.fault || "-"], [t("warning"), q.warning || "-"]);
+      if ("waiting" in q) words.push([t("program"), q.job || "-"], [t("block"), q.block || "-"], [t("blocks waiting"), q.waiting], [t("pieces handed on"), q.handed], [t("fault"), say(q.fault) || "-"], [t("warning"), say(q.warning) || "-"]);
       else words.push([t("queue"), t("no planner in this cell: one move at a time")]);
       const key = JSON.stringify(words);
       if (queue.dataset.key !== key) { queue.dataset.key = key; queue.replaceChildren(facts(words)); }

@@ -1,7 +1,7 @@
 // Is everything there, and if not: what came first, and what to do.
 import { Table, chip, h, mark, put, text, trended } from "../dom.js";
 import { drive, errors, age } from "../parts.js";
-import { language } from "../texts.js";
+import { language, say } from "../texts.js";
 
 export function mount(root, { t, cell }) {
   let old = false;
@@ -16,8 +16,8 @@ export function mount(root, { t, cell }) {
     { title: t("link"), cell: text((row) => `${row.number} ${row.name}`) },
     { title: t("state"), cell: (row, td) => state(td, old ? "warn" : row.alive ? "good" : "bad", old ? t("not known") : row.alive ? t("alive") : t("silent")) },
     { title: t("losses"), n: true, cell: text((row) => row.losses) },
-    { title: t("last command"), cell: text((row) => `${row.state === "NONE" ? "" : t(row.state.toLowerCase())}${row.reason === "NONE" ? "" : `: ${row.reason.toLowerCase()}`}`) },
-    { title: t("advice"), cell: text((row) => [row.why, row.advice].filter(Boolean).join("; ")) },
+    { title: t("last command"), cell: text((row) => `${row.state === "NONE" ? "" : t(row.state.toLowerCase())}${row.reason === "NONE" ? "" : `: ${say(row.because)}`}`) },
+    { title: t("advice"), cell: text((row) => [say(row.why), say(row.advice)].filter(Boolean).join("; ")) },
   ], (row) => row.number, { label: t("Links"), row: () => (old ? "stale" : "") });
   const drives = new Table([
     { title: t("axis"), cell: text((row) => row.name) },
@@ -27,10 +27,10 @@ export function mount(root, { t, cell }) {
   ], (row) => row.name, { label: t("Drives") });
   const cycle = h("div", { class: "small mono", id: "cycle" });
   const evidence = new Table([
-    { title: t("what"), cell: text((row) => row.what) },
+    { title: t("what"), cell: text((row) => say(row.what)) },
     { title: t("level"), cell: (row, td) => state(td, row.level === "plant" || row.level === "bench" ? "good" : "warn", t(row.level)) },
-    { title: t("by"), cell: text((row) => row.why) },
-  ], (row) => row.what, { label: t("Evidence") });
+    { title: t("by"), cell: text((row) => say(row.why)) },
+  ], (row) => `${row.what[0]} ${row.why[0]}`, { label: t("Evidence") });
   evidence.update(cell.evidence);
   root.append(h("div", { class: "grid" },
     h("section", { class: "card w12" }, h("h2", {}, t("Errors, first one first")), first),
