@@ -1,22 +1,20 @@
 """From [[axis]] of a cell to what core, office and planner need: the one place where units of the file become SI."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 from drivers.drives.cia402 import Cia402Settings
 from drivers.drives.family import DriveHoming, DriveMaker
-from drivers.drives.referencing import ReferenceSettings, settings_from
+from drivers.drives.reference_settings import ReferenceSettings, settings_from
 from drivers.drives.scaling import Scaling
 from drivers.drives.servodyn import DriveSettings
+from gateway.assembly.axis_scaling import scaling_of, window_of
 from gateway.assembly.limits import limits_of
 from gateway.assembly.programs import kinematic_by_axis
 from gateway.pure.arbitration.dispatcher import Planner
 from gateway.pure.arbitration.jobs import AxisFacts
 from gateway.pure.cell.cell import Axis, Cell
 from gateway.pure.cycle.axis import CoreAxis
-from gateway.pure.cycle.enabling_inputs import RcNumbers
 from gateway.pure.image.reasons import Reason, Refusal
-from gateway.pure.image.records.cell import Permit
 from motion.errors import MotionError
 from motion.execution.pieces import encode
 from motion.execution.ptp import plan_ptp
@@ -25,32 +23,6 @@ from motion.geometry.units import to_si
 SLOW_SHARE = 0.2  # of the homing speed, where the cell names no slow speed
 HOMING_ACCEL_S = 0.25  # homing reaches its speed in this time, if the axis' own limits allow
 NO_ZEROS: Mapping[str, float] = {}
-WINDOW_TURNS = 0.01  # in position: inside a hundredth of a motor turn
-ASSUMED = {"chain": Permit.CHAIN, "control": Permit.CONTROL, "feed": Permit.FEED, "run": Permit.RUN, "travel": Permit.TRAVEL}
-INPUT_SIGNALS = {  # names of the enabling inputs (AX-002) -> RcNumbers field
-    "EMSTOP_OK_RCI": "chain",
-    "CTRL_ALLOW_RCI": "control",
-    "FEED_ALLOW_RCI": "feed",
-    "FEED_HOLD_N_RCI": "run",
-    "TRAVEL_ALLOW_RCI": "travel",
-}
-
-OUTPUT_SIGNALS = {
-    "READY_RCO": "ready",
-    "READY2_RCO": "ready2",
-    "DRIVES_ON_RCO": "drives_on",
-    "EMSTOP_RCO": "emergency",
-    "INPOS_1_RCO": "in_position",
-    "REF_1_RCO": "referenced",
-}
-
-
-def scaling_of(axis: Axis) -> Scaling:
-    """Increments and SI of one axis; its zero is found by referencing."""
-    mechanics = axis.mechanics
-    return Scaling(
-        axis.drive.inc_per_turn, mechanics.ratio, to_si(mechanics.feed_per_turn, axis.unit), -1 if mechanics.direction == "-" else 1
-    )
 
 
 def reference_of(axis: Axis, scaling: Scaling) -> ReferenceSettings | DriveHoming | None:
@@ -92,11 +64,6 @@ def drive_of(axis: Axis, step_inc: int, p5_ms: float) -> DriveMaker:
             mode_cycles=round(2000 / p5_ms),
         )
     return DriveSettings(step_inc=step_inc, timeout_cycles=round(5000 / p5_ms), brake=axis.brake != "none")
-
-
-def window_of(axis: Axis) -> float:
-    """In position within this distance; m or rad."""
-    return float(WINDOW_TURNS * axis.drive.inc_per_turn / abs(scaling_of(axis).inc_per_unit))
 
 
 def core_axes(cell: Cell, p5_ms: float, zeros: Mapping[str, float] = NO_ZEROS, *, simulated: bool = True) -> list[CoreAxis]:
@@ -153,17 +120,3 @@ def make_planner(cell: Cell) -> Planner:
             raise Refusal(Reason.TARGET_LIMIT, str(error)) from error
 
     return plan
-
-
-def rc_numbers(cell: Cell) -> RcNumbers:
-    """AX-002's numbers as this cell has them; moving the first axis' bit moves the row."""
-    moved = {name.upper(): bit for name, bit in cell.signals.items()}
-    return replace(RcNumbers(), **{field: moved[name] for name, field in {**INPUT_SIGNALS, **OUTPUT_SIGNALS}.items() if name in moved})
-
-
-def assumed_permits(cell: Cell) -> Permit:
-    """Enabling inputs the cell says are not wired here and count as 1."""
-    permits = Permit(0)
-    for name in cell.rc_inputs.assume:
-        permits |= ASSUMED[INPUT_SIGNALS.get(name.upper(), name.lower())]
-    return permits

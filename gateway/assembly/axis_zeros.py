@@ -9,7 +9,7 @@ import contextlib
 import json
 import pathlib
 
-from gateway.assembly.axes import scaling_of
+from gateway.assembly.axis_scaling import scaling_of
 from gateway.pure.cell.cell import Axis, Cell
 from gateway.runtime.clock import wall
 from gateway.runtime.state_folder import place

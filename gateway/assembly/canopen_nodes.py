@@ -4,7 +4,7 @@ import pathlib
 
 from drivers.drives.cia402_boot import PROBE_FUNCTION, Identity, Loss, NodePlan, Parameter, default_pdos, probe_parameter, probe_pdos
 from drivers.drives.cia402_family import GATEWAY_NODE
-from gateway.assembly.axes import scaling_of
+from gateway.assembly.axis_scaling import scaling_of
 from gateway.assembly.programs import probe_of
 from gateway.files.eds_sheets import read_eds
 from gateway.pure.cell.cell import Axis, Bus, Cell

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from drivers.drives.cia402_family import GATEWAY_NODE
 from drivers.drives.family import BusFamily
 from drivers.drives.io_boot import CouplerPlan
-from gateway.assembly.axes import rc_numbers
+from gateway.assembly.axis_signals import rc_numbers
 from gateway.assembly.routes import symbols_of
 from gateway.pure.arbitration.data_blocks import RC_NAMES
 from gateway.pure.buses.cia401 import Coupler, CouplerFamily

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
-from gateway.assembly.axes import OUTPUT_SIGNALS, assumed_permits, rc_numbers
+from gateway.assembly.axis_signals import OUTPUT_SIGNALS, assumed_permits, rc_numbers
 from gateway.assembly.data_block_signals import signals_of
 from gateway.files.dat import DatTables, read_tables
 from gateway.pure.arbitration.dispatcher import CommandDispatcher

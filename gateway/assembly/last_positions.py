@@ -6,7 +6,7 @@ import threading
 from collections.abc import Mapping
 
 from gateway.assembly import axis_zeros as zeros
-from gateway.assembly.axes import scaling_of
+from gateway.assembly.axis_scaling import scaling_of
 from gateway.pure.cell.cell import Axis, Cell
 from gateway.pure.cycle.encoder_wrap import beside, wrapped, wrapped_endless
 from gateway.pure.image.records.cell import AxisFlag, CellState

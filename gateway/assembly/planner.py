@@ -3,7 +3,8 @@
 from collections.abc import Callable, Sequence
 
 from gateway.assembly.alter import altered
-from gateway.assembly.axes import rc_numbers, window_of
+from gateway.assembly.axis_scaling import window_of
+from gateway.assembly.axis_signals import rc_numbers
 from gateway.assembly.belts import belt_facts
 from gateway.assembly.path_outputs import output_places
 from gateway.assembly.programs import mask_of, measuring_facts, numbers_by_axis

@@ -1,6 +1,6 @@
 """[alter]: six whole words that a command source writes, a byte of life beside them, two words of answer that nobody else writes."""
 
-from gateway.assembly.axes import rc_numbers
+from gateway.assembly.axis_signals import rc_numbers
 from gateway.checks.context import Context
 from gateway.pure.cell.alter import Alter
 from gateway.pure.cycle.enabling_inputs import free_outputs

@@ -4,7 +4,7 @@ import math
 import re
 from collections.abc import Iterator
 
-from gateway.assembly.axes import scaling_of
+from gateway.assembly.axis_scaling import scaling_of
 from gateway.checks.blocks import counts_of, place_of, split_unit
 from gateway.checks.context import number
 from gateway.pure.arbitration.command_block import AXES as TABLED

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from gateway.assembly.axes import rc_numbers
+from gateway.assembly.axis_signals import rc_numbers
 from gateway.assembly.controllers import boards_of, p11_of
 from gateway.assembly.drive_buses import DRIVE_PROTOCOLS, make_family
 from gateway.assembly.fast_inputs import fast_wires

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from drivers.drives.orientation import segment_deg, segments
-from drivers.drives.referencing import ORIENTED
+from drivers.drives.reference_settings import ORIENTED
 from gateway.assembly.rho3_blocks import blocks_of
 from gateway.checks.context import Context, number
 from gateway.files.texts import read_texts

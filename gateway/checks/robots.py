@@ -75,11 +75,11 @@ def _named(check: Context) -> None:
 
 def masters(check: Context) -> None:
     """The master of axes without transformation is the first axis of its robot (rho 3, L5614)."""
-    from motion.robot import Kind
-
     axes, first = check.cell.axis, 0
     if not any(axis.manual for axis in axes) or {axis.name for axis in axes} != check.known["axis"]:
         return  # an axis left out with a fault of its own: nobody knows whose the others are
+    from motion.robot import Kind
+
     for robot in _files(check):
         if robot is None:
             return

@@ -1,6 +1,6 @@
 """[[shared_output]]: axes that are there, each on one output alone, on RC outputs nobody else writes."""
 
-from gateway.assembly.axes import rc_numbers
+from gateway.assembly.axis_signals import rc_numbers
 from gateway.checks.context import Context, twice
 from gateway.pure.cell.shared_outputs import SharedOutput
 from gateway.pure.cycle.enabling_inputs import free_outputs

@@ -17,7 +17,8 @@ from collections.abc import Sequence
 from drivers.drives.family import Actual, SetRecord
 from drivers.drives.listening import ListeningFamily
 from gateway.assembly.alter import alter_of_cell
-from gateway.assembly.axes import assumed_permits, core_axes, rc_numbers
+from gateway.assembly.axes import core_axes
+from gateway.assembly.axis_signals import assumed_permits, rc_numbers
 from gateway.assembly.cycle_belts import BeltOffsets, belts_of, encoders_of
 from gateway.assembly.drive_buses import make_family
 from gateway.assembly.fast_inputs import fast_wires

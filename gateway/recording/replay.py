@@ -10,7 +10,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from gateway.assembly.alter import alter_of_cell
-from gateway.assembly.axes import assumed_permits, core_axes, rc_numbers
+from gateway.assembly.axes import core_axes
+from gateway.assembly.axis_signals import assumed_permits, rc_numbers
 from gateway.assembly.cycle_belts import Encoder, belts_of, encoders_of
 from gateway.assembly.data_block_signals import signals_of
 from gateway.assembly.drive_buses import DRIVE_PROTOCOLS, make_family

@@ -13,7 +13,8 @@ import time
 
 from drivers.drives.servodyn_words import sentence as servodyn_fault
 from drivers.ports.base import runtime_dir
-from gateway.assembly.axes import axis_facts, make_planner, rc_numbers
+from gateway.assembly.axes import axis_facts, make_planner
+from gateway.assembly.axis_signals import rc_numbers
 from gateway.assembly.axis_zeros import torn_lines
 from gateway.assembly.data_block_signals import inputs_of
 from gateway.assembly.drive_buses import LISTENS

@@ -17,7 +17,7 @@ from drivers.drives.family import Actual, SetRecord
 from drivers.ports.base import PortError
 from drivers.ports.can.open import open_can
 from drivers.ports.listening import ListeningCan
-from gateway.assembly.axes import scaling_of
+from gateway.assembly.axis_scaling import scaling_of
 from gateway.assembly.run import RunPlan, load_plan
 from gateway.cycle.bus_link import BusLink
 from gateway.cycle.loop import Cycle

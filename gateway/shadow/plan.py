@@ -4,7 +4,7 @@ import ipaddress
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from gateway.assembly.axes import ASSUMED, INPUT_SIGNALS, rc_numbers
+from gateway.assembly.axis_signals import ASSUMED, INPUT_SIGNALS, rc_numbers
 from gateway.assembly.run import RunPlan, plan_run, slug_of
 from gateway.pure.cell.axes import FollowingError
 from gateway.pure.cell.cell import Cell

@@ -7,7 +7,8 @@ import math
 from dataclasses import dataclass, field
 
 from drivers.drives.family import CyclicDrive, DriveHoming, DriveMaker, Power
-from drivers.drives.referencing import ReferenceSettings, Referencing
+from drivers.drives.reference_settings import ReferenceSettings
+from drivers.drives.referencing import Referencing
 from drivers.drives.scaling import Scaling
 from drivers.drives.tracking import Tracking
 

@@ -19,7 +19,7 @@ from drivers.drives.cia402_manual import (
 )
 from drivers.ports.base import PortError
 from drivers.ports.can.open import open_can
-from gateway.assembly.axes import scaling_of
+from gateway.assembly.axis_scaling import scaling_of
 from gateway.links.canopen.direct_link import DirectLink
 from gateway.links.canopen.master import CanopenMaster, EndedError, Health, Node
 from gateway.pure.cell.cell import Axis

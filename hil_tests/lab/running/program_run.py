@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from gateway.assembly.axes import INPUT_SIGNALS
+from gateway.assembly.axis_signals import INPUT_SIGNALS
 from gateway.assembly.programs import machine_of_cell
 from gateway.cell_file.load import load_cell
 from gateway.pure.arbitration.command_block import mask_word

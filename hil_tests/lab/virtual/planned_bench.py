@@ -8,7 +8,7 @@ from drivers.drives.family import BusFamily
 from drivers.drives.servodyn_family import ServodynFamily
 from drivers.emulator.servo.record import Record, read
 from drivers.emulator.servodyn.slave import ServodynSlave
-from gateway.assembly.axes import scaling_of
+from gateway.assembly.axis_scaling import scaling_of
 from gateway.assembly.limits import limits_of
 from gateway.assembly.planner import programs_of
 from gateway.assembly.plant import bus_settings, motor_rad

@@ -17,7 +17,7 @@ from math import nan
 import numpy as np
 import pytest
 
-from gateway.assembly.axes import scaling_of
+from gateway.assembly.axis_scaling import scaling_of
 from gateway.pure.image.reasons import Reason
 from gateway.pure.image.records.cell import CellState, Motion
 from gateway.recording.file import read

@@ -11,7 +11,7 @@ import struct
 import numpy as np
 import pytest
 
-from gateway.assembly.axes import scaling_of
+from gateway.assembly.axis_scaling import scaling_of
 from gateway.pure.image.records.cell import CellState
 from hil_tests.lab.cells.arms import Array
 from hil_tests.lab.judges.bus_log import Logged

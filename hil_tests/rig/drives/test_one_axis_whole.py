@@ -11,7 +11,8 @@ import pytest
 
 import configs
 from drivers.drives.limits import LagMonitor, LagState
-from drivers.drives.referencing import Referencing, RunState, settings_from
+from drivers.drives.reference_settings import settings_from
+from drivers.drives.referencing import Referencing, RunState
 from drivers.drives.scaling import Scaling
 from drivers.drives.servodyn import Demand, Drive, Event, Power
 from drivers.emulator.servo.settings import BusSettings, ServoSettings

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from gateway.assembly.axes import scaling_of
+from gateway.assembly.axis_scaling import scaling_of
 from gateway.assembly.limits import limits_of
 from gateway.pure.image.records.cell import Motion
 from hil_tests.lab.judges.probe_record import Edge, edges

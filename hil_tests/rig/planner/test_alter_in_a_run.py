@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import pytest
 
-from gateway.assembly.axes import scaling_of
+from gateway.assembly.axis_scaling import scaling_of
 from gateway.pure.image.reasons import Reason
 from gateway.pure.image.records.cell import CellState, Motion
 from hil_tests.lab.judges.bus_log import Logged

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from gateway.assembly.axes import INPUT_SIGNALS
+from gateway.assembly.axis_signals import INPUT_SIGNALS
 from gateway.commands import monitor
 from gateway.pure.image.reasons import Reason
 from gateway.pure.image.records.cell import AxisFlag, Motion

@@ -3,7 +3,8 @@
 import pytest
 
 from drivers.drives.orientation import Orientation, orientation, segment_deg
-from drivers.drives.referencing import ReferenceSettings, Referencing, RunState
+from drivers.drives.reference_settings import ReferenceSettings
+from drivers.drives.referencing import Referencing, RunState
 from drivers.drives.scaling import ScalingError
 from hil_tests.unit.drivers.drives.test_referencing import ACCEL, JERK, P5, SLOW, SPEED, TURN, Axis, assert_smooth
 

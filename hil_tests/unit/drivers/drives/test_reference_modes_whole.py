@@ -4,7 +4,8 @@ import math
 
 import pytest
 
-from drivers.drives.referencing import Referencing, RunState, settings_from
+from drivers.drives.reference_settings import settings_from
+from drivers.drives.referencing import Referencing, RunState
 from drivers.drives.scaling import Scaling
 from drivers.emulator.servo.settings import ServoSettings
 from hil_tests.lab.virtual.one_axis import OneAxis

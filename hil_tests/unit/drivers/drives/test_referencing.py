@@ -5,7 +5,8 @@ from itertools import pairwise
 
 import pytest
 
-from drivers.drives.referencing import Failure, ReferenceSettings, Referencing, RefStep, RunState, settings_from
+from drivers.drives.reference_settings import ReferenceSettings, settings_from
+from drivers.drives.referencing import Failure, Referencing, RefStep, RunState
 from drivers.drives.scaling import Scaling, ScalingError
 
 P5 = 0.004

@@ -2,7 +2,7 @@
 
 import pytest
 
-from gateway.assembly.axes import rc_numbers
+from gateway.assembly.axis_signals import rc_numbers
 from gateway.cell_file.load import load_cell
 from gateway.files.find import find_config, read_text
 from gateway.pure.cell.faults import CellFaults

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from drivers.emulator.servodyn.slave import ServodynSlave
-from gateway.assembly.axes import window_of
+from gateway.assembly.axis_scaling import window_of
 from gateway.pure.arbitration.command_block import Code
 from gateway.pure.arbitration.jobs import Job
 from gateway.pure.image.reasons import CommandState, Reason

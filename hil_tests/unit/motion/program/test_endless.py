@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from gateway.assembly import axis_zeros as zeros
-from gateway.assembly.axes import scaling_of
+from gateway.assembly.axis_scaling import scaling_of
 from gateway.assembly.last_positions import judge, remember
 from gateway.assembly.programs import machine_of_cell
 from gateway.cell_file.load import load_cell

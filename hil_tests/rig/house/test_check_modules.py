@@ -1,0 +1,31 @@
+"""What `axisgate check` loads: neither the trajectory library nor numpy for a cell whose checks plan nothing."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from gateway.cell_file.load import load_cell
+from gateway.files.find import names_in
+
+HEAVY = ("ruckig", "numpy", "pinocchio", "can", "canopen", "pymodbus", "asyncio")
+CHECK = (
+    "import json, sys; from gateway.commands.check import main; code = main([sys.argv[1]]); "
+    "print(json.dumps([code, [name for name in sys.argv[2:] if name in sys.modules]]))"
+)
+
+
+def checked(cell: str) -> object:
+    """Exit code of a fresh interpreter's check, and which heavy modules it has."""
+    done = subprocess.run([sys.executable, "-c", CHECK, cell, *HEAVY], capture_output=True, text=True, timeout=60, check=True)
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+@pytest.mark.parametrize("name", [name for name in names_in("cells") if not load_cell(name).program])
+def test_a_cell_without_programs_is_checked_without_planning(name: str) -> None:
+    assert checked(name) == [0, []]
+
+
+def test_motion_programs_bring_what_their_dry_run_needs() -> None:
+    assert checked("portal") == [0, ["ruckig", "numpy"]]
