@@ -146,7 +146,7 @@ class Regions:
             return {}
         planner = unpack_planner(payload)
         names = ("job", "block", "share", "waiting", "handed", "ended", "failed_job", "fault", "fault_block", "fault_code", "warning")
-        return {name: getattr(planner, name) for name in names}
+        return {name: getattr(planner, name) for name in (*names, "tool")}
 
     def input_bit(self, number: int) -> tuple[int, int, int | None]:
         """Value, quality, age in ms."""

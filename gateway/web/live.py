@@ -200,13 +200,14 @@ class Live:
 
     async def _motion(self) -> Row:
         joints = [axis.set for axis in self.regions.state.axes[: len(self.regions.facts)]]
-        state = self.regions.state
+        state, queue = self.regions.state, self.regions.queue()
+        tool = queue.get("tool", ())
         return {
             "axes": self.regions.drives(),
-            "lines": self.skeleton.lines(joints),
-            "frames": self.skeleton.frames(joints),
+            "lines": self.skeleton.lines(joints, tool),
+            "frames": self.skeleton.frames(joints, tool),
             "marks": self.skeleton.marks(joints),
-            "queue": {key: says(value) if key in ("fault", "warning") else value for key, value in self.regions.queue().items()},
+            "queue": {key: says(value) if key in ("fault", "warning") else value for key, value in queue.items()},
             "job": state.job,
             "progress": round(state.progress, 3),
         }

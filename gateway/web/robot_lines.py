@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 
 from gateway.files.robots import load_robot
-from gateway.web.points import GRIPPER_M, Frame, Lines, Point, rounded
+from gateway.web.points import SHORT_TOOL, Frame, Lines, Point, rounded
 from motion.errors import MotionError
 from motion.geometry.frames import Pose, compose
 from motion.kinematics.arm6 import ArmGeometry
@@ -20,8 +20,8 @@ class Arm:
         self._kinematics = kinematics_of(self._robot)
         self.kind, self.reach = self._robot.kind.value, _reach(self._robot)
 
-    def lines(self, joints: Sequence[float]) -> Lines:
-        """joints: rad and m; [] where its kinematics has no answer."""
+    def lines(self, joints: Sequence[float], tool: Pose = SHORT_TOOL) -> Lines:
+        """joints: rad and m; tool: on the flange; [] where its kinematics has no answer."""
         found = self._poses(joints)
         if found is None:
             return []
@@ -35,7 +35,7 @@ class Arm:
             case _:
                 inner, beside = _portal(self._robot, flange)
         tip = compose(base, flange)
-        first = [rounded(point) for point in (*(base.apply(each) for each in inner), tip.position, tip.apply((0.0, 0.0, GRIPPER_M)))]
+        first = [rounded(point) for point in (*(base.apply(each) for each in inner), tip.position, tip.apply(tool.position))]
         return [first, [rounded(base.apply(point)) for point in beside]] if beside else [first]
 
     def _poses(self, joints: Sequence[float]) -> tuple[Pose, Pose] | None:
@@ -48,8 +48,8 @@ class Arm:
         except MotionError:
             return None
 
-    def frames(self, joints: Sequence[float]) -> list[Frame]:
-        """The tool is the short piece that is drawn along the flange's own z: its length is not that of the tool in use."""
+    def frames(self, joints: Sequence[float], tool: Pose = SHORT_TOOL) -> list[Frame]:
+        """Base, flange, and the tool's own frame."""
         found = self._poses(joints)
         if found is None:
             return []
@@ -58,7 +58,7 @@ class Arm:
         return [
             ("base", rounded(base.position), base.rotation),
             ("flange", rounded(tip.position), tip.rotation),
-            ("tool", rounded(tip.apply((0.0, 0.0, GRIPPER_M))), tip.rotation),
+            ("tool", rounded(tip.apply(tool.position)), compose(tip, tool).rotation),
         ]
 
     def places(self, joints: Sequence[float]) -> list[tuple[int, Point]]:

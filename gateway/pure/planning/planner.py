@@ -38,6 +38,7 @@ from gateway.pure.planning.team import (
     reader_for,
     systems_of,
 )
+from gateway.pure.planning.tool_shown import ToolShown
 from gateway.pure.planning.trial import Files, Trial
 from gateway.pure.planning.warnings import Slowing
 from gateway.pure.planning.workpiece_systems import CellSystems
@@ -111,6 +112,7 @@ class Programs:
     _override: float = 1.0
     _reading: Reading = field(default_factory=Reading)  # records, and lines of a program of the cell
     _placed: int = 0  # axes whose positions were set in this cycle (SF 3)
+    _tool: ToolShown = field(default_factory=ToolShown)
 
     def turn(
         self,
@@ -151,9 +153,11 @@ class Programs:
         self._plan(piece, moving, taken)
         types = tuple((each.kind.value, each.tolerance) for each in self._belts)
         self.workpiece.reached(self.state.block)
-        said = generation, types, self._placed, self.workpiece.shown
-        if (self.state.cycle, self.state.types, self.state.placed, self.state.systems) != said:
-            self.state = replace(self.state, cycle=generation, types=types, placed=self._placed, systems=self.workpiece.shown)
+        self._tool.reached(self.state.block)
+        systems, tool = self.workpiece.shown, self._tool.shown
+        said = generation, types, self._placed, systems, tool
+        if (self.state.cycle, self.state.types, self.state.placed, self.state.systems, self.state.tool) != said:
+            self.state = replace(self.state, cycle=generation, types=types, placed=self._placed, systems=systems, tool=tool)
         out = [record for record in self._out if record.job <= taken]  # a cycle that has not heard of the job would drop its fault
         self._out = [record for record in self._out if record.job > taken]
         return out
@@ -163,6 +167,7 @@ class Programs:
         if before.cycle and len(before.types) == len(self.belts):
             self.generation, self._placed = before.cycle, before.placed
             self.workpiece.follows(before.systems)
+            self._tool.shown = before.tool
             rows = zip(self.belts, before.types, strict=True)
             self._belts = tuple(replace(each, kind=Type(kind), tolerance=tolerance) for each, (kind, tolerance) in rows)
 
@@ -199,6 +204,7 @@ class Programs:
         self.state = PlannerState(job=job, failed_job=self.state.failed_job)
         self._reader, self._number, self._planner, self._factors, self._ended = Reader(), 0, None, FULL, False
         self._lines, self._line_of = None, []
+        self._tool.begin()
         self._last, self._handed, self._before, self._blocks, self._error = None, False, 0, 0, ""
         self._measuring, self._measured, self._trial = Measuring(self.channels, self.systems), (), Trial(self._belts, self.files)
         self.slowing.begin()
@@ -232,6 +238,7 @@ class Programs:
                 mask, kinematic = self.mask_of(machine), self.kinematic_of(machine)
                 cell = OfCell(self.functions, self.outputs, self._measuring, mask, whole=self._lines is not None, kinematic=kinematic)
                 cell.check(own, len(self._line_of), machine)
+                self._tool.placed(len(self._line_of), own.tool.pose, kinematic)
             if isinstance(block, Shared):
                 if self._trial.begun or block.asks:
                     self._trial.together(planner, block, len(self._line_of), self.kinematic_of)

@@ -259,6 +259,7 @@ class PlannerState:
     types: tuple[tuple[int, int], ...] = ()  # of the belts as programs have set them (SF 21): type and tolerance
     placed: int = 0  # axes (bit n-1 = axis n) whose positions programs have set in that cycle (SF 3)
     systems: tuple[tuple[int, tuple[float, float, float, float, float, float]], ...] = ()  # WC_SYSTEM of kinematics where it is not WC_UR
+    tool: tuple[float, ...] = ()  # of the block under way or the last one, of kinematic 1: m, and nine floats of its rotation; (): none yet
 
 
 def pack_planner(state: PlannerState) -> bytes:
@@ -273,4 +274,5 @@ def unpack_planner(data: bytes) -> PlannerState:
     fields = json.loads(data)
     fields["types"] = tuple((kind, tolerance) for kind, tolerance in fields["types"])
     fields["systems"] = tuple((kinematic, tuple(values)) for kinematic, values in fields["systems"])
+    fields["tool"] = tuple(fields["tool"])
     return PlannerState(**fields)

@@ -9,6 +9,7 @@ from gateway.cell_file.load import load_cell
 from gateway.files.robots import load_robot
 from gateway.web.robot_lines import Arm
 from gateway.web.skeleton import Skeleton
+from motion.geometry.frames import NO_ROTATION, Pose
 from motion.robot import kinematics_of
 
 DRAWN = 2e-4  # m: points are rounded to a tenth of a millimetre
@@ -47,6 +48,25 @@ def test_base_flange_and_tool_have_their_frames_and_each_axis_its_name(name: str
     places = arm.places(joints)
     assert [number for number, _ in places] == list(range(kinematics.axes))
     assert {place for _, place in places} <= {point for line in arm.lines(joints) for point in line}, "on what is drawn"
+
+
+@pytest.mark.parametrize("name", LENGTHS)
+def test_the_tool_in_use_is_drawn_with_its_own_length_and_direction(name: str) -> None:
+    arm, joints = Arm(name), (0.2, 0.3, 0.2, -0.5, 0.4, 0.3)
+    c, s = math.cos(0.7), math.sin(0.7)
+    tool = Pose((0.03, 0.0, 0.145), (c, 0.0, s, 0.0, 1.0, 0.0, -s, 0.0, c))
+    line, frames = arm.lines(joints, tool)[0], {frame: (at, rotation) for frame, at, rotation in arm.frames(joints, tool)}
+    flange = kinematics_of(load_robot(name)).forward(joints[: kinematics_of(load_robot(name)).axes])
+    assert math.dist(line[-2], line[-1]) == pytest.approx(math.hypot(0.03, 0.145), abs=DRAWN)
+    assert frames["tool"][0] == line[-1] == pytest.approx((flange @ tool).position, abs=DRAWN)
+    assert frames["tool"][1] == pytest.approx((flange @ tool).rotation) and frames["flange"][0] == line[-2]
+
+
+def test_a_portal_of_axes_alone_draws_the_tool_as_well() -> None:
+    drawn, joints = Skeleton(load_cell("demo")), (0.5, 0.4, 0.1, 0.0, 0.0, 0.0)
+    flange, tip = drawn.lines(joints, (0.0, 0.0, 0.2, *NO_ROTATION))[0][-2:]
+    assert (flange[0] - tip[0], flange[1] - tip[1], flange[2] - tip[2]) == pytest.approx((0.0, 0.0, 0.2), abs=DRAWN)
+    assert drawn.lines(joints)[0][-2] == flange, "the flange stays where it is"
 
 
 def test_a_cell_without_a_robot_is_a_portal_with_frames_and_names() -> None:
