@@ -165,7 +165,15 @@ def rho_setup(cell: Cell, controller: Controller, tables: DatTables, owners: Map
             name: found.at.number for name in (TEST_MN, *(row[1] for row in SIGNALS)) if (found := signals.named(name)) is not None
         },
         option=option_of(cell),
+        robot_masks=robot_masks(cell) if controller.memory else (),
     )  # fmt: skip
+
+
+def robot_masks(cell: Cell) -> tuple[int, ...]:
+    """Axes of each robot, for programs of the interpreter."""
+    from gateway.assembly.programs import machines_of_cell, mask_of
+
+    return tuple(mask_of(cell, machine) for machine in machines_of_cell(cell))
 
 
 def option_of(cell: Cell) -> int:

@@ -15,6 +15,7 @@ from gateway.assembly.programs import ProgramPlan, plan_programs
 from gateway.pure.cell.cell import Bus, Cell
 from gateway.pure.cell.web import Web
 from gateway.pure.image.records import cell as records
+from gateway.pure.image.records import interpreter as interpreterrecords
 from gateway.pure.image.records import planner as plannerrecords
 from gateway.pure.image.records.cell import (
     ACYCLIC_RECORDS,
@@ -44,6 +45,8 @@ WATCHED_MS: Mapping[str, int] = {  # processes with no region of their own: how 
 CYCLE_RINGS = ("trace", "scope", "record", "recorder")  # what it says to whoever listens, and who that is
 CHIPS_LIFE_MS = 1_000  # a chip behind USB may take its time; its contacts are marked meanwhile
 PLANNER_LIFE_MS = 10_000  # a law of a long run takes a second, much more on a busy machine; nothing depends on it meanwhile (AX-420)
+INTERPRETER_LIFE_MS = 10_000  # a long program is checked for seconds
+PROGRAM_REGIONS = ("interpreter", "channels", "program-orders", "program-says")
 STRETCHED_LIFE_MS = 1_000  # of a cycle in a stretched simulation, which waits for its drives
 
 
@@ -238,6 +241,11 @@ def core_processes(cell: Cell, period_ms: int, doors: Sequence[CommandSource], *
         core.append(
             Child("planner", "gateway.processes.planner", (), ("axes", "blocks", "pieces", "planner"), "planner", PLANNER_LIFE_MS * MS)
         )
+    if cell.robot and cell.controller is not None and cell.controller.memory:
+        core[1] = replace(core[1], regions=(*core[1].regions, *PROGRAM_REGIONS))
+        core[2] = replace(core[2], regions=(*core[2].regions, "lines"))
+        own = ("axes", "planner", "lines", *PROGRAM_REGIONS)
+        core.append(Child("interpreter", "gateway.processes.interpreter", (), own, "interpreter", INTERPRETER_LIFE_MS * MS))
     planner = ("planner",) if cell.robot else ()
     if page:
         core.append(Child("web", "gateway.processes.web", (), ("axes", "rc_in", "rc_out", "links", "scope", *planner)))
@@ -347,6 +355,13 @@ def make_regions(plan: RunPlan) -> dict[str, int]:
         fds["blocks"] = create_ring("blocks", plannerrecords.SAY_SIZE, plannerrecords.BLOCKS, plannerrecords.SAY_LAYOUT)
         fds["pieces"] = create_ring("pieces", plannerrecords.piece_size(axes), plannerrecords.PIECES, plannerrecords.PIECE_LAYOUT)
         fds["planner"] = create_region("planner", plannerrecords.PLANNER_BYTES, "planner/1 json")
+    if any(child.name == "interpreter" for child in plan.children):
+        texts = interpreterrecords.TEXT_SIZE, interpreterrecords.RECORDS, interpreterrecords.TEXT_LAYOUT
+        fds["interpreter"] = create_region("interpreter", interpreterrecords.REPORT_BYTES, interpreterrecords.REPORT_LAYOUT)
+        fds["channels"] = create_region("channels", interpreterrecords.SEEN_SIZE, interpreterrecords.SEEN_LAYOUT)
+        fds["program-orders"] = create_ring("program-orders", *texts)
+        fds["program-says"] = create_ring("program-says", *texts)
+        fds["lines"] = create_ring("lines", plannerrecords.SAY_SIZE, plannerrecords.BLOCKS, plannerrecords.SAY_LAYOUT)
     fds |= {child.life: create_region(child.life, 8) for child in plan.children if child.module in WATCHED_MS and child.life}
     fds |= make_joined(plan.cell)
     for door in plan.doors:

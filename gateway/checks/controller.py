@@ -4,7 +4,9 @@ import pathlib
 from collections.abc import Iterator
 
 from gateway.assembly.controllers import Control, dat_tables, make_control
+from gateway.assembly.interpreter import memory_folder
 from gateway.checks.context import Context, number
+from gateway.files.program_memory import baps2_words, folder_memory
 from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.cell.cell import Cell, Notice
 from gateway.pure.cell.controller import Controller, ControllerPoint, ProcessStep
@@ -13,6 +15,7 @@ from gateway.pure.controllers.rho3.pendant.catalogue import PREFIX
 from gateway.pure.controllers.rho3.signals.control import RhoControl
 from gateway.pure.controllers.rho3.signals.fast_io import InputFault
 from gateway.pure.image.error_list import ErrorList
+from gateway.pure.languages.baps2.library import Library
 
 STEP_KEYS = ("to", "program", "output", "input", "wait_ms")
 
@@ -73,6 +76,7 @@ def controller(check: Context) -> None:
         check.fault("controller.point", table.point[0].name, 'points belong to kind = "val3"')
     if table.door and table.door not in check.known["line"] | check.known["modbus"]:
         check.fault("controller.door", table.door, "no such command source")
+    _memory(check, table)
     sound = [_process(check, table, index) for index in range(len(table.process))]
     sound += [_point(check, table, point) for point in table.point]
     if table.kind == "reis":
@@ -83,6 +87,24 @@ def controller(check: Context) -> None:
         trial(check.cell)
     except ValueError as error:
         check.fault("controller" if check.cell.rho3 is None else "rho3", table.kind, str(error))
+
+
+def _memory(check: Context, table: Controller) -> None:
+    """The programs of the interpreter (AX-860)."""
+    folder = memory_folder(check.cell)
+    if folder is None:
+        return
+    if table.kind != "rho3":
+        check.fault("controller.memory", table.memory, 'programs belong to kind = "rho3"')
+    elif not folder.is_dir():
+        check.fault("controller.memory", table.memory, "no such folder (looked for beside the cell file)")
+    elif not check.cell.robot or not all(robot.model for robot in check.cell.robot):
+        check.fault("controller.memory", table.memory, "programs need the kinematics of a [robot] with a model")
+    else:
+        programs = {path.stem.upper() for path in folder.iterdir() if path.suffix.upper() == ".QLL"}
+        for process in table.process:
+            if process.name.upper() in programs:
+                check.fault(f"controller.process.{process.name}", process.name, f"{table.memory} has a program of this name")
 
 
 def _process(check: Context, table: Controller, index: int) -> bool:
@@ -159,9 +181,17 @@ def files(cell: Cell) -> Iterator[Notice]:
     for fault in tables.faults:
         yield Notice("warning", f"{table.files}/{fault.file}", f"line {fault.line}: {fault.why.text(cell.cell.language)}; not used")
     known = {process.name.upper() for process in table.process}
+    folder = memory_folder(cell)
+    if folder is not None and folder.is_dir():
+        library = Library(baps2_words(), folder_memory(folder))
+        known |= set(library.names())
+        for name in sorted(library.names()):
+            if found := library.unit(name)[1].errors:
+                yield Notice("warning", f"{table.memory}/{name}.QLL", f"{found} errors, it does not run: axisgate program check tells them")
     for code, name in sorted((tables.programs.entries if tables.programs else {}).items()):
         if name not in known:
-            yield Notice("note", f"{table.files}/EXPROG.DAT", f"code {code:02X} selects {name}, which no [[controller.process]] declares")
+            nobody = "which no [[controller.process]] declares" if folder is None else "which is no program of the memory"
+            yield Notice("note", f"{table.files}/EXPROG.DAT", f"code {code:02X} selects {name}, {nobody}")
 
 
 CHECKS = (controller,)

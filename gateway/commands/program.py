@@ -1,10 +1,11 @@
-"""`axisgate program`: programs of the rho 3 (BAPS2) checked, run dry in virtual time, listed."""
+"""`axisgate program`: programs of the rho 3 (BAPS2) checked, run dry in virtual time, listed; run, started and stopped in a cell."""
 
 import argparse
 import json
 import pathlib
 import sys
 
+from gateway.commands.program_cell import IN_CELLS, add_to, run_in_cell
 from gateway.files.program_memory import baps2_words, folder_memory, read_feed
 from gateway.pure.languages.baps2.dry_run import DryRun
 from gateway.pure.languages.baps2.feed import Feed, FeedFault
@@ -17,7 +18,12 @@ EXAMPLES = """examples:
   axisgate program check memory/QUICKST.QLL memory/MAIN.QLL      every fault with file, line and column
   axisgate program trace memory QUICKST --feed feed.toml --json  what the program does, event by event, in virtual time
   axisgate program list memory                                   all programs of a memory folder
-exit code: 0 done; 1 a program has errors; 2 a file, folder or program is not there, or the feed is invalid"""
+  axisgate program run palletiser PALLET --sim                   in a cell that is simulated for it: drives on, program, drives off
+  axisgate program run cell.toml PALLET                          in the running cell, until it is over; Ctrl-C stops it
+  axisgate program start cell.toml PALLET                        as the panel does: it moves if the PLC has control
+  axisgate program stop cell.toml PALLET
+exit code: 0 done; 1 a program has errors, was refused or ended with one; 2 a file, folder or program is not there, or the feed is invalid;
+3 no such run"""
 
 
 def main(argv: list[str]) -> int:
@@ -37,7 +43,10 @@ def main(argv: list[str]) -> int:
     listed = tools.add_parser("list", help="lists the programs of a memory folder")
     listed.add_argument("folder", metavar="FOLDER", type=pathlib.Path, nargs="?", default=pathlib.Path())
     listed.add_argument("--json", action="store_true", help="a JSON list of programs")
+    add_to(tools)
     options = parser.parse_args(argv)
+    if options.tool in IN_CELLS:
+        return run_in_cell(options)
     try:
         return int({"check": _check, "trace": _trace, "list": _list}[options.tool](options))
     except OSError as error:

@@ -11,7 +11,7 @@ import time
 from collections.abc import Sequence
 
 from gateway.assembly.planner import programs_of
-from gateway.assembly.programs import mask_of, read_bnr, robot_meant, team_meant
+from gateway.assembly.programs import machines_of_cell, mask_of, read_bnr, robot_meant, team_meant
 from gateway.assembly.run import RunPlan, load_plan
 from gateway.files.find import read_text
 from gateway.pure.image.records.cell import CELL_STATE_LAYOUT, CellState, unpack_cell_state
@@ -47,6 +47,7 @@ class PlannerProcess:
         self.journal = Journal(plan.journal, "planner")
         self.axes = RegionReader(fds["axes"], "axes", CELL_STATE_LAYOUT)
         self.blocks = RingReader(fds["blocks"], "blocks", SAY_LAYOUT)
+        self.lines = RingReader(fds["lines"], "lines", SAY_LAYOUT) if "lines" in fds else None
         self.pieces = RingWriter(fds["pieces"], "pieces", PIECE_LAYOUT)
         self.region = RegionWriter(fds["planner"], "planner")
         self.count = len(plan.cell.axis)
@@ -60,7 +61,9 @@ class PlannerProcess:
         self._stop = False
 
     def machine(self, name: str, number: int) -> Machine:
-        """The cell's robot, which a program names or not; raises MotionError."""
+        """The cell's robot, which a program names or not, or the one of a stream; raises MotionError."""
+        if number < 0:
+            return machines_of_cell(self.plan.cell)[-number - 1]
         tables = {each.number: each.kinematics for each in self.plan.cell.program}
         machine = robot_meant(self.plan.cell, name, tables.get(number, ""))
         self._as_ordered(machine, number)
@@ -109,6 +112,8 @@ class PlannerProcess:
         payload = self.axes.read()
         state = CellState() if payload is None else unpack_cell_state(payload)
         records = [unpack_block(data) for _, data in self.blocks.take(TAKEN)]
+        if self.lines is not None:
+            records += [unpack_block(data) for _, data in self.lines.take(TAKEN)]  # behind the order that begins their stream
         while self.programs.preparing and time.monotonic_ns() - now < WORKING_NS:
             self.programs.prepare(standing(state, self.count))
         while self.programs.working and time.monotonic_ns() - now < WORKING_NS and not self.programs.work():

@@ -4,23 +4,29 @@
 A cell without [controller] has an empty desk: nothing is loaded, nothing is stepped, the RC outputs are the cycle's.
 """
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from gateway.pure.arbitration.command_block import Code, Command
+from gateway.pure.controllers.rho3.functions.processes import ProcessFault
 from gateway.pure.controllers.rho3.pendant.modes import RESET
+from gateway.pure.controllers.rho3.signals.codes import code_text
 from gateway.pure.controllers.rho3.signals.errors import RESETS, RHO3, kind_of
 from gateway.pure.image.error_list import ErrorList, Reset
 from gateway.pure.image.reasons import CommandState, text
 from gateway.pure.image.records.cell import RC_BYTES, InputImage, Quality
 from gateway.pure.modbus.rho3_view import RhoView
 from gateway.runtime.regions import RegionReader
+from gateway.services.program_host import ProgramHost
 from protocols.base.machine import Ns
 
 if TYPE_CHECKING:
     from gateway.assembly.controllers import Control
     from gateway.pure.controllers.rho3.signals.control import RhoControl
+    from gateway.pure.controllers.rho3.signals.hosted import HostedPrograms
     from gateway.services.loop import Services
 
+NO_FDS: Mapping[str, int] = {}
 STOPPED = InputImage(quality=bytearray([Quality.GOOD] * RC_BYTES))
 PANEL_NS = 2_000_000_000  # the panel counts as used for so long after a key
 
@@ -28,6 +34,17 @@ PANEL_NS = 2_000_000_000  # the panel counts as used for so long after a key
 def _source(code: int) -> str:
     """Whose number it is: parameters are refused with numbers of the Reis list."""
     return RHO3 if code in range(380, 382) else "reis"
+
+
+def _outcome(hosted: "HostedPrograms", run: object) -> dict[str, object]:
+    """How a run of a program is, or how it ended."""
+    if not isinstance(run, int):
+        return {"error": "state: run = a number that start has given"}
+    if (over := hosted.results.get(run)) is not None:
+        how, code, words, place = over
+        return {"over": True, "how": how, "code": code, "text": words, "place": place}
+    rows = [row for row in hosted.rows if row["run"] == run]
+    return {"over": False, "rows": rows}
 
 
 class RcOutputs:
@@ -45,7 +62,7 @@ class RcOutputs:
 class ControllerHost:
     """The error list of the run, and its control where there is one."""
 
-    def __init__(self, services: "Services", now: Ns) -> None:
+    def __init__(self, services: "Services", now: Ns, fds: Mapping[str, int] = NO_FDS) -> None:
         self._services = services
         self.errors = ErrorList()
         self.control: Control | None = None
@@ -54,6 +71,7 @@ class ControllerHost:
         self._panel: Ns = 0
         self._panel_door = 0  # who pressed last
         self._seen = b""
+        self.programs: ProgramHost | None = None
         self.wired = False  # a route has changed an input of the control since its last cycle
         if services.cell.controller is None:
             return
@@ -62,6 +80,8 @@ class ControllerHost:
         doors = {door.name: door.number for door in services.plan.doors}
         self.control, faults = make_control(services.cell, services.owned, doors, services.office, self.errors, now)
         services.retain.restore(self.control)
+        if self.rho3 is not None and "interpreter" in fds:
+            self.programs = ProgramHost(self.rho3, fds, services.cell.cell.language)
         services.rc_out.control = self.control
         for door in services.doors:
             view = getattr(door, "view", None)
@@ -87,8 +107,14 @@ class ControllerHost:
         rho = self.rho3
         if rho is not None:
             rho.panel_used = bool(self._panel) and now - self._panel < PANEL_NS
+        if self.programs is not None:
+            self.programs.before(now)
         for line in control.step(services.forces.over(services.inputs), cycle, services.values.state, now, heard=heard > self._heard):
             services.journal.write("plc", line)
+        if self.programs is not None:
+            for line in self.programs.after():
+                services.journal.write("plc", line)
+            services.programs.end(self.programs.ending())
         self._heard = heard
         if rho is not None and self._judge_reset(rho, now):
             services.journal.write("plc", "reset at the panel: refused")
@@ -151,6 +177,44 @@ class ControllerHost:
             return why
         rho.panel.enter(RESET)
         return ""
+
+    # ---- programs of the interpreter -------------------------------------------------------------------------------------
+    def process(self, request: dict[str, object], door: int) -> dict[str, object]:
+        """`do`: list, start and stop (`name`), state (`run`).  door: command source a program that is started moves as, 0: the PLC's."""
+        rho = self.rho3
+        if rho is None or rho.hosted is None:
+            return {"error": 'no programs: this cell has no [controller] with memory = "FOLDER"'}
+        hosted, name = rho.hosted, str(request.get("name", "")).upper()
+        match request.get("do"):
+            case "list":
+                return {"programs": hosted.programs, "processes": hosted.rows, "id": hosted.language_id}
+            case "start":
+                return self._start_program(rho, hosted, name, door)
+            case "stop":
+                process = rho.processes.named(name)
+                if process is None or not rho.processes.stop(process.number):
+                    return {"error": f"{name}: no such process"}
+                return {"ok": True}
+            case "state":
+                return _outcome(hosted, request.get("run"))
+        return {"error": f"do {request.get('do')!r}; list, start, stop, state are known"}
+
+    @staticmethod
+    def _start_program(rho: "RhoControl", hosted: "HostedPrograms", name: str, door: int) -> dict[str, object]:
+        row = next((row for row in hosted.programs if row["name"] == name), None)
+        if row is None:
+            known = ", ".join(str(each["name"]) for each in hosted.programs) or "none"
+            why = f"the memory has {known}" if hosted.language_id else "the interpreter does not run"
+            return {"error": f"{name}: no such program; {why}"}
+        if row["fault"]:
+            return {"error": f"{name} has {row['errors']} errors and does not run; the first: {row['fault']}"}
+        hosted.starter = door
+        try:
+            return {"run": hosted.run_of(rho.start(name))}
+        except ProcessFault as fault:
+            return {"error": f"{name}: {code_text(fault.code) or 'error'} ({fault.code})"}
+        finally:
+            hosted.starter = 0
 
     # ---- the panel -------------------------------------------------------------------------------------------------------
     def panel(self, request: dict[str, object], door: int, now: Ns) -> dict[str, object]:

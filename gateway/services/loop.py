@@ -66,7 +66,7 @@ from gateway.services.sources.modbus import ModbusSource, modbus_clients, side_o
 from gateway.services.sources.rk512 import Rk512Source
 from gateway.services.sources.telegrams import TelegramSource
 from gateway.services.status_size import fitted
-from gateway.services.tool_interface import ENABLING_BYTE, TOOL_DOOR
+from gateway.services.tool_interface import PERMIT_BYTES, TOOL_DOOR
 from gateway.services.tool_server import Variables
 from motion.execution.pieces import record_size
 from protocols.base.machine import ms
@@ -125,7 +125,7 @@ class Services:
         self.timer = Timerfd()
         self.tools = PageInterfaces(self)
         self.variables = Variables(self)
-        self.signals = ControllerHost(self, self.started_ns)
+        self.signals = ControllerHost(self, self.started_ns, fds)
         self._state_index, self._piece_size = -1, record_size(len(cell.axis))
         self.late_machine = LateMachine(simulated=plan.simulated)
         self.alarms = AlarmFile(plan)
@@ -298,7 +298,7 @@ class Services:
         image = self.inputs
         for octet, number in self.owned.items():
             door = self.doors[number - 1]
-            if self.tools.permits and octet == ENABLING_BYTE:
+            if self.tools.permits and octet in PERMIT_BYTES:
                 continue  # a simulated cell without its PLC, a tool stands in
             if (image.quality[octet] == Quality.GOOD and not door.watch.alive) or (
                 image.quality[octet] == Quality.STALE and now - self.started_ns > INHERITED_NS

@@ -47,6 +47,10 @@ class PageInterfaces:
         self._tool.closed(connection)
         self._page.closed(connection)
 
+    def holds(self, connection: object) -> bool:
+        """This tool is in control."""
+        return self._tool.holds(connection)
+
     def held_by_another(self, connection: object) -> bool:
         """A tool other than this one is in control."""
         return self._tool.held_by_another(connection)

@@ -3,7 +3,16 @@
 import time
 from collections.abc import Mapping, Sequence
 
-from gateway.pure.image.records.planner import SAY_LAYOUT, PlannerState, ProgramOrder, pack_block, run_record, unpack_planner
+from gateway.pure.image.records.planner import (
+    SAY_LAYOUT,
+    BlockRecord,
+    PlannerState,
+    ProgramOrder,
+    Say,
+    pack_block,
+    run_record,
+    unpack_planner,
+)
 from gateway.runtime.regions import RegionReader, RingWriter
 from protocols.base.machine import ms
 
@@ -30,3 +39,9 @@ class PlannerLink:
         for order in orders:
             assert self._blocks is not None  # the office refuses programs where there is no planner
             self._blocks.put(pack_block(run_record(order)))
+
+    def end(self, jobs: Sequence[int]) -> None:
+        """Nothing follows for these any more: their interpreter is gone."""
+        for job in jobs:
+            assert self._blocks is not None
+            self._blocks.put(pack_block(BlockRecord(Say.END, job)))

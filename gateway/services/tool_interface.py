@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from drivers.drives.canopen_steps import Refused
 from gateway.pure.arbitration.command_block import Code, Command
 from gateway.pure.arbitration.jobs import Job, OnLoss
+from gateway.pure.controllers.rho3.signals.modes import AUTO_MN
 from gateway.pure.image.reasons import CommandState, Reason, Refusal
 from gateway.pure.image.records.cell import Motion, Quality, set_bit
 from protocols.base.machine import Ns, ms
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 TOOL_DOOR = 90
 SILENCE: Ns = ms(1000)
 ENABLING_BITS, ENABLING_BYTE = range(24, 29), 3
+PERMIT_BYTES = (AUTO_MN >> 3, ENABLING_BYTE)
 LIFE = ("alive", "tool", "sdo", "permit")  # requests that show that the connection in control lives
 MOST_SDO, TICKETS_KEPT = 8, 64  # SDO requests under way at a time, each in a thread; answers that wait to be fetched
 
@@ -210,10 +212,11 @@ class ToolInterface:
         if not services.plan.simulated:
             return {"error": "enabling inputs are set by their command source; a tool may do it in a simulation only"}
         self.permits, self._permitting = True, (connection, time.monotonic_ns())
-        for bit in ENABLING_BITS:
+        automatic = (AUTO_MN,) if services.signals.rho3 is not None else ()  # programs run in automatic alone
+        for bit in (*ENABLING_BITS, *automatic):
             set_bit(services.inputs.values, bit, True)
-        services.inputs.quality[ENABLING_BYTE] = Quality.GOOD
-        services.inputs.stamps[ENABLING_BYTE] = time.monotonic_ns()
+            services.inputs.quality[bit >> 3] = Quality.GOOD
+            services.inputs.stamps[bit >> 3] = time.monotonic_ns()
         services.flush()
         return {"ok": True}
 

@@ -111,9 +111,9 @@ class Variables:
                     return {"names": self.names()}
                 case "panel":
                     return self._panel(request, connection)
-                case "status":
-                    return self._services.status()
-            return {"error": f"op {request.get('op')!r}; get, set, names, panel, status are known"}
+                case "process" | "status" as op:
+                    return self._process(request, connection) if op == "process" else self._services.status()
+            return {"error": f"op {request.get('op')!r}; get, set, names, panel, process, status are known"}
         except (AddressFault, VariableError) as fault:
             return {"error": str(fault)}
         except (KeyError, ValueError, TypeError, AttributeError) as fault:
@@ -123,6 +123,15 @@ class Variables:
         if {"key", "mode"} & request.keys() and self._services.tools.held_by_another(connection):
             return {"error": "not owner: another commissioning tool has control"}
         return self._services.signals.panel(request, TOOL_DOOR, time.monotonic_ns())
+
+    def _process(self, request: dict[str, object], connection: object) -> dict[str, object]:
+        """A program that a connection in control starts moves as the tool, any other one as the PLC's command source."""
+        tools = self._services.tools
+        if request.get("do") in ("start", "stop") and tools.held_by_another(connection):
+            return {"error": "not owner: another commissioning tool has control"}
+        answer = self._services.signals.process(request, TOOL_DOOR if tools.holds(connection) else 0)
+        self._services.flush()
+        return answer
 
     # ---- reading -----------------------------------------------------------------------------------------------------
     def _get(self, text: str) -> dict[str, object]:

@@ -43,6 +43,7 @@ HORIZON_S = 0.6  # with more than this ahead (at full speed) the tail is left al
 PAUSE_S = 1e-3  # between two runs: the jerk one ends with and the jerk the next begins with do not add up (AX-317)
 NAMED = 32  # stretches in a run up to which its pieces end where blocks end
 SMALLEST = 1e-9
+PASSED = 1e-6  # share of a block that may be left where a piece ends with it
 NO_WAY = "what the block begins or ends with needs a way: none is left behind it, and none before it"
 
 
@@ -388,6 +389,12 @@ class Planner:
             block, share = (self._route.added if not self._route.pending else now.run.stretches[-1].block), 1.0
         self._done = max(self._done, block if share >= 1.0 else block - 1)
         return block, share
+
+    def passed(self, tau: float) -> int:
+        """Blocks that are over at tau, which the last law has."""
+        last = self._planned[-1]
+        block, share = last.run.place(last.s(tau))
+        return block if share >= 1.0 - PASSED else block - 1
 
     def states(self, tau: float) -> tuple[float, float, float]:
         """(s, sdot, sddot) at full speed, for judges."""

@@ -194,7 +194,8 @@ class CommandDispatcher:
 
     def _end(self, job: Job, state: CommandState, reason: Reason, detail: str = "") -> None:
         job.state, job.reason, job.detail = state, reason, detail or job.detail
-        self._events.append(DispatcherEvent(state.name.lower(), job.door, job.code, reason, job.detail))
+        if not (job.quiet and state is CommandState.DONE):
+            self._events.append(DispatcherEvent(state.name.lower(), job.door, job.code, reason, job.detail))
 
     # ---- commands --------------------------------------------------------------------------------------------------------
     def command(self, door: int, command: Command, now: Ns, *, first_try: bool = False) -> Job:
@@ -333,6 +334,28 @@ class CommandDispatcher:
         """A command source selects a program of the cell by its number, whichever way it names it."""
         return self.command(door, Command(Code.PROGRAM, number, velocity, acceleration), now)
 
+    def order_stream(self, door: int, robot: int, mask: int) -> Job:
+        """The interpreter wants to move a robot (its number, from 1) in the name of a command source: blocks of a language follow one by
+        one, the planner judges each as it comes."""
+        job = Job(self._next, door, Code.PROGRAM, mask=mask, quiet=True)
+        self._next += 1
+        state = self.door(door)
+        state.last = state.by_code[Code.PROGRAM] = job
+        try:
+            cell = self.cell
+            if cell is None or not cell.generation:
+                raise Refusal(Reason.NOT_READY, "the cycle does not run")
+            self.control.demand(door)
+            self._may_move(cell, self._in_loop(job))
+            if cell.override <= 0.0:
+                raise Refusal(Reason.OVERRIDE_ZERO)
+            self._begin(job, ProgramOrder(job.id, 0, 1.0, 1.0, robot))
+        except Refusal as refusal:
+            self._end(job, CommandState.REFUSED, refusal.reason, refusal.detail)
+            return job
+        self._open.append(job)
+        return job
+
     def _program(self, job: Job, command: Command, cell: CellState) -> None:
         """The planner reads and tries it whole before anything moves (AX-322)."""
         number = command.mask
@@ -342,13 +365,17 @@ class CommandDispatcher:
         job.mask = self.programs[number].mask
         self._may_move(cell, self._in_loop(job))
         self._rates(command, cell)
+        self._begin(job, ProgramOrder(job.id, number, command.velocity, command.acceleration))
+
+    def _begin(self, job: Job, order: ProgramOrder) -> None:
+        """The order to the cycle, and to the planner."""
         if self._move is not None:
             raise Refusal(Reason.BUSY)
         if self.planner is None:
             raise Refusal(Reason.NOT_READY, "the planner process does not run")
         job.watch, self._move = job.id, job
         self._order(Order.PROGRAM, job.id, mask=job.mask)
-        self._programs.append(ProgramOrder(job.id, number, command.velocity, command.acceleration))
+        self._programs.append(order)
 
     def _in_loop(self, job: Job) -> int:
         """Axes of a move that have to be enabled.  A program does without axes that somebody has switched off or disabled, one by one

@@ -42,6 +42,7 @@ class Job:
     detail: str = ""
     mask: int = 0
     until: Ns | None = None  # aborted with TIME_OUT then
+    quiet: bool = False  # its being done is no news
     watch: int = 0  # job whose end is this job's end (resume watches the move)
 
     @property

@@ -66,6 +66,7 @@ class Controller:
 
     kind: Literal["rho3", "reis", "val3"] = "rho3"
     files: str = ""  # folder of MSD.DAT, TEXT.DAT, EXPROG.DAT, PHGCODE.DAT; relative to the cell file
+    memory: str = ""  # folder of the programs: QLL, PKT, DAT, BNR; relative to the cell file (AX-860)
     code_page: Literal["cp437", "cp850", "latin-1", "utf-8"] = "cp437"
     hardware: Literal["rho3.0", "rho3.1", "rho3.2"] = "rho3.1"  # rho3.0 | rho3.1 | rho3.2: unit of timers, multi-function I/O
     kinematics: Annotated[int, Ge(1), Le(10)] = 1

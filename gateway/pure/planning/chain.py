@@ -15,19 +15,24 @@ class Chain:
     last_id: int = 0
     spare: int = 1
     _begins: dict[int, float] = field(default_factory=dict)
+    _passed: dict[int, int] = field(default_factory=dict)  # piece -> blocks that are over where it begins
+    _over: int = 0
     _at: int = 0  # last piece the cycle was seen on; 0: the part has not begun
     _rest: float | None = None  # tau at which it ran out, until it goes on
 
     def begin(self) -> None:
         """A part, or none."""
         self._begins.clear()
+        self._passed.clear()
+        self._over = 0
         self._at, self._rest = 0, None
 
-    def add(self, made: TimedPiece, tau: float) -> None:
-        """One more; a new tail takes the place of those from its number on."""
+    def add(self, made: TimedPiece, tau: float, passed: int = 0) -> None:
+        """One more, before which so many blocks are over; a new tail takes the place of those from its number on."""
         if made.new_tail:
             self._drop(number for number in list(self._begins) if number >= made.id)
         self._begins[made.id] = tau
+        self._passed[made.id] = passed
         self.last_id, self.spare = made.id, made.id + 1
 
     def tau(self, piece: int, end: float) -> float:
@@ -39,6 +44,14 @@ class Chain:
         if self._at and not piece and self._rest is None:  # it has run out: all that was handed on is run
             self._at, self._rest = self.last_id, end
         return 0.0 if self._rest is None else self._rest
+
+    def passed(self, piece: int, added: int) -> int:
+        """Blocks that are over for certain.  added: all of them where nothing of the path is to come, else 0."""
+        if piece in self._passed:
+            self._over = max(self._over, self._passed[piece])
+        elif not piece and (self._rest is not None or not self._begins):  # all that was handed on is run, or nothing had a way
+            self._over = max(self._over, added)
+        return self._over
 
     @property
     def full(self) -> bool:
@@ -52,3 +65,4 @@ class Chain:
     def _drop(self, numbers: Iterable[int]) -> None:
         for number in numbers:
             del self._begins[number]
+            del self._passed[number]

@@ -66,7 +66,8 @@ ALWAYS = 1 << 62
 
 @dataclass
 class Programs:
-    """What the robots of a run are moved by.  machine_of: (robot a text names, number of the program, 0: a stream) -> machine, text_of:
+    """What the robots of a run are moved by.  machine_of: (robot a text names, number of the program, 0: a stream, -n: a stream of robot
+    n) -> machine, text_of:
     number -> text, team_of: kinematics of a text, its number -> team (files are read there: not this module's business); all raise
     MotionError."""
 
@@ -186,10 +187,10 @@ class Programs:
                 break
 
     def _heard(self, record: BlockRecord, off: int, standing: Sequence[float]) -> Work[None]:
-        self._off = off if record.say is Say.RUN else 0 if record.say is Say.BEGIN else self._off
+        self._off = off if record.say is Say.RUN else 0 if record.say in (Say.BEGIN, Say.STREAM) else self._off
         if record.say is Say.BEGIN and self.state.job and not self._ended:
             return  # one stream at a time; whoever orders sees that its job did not begin
-        if record.say in (Say.BEGIN, Say.RUN):
+        if record.say in (Say.BEGIN, Say.RUN, Say.STREAM):
             self._begin(record.job)
         if record.job != self.state.job:
             return
@@ -216,6 +217,9 @@ class Programs:
             self._factors = Factors(order.velocity, order.acceleration, order.acceleration)
             self._number = self._trial.program = order.number
             self._lines = enumerate(self.text_of(order.number).splitlines(), 1)
+            return
+        if record.say is Say.STREAM:
+            self._number = -int(record.text)
             return
         if record.text:
             yield from self._statement(record.text, 0, standing)
@@ -453,6 +457,7 @@ class Programs:
             self.state,
             block=self._before + block,
             share=share,
+            passed=self._before + self._chain.passed(piece, planner.added if not planner.open else 0),
             waiting=planner.waiting,
             handed=state.handed + new,
             ended=state.ended or last,
@@ -481,6 +486,6 @@ class Programs:
         for made in pieces:
             if made.new_tail:
                 self._out.append(switch_record(job, self.generation, SwitchAt(made.id, 0.0, VOID)))
-            self._chain.add(made, begins[made.id])
+            self._chain.add(made, begins[made.id], planner.passed(begins[made.id]) if isinstance(planner, Planner) else 0)
             self._mark(mark for mark in marks if mark.piece == made.id)
             self._out.append(PieceRecord(Part.PIECE, job, self.generation, encode_timed(made)))

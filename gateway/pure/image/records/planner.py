@@ -29,6 +29,7 @@ class Say(IntEnum):
     END = 4  # the program is complete
     DROP = 5  # forget everything (the cycle abandoned the motion, or the program is aborted)
     RUN = 6  # a whole program of the cell; text: its number, velocity and acceleration factor (run_record)
+    STREAM = 7  # a stream of the interpreter begins, at rest; text: number of its robot, from 1
 
 
 _SAY = struct.Struct(f"=IIQ{TEXT_BYTES}s")
@@ -69,16 +70,19 @@ class ProgramFacts:
 
 @dataclass(frozen=True, slots=True)
 class ProgramOrder:
-    """For the planner: job, number of the program, factors 0..1."""
+    """For the planner: job, number of the program, factors 0..1.  robot: no program, but a stream of this robot (from 1)."""
 
     job: int
     number: int
     velocity: float
     acceleration: float
+    robot: int = 0
 
 
 def run_record(order: ProgramOrder) -> BlockRecord:
     """The order as the planner gets it."""
+    if order.robot:
+        return BlockRecord(Say.STREAM, order.job, str(order.robot))
     return BlockRecord(Say.RUN, order.job, f"{order.number} {order.velocity!r} {order.acceleration!r}")
 
 
@@ -260,6 +264,7 @@ class PlannerState:
     placed: int = 0  # axes (bit n-1 = axis n) whose positions programs have set in that cycle (SF 3)
     systems: tuple[tuple[int, tuple[float, float, float, float, float, float]], ...] = ()  # WC_SYSTEM of kinematics where it is not WC_UR
     tool: tuple[float, ...] = ()  # of the block under way or the last one, of kinematic 1: m, and nine floats of its rotation; (): none yet
+    passed: int = 0  # blocks whose end the axes have reached
 
 
 def pack_planner(state: PlannerState) -> bytes:

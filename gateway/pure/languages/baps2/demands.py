@@ -50,6 +50,7 @@ class MoveTo(Request):
     relative: bool
     target: Point
     until: Until | None = None
+    factors: tuple[tuple[str, float], ...] = ()  # behind WITH
 
 
 @dataclass(frozen=True, slots=True)

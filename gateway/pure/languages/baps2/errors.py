@@ -47,6 +47,9 @@ TEXTS = {
     219: "end of file",
     220: "no kinematic",
     221: "wrong number of components",
+    222: "not possible in a cell",
+    223: "a circle has two points",
+    224: "inadmissable output",
 }
 OURS = range(208, 1_000)  # texts that the manual does not print
 

@@ -77,12 +77,12 @@ class Handle:
         self._machine.lane(kinematic).frame = value
 
     def wc(self, kinematic: str, value: tuple[float, ...]) -> tuple[float, ...]:
-        """Joints to world: the dry run has them equal."""
-        return to_workpiece(self._machine.lane(kinematic).frame, value)
+        """Joints to world."""
+        return to_workpiece(self._machine.lane(kinematic).frame, self._machine.world(kinematic, value))
 
     def jc(self, kinematic: str, value: tuple[float, ...]) -> tuple[float, ...]:
         """World to joints."""
-        return to_world(self._machine.lane(kinematic).frame, value)
+        return self._machine.joints(kinematic, to_world(self._machine.lane(kinematic).frame, value))
 
     def at_end(self, process: Process, unit: str) -> bool:
         """END_OF_FILE."""
@@ -91,6 +91,11 @@ class Handle:
     def condition(self, process: Process, request: Condition) -> int:
         """CONDITION in a condition that is waited for."""
         return self._machine.units.condition(self._machine.tasks[process.number], request)
+
+    def keep(self, program: str, name: str, value: tuple[float, ...]) -> tuple[float, ...]:
+        """A teach point is assigned to: the value."""
+        self._machine.keep(program, name, value)
+        return value
 
     def taught(self, program: str, name: str) -> tuple[float, ...] | None:
         """A point at the start of the program."""

@@ -48,6 +48,9 @@ class Machine(Protocol):
     def input(self, channel: int) -> int | float:
         """Value of an input now."""
 
+    def image(self, letter: str, bit: int) -> int:
+        """A signal of the interface: I or O of the PIC."""
+
     def signal(self, channel: int, now: int) -> int | float:
         """Value of an input as the feed has it."""
 
@@ -59,6 +62,15 @@ class Machine(Protocol):
 
     def position(self, task: Task, kinematic: str, name: str) -> tuple[float, ...]:
         """POS, @POS, @MPOS now."""
+
+    def world(self, kinematic: str, joints: tuple[float, ...]) -> tuple[float, ...]:
+        """World coordinates of joints, in original coordinates."""
+
+    def joints(self, kinematic: str, world: tuple[float, ...]) -> tuple[float, ...]:
+        """Joints of world coordinates."""
+
+    def keep(self, program: str, name: str, value: tuple[float, ...]) -> None:
+        """A teach point was assigned to: it stays when the program ends."""
 
     def taught(self, program: str, name: str) -> tuple[float, ...] | None:
         """A point at the start of a program."""

@@ -38,10 +38,27 @@ class Memory:
         """Place of a program in the order of translation."""
         return self._ages.get(name.upper().removesuffix(".QLL"))
 
+    def keep_point(self, program: str, name: str, value: tuple[float, ...]) -> None:
+        """Writes a point into the program's PKT file."""
+        file = f"{program}.PKT"
+        self.files[file] = with_point(self.text(file) or "", name, value).encode()
+
     def points(self, program: str, faults: Faults) -> Points:
         """The points of a program's PKT file."""
         text = self.text(f"{program}.PKT")
         return {} if text is None else points_of(text, f"{program}.PKT", faults)
+
+
+def with_point(text: str, name: str, value: tuple[float, ...]) -> str:
+    """The text of a point file with this point in it: in its line, with the comment there, or in a new one at the end."""
+    line = f"{name} = {'@' if name.startswith('@') else ''}({', '.join(f'{each:.10g}' for each in value)})"
+    rows, found = text.splitlines(), False
+    for index, row in enumerate(rows):
+        match = _POINT.fullmatch(row.partition(";")[0].strip())
+        if match is not None and match[1].upper() == name:
+            comment = row[row.index(";") :] if ";" in row else ""
+            rows[index], found = f"{line} {comment}".rstrip(), True
+    return "\n".join([*rows, *([] if found else [line]), ""])
 
 
 def points_of(text: str, file: str, faults: Faults) -> Points:

@@ -88,6 +88,7 @@ class Naming:
             name = python_name(each.name, level)
             kind = self.type_of(each.type, joint=each.name.startswith("@"))
             symbol = Symbol(each.name, "variable", kind, f"g.{name}" if each.public else name, each.public, level=level)
+            symbol.kept = self._program if each.teach and not kind.is_array else ""
             self.variables.append((symbol, each))
         self._names.declare(symbol, each.at)
         if each.public:
@@ -144,7 +145,7 @@ class Naming:
     @staticmethod
     def _imported_symbol(found: Symbol, program: str) -> Symbol:
         python = f"{python_name(program, 9)}.{found.python.rpartition('.')[2]}"
-        return Symbol(found.name, found.kind, found.type, python, True, owner=program)
+        return Symbol(found.name, found.kind, found.type, python, True, owner=program, kept=found.kept)
 
     @property
     def imported(self) -> str:

@@ -105,9 +105,7 @@ class Outside:
             if place is None:
                 raise fault(206, request.unit)
             letter, byte, bit = place
-            if letter == "O":
-                return int(self._machine.outputs.get(byte * 8 + bit, 0))
-            return int(self._machine.input(byte * 8 + bit))
+            return self._machine.image(letter, byte * 8 + bit)
         name, is_device = self.place(task, request.unit)
         if is_device:
             return NO_INTERFACE if name not in self._machine.devices else task.conditions.get(name, 0)

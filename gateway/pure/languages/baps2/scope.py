@@ -29,6 +29,7 @@ class Symbol:
     owner: str = ""  # program that a semaphore or an import belongs to
     parameters: tuple["tuple[Type, bool]", ...] = ()  # type, by value
     level: int = 0
+    kept: str = ""  # a teach point: the program in whose point file it stays
 
 
 @dataclass(slots=True)

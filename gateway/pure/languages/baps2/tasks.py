@@ -4,8 +4,11 @@ from collections import deque
 from dataclasses import dataclass, field
 
 from gateway.pure.languages.baps2.demands import Until
+from gateway.pure.languages.baps2.lines import Wanted
 from gateway.pure.languages.baps2.translation import Unit
+from gateway.pure.languages.base.path import Stretch
 from gateway.pure.languages.base.process import Process
+from gateway.pure.languages.base.requests import RuntimeFault
 
 MOST_PREPARED = 11  # blocks prepared while one runs
 
@@ -23,6 +26,10 @@ class Block:
     began: int | None = None
     was: bool = False  # the condition a moment ago
     met: bool | None = None
+    wanted: Wanted | None = None  # in a cell
+    index: int = 0  # among the blocks of its stretch
+    stretch: Stretch | None = None  # it was handed on with
+    stops: bool = True  # at its end
 
 
 @dataclass(slots=True, eq=False)
@@ -88,6 +95,8 @@ class Task:
     round: int = 0
     how: str = ""  # it ends
     halted: bool = False
+    run: int = 0  # number of the process to those outside
+    branch_fault: tuple[RuntimeFault, int] | None = None  # of a branch that took it along, and its line
 
     @property
     def main(self) -> "Task":

@@ -13,7 +13,7 @@ from gateway.pure.languages.baps2.statements import DEVICES
 from gateway.pure.languages.baps2.travel import targets
 from gateway.pure.languages.baps2.tree import Declared, Instruction, Move, Parallel, Program, Routine, Statement
 from gateway.pure.languages.baps2.types import NONE, POINTS, Type, default_of
-from gateway.pure.languages.baps2.typing import Typing
+from gateway.pure.languages.baps2.typing import Typing, kept
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.process import Body, Process
 from gateway.pure.languages.base.requests import Turn
@@ -157,7 +157,7 @@ class _Translation:
             if name.name in own or known or self._names.find(name.name) is not None:
                 continue
             kind = Type("JC_POINT" if name.name.startswith("@") else "POINT", kinematic)
-            symbol = Symbol(name.name, "variable", kind, python_name(name.name, 0))
+            symbol = Symbol(name.name, "variable", kind, python_name(name.name, 0), kept=self._unit.name)
             self._names.declare(symbol, name.at)
             self._naming.variables.append((symbol, None))
 
@@ -179,7 +179,7 @@ class _Translation:
             rows += [
                 f"{indent}def w_{name}(x):",
                 f"{indent}    nonlocal {name}",
-                f"{indent}    {name} = x",
+                f"{indent}    {name} = {kept(symbol, 'x')}",
                 f"{indent}r_{name} = Ref(lambda: {name}, w_{name})",
             ]
         return rows

@@ -38,10 +38,8 @@ def _block(bodies: Writer, statement: Move, leg: Leg, kinematic: str, until: str
     way = WAYS[statement.way or bodies.way]
     joint = point.type.base == "JC_POINT"
     target = f"point({point.code})" if point.type is not NONE else "()"
-    factors = "".join(f"h.checked_factor({name!r}, {bodies.typing.of(value).code}), " for name, value in statement.factors)
-    if factors:
-        bodies.out.add(f"({factors})")
-    more = f", {until}" if until else ""
+    factors = "".join(f"({name!r}, h.checked_factor({name!r}, {bodies.typing.of(value).code})), " for name, value in statement.factors)
+    more = f", {until or None}, ({factors})" if factors else f", {until}" if until else ""
     return f"MoveTo({kinematic!r}, {way!r}, {leg.through}, {joint}, {statement.relative}, {target}{more})"
 
 

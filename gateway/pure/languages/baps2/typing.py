@@ -438,7 +438,7 @@ class Typing:
             return f"{symbol.python}.set({value})"
         if not symbol.shared:
             self.written.add(symbol.python)
-        return f"{symbol.python} = {value}"
+        return f"{symbol.python} = {kept(symbol, value)}"
 
     def _set_standard(self, tree: Expression, kinematic: str, name: str, value: str) -> str:
         if name in standard.FACTORS:
@@ -496,3 +496,8 @@ def signal_place(text: str) -> tuple[str, int, int] | None:
 def with_article(kind: str) -> str:
     """A noun with its article."""
     return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
+
+
+def kept(symbol: Symbol, value: str) -> str:
+    """Python text of a value that is assigned to a variable: a teach point goes into its point file, too."""
+    return f"h.keep({symbol.kept!r}, {symbol.name!r}, {value})" if symbol.kept else value

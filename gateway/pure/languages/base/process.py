@@ -64,5 +64,5 @@ class Process:
         """Ends the process; its body is closed and runs no more statement."""
         body, self.body = self.body, None
         self.state, self.waits_for = state, None
-        if body is not None and state is ProcessState.STOPPED:
+        if body is not None and state in (ProcessState.STOPPED, ProcessState.FAILED):
             body.close()

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from gateway.pure.languages.base.process import Process, ProcessState
-from gateway.pure.languages.base.requests import PENDING, Await, Ns, Pending, Request, Sleep, Stopped, Turn
+from gateway.pure.languages.base.requests import PENDING, Await, Ns, Pending, Request, RuntimeFault, Sleep, Stopped, Turn
 
 
 class Host(Protocol):
@@ -47,6 +47,15 @@ class Scheduler:
             self.stop(child, now)
         if not process.over:
             process.finish(ProcessState.STOPPED)
+            self._remove(process, now)
+
+    def fail(self, process: Process, fault: RuntimeFault, now: Ns) -> None:
+        """Ends a process because of an error outside of its statements, and all that it started as its own."""
+        for child in list(process.children):
+            self.stop(child, now)
+        if not process.over:
+            process.fault = fault
+            process.finish(ProcessState.FAILED)
             self._remove(process, now)
 
     def run(self, now: Ns) -> Ns | None:

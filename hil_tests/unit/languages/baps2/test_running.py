@@ -155,7 +155,7 @@ def test_a_probe_needs_a_change_and_stores_the_position() -> None:
     assert written(events) == ["5.0"]
 
 
-@pytest.mark.requirement("RHO-BAP-09", by="gateway.pure.languages.baps2.dry_run:DryRun._parallel")
+@pytest.mark.requirement("RHO-BAP-09", by="gateway.pure.languages.baps2.control:Control._parallel")
 def test_branches_move_kinematics_at_once_and_the_program_goes_on_behind_both() -> None:
     head = ";;KINEMATICS : (1=K, 2=L)\n;;K.WC_NAMES = X\n;;L.WC_NAMES = Y\n"
     events = run(head + body("PARALLEL MOVE K TO (1) ALSO MOVE L VIA (1) MOVE L TO (2) PARALLEL_END WRITE 'BOTH'"))
@@ -164,7 +164,7 @@ def test_branches_move_kinematics_at_once_and_the_program_goes_on_behind_both() 
     assert {event["process"] for event in events} == {"P"}
 
 
-@pytest.mark.requirement("RHO-BAP-10", by="gateway.pure.languages.baps2.dry_run:DryRun.stop_named")
+@pytest.mark.requirement("RHO-BAP-10", by="gateway.pure.languages.baps2.control:Control.stop_named")
 def test_stop_ends_a_program_with_what_it_started_and_its_kinematic_rests() -> None:
     events = run(
         body("START A WAIT 0.5 STOP A WAIT 1 START NONE", "EXTERNAL : A"),
@@ -176,21 +176,21 @@ def test_stop_ends_a_program_with_what_it_started_and_its_kinematic_rests() -> N
     assert short(events, "moved", "error") == [(1.5, "error", 1092)]
 
 
-@pytest.mark.requirement("RHO-BAP-11", by="gateway.pure.languages.baps2.dry_run:DryRun._give_up")
+@pytest.mark.requirement("RHO-BAP-11", by="gateway.pure.languages.baps2.control:Control._give_up")
 def test_break_gives_the_turn_to_the_others() -> None:
     other = "PROGRAM {0}\nBEGIN REPEAT 2 TIMES WRITE '{0}' BREAK REPEAT_END PROGRAM_END"
     events = run(body("START A START B REPEAT 2 TIMES WRITE 'P' BREAK REPEAT_END"), A=other.format("A"), B=other.format("B"))
     assert "".join(written(events)) == "PABPAB"
 
 
-@pytest.mark.requirement("RHO-BAP-08", by="gateway.pure.languages.baps2.dry_run:DryRun._enter")
+@pytest.mark.requirement("RHO-BAP-08", by="gateway.pure.languages.baps2.control:Control._enter")
 def test_sections_of_one_semaphore_never_overlap() -> None:
     section = "EXCLUSIVE S WRITE '{0}' WAIT 1 WRITE '{0}' EXCLUSIVE_END"
     events = run(body(f"PARALLEL {section.format('A')} ALSO {section.format('B')} PARALLEL_END", "SEMAPHORE : S"))
     assert written(events) == ["A", "A", "B", "B"]
 
 
-@pytest.mark.requirement("RHO-BAP-07", by="gateway.pure.languages.baps2.dry_run:DryRun.shared")
+@pytest.mark.requirement("RHO-BAP-07", by="gateway.pure.languages.baps2.control:Control.shared")
 def test_an_importer_sees_exported_values_and_is_warned_when_it_is_older() -> None:
     exporter = "PROGRAM A\nPUBLIC INTEGER : N\nBEGIN N = N + 5 PROGRAM_END"
     text = body("START A WAIT 0.1 WRITE N", "EXTERNAL A : N")

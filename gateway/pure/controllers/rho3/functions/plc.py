@@ -64,7 +64,7 @@ class Functions:
             self.phg.file_error = False
             self._report(PHGCODE_ERROR, "PHGCODE.DAT", now)
         for process in self.processes.step(now):
-            self._report(process.error, process.name, now)
+            self._report(process.error, process.place or process.name, now)
         self.coded.step(self.errors.records, outputs, now, key=self._pressed)
         self._pressed = False
         return [*refused, *([refusal] if refusal else [])]

@@ -71,6 +71,7 @@ class Process:
     include_line: int = 0
     level: int = 0
     external: str = ""
+    place: str = ""  # of its error: file and line
     turns: int = 0
 
 

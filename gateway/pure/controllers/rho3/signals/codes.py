@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from gateway.pure.controllers.rho3.signals.errors import Faults
 from gateway.pure.image.reasons import Reason
 from gateway.pure.image.records.cell import AxisFlag, CellState
+from gateway.pure.languages.baps2.errors import TEXTS as BAPS
 from protocols.base.machine import Ns
 
 DRIVE_FAULT, DRIVE_LOST, CODED = 768, 788, 20  # + axis - 1; axes behind the 20th stand in the list by axisgate's own numbers alone
@@ -39,6 +40,7 @@ _TEXTS = {
     253: ("the move was refused or aborted", "Bewegung abgelehnt oder abgebrochen"),
     254: ("inadmissable input", "unzulaessiger Eingang"),
     1255: ("a process broke down inside", "ein Prozess ist innen zusammengebrochen"),
+    1276: ("the interpreter ended, and its processes with it", "Interpreter beendet, seine Prozesse auch"),
     1278: ("Error in PHGCODE.DAT", "Fehler PHGKODE.DAT"),
 }
 
@@ -52,7 +54,7 @@ def code_text(code: int, language: str = "en") -> str:
         return f"{'Antrieb antwortet nicht, Achse' if german else 'drive does not answer, axis'} {code - DRIVE_LOST + 1}"
     if 1408 <= code <= 1427:
         return f"{'Achse gesperrt, Achse' if german else 'axis disabled, axis'} {code - 1407}"
-    return _TEXTS.get(code, ("", ""))[german]
+    return _TEXTS.get(code, (BAPS.get(code, ""),) * 2)[german]
 
 
 @dataclass(slots=True)

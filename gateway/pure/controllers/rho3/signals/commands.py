@@ -56,6 +56,10 @@ class AxisCommands:
         places = tuple(step.to.get(n, 0.0) for n in range(mask.bit_length()))
         return self._say(door, Command(Code.PTP_ABSOLUTE, mask, speed, acceleration, places), now)
 
+    def stream(self, door: int, robot: int, mask: int) -> Job:
+        """Blocks of a program of the interpreter; refused as any other command of that command source."""
+        return self._office.order_stream(door, robot, mask)
+
     def stop(self, door: int, now: Ns, give_up: Job | None = None) -> None:
         """Stops on the path; `give_up`: the move whose rest is abandoned, as where a program is taken off (L2610)."""
         self._say(door, Command(Code.STOP), now)

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.arbitration.jobs import Job
 from gateway.pure.controllers.pic_image import PicImage
+from gateway.pure.controllers.rho3.functions.display import COLUMNS, LINES, Layer
 from gateway.pure.controllers.rho3.functions.plc import Functions
 from gateway.pure.controllers.rho3.functions.processes import Kind, Process, ProcessTable, Program, State
 from gateway.pure.controllers.rho3.pendant.panel import Panel
@@ -19,6 +20,7 @@ from gateway.pure.controllers.rho3.signals.control_state import ControlState
 from gateway.pure.controllers.rho3.signals.drives import DriveOn
 from gateway.pure.controllers.rho3.signals.errors import RHO3
 from gateway.pure.controllers.rho3.signals.fast_io import Channels
+from gateway.pure.controllers.rho3.signals.hosted import INTERPRETER_GONE, HostedPrograms
 from gateway.pure.controllers.rho3.signals.panel_view import PanelView
 from gateway.pure.controllers.rho3.signals.phg_values import PhgValues
 from gateway.pure.controllers.rho3.signals.setup import Setup
@@ -26,6 +28,7 @@ from gateway.pure.controllers.rho3.signals.steps import Step, body_maker, fault_
 from gateway.pure.controllers.rho3.signals.supervision import PicGuard, PlcWatch
 from gateway.pure.controllers.rho3.signals.whole import Seen, SignalInterface
 from gateway.pure.image.error_list import ErrorList
+from gateway.pure.image.records import interpreter
 from gateway.pure.image.records.cell import RC_BYTES, CellState, InputImage, Permit, get_bit, set_bit
 from motion.program.factors import FactorTable, Operation
 from protocols.base.machine import Ns
@@ -52,6 +55,8 @@ class RhoControl:
         self.channels = Channels(setup.fast, self.user, occupied)
         self.board_in, self.board_out = bytearray(BOARD_IN), bytearray(BOARD_OUT)
         self.panel_used = False  # somebody works at the panel
+        self.hosted: HostedPrograms | None = None  # programs of the interpreter
+        self._written = ""  # WRITE PHG
         self._commands = AxisCommands(office, setup.sets_override)
         self._office = office
         self._drive_on = DriveOn(len(setup.axes), lambda byte: setup.owners.get(byte, 0))
@@ -116,6 +121,9 @@ class RhoControl:
         seen = self.interface.step(now - self._last, self.panel_used, emergency, panel_reset, now)
         self._last = now
         told = self._react(seen)
+        if self.hosted is not None and self.hosted.gone:
+            self.hosted.gone = False
+            self.interface.faults.came(INTERPRETER_GONE, now=now)
         told += [refusal.text(setup.functions.language) for refusal in self.functions.step(inputs, image.outputs, now)]
         self.panel.step(now)
         self._end_moves()
@@ -178,6 +186,51 @@ class RhoControl:
         factors = self.factor_table.acting(min(max(kinematic, 1), self.setup.installation.kinematics))
         job = self._jobs[program] = self._commands.move(self.selector, step, now, factors)
         return job
+
+    def open_path(self, program: str, robot: int, now: Ns) -> Job:
+        """A program of the interpreter moves a robot from now on; refused as any other command of its command source.  ProcessFault."""
+        barred = self.modes.prepare(program, (robot,))
+        if barred is not None:
+            raise fault_of(barred)
+        door = (self.hosted.door_of(program) if self.hosted is not None else 0) or self.selector
+        job = self._jobs[program] = self._commands.stream(door, robot, self.setup.robot_masks[robot - 1])
+        if job.open:
+            self.modes.begins(program, (robot,))
+        return job
+
+    def path_closed(self, program: str) -> None:
+        """Its order is over."""
+        self.modes.ends(program)
+        self._jobs.pop(program, None)
+
+    def panel_text(self, written: str) -> None:
+        """WRITE PHG: line after line, CLS clears; what does not fit is lost at the top."""
+        for part in written.replace("\r", "").split("\f"):
+            self._written = part if part is not written or "\f" in written else self._written + part
+        rows = [row[at : at + COLUMNS] for row in self._written.split("\n") for at in range(0, max(len(row), 1), COLUMNS)][-LINES:]
+        for number in range(LINES):
+            self.functions.display.write(Layer.WRITE, number + 1, rows[number] if number < len(rows) else "")
+
+    def seen(self) -> interpreter.Channels:
+        """The interface as programs of the interpreter see it."""
+        fast = self.channels.fast
+        given = [channel for channel in fast.channels() if channel < interpreter.FIRST_FAST + interpreter.FAST]
+        values = sum(fast.read(channel) << channel - interpreter.FIRST_FAST for channel in given)
+        multi = self.channels.multi
+        first = interpreter.FIRST_MULTI
+        inputs = None if multi is None else sum(multi.read(first + n) << n for n in range(interpreter.MULTI))
+        factors = self.factor_table.global_factors()
+        integers = bytes(self.user.integer(401 + n) & 0xFF for n in range(8))
+        return interpreter.Channels(
+            bytes(self.image.inputs),
+            bytes(self.image.outputs),
+            integers,
+            values,
+            sum(1 << channel - interpreter.FIRST_FAST for channel in given),
+            inputs,
+            0 if multi is None else multi.outputs,
+            (factors.velocity, factors.acceleration, factors.deceleration),
+        )
 
     def start(self, name: str) -> Process:
         """From the panel or a tool; raises ProcessFault."""
@@ -291,9 +344,16 @@ class RhoControl:
             if each.source == RHO3
         ]
         processes = [
-            {"name": each.name, "kind": each.kind.name, "state": each.state.name, "error": each.error, "why": each.error_text}
+            {
+                "name": each.name,
+                "kind": each.kind.name,
+                "state": each.state.name,
+                "error": each.error,
+                "why": each.error_text,
+                "line": each.line,
+            }
             for each in self.processes.processes
-        ]
+        ]  # fmt: skip
         automatic = [self.modes.automatic(number + 1) for number in range(self.setup.installation.kinematics)]
         return {
             "kind": "rho3", "automatic": automatic, "mode": self.functions.phg.mode,

@@ -1,0 +1,166 @@
+"""`axisgate program run|start|stop|status`: programs of the old control in a cell."""
+
+import argparse
+import contextlib
+import json
+import sys
+import time
+from collections.abc import Iterator
+
+from gateway.assembly.run import slug_of
+from gateway.pure.cell.cell import Cell
+from gateway.pure.image.records.cell import Motion
+from gateway.tools.client import Row, ToolClient, ToolError, mask_of, running, simulated
+from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE, load
+
+IN_CELLS = ("run", "start", "stop", "status")
+POLL_S = 0.05
+COMES_S = 30.0  # the interpreter reads and checks all programs first
+
+
+def add_to(tools: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    """The tools that need a cell."""
+    helps = {
+        "run": "runs a program in a cell until it is over",
+        "start": "starts a program in the running cell, as the panel does",
+        "stop": "stops a process of the running cell",
+        "status": "programs and processes of the running cell",
+    }
+    for word, text in helps.items():
+        parser = tools.add_parser(word, help=text)
+        parser.add_argument("cell", metavar="CELL", help="cell file, or the name of a shipped one")
+        if word != "status":
+            parser.add_argument("program", metavar="PROGRAM")
+        if word == "run":
+            parser.add_argument("--sim", action="store_true", help="run the cell under simulation for this")
+            parser.add_argument("--ready", action="store_true", help="drives on and reference run first (a simulation does it anyway)")
+        parser.add_argument("--name", help="name of the run, when it is not the file's")
+        parser.add_argument("--json", action="store_true")
+
+
+def run_in_cell(options: argparse.Namespace) -> int:
+    """One of them."""
+    cell = load(options.cell)
+    if isinstance(cell, int):
+        return cell
+    if cell.controller is None or not cell.controller.memory:
+        return _said(f'{options.cell} has no programs: [controller] with memory = "FOLDER" names their folder', USAGE)
+    try:
+        with _client(options, cell) as client:
+            try:
+                return _done(client, cell, options)
+            except ToolError as error:
+                return _said(str(error), FINDING)
+    except ToolError as error:
+        return _said(str(error), ENVIRONMENT)
+
+
+def _said(words: str, code: int) -> int:
+    print(f"axisgate program: {words}", file=sys.stderr)
+    return code
+
+
+@contextlib.contextmanager
+def _client(options: argparse.Namespace, cell: Cell) -> Iterator[ToolClient]:
+    if options.tool == "run" and options.sim:
+        with simulated(options.cell) as (client, _):
+            client.wait_ready()
+            yield client
+    else:
+        with running(options.name or slug_of(cell)) as client:
+            yield client
+
+
+def _done(client: ToolClient, cell: Cell, options: argparse.Namespace) -> int:
+    _wait_for_programs(client)
+    match options.tool:
+        case "status":
+            return _status(client, options)
+        case "start":
+            client.ask("process", do="start", name=options.program)
+            print(f"{options.program.upper()} is started")
+            return DONE
+        case "stop":
+            client.ask("process", do="stop", name=options.program)
+            print(f"{options.program.upper()} is stopped")
+            return DONE
+    found = play(client, cell, options)
+    print(json.dumps(found, indent=1) if options.json else found["sentence"])
+    return DONE if found["how"] == "ended" else FINDING
+
+
+def _wait_for_programs(client: ToolClient) -> None:
+    end = time.monotonic() + COMES_S
+    while not client.ask("process", do="list")["id"]:
+        if time.monotonic() > end:
+            raise ToolError("the interpreter does not run; the journal says why")
+        time.sleep(POLL_S)
+
+
+def _status(client: ToolClient, options: argparse.Namespace) -> int:
+    found = client.ask("process", do="list")
+    if options.json:
+        print(json.dumps({"programs": found["programs"], "processes": found["processes"]}, indent=1))
+        return DONE
+    for row in _rows(found["programs"]):
+        print(f"program {row['name']:<13} {row['kind']:<10} {row['fault'] or 'can run'}")
+    for row in _rows(found["processes"]):
+        waits = f", waits for {row['waits']}" if row["waits"] else ""
+        print(f"process {row['program']:<13} {row['kind']:<10} line {row['line']}{waits}")
+    return DONE
+
+
+def _rows(found: object) -> list[Row]:
+    return [row for row in found if isinstance(row, dict)] if isinstance(found, list) else []
+
+
+def play(client: ToolClient, cell: Cell, options: argparse.Namespace) -> Row:
+    """Start it and stay until it is over; the axes are left at rest whatever happens."""
+    every = mask_of(cell, [axis.name for axis in cell.axis])
+    client.command("request_control")
+    try:
+        if options.sim or options.ready:
+            client.take_over()
+            client.command("enable", every)
+            searched = mask_of(cell, [axis.name for axis in cell.axis if axis.home.by != "none"])
+            if searched:
+                client.command("reference", searched, timeout_s=120.0)
+        began = time.monotonic()
+        run = client.ask("process", do="start", name=options.program)["run"]
+        try:
+            answer = _over(client, run)
+        except KeyboardInterrupt:
+            with contextlib.suppress(ToolError):
+                client.ask("process", do="stop", name=options.program)
+            answer = _over(client, run)
+        seconds = time.monotonic() - began
+        _rest(client)
+    finally:
+        with contextlib.suppress(ToolError):
+            if options.sim:
+                client.command("disable", every)
+            client.command("release_control")
+    return _told(client, options.program.upper(), answer, seconds)
+
+
+def _over(client: ToolClient, run: object) -> Row:
+    while not (answer := client.ask("process", do="state", run=run))["over"]:
+        time.sleep(POLL_S)
+    return answer
+
+
+def _rest(client: ToolClient) -> None:
+    """What a stopped program leaves is given up."""
+    end = time.monotonic() + 5.0
+    while int(str(client.ask("axes")["motion"])) != Motion.IDLE and time.monotonic() < end:
+        time.sleep(POLL_S)
+
+
+def _told(client: ToolClient, name: str, answer: Row, seconds: float) -> Row:
+    rows = {str(row["name"]): float(str(row["actual"])) for row in client.axes()}
+    places = ", ".join(f"{axis} {place:.3f}" for axis, place in rows.items())
+    words = f"ended after {seconds:.2f} s" if answer["how"] == "ended" else str(answer["how"])
+    if answer["code"]:
+        words = f"{answer['how']}: {answer['place']}: {answer['code']} {answer['text']}".replace(": :", ":")
+    facts = {"program": name, **{key: answer[key] for key in ("how", "code", "text", "place")}, "seconds": round(seconds, 3), "axes": rows}
+    return {**facts, "sentence": f"{name} {words}; the axes stand at {places}"}

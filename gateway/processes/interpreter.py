@@ -1,0 +1,272 @@
+"""The interpreter process: programs of the old control (AX-860).  Orders in by a ring, inputs by a region; outputs and wishes to move out
+by a ring, blocks to the planner by another.
+
+It may die between any two writes: the axes rest at the end of what the planner has, its processes are gone, and nothing starts by itself.
+Two times are its own: a turn, in which programs read each input once, and the longest time in which it shows life.
+"""
+
+import argparse
+import contextlib
+import pathlib
+import select
+import signal
+import time
+from collections.abc import Mapping
+from dataclasses import asdict
+
+from gateway.assembly.interpreter import language_of, memory_folder
+from gateway.assembly.run import RunPlan, load_plan
+from gateway.files.program_memory import folder_memory
+from gateway.pure.image.records.cell import CELL_STATE_LAYOUT, CellState, unpack_cell_state
+from gateway.pure.image.records.interpreter import (
+    REPORT_LAYOUT,
+    SEEN_LAYOUT,
+    TEXT_LAYOUT,
+    Channels,
+    Fact,
+    pack_facts,
+    pack_report,
+    unpack_channels,
+    unpack_facts,
+)
+from gateway.pure.image.records.planner import SAY_LAYOUT, BlockRecord, PlannerState, Say, pack_block, unpack_planner
+from gateway.pure.languages.baps2.cell_run import changed
+from gateway.pure.languages.base.hosting import PathState, View
+from gateway.pure.languages.base.requests import RuntimeFault
+from gateway.runtime.journal import Journal
+from gateway.runtime.realtime import Timerfd, die_with_parent
+from gateway.runtime.regions import RegionReader, RegionWriter, RingReader, RingWriter, fds_from_text
+from gateway.runtime.safe_file import write_whole
+from motion.geometry.units import from_si
+
+WORKING_NS = 2_000_000  # of a turn for programs that compute
+REPORTS_NS = 50_000_000
+TAKEN = 64
+
+
+class CellPort:
+    """What programs see and say, through regions and rings."""
+
+    def __init__(self, plan: RunPlan, fds: Mapping[str, int], journal: Journal, run_id: int) -> None:
+        self.view = View()
+        self.run_id = run_id
+        self._journal = journal
+        self._units = [axis.unit for axis in plan.cell.axis]
+        self._axes = RegionReader(fds["axes"], "axes", CELL_STATE_LAYOUT)
+        self._planner = RegionReader(fds["planner"], "planner")
+        self._channels = RegionReader(fds["channels"], "channels", SEEN_LAYOUT)
+        self._says = RingWriter(fds["program-says"], "program-says", TEXT_LAYOUT)
+        self._lines = RingWriter(fds["lines"], "lines", SAY_LAYOUT)
+
+    def look(self) -> None:
+        """The cell in a new turn."""
+        payload, seen, said = self._axes.read(), self._channels.read(), self._planner.read()
+        state = CellState() if payload is None else unpack_cell_state(payload)
+        planner = PlannerState() if said is None else unpack_planner(said)
+        axes = list(zip(self._units, state.axes, strict=False))
+        self.view = View(
+            Channels() if seen is None else unpack_channels(seen),
+            tuple(from_si(axis.set, unit) for unit, axis in axes),
+            tuple(from_si(axis.measured, unit) if state.measured_mask >> n & 1 else None for n, (unit, axis) in enumerate(axes)),
+            PathState(planner.job, planner.passed, planner.failed_job, planner.fault_block),
+        )
+
+    def say(self, what: str, **facts: Fact) -> None:
+        """To the services."""
+        self._says.put(pack_facts({"say": what, "id": self.run_id, **facts}))
+
+    def output(self, channel: int, value: float) -> None:
+        """Sets an output."""
+        self.say("output", channel=channel, value=value)
+
+    def ask_path(self, ticket: int, program: str, robot: int) -> None:
+        """A robot is to move for a program."""
+        self.say("path", ticket=ticket, program=program, robot=robot)
+
+    def _line(self, say: Say, job: int, text: str = "") -> None:
+        self._lines.put(pack_block(BlockRecord(say, job, text)))
+
+    def line(self, job: int, text: str) -> None:
+        """A statement for the planner."""
+        self._line(Say.LINE, job, text)
+
+    def finish(self, job: int) -> None:
+        """Nothing follows for the time being."""
+        self._line(Say.FINISH, job)
+
+    def end(self, job: int) -> None:
+        """Nothing follows any more."""
+        self._line(Say.END, job)
+
+    def started(self, run: int, program: str, kind: str, parent: int) -> None:
+        """A program has started another one."""
+        self.say("started", run=run, program=program, kind=kind, parent=parent)
+
+    def over(self, run: int, how: str, fault: RuntimeFault | None, place: str) -> None:
+        """A process is over."""
+        code, text = (fault.code, fault.text) if fault is not None else (0, "")
+        self.say("over", run=run, how=how, code=code, text=text, place=place)
+
+    def told(self, program: str, line: int, text: str) -> None:
+        """What a person should read."""
+        self._journal.write("program", f"{program} line {line}: {text}")
+
+    def panel(self, text: str) -> None:
+        """Characters for the hand-held panel."""
+        self.say("panel", text=text)
+
+
+class InterpreterProcess:
+    """One run's interpreter."""
+
+    def __init__(self, plan: RunPlan, fds: dict[str, int]) -> None:
+        self.plan = plan
+        self.journal = Journal(plan.journal, "interpreter")
+        folder = memory_folder(plan.cell)
+        assert folder is not None  # there is no such process without one
+        self.folder = folder
+        self.region = RegionWriter(fds["interpreter"], "interpreter", REPORT_LAYOUT)
+        self.orders = RingReader(fds["program-orders"], "program-orders", TEXT_LAYOUT)
+        self.run_id = time.monotonic_ns()
+        self.port = CellPort(plan, fds, self.journal, self.run_id)
+        self.region.beat(time.monotonic_ns())
+        self._stamps = self._stamped()
+        self.memory = folder_memory(folder)
+        self.port.look()
+        self.language = language_of(plan.cell, self.memory, self.port, plan.p5_ms)
+        self._kept = dict(self.memory.files)
+        self._catalogue: list[dict[str, object]] = []
+        self._reported, self._shown = 0, b""
+        self._stop = False
+        self._read_programs()
+
+    def _stamped(self) -> dict[str, tuple[int, int]]:
+        found = {path.name: path.stat() for path in self.folder.iterdir() if not path.name.startswith(".")}
+        return {name: (stat.st_mtime_ns, stat.st_size) for name, stat in found.items()}
+
+    def _read_programs(self) -> None:
+        """All programs are read and checked before any is started; a big memory takes seconds, and the process shows life meanwhile."""
+        for name in list(self.language.library.names()):
+            _, faults = self.language.library.unit(name)
+            self.region.beat(time.monotonic_ns())
+            for fault in faults:
+                if fault.severity.value == "error":
+                    self.journal.write("program", f"{fault}")
+        self._catalogue = [asdict(row) for row in self.language.catalogue()]
+
+    def _refresh(self) -> None:
+        """Files that were put into the memory since the last start of a program."""
+        stamps = self._stamped()
+        if stamps == self._stamps:
+            return
+        before, self._stamps = self._stamps, stamps
+        fresh = folder_memory(self.folder).files
+        for name in {path.upper() for path in stamps.keys() | before.keys() if stamps.get(path) != before.get(path)}:
+            if fresh.get(name) == self._kept.get(name):
+                continue
+            if name in fresh:
+                self.memory.files[name] = self._kept[name] = fresh[name]
+            else:
+                self.memory.files.pop(name, None), self._kept.pop(name, None)
+            self.language.file_changed(name)
+        self._read_programs()
+
+    def run(self) -> None:
+        """Until SIGTERM."""
+        signal.signal(signal.SIGTERM, self._on_signal)
+        timer = Timerfd()
+        period = self.plan.p5_ms * 1_000_000
+        timer.set(time.monotonic_ns() + period, period)
+        while not self._stop:
+            select.select([timer], (), ())
+            if timer.expired():
+                self.turn()
+        timer.close()
+        self._write_back()
+        self.journal.close()
+
+    def _on_signal(self, number: int, frame: object) -> None:
+        self._stop = True
+
+    def turn(self) -> None:
+        """Orders, programs, files, what others see."""
+        now = time.monotonic_ns()
+        self.port.look()
+        for _, data in self.orders.take(TAKEN):
+            self._obey(unpack_facts(data), now)
+        while self.language.turn(now) and time.monotonic_ns() - now < WORKING_NS:
+            pass
+        self._write_back()
+        self._report(now)
+        self.region.beat(time.monotonic_ns())
+
+    def _obey(self, order: dict[str, Fact], now: int) -> None:
+        match order["do"]:
+            case "hello":  # services have begun: for the control this is a start, and nothing runs (AX-332)
+                self.language.stop_all(now)
+            case "start":
+                self._refresh()
+                self.language.start_run(str(order["program"]), int(order["run"]), now)
+            case "stop":
+                self.language.stop_run(int(order["run"]), now)
+            case "fail":
+                self.language.stop_run(int(order["run"]), now, RuntimeFault(int(order["code"]), str(order["text"])))
+            case "given" if order["id"] == self.run_id:
+                self.language.path_given(int(order["ticket"]), int(order["job"]))
+            case "over" if order["id"] == self.run_id:
+                code = int(order["code"])
+                self.language.path_over(int(order["ticket"]), RuntimeFault(code, str(order["text"])) if code else None, now)
+
+    def _write_back(self) -> None:
+        """Points and files that programs have written are on the disk before anything else happens."""
+        files = self.memory.files
+        for name, data in changed(self._kept, files).items():
+            path = self._path(name)
+            try:
+                if data is None:
+                    path.unlink(missing_ok=True)
+                else:
+                    write_whole(path, data)
+            except OSError as error:
+                self.journal.write("alarm", f"{path}: {error.strerror}; what programs have written there is lost with this run")
+            if data is None:
+                self._kept.pop(name, None)
+            else:
+                self._kept[name] = data
+            with contextlib.suppress(OSError):
+                found = path.stat()
+                self._stamps[path.name] = (found.st_mtime_ns, found.st_size)
+
+    def _path(self, name: str) -> pathlib.Path:
+        """The file of that name in any case of letters, or a new one."""
+        with contextlib.suppress(OSError):
+            for path in self.folder.iterdir():
+                if path.name.upper() == name:
+                    return path
+        return self.folder / name
+
+    def _report(self, now: int) -> None:
+        if now - self._reported < REPORTS_NS:
+            return
+        self._reported = now
+        report = {"id": self.run_id, "programs": self._catalogue, "processes": [asdict(row) for row in self.language.rows()]}
+        payload = pack_report(report)
+        if payload != self._shown:
+            self._shown = payload
+            self.region.write(payload, now)
+
+
+def main(argv: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="axisgate interpreter", description="the interpreter process; started by the supervisor")
+    parser.add_argument("--plan", type=int, required=True)
+    parser.add_argument("--fds", required=True)
+    arguments = parser.parse_args(argv)
+    die_with_parent(number=signal.SIGKILL)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    with contextlib.suppress(KeyboardInterrupt):
+        InterpreterProcess(load_plan(arguments.plan), fds_from_text(arguments.fds)).run()
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

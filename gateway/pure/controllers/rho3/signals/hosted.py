@@ -1,0 +1,242 @@
+"""Processes of the interpreter in the process table of the control, and what they move, switch and report (AX-860).  Pure.
+
+Each program of the interpreter's memory stands in the table as one of [[controller.process]] does: selection and abort by the PLC, Control
+reset, modes 10.1 and 10.2 of the panel act on it without knowing where it runs.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from gateway.pure.arbitration.jobs import Job
+from gateway.pure.controllers.rho3.functions.processes import Body, Kind, Process, ProcessFault, ProcessTable, Program, State, Turn
+from gateway.pure.controllers.rho3.signals.fast_io import Channels, InputFault
+from gateway.pure.controllers.rho3.signals.steps import NOT_MOVED
+from gateway.pure.image.reasons import CommandState, text
+from gateway.pure.image.records.interpreter import Fact
+from protocols.base.machine import Ns
+
+INTERPRETER_GONE = 1276  # ours: the interpreter died, and its processes with it
+STATES = {"ready": State.READY, "waiting": State.WAITING, "held": State.WAITING}
+PRIORITY = 140
+RESULTS = 64
+
+
+class Mover(Protocol):
+    """What the control does for programs of the interpreter."""
+
+    processes: ProcessTable
+    channels: Channels
+
+    def open_path(self, program: str, robot: int, now: Ns) -> Job:
+        """An order to move a robot; ProcessFault: the mode does not allow it."""
+
+    def path_closed(self, program: str) -> None:
+        """It is over."""
+
+    def panel_text(self, written: str) -> None:
+        """WRITE PHG."""
+
+
+@dataclass(slots=True, eq=False)
+class HostedBody:
+    """What the process table steps for a process of the interpreter."""
+
+    run: int
+    over: tuple[str, int, str, str] | None = None  # how, code, text, place
+    process: Process | None = None
+    door: int = 0  # command source it moves as; 0: the one of the selection strobe
+
+    def __call__(self, now: Ns) -> Turn:
+        """The process as the interpreter reports it; raises ProcessFault."""
+        if self.over is None:
+            return Turn.WAIT
+        _, code, words, place = self.over
+        if code:
+            if self.process is not None:
+                self.process.place = place
+            raise ProcessFault(code, words)
+        return Turn.DONE
+
+
+@dataclass(slots=True)
+class _Order:
+    """A stretch a process moves on."""
+
+    ticket: int
+    program: str
+    job: Job
+    told: bool = False
+
+
+@dataclass(slots=True)
+class HostedPrograms:
+    """Call `report` with what the interpreter publishes, `hear` with each record it says, `step` once per cycle of the control."""
+
+    control: Mover
+    language: str = "en"
+    language_id: int = 0  # of the interpreter that runs
+    orders: list[dict[str, Fact]] = field(default_factory=list)  # to the interpreter
+    programs: list[dict[str, object]] = field(default_factory=list)  # as it reports them
+    rows: list[dict[str, object]] = field(default_factory=list)  # its processes
+    ending: list[int] = field(default_factory=list)  # jobs whose interpreter is gone: the planner hears that nothing follows
+    starter: int = 0  # command source that starts a program just now; 0: the PLC's
+    told: list[str] = field(default_factory=list)
+    gone: bool = False  # the interpreter ended under its processes: to be reported
+    results: dict[int, tuple[str, int, str, str]] = field(default_factory=dict)  # of the last runs
+    _bodies: dict[int, HostedBody] = field(default_factory=dict)
+    _path: _Order | None = None
+    _runs: int = 0
+
+    # ---- what the interpreter publishes
+
+    def report(self, report: Mapping[str, object], *, alive: bool) -> None:
+        """Its region: identity, programs, processes."""
+        found = report.get("id", 0)
+        identity = found if isinstance(found, int) and alive else 0
+        if identity != self.language_id:
+            self._lost()
+            self.language_id = identity
+        self.rows = _rows(report.get("processes")) if identity else []
+        programs = _rows(report.get("programs")) if identity else []
+        if programs != self.programs:
+            for row in self.programs:
+                self.control.processes.programs.pop(str(row["name"]), None)
+            self.programs = programs
+            self.control.processes.programs |= {str(row["name"]): self._program(row) for row in programs if row["kind"] != "subroutine"}
+        for row in self.rows:
+            body = self._bodies.get(_int(row["run"]))
+            if body is not None and body.process is not None and not row["branch"]:
+                body.process.line = _int(row["line"])
+
+    def _program(self, row: Mapping[str, object]) -> Program:
+        name = str(row["name"])
+        numbers = row["kinematics"]
+        mask = sum(1 << _int(number) - 1 for number in numbers) if isinstance(numbers, list) else 1
+        return Program(self._maker(name), Kind.PERMANENT if row["kind"] == "permanent" else Kind.NORMAL, PRIORITY, mask)
+
+    def _maker(self, name: str) -> Callable[[], Body]:
+        def make() -> Body:
+            self._runs += 1
+            body = self._bodies[self._runs] = HostedBody(self._runs, door=self.starter)
+            self.orders.append({"do": "start", "run": body.run, "program": name})
+            return body
+
+        return make
+
+    def _lost(self) -> None:
+        """Its processes are gone; what was handed on is run to its end."""
+        table = self.control.processes
+        for body in self._bodies.values():
+            self._end(body, "lost", INTERPRETER_GONE, "the interpreter ended")
+            if body.process is not None and table.numbered(body.process.number) is body.process:
+                self.told.append(f"{body.process.name}: the interpreter ended, and this process with it")
+                table.stop(body.process.number)
+        if self._bodies:
+            self.gone = True
+        self._bodies.clear()
+        if self._path is not None:
+            if self._path.job.open:
+                self.ending.append(self._path.job.id)
+            self.control.path_closed(self._path.program)
+            self._path = None
+
+    # ---- what it says
+
+    def hear(self, said: Mapping[str, Fact], now: Ns) -> None:
+        """One record of its ring."""
+        if said["id"] != self.language_id:
+            return
+        match said["say"]:
+            case "output":
+                self._output(int(said["channel"]), float(said["value"]))
+            case "path":
+                self._wants(int(said["ticket"]), str(said["program"]), int(said["robot"]), now)
+            case "started":
+                self._started(int(said["run"]), str(said["program"]), int(said["parent"]))
+            case "over":
+                body = self._bodies.get(int(said["run"]))
+                if body is not None and body.over is None:
+                    if said["code"] and body.process is not None:
+                        self.told.append(f"{body.process.name}: {said['code']} {said['text']} ({said['place']})")
+                    self._end(body, str(said["how"]), int(said["code"]), str(said["text"]), str(said["place"]))
+            case "panel":
+                self.control.panel_text(str(said["text"]))
+
+    def _end(self, body: HostedBody, how: str, code: int = 0, words: str = "", place: str = "") -> None:
+        body.over = how, code, words, place
+        self.results[body.run] = body.over
+        for old in list(self.results)[:-RESULTS]:
+            del self.results[old]
+
+    def _output(self, channel: int, value: float) -> None:
+        try:
+            self.control.channels.write(channel, bool(value))
+        except (InputFault, ValueError) as fault:
+            self.told.append(f"output {channel}: {fault}")
+
+    def _started(self, run: int, program: str, parent: int) -> None:
+        above = self._bodies.get(parent)
+        body = HostedBody(run, door=above.door if above is not None else 0)
+        number = above.process.number if above is not None and above.process is not None else 0
+        try:
+            body.process = self.control.processes.start(program, number, body if number else None)
+        except ProcessFault as fault:
+            self.orders.append({"do": "fail", "run": run, "code": fault.code, "text": fault.text})
+            return
+        self._bodies[run] = body
+
+    def _wants(self, ticket: int, program: str, robot: int, now: Ns) -> None:
+        try:
+            job = self.control.open_path(program, robot, now)
+        except ProcessFault as fault:
+            self._answer("over", ticket, code=fault.code, text=fault.text)
+            return
+        self._path = _Order(ticket, program, job)
+        if job.open:
+            self._answer("given", ticket, job=job.id)
+
+    def _answer(self, what: str, ticket: int, **facts: Fact) -> None:
+        self.orders.append({"do": what, "id": self.language_id, "ticket": ticket, **facts})
+
+    # ---- one cycle
+
+    def step(self, now: Ns) -> None:
+        """Before the table is stepped: what became of processes and orders."""
+        table = self.control.processes
+        by_body = {id(process.body): process for process in table.processes}
+        for run, body in list(self._bodies.items()):
+            body.process = by_body.get(id(body))
+            if body.process is None:  # taken off the table, or over
+                if body.over is None:
+                    self.orders.append({"do": "stop", "run": run})
+                    self._end(body, "stopped")
+                del self._bodies[run]
+            elif body.process.state is State.FAULTY and body.over is None:  # the control ended it: its mode was switched
+                self.orders.append({"do": "fail", "run": run, "code": body.process.error, "text": body.process.error_text})
+                self._end(body, "aborted", body.process.error, body.process.error_text)
+        order = self._path
+        if order is not None and not order.job.open:
+            self._path = None
+            self.control.path_closed(order.program)
+            done = order.job.state is CommandState.DONE
+            words = "" if done else text(order.job.reason, self.language, order.job.detail)
+            self._answer("over", order.ticket, code=0 if done else NOT_MOVED, text=words)
+
+    def run_of(self, process: Process) -> int:
+        """Number of its run; 0: not of the interpreter."""
+        return process.body.run if isinstance(process.body, HostedBody) else 0
+
+    def door_of(self, program: str) -> int:
+        """The command source a program moves as; 0: the one of the selection strobe."""
+        process = self.control.processes.named(program)
+        body = process.body if process is not None else None
+        return body.door if isinstance(body, HostedBody) else 0
+
+
+def _rows(found: object) -> list[dict[str, object]]:
+    return [row for row in found if isinstance(row, dict)] if isinstance(found, list) else []
+
+
+def _int(value: object) -> int:
+    return value if isinstance(value, int) else 0

@@ -1,0 +1,435 @@
+"""BAPS2 programs in a cell: the axes are the planner's, inputs and outputs those of the control (AX-861).  Pure."""
+
+from collections.abc import Mapping, Sequence
+
+from gateway.pure.image.records.interpreter import FAST, FIRST_FAST, FIRST_MULTI, MULTI
+from gateway.pure.languages.baps2 import demands, lines
+from gateway.pure.languages.baps2.control import Control
+from gateway.pure.languages.baps2.errors import TEXTS, fault
+from gateway.pure.languages.baps2.feed import Feed, UnitFeed
+from gateway.pure.languages.baps2.frames import to_workpiece
+from gateway.pure.languages.baps2.library import Library
+from gateway.pure.languages.baps2.lines import Wanted
+from gateway.pure.languages.baps2.memory import Memory
+from gateway.pure.languages.baps2.robots import CellRobot
+from gateway.pure.languages.baps2.tasks import Block, FastWait, Lane, Output, Task
+from gateway.pure.languages.baps2.translation import Unit
+from gateway.pure.languages.baps2.units import Device
+from gateway.pure.languages.base.hosting import Port, ProcessRow, ProgramRow
+from gateway.pure.languages.base.path import Path, Stretch
+from gateway.pure.languages.base.process import Process, ProcessState
+from gateway.pure.languages.base.requests import PENDING, Ns, Request, RuntimeFault
+
+FIRST_INPUT, USER = 464, 120  # RC input of user input 1
+FIRST_INTEGER, INTEGERS = 401, 8
+EARLY = 1_000  # the same inputs, read while the block is prepared
+OUTPUTS = (*range(1, USER + 1), *range(FIRST_MULTI, FIRST_MULTI + MULTI))
+DRY_NS = 100_000_000  # with nothing to do for so long the order is given back
+OWN_RUNS = 1 << 20  # runs that programs start themselves
+POSSIBLE = (4, 16, 41, 46)  # special functions
+WAITS = {
+    "MoveTo": "the blocks before", "ReadInput": "the end of a movement", "Dwell": "a time", "WaitFor": "a condition",
+    "ReadDevice": "a device", "Branches": "its branches", "Drain": "the end of a movement", "Enter": "a semaphore",
+}  # fmt: skip
+
+
+class CellRun(Control):
+    """All programs of a memory in one cell.  passing: P213, the distances of R_PTP = 1."""
+
+    def __init__(
+        self, library: Library, memory: Memory, port: Port, robots: Sequence[CellRobot], p5: Ns, *, passing: Sequence[float] = ()
+    ) -> None:
+        super().__init__(library, memory, Feed(p5=p5, belts={}))
+        self.port, self.robots, self.passing = port, tuple(robots), passing
+        self.path = Path(port)
+        self.devices["PHG"] = Device(UnitFeed())
+        self._numbers: dict[str, int] = {}  # kinematic as programs name it -> its robot
+        self._runs: dict[int, Task] = {}
+        self._own = OWN_RUNS
+        self._read: dict[int, set[tuple[int, int]]] = {}  # process -> places that have read in this turn
+        self._starting = 0
+        self._systems: dict[int, tuple[float, ...]] = {}  # ticket of a stretch -> workpiece system as told
+
+    # ---- from outside
+
+    def catalogue(self) -> list[ProgramRow]:
+        """All programs of the memory."""
+        return [self._row(name) for name in self.library.names()]
+
+    def _row(self, name: str) -> ProgramRow:
+        _, faults = self.library.unit(name)
+        tree = self.library.tree(name)
+        first = next((str(each) for each in faults), "")
+        if tree is None:
+            return ProgramRow(name, "normal", (), max(1, faults.errors), 0, first)
+        kind = "subroutine" if tree.external_subroutine else "permanent" if tree.head.permanent else "normal"
+        numbers = tuple(sorted(set(tree.head.kinematics.values()))) or (1,)
+        return ProgramRow(name, kind, numbers, faults.errors, len(faults) - faults.errors, first if faults.errors else "")
+
+    def start_run(self, name: str, run: int, now: Ns) -> None:
+        """A program begins; one that cannot is over at once."""
+        self.now, self._starting = now, run
+        try:
+            self.start(name, None)
+        except RuntimeFault as error:
+            self.port.over(run, "aborted", error, name.upper())
+        finally:
+            self._starting = 0
+
+    def start(self, program: str, starter: Task | None) -> Task:
+        """Starts a program as a process; its kinematics have to be robots of the cell."""
+        unit, _ = self.library.unit(program.upper())
+        if unit is not None:
+            self._meet(unit)
+        if not self._starting:
+            self._own += 1
+        run = self._starting or self._own
+        task = super().start(program, starter)
+        task.run = run
+        self._runs[run] = task
+        if starter is not None:
+            self.port.started(run, task.unit.name, task.kind, starter.main.run)
+        return task
+
+    def _meet(self, unit: Unit) -> None:
+        for name, number in (unit.program.head.kinematics or {"": 1}).items():
+            if not 1 <= number <= len(self.robots):
+                raise fault(220, f"{name or 'kinematic'} = {number}; this cell has {len(self.robots)} with a model")
+            if self._numbers.setdefault(name, number) != number:
+                raise fault(220, f"{name} is {number} here and {self._numbers[name]} in another program")
+            moved = any(number in self._numbers_of(task) for task in self.tasks.values())
+            if not moved:  # process start: factors of the kinematic are 1.0 again (L2707-2719)
+                self.lane(name).factors.clear()
+
+    @staticmethod
+    def _numbers_of(task: Task) -> tuple[int, ...]:
+        return tuple(task.unit.program.head.kinematics.values()) or (1,)
+
+    def stop_run(self, run: int, now: Ns, error: RuntimeFault | None = None) -> None:
+        """Ends a process and all it started."""
+        self.now = now
+        task = self._runs.get(run)
+        if task is None:
+            return
+        if error is not None:
+            self.scheduler.fail(task.process, error, now)
+        else:
+            self.stop(task, "stopped")
+
+    def stop_all(self, now: Ns) -> None:
+        """Nothing runs any more."""
+        for run in list(self._runs):
+            self.stop_run(run, now)
+
+    def path_given(self, ticket: int, job: int) -> None:
+        """The robot moves for a program from now on."""
+        self.path.given(ticket, job)
+        stretch = self.path.now
+        if stretch is not None and stretch.job == job:
+            for text in lines.head(self.robots[stretch.robot - 1]):
+                self.port.line(job, text)
+
+    def path_over(self, ticket: int, error: RuntimeFault | None, now: Ns) -> None:
+        """It does not any more; an error ends the program."""
+        self.now = now
+        self._systems.pop(ticket, None)
+        stretch = self.path.ended(ticket, error)
+        if stretch is None or error is None or not isinstance(stretch.owner, Task):
+            return
+        task = stretch.owner
+        if line := self.path.place_of(stretch):
+            task.process.line = line
+        self.scheduler.fail(task.process, error, now)
+
+    def file_changed(self, name: str) -> None:
+        """A file of the memory was replaced from outside."""
+        program, _, kind = name.rpartition(".")
+        if kind == "PKT":
+            self._points.pop(program, None)
+            self._kept.pop(program, None)
+        else:
+            self.library.forget(program)
+
+    # ---- turns
+
+    def turn(self, now: Ns) -> bool:
+        """All processes go on; True: one could go on at once."""
+        self.now = now
+        self._round += 1
+        self._read.clear()
+        self.path.look()
+        for lane, robot in ((self.lanes[name], self._robot(name)) for name in self.lanes):
+            lane.position = robot.own(self.port.view.set)
+        self._advance()
+        busy = self.scheduler.run(now) == now
+        while self._advance() and self._woken():
+            busy = self.scheduler.run(now) == now
+        self._settle()
+        return busy
+
+    def _woken(self) -> bool:
+        return any(task.process.state is ProcessState.WAITING for task in self.tasks.values())
+
+    def _settle(self) -> None:
+        """What has been handed on is run where nothing follows soon; an order nobody needs goes back."""
+        stretch = self.path.now
+        if stretch is None or not isinstance(stretch.owner, Task) or not stretch.job:
+            return
+        task = stretch.owner
+        waits = task.process.waits_for
+        if task.process.state is ProcessState.WAITING and not (isinstance(waits, demands.MoveTo) and task.block is None):
+            self.path.finish(stretch)
+        if any(block.stretch is stretch for block in task.blocks()):
+            stretch.dry = None
+        elif stretch.dry is None:
+            stretch.dry = self.now
+        elif self.now - stretch.dry >= DRY_NS or self.path.contended:
+            self.path.release(task)
+
+    def _robot(self, kinematic: str) -> CellRobot:
+        number = self._numbers.get(kinematic, 1)
+        return self.robots[number - 1]
+
+    def lane(self, kinematic: str, size: int = 0) -> Lane:
+        """A kinematic; it stands where its axes are."""
+        lane = self.lanes.get(kinematic)
+        if lane is None:
+            lane = self.lanes[kinematic] = Lane(self._robot(kinematic).own(self.port.view.set))
+        return lane
+
+    # ---- movement
+
+    def _ready(self, task: Task, lane: Lane, block: Block, request: demands.MoveTo) -> None:
+        if request.until is not None:
+            raise fault(222, "MOVE UNTIL")
+        factors = {**lane.factors, **dict(request.factors)}
+        passing = self.passing if self._robot(request.kinematic).number == 1 else ()
+        robot = self._robot(request.kinematic)
+        block.wanted = Wanted(robot, request.way, request.via, request.joint, request.relative, block.target, factors, passing, lane.frame)
+        if request.way == "circular" and not request.relative and not request.joint and robot.plain:
+            return
+        if not request.relative and not request.joint and request.way != "circular":
+            robot.target(block.target, lane.position)  # its faults belong to the statement
+
+    def _target(self, task: Task, lane: Lane, request: demands.MoveTo) -> tuple[float, ...]:
+        values = tuple(float(value) for value in request.target if value is not None)
+        size = self._robot(request.kinematic).size
+        if not values or len(values) != len(request.target):
+            raise fault(200)
+        if len(values) != size:
+            raise fault(221, f"{len(values)}, the kinematic has {size}")
+        return values
+
+    def _moves_on(self, task: Task, block: Block) -> bool:
+        if block.stretch is None:
+            self._hand_on(task)
+            return False
+        self._hand_on(task)
+        return block.stretch is not None and block.stretch.passed >= block.index
+
+    def _hand_on(self, task: Task) -> None:
+        """What is prepared goes to the planner, as far as it follows without a question."""
+        under_way, last, through = 0, None, None
+        for item in list(task.queue):
+            if isinstance(item, FastWait):
+                return
+            if isinstance(item, Output):
+                continue
+            if item.stretch is not None:
+                under_way += item.stretch.passed < item.index
+                last = item
+                continue
+            assert item.wanted is not None
+            if last is not None and (last.wanted is None or last.wanted.robot is not item.wanted.robot):
+                return  # the one before ends first
+            if last is not None and last.stops and self.path.contended:
+                return
+            if item.wanted.way == "circular" and item.wanted.via and through is None:
+                through = item
+                continue
+            if under_way > self.lane(item.kinematic).most:
+                return
+            stretch = self.path.wanted(task, task.unit.name, item.wanted.robot.number)
+            if stretch is None:
+                return
+            self._say(stretch, item, through)
+            last, through = item, None
+            under_way += 1
+
+    def _say(self, stretch: Stretch, item: Block, through: Block | None) -> None:
+        assert item.wanted is not None
+        frame = item.wanted.frame
+        if self._systems.get(stretch.ticket) != frame:
+            self._systems[stretch.ticket] = frame
+            for text in lines.system(frame):
+                self.path.hand_on(stretch, text, item.line, block=False)
+        near, shares = self.lane(item.kinematic).position, self.port.view.channels.factors
+        text = lines.line(item.wanted, near, shares, None if through is None else through.wanted)
+        item.index = self.path.hand_on(stretch, text, item.line)
+        item.stretch = stretch
+        if through is not None:
+            through.index, through.stretch = item.index, stretch
+
+    def _act(self, task: Task) -> bool:
+        try:
+            return super()._act(task)
+        except RuntimeFault as error:
+            first = task.queue[0] if task.queue else None
+            if isinstance(first, Block):
+                task.process.line = first.line
+            self.scheduler.fail(task.process, error, self.now)
+            return False
+
+    def _halted(self, task: Task, lane: Lane) -> None:
+        self.path.forget(task)
+
+    def _rest(self, task: Task) -> None:
+        super()._rest(task)
+        self.path.forget(task)
+
+    def _process_answer(self, task: Task, request: Request) -> object:
+        if isinstance(request, demands.Drain):
+            return None if not task.queue and self.path.release(task) else PENDING
+        return super()._process_answer(task, request)
+
+    def _answer(self, task: Task, request: Request) -> object:
+        if isinstance(request, demands.SyncBelt | demands.Synchronise):
+            raise fault(222, "belts")
+        if isinstance(request, demands.Reference):
+            raise fault(222, "REF_PNT; the PLC references")
+        if isinstance(request, demands.Special) and request.number not in POSSIBLE:
+            raise fault(222, f"special function {request.number}")
+        if isinstance(request, demands.WriteOutput) and request.channel not in OUTPUTS:
+            raise fault(224, str(request.channel))
+        return super()._answer(task, request)
+
+    # ---- what is looked up
+
+    def prepared(self, task: Task) -> bool:
+        """Where everything that was prepared is run."""
+        return not any(isinstance(item, Block | FastWait) for item in task.queue)
+
+    def _counted(self, task: Task) -> bool:
+        """The same statement reads once in an interpolation cycle: the inputs do not change meanwhile."""
+        waits = self._asked.channel if isinstance(self._asked, demands.ReadInput) else -1
+        place = (task.process.line, waits)
+        seen = self._read.setdefault(task.process.number, set())
+        if place in seen:
+            return False
+        seen.add(place)
+        return True
+
+    def _give_up(self, task: Task) -> object:
+        """BREAK: on behind the others of its priority, once in an interpolation cycle."""
+        if task.round == self._round:
+            self.scheduler.processes.remove(task.process)
+            self.scheduler.processes.append(task.process)
+            return PENDING
+        return None
+
+    def input(self, channel: int) -> int | float:
+        """Value of an input now."""
+        return self.signal(channel, self.now)
+
+    def signal(self, channel: int, now: int) -> int | float:
+        """Value of an input as the control has it; a runtime error where there is none."""
+        number, seen = channel % EARLY, self.port.view.channels
+        if 1 <= number <= USER:
+            bit = FIRST_INPUT + number - 1
+            return seen.inputs[bit >> 3] >> (bit & 7) & 1
+        if FIRST_INTEGER <= number < FIRST_INTEGER + INTEGERS:
+            return seen.integers[number - FIRST_INTEGER]
+        place = number - FIRST_FAST
+        if 0 <= place < FAST and seen.fast_given >> place & 1:
+            return seen.fast >> place & 1
+        if FIRST_MULTI <= number < FIRST_MULTI + MULTI and seen.multi is not None:
+            return seen.multi >> (number - FIRST_MULTI) & 1
+        raise RuntimeFault(206, f"{TEXTS[206]}: {channel}")
+
+    def image(self, letter: str, bit: int) -> int:
+        """A signal of the interface, as the PIC names it: O its outputs (RC inputs), I its inputs (RC outputs)."""
+        if letter == "M":
+            raise fault(206)
+        seen = self.port.view.channels
+        octets = seen.inputs if letter == "O" else seen.outputs
+        return octets[bit >> 3] >> (bit & 7) & 1 if bit >> 3 < len(octets) else 0
+
+    def belt(self, channel: int) -> float:
+        """No belt is led by programs yet."""
+        raise fault(222, "belts")
+
+    def set_belt(self, channel: int, value: float) -> None:
+        """As belt."""
+        raise fault(222, "belts")
+
+    def where(self, kinematic: str) -> tuple[float, ...]:
+        """Set joints of a kinematic now."""
+        return self._robot(kinematic).own(self.port.view.set)
+
+    def position(self, task: Task, kinematic: str, name: str) -> tuple[float, ...]:
+        """POS, @POS, @MPOS now."""
+        robot = self._robot(kinematic)
+        if name == "@MPOS":
+            found = self.port.view.measured[robot.first : robot.first + robot.size]
+            if any(each is None for each in found):
+                raise fault(200)
+            return tuple(each for each in found if each is not None)
+        joints = self.where(kinematic)
+        return to_workpiece(self.lane(kinematic).frame, robot.world(joints)) if name == "POS" else joints
+
+    def world(self, kinematic: str, joints: tuple[float, ...]) -> tuple[float, ...]:
+        """World coordinates of joints."""
+        return self._robot(kinematic).world(joints)
+
+    def joints(self, kinematic: str, world: tuple[float, ...]) -> tuple[float, ...]:
+        """Joints of world coordinates, near where the axes are."""
+        return self._robot(kinematic).joints(world, self.where(kinematic))
+
+    # ---- what is told
+
+    def _output(self, task: Task, item: Output) -> None:
+        super()._output(task, item)
+        self.port.output(item.channel, float(item.value))
+
+    def event(self, task: Task, event: str, line: int, **facts: object) -> None:
+        """Warnings and what devices get; ends are told by `ended`."""
+        if event == "warning":
+            self.port.told(task.unit.name, line, str(facts["text"]))
+        elif event == "write" and facts["device"] == "PHG":
+            self.port.panel(bytes.fromhex(str(facts["hex"])).decode("cp437"))
+
+    def ended(self, process: Process, now: int) -> None:
+        """The process is over; whoever started it hears how."""
+        task = self.tasks[process.number]
+        failed = process.fault if process.state is ProcessState.FAILED else None
+        if failed is not None and task.root is not None:
+            task.root.branch_fault = failed, process.line
+        super().ended(process, now)
+        self._read.pop(process.number, None)
+        if task.root is not None:
+            return
+        line = process.line
+        if failed is None and task.branch_fault is not None:
+            failed, line = task.branch_fault
+        self._runs.pop(task.run, None)
+        self.port.over(task.run, task.how or "ended", failed, f"{task.unit.name}.QLL line {line}")
+
+    def rows(self) -> list[ProcessRow]:
+        """The processes, branches too."""
+        found = []
+        for task in self.tasks.values():
+            asked = task.process.waits_for
+            waits = WAITS.get(type(asked).__name__, "") if asked is not None else ""
+            main = task.main
+            parent = task.starter.main.run if task.root is None and task.starter is not None else 0
+            row = ProcessRow(
+                main.run, task.unit.name, task.kind, task.process.state.value, task.process.line, waits, parent, task.root is not None
+            )
+            found.append(row)
+        return found
+
+
+def changed(before: Mapping[str, bytes], after: Mapping[str, bytes]) -> dict[str, bytes | None]:
+    """Files that programs have written, and deleted (None)."""
+    found: dict[str, bytes | None] = {name: data for name, data in after.items() if before.get(name) is not data}
+    return found | {name: None for name in before if name not in after}

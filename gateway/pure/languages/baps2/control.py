@@ -1,0 +1,480 @@
+"""What runs programs: processes, prepared blocks, outputs, devices and files.  Pure.  What moves the axes and where the inputs come from is
+the business of the one who derives from it: a dry run (AX-696) or a cell.
+"""
+
+from abc import ABC, abstractmethod
+
+from gateway.pure.languages.baps2 import demands, forms
+from gateway.pure.languages.baps2.errors import fault
+from gateway.pure.languages.baps2.feed import SECOND, Feed
+from gateway.pure.languages.baps2.filing import Filing
+from gateway.pure.languages.baps2.frames import to_workpiece, to_world
+from gateway.pure.languages.baps2.handle import Handle
+from gateway.pure.languages.baps2.library import Library
+from gateway.pure.languages.baps2.memory import Memory
+from gateway.pure.languages.baps2.outside import Outside
+from gateway.pure.languages.baps2.special import Specials
+from gateway.pure.languages.baps2.tasks import Block, FastWait, Lane, Output, Task
+from gateway.pure.languages.baps2.translation import Unit
+from gateway.pure.languages.baps2.units import Device
+from gateway.pure.languages.baps2.values import Shared
+from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.process import Process, ProcessState
+from gateway.pure.languages.base.requests import PENDING, Request, RuntimeFault
+from gateway.pure.languages.base.scheduler import Scheduler
+
+BUDGET = 5_000  # statements of a process in a turn; in a P5, once the spare turns are used
+READINGS = 32  # readings of a process in one moment; the next one is a P5 later
+PROBES = range(600, 800)
+
+
+class Control(ABC):
+    """Host of the processes, whatever moves."""
+
+    def __init__(self, library: Library, memory: Memory, feed: Feed) -> None:
+        self.library, self.memory, self.feed = library, memory, feed
+        self.now = 0
+        self.scheduler = Scheduler(self, BUDGET, 1)
+        self.tasks: dict[int, Task] = {}
+        self.lanes: dict[str, Lane] = {}
+        self.outputs: dict[int, int | float] = {}
+        self.filing = Filing({**memory.files, **feed.files})
+        memory.files = self.filing.files
+        self.devices = {name: Device(each) for name, each in feed.units.items()}
+        self.units = Outside(self)
+        self.specials = Specials(self)
+        self._shared: dict[str, Shared] = {}
+        self._semaphores: dict[tuple[str, str], Task] = {}
+        self._asked: Request | None = None  # what is answered just now
+        self._points: dict[str, dict[str, tuple[float, ...]]] = {}
+        self._kept: dict[str, dict[str, tuple[float, ...]]] = {}  # program -> points assigned since the start
+        self._moves = self._round = 0
+
+    # ---- what a dry run and a cell do differently
+
+    @abstractmethod
+    def event(self, task: Task, event: str, line: int, **facts: object) -> None:
+        """Something that a trace or a journal tells."""
+
+    @abstractmethod
+    def _moves_on(self, task: Task, block: Block) -> bool:
+        """Begins or goes on with a block; True: it is over."""
+
+    @abstractmethod
+    def _halted(self, task: Task, lane: Lane) -> None:
+        """The process that had this kinematic is over; the lane is told where the axes rest."""
+
+    @abstractmethod
+    def prepared(self, task: Task) -> bool:
+        """Whether motion is so far that inputs and positions are read."""
+
+    @abstractmethod
+    def signal(self, channel: int, now: int) -> int | float:
+        """Value of an input."""
+
+    @abstractmethod
+    def image(self, letter: str, bit: int) -> int:
+        """A signal of the interface: I or O of the PIC."""
+
+    @abstractmethod
+    def belt(self, channel: int) -> float:
+        """Counter of a belt in mm."""
+
+    @abstractmethod
+    def set_belt(self, channel: int, value: float) -> None:
+        """Sets the counter of a belt."""
+
+    @abstractmethod
+    def position(self, task: Task, kinematic: str, name: str) -> tuple[float, ...]:
+        """POS, @POS, @MPOS now."""
+
+    @abstractmethod
+    def where(self, kinematic: str) -> tuple[float, ...]:
+        """Joints of a kinematic now."""
+
+    @abstractmethod
+    def world(self, kinematic: str, joints: tuple[float, ...]) -> tuple[float, ...]:
+        """World coordinates of joints, in original coordinates."""
+
+    @abstractmethod
+    def joints(self, kinematic: str, world: tuple[float, ...]) -> tuple[float, ...]:
+        """Joints of world coordinates."""
+
+    # ---- processes
+
+    def start(self, program: str, starter: Task | None) -> Task:
+        """Starts a program as a process.  RuntimeFault where it cannot run."""
+        name = program.upper()
+        unit, faults = self.library.unit(name)
+        if unit is None:
+            more = next((str(each) for each in faults), "") if len(faults) else name
+            raise fault(1092, more)
+        if unit.program.external_subroutine:
+            raise fault(1073, name)
+        if any(task.root is None and task.unit.name == unit.name for task in self.tasks.values()):
+            raise fault(1051, name)
+        kind = "permanent" if unit.permanent else "main" if starter is None else "sub"
+        process = self.scheduler.start(unit.name, lambda process: None)
+        task = Task(process, unit, kind, starter=starter)
+        process.permanent = unit.permanent
+        self.tasks[process.number] = task
+        if starter is not None:
+            starter.main.children.append(task)
+        for kinematic in unit.program.head.kinematics:
+            self.lane(kinematic, size_of(unit, kinematic))
+        self.event(task, "start", unit.program.main.at.line, kind=kind)
+        self._warn(task, unit)
+        if unit.make is not None:
+            process.body = unit.make(Handle(self, task))(process)
+        return task
+
+    def _warn(self, task: Task, unit: Unit) -> None:
+        """An importing program that is older than its exporter (L2476-2494)."""
+        mine, other = self.memory.age(unit.name), self.memory.age(unit.imports) if unit.imports else None
+        if mine is not None and other is not None and mine < other:
+            self.event(task, "warning", unit.program.main.at.line, text=f"{unit.name} is older than {unit.imports}, whose data it imports")
+
+    def named(self, program: str) -> Task | None:
+        """The main process of a program that runs."""
+        return next((task for task in self.tasks.values() if task.root is None and task.unit.name == program.upper()), None)
+
+    def stop(self, task: Task, how: str) -> None:
+        """Ends a process and its branches; what it started too, where it is stopped."""
+        task = task.main
+        task.how = how
+        if how == "stopped":
+            for child in list(task.children):
+                if not child.process.over:
+                    self.stop(child, how)
+        self.scheduler.stop(task.process, self.now)
+
+    def ended(self, process: Process, now: int) -> None:
+        """The process is over."""
+        task = self.tasks.pop(process.number)
+        self._rest(task)
+        for semaphore in task.semaphores:
+            self._semaphores.pop(semaphore, None)
+        self.filing.close_all(process.number)
+        if process.state is ProcessState.FAILED and process.fault is not None:
+            self.event(task, "error", process.line, code=process.fault.code, text=process.fault.text)
+            task.how = "aborted"
+            if task.root is not None and not task.root.process.over:
+                self.stop(task.root, "aborted")
+            for child in list(process.children):
+                self.scheduler.stop(child, now)
+        if task.root is None:
+            self.event(task, "end", process.line, how=task.how or "ended")
+
+    def _rest(self, task: Task) -> None:
+        """Its kinematics rest where they are on their path."""
+        task.queue.clear()
+        for lane in self.lanes.values():
+            if lane.owner is task:
+                self._halted(task, lane)
+                lane.moving, lane.owner, lane.planned = None, None, lane.position
+
+    # ---- blocks
+
+    def lane(self, kinematic: str, size: int = 0) -> Lane:
+        """A kinematic; its start position is known or zero."""
+        lane = self.lanes.setdefault(kinematic, Lane())
+        if not lane.position:
+            lane.position = lane.planned = self.feed.start.get(kinematic.upper(), (0.0,) * size)
+        return lane
+
+    def _advance(self) -> bool:
+        """Lets all that is prepared act up to now; whether anything did."""
+        changed = False
+        self.specials.measure()
+        for device in self.devices.values():
+            device.take_in(self.now)
+        for task in list(self.tasks.values()):
+            while task.queue and self._act(task):
+                changed = True
+            if task.halted and not task.queue and not any(child.queue for child in self._branches(task)):
+                self.stop(task, "ended")
+                changed = True
+        return changed
+
+    def _branches(self, task: Task) -> list[Task]:
+        return [each for each in self.tasks.values() if each.root is task]
+
+    def _act(self, task: Task) -> bool:
+        """The first item of a process; False: it is not over yet."""
+        item = task.queue[0]
+        match item:
+            case Output():
+                self._output(task, item)
+            case FastWait():
+                if item.due is None and item.until.test():
+                    item.due = self.now + item.delay
+                if item.due is None or self.now < item.due:
+                    return False
+            case Block():
+                if not self._moves_on(task, item):
+                    return False
+        task.queue.popleft()
+        if isinstance(item, Block) and not task.blocks(item.kinematic):
+            self.lane(item.kinematic).owner = None
+        return True
+
+    def _output(self, task: Task, item: Output) -> None:
+        self.outputs[item.channel] = item.value
+        self.event(task, "out", item.line, channel=item.channel, value=item.value)
+
+    # ---- what is looked up
+
+    def input(self, channel: int) -> int | float:
+        """Value of an input now; of a probe that measures in flight: whether it has measured."""
+        if (measured := self.specials.measured(channel)) is not None:
+            return measured
+        return self.signal(channel, self.now)
+
+    def taught(self, program: str, name: str) -> tuple[float, ...] | None:
+        """A point of the feed or the point file; None: not defined."""
+        found = self._kept.get(program, {}).get(name) or self.feed.points.get(program, {}).get(name)
+        if found is None:
+            if program not in self._points:
+                self._points[program] = self.memory.points(program, Faults())
+            found = self._points[program].get(name)
+        return found
+
+    def keep(self, program: str, name: str, value: tuple[float, ...]) -> None:
+        """A teach point was assigned to: it stays when the program ends, and stands in the point file."""
+        if self._kept.setdefault(program, {}).get(name) != value and None not in value:
+            self._kept[program][name] = value
+            self.memory.keep_point(program, name, value)
+
+    def shared(self, program: str) -> Shared:
+        """The PUBLIC variables of a program, made when first asked for; they stay when it ends."""
+        if program not in self._shared:
+            space = self._shared[program] = Shared()
+            unit, _ = self.library.unit(program)
+            if unit is None or unit.share is None:
+                raise fault(1092, program)
+            unit.share(Handle(self, None), space)
+        return self._shared[program]
+
+    # ---- what programs ask
+
+    def ask(self, process: Process, request: Request, now: int) -> object:
+        """Begins a request."""
+        task = self.tasks[process.number]
+        task.since, task.began, task.block, task.round = now, None, None, self._round
+        self._asked = request
+        try:
+            return self._answer(task, request)
+        except forms.BadForm:
+            return fault(201)
+        except RuntimeFault as error:
+            return error
+
+    def answer_of(self, process: Process, request: Request, now: int) -> object:
+        """Asks again."""
+        self._asked = request
+        try:
+            return self._answer(self.tasks[process.number], request)
+        except RuntimeFault as error:
+            return error
+
+    def _answer(self, task: Task, request: Request) -> object:
+        match request:
+            case demands.ReadInput(channel=channel):
+                return self._read_input(task, channel)
+            case demands.WriteOutput(channel=channel, value=value):
+                self.outputs[channel] = value
+                task.queue.append(Output(channel, value, task.process.line))
+                self._passed(task)
+                return None
+            case demands.MoveTo():
+                return self.move(task, request)
+            case demands.ReadPosition(kinematic=kinematic, name=name):
+                return self.position(task, kinematic, name) if self._may_read(task) else PENDING
+            case demands.Special(number=number, values=values):
+                return self.specials.call(task, number, values)
+            case demands.Dwell() | demands.WaitFor() | demands.SyncBelt() | demands.Synchronise() | demands.Reference():
+                return self._at_rest(task, request)
+        return self._process_answer(task, request)
+
+    def _at_rest(self, task: Task, request: Request) -> object:
+        """Requests that begin when all that is prepared is done, but for high-speed inputs."""
+        if isinstance(request, demands.WaitFor) and request.fast:
+            task.queue.append(FastWait(demands.Until(0, request.test), round((request.limit or 0) * SECOND)))
+            self._passed(task)
+            return True
+        if task.queue:
+            return PENDING
+        if task.began is None:
+            task.began = self.now
+        match request:
+            case demands.Dwell(seconds=seconds):
+                return None if self.now >= task.began + round(seconds * SECOND) else PENDING
+            case demands.WaitFor():
+                return self._wait(task, request)
+            case demands.SyncBelt():
+                return self._sync(request)
+            case demands.Synchronise(kinematic=kinematic, channel=channel):
+                self._synchronise(kinematic, channel)
+            case demands.Reference(kinematic=kinematic):
+                self.lane(kinematic).referenced = True
+        return None
+
+    def _process_answer(self, task: Task, request: Request) -> object:
+        """Requests about processes."""
+        match request:
+            case demands.Branches(bodies=bodies):
+                return self._parallel(task, bodies)
+            case demands.Drain():
+                return PENDING if task.queue else None
+            case demands.Halt():
+                task.main.halted = True
+                return PENDING
+            case demands.GiveUp():
+                return self._give_up(task)
+            case demands.Enter(semaphore=semaphore):
+                return self._enter(task, semaphore)
+            case demands.Leave(semaphore=semaphore):
+                self._semaphores.pop(semaphore, None)
+                if semaphore in task.semaphores:
+                    task.semaphores.remove(semaphore)
+                return None
+            case demands.StartProgram(program=program):
+                self.start(program, task)
+                return None
+            case demands.StopProgram(program=program):
+                return self.stop_named(task, program)
+        return self.units.answer(task, request)
+
+    def _passed(self, task: Task) -> None:
+        """An item that nothing stands before acts at once."""
+        while task.queue and self._act(task):
+            pass
+
+    def _may_read(self, task: Task) -> bool:
+        """Whether motion is far enough, and the process has not read all the time in this moment."""
+        return self.prepared(task) and self._counted(task)
+
+    def _counted(self, task: Task) -> bool:
+        if task.moment != self.now:
+            task.moment, task.readings = self.now, 0
+        if task.readings >= READINGS:
+            return False
+        task.readings += 1
+        return True
+
+    def _read_input(self, task: Task, channel: int) -> object:
+        if not (self._may_read(task) if channel < 1_000 else self._counted(task)):
+            return PENDING
+        value = self.input(channel)
+        self.event(task, "in", task.process.line, channel=channel, value=value)
+        return value
+
+    def _wait(self, task: Task, request: demands.WaitFor) -> object:
+        if request.test():
+            return True
+        return False if request.limit is not None and self.now >= (task.began or 0) + round(request.limit * SECOND) else PENDING
+
+    def move(self, task: Task, request: demands.MoveTo) -> object:
+        """Prepares a block."""
+        if task.block is not None:  # its UNTIL decides
+            return PENDING if task.block in task.queue else bool(task.block.met)
+        size = len(request.target)
+        lane = self.lane(request.kinematic, size)
+        if len([each for each in task.blocks(request.kinematic) if each.began is None]) >= lane.most:
+            return PENDING
+        target = self._target(task, lane, request)
+        self._moves += 1
+        block = Block(self._moves, request.kinematic, target, task.process.line, request.until, stops=not request.via)
+        self._ready(task, lane, block, request)
+        self.event(
+            task, "move", block.line, n=block.number, kinematic=request.kinematic or "1", way=request.way, target=list(target),
+            space="jc" if request.joint else "wc", **{"pass": "via" if request.via else "to"},
+        )  # fmt: skip
+        lane.planned = target
+        task.queue.append(block)
+        self._passed(task)
+        if request.until is None:
+            return False
+        task.block = block
+        return PENDING if block in task.queue else bool(block.met)
+
+    def _ready(self, task: Task, lane: Lane, block: Block, request: demands.MoveTo) -> None:
+        """A block is prepared; what a cell needs to know of it."""
+        return
+
+    def _target(self, task: Task, lane: Lane, request: demands.MoveTo) -> tuple[float, ...]:
+        values = tuple(float(value) for value in request.target if value is not None)
+        if len(values) != len(lane.position):
+            raise fault(221, f"{len(values)}, the kinematic has {len(lane.position)}")
+        if lane.belt:
+            self.specials.check_synchronous(lane, request)
+        if not request.relative:
+            return values if request.joint else to_world(lane.frame, values)
+        if request.joint:
+            return tuple(a + b for a, b in zip(lane.planned, values, strict=True))
+        here = to_workpiece(lane.frame, lane.planned)
+        return to_world(lane.frame, tuple(a + b for a, b in zip(here, values, strict=True)))
+
+    def _parallel(self, task: Task, bodies: tuple[object, ...]) -> object:
+        if task.began is None:
+            if task.queue:
+                return PENDING
+            task.began = self.now
+            for body in bodies:
+                process = self.scheduler.start(task.unit.name, lambda process: None, task.process.priority, task.process)
+                process.line = task.process.line
+                self.tasks[process.number] = Task(process, task.unit, "branch", root=task.main, names=task.names)
+                if callable(body):
+                    process.body = body(process)
+        return PENDING if task.process.children else None
+
+    def _give_up(self, task: Task) -> object:
+        if task.round == self._round:
+            self._counted(task)
+            self.scheduler.processes.remove(task.process)  # to the end of the queue
+            self.scheduler.processes.append(task.process)
+            return PENDING
+        return None if task.moment != self.now or task.readings < READINGS else PENDING
+
+    def _enter(self, task: Task, semaphore: tuple[str, str]) -> object:
+        holder = self._semaphores.get(semaphore)
+        if holder is not None and holder is not task:
+            return PENDING
+        self._semaphores[semaphore] = task
+        task.semaphores.append(semaphore)
+        return None
+
+    def stop_named(self, task: Task, program: str) -> object:
+        """STOP: not a program that this process is part of (1079)."""
+        found = self.named(program)
+        if found is None:
+            return None
+        above: Task | None = task.main if task.root is not None else task.starter and task.starter.main
+        while above is not None:
+            if above is found:
+                raise fault(1079)
+            above = above.starter and above.starter.main
+        self.stop(found, "stopped")
+        return None
+
+    def _sync(self, request: demands.SyncBelt) -> object:
+        value = self.belt(request.channel)
+        compare = {">=": value >= request.at, ">": value > request.at, "<=": value <= request.at, "<": value < request.at}
+        if not (request.test() if request.test is not None else compare[request.sign]):
+            return PENDING
+        inside = any(lane.belt == request.channel for lane in self.lanes.values())
+        self.set_belt(
+            request.channel, value - request.at if inside and request.test is None else self.specials.reset_value(request.channel)
+        )
+        return None
+
+    def _synchronise(self, kinematic: str, channel: int) -> None:
+        for lane in [self.lane(kinematic)] if channel else self.lanes.values():
+            lane.belt = channel
+
+
+def size_of(unit: Unit, kinematic: str) -> int:
+    """Components of a kinematic's points as the program names them; 0: it names none."""
+    head = unit.program.head
+    tables = (head.joint_names, head.world_names)
+    return max((len(table.get(key, ())) for table in tables for key in (kinematic, "")), default=0)

@@ -1,0 +1,104 @@
+"""A movement of BAPS2 as a line of the text form for the planner: way, target, speeds, how its end is passed (rho 3 releases, part 1,
+sections 6 and 14)."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from gateway.pure.languages.baps2.errors import fault
+from gateway.pure.languages.baps2.frames import NO_FRAME, Frame
+from gateway.pure.languages.baps2.robots import CellRobot
+
+LEAST, MOST = 0.01, 500.0  # % of a speed, as the text form takes it
+KINDS = (("V", "path", "V_PTP", "speed", 0), ("A", "pathaccel", "A_PTP", "accel", 1), ("D", "pathdecel", "D_PTP", "decel", 2))
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """A movement as the program wants it.  factors: V, A, D and the like in force, those behind WITH for this block alone; passing: of
+    R_PTP = 1 for each axis (P213), empty: none."""
+
+    robot: CellRobot
+    way: str
+    via: bool
+    joint: bool
+    relative: bool
+    target: tuple[float, ...]
+    factors: Mapping[str, float]
+    passing: Sequence[float] = ()
+    frame: Frame = NO_FRAME
+
+
+def head(robot: CellRobot) -> list[str]:
+    """What stands in front of the blocks of a stretch."""
+    return ["angles rho3", f"axes {' '.join(robot.units)}"]
+
+
+def system(frame: Frame) -> list[str]:
+    """WC_SYSTEM as the planner keeps it."""
+    if frame == NO_FRAME:
+        return ["wc_system WC_UR"]
+    return [f"wc_frame SYSTEM {' '.join(f'{value:.10g}' for value in frame)}", "wc_system SYSTEM"]
+
+
+def line(wanted: Wanted, world: Sequence[float], shares: Sequence[float], through: Wanted | None = None) -> str:
+    """The block.  world: joints the program's last point leads from, for angles a point does not say; shares: global factors V, A, D;
+    through: the first of the two points of a circle."""
+    way = wanted.way
+    if way == "circular":
+        if through is None:
+            raise fault(223)
+        target = f"via {_point(through, world)} to {_point(wanted, world)}"
+    else:
+        target = _target(wanted, world)
+    return " ".join([way, target, *_speeds(wanted, shares), *_passed(wanted)])
+
+
+def _target(wanted: Wanted, near: Sequence[float]) -> str:
+    if wanted.relative:
+        return wanted.robot.shift(wanted.target, joint=wanted.joint)
+    if wanted.joint:
+        return wanted.robot.text("joints", wanted.target)
+    return wanted.robot.target(wanted.target, near)
+
+
+def _point(wanted: Wanted, near: Sequence[float]) -> str:
+    """A point of a circle: always a pose."""
+    robot = wanted.robot
+    if wanted.relative:
+        raise fault(222, "a circle through relative points")
+    world = robot.world(wanted.target) if wanted.joint else wanted.target
+    return robot.text("pose", robot.six(world) if robot.plain else robot.filled(world, near))
+
+
+def _speeds(wanted: Wanted, shares: Sequence[float]) -> list[str]:
+    """V, A, D in mm/s and mm/s2 of lines and circles, V_PTP and its like as shares of what the axes can; times the factors."""
+    found, factors = [], wanted.factors
+    for name, path, ptp, share, place in KINDS:
+        factor = factors.get(f"{name}FACTOR", 1.0) * shares[place]
+        if wanted.way == "ptp":
+            found.append(f"{share}={_percent(ptp, factors.get(ptp, 1.0) * factor)}")
+        elif name in factors:
+            if factors[name] * factor <= 0.0:
+                raise fault(218, f"{name} = {factors[name]:g}")
+            found.append(f"{path}={factors[name] * factor:.10g}")
+        elif factor != 1.0:
+            found.append(f"{share}={_percent(f'{name}FACTOR', factor)}")
+    return found
+
+
+def _percent(name: str, share: float) -> str:
+    """A share in %; nothing moves at 0."""
+    if share <= 0.0:
+        raise fault(218, f"{name} = {share:g}")
+    return f"{min(max(100.0 * share, LEAST), MOST):.10g}"
+
+
+def _passed(wanted: Wanted) -> list[str]:
+    """R of lines, R_PTP of PTP; TO stops."""
+    if not wanted.via or wanted.way == "circular":
+        return []
+    if wanted.way == "ptp":
+        factor = wanted.factors.get("R_PTP", 0.0)
+        return [f"zone={','.join(f'{each * factor:.10g}' for each in wanted.passing)}"] if factor and wanted.passing else []
+    radius = wanted.factors.get("R", 0.0)
+    return [f"radius={radius:.10g}"] if radius > 0.0 else []

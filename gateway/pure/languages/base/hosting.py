@@ -1,0 +1,120 @@
+"""What a process that hosts programs in a cell gives a language, and what it asks of it.  No word of one language."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from gateway.pure.image.records.interpreter import Channels
+from gateway.pure.languages.base.requests import Ns, RuntimeFault
+
+
+@dataclass(frozen=True, slots=True)
+class PathState:
+    """What the planner says of the job under way: blocks that are over, and the last fault with its block."""
+
+    job: int = 0
+    passed: int = 0
+    failed_job: int = 0
+    fault_block: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class View:
+    """What programs see of the cell in one turn.  set, measured: of the axes in their units (mm, deg)."""
+
+    channels: Channels = Channels()
+    set: tuple[float, ...] = ()
+    measured: tuple[float | None, ...] = ()
+    path: PathState = PathState()
+
+
+@dataclass(frozen=True, slots=True)
+class ProgramRow:
+    """A program of the memory, for lists; kinematics: numbers from 1; fault: the first one, empty: it can run."""
+
+    name: str
+    kind: str  # normal | permanent | subroutine
+    kinematics: tuple[int, ...] = ()
+    errors: int = 0
+    warnings: int = 0
+    fault: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class ProcessRow:
+    """A process as others see it."""
+
+    run: int
+    program: str
+    kind: str
+    state: str
+    line: int
+    waits: str = ""  # for what
+    parent: int = 0  # run of the process that started it
+    branch: bool = False
+
+
+class Port(Protocol):
+    """What the hosting process does for a language."""
+
+    @property
+    def view(self) -> View:
+        """The cell in this turn."""
+
+    def output(self, channel: int, value: float) -> None:
+        """Sets an output."""
+
+    def ask_path(self, ticket: int, program: str, robot: int) -> None:
+        """A robot is to move for a program; the answer comes as path_given or path_over of this ticket."""
+
+    def line(self, job: int, text: str) -> None:
+        """A statement of the text form for the planner."""
+
+    def finish(self, job: int) -> None:
+        """Nothing follows for the time being: the path is run to its end."""
+
+    def end(self, job: int) -> None:
+        """Nothing follows any more."""
+
+    def started(self, run: int, program: str, kind: str, parent: int) -> None:
+        """A program has started another one."""
+
+    def over(self, run: int, how: str, fault: RuntimeFault | None, place: str) -> None:
+        """A process is over; `place`: file and line."""
+
+    def told(self, program: str, line: int, text: str) -> None:
+        """What a person should read."""
+
+    def panel(self, text: str) -> None:
+        """Characters for the hand-held panel."""
+
+
+class Language(Protocol):
+    """Programs of one language in a cell; never an exception for what a program does."""
+
+    def catalogue(self) -> Sequence[ProgramRow]:
+        """All programs."""
+
+    def start_run(self, name: str, run: int, now: Ns) -> None:
+        """A program begins; one that cannot is over at once."""
+
+    def stop_run(self, run: int, now: Ns, error: RuntimeFault | None = None) -> None:
+        """It ends, with all it started; `error`: because of one."""
+
+    def stop_all(self, now: Ns) -> None:
+        """Nothing runs any more."""
+
+    def file_changed(self, name: str) -> None:
+        """A file of the memory was replaced from outside."""
+
+    def path_given(self, ticket: int, job: int) -> None:
+        """The robot moves for the program from now on."""
+
+    def path_over(self, ticket: int, error: RuntimeFault | None, now: Ns) -> None:
+        """It does not any more; an error ends the program."""
+
+    def turn(self, now: Ns) -> bool:
+        """All processes go on; True: they would at once."""
+
+    def rows(self) -> Sequence[ProcessRow]:
+        """The processes."""

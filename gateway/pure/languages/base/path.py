@@ -1,0 +1,132 @@
+"""The path of a cell as programs have it: one owner at a time, blocks handed on one by one, answers by block.  Pure.
+
+Between two rests a program has one order of the cycle (a stretch).  It is asked for with the first block, and over when nothing has
+followed for a while, when another program waits for the axes, or when something ends it.
+"""
+
+from collections import deque
+from dataclasses import dataclass, field
+
+from gateway.pure.languages.base.hosting import Port
+from gateway.pure.languages.base.requests import Ns, RuntimeFault
+
+
+@dataclass(slots=True, eq=False)
+class Stretch:
+    """One order.  job 0: not given yet; count: blocks handed on; places: line of the program of each."""
+
+    owner: object
+    program: str
+    robot: int
+    ticket: int
+    job: int = 0
+    count: int = 0
+    places: list[int] = field(default_factory=list)
+    finished: bool = True  # nothing was handed on since the last word that nothing follows
+    ended: bool = False
+    over: bool = False
+    passed: int = 0
+    fault: RuntimeFault | None = None
+    dry: Ns | None = None  # since when nothing is under way
+
+
+@dataclass(slots=True)
+class Path:
+    """Who moves."""
+
+    port: Port
+    now: Stretch | None = None
+    _waiting: deque[object] = field(default_factory=deque)
+    _tickets: int = 0
+
+    def held_by(self, owner: object) -> Stretch | None:
+        """The stretch of this owner that is not over."""
+        return self.now if self.now is not None and self.now.owner is owner else None
+
+    @property
+    def contended(self) -> bool:
+        """Another one waits for the axes."""
+        return self.now is not None and any(each is not self.now.owner for each in self._waiting)
+
+    def wanted(self, owner: object, program: str, robot: int) -> Stretch | None:
+        """The stretch of this owner, if it may hand on blocks now; else it is asked for, and the owner waits its turn."""
+        now = self.now
+        if now is not None and now.owner is owner and now.robot == robot and not now.ended:
+            return now if now.job and now.fault is None else None
+        if owner not in self._waiting:
+            self._waiting.append(owner)
+        if now is not None:
+            if now.owner is owner:
+                self.release(owner)  # another robot, or the one before is ending
+            return None
+        if self._waiting[0] is owner:
+            self._waiting.popleft()
+            self._tickets += 1
+            self.now = Stretch(owner, program, robot, self._tickets)
+            self.port.ask_path(self._tickets, program, robot)
+        return None
+
+    def hand_on(self, stretch: Stretch, text: str, line: int, *, block: bool = True) -> int:
+        """A statement; the number of its block, counted from 1."""
+        self.port.line(stretch.job, text)
+        if block:
+            stretch.count += 1
+            stretch.places.append(line)
+        stretch.finished, stretch.dry = False, None
+        return stretch.count
+
+    def finish(self, stretch: Stretch) -> None:
+        """Nothing follows for the time being."""
+        if stretch.job and not stretch.finished and not stretch.ended:
+            stretch.finished = True
+            self.port.finish(stretch.job)
+
+    def release(self, owner: object) -> bool:
+        """Nothing follows any more; True: the owner has no stretch left."""
+        stretch = self.held_by(owner)
+        if stretch is None:
+            return True
+        if stretch.job and not stretch.ended:
+            stretch.ended = True
+            self.port.end(stretch.job)
+        return False
+
+    def forget(self, owner: object) -> None:
+        """The owner is gone: what it has is ended, what it waits for is not given."""
+        if owner in self._waiting:
+            self._waiting.remove(owner)
+        stretch = self.held_by(owner)
+        if stretch is not None:
+            self.release(owner)
+            stretch.owner = None  # it is over when the cell says so
+
+    def given(self, ticket: int, job: int) -> None:
+        """The cell moves for it."""
+        if self.now is not None and self.now.ticket == ticket:
+            self.now.job = job
+            if self.now.owner is None:
+                self.now.ended = True
+                self.port.end(job)
+
+    def ended(self, ticket: int, fault: RuntimeFault | None) -> Stretch | None:
+        """The order is over; the stretch it was, if it is the one under way."""
+        stretch = self.now
+        if stretch is None or stretch.ticket != ticket:
+            return None
+        stretch.over, stretch.fault, self.now = True, fault, None
+        if fault is None:
+            stretch.passed = stretch.count
+        return stretch
+
+    def look(self) -> None:
+        """What the planner says in this turn."""
+        stretch, path = self.now, self.port.view.path
+        if stretch is not None and stretch.job and path.job == stretch.job:
+            stretch.passed = max(stretch.passed, min(path.passed, stretch.count))
+
+    def place_of(self, stretch: Stretch) -> int:
+        """Line of the block that failed; 0: none did."""
+        path = self.port.view.path
+        if path.failed_job != stretch.job or not 0 < path.fault_block <= len(stretch.places):
+            return 0
+        return stretch.places[path.fault_block - 1]

@@ -1,0 +1,265 @@
+"""A cell in virtual time that runs BAPS2 programs: emulated drives, cycle core, planner, control and interpreter without a process, each
+record through its bytes."""
+
+from collections import deque
+from dataclasses import asdict, replace
+
+from gateway.assembly.axes import rc_numbers
+from gateway.assembly.controllers import make_control
+from gateway.assembly.interpreter import passing_of, robots_of_cell
+from gateway.assembly.planner import programs_of
+from gateway.assembly.programs import machines_of_cell, team_meant
+from gateway.cell_file.load import load_cell
+from gateway.files.program_memory import baps2_words
+from gateway.pure.arbitration.command_block import Code
+from gateway.pure.arbitration.dispatcher import CommandDispatcher
+from gateway.pure.cell.cell import Cell
+from gateway.pure.controllers.rho3.signals.control import RhoControl
+from gateway.pure.controllers.rho3.signals.hosted import HostedPrograms
+from gateway.pure.image.error_list import ErrorList
+from gateway.pure.image.records.cell import RC_BYTES, Motion, pack_cell_state, unpack_cell_state
+from gateway.pure.image.records.interpreter import (
+    Fact,
+    pack_channels,
+    pack_facts,
+    pack_report,
+    unpack_channels,
+    unpack_facts,
+    unpack_report,
+)
+from gateway.pure.image.records.planner import (
+    BlockRecord,
+    Say,
+    pack_block,
+    pack_planner,
+    piece_size,
+    run_record,
+    unpack_block,
+    unpack_piece,
+    unpack_planner,
+)
+from gateway.pure.image.records.planner import pack_piece as packed_piece
+from gateway.pure.languages.baps2.cell_run import CellRun
+from gateway.pure.languages.baps2.library import Library
+from gateway.pure.languages.baps2.memory import Memory
+from gateway.pure.languages.base.hosting import PathState, View
+from gateway.pure.languages.base.requests import RuntimeFault
+from gateway.pure.planning.turn import follow, standing
+from hil_tests.lab.virtual.cell_bench import CellBench
+from motion.errors import MotionError
+from motion.geometry.units import from_si
+
+AUTOMATIC, ACKNOWLEDGE, RESET = 23, 62, 19
+FIRST_INPUT, FIRST_OUTPUT = 464, 0
+CELL: Cell = load_cell("palletiser")
+HEAD = """;;CONTROL = RHO3
+;;KINEMATICS : (1 = PORTAL)
+;;PORTAL.JC_NAMES = A1, A2, A3, A4
+;;PORTAL.WC_NAMES = X, Y, Z, C
+"""
+
+
+class VirtualPort:
+    """What programs see and say."""
+
+    def __init__(self, identity: int) -> None:
+        self.view = View()
+        self.identity = identity
+        self.said: deque[bytes] = deque()
+        self.lines: deque[bytes] = deque()
+        self.words: list[str] = []
+
+    def say(self, what: str, **facts: Fact) -> None:
+        self.said.append(pack_facts({"say": what, "id": self.identity, **facts}))
+
+    def output(self, channel: int, value: float) -> None:
+        self.say("output", channel=channel, value=value)
+
+    def ask_path(self, ticket: int, program: str, robot: int) -> None:
+        self.say("path", ticket=ticket, program=program, robot=robot)
+
+    def line(self, job: int, text: str) -> None:
+        self.lines.append(pack_block(BlockRecord(Say.LINE, job, text)))
+
+    def finish(self, job: int) -> None:
+        self.lines.append(pack_block(BlockRecord(Say.FINISH, job)))
+
+    def end(self, job: int) -> None:
+        self.lines.append(pack_block(BlockRecord(Say.END, job)))
+
+    def started(self, run: int, program: str, kind: str, parent: int) -> None:
+        self.say("started", run=run, program=program, kind=kind, parent=parent)
+
+    def over(self, run: int, how: str, fault: RuntimeFault | None, place: str) -> None:
+        code, text = (fault.code, fault.text) if fault is not None else (0, "")
+        self.say("over", run=run, how=how, code=code, text=text, place=place)
+
+    def told(self, program: str, line: int, text: str) -> None:
+        self.words.append(f"{program} line {line}: {text}")
+
+    def panel(self, text: str) -> None:
+        self.say("panel", text=text)
+
+
+class ProgramCell:
+    """`programs`: name -> source, without what stands in front of PROGRAM; `files`: others of the memory."""
+
+    def __init__(self, files: dict[str, str], cell: Cell = CELL) -> None:
+        self.cell = cell
+        self.bench = CellBench(cell=cell)
+        self.bench.office = CommandDispatcher(self.bench.office.axes, self.bench.office._plan, 1, {})
+        self.errors = ErrorList()
+        owners = dict.fromkeys(range(RC_BYTES), 1)
+        control, _ = make_control(cell, owners, {"s5": 1}, self.bench.office, self.errors, self.bench.now)
+        assert isinstance(control, RhoControl)
+        self.control = control
+        self.hosted = control.hosted = HostedPrograms(control)
+        self.planning = programs_of(cell, self._machine, self._text, lambda kinematics, number: team_meant(cell, kinematics))
+        self.memory = Memory({name: text.encode() for name, text in files.items()})
+        self.told: list[str] = []
+        self.outputs: list[tuple[float, int, bool]] = []  # s, RC output, value: user outputs as they change
+        self.places: list[tuple[float, ...]] = []  # set values of each cycle, in units
+        self._before = bytes(RC_BYTES)
+        self._numbers = rc_numbers(cell)
+        self._pieces: deque[bytes] = deque()
+        self.born(1)
+        self.bench.each = self.turn
+        self.bench.permit(AUTOMATIC, *range(FIRST_INPUT, FIRST_INPUT + 16), value=False)
+        self.bench.permit(AUTOMATIC)
+        self.bench.run(0.2)
+        for code in (Code.REQUEST_CONTROL, Code.OVERRIDE, Code.ENABLE):
+            job = self.bench.settle(self.bench.give(code, mask=(1 << len(cell.axis)) - 1))
+            assert job.state.name == "DONE", (code, job)
+
+    def born(self, identity: int) -> None:
+        """An interpreter begins."""
+        self.port: VirtualPort | None = VirtualPort(identity)
+        self.language = CellRun(
+            Library(baps2_words(), self.memory), self.memory, self.port, robots_of_cell(self.cell), 4_000_000, passing=passing_of(self.cell)
+        )
+
+    def _machine(self, name: str, number: int):  # type: ignore[no-untyped-def]  # as the planner process has it
+        return machines_of_cell(self.cell)[-number - 1 if number < 0 else 0]
+
+    def _text(self, number: int) -> str:
+        raise MotionError(f"program {number}: no such file")
+
+    # ---- one cycle
+
+    def turn(self) -> None:
+        bench, now = self.bench, self.bench.now
+        state = unpack_cell_state(pack_cell_state(bench.core.state))
+        self.places.append(tuple(from_si(axis.set, own.unit) for axis, own in zip(state.axes, self.cell.axis, strict=False)))
+        self._services(state, now)
+        records = [unpack_block(pack_block(run_record(order))) for order in bench.office.take_programs()]
+        bench._hand_over()
+        if self.port is not None:
+            self._interpreter(self.port, state, now)
+            records += [unpack_block(data) for data in self.port.lines]
+            self.port.lines.clear()
+        records += [BlockRecord(Say.END, job) for job in self.hosted.ending]
+        self.hosted.ending.clear()
+        while self.planning.working and not self.planning.work():
+            pass
+        axes = len(self.cell.axis)
+        self._pieces += [packed_piece(each, piece_size(axes)) for each in follow(self.planning, records, state, axes)]
+        assert standing(state, axes)
+        bench.office.planner = unpack_planner(pack_planner(self.planning.state))
+        for _ in range(min(2, len(self._pieces))):
+            bench.core.feed(unpack_piece(self._pieces.popleft()))
+
+    def _services(self, state, now: int) -> None:  # type: ignore[no-untyped-def]
+        port = self.port
+        report = {"id": 0}
+        if port is not None:
+            rows = [asdict(row) for row in self.language.rows()]
+            report = {"id": port.identity, "programs": [asdict(row) for row in self.language.catalogue()], "processes": rows}
+        self.hosted.report(unpack_report(pack_report(report)), alive=port is not None)
+        while port is not None and port.said:
+            self.hosted.hear(unpack_facts(port.said.popleft()), now)
+        self.hosted.step(now)
+        self.told += self.control.step(self.bench.inputs, bytes(self.bench.core.outputs), state, now, heard=True)
+        self.hosted.step(now)
+        self.told += self.hosted.told
+        self.hosted.told.clear()
+        outputs = self.control.outputs
+        first = self.control.setup.numbers.first_output
+        for channel in range(1, 17):
+            bit = first + channel - 1
+            value, before = outputs[bit >> 3] >> (bit & 7) & 1, self._before[bit >> 3] >> (bit & 7) & 1
+            if value != before:
+                self.outputs.append((now / 1e9, channel, bool(value)))
+        self._before = outputs
+
+    def _interpreter(self, port: VirtualPort, state, now: int) -> None:  # type: ignore[no-untyped-def]
+        planner = unpack_planner(pack_planner(self.planning.state))
+        axes = list(zip(self.cell.axis, state.axes, strict=False))
+        port.view = View(
+            unpack_channels(pack_channels(self.control.seen())),
+            tuple(from_si(axis.set, own.unit) for own, axis in axes),
+            tuple(from_si(axis.measured, own.unit) if state.measured_mask >> n & 1 else None for n, (own, axis) in enumerate(axes)),
+            PathState(planner.job, planner.passed, planner.failed_job, planner.fault_block),
+        )
+        orders, self.hosted.orders = self.hosted.orders, []
+        for order in (unpack_facts(pack_facts(each)) for each in orders):
+            self._obey(order, port, now)
+        self.language.turn(now)
+
+    def _obey(self, order: dict[str, Fact], port: VirtualPort, now: int) -> None:
+        match order["do"]:
+            case "start":
+                self.language.start_run(str(order["program"]), int(order["run"]), now)
+            case "stop":
+                self.language.stop_run(int(order["run"]), now)
+            case "fail":
+                self.language.stop_run(int(order["run"]), now, RuntimeFault(int(order["code"]), str(order["text"])))
+            case "given":
+                self.language.path_given(int(order["ticket"]), int(order["job"]))
+            case "over":
+                code = int(order["code"])
+                self.language.path_over(int(order["ticket"]), RuntimeFault(code, str(order["text"])) if code else None, now)
+
+    # ---- what tests do
+
+    def dies(self) -> None:
+        """The interpreter is gone, whatever it had said."""
+        self.port = None
+
+    def start(self, name: str) -> int:
+        """As the panel does; number of the run."""
+        return self.hosted.run_of(self.control.start(name))
+
+    def until(self, test, seconds: float = 30.0) -> None:  # type: ignore[no-untyped-def]
+        for _ in range(round(seconds * 250)):
+            if test():
+                return
+            self.bench.cycle()
+        raise AssertionError(f"never: {self.told}, {self.language.rows()}, {self.bench.core.state.motion}")
+
+    def ends(self, run: int, seconds: float = 60.0) -> tuple[str, int, str, str]:
+        """Runs until a program is over, and the axes rest: how, code, text, place."""
+        self.until(lambda: run in self.hosted.results, seconds)
+        self.until(lambda: self.bench.core.state.motion in (Motion.IDLE, Motion.STOPPED))
+        return self.hosted.results[run]
+
+    def run(self, name: str, seconds: float = 60.0) -> tuple[str, int, str, str]:
+        return self.ends(self.start(name), seconds)
+
+    def at(self) -> tuple[float, ...]:
+        """Set values, rounded."""
+        return tuple(round(value, 3) + 0.0 for value in self.places[-1])
+
+    def give(self, channel: int, value: bool = True) -> None:
+        """A user input."""
+        self.bench.permit(FIRST_INPUT + channel - 1, value=value)
+
+
+def one(body: str, declared: str = "", name: str = "P", points: str = "") -> dict[str, str]:
+    """A memory with one program."""
+    files = {f"{name}.QLL": f"{HEAD}PROGRAM {name}\n{declared}\nBEGIN\n{body}\nPROGRAM_END\n"}
+    return files | ({f"{name}.PKT": points} if points else {})
+
+
+def with_axes(cell: Cell, **speed: float) -> Cell:
+    """Other speeds of all axes."""
+    return replace(cell, axis=tuple(replace(axis, limits=replace(axis.limits, **speed)) for axis in cell.axis))

@@ -1,0 +1,253 @@
+"""BAPS2 programs in a cell of emulated drives, in virtual time: movement, outputs, processes, stops, deaths (AX-860, AX-861)."""
+
+import pathlib
+
+import pytest
+
+import configs
+from gateway.pure.arbitration.command_block import Code
+from gateway.pure.image.records.cell import Motion
+from hil_tests.lab.virtual.baps2_bench import ACKNOWLEDGE, AUTOMATIC, ProgramCell, one
+
+MEMORY = pathlib.Path(configs.__file__).parent / "cells" / "palletiser"
+
+
+def near(cell: ProgramCell, *place: float) -> bool:
+    return cell.at() == pytest.approx(place, abs=0.01)
+
+
+def test_the_shipped_palletiser_lays_four_parts_down() -> None:
+    cell = ProgramCell({path.name: path.read_text() for path in MEMORY.iterdir()})
+    assert cell.run("PALLET", 120.0) == ("ended", 0, "", "PALLET.QLL line 53")
+    assert near(cell, 60, 60, 150, 0)
+    switched = [(channel, value) for _, channel, value in cell.outputs]
+    assert switched == [(1, True), (1, False)] * 4 + [(2, True)]
+    laid = [place for place in cell.places if abs(place[2] - 60.0) < 0.01 and place[0] > 300]
+    assert {(round(x), round(y)) for x, y, _, _ in laid} == {(400, 200), (400, 350), (520, 200), (520, 350)}
+    assert "LAST = (520, 350, 60, 90)" in (cell.memory.text("PALLET.PKT") or "")
+
+
+def test_world_and_joint_points_relative_moves_and_circles() -> None:
+    cell = ProgramCell(
+        one("""
+MOVE PTP TO @(100, 100, 100, 10)
+MOVE LINEAR TO (200, 150, 120, 20)
+MOVE_REL LINEAR (10, 0, -20, 5)
+MOVE_REL PTP @(0, 5, 0, 0)
+MOVE CIRCULAR VIA (260, 205, 100, 25) TO (310, 155, 100, 25)
+""")
+    )
+    assert cell.run("P")[0] == "ended"
+    assert near(cell, 310, 155, 100, 25)
+    assert any(place[:3] == pytest.approx((210, 155, 100), abs=0.01) for place in cell.places)
+    assert max(place[1] for place in cell.places) == pytest.approx(205, abs=0.5), "the circle goes through its first point"
+
+
+def test_speeds_of_lines_and_of_ptp_are_those_of_the_program() -> None:
+    body = "V = {v}\nVFACTOR = {f}\nMOVE LINEAR TO (500, 60, 40, 12)\nV_PTP = {p}\nMOVE PTP TO @(60, 60, 40, 12)"
+    cell = ProgramCell(one(body.format(v=400, f=0.5, p=0.25)))
+    assert cell.run("P")[0] == "ended"
+    steps = [abs(b[0] - a[0]) / 0.004 for a, b in zip(cell.places, cell.places[1:], strict=False)]
+    out = cell.places.index(max(cell.places, key=lambda place: place[0]))
+    assert max(steps[:out]) == pytest.approx(200, rel=0.01)
+    assert max(steps[out:]) == pytest.approx(0.25 * 0.5 * 800, rel=0.01)
+
+
+def test_with_acts_on_its_block_alone_and_via_is_passed_with_r() -> None:
+    cell = ProgramCell(
+        one("""
+V = 300
+MOVE LINEAR WITH R = 30, V = 100 VIA (200, 60, 40, 12)
+MOVE LINEAR TO (200, 260, 40, 12)
+""")
+    )
+    assert cell.run("P")[0] == "ended"
+    speeds = [((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2) ** 0.5 / 0.004 for a, b in zip(cell.places, cell.places[1:], strict=False)]
+    first = [speed for speed, place in zip(speeds, cell.places, strict=False) if place[0] < 160]
+    second = [speed for speed, place in zip(speeds, cell.places, strict=False) if place[1] > 100]
+    assert max(first) == pytest.approx(100, rel=0.02) and max(second) == pytest.approx(300, rel=0.02)
+    corner = [speed for speed, place in zip(speeds, cell.places, strict=False) if place[0] > 185 and place[1] < 75]
+    assert min(corner) > 30, "the point is passed without a stop"
+    assert min((200 - x) ** 2 + (60 - y) ** 2 for x, y, _, _ in cell.places) > 1.0
+
+
+def test_outputs_and_waits_act_where_the_block_before_ends() -> None:
+    cell = ProgramCell(
+        one(
+            """
+MOVE PTP TO @(120, 60, 40, 12)
+LAMP = 1
+WAIT 0.5
+LAMP = 0
+MOVE PTP TO @(60, 60, 40, 12)
+""",
+            "OUTPUT : 3 = LAMP",
+        )
+    )
+    began = len(cell.places)
+    assert cell.run("P")[0] == "ended"
+    (on, _, _), (off, _, _) = cell.outputs
+    at = {t: round((t * 1e9 - 1e12) / 4e6) - 0 for t in (on, off)}
+    assert off - on == pytest.approx(0.5, abs=0.03)
+    there = [n for n, place in enumerate(cell.places) if abs(place[0] - 120) < 0.001]
+    assert began < there[0] <= at[on] <= there[0] + 12, "at most 50 ms behind the end of the block"
+    assert at[off] <= there[-1] + 1
+
+
+def test_an_input_is_read_when_the_program_comes_to_it() -> None:
+    cell = ProgramCell(
+        one(
+            """
+MOVE PTP TO @(160, 60, 40, 12)
+IF PART = 1 THEN MOVE PTP TO @(160, 100, 40, 12) ELSE MOVE PTP TO @(160, 20, 40, 12)
+WAIT UNTIL GO = 1
+MOVE PTP TO @(60, 60, 40, 12)
+""",
+            "INPUT : 1 = PART, 2 = GO",
+        )
+    )
+    run = cell.start("P")
+    cell.until(lambda: cell.at()[0] > 100)
+    cell.give(1)
+    cell.until(lambda: near(cell, 160, 100, 40, 12))
+    cell.bench.run(1.0)
+    assert near(cell, 160, 100, 40, 12), "it waits"
+    cell.give(2)
+    assert cell.ends(run)[0] == "ended" and near(cell, 60, 60, 40, 12)
+
+
+def test_stop_on_the_path_and_resume_go_on_with_the_program() -> None:
+    cell = ProgramCell(one("V = 100\nMOVE LINEAR TO (400, 60, 40, 12)\nMOVE LINEAR TO (400, 160, 40, 12)"))
+    run = cell.start("P")
+    cell.until(lambda: cell.at()[0] > 200)
+    assert cell.bench.settle(cell.bench.give(Code.STOP)).state.name == "DONE"
+    assert cell.bench.core.state.motion is Motion.STOPPED
+    here = cell.at()
+    cell.bench.run(1.0)
+    assert cell.at() == here and run not in cell.hosted.results
+    cell.bench.give(Code.RESUME)
+    assert cell.ends(run)[0] == "ended" and near(cell, 400, 160, 40, 12)
+
+
+def test_override_and_feed_hold_act_as_on_any_motion() -> None:
+    cell = ProgramCell(one("V = 200\nMOVE LINEAR TO (500, 60, 40, 12)"))
+    run = cell.start("P")
+    cell.until(lambda: cell.at()[0] > 100)
+    cell.bench.give(Code.OVERRIDE, velocity=0.5)
+    cell.bench.run(1.0)
+    before = cell.at()[0]
+    cell.bench.run(0.4)
+    assert (cell.at()[0] - before) / 0.4 == pytest.approx(100, rel=0.05)
+    cell.bench.permit(27, value=False)
+    cell.bench.run(1.0)
+    before = cell.at()
+    cell.bench.run(0.5)
+    assert cell.at() == before
+    cell.bench.permit(27)
+    assert cell.ends(run)[0] == "ended" and near(cell, 500, 60, 40, 12)
+
+
+def test_emergency_stop_ends_the_process_with_its_reason() -> None:
+    cell = ProgramCell(one("V = 100\nMOVE LINEAR TO (400, 60, 40, 12)"))
+    run = cell.start("P")
+    cell.until(lambda: cell.at()[0] > 150)
+    cell.bench.permit(24, value=False)
+    how, code, text, place = cell.ends(run)
+    assert (how, code) == ("aborted", 253) and "EMERGENCY" in text.upper() and place.startswith("P.QLL line ")
+    assert 150 < cell.at()[0] < 300
+    assert [process.state.name for process in cell.control.processes.processes] == ["FAULTY"]
+    cell.bench.permit(24)
+    cell.bench.permit(ACKNOWLEDGE)
+    cell.bench.run(0.1)
+    assert not cell.control.processes.processes, "acknowledged"
+
+
+def test_a_process_that_is_stopped_stops_on_the_path_and_gives_its_rest_up() -> None:
+    cell = ProgramCell(one("V = 100\nMOVE LINEAR TO (400, 60, 40, 12)"))
+    run = cell.start("P")
+    cell.until(lambda: cell.at()[0] > 150)
+    cell.control.processes.stop(cell.control.processes.processes[0].number)
+    assert cell.ends(run)[0] == "stopped"
+    cell.until(lambda: cell.bench.core.state.motion is Motion.IDLE)
+    assert 150 < cell.at()[0] < 200
+    assert cell.run("P")[0] == "ended" and near(cell, 400, 60, 40, 12)
+
+
+def test_the_death_of_the_interpreter_ends_processes_and_lets_the_axes_rest() -> None:
+    cell = ProgramCell(one("V = 100\nAGAIN:\nMOVE LINEAR TO (300, 60, 40, 12)\nMOVE LINEAR TO (100, 60, 40, 12)\nJUMP AGAIN"))
+    cell.start("P")
+    cell.until(lambda: cell.at()[0] > 150)
+    cell.dies()
+    cell.bench.run(0.1)
+    assert not cell.control.processes.processes
+    assert [each.code for each in cell.errors.records] == [1276]
+    cell.until(lambda: cell.bench.core.state.motion is Motion.IDLE, 60.0)
+    assert round(cell.at()[0]) in (100, 300), "at the end of what was handed on"
+    cell.born(2)
+    cell.bench.run(1.0)
+    assert not cell.control.processes.processes and cell.bench.core.state.motion is Motion.IDLE, "nothing starts by itself"
+    assert "P" in cell.control.processes.programs
+
+
+def test_manual_bars_programs_and_ends_one_that_moves() -> None:
+    cell = ProgramCell(one("V = 100\nMOVE LINEAR TO (400, 60, 40, 12)"))
+    run = cell.start("P")
+    cell.until(lambda: cell.at()[0] > 150)
+    cell.bench.permit(AUTOMATIC, value=False)
+    assert cell.ends(run)[1] == 251
+    cell.bench.permit(ACKNOWLEDGE)
+    cell.bench.run(0.2)
+    cell.bench.permit(ACKNOWLEDGE, value=False)
+    assert cell.run("P")[1] == 250
+
+
+def test_a_target_out_of_reach_names_its_line() -> None:
+    cell = ProgramCell(one("MOVE PTP TO @(100, 60, 40, 12)\n\nMOVE PTP TO @(5000, 60, 40, 12)"))
+    how, code, text, place = cell.run("P")
+    assert (how, code, place) == ("aborted", 253, "P.QLL line 9") and "5000" in text
+    assert near(cell, 100, 60, 40, 12)
+
+
+def test_branches_and_started_programs_move_one_after_the_other() -> None:
+    files = one(
+        """
+START OTHER
+PARALLEL
+MOVE PTP TO @(100, 60, 40, 12)
+MOVE PTP TO @(120, 60, 40, 12)
+ALSO
+LAMP = 1
+PARALLEL_END
+MOVE PTP TO @(60, 60, 40, 12)
+""",
+        "OUTPUT : 3 = LAMP\nEXTERNAL : OTHER",
+    )
+    files |= one("REPEAT 2 TIMES\nMOVE PTP TO @(60, 90, 40, 12)\nMOVE PTP TO @(60, 70, 40, 12)\nREPEAT_END", name="OTHER")
+    cell = ProgramCell(files)
+    run = cell.start("P")
+    cell.bench.run(0.1)
+    assert {process.name: process.kind.name for process in cell.control.processes.processes} == {"P": "NORMAL", "OTHER": "SUB"}
+    assert cell.ends(run)[0] == "ended"
+    cell.until(lambda: not cell.control.processes.processes)
+    ways = [sum(abs(b[n] - a[n]) > 1e-6 for n in (0, 1)) for a, b in zip(cell.places, cell.places[1:], strict=False)]
+    assert max(place[1] for place in cell.places) == pytest.approx(90, abs=0.01) and max(ways) == 1
+
+
+def test_points_and_positions_come_from_the_axes_and_stay() -> None:
+    cell = ProgramCell(
+        one(
+            """
+MOVE PTP TO @(150, 60, 40, 30)
+HERE = POS
+@THERE = @POS
+HERE.Z = HERE.Z + 25
+MOVE PTP TO @(60, 60, 40, 12)
+MOVE LINEAR TO HERE
+""",
+            "DEF POINT : HERE\nDEF JC_POINT : @THERE",
+            points="HERE = (1, 2, 3, 4) ; taught\n",
+        )
+    )
+    assert cell.run("P")[0] == "ended"
+    assert near(cell, 150, 60, 65, 30)
+    assert (cell.memory.text("P.PKT") or "").splitlines() == ["HERE = (150, 60, 65, 30) ; taught", "@THERE = @(150, 60, 40, 30)"]
