@@ -4,10 +4,13 @@ record through its bytes."""
 from collections import deque
 from dataclasses import asdict, replace
 
+from drivers.drives.servodyn_family import ServodynFamily
+from drivers.emulator.servodyn.slave import ServodynSlave
 from gateway.assembly.axes import rc_numbers
 from gateway.assembly.controllers import make_control
 from gateway.assembly.interpreter import passing_of, robots_of_cell
 from gateway.assembly.planner import programs_of
+from gateway.assembly.plant import bus_settings
 from gateway.assembly.programs import machines_of_cell, team_meant
 from gateway.cell_file.load import load_cell
 from gateway.files.program_memory import baps2_words
@@ -46,6 +49,7 @@ from gateway.pure.languages.base.hosting import PathState, View
 from gateway.pure.languages.base.requests import RuntimeFault
 from gateway.pure.planning.turn import follow, standing
 from hil_tests.lab.virtual.cell_bench import CellBench
+from hil_tests.lab.virtual.servodyn_bus import CODEC
 from motion.errors import MotionError
 from motion.geometry.units import from_si
 
@@ -101,12 +105,20 @@ class VirtualPort:
         self.say("panel", text=text)
 
 
+class ServodynBench(CellBench):
+    """With as many axes as the cell has."""
+
+    def _drives(self) -> tuple[ServodynSlave, ServodynFamily]:
+        family = ServodynFamily(CODEC, [(n, n + 1) for n in range(len(self.cell.axis))])
+        return ServodynSlave(bus_settings(self.cell, self.cell.bus[0].name, self.p5_ms), CODEC), family
+
+
 class ProgramCell:
     """`programs`: name -> source, without what stands in front of PROGRAM; `files`: others of the memory."""
 
     def __init__(self, files: dict[str, str], cell: Cell = CELL) -> None:
         self.cell = cell
-        self.bench = CellBench(cell=cell)
+        self.bench = ServodynBench(cell=cell)
         self.bench.office = CommandDispatcher(self.bench.office.axes, self.bench.office._plan, 1, {})
         self.errors = ErrorList()
         owners = dict.fromkeys(range(RC_BYTES), 1)
@@ -124,7 +136,7 @@ class ProgramCell:
         self._pieces: deque[bytes] = deque()
         self.born(1)
         self.bench.each = self.turn
-        self.bench.permit(AUTOMATIC, *range(FIRST_INPUT, FIRST_INPUT + 16), value=False)
+        self.bench.permit(AUTOMATIC, ACKNOWLEDGE, RESET, *range(FIRST_INPUT, FIRST_INPUT + 16), value=False)
         self.bench.permit(AUTOMATIC)
         self.bench.run(0.2)
         for code in (Code.REQUEST_CONTROL, Code.OVERRIDE, Code.ENABLE):
