@@ -6,7 +6,6 @@ from dataclasses import asdict, replace
 
 from drivers.drives.servodyn_family import ServodynFamily
 from drivers.emulator.servodyn.slave import ServodynSlave
-from gateway.assembly.axes import rc_numbers
 from gateway.assembly.controllers import make_control
 from gateway.assembly.interpreter import passing_of, robots_of_cell
 from gateway.assembly.planner import programs_of
@@ -132,7 +131,6 @@ class ProgramCell:
         self.outputs: list[tuple[float, int, bool]] = []  # s, RC output, value: user outputs as they change
         self.places: list[tuple[float, ...]] = []  # set values of each cycle, in units
         self._before = bytes(RC_BYTES)
-        self._numbers = rc_numbers(cell)
         self._pieces: deque[bytes] = deque()
         self.born(1)
         self.bench.each = self.turn
@@ -182,7 +180,7 @@ class ProgramCell:
 
     def _services(self, state, now: int) -> None:  # type: ignore[no-untyped-def]
         port = self.port
-        report = {"id": 0}
+        report: dict[str, object] = {"id": 0}
         if port is not None:
             rows = [asdict(row) for row in self.language.rows()]
             report = {"id": port.identity, "programs": [asdict(row) for row in self.language.catalogue()], "processes": rows}

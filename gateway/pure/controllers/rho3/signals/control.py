@@ -205,8 +205,8 @@ class RhoControl:
 
     def panel_text(self, written: str) -> None:
         """WRITE PHG: line after line, CLS clears; what does not fit is lost at the top."""
-        for part in written.replace("\r", "").split("\f"):
-            self._written = part if part is not written or "\f" in written else self._written + part
+        _, cleared, text = written.replace("\r", "").rpartition("\f")
+        self._written = (text if cleared else self._written + text)[-LINES * COLUMNS * 2 :]
         rows = [row[at : at + COLUMNS] for row in self._written.split("\n") for at in range(0, max(len(row), 1), COLUMNS)][-LINES:]
         for number in range(LINES):
             self.functions.display.write(Layer.WRITE, number + 1, rows[number] if number < len(rows) else "")
