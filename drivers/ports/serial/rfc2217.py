@@ -78,6 +78,13 @@ class Rfc2217Port:
         """As baud rate and count allow: the server does not tell."""
         return self._drain.left(time.monotonic_ns()) if self.char_ns else 0
 
+    def send_break(self, seconds: float = 0.25) -> None:
+        """By the server's own interface."""
+        try:
+            self._serial.send_break(seconds)
+        except (serial.SerialException, OSError) as error:
+            raise self._gone(OSError(errno.ECONNRESET, str(error))) from error
+
     def close(self) -> None:
         """Twice does no harm."""
         if not self._closed:

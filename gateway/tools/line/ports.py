@@ -14,7 +14,8 @@ from drivers.ports.serial.line_format import LineFormat, parse_format
 from gateway.links.serial.tool_wire import RealWire, ToolPort, Wire
 from protocols.base.machine import Damage
 
-PYSERIAL = ("COM", "com", "rfc2217://", "socket://", "loop://")
+PYSERIAL = ("COM", "com", "socket://", "loop://")
+NETWORK = ("tcp:", "rfc2217:")  # no interface of this machine behind the descriptor
 
 
 def open_wire(url: str, line_format: str = "9600 8E1") -> Wire:
@@ -72,8 +73,8 @@ class SelectPort:
     def send_break(self) -> bool:
         if self._url.startswith("pty:"):
             return self._at_the_cable("break")
-        if self._url.startswith("tcp:"):
-            return False
+        if self._url.startswith(NETWORK):
+            return self._port_of_a_server()
         import termios
 
         from drivers.ports.serial.descriptor import is_pty
@@ -104,9 +105,18 @@ class SelectPort:
             return False
         return True
 
+    def _port_of_a_server(self) -> bool:
+        """RFC 2217 has a BREAK, a bare TCP connection none."""
+        from drivers.ports.serial.rfc2217 import Rfc2217Port
+
+        if not isinstance(self._port, Rfc2217Port):
+            return False
+        self._port.send_break()
+        return True
+
     def _wrong_parity(self) -> bool:
         """One character with the other parity: the frame is changed for its time (a UART; a TCP server has none)."""
-        if self._url.startswith("tcp:"):
+        if self._url.startswith(NETWORK):
             return False
         import termios
 
@@ -140,7 +150,7 @@ class PyserialPort:
                 parity=line_format.parity,
                 stopbits=line_format.stop_bits,
                 timeout=0,
-                write_timeout=5,
+                write_timeout=None if url.startswith("rfc2217://") else 5,  # pyserial knows none there
             )
         except (OSError, ValueError) as error:  # SerialException is an OSError
             raise PortError(getattr(error, "errno", None) or 0, f"serial port {url}: cannot be opened ({error})") from error
