@@ -1,4 +1,4 @@
-"""`axisgate NAME ...`: finds the command in the entry-point group `axisgate.commands` and hands over; no logic here."""
+"""`axisgate NAME ...`: finds the command in the entry-point group `axisgate.commands` and calls it; no logic here."""
 
 import difflib
 import importlib

@@ -120,7 +120,7 @@ def kinematics_of(robot: Robot) -> Kinematics:
 
 
 def workspace_of(robot: Robot, frame: Pose = IDENTITY, tool: Pose = IDENTITY) -> Workspace:
-    """The robot where it stands in the cell, with a user frame (in the cell) and a tool (on the flange)."""
+    """The robot at its place in the cell, with a user frame (in the cell) and a tool (on the flange)."""
     return Workspace(kinematics_of(robot), robot.base, frame, tool)
 
 

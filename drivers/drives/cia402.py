@@ -1,7 +1,7 @@
 """Gateway's side of a CiA 402 drive in cyclic synchronous position mode: one controlword image, one set position, once per SYNC.
 
 Source: IEC 61800-7-201 (states, modes, homing), AX-302..AX-309.  607Ah is 6064h until the drive is switched on and is then kept until the
-first demanded position; in any other mode than CSP it follows 6064h.  The drive object never raises on what the drive says.
+first demanded position; in any other mode than CSP it follows 6064h.  The drive object never raises on a message of the drive.
 """
 
 from dataclasses import dataclass
@@ -79,12 +79,12 @@ class Cia402Settings:
     mode_cycles: int = 500  # until a change of mode is shown
 
     def make(self) -> "Cia402Drive":
-        """A drive nobody has heard of yet."""
+        """A drive without any message so far."""
         return Cia402Drive(self)
 
 
 class Phase(Enum):
-    """Where the dialogue stands."""
+    """State of the dialogue."""
 
     LOST = auto()  # not heard, or not yet
     OFF = auto()
@@ -112,7 +112,7 @@ ENABLED_PHASES = (Phase.ENABLED, *AT_HOMING)
 
 
 class Cia402Drive:
-    """One drive.  A new object starts unheard, and a demand that stands at that moment is no command (design 1)."""
+    """One drive.  A new object starts unheard, and a demand already present then is no command (design 1)."""
 
     def __init__(self, settings: Cia402Settings | None = None) -> None:
         self._settings = settings or Cia402Settings()

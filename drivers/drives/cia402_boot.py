@@ -103,7 +103,7 @@ class Loss(Enum):
 
 @dataclass(frozen=True, slots=True)
 class NodePlan:
-    """Everything one node is told."""
+    """All settings sent to one node."""
 
     node: int
     pdos: tuple[Pdo, ...]
@@ -186,7 +186,9 @@ def map_faults(pdos: Iterable[Pdo]) -> list[str]:
     receive = [pdo for pdo in pdos if pdo.receive]
     places = [str(pdo) for pdo in receive for entry in pdo.entries if entry.index == CONTROLWORD.index]
     faults = (
-        [f"6040h stands in {' and '.join(places)}: one of them would switch the drive off with its stale copy"] if len(places) > 1 else []
+        [f"6040h is mapped in {' and '.join(places)}: one of them would switch the drive off with its stale copy"]
+        if len(places) > 1
+        else []
     )
     for pdo in pdos:
         bits = sum(entry.bits for entry in pdo.entries)
@@ -248,7 +250,7 @@ def _identify(plan: NodePlan) -> Generator[Step, Answer, Identity]:
         raise BootRefused("no answer", (0x1000, 0), dead=True)
     profile = _number(kind, (0x1000, 0)) & 0xFFFF
     if profile != PROFILE:
-        raise BootRefused(f"device profile {profile}; a CiA 402 drive says {PROFILE}", (0x1000, 0))
+        raise BootRefused(f"device profile {profile}; a CiA 402 drive has {PROFILE}", (0x1000, 0))
     found: list[int | None] = []
     wanted = (plan.identity.vendor, plan.identity.product, plan.identity.revision, plan.identity.serial)
     for sub, (what, pinned) in enumerate(zip(("vendor", "product", "revision", "serial number"), wanted, strict=True), 1):
@@ -350,7 +352,7 @@ def runs_on(options: dict[str, int], loss: Loss) -> str:
     """Why this drive would not stop as wanted when the heartbeat stays away; empty: it stops.  `options` by the names of OPTIONS."""
     abort = options.get("abort connection")
     if abort is None:
-        return "the drive does not tell what it does when the gateway's heartbeat stays away"
+        return "the drive does not report its reaction to a missing gateway heartbeat"
     if abort not in (1, 2, 3):
         return f"{abort}: the drive runs on when the gateway's heartbeat stays away"
     if loss is Loss.COAST:
@@ -362,7 +364,7 @@ def runs_on(options: dict[str, int], loss: Loss) -> str:
     if option == 0:
         return f"the drive coasts: its {name} option is 0"
     if option is None and abort == 1:
-        return "the drive does not tell how it reacts to a fault"
+        return "the drive does not report its fault reaction"
     return ""
 
 
@@ -391,7 +393,7 @@ def _switch_off(index: int) -> Generator[Step, Answer, None]:
     for sub in range(1, 1 + (count[0] if isinstance(count, bytes) and count else 0)):
         word = yield Read(index + 0x200, sub)
         if isinstance(word, bytes) and mapped(int.from_bytes(word, "little")).index == CONTROLWORD.index:
-            raise BootRefused(f"6040h stands here too and the drive does not let it be switched off: {answer}", (index + 0x200, sub))
+            raise BootRefused(f"6040h is mapped here too and the drive does not let this PDO be disabled: {answer}", (index + 0x200, sub))
 
 
 def _map(pdo: Pdo, notes: list[str]) -> Generator[Step, Answer, None]:

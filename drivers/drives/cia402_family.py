@@ -107,7 +107,7 @@ class Cia402Family:
             found.released, found.mode, found.error, found.stopping = True, mode, 0, 0
 
     def answers(self, node: int, mode: int) -> None:
-        """Heard beside another master: one that answers SYNC was configured by him, in this mode as long as nothing else is heard."""
+        """Heard beside another master: one that answers SYNC was configured by that master, in this mode unless it reports another."""
         found = self._nodes.get(node)
         if found is not None and not found.released:
             self.release(node, found.mode or mode)
@@ -189,7 +189,7 @@ class Cia402Family:
                 _let_go(node)  # it was reset: whatever was configured may be gone; or somebody else said so, and it moves on
                 node.status, node.edges = -1, 0
         elif function != cobid.sdo_answer(0) and frame.identifier != cobid.LSS_SLAVE:
-            raise DecodeError(f"identifier {frame.identifier:#x} is nobody's on this bus: {frame.data.hex(' ')}")
+            raise DecodeError(f"no node of this bus uses identifier {frame.identifier:#x}: {frame.data.hex(' ')}")
         self.aside.append(frame)
 
 

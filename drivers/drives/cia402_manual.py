@@ -1,7 +1,7 @@
 """Commissioning by SDO alone: a drive switched on and moved in PP, PV, HM or IP mode, without a cycle.  Pure plans of steps.
 
-Source: IEC 61800-7-201 (profile position, profile velocity, homing, interpolated position); units AX-311.  Whoever carries it out stands
-beside the machine: there is no path, no other axis and no lag supervision but the drive's own.
+Source: IEC 61800-7-201 (profile position, profile velocity, homing, interpolated position); units AX-311.  The operator must be
+at the machine: there is no path, no other axis and no lag supervision but the drive's own.
 """
 
 from collections.abc import Generator, Sequence
@@ -85,7 +85,7 @@ def homing(limit_ms: int) -> Manual:
 
 
 def interpolated(points_inc: Sequence[int], period_ms: int) -> Manual:
-    """IP: one point (relative to where it stands) with each SYNC of the tool."""
+    """IP: one point (relative to its position) with each SYNC of the tool."""
     start = yield from _number(0x6064)
     yield from _write(0x60C1, start, 4, sub=1)
     yield from _on(Mode.IP)
@@ -102,7 +102,7 @@ def interpolated(points_inc: Sequence[int], period_ms: int) -> Manual:
 def stopped() -> Generator[Step, Answer, int]:
     """Quick stop and off by controlword, in whatever state a move was left; the statusword that proves it.
 
-    A drive that waits in quick stop active (605Ah 5..8) is switched off when it stands.  Refusals are no end: the next poll tries again.
+    A drive that waits in quick stop active (605Ah 5..8) is switched off at rest.  Refusals are no end: the next poll tries again.
     Raises ManualError when the drive does not show that it is off.
     """
     place, still, silent, words = 0, 0, 0, "no answer"

@@ -5,7 +5,7 @@ from enum import Enum, auto
 
 
 class State(Enum):
-    """As a statusword tells it."""
+    """State reported by a statusword."""
 
     NOT_READY = auto()
     DISABLED = auto()  # switch on disabled

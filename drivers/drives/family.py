@@ -1,6 +1,6 @@
 """What every family of drives is to the rest of the gateway: one object for each drive, one for each bus.
 
-The core steps drives and sees neutral records only; the cycle sends what the bus' family makes of them and hands it what comes in.  Which
+The core steps drives and sees neutral records only; the cycle sends what the bus' family makes of them and passes it what comes in.  Which
 bits, identifiers and frames that is, only the family knows (AX-300).
 """
 
@@ -69,7 +69,7 @@ class Latched(NamedTuple):
 
 @runtime_checkable
 class Latching(Protocol):
-    """An actual value that tells of a touch probe; None: this drive has none, or it has not spoken yet."""
+    """Touch-probe status of an actual value; None: this drive has none, or has not sent one yet."""
 
     @property
     def latched(self) -> Latched | None: ...
@@ -92,7 +92,7 @@ class SetRecord(Protocol):
 
 
 class CyclicDrive(Protocol):
-    """One drive in the cycle; `step` once per SYNC, after the actual values of that SYNC.  Never raises on what the drive says."""
+    """One drive in the cycle; `step` once per SYNC, after the actual values of that SYNC.  Never raises on a message of the drive."""
 
     position_inc: int  # last actual
     torque_permille: int
@@ -138,7 +138,7 @@ class Heard(NamedTuple):
 class BusFamily(Protocol):
     """The language of one bus and the axes on it.
 
-    `aside` collects frames of the bus that are no cyclic data (CANopen: SDO, EMCY, heartbeat); whoever drains it clears it.
+    `aside` collects frames of the bus that are no cyclic data (CANopen: SDO, EMCY, heartbeat); its reader clears it.
     """
 
     aside: list[Frame]

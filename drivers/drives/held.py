@@ -18,7 +18,7 @@ class HeldPosition:
         self.inc, self._fresh, self._refused = actual_inc, True, False
 
     def take(self, inc: int) -> Event | None:
-        """A demanded position; JUMP or RANGE, told once until a good one comes, when it is not sent and the last one stays."""
+        """A demanded position; JUMP or RANGE, reported once until a good one comes, when it is not sent and the last one stays."""
         if not fits_int32(inc):
             return self._refuse(Event.RANGE)
         if abs(inc - self.inc) > (self._jump if self._fresh else self._step):
@@ -27,7 +27,7 @@ class HeldPosition:
         return None
 
     def strayed(self, actual_inc: int) -> bool:
-        """The axis stands further from the held position than a first step may be."""
+        """The axis is further from the held position than a first step may be."""
         return abs(actual_inc - self.inc) > self._jump
 
     def _refuse(self, why: Event) -> Event | None:

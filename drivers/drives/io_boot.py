@@ -68,7 +68,7 @@ def _identity() -> Generator[Step, Answer, Identity]:
         raise BootRefused(str(kind) if isinstance(kind, Refused) else "no answer", (0x1000, 0), dead=kind is Silent.YES)
     profile = int.from_bytes(kind[:2], "little")
     if profile != PROFILE:
-        raise BootRefused(f"device profile {profile}; a CiA 401 coupler says {PROFILE}", (0x1000, 0))
+        raise BootRefused(f"device profile {profile}; a CiA 401 coupler has {PROFILE}", (0x1000, 0))
     found: list[int | None] = []
     for sub in (1, 2, 3, 4):
         answer = yield Read(0x1018, sub)

@@ -9,7 +9,7 @@ RELEASE = 0.9  # share of the warning limit below which the warning goes
 
 
 def fits_int32(inc: int) -> bool:
-    """Whether a position can be told in four bytes; beyond it would wrap round and the axis would turn about."""
+    """Whether a position fits into four bytes; beyond it would wrap round and the axis would turn about."""
     return INT32_MIN <= inc <= INT32_MAX
 
 

@@ -15,12 +15,12 @@ class ListeningFamily:
 
     @property
     def expected(self) -> int:
-        """Nobody is asked."""
+        """Sends no request."""
         return 0
 
     @property
     def unconfigured(self) -> int:
-        """Nobody is started up."""
+        """Starts no node."""
         return 0
 
     def burst(self, values: Sequence[SetRecord]) -> list[Frame]:
@@ -32,10 +32,10 @@ class ListeningFamily:
         raise DecodeError(f"identifier {frame.identifier}: this bus is only listened to")
 
     def release(self, node: int, mode: int) -> None:
-        """Nobody is started up."""
+        """Starts no node."""
 
     def hold(self, node: int) -> None:
-        """Nobody is started up."""
+        """Starts no node."""
 
     def began(self, now: Ns) -> None:
         """Nothing depends on it here."""

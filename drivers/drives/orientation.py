@@ -12,7 +12,7 @@ MOST_SEGMENTS = 60  # narrower than 6 degrees at the resolver nobody could set a
 
 
 class Orientation(NamedTuple):
-    """What the resolver says at the edge of the reference cam."""
+    """Resolver reading at the edge of the reference cam."""
 
     segments: int  # n
     turns: int  # of the axis away from its original turn, signed in the direction of rising increments

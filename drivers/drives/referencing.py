@@ -1,4 +1,4 @@
-"""Referencing by the gateway: run towards the switch, find the encoder zero as the mode says, then move the offset.
+"""Referencing by the gateway: run towards the switch, find the encoder zero as the mode requires, then move the offset.
 
 Mode | when the switch is seen (rho3 2.8, L3783-3891)
 0    | go on in the same direction to the next encoder zero; there actual = P207; move P208
@@ -6,7 +6,7 @@ Mode | when the switch is seen (rho3 2.8, L3783-3891)
 2    | stop along the ramp; actual = P207 and the way from the encoder zero next to the edge; move P208, without one stay
 3    | as mode 2 with the zero of mode 1
 
-Ours: a switch that is actuated at the start is left first (AX-111), limits of way and time (AX-112), no stop at the zero of mode 0
+axisgate's: a switch actuated at the start is left first (AX-111), limits of way and time (AX-112), no stop at the zero of mode 0
 (AX-113), speeds and which zero is the next one in modes 1 to 3 (AX-264, AX-265), a zero that could be either side of the edge (AX-438).
 """
 
@@ -19,7 +19,7 @@ from drivers.drives.reference_settings import ORIENTED, STOPPING, ReferenceSetti
 
 
 class RunState(Enum):
-    """DONE and FAILED are told only at a standstill of the set value."""
+    """DONE and FAILED are reported only at a standstill of the set value."""
 
     RUNNING = auto()
     DONE = auto()
@@ -79,7 +79,7 @@ class Referencing:
         self.switch_to_zero_inc: int | None = None  # tells the fitter how safely the switch stands
 
     def abort(self) -> None:
-        """To rest; FAILED is told there."""
+        """To rest; FAILED is reported there."""
         self._fail(Failure.ABORTED)
 
     def step(self, position_inc: int, reference_switch: bool, dt_s: float) -> RefStep:

@@ -1,7 +1,7 @@
 """Gateway's side of a SERVODYN-GC drive: what to send in each cycle so that it comes on, follows and goes off in order.
 
 Source: AX-001 (telegrams), AX-105..110 (order of the bits, what is refused, what is lost).  Once per SYNC, after the
-actual values of that SYNC: Drive.step.  It never raises on what the drive says.
+actual values of that SYNC: Drive.step.  It never raises on a message of the drive.
 """
 
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ RESET_CYCLES = 5  # the reset bit stands so long for one edge of the demand: one
 
 
 class Phase(Enum):
-    """Where the drive stands in the sequence."""
+    """Step of the sequence."""
 
     OFF = auto()
     POWERING = auto()  # drive on sent; waits for power on
@@ -74,7 +74,7 @@ class DriveSettings:
 
 
 class Drive:
-    """One drive.  A new object starts off, and a demand that stands at that moment is no command (design 1)."""
+    """One drive.  A new object starts off, and a demand already present then is no command (design 1)."""
 
     __slots__ = (
         "_asked", "_cycles", "_following", "_life", "_on_before", "_phase", "_refused", "_reset_before", "_reset_left", "_row", "_settings",

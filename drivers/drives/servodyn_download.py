@@ -1,6 +1,6 @@
 """Gateway's side of the parameter download: one request at a time, repeated twice, read back; once per cycle `step`.
 
-Source: rho 3 Releases part 5, 7.2 (L7539-7547): parameters are transmitted in the start-up phase.  The transport is ours (AX-266).
+Source: rho 3 Releases part 5, 7.2 (L7539-7547): parameters are transmitted in the start-up phase.  The transport is AX-266.
 """
 
 from collections.abc import Sequence

@@ -1,6 +1,6 @@
 """SERVODYN-GC in words: every state and every fault, German and English, with the numbers an old pendant would show.
 
-Faults of the booster: AX-082 (ours); numbers 643..684 and their meaning: robotstar 8.1 (ROBOTstar V, L4684-4744), the closest list of
+Faults of the booster: AX-082; numbers 643..684 and their meaning: robotstar 8.1 (ROBOTstar V, L4684-4744), the closest list of
 regulator errors the manuals have.  State sentences answer "why is it not moving?" (AX-269).
 """
 
@@ -35,7 +35,7 @@ class FaultRow:
 
 @dataclass(frozen=True, slots=True)
 class Diagnosis:
-    """What stands behind one axis now."""
+    """State of the drive of one axis."""
 
     state: Phase
     number: int  # of the old error list, 0: no error or none fits

@@ -1,7 +1,7 @@
 """Does an axis stand where it should stand, and follow where it should follow?  647 and 648 of the old error list.
 
 Source: robotstar 8.1 (L4696-4697): 647 tracking distance too long (axis cannot follow), 648 monitoring of standstill (axis left
-standstill position).  How a standstill begins is ours (AX-268).
+standstill position).  How a standstill begins: AX-268.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""Ports that only listen: whatever is given them to send is a mistake of ours, and nothing of it leaves."""
+"""Ports that only listen: an attempt to send is a programming error, and nothing is sent."""
 
 from collections.abc import Sequence
 
@@ -7,7 +7,7 @@ from protocols.base.machine import Damage, Frame, FrameFault, Ns
 
 
 class Silence(RuntimeError):
-    """Somebody tried to send where only listening is allowed."""
+    """An attempt to send where only listening is allowed."""
 
 
 class ListeningCan:

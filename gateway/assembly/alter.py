@@ -1,4 +1,4 @@
-"""[alter] as the cycle takes it.  The motion core is loaded inside: whoever has no correction need not have it."""
+"""[alter] as the cycle takes it.  The motion core is imported inside: cells without a correction do not load it."""
 
 from typing import TYPE_CHECKING
 

@@ -1,4 +1,4 @@
-"""From [[axis]] of a cell to what core, office and planner need: the one place where units of the file become SI."""
+"""From [[axis]] of a cell to what core, dispatcher and planner need: the one place where units of the file become SI."""
 
 from collections.abc import Mapping, Sequence
 
@@ -94,7 +94,7 @@ def core_axes(cell: Cell, p5_ms: float, zeros: Mapping[str, float] = NO_ZEROS, *
 
 
 def axis_facts(cell: Cell) -> list[AxisFacts]:
-    """The axes as the office judges them."""
+    """The axes as the dispatcher needs them."""
     return [
         AxisFacts(
             axis.name,
@@ -110,7 +110,7 @@ def axis_facts(cell: Cell) -> list[AxisFacts]:
 
 
 def make_planner(cell: Cell) -> Planner:
-    """PTP planning for the office: start and target in SI to an encoded piece; a motion error becomes a refusal."""
+    """PTP planning for the dispatcher: start and target in SI to an encoded piece; a motion error becomes a refusal."""
     limits = [limits_of(axis) for axis in cell.axis]
 
     def plan(start: Sequence[float], target: Sequence[float], mask: int, velocity: float, acceleration: float, job: int) -> bytes:

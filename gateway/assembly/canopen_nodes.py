@@ -1,4 +1,4 @@
-"""From a cell to what each CANopen node is told: maps, heartbeat, homing, parameters of its EDS or DCF."""
+"""From a cell to the settings of each CANopen node: maps, heartbeat, homing, parameters of its EDS or DCF."""
 
 import pathlib
 
@@ -52,7 +52,7 @@ def _plan(cell: Cell, bus: Bus, axis: Axis, node: int, p5_ms: int, torque: bool,
 
 
 def identity_of(dictionary: ObjectDictionary) -> Identity:
-    """What the file says the device is; a number that is not there is not compared."""
+    """Identity of the device in the file; a missing number is not compared."""
 
     def number(key: str) -> int | None:
         try:

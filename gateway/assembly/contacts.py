@@ -1,4 +1,4 @@
-"""[[io]] of a cell compiled: which process drives which contact, and what a CiA 401 coupler is told."""
+"""[[io]] of a cell compiled: which process drives which contact, and the settings of CiA 401 couplers."""
 
 from collections.abc import Mapping, Sequence
 
@@ -73,7 +73,7 @@ def with_couplers(cell: Cell, bus: Bus, drives: BusFamily, p5_ms: int) -> BusFam
 
 
 def coupler_plans(cell: Cell, bus: Bus) -> list[tuple[str, CouplerPlan]]:
-    """What the master tells each coupler; its outputs fall by themselves when the gateway's heartbeat stays away."""
+    """Settings sent to each coupler; its outputs fall when the gateway's heartbeat is missing."""
     return [
         (
             f"coupler {coupler.node}",

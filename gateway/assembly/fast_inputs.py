@@ -1,6 +1,6 @@
 """Which inputs of [[measuring]] the cycle hears itself: contacts of CiA 401 couplers and CAN I/O blocks on its own buses (AX-481).
 
-The way of a wire is what the cell says already: a contact whose signal is that RC input, or a plain route of a bit into it.  A contact on
+The cell already defines the path of a wire: a contact whose signal is that RC input, or a plain route of a bit into it.  A contact on
 a gpiochip or a Modbus coupler is another process' and comes through the services.
 """
 

@@ -1,4 +1,4 @@
-"""Where the axes stood when the gateway was stopped: at the next start a multi-turn encoder that counted round meanwhile is told."""
+"""Positions of the axes when the gateway stopped: the next start reports multi-turn encoders that overflowed meanwhile."""
 
 import contextlib
 import json
@@ -19,8 +19,8 @@ AGAIN = "check the position and write it again with: axisgate axis zero"
 
 
 def remember(cell: Cell, state: CellState, placed: int = 0, before: Mapping[str, int] = NO_PLACES) -> None:
-    """Raw increments of the absolute axes, beside their zeros; a folder nobody may write to is no reason to fail.  placed: axes (bit n-1 =
-    axis n) whose position a program has set: what they show says nothing of their encoder.  Of endless axes those of the first round.
+    """Raw increments of the absolute axes, beside their zeros; a read-only folder is no reason to fail.  placed: axes (bit n-1 =
+    axis n) whose position a program has set: their value does not show their encoder.  Of endless axes those of the first round.
     before: places of axes that show none now."""
     _write(cell, {**before, **_raw(cell, state, placed)})
 
@@ -32,7 +32,7 @@ def _write(cell: Cell, places: dict[str, int]) -> None:
 
 
 class LastPlaces:
-    """Kept while the run goes on: a power failure asks nobody.  Written where an axis has left its kept place by more than a share of a
+    """Kept during the run, because of power failures.  Written where an axis has left its kept place by more than a share of a
     motor turn, by a thread of its own, so that no disk holds up the services."""
 
     def __init__(self, cell: Cell) -> None:
@@ -60,7 +60,7 @@ class LastPlaces:
 
 
 def judge(cell: Cell, state: CellState) -> list[str]:
-    """One sentence for each axis whose encoder jumped by its range since then, or an endless one that stands where that would show it."""
+    """One sentence for each axis whose encoder jumped by its range since then, or an endless one where that is possible."""
     try:
         last = json.loads(zeros.path_of(cell).with_suffix(".last.json").read_text())
     except (OSError, ValueError):
@@ -90,8 +90,8 @@ def _counted_on(axis: Axis, last: int, now: int) -> list[str]:
     turns = wrapped_endless(last, now, axis.drive.inc_per_turn, around) / axis.drive.inc_per_turn
     moved = from_si(beside(now - last, around) / per_unit, axis.unit)
     what = (
-        f"axis {axis.name}: shown {moved:+.4g} {axis.unit} beside its place at the last stop, as when its encoder counts round "
-        f"by {turns:+g} turns: its zero is void unless somebody turned it, {AGAIN}"
+        f"axis {axis.name}: shown {moved:+.4g} {axis.unit} from its position at the last stop, as when its encoder overflows "
+        f"by {turns:+g} turns: its zero is invalid unless the axis was turned, {AGAIN}"
     )
     return [what] if turns else []
 

@@ -1,4 +1,4 @@
-"""[[path_output]] as planner and cycle take it.  The motion core is loaded inside: whoever has no such functions need not have it."""
+"""[[path_output]] as planner and cycle take it.  The motion core is imported inside: cells without such functions do not load it."""
 
 from typing import TYPE_CHECKING
 

@@ -12,7 +12,7 @@ MULTITURN = 4096  # turns an absolute encoder of the emulated drives tells apart
 
 
 def motor_rad(axis: Axis, position: float) -> float:
-    """Motor angle at an axis position in the axis' unit; the encoder's zero stands at axis position 0."""
+    """Motor angle at an axis position in the axis' unit; the encoder's zero is at axis position 0."""
     sign = -1.0 if axis.mechanics.direction == "-" else 1.0
     return sign * position / axis.mechanics.feed_per_turn * axis.mechanics.ratio * 2.0 * math.pi
 

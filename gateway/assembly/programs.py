@@ -1,6 +1,6 @@
-"""Programs and robot of a cell, found and looked at before a run starts; what planner, office and checks need of them.
+"""Programs and robot of a cell, found and looked at before a run starts; what planner, dispatcher and checks need of them.
 
-Files are read here and in the planner process alone.  Imports of the motion core stand inside: whoever only wants the plain data (the
+Files are read here and in the planner process alone.  The motion core is imported inside: code that only needs the plain data (the
 services) must not load it.
 """
 
@@ -123,7 +123,7 @@ def _facts(cell: Cell, measuring: Measuring) -> MeasuringFacts:
 
 
 def machine_of_cell(cell: Cell) -> "Machine":
-    """The only robot of a cell, or the one on its first axes; MotionError tells what does not fit."""
+    """The only robot of a cell, or the one on its first axes; MotionError names what does not fit."""
     return machines_of_cell(cell)[0]
 
 
@@ -231,7 +231,7 @@ def robot_meant(cell: Cell, written: str, kinematics: str = "") -> "Machine":
     if cell.robot and not found:
         raise MotionError(f"the program is written for robot {written or kinematics}, this cell's is {called_in(cell)}")
     if len(found) > 1:
-        raise MotionError(f'the program is for one of {called_in(cell)}: kinematics = "NAME" in its [[program]] says for which')
+        raise MotionError(f'the program moves one of {called_in(cell)}: name it with kinematics = "NAME" in its [[program]]')
     return machines_of_cell(cell)[found[0] if found else 0]
 
 
@@ -254,6 +254,6 @@ def team_meant(cell: Cell, kinematics: "Sequence[Kinematic]") -> "Team":
 
 
 def mask_of(cell: Cell, robots: "Machine | Team") -> int:
-    """Axes of the cell (bit n-1 = axis n) that are theirs."""
+    """Their axes of the cell (bit n-1 = axis n)."""
     own = {axis.name for axis in robots.limits}
     return sum(1 << n for n, axis in enumerate(cell.axis) if axis.name in own)

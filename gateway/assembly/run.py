@@ -272,7 +272,7 @@ def adapter_children(bus: Bus, local: str, url: str, p5_ms: int, record: pathlib
 
 
 def page_of(cell: Cell, port: int | None, *, simulated: bool) -> Web | None:
-    """Where the page is served: as [web] says, on loopback in a simulation, on `port` when the command line asks for it."""
+    """Where the page is served: as in [web], on loopback in a simulation, on `port` when the command line asks for it."""
     if cell.web is None and port is None:
         return None
     web = cell.web or Web()

@@ -1,4 +1,4 @@
-"""What stands behind a key of a cell: value, unit, source; and what an address or a word means.  Used by `axisgate explain`."""
+"""Explains a key of a cell: value, unit, source; also addresses and words.  Used by `axisgate explain`."""
 
 import dataclasses
 import tomllib
@@ -68,7 +68,7 @@ class Explainer:
         ]
 
     def block_place(self, text: str) -> list[Line]:
-        """The entry that stands at DB10.DW2, DB10.D0.8; [] when none does."""
+        """The entry at DB10.DW2, DB10.D0.8; [] when there is none."""
         try:
             place = parse(text)
         except AddressFault:

@@ -1,4 +1,4 @@
-"""Field faults: what pydantic found, told with key, value, allowed range, unit and a hint."""
+"""Field faults: what pydantic found, reported with key, value, allowed range, unit and a hint."""
 
 import dataclasses
 import difflib

@@ -8,7 +8,7 @@ from gateway.pure.reports.toml_lines import Path, nearest
 
 
 def steps_of(key: str) -> list[str]:
-    """The parts of a written key; what stands in brackets is one part, dots and all: db.10[D 0.8] -> db, 10, [D 0.8]."""
+    """The parts of a written key; the part in brackets is one part, dots included: db.10[D 0.8] -> db, 10, [D 0.8]."""
     return re.findall(r"\[[^\]]*\]|[^.\[]+", key)
 
 
@@ -27,7 +27,7 @@ def resolve(raw: Any, key: str) -> Path:
 
 
 def line_of(raw: Any, places: Mapping[Path, int], key: str) -> int | None:
-    """The line the key stands in, or the closest table around it."""
+    """The line of the key, or the closest table around it."""
     return nearest(dict(places), resolve(raw, key))
 
 

@@ -1,4 +1,4 @@
-"""`last_stop_test` of [safety], written into the cell file after a stop test on the machine itself; everything else stays as it stands."""
+"""`last_stop_test` of [safety], written into the cell file after a stop test on the machine itself; everything else stays unchanged."""
 
 import datetime
 import os
@@ -17,7 +17,7 @@ class NotWritten(Exception):
 
 
 def write(file: pathlib.Path, day: datetime.date) -> int:
-    """The line it stands in now.  NotWritten: a shipped file, one without [safety], or one nobody may write."""
+    """Its present line.  NotWritten: a shipped file, one without [safety], or a read-only one."""
     line = f"last_stop_test = {day.isoformat()}"
     if file.resolve().is_relative_to(PACKAGED):
         raise NotWritten(f"{file} is shipped with axisgate; in a copy of your own write: {line}")

@@ -1,4 +1,4 @@
-"""A TOML syntax error told so that somebody who does not know TOML can cure it."""
+"""A TOML syntax error explained for users who do not know TOML."""
 
 import re
 import tomllib
@@ -41,7 +41,7 @@ def _hint(message: str, bare: list[str], number: int) -> str:
     if re.match(r"[\w.-]+\s*=\s*[A-Za-z]", line) or re.match(r"[\w.-]+\s*:", line):
         return 'write key = value, texts in "quotes", truth as true or false'
     if "overwrite" in message or "twice" in message:
-        return "this key or table stands in the file already"
+        return "this key or table is already in the file"
     return ""
 
 

@@ -1,4 +1,4 @@
-"""Cross checks of a cell: keys that do not fit each other, told like field faults; and what is worth saying without being wrong."""
+"""Cross checks of a cell: keys that do not fit each other, reported like field faults; and notes on valid but doubtful settings."""
 
 from collections.abc import Callable, Mapping
 

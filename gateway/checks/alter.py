@@ -1,4 +1,4 @@
-"""[alter]: six whole words that a command source writes, a byte of life beside them, two words of answer that nobody else writes."""
+"""[alter]: six whole words that a command source writes, a life byte beside them, two answer words without another writer."""
 
 from gateway.assembly.axis_signals import rc_numbers
 from gateway.checks.context import Context
@@ -36,13 +36,13 @@ def alter(check: Context) -> None:
         check.fault(
             "alter.input",
             table.input,
-            f"nobody may write RC input byte {missing[0]}: [rc_inputs] owner names a command source, or a [[route]] leads there",
+            f"RC input byte {missing[0]} has no writer: name a command source in [rc_inputs] owner, or add a [[route]] to it",
         )
     if table.life is None and check.cell.route and missing:
         check.fault(
             "alter.life",
             "",
-            "a [[route]] writes what changes alone: a byte of life is needed to tell a standing correction from a silent one",
+            "a [[route]] writes changes only: a life byte is needed to distinguish a constant correction from a silent partner",
         )
     _status(check, table)
 

@@ -1,4 +1,4 @@
-"""[[belt]]: names once, eight at most, encoders that nobody else is heard as, belts that programs name."""
+"""[[belt]]: names once, eight at most, encoders with unique identifiers, belts that programs name."""
 
 from gateway.assembly.drive_buses import DRIVE_PROTOCOLS
 from gateway.checks.context import Context, twice

@@ -53,7 +53,7 @@ def counts_of(entry: Entry, address: DataWord | DataBit) -> tuple[float, float] 
 
 
 def parsed(block: Db, entry: Entry) -> object:
-    """What stands at `at`; an area has no number, its words are counted all the same.  Raises AddressFault."""
+    """Entries at `at`; an area has no number, its words are counted all the same.  Raises AddressFault."""
     return parse(entry.at, db=number_of(block))
 
 
@@ -80,7 +80,7 @@ def block_heads(check: Context) -> None:
     seen: set[tuple[str, str, int]] = set()
     for block in check.cell.db:
         if (block.line, block.kind, block.number) in seen:
-            check.fault(f"db.{block.number}.number", block.number, "this block stands twice; put its entries into one table")
+            check.fault(f"db.{block.number}.number", block.number, "this block is defined twice; put its entries into one table")
         seen.add((block.line, block.kind, block.number))
         if (block.kind in "DX") is (block.number == 0):
             hint = "a data block has a number" if block.kind in "DX" else f'kind = "{block.kind}" is one area: number = 0'
@@ -131,18 +131,20 @@ def _place(check: Context, block: Db, entry: Entry) -> DataWord | DataBit | None
         check.fault(_key(block, entry), entry.at, f'a place in DB {block.number}: "DW 2", "DL 2", "DR 2", "DD 2", "D 0.3"')
         return None
     if isinstance(address, DataBit) is not (entry.type == "bit"):
-        check.fault(_key(block, entry), entry.type, 'a bit stands at "D word.bit" with type "bit", everything else at DW, DL, DR or DD')
+        check.fault(_key(block, entry), entry.type, 'a bit has the address "D word.bit" and type "bit", everything else DW, DL, DR or DD')
         return None
     if isinstance(address, DataWord):
         wanted = (Part.DOUBLE,) if entry.type in DOUBLE else (Part.WORD, Part.LEFT, Part.RIGHT) if entry.type in BYTE else (Part.WORD,)
         if address.part not in wanted:
-            check.fault(_key(block, entry), entry.type, f"{entry.type} stands at {' or '.join(part.value for part in wanted)}", "", "")
+            check.fault(
+                _key(block, entry), entry.type, f"{entry.type} needs an address of {' or '.join(part.value for part in wanted)}", "", ""
+            )
             return None
     return address
 
 
 def writers(check: Context) -> None:
-    """`to` only in blocks the PLC writes, `from` only in ours; a thing has one writer."""
+    """`to` only in blocks the PLC writes, `from` only in blocks of the cell; each value has one writer."""
     written: dict[str, str] = {}
     for block in check.cell.db:
         if block.writer not in ("plc", "axisgate"):
@@ -345,7 +347,7 @@ def positions(check: Context) -> None:
     for position in check.cell.position:
         key = f"position.{position.number}"
         if position.number in seen:
-            check.fault(f"{key}.number", position.number, "this number stands twice")
+            check.fault(f"{key}.number", position.number, "this number is used twice")
         seen.add(position.number)
         if position.number in programs:
             check.fault(f"{key}.number", position.number, "a [[program]] has this number: which one should it select?")

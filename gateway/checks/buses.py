@@ -44,7 +44,7 @@ def drives(check: Context) -> None:
             check.fault(f"{key}.{'node' if name == 'module' else 'module'}", other, f"a {axis.drive.type} drive has no such number")
         _one_place(check, taken, axis, name, number)
         if bus is not None and name == "module" and bus.axes and number not in modules_of(bus.axes):
-            check.fault(f"{key}.module", number, f'bus {bus.name} says axes = "{bus.axes}"')
+            check.fault(f"{key}.module", number, f'bus {bus.name} has axes = "{bus.axes}"')
 
 
 def _one_place(check: Context, taken: dict[tuple[str, str, int], str], axis: Axis, name: str, number: int) -> None:

@@ -103,7 +103,7 @@ def without_6007h(cell: Cell) -> Iterator[Notice]:
     for axis in cell.axis:
         where = f"axis {axis.name}"
         if axis.stop_evidence == UNTESTED:
-            text = 'stop_evidence = "untested": a drive without 6007h is accepted although nobody measured that it stops at bus loss'
+            text = 'stop_evidence = "untested": a drive without 6007h is accepted although its stop at bus loss was never measured'
             yield Notice("warning", where, f"{text}; only for the cell of the loss test: axisgate drive loss-test CELL --running")
         elif axis.stop_evidence:
             found = stop_evidence(cell, axis)

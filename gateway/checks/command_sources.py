@@ -1,4 +1,4 @@
-"""Head, safety fields, lines, Modbus servers, RC input bytes: who speaks with whom, and is every name theirs alone."""
+"""Head, safety fields, lines, Modbus servers, RC input bytes: connections and unique names."""
 
 from gateway.assembly.data_block_signals import rc_place
 from gateway.checks.context import Context, near, twice
@@ -47,7 +47,7 @@ def _unique(check: Context, pairs: list[tuple[str, str]], what: str) -> None:
     seen: set[str] = set()
     for name, place in pairs:
         if name in seen:
-            check.fault(f"{place}.name", name, f"the name stands twice among the {what}")
+            check.fault(f"{place}.name", name, f"the name is used twice among the {what}")
         seen.add(name)
 
 
@@ -59,7 +59,7 @@ def lines(check: Context) -> None:
             hint = near(bare, PROFILES, most=3) or f"behind a serial server: with {NETWORK} at the end"
             check.fault(f"line.{line.name}.profile", line.profile, hint, " | ".join(sorted(PROFILES)))
         if line.output_timeout is not None and (line.output_timeout == -1) is not (line.priority == "low"):
-            hint = f"output_timeout = {line.output_timeout} says the opposite (-1 = low): keep one of both"
+            hint = f"output_timeout = {line.output_timeout} means the opposite (-1 = low): keep one of them"
             check.fault(f"line.{line.name}.priority", line.priority, hint)
         if not line.format.split()[1].startswith("8"):
             check.fault(f"line.{line.name}.format", line.format, "3964R carries all 256 characters: 8 data bits", '"9600 8E1"')
@@ -135,7 +135,7 @@ def signals(check: Context) -> None:
             continue
         place = RcBit(signal.at.direction, bit)
         if place in taken:
-            check.fault(f"signals.{name}", bit, f"{taken[place]} stands there already")
+            check.fault(f"signals.{name}", bit, f"already used by {taken[place]}")
         taken[place] = name
 
 

@@ -39,7 +39,7 @@ def near(word: str, known: Iterable[str], most: int = 1) -> str:
 
 
 def twice(pairs: Iterable[tuple[object, str]]) -> list[tuple[object, str, str]]:
-    """(value, first place, this place) for every value that stands a second time."""
+    """(value, first place, this place) for every value used a second time."""
     seen: dict[object, str] = {}
     return [(value, seen[value], place) for value, place in pairs if seen.setdefault(value, place) != place]
 

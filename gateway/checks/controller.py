@@ -1,4 +1,4 @@
-"""Cross checks of [controller]: parameters, processes, points, files; what the DAT files have wrong is told line by line."""
+"""Cross checks of [controller]: parameters, processes, points, files; faults of the DAT files line by line."""
 
 import pathlib
 from collections.abc import Iterator
@@ -173,7 +173,7 @@ def _overlap(check: Context, table: Controller) -> None:
 
 
 def files(cell: Cell) -> Iterator[Notice]:
-    """Lines the DAT files lose, and programs nobody declares."""
+    """Lines the DAT files lose, and undeclared programs."""
     table = cell.controller
     if table is None or table.kind != "rho3":
         return

@@ -1,4 +1,4 @@
-"""What a serial line is told to do against what it and its partner can: times, roles, types, amounts, our own polling; with figures."""
+"""Settings of a serial line against the abilities of both partners: times, roles, types, amounts, own polling; with figures."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -92,7 +92,7 @@ def types(check: Context) -> None:
             continue
         if at.role != "active" and block.kind not in at.rk512.types:
             listed = ", ".join(f'"{kind}"' for kind in at.rk512.types)
-            hint = f'kind = "{block.kind}", and line {at.name} serves types = [{listed}]: nobody could reach it'
+            hint = f'kind = "{block.kind}", but line {at.name} serves types = [{listed}] only: the block cannot be reached'
             check.fault(f"db.{block.number}.kind", block.kind, hint)
         most = dialect.most_word + 1
         if block.kind in "DX" and block.words > most:
@@ -197,7 +197,7 @@ def fixed_times(cell: Cell) -> Iterator[Notice]:
 
 
 def amounts(cell: Cell) -> Iterator[Notice]:
-    """A block the partner cannot have in one job; types nobody has declared."""
+    """A block the partner cannot have in one job; undeclared types."""
     for line in cell.line:
         dialect = dialect_of(line)
         if dialect is None or line.role == "active":
@@ -215,7 +215,7 @@ def amounts(cell: Cell) -> Iterator[Notice]:
 
 
 def flags(cell: Cell) -> Iterator[Notice]:
-    """Coordination flags that stay set until somebody resets them."""
+    """Coordination flags that stay set until they are reset."""
     for line in cell.line:
         if line.rk512.coordination_flag == "keep":
             text = 'coordination_flag = "keep": a flag a job has set stays until `axisgate var "M 6.4" --set 0`; until then it gets 32h'

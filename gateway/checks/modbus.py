@@ -40,7 +40,7 @@ def _server(check: Context, door: Modbus, key: str) -> None:
         check.fault(f"{key}.tls", "", "TLS carries Modbus TCP only: leave framing and port away")
     if (door.tls is None) == bool(door.roles):
         hint = (
-            "roles come out of certificates: [modbus.tls] is missing" if door.roles else "without [[modbus.roles]] nobody may do anything"
+            "roles come out of certificates: [modbus.tls] is missing" if door.roles else "without [[modbus.roles]] no client has any right"
         )
         check.fault(f"{key}.{'roles' if door.roles else 'tls'}", "", hint)
     if door.writers and (door.allow or door.tls is not None):
@@ -55,9 +55,9 @@ def _server(check: Context, door: Modbus, key: str) -> None:
     kind = check.cell.controller.kind if check.cell.controller is not None else ""
     for view, where in ((door.view, "view"), *((unit.view, f"units[{n}]") for n, unit in enumerate(door.units))):
         if view in PICTURES and kind != view:
-            check.fault(f"{key}.{where}", view, f'this picture is of a control the cell has not: [controller] kind = "{view}"')
+            check.fault(f"{key}.{where}", view, f'this view belongs to another controller: it needs [controller] kind = "{view}"')
     for value, _, where in twice([(door.unit, "unit"), *((unit.unit, f"units[{n}]") for n, unit in enumerate(door.units))]):
-        check.fault(f"{key}.{where}", value, "the unit id stands twice")
+        check.fault(f"{key}.{where}", value, "the unit id is used twice")
     _registers(check, door, key)
 
 
@@ -120,10 +120,10 @@ def _client(check: Context, door: Modbus, key: str) -> None:
     if door.tls is not None and (not door.port_.startswith("tcp://") or door.framing == "rtu"):
         check.fault(f"{key}.tls", "", 'TLS carries Modbus TCP only: port = "tcp://host:802", no framing')
     if not door.device:
-        check.fault(f"{key}.device", "", "a client without a [[modbus.device]] asks nobody")
+        check.fault(f"{key}.device", "", "a client without a [[modbus.device]] has nothing to poll")
     devices = [device.name for device in door.device]
     for value, _, _ in twice((name, f"{n}") for n, name in enumerate(devices)):
-        check.fault(f"{key}.device", value, "the name stands twice among the devices")
+        check.fault(f"{key}.device", value, "the name is used twice among the devices")
     for n, value in enumerate(door.value):
         for hint in _value_faults(value, devices):
             check.fault(f"{key}.value[{n}]", value.name or value.table, hint)

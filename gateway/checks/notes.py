@@ -170,7 +170,7 @@ def evidence(cell: Cell) -> Iterator[Notice]:
 
 
 def lag(cell: Cell) -> Iterator[Notice]:
-    """Lag limits against the lag the drive's position loop needs, where the plant tells Kv."""
+    """Lag limits against the lag the drive's position loop needs, where the plant gives Kv."""
     without = [axis.name for axis in cell.axis if axis.following_error is None]
     if without:
         yield Notice("note", f"axis {', '.join(without)}", "no following_error: only the drive supervises the lag")
@@ -184,7 +184,7 @@ def lag(cell: Cell) -> Iterator[Notice]:
 
 
 def enabling(cell: Cell) -> Iterator[Notice]:
-    """Enabling inputs nobody writes read 0 (AX-002); assumed ones are told every time."""
+    """Enabling inputs without a writer read 0 (AX-002); assumed ones are reported every time."""
     if cell.rc_inputs.assume:
         yield Notice("warning", "rc_inputs", f"assumed as 1, not wired here: {', '.join(cell.rc_inputs.assume)}")
     written = {entry.to for block in cell.db for entry in block.entries} | {io.signal for io in cell.io} | set(cell.rc_inputs.assume)
@@ -195,7 +195,7 @@ def enabling(cell: Cell) -> Iterator[Notice]:
         if bit // 8 not in cell.rc_inputs.owner and f"cell.{name}" not in written and symbol not in written
     ]
     if missing and not cell.not_playable():
-        text = f"nobody writes {', '.join(missing)}: they read 0 and nothing will move; name an owner of byte 3 or assume them"
+        text = f"{', '.join(missing)} have no writer: they read 0 and nothing will move; name an owner of byte 3 or assume them"
         yield Notice("warning", "rc_inputs", text)
 
 
@@ -208,18 +208,20 @@ def counting(cell: Cell) -> Iterator[Notice]:
             yield Notice("note", f"axis.{axis.name}", f"{text}, then drives off with reason SET_VALUE")
             if axis.home.by == "none":
                 text = (
-                    "endless and absolute: an encoder that counts round while the gateway is off looks at the start as if somebody had "
-                    "turned the axis, which is told where it may be (AX-607)"
+                    "endless and absolute: an encoder that overflows while the gateway is off looks as if the axis had been "
+                    "turned; at the start the gateway reports where this may be the case (AX-607)"
                 )
                 yield Notice("note", f"axis.{axis.name}.home", text)
 
 
 def serials(cell: Cell) -> Iterator[Notice]:
-    """0 is what a drive says that has no serial number: every such drive would be the pinned one."""
+    """A drive without a serial number reports 0: every such drive would be the pinned one."""
     for axis in cell.axis:
         text = axis.drive.serial
         if axis.drive.type == "cia402" and text[:1].isdigit() and int(text, 0) == 0:
-            words = f"serial {text!r} pins nothing: a drive without a serial number says 0 in 1018h:04; vendor and product count"
+            words = (
+                f"serial {text!r} identifies no drive: 1018h:04 is 0 in a drive without a serial number; vendor and product are compared"
+            )
             yield Notice("warning", f"axis.{axis.name}.drive.serial", words)
 
 

@@ -114,7 +114,7 @@ def _path_outputs(check: Context) -> None:
         if not bits <= free or bits & taken:
             check.fault(f"{key}.output", each.output, "axisgate itself, or another function, writes this output")
         if each.kind == "ppo" and each.output % each.bits:
-            check.fault(f"{key}.output", each.output, f"a value of {each.bits} bits stands at a multiple of {each.bits}")
+            check.fault(f"{key}.output", each.output, f"the address of a {each.bits}-bit value must be a multiple of {each.bits}")
         if each.kind == "ppo" and (each.function > ANALOG) is (each.rated == 0.0):
             check.fault(f"{key}.rated", each.rated, "functions from 201 on are analog and have a rated value (P405), others have none")
         if each.volts not in (10.0, 13.3):

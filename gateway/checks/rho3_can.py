@@ -53,7 +53,7 @@ def downloads(check: Context) -> None:
 
 
 def orientation_notes(cell: Cell) -> Iterator[Notice]:
-    """Modes 1 and 3 tell turns of the axis apart by the decimals of the gear factor (rho3 2.8)."""
+    """Modes 1 and 3 distinguish turns of the axis by the decimals of the gear factor (rho3 2.8)."""
     for axis in cell.axis:
         if axis.home.by != "gateway" or axis.home.mode not in ORIENTED:
             continue
@@ -61,9 +61,7 @@ def orientation_notes(cell: Cell) -> Iterator[Notice]:
         wide, at_axis = segment_deg(axis.mechanics.ratio)
         where = f"axis {axis.name}"
         if count == 1:
-            text = (
-                f"referencing mode {axis.home.mode} with gear factor {number(axis.mechanics.ratio)}: without decimals no turn is told apart"
-            )
+            text = f"referencing mode {axis.home.mode} with gear factor {number(axis.mechanics.ratio)}: no decimals, so turns are ambiguous"
             yield Notice("note", where, f"{text}; the encoder zero next to the edge counts (AX-264)")
         else:
             text = f"{count} segments of {number(wide)} degrees at the resolver, {number(at_axis)} degrees at the axis"
@@ -82,7 +80,7 @@ def zero_offset_notes(cell: Cell) -> Iterator[Notice]:
 
 
 def unused_notes(cell: Cell) -> Iterator[Notice]:
-    """P numbers that were typed in and change nothing: whoever tunes one would wait for an effect."""
+    """P numbers that were typed in and change nothing: tuning them would have no effect."""
     if cell.rho3 is None:
         return
     controlled = cell.controller is not None and cell.controller.kind == "rho3"

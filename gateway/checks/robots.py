@@ -1,4 +1,4 @@
-"""[[robot]]: several robots of one cell have names and axes one behind the other; tables that are about robots name theirs."""
+"""[[robot]]: several robots of one cell have names and axes one behind the other; tables about a robot name it."""
 
 from collections.abc import Sequence
 from itertools import accumulate
@@ -26,7 +26,7 @@ def robots(check: Context) -> None:
     if count > MOST_KINEMATICS:
         check.fault("robot", count, "robots of one cell", f"1..{MOST_KINEMATICS}")
     for called, _, _ in twice((robot.name, str(n)) for n, robot in enumerate(cell.robot)):
-        check.fault("robot.name", called, "another robot has this name: programs tell them apart by it")
+        check.fault("robot.name", called, "another robot has this name: programs address robots by name")
     for robot in cell.robot:
         try:
             name("robot", robot.name)
@@ -70,7 +70,7 @@ def _named(check: Context) -> None:
         for name in [name for name in names if name not in there]:
             check.fault(f"{key}.robot", name, f"no [[robot]] has this name; this cell has {known}")
         for name in sorted({name for name in names if names.count(name) > 1}):
-            check.fault(f"{key}.robot", name, "stands twice")
+            check.fault(f"{key}.robot", name, "is listed twice")
 
 
 def masters(check: Context) -> None:

@@ -71,7 +71,7 @@ def _ends(check: Context, route: Route, compiled: Compiled) -> None:
         if place is None:
             continue
         if place.world not in (World.BLOCK, World.RC_INPUT):
-            check.fault(f"{key}.{mark}", text, "a mark stands in a data block of ours or in an RC input nobody owns")
+            check.fault(f"{key}.{mark}", text, "a mark must be in a data block of this cell or in an RC input without an owner")
         else:
             _target(check, f"{key}.{mark}", text, place)
 
@@ -90,7 +90,7 @@ def _source(check: Context, key: str, text: str, place: Place) -> None:
         case World.RC_INPUT | World.RC_OUTPUT:
             _image(check, key, text, place)
         case World.PARAMETER:
-            check.fault(key, text, "a route writes drive parameters, it does not read them; an axis says axis.NAME.actual, .torque")
+            check.fault(key, text, "a route writes drive parameters, it does not read them; read axis.NAME.actual or .torque")
 
 
 def _target(check: Context, key: str, text: str, place: Place) -> None:
@@ -105,11 +105,11 @@ def _target(check: Context, key: str, text: str, place: Place) -> None:
             owners = {byte: door for byte, door in check.cell.rc_inputs.owner.items() if place.byte <= byte < place.byte + place.size}
             for byte, door in owners.items():
                 check.fault(
-                    key, text, f"two writers in RC input byte {byte}: {door} owns it ([rc_inputs]); a route needs a byte nobody owns"
+                    key, text, f"two writers in RC input byte {byte}: {door} owns it ([rc_inputs]); a route needs a byte without an owner"
                 )
         case World.RC_OUTPUT:
             check.fault(
-                key, text, "RC outputs come from the cycle alone: a route ends in an RC input, a block of ours, a value or a contact"
+                key, text, "RC outputs come from the cycle alone: a route ends in an RC input, a block of this cell, a value or a contact"
             )
         case World.CONTACT:
             _contact(check, key, text, place.name, output=True)
@@ -163,7 +163,7 @@ def _listed(check: Context, key: str, text: str, place: Place, entry: Entry | No
     if entry is None:
         check.fault(key, text, f"{file} lists no object {place.db:04X}h:{place.byte:02X}")
     elif not entry.access.writable:
-        check.fault(key, text, f"{entry.name}: {file} says it can only be read ({entry.access.value})")
+        check.fault(key, text, f"{entry.name}: read-only according to {file} ({entry.access.value})")
     elif entry.type.size != place.size or (entry.type.kind is DataKind.REAL) is not (place.form in FLOATS):
         check.fault(key, text, f"{entry.name} is {entry.type.name} in {file}; {place.form} has {place.size} bytes: another to_type")
 

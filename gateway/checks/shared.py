@@ -1,4 +1,4 @@
-"""[[shared_output]]: axes that are there, each on one output alone, on RC outputs nobody else writes."""
+"""[[shared_output]]: axes that are there, each on one output alone, on RC outputs without another writer."""
 
 from gateway.assembly.axis_signals import rc_numbers
 from gateway.checks.context import Context, twice

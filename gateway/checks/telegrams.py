@@ -1,4 +1,4 @@
-"""[[telegram]]: lines, places, types, lengths, names, and matches that could not be told apart."""
+"""[[telegram]]: lines, places, types, lengths, names, and ambiguous matches."""
 
 from collections.abc import Iterable, Iterator
 
@@ -24,7 +24,7 @@ def heads(check: Context) -> None:
     seen: set[str] = set()
     for telegram in check.cell.telegram:
         if telegram.name in seen:
-            check.fault(_key(telegram, "name"), telegram.name, "the name stands twice among the [[telegram]] tables")
+            check.fault(_key(telegram, "name"), telegram.name, "the name is used twice among the [[telegram]] tables")
         seen.add(telegram.name)
         if not check.unknown(_key(telegram, "line"), telegram.line, "line") and telegram.line in lines:
             layer = lines[telegram.line].layer
@@ -83,7 +83,7 @@ def _sound(check: Context, telegram: Telegram) -> bool:
 def _one_scale(check: Context, key: str, unit: str, scale: float) -> None:
     factor = factor_of(unit)
     if factor is not None and scale != 1.0:
-        check.fault(key, unit, f"scale = {scale:g} says it too: write one of both")
+        check.fault(key, unit, f"scale = {scale:g} sets the same: keep one of them")
     if factor == 0.0:
         check.fault(key, unit, "a count is worth more than nothing")
 

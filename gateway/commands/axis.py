@@ -17,7 +17,7 @@ from gateway.tools.drives.first_enable import percent
 EXAMPLES = """examples:
   axisgate axis try cell.toml X                     on the running cell: pre-checks, then both ways
   axisgate axis try demo-402 A1 --sim               the same without metal
-  axisgate axis zero cell.toml Z --at 0 --who "A. Fitter"    the axis stands at 0.0 now: keep it, with history
+  axisgate axis zero cell.toml Z --at 0 --who "A. Fitter"    set the present position to 0.0 and record it
 """
 TORQUE_LIMIT = 0x6072  # max torque, 0.1 % of rated
 
@@ -31,7 +31,7 @@ def main(argv: list[str]) -> int:
     parser.add_argument("axis", help="name of the axis")
     parser.add_argument("--name", help="name of the run, when it is not the file's")
     parser.add_argument("--sim", action="store_true", help="run the cell under simulation for this")
-    parser.add_argument("--at", type=float, default=0.0, help="zero: what the axis shall read where it stands (default 0)")
+    parser.add_argument("--at", type=float, default=0.0, help="zero: new value of the present position (default 0)")
     parser.add_argument("--who", default="", help="zero: your name, for the history")
     parser.add_argument("--json", action="store_true")
     arguments = parser.parse_args(argv)
@@ -84,7 +84,7 @@ def _try(client: ToolClient, cell: Cell, axis: Axis) -> Row:
 
 
 class NotReady(ToolError):
-    """The drive says why; nothing was tried."""
+    """The drive gives the reason; nothing was tried."""
 
 
 def fault_words(axis: Axis, code: int, language: str) -> str:
@@ -135,7 +135,7 @@ def _verdict(axis: Axis, way: float, legs: list[Row], start: float, end: float, 
     sentence = (
         f"axis {axis.name}: {way:g} {unit} both ways at {axis.first_enable.speed}, {limit}: {turn}, missed by at most {missed:.3f} {unit}, "
         f"following error up to {lag:.3f} {unit}, torque up to {100 * torque:.0f} %, back within {abs(end - start):.3f} {unit}; "
-        f"{'now look: did it move the way your drawing says?' if good else 'STOP: do not go on'}"
+        f"{'now look: did it move as your drawing shows?' if good else 'STOP: do not go on'}"
     )
     return {"axis": axis.name, "good": good, "sentence": sentence, "legs": legs, "increments_per_unit": per_unit}
 

@@ -1,4 +1,4 @@
-"""Tools at a CAN bus: load before running, monitor, log, replay, and what a recording of an old control tells."""
+"""Tools at a CAN bus: load before running, monitor, log, replay, and analysis of recordings of an old control."""
 
 import importlib
 import sys

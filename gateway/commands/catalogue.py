@@ -9,7 +9,7 @@ GROUP = "axisgate.commands"
 
 
 def first_line(entry: EntryPoint) -> str:
-    """What the command's module says of itself, read without running it."""
+    """The docstring of the command's module, read without running it."""
     try:
         found = importlib.util.find_spec(entry.module)
     except ModuleNotFoundError:

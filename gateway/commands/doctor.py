@@ -1,4 +1,4 @@
-"""`axisgate doctor`: may this user on this machine drive ports, buses and a cycle; each line says what to do."""
+"""`axisgate doctor`: checks permissions and real-time settings of this machine, each with its remedy."""
 
 import argparse
 import dataclasses
@@ -103,7 +103,7 @@ def ports(named: list[str]) -> list[Finding]:
 
 
 def read_port(name: str) -> PortState:
-    """What the system says about a serial port."""
+    """What the system reports about a serial port."""
     path = pathlib.Path(name)
     if not path.exists():
         return PortState(name, False)

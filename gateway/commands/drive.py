@@ -203,10 +203,10 @@ def _tell_stops(cell: Cell, stops: "list[Stop]", arguments: argparse.Namespace, 
         print(json.dumps(losstest.report(cell, stops, evidence)))
         return
     for stop in stops:
-        verdict = "" if stop.good else "  DOES NOT STOP AS WANTED"
+        verdict = "" if stop.good else "  DOES NOT STOP AS REQUIRED"
         print(
             f"{stop.loss:<10} {stop.axis:<6} {stop.speed:>9.1f} {stop.unit}/s  reacts after {stop.reaction_ms:>6.1f} ms "
-            f"(allowed {stop.allowed_ms:g}), stands after {stop.stop_ms:>7.1f} ms and {stop.way:>8.3f} {stop.unit}{verdict}"
+            f"(allowed {stop.allowed_ms:g}), at rest after {stop.stop_ms:>7.1f} ms and {stop.way:>8.3f} {stop.unit}{verdict}"
         )
     print(f"written: {written[0]}, {written[1]}  (evidence: {evidence})")
 

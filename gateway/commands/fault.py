@@ -15,7 +15,7 @@ EXAMPLES = """examples:
   axisgate fault phase_loss node=3 on=true             CiA 402 drives; also undervoltage, over_temperature, stick_brake, bus_off ...
   axisgate fault drop way=in id=100 count=3            frames: drop, delay (ms=), duplicate, corrupt (byte= bits=), quiet ms=500
   axisgate fault --emulator demo-drives load_torque axis=2 torque_nm=2.5
-exit code: 0 done, 1 the emulator refused it (it says what it knows), 2 command line, 3 no emulator runs"""
+exit code: 0 done, 1 the emulator refused it (and lists what it accepts), 2 command line, 3 no emulator runs"""
 
 
 def main(argv: list[str]) -> int:
@@ -60,7 +60,7 @@ def order(name: str, what: str, values: dict[str, object]) -> int:
 
 
 def emulators() -> list[str]:
-    """Names of the emulators that answer; a socket nobody listens on is what a killed one left."""
+    """Names of the emulators that answer; a socket without a listener is left from a killed one."""
     found = []
     for path in sorted(runtime_dir().glob(f"{PREFIX}*{SUFFIX}")):
         name = path.name.removeprefix(PREFIX).removesuffix(SUFFIX)

@@ -15,7 +15,7 @@ EXAMPLES = """examples:
   axisgate import p-list plist.txt                     the cell file on standard output, the report on standard error
   axisgate import p-list plist.txt -o robot2.toml      both: the file there, the report here; then: axisgate check robot2.toml
   axisgate import p-list plist.txt --json              file and report for a program
-exit code: 0 the file passes `axisgate check`, 1 it does not yet (the report says what is missing), 2 nothing to read"""
+exit code: 0 the file passes `axisgate check`, 1 it does not yet (the report lists what is missing), 2 nothing to read"""
 
 
 def main(argv: list[str]) -> int:
@@ -57,7 +57,7 @@ def _read(path: pathlib.Path) -> str:
 
 
 def check(cell: str) -> list[str]:
-    """What `axisgate check` says against the file."""
+    """Faults that `axisgate check` finds in the file."""
     try:
         load_cell("cell.toml", cell)
     except CellFaults as found:

@@ -17,11 +17,11 @@ from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE, loa
 EXAMPLES = """examples:
   axisgate io list cell.toml            every contact: signal, value, quality
   axisgate io test cell.toml            outputs are switched one by one, inputs looked at; a question each
-  axisgate io test cell.toml --json --yes --only lamp   for scripts: nobody is asked, what was switched is confirmed by the device
+  axisgate io test cell.toml --json --yes --only lamp   for scripts: no questions; the device confirms what was switched
 """
 WARNING = (
-    "Outputs are switched now, one at a time: brakes, lamps and enable chains may act. Somebody may be standing there: look first.\n"
-    "Drives have to be off; the watchdog is never switched by hand. Nobody at the machine? [type yes] "
+    "Outputs are switched now, one at a time: brakes, lamps and enable chains may act. Check first that the machine is clear of people.\n"
+    "Drives have to be off; the watchdog is never switched by hand. Is the machine clear of people? [type yes] "
 )
 HOLD_S = 60.0
 Ask = Callable[[str], str]
@@ -35,7 +35,7 @@ class IoConsole:
         self._path = str(runtime_dir() / f"{name}{SUFFIX}")
 
     def ask(self, **request: object) -> Mapping[str, Any]:
-        """One question; OSError when nobody answers."""
+        """One question; OSError without an answer."""
         with socket.socket(socket.AF_UNIX) as link:
             link.settimeout(3.0)
             link.connect(self._path)
@@ -58,7 +58,7 @@ def main(argv: list[str]) -> int:
     parser.add_argument("cell")
     parser.add_argument("--name", help="of the run, when it is not the cell's")
     parser.add_argument("--only", action="append", default=[], metavar="CONTACT", help="may stand several times")
-    parser.add_argument("--yes", action="store_true", help="nobody is asked; the device's confirmation counts")
+    parser.add_argument("--yes", action="store_true", help="ask no questions; the device's confirmation counts")
     parser.add_argument("--json", action="store_true")
     arguments = parser.parse_args(argv)
     cell = load(arguments.cell)

@@ -1,6 +1,6 @@
 """`axisgate line export TRACE -o FILE`: a line record or journal as pcapng for Wireshark, or as a journal (form of the test vectors).
 
-`main` takes what follows the word export; gateway.commands.line hands it on.
+`main` takes what follows the word export; gateway.commands.line passes it on.
 """
 
 import argparse
@@ -58,7 +58,7 @@ def main(argv: list[str]) -> int:
 
 
 def read_trace(path: pathlib.Path) -> list[Item]:
-    """A line record or a journal, told apart by what its first word is.  DecodeError: neither; OSError."""
+    """A line record or a journal, distinguished by the first word.  DecodeError: neither; OSError."""
     text = path.read_text(encoding="utf-8")
     words = next((line.split() for line in text.splitlines() if line.strip() and not line.startswith("#")), [])
     if words[:1] == ["dialogue"]:

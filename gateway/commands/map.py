@@ -1,4 +1,4 @@
-"""Print what stands where at the command sources of a cell: Modbus registers, data blocks, signals, wiring."""
+"""Print the addresses at the command sources of a cell: Modbus registers, data blocks, signals, wiring."""
 
 import argparse
 import pathlib

@@ -82,5 +82,7 @@ def _find(prober: Prober, arguments: argparse.Namespace) -> int:
         factor = f", {place.factor} counts to one" if place.factor > 1 else ""
         print(f"{place.table} register {place.address} ({place.reference}): {place.type} {place.order}{factor}: {place.value:.9g}")
     if not found:
-        print(f"{arguments.find:g} stands in none of the {read} registers that could be read; try --first, --last, --unit", file=sys.stderr)
+        print(
+            f"{arguments.find:g} was found in none of the {read} registers that could be read; try --first, --last, --unit", file=sys.stderr
+        )
     return DONE if found else FINDING

@@ -12,7 +12,7 @@ from gateway.tools.monitor.tables import Table, as_json, plain
 
 EXAMPLES = """examples:
   axisgate monitor                                  the cell that is up; ? shows the keys
-  axisgate monitor demo --tab errors --once         what stands, with cause and what to do, as plain text
+  axisgate monitor demo --tab errors --once         pending errors with cause and remedy, as plain text
   axisgate monitor demo --tab signals --search "DB10 target" --json | jq .signals
   axisgate monitor old --pendant                    the pendant of the rho 3: display and keys ([controller] kind "rho3")
   axisgate monitor old --press "MODE 7.3.2 ENTER"   keys, then what the display shows

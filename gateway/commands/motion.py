@@ -43,7 +43,7 @@ EXAMPLES = """examples:
   axisgate motion check mine.txt --robot tx60-like --json   another robot than the program names; findings as JSON
   axisgate motion plot pick.txt --cell portal --belt-speed 150   in a cell: its limits, blocks on its belts at 150 mm/s
   axisgate motion run scara 1 --sim                         program 1 of a cell, on its emulated drives (motion run -h)
-PROGRAM is a file, or the name of a shipped one (configs/programs); the text form is told in docs/guide/motion-programs.md.
+PROGRAM is a file, or the name of a shipped one (configs/programs); the text form is described in docs/guide/motion-programs.md.
 exit code: 0 can be run, 1 a finding, 2 the program, its text or the robot is invalid"""
 
 
@@ -128,7 +128,7 @@ class Belts:
         """m or rad per s: what is given for all, or each belt's own P508.  MotionError where a belt has none."""
         for belt in self.facts:
             if given is None and not belt.data.simulated:
-                raise MotionError(f"belt {belt.name} has no speed of its own (simulated = ..): --belt-speed says one")
+                raise MotionError(f"belt {belt.name} has no speed of its own (simulated = ..): give one with --belt-speed")
         return tuple(to_si(belt.data.simulated if given is None else given, belt.data.unit) for belt in self.facts)
 
 
@@ -180,9 +180,9 @@ def load(text: str, robot: str | None, cell: Cell | None) -> tuple[Program, Mach
         machine = machine_of(load_robot(robot or program.robot))
         for block in program.blocks:
             if block.synchron is not None:
-                raise MotionError(f"line {block.line}: belt {block.synchron.belt} is one of a cell: --cell CELL says of which")
+                raise MotionError(f"line {block.line}: belt {block.synchron.belt} belongs to a cell: name it with --cell CELL")
         if program.acts or any(block.acts for block in program.blocks):
-            raise MotionError("sync and belt functions are about the belts of a cell: --cell CELL says of which")
+            raise MotionError("sync and belt functions need the belts of a cell: name it with --cell CELL")
     else:
         machine, belts = _robot_in(cell, program), Belts(belt_facts(cell), cell.cycle_ms)
     if len(program.start) != machine.axes:

@@ -24,9 +24,9 @@ def main(argv: list[str]) -> int:
         "axisgate new", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("file", metavar="FILE", type=pathlib.Path, help="cell file to write; never overwritten")
-    parser.add_argument("--from", dest="kind", choices=tuple(QUESTIONS), required=True, help="what stands there today")
+    parser.add_argument("--from", dest="kind", choices=tuple(QUESTIONS), required=True, help="the control that is there today")
     parser.add_argument("--answer", metavar="KEY=VALUE", action="append", default=[], help="answers a question beforehand")
-    parser.add_argument("--defaults", action="store_true", help="asks nothing: defaults where no --answer stands")
+    parser.add_argument("--defaults", action="store_true", help="no questions: defaults where no --answer is given")
     parser.add_argument("--language", choices=LANGUAGES, help="of the cell; else the system's")
     parser.add_argument("--json", action="store_true", help="file and answers as JSON")
     options = parser.parse_args(argv)
@@ -60,7 +60,7 @@ def given(pairs: list[str]) -> dict[str, str]:
 
 
 def default(question: Question) -> str:
-    """Nobody is asked."""
+    """No questions."""
     return question.default
 
 

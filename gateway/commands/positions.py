@@ -1,4 +1,4 @@
-"""Does the machine still agree with the old positions?  Walks the [[check_position]] list and tells old, new and the difference."""
+"""Compare the machine with its old positions: walks the [[check_position]] list and prints old, new and the difference."""
 
 import argparse
 import json
@@ -13,7 +13,7 @@ from gateway.tools.drives.first_enable import percent
 
 EXAMPLES = """examples:
   axisgate positions cell.toml                  asks you to bring the axes to each mark by hand, then reads them
-  axisgate positions cell.toml --go             drives to each position slowly (first_enable speed) and reads where it stands
+  axisgate positions cell.toml --go             drives to each position slowly (first_enable speed) and reads its position
   axisgate positions s5-rk512 --sim --go --json without metal
 """
 

@@ -23,7 +23,7 @@ EXAMPLES = """examples:
   axisgate record --slug line2 --for 3600 -o hour.axrec     a run by its name, for an hour
   axisgate record cell.toml -o monday.axrec                 once more: a recorder that was ended goes on with its file
 then: axisgate replay monday.axrec --diff
-exit code: 0 done, 1 something was lost (named in the file), 2 command line or file, 3 no such run, or somebody records it already"""
+exit code: 0 done, 1 something was lost (named in the file), 2 command line or file, 3 no such run, or it is being recorded already"""
 
 
 def main(argv: list[str]) -> int:
@@ -37,7 +37,7 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--json", action="store_true", help="what was kept as JSON")
     options = parser.parse_args(argv)
     if options.cell is None and options.slug is None:
-        parser.error("CELL or --slug NAME says which run")
+        parser.error("name the run with CELL or --slug NAME")
     if options.seconds is not None and options.seconds <= 0:
         parser.error(f"--for {options.seconds:g}: more than 0 s")
     try:

@@ -1,4 +1,4 @@
-"""Put a backup back: its files are checked before anything is changed; what stood there is kept beside."""
+"""Restore a backup: its files are checked before anything is changed; present files are kept beside."""
 
 import argparse
 import json

@@ -27,7 +27,7 @@ EXAMPLES = """examples:
   axisgate run cell.toml                        your cell on its real ports
   axisgate run cell.toml --shadow --tap plc=/dev/ttyUSB0,/dev/ttyUSB1 --bus socketcan:can0
   axisgate run cell.toml --shadow --tap plc2=/run/user/1000/plc2.pcap,10.0.0.7:502 --bus socketcan:can0 --tolerance 0.5
-                                                beside the working old control: nothing is sent, its status is compared with ours
+                                                beside the working old control: nothing is sent, its status is compared with axisgate's
 """
 SLOW_P5 = 10  # ms, as the demo: the clock of a simulation without real-time priority
 STRETCHED = "real-time priority is refused here: P5 = {p5} ms, and simulated time waits where this machine is late (axisgate doctor)"
@@ -43,7 +43,7 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--bus", help="CAN port in place of the cell's, e.g. socketcan:vcan0")
     parser.add_argument("--p5", type=int, help="clock in ms (2..32) in place of the cell's")
     parser.add_argument("--modbus-port", type=int, help="TCP port in place of the cell's")
-    parser.add_argument("--web", type=int, metavar="PORT", help="serve the page on this TCP port (default: as [web] of the cell says)")
+    parser.add_argument("--web", type=int, metavar="PORT", help="serve the page on this TCP port (default: [web] of the cell)")
     parser.add_argument("--name", help="name of this run for `axisgate var` (default: the file's)")
     parser.add_argument("--record", type=pathlib.Path, help="folder for bus log, line and emulator records")
     parser.add_argument("--json", action="store_true", help="print the plan of the run as JSON and do not start it")

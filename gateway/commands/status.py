@@ -10,7 +10,7 @@ EXAMPLES = """examples:
   axisgate status                   the run that is up on this computer
   axisgate status hall3             this one
   axisgate status hall3 --json      for scripts
-exit code: 0 everything is up, 1 a process is not up or an alarm stands, 3 no such run"""
+exit code: 0 everything is up, 1 a process is not up or an alarm is pending, 3 no such run"""
 
 
 def main(argv: list[str]) -> int:

@@ -49,7 +49,7 @@ def main(argv: list[str]) -> int:
 
 
 def runs_up() -> list[str]:
-    """Names of the runs whose services answer; a socket nobody listens on is what a killed run left."""
+    """Names of the runs whose services answer; a socket without a listener is left from a killed run."""
     found = []
     for path in sorted(runtime_dir().glob(f"*{SUFFIX}")):
         with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as probe:

@@ -49,7 +49,7 @@ def as_dict(
     device: Mapping[str, str],
     language: str = "en",
 ) -> dict[str, object]:
-    """Everything the report says, sentences in that language, verdicts and keys as they are; times in ms."""
+    """The whole report, sentences in that language, verdicts and keys as they are; times in ms."""
     profile = settings.profile
     return {
         "kind": "axisgate line probe",
@@ -110,7 +110,7 @@ def characters(notes: Notes) -> dict[str, int]:
 
 
 def wire_text(notes: Notes) -> str:
-    """What was on the line, in order of the moments: > ours, < the station's."""
+    """What was on the line, in order of time: > tester, < station."""
     parts, last = [], ""
     for _, who, what in sorted(notes.wire, key=lambda entry: entry[0]):
         if who != last:

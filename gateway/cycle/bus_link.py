@@ -136,7 +136,7 @@ class BusLink:
 
     @property
     def plain(self) -> bool:
-        """What comes and goes may be made and read in C: the local bus is there, and nobody else wants the frames."""
+        """Frames may be built and read in C: the local bus is there, and no other part needs the frames."""
         return self._local is not None and self.tap is None and not self.encoders
 
     def _send_frames(self, port: CanPort) -> None:

@@ -1,4 +1,4 @@
-"""Contacts in the cycle: CiA 401 couplers on its buses show what the completed cycle says, and their inputs are published."""
+"""Contacts in the cycle: CiA 401 couplers on its buses show the result of the completed cycle, and their inputs are published."""
 
 from collections.abc import Mapping, Sequence
 

@@ -4,7 +4,7 @@ Order of one cycle (AX-001): at the grid instant SYNC and the set values for the
 latched; then the core thinks, and what it decided is published.  A grid instant that was missed is counted and never made up for.
 
 Buses of any family hang on one core (AX-300).  Frames that are no cyclic data come from the master of the services through the ring
-`acyclic`, at most one a bus and cycle, and what the bus says aside goes back through the ring `heard` (AX-301).
+`acyclic`, at most one a bus and cycle, and other frames of the bus go back through the ring `heard` (AX-301).
 """
 
 import argparse

@@ -1,4 +1,4 @@
-"""The cycle's end of a recording: messages into a ring, while a recorder lives; no file, nobody is waited for."""
+"""The cycle's end of a recording: messages into a ring, while a recorder lives; no file, no waiting."""
 
 from collections.abc import Callable, Mapping, Sequence
 
@@ -28,7 +28,7 @@ LOOK_EVERY = 16  # cycles between looks for a recorder while none is there
 
 
 class CycleTap:
-    """`on`: somebody records."""
+    """`on`: a recorder is active."""
 
     def __init__(self, core: CycleLogic, buses: Sequence[BusLink], fds: Mapping[str, int]) -> None:
         self.on = False
@@ -48,7 +48,7 @@ class CycleTap:
         self._heap += pack(what, payload)
 
     def note(self, what: What) -> None:
-        """A call without anything to it, when somebody records."""
+        """A call without arguments, when a recorder is active."""
         if self.on:
             self.put(what)
 
@@ -58,7 +58,7 @@ class CycleTap:
         self.put(What.BEGIN, BEGIN.pack(now, missed))
 
     def node(self, kind: Aside, bus: int, node: int, data: bytes) -> None:
-        """The master says so."""
+        """By request of the master."""
         if kind is Aside.RELEASE:
             self.put(What.RELEASE, NODE.pack(bus, node, data[0] if data else 0))
         elif kind is Aside.HOLD:
@@ -93,7 +93,7 @@ class CycleTap:
                 self.put(What.IMAGE, payload)
 
     def contacts(self) -> None:
-        """What the couplers were told to show."""
+        """Outputs sent to the couplers."""
         for number, bus in enumerate(self._buses if self.on else ()):
             if isinstance(bus.family, CouplerFamily):
                 shown = pack_shown(number, bus.family.shown.items())
@@ -107,7 +107,7 @@ class CycleTap:
             self.put(What.STEP, STEP.pack(self._core.state.cycle + 1, now, services_ns, missing))
 
     def turn(self, now: Ns) -> None:
-        """At the end of a cycle, when all is published: hand over, and look whether somebody listens."""
+        """At the end of a cycle, when all is published: pass it on, and check for a recorder."""
         cycle = self._core.state.cycle
         if self.on:
             self._hand_over(cycle)
@@ -131,7 +131,7 @@ class CycleTap:
 
     def _start(self, cycle: int) -> None:
         if self._snapshots is None:
-            raise StateError("what stands since the start is not known")
+            raise StateError("the state since the start is not known")
         self._shown.clear()
         start = Start(
             self._core,

@@ -1,4 +1,4 @@
-"""An EDS for the `canopen` package: a clean sheet written from what our own tolerant reader understood (AX-308)."""
+"""An EDS for the `canopen` package: a clean file written from what the tolerant reader understood (AX-308)."""
 
 import io
 from collections.abc import Iterable

@@ -23,7 +23,7 @@ def family(name: str) -> Family:
 
 
 def names() -> list[str]:
-    """All number spaces, ours first."""
+    """All number spaces, axisgate's first."""
     return sorted((path.stem for path in FOLDER.glob("*.toml")), key=lambda name: (_rank(name), name))
 
 
@@ -33,7 +33,7 @@ def catalogue() -> Mapping[str, Family]:
 
 
 def lookup(name: str, number: int) -> Entry | None:
-    """What stands in the catalogue; None for a number or a family it does not have."""
+    """Entry of the catalogue; None for a number or a family it does not have."""
     return family(name).entries.get(number) if name in names() else None
 
 

@@ -1,4 +1,4 @@
-"""Where configuration files are found and read; nothing else of ours opens one.
+"""Finds and reads configuration files; no other code opens one.
 
 Looked up in this order: the path as given, $AXISGATE_CONFIGS (several folders separated by `:`), the packaged configs.
 """

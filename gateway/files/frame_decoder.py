@@ -21,7 +21,7 @@ def named(identifier: int) -> str:
 
 
 def decoder(dbc: str | None, *, canopen: bool) -> Decode:
-    """How a frame is told; raises ConfigNotFound and errors of cantools."""
+    """Text form of a frame; raises ConfigNotFound and errors of cantools."""
     database = cantools.database.load_file(str(find_config(dbc, "drives"))) if dbc else None
     known = {m.frame_id: m for m in database.messages} if isinstance(database, Database) else {}
 

@@ -9,7 +9,7 @@ ENCODINGS = ("utf-8-sig", "cp1252", "latin-1")
 
 
 class ProgramFileFault(ValueError):
-    """A folder or file that cannot be taken; the text says what to do."""
+    """A folder or file that cannot be used; the text gives the remedy."""
 
 
 def read_programs(folder: pathlib.Path) -> dict[str, str]:

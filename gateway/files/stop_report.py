@@ -29,7 +29,7 @@ class StopEvidence:
 
 
 def sheet_digest(cell: Cell, axis: Axis) -> str:
-    """Of the axis' data sheet, which says what type of drive it is; empty: the cell names none, or it is not there."""
+    """Hash of the axis' data sheet, which identifies the type of drive; empty: the cell names none, or it is not there."""
     try:
         return hashlib.sha256(beside(cell.file, axis.drive.eds, "drives").read_bytes()).hexdigest() if axis.drive.eds else ""
     except (ConfigNotFound, OSError):

@@ -1,4 +1,4 @@
-"""/metrics for Prometheus, /health and /ready for whoever watches services: GET alone, one answer a connection (AX-430)."""
+"""/metrics for Prometheus, /health and /ready for service monitors: GET only, one answer a connection (AX-430)."""
 
 import asyncio
 import contextlib
@@ -42,7 +42,7 @@ class Metrics:
         return good, {"healthy": good, "cycle_alive": head["cycle_alive"], "services_alive": head["services_alive"], "down": down}
 
     def ready(self) -> tuple[bool, dict[str, Any]]:
-        """Ready: healthy, and the cell says so."""
+        """Ready: healthy, and the cell is ready."""
         healthy, told = self.health()
         head = self._regions.head()
         good = healthy and bool(head["ready"])
@@ -61,7 +61,7 @@ class Metrics:
             ("cycles", "SYNC sent since the cycle started"),
             ("skipped", "grid instants without SYNC"),
             ("incomplete", "cycles in which not every actual value came"),
-            ("late", "telegrams that came in the cycle after theirs"),
+            ("late", "telegrams that came one cycle late"),
             ("services_lost", "times the life of the services stood still"),
         ):
             page.metric(f"axisgate_cycle_{name}_total", "counter", words, [({}, float(counters[name]))])
@@ -69,7 +69,7 @@ class Metrics:
         self._axes(page)
         self._links(page)
         page.metric("axisgate_errors", "gauge", "errors that stand", [({}, float(len(head["errors"])))])
-        page.metric("axisgate_error", "gauge", "1: this error stands", _errors(head["errors"]))
+        page.metric("axisgate_error", "gauge", "1: this error is pending", _errors(head["errors"]))
         queue = regions.queue()
         page.metric("axisgate_planner_waiting", "gauge", "blocks that wait", [({}, float(queue["waiting"]))] if queue else [])
         for name, value in self.outbox().items():

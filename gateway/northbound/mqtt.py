@@ -65,7 +65,7 @@ class MqttOut:
         self._send()
 
     def close(self) -> None:
-        """Says goodbye where there is somebody to say it to."""
+        """Disconnects cleanly if connected."""
         if self.connected:
             self._client.publish(f"{self.topic}/state", "offline", qos=1, retain=True).wait_for_publish(1.0)
         self._client.disconnect()

@@ -18,10 +18,10 @@ TYPES = {bool: ua.VariantType.Boolean, int: ua.VariantType.Int64, float: ua.Vari
 
 
 class OnlyReaders(UserManager):
-    """Whoever comes may read."""
+    """Every client may read."""
 
     def get_user(self, iserver: object, username: str | None = None, password: str | None = None, certificate: Any = None) -> User:
-        """The library's default makes everybody an administrator."""
+        """The library's default makes every client an administrator."""
         return User(role=UserRole.User)
 
 
@@ -51,7 +51,7 @@ class OpcuaOut:
         await server.start()
 
     async def tell(self, values: dict[str, Value], stale: bool) -> None:
-        """Changed values; `stale`: nobody keeps them up any more, so their status says so."""
+        """Changed values; `stale`: they are no longer updated, and their status shows it."""
         moment = datetime.datetime.now(datetime.UTC)
         status = ua.StatusCode(ua.StatusCodes.UncertainLastUsableValue if stale else ua.StatusCodes.Good)
         for name, value in values.items():

@@ -1,4 +1,4 @@
-"""What is told upwards, by name: plain values out of the regions.  Nothing is asked of cycle or services."""
+"""Values published northbound, by name: plain values out of the regions.  Cycle and services are not queried."""
 
 from typing import Any
 
@@ -32,6 +32,6 @@ def values(regions: Regions) -> dict[str, Value]:
 
 
 def doors(regions: Regions) -> list[dict[str, Any]]:
-    """Status of every command source, as the services told it last."""
+    """Status of every command source, as last reported by the services."""
     listed = regions.status.get("doors", [])
     return [door for door in listed if isinstance(door, dict) and "name" in door] if isinstance(listed, list) else []

@@ -1,4 +1,4 @@
-"""Values by the ids of gateway.observer.names, from the regions and from what the services told last; for the page and `axisgate
+"""Values by the ids of gateway.observer.names, from the regions and from the last report of the services; for the page and `axisgate
 monitor`."""
 
 from collections.abc import Iterable

@@ -1,9 +1,9 @@
 """A CAN adapter of python-can on the local bus of a run: python -m gateway.processes.can_adapter --bus broker:NAME --port
 slcan:/dev/ttyACM0.
 
-The cycle is on broker:NAME and never waits for a library (AX-435).  What it sent is handed on while it is fresh; what the adapter hears
+The cycle is on broker:NAME and never waits for a library (AX-435).  What it sent is passed on while it is fresh; what the adapter hears
 goes to the local bus.  An adapter that is pulled is opened again when it is back.  At each opening the latency is measured by the cycle's
-own frames and told: nothing is sent for it.
+own frames and logged: nothing is sent for it.
 """
 
 import argparse

@@ -2,8 +2,8 @@
 
     python -m gateway.processes.gpio --plan FD --fds NAME=FD,...      (started by the supervisor)
 
-Outputs show what the last completed cycle says (AX-404): without a new one for the time the supervisor allows the cycle, every output
-takes on_loss, or 0, and the watchdog stands.  A chip or line that is not there is told once a second at most and tried again.
+Outputs show the last completed cycle (AX-404): without a new one for the time the supervisor allows the cycle, every output
+takes on_loss, or 0, and the watchdog stops.  A missing chip or line is reported once a second at most and tried again.
 """
 
 import argparse
@@ -39,7 +39,7 @@ class Chip:
         self._told = ""
 
     def turn(self, shown: Mapping[int, bool], now: Ns) -> dict[int, Said]:
-        """Outputs out, inputs in; what each contact says."""
+        """Writes outputs, reads inputs; state of each contact."""
         if self._request is None and not self._open(now):
             return {}
         try:
@@ -120,7 +120,7 @@ class Chips:
         self.period_s = plan.p5_ms / 1000.0
 
     def turn(self, now: Ns) -> None:
-        """What the last completed cycle says; nothing new for too long is no cycle at all."""
+        """Outputs of the last completed cycle; without a new one for too long, none."""
         payload = self._axes.read()
         alive = payload is not None and now - self._axes.life[1] < self._patience
         heard: list[Said] = [Said()] * len(self._cell_io)
@@ -139,7 +139,7 @@ class Chips:
 
 
 def run(chips: Chips, stopped: Sequence[bool]) -> None:
-    """Once per period, until told to stop."""
+    """Once per period, until stopped."""
     while not stopped:
         chips.turn(time.monotonic_ns())
         time.sleep(chips.period_s)

@@ -81,7 +81,7 @@ class PlannerProcess:
             raise MotionError(f"program {number} moves other robots than when the run began: start the gateway again")
 
     def text(self, number: int) -> str:
-        """The program as it stands in its file now; raises MotionError."""
+        """The program as it is in its file now; raises MotionError."""
         try:
             return read_text(pathlib.Path(self.plan.programs[number].path))
         except (KeyError, OSError, UnicodeDecodeError) as error:

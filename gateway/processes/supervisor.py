@@ -1,6 +1,6 @@
 """The supervisor: makes the regions, starts the processes, watches their life, restarts them (design: section 4).
 
-Restart: at once, then after 1, 2, 5 s; six deaths in a minute: the journal says so, the cycle stays down, every other process is tried
+Restart: at once, then after 1, 2, 5 s; six deaths in a minute: the journal reports it, the cycle stays down, every other process is tried
 again every 10 s (AX-621).  It answers on runtime_dir()/SLUG.sock (Unix stream, one JSON line a request): status, regions (fds by
 SCM_RIGHTS), hold, release, stop.
 """

@@ -37,7 +37,7 @@ SEEN_BYTES = 1 << 16  # of a file that may hold a private key
 
 
 class BackupError(Exception):
-    """The file is no backup, or does not fit here; the message says why."""
+    """The file is no backup, or does not fit here; the message gives the reason."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +52,7 @@ class Part:
 
 @dataclass(frozen=True, slots=True)
 class Manifest:
-    """What a backup says about itself."""
+    """Description inside a backup."""
 
     version: str  # of axisgate
     wall: str
@@ -72,7 +72,7 @@ class Step:
 
 
 def make(cell: Cell, target: pathlib.Path, *, secrets: bool = False) -> Manifest:
-    """Writes the backup; whoever runs the cell need not stop.  secrets: with keys and users, readable by its owner alone.  OSError."""
+    """Writes the backup; the cell may keep running.  secrets: with keys and users, readable by its owner alone.  OSError."""
     with tempfile.TemporaryDirectory(prefix="axisgate-") as folder:
         found, left_out = sources(cell, pathlib.Path(folder))
         withheld = () if secrets else tuple(name for name, (role, _) in found.items() if role in SECRETS)
@@ -212,7 +212,7 @@ def try_out(path: pathlib.Path, manifest: Manifest) -> None:
 
 
 def restore(path: pathlib.Path, manifest: Manifest, folder: pathlib.Path) -> list[pathlib.Path]:
-    """Puts the files in place; what stood there is kept beside, and its names come back.  BackupError: nothing was changed.
+    """Puts the files in place; present files are kept beside, and their new names are returned.  BackupError: nothing was changed.
 
     Everything is unpacked beside its place and checked first, so a fault changes nothing; then each file is replaced as a whole.
     """

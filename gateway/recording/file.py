@@ -54,7 +54,7 @@ class Writer:
             self.flush()
 
     def aside(self, message: bytes) -> None:
-        """No input of a cycle, but of this moment: it stands before the next one."""
+        """No input of a cycle, but of this moment: it precedes the next one."""
         self._asides += message
 
     def start(self, cycle: int, tree: Any) -> None:
@@ -172,7 +172,7 @@ def _scanned(path: pathlib.Path, content: bytes) -> Found:
             else:
                 found.ended = True
     except (ValueError, KeyError, zlib.error) as error:
-        raise RecordError(f"{path}: a block that is whole says nothing this version knows ({error})") from error
+        raise RecordError(f"{path}: a complete block has content that this version does not know ({error})") from error
     if found.head.get("format") != FORMAT:
         raise RecordError(f"{path}: format {found.head.get('format', 'unknown')}; this version reads {FORMAT}")
     if found.head.get("state") != CELL_STATE_LAYOUT:

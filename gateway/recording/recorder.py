@@ -40,12 +40,12 @@ CYCLE = 8  # bytes at the front of a cell state
 
 
 class RecorderError(Exception):
-    """No such run, or somebody records it already."""
+    """No such run, or it is being recorded already."""
 
 
 @dataclass(slots=True)
 class Rings:
-    """What a run hands out."""
+    """What a run passes to a recorder."""
 
     record: RingReader
     told: RingReader

@@ -20,7 +20,7 @@ CONTAINERS = (bytearray, deque)
 
 
 class StateError(Exception):
-    """A state that cannot be carried over; the message says which part."""
+    """A state that cannot be carried over; the message names the part."""
 
 
 class Kept:
@@ -49,7 +49,7 @@ class Start:
 
 
 class Snapshots:
-    """Of one cycle process; made before its first cycle, so that what stands then counts as settings."""
+    """Of one cycle process; made before its first cycle, so that its values at that time count as settings."""
 
     def __init__(self, *roots: object) -> None:
         self.settings: list[object] = []  # in the order they are met, which is the same for the same cell
@@ -117,7 +117,7 @@ def _is_frozen(kind: type) -> bool:
 
 
 def frozen(root: object) -> Any:
-    """JSON of an object of ours and all it holds."""
+    """JSON of an object and all it holds."""
     return _Freezer().freeze(root)
 
 
@@ -180,7 +180,7 @@ def _slots(kind: type) -> tuple[str, ...]:
 def places_of(recorded: list[object], target: list[object]) -> list[object]:
     """Settings of the target by the numbers they have in the recording; None: a changed cell has no such one.
 
-    Asked for only where a setting has moved since the beginning; one that stands where it stood is the target's own.
+    Asked for only where a setting has moved since the beginning; an unchanged one is the target's own.
     """
     if [type(each) for each in recorded] == [type(each) for each in target]:
         return target
@@ -280,7 +280,7 @@ class _Carrier:
             return tree
         if "same" in tree:
             if tree["same"] not in self._made:
-                raise StateError(f"part {tree['same']} is meant before it stands")
+                raise StateError(f"part {tree['same']} is referred to before its definition")
             return self._made[tree["same"]]
         if "kept" in tree:
             kept = self._kept(tree, None)

@@ -1,7 +1,7 @@
 """A file that is only appended to, kept within a bound, and whose disk may be full: neither ends or stops its writer.
 
 Beyond `limit` it becomes NAME.1 (the one before is gone) and a new one begins with `head`, so both together stay within 2 x limit and the
-newest is kept.  What a full disk does not take is counted; when it takes something again, `remark` says how much is missing.
+newest is kept.  What a full disk does not take is counted; when it takes something again, `remark` reports how much is missing.
 """
 
 import contextlib

@@ -1,4 +1,4 @@
-"""Addresses and ports that come late, as at power-up: who listens there waits for them and says so once, and nothing else stops."""
+"""Addresses and ports that come late, as at power-up: a listener waits for them and reports it once; nothing else stops."""
 
 import asyncio
 import errno

@@ -1,6 +1,6 @@
 """Life counter of a process that publishes no region of its own (broker, adapter, page, northbound).
 
-The supervisor hands a region down whose descriptor stands in $AXISGATE_LIFE.  The loop of the process beats, never a thread or a timer
+The supervisor passes down a region whose descriptor is in $AXISGATE_LIFE.  The loop of the process beats, never a thread or a timer
 beside it: a loop that hangs shows no life.
 """
 

@@ -65,7 +65,7 @@ def go_ahead() -> None:
     """In the ordinary class, but soon after whatever wakes this process: before what else wants the processor, and in short turns.
 
     Without it a partner's answer waits while others use up their turns, 4 ms each on kernels that look 250 times a second.  What is not
-    permitted stays as it is: short turns (sched_setattr(2), Linux 6.12) are everybody's, the nice value needs a privilege.
+    permitted stays as it is: short turns (sched_setattr(2), Linux 6.12) need no privilege, the nice value does.
     """
     number = SCHED_SETATTR.get(os.uname().machine)
     if number is not None:  # the nice value that stands is kept

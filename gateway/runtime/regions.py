@@ -1,10 +1,10 @@
-"""Process image: regions and rings in memfds, one writing process each, any number of readers, nobody ever waits.
+"""Process image: regions and rings in memfds, one writing process each, any number of readers, no one waits.
 
 Source: docs/architecture.md, "Processes, regions, restart"; AX-090 (bytes), AX-091 (store order and take-over).
 
 A region shows the newest payload: 4 slots, the writer fills the next one and publishes with one aligned 64-bit store; a reader copies and
 then looks whether the writer could meanwhile have come round to its slot.  A ring shows every record, once, in order, to readers that keep
-up; the others count what they missed.  Flow control, where it is wanted, is the user's business: a consumer tells `RingReader.position`
+up; the others count what they missed.  Flow control, where it is wanted, is the user's business: a consumer reports `RingReader.position`
 in a region of its own.
 """
 
@@ -378,7 +378,7 @@ def send_fds(connection: socket.socket, fds: Mapping[str, int]) -> None:
 
 
 def recv_fds(connection: socket.socket) -> dict[str, int]:
-    """Named fds from the other side (close-on-exec, the caller closes them); waits as the socket's time-out says."""
+    """Named fds from the other side (close-on-exec, the caller closes them); waits for the socket's time-out."""
     message, numbers, flags, _ = socket.recv_fds(connection, 4, MAX_FDS, socket.MSG_CMSG_CLOEXEC)
     try:
         size = int.from_bytes(message + _exactly(connection, 4 - len(message)), "little")

@@ -1,4 +1,4 @@
-"""A process that stands by: its modules are loaded, its regions inherited, and it does nothing until a line on its standard input.
+"""A standby process: its modules are loaded, its regions inherited, and it does nothing until a line on its standard input.
 
 Loading them is most of a start: a second on a small computer, in which a PLC would have no partner (AX-561).
 """

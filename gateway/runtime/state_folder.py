@@ -2,7 +2,7 @@
 
 $AXISGATE_STATE names one folder for all of it; without it the state of a cell lies beside its file.  What lies beside the file already
 (an earlier run, a restored backup) counts before the folder.  A shipped cell and one in a folder that cannot be written have only the
-runtime folder left, which a restart of the computer empties: `axisgate run` says so.
+runtime folder left, which a restart of the computer empties: `axisgate run` reports it.
 """
 
 import hashlib
@@ -55,7 +55,7 @@ def journal(folder: pathlib.Path, slug: str) -> pathlib.Path:
 
 
 def warning(cell: str, *, simulated: bool) -> str:
-    """What `run` says of state that does not stay; empty: all of it does."""
+    """Message of `run` about state that does not stay; empty: all of it does."""
     if configured() is not None or simulated:
         return ""
     few = _stays(pathlib.Path(cell).resolve())

@@ -1,4 +1,4 @@
-"""Attaches to a running cell and keeps what the cycle says: one record a SYNC; the cycle waits for nobody."""
+"""Attaches to a running cell and keeps the records of the cycle: one per SYNC; the cycle never waits."""
 
 import contextlib
 import datetime
@@ -59,7 +59,7 @@ def capture(
     stop: Callable[[], bool] = lambda: False,
     said: Callable[[Capture], None] = lambda capture: None,
 ) -> Capture:
-    """Until `seconds` from the trigger are there, or `stop()` says so; raises ScopeError when the cycle falls silent."""
+    """Until `seconds` from the trigger are there, or `stop()` is true; raises ScopeError when the cycle falls silent."""
     kept = Capture(channels, max(1, round(seconds / period_s)), round(pre_s / period_s), trigger)
     heard = time.monotonic()
     while not kept.full and not stop():

@@ -1,4 +1,4 @@
-"""Pictures of a recording: one HTML page without scripts, or a PNG; cursors as lines with their values, or one channel over another."""
+"""Plots of a recording: one HTML page without scripts, or a PNG; cursors as lines with their values, or one channel over another."""
 
 import html
 import pathlib

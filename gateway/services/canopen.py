@@ -87,7 +87,7 @@ class CanopenServices:
         return self.masters[name], node
 
     def why_not(self, axis: int) -> str:
-        """Why this axis' drive is not ready; empty: it is, or it is none of ours."""
+        """Why this axis' drive is not ready; empty: it is, or it is not on these buses."""
         place = self._places.get(axis)
         if place is None:
             return ""

@@ -52,7 +52,7 @@ class DigitalContacts:
 
     # ---- routes ------------------------------------------------------------------------------------------------------
     def read(self, name: str) -> float | None:
-        """An input; None: nobody vouches for it."""
+        """An input; None: invalid."""
         said = self.said[self.by_name[name]]
         return float(said.value) if said.quality is Quality.GOOD else None
 
@@ -91,7 +91,7 @@ class DigitalContacts:
         return before[1]
 
     def show(self, now: Ns) -> None:
-        """Outputs to whoever drives them."""
+        """Outputs to the processes that drive them."""
         self._publish(now)
         if self.modbus is not None:
             self.modbus.step(now)
@@ -151,7 +151,7 @@ class DigitalContacts:
 
     # ---- tools -------------------------------------------------------------------------------------------------------
     def rows(self) -> list[dict[str, object]]:
-        """Every contact as it stands, for `io test` and the page."""
+        """Present state of every contact, for `io test` and the page."""
         return [
             {
                 "name": io.name,

@@ -1,7 +1,7 @@
 """The control of [controller] inside the services: stepped with them, its outputs merged with the cycle's for every command source
 (AX-332).
 
-A cell without [controller] has an empty desk: nothing is loaded, nothing is stepped, the RC outputs are the cycle's.
+A cell without [controller] has an empty host: nothing is loaded, nothing is stepped, the RC outputs are the cycle's.
 """
 
 from collections.abc import Mapping
@@ -131,7 +131,7 @@ class ControllerHost:
             self.step(now)
 
     def note(self, errors: list[tuple[int, str]], now: Ns) -> None:
-        """What stands in the cell by axisgate's own numbers goes into the same list; gone with its cause."""
+        """Errors of the cell with axisgate's own numbers go into the same list; gone with its cause."""
         if errors == self._noted:
             return
         for code, words in set(self._noted) - set(errors):
@@ -142,7 +142,7 @@ class ControllerHost:
         self._noted = list(errors)
 
     def came(self, code: int, where: str, now: Ns) -> None:
-        """An error with a number of the rho 3, or of the Reis list (645, 650); 0 has none and stands among axisgate's own."""
+        """An error with a number of the rho 3, or of the Reis list (645, 650); 0 has none and is listed with axisgate's own."""
         if code:  # without a control nobody acknowledges
             reset = Reset.ITSELF if self.control is None else RESETS[kind_of(code)]
             self.errors.report(code, where, now, source=_source(code), reset=reset)

@@ -12,7 +12,7 @@ Place = tuple[int, int]  # line_blocks.block_key, word
 
 
 class Forces:
-    """RC input bit -> value that stands whatever its command source writes; data word -> mask of forced bits and their values."""
+    """RC input bit -> value kept whatever its command source writes; data word -> mask of forced bits and their values."""
 
     def __init__(self) -> None:
         self.bits: dict[int, bool] = {}
@@ -56,7 +56,7 @@ class Forces:
     def over(self, image: InputImage) -> InputImage:
         """The image with the forces laid over it; itself where nothing is forced.
 
-        A byte nobody writes becomes good with its other bits at 0: what is not forced there is not allowed.
+        A byte without a writer becomes good with its other bits at 0: what is not forced there is not allowed.
         """
         if not self.bits:
             return image

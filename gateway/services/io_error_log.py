@@ -27,7 +27,7 @@ class IoComplaints:
         self._known: dict[str, Complaint] = {}
 
     def look(self, desk: "ControllerHost", now: Ns) -> list[Error]:
-        """What stands now, number and sentence; what came and went since the last look goes to list and journal."""
+        """Pending errors, number and sentence; what came and went since the last look goes to list and journal."""
         if self._region is None:
             return []
         payload = self._region.read()

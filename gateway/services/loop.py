@@ -1,6 +1,6 @@
-"""The services process (asyncio): lines, Modbus servers, the office, the journal; and, in this version, the making of motion pieces.
+"""The services process (asyncio): lines, Modbus servers, the dispatcher, the journal; and, in this version, the making of motion pieces.
 
-It may die at any time: the cycle then ends motion as the cell says, a successor takes the regions over, starts nothing by itself and
+It may die at any time: the cycle then ends motion as configured, a successor takes the regions over, starts nothing by itself and
 adopts whatever commands stand (AX-141).
 """
 
@@ -429,7 +429,7 @@ class Services:
         }
 
     def input_bit(self, number: int) -> bool:
-        """RC input N as it stands, a forced one as it is forced."""
+        """Present value of RC input N; of a forced one the forced value."""
         return self.forces.bits.get(number, get_bit(self.inputs.values, number))
 
 

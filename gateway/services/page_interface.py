@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 class PageInterfaces:
-    """The desks of tools and page, each a command source with its own life."""
+    """The interfaces of tools and page, each a command source with its own life."""
 
     def __init__(self, services: "Services") -> None:
         self._services = services
@@ -56,7 +56,7 @@ class PageInterfaces:
         return self._tool.held_by_another(connection)
 
     def answer(self, request: dict[str, object], connection: object = "") -> dict[str, object] | None:
-        """None: not for us.  KeyError, ValueError: told as an error."""
+        """None: not for this part.  KeyError, ValueError: reported as an error."""
         if request.get("door") != PAGE_DOOR:
             return self._tool.answer(request, connection)
         match request.get("op"):

@@ -28,7 +28,7 @@ class PlannerLink:
         self._region = RegionReader(fds["planner"], "planner") if there else None
 
     def state(self) -> PlannerState | None:
-        """What it says; None: it is not there, or shows no life."""
+        """Its report; None: it is not there, or shows no life."""
         if self._region is None or time.monotonic_ns() - self._region.life[1] > SILENT_NS:
             return None
         payload = self._region.read()

@@ -8,7 +8,7 @@ from protocols.base.machine import Ns
 
 
 class ServicesTap:
-    """What command sources and tools say; `put` returns at once when nobody records."""
+    """Messages of command sources and tools; `put` returns at once without a recorder."""
 
     def __init__(self, fds: Mapping[str, int]) -> None:
         self._ring = RingWriter(fds["told"], "told", TOLD_LAYOUT)

@@ -1,7 +1,7 @@
 """Retained data of a run inside the services: what a start brings back, and what is kept while it runs (AX-423, AX-425).
 
 Brought back: flags, markers and counters of the control, offsets of belts, named values (marked stale: their source has not spoken yet).
-Not brought back, whatever [retain] says: signals of telegrams and values whose edge sends one, RC inputs, commands, control.
+Not brought back, even if listed in [retain]: signals of telegrams and values whose edge sends one, RC inputs, commands, control.
 """
 
 import math
@@ -33,7 +33,7 @@ COUNTERS = 32  # the most a PIC has (P3)
 
 
 class RetainedData:
-    """Values of the last run in, values of this one out.  A run that keeps nothing has an empty desk and loads nothing."""
+    """Values of the last run in, values of this one out.  A run that keeps nothing has an empty part and loads nothing."""
 
     def __init__(self, services: "Services", now: Ns, fds: Mapping[str, int] = NO_FDS) -> None:
         self._services = services

@@ -1,6 +1,6 @@
 """The bridge: routes of the cell played by the services, once per cycle and at once when a command source has written.
 
-The cycle says through an event descriptor that it has published (AX-398), so nothing here polls; the services' own tick steps the routes
+The cycle signals through an event descriptor that it has published (AX-398), so nothing here polls; the services' own tick steps the routes
 as well, or a dead cycle would keep a lost source unnoticed.
 """
 

@@ -1,9 +1,9 @@
 """The command source for commissioning tools: commands and SDO through the services' socket, under the same rules as every other command
 source.
 
-Control belongs to the connection that asked for it and ends with it: another one is told "not owner" (AX-611).  Commands, SDO and "alive"
+Control belongs to the connection that asked for it and ends with it: another one gets "not owner" (AX-611).  Commands, SDO and "alive"
 of that connection are its life; reading is not.  Silent for a second it counts as dead: the axes stop on the path.  A tool never has more
-rights than a PLC; only where everything is simulated it may set the enabling inputs, because nobody else is there to do it (AX-312).
+rights than a PLC; only where everything is simulated it may set the enabling inputs, because no PLC is there to do it (AX-312).
 """
 
 import threading
@@ -30,7 +30,7 @@ MOST_SDO, TICKETS_KEPT = 8, 64  # SDO requests under way at a time, each in a th
 
 
 class ToolInterface:
-    """Requests of one tool at a time; the page has a desk of its own (gateway.services.page_interface)."""
+    """Requests of one tool at a time; the page has its own interface (gateway.services.page_interface)."""
 
     def __init__(self, services: "Services", door: int = TOOL_DOOR, name: str = "commissioning tool") -> None:
         self._services, self._door, self._name = services, door, name
@@ -95,7 +95,7 @@ class ToolInterface:
         return self._services.values.state.motion in (Motion.IDLE, Motion.STOPPED)
 
     def answer(self, request: dict[str, object], connection: object = "") -> dict[str, object] | None:
-        """None: not for us.  KeyError, ValueError: told to the tool as an error."""
+        """None: not for this part.  KeyError, ValueError: reported to the tool as an error."""
         operation = request.get("op")
         if operation not in ("alive", "leave", "tool", "job", "axes", "sdo", "ticket", "permit", "programs"):
             return None

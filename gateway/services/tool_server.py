@@ -396,7 +396,7 @@ def name_unit(cell: Cell, name: str) -> dict[str, object]:
 
 
 def entry_unit(cell: Cell, line: str, place: DataWord) -> dict[str, object]:
-    """What one step of that word is, where an entry of the cell says so: 0.1 mm."""
+    """Value of one step of that word, where an entry of the cell gives it: 0.1 mm."""
     from gateway.checks.blocks import place_of
 
     for block in cell.db:

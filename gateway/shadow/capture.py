@@ -65,7 +65,7 @@ class CaptureTap:
             with contextlib.suppress(DecodeError):
                 while len(data := os.read(self._fd, CHUNK)) > 0:
                     list(self._capture.feed(data))
-        self.why = f"{self.path}: nobody writes it" if self._fifo else ""
+        self.why = f"{self.path}: no program writes to it" if self._fifo else ""
         return True
 
     def _read(self) -> bytes:
@@ -75,7 +75,7 @@ class CaptureTap:
             self.why = ""
             return b""
         if self._fifo:
-            self.why = "" if data else f"{self.path}: nobody writes it"
+            self.why = "" if data else f"{self.path}: no program writes to it"
             if not data:
                 self._capture = Capture()  # the next writer begins with a head of its own
         return data

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 
 def keep(path: pathlib.Path, found: Mapping[str, object]) -> None:
-    """Replaces what stood there."""
+    """Replaces the present contents."""
     half = path.with_suffix(".half")
     half.write_text(json.dumps(found))
     os.replace(half, path)

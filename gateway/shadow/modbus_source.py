@@ -141,7 +141,7 @@ class ShadowModbusSource(ModbusSource):
 
 
 def numbers_of(cell: Cell, settings: Modbus, tolerances: Mapping[str, float]) -> dict[int, dict[int, Number]]:
-    """Function code -> first register -> what stands there; the command block is compared word by word."""
+    """Function code -> first register -> contents; the command block is compared word by word."""
     names = [axis.name for axis in cell.axis]
     extras = {each.at: _number(each.name, each.type, settings.float, tolerances) for each in placed(settings, names)}
     status: dict[int, Number] = {}

@@ -70,12 +70,12 @@ def left_out(cell: Cell, taps: Taps) -> list[str]:
     found += ["routes: they need contacts or Modbus" for _ in cell.route[:1] if _unjoined(cell, taps)]
     found += [f"bus {bus.name}: only what was sent is known of {bus.protocol}" for bus in cell.bus if bus.protocol not in SPOKEN]
     if unheard := _unheard(cell, taps):
-        found.append(f"enabling inputs no tap tells, taken as 1: {', '.join(unheard)}")
+        found.append(f"enabling inputs that no tap supplies, assumed 1: {', '.join(unheard)}")
     return found
 
 
 def shadow_cell(cell: Cell, taps: Taps) -> Cell:
-    """The cell as its shadow plays it: nobody is written to, nothing is kept, no lag is judged, and what no tap tells counts as 1."""
+    """The cell for shadow mode: writes to no partner, keeps nothing, judges no lag; inputs without a tap count as 1."""
     owner = {octet: door for octet, door in cell.rc_inputs.owner.items() if door in taps}
     return replace(
         cell,

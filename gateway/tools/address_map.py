@@ -1,4 +1,4 @@
-"""`axisgate map`: what stands where at the command sources of a cell, out of the cell itself; so the sheet and the running gateway
+"""`axisgate map`: addresses at the command sources of a cell, made from the cell itself, so that table and running gateway
 cannot differ."""
 
 from collections.abc import Callable, Iterator, Sequence
@@ -35,7 +35,7 @@ def signals_of(cell: Cell) -> SignalList:
 
 
 def modbus_sheets(cell: Cell) -> list[Sheet]:
-    """One sheet for each unit of each server and for each client."""
+    """One table for each unit of each server and for each client."""
     sheets = []
     for door in cell.modbus:
         if door.role == "client":
@@ -52,7 +52,7 @@ def modbus_sheets(cell: Cell) -> list[Sheet]:
 def _note(cell: Cell, door: Modbus, view: str) -> str:
     writers = ", ".join((*door.allow, *(writer.from_ for writer in door.writers)))
     roles = ", ".join(role.role for role in door.roles if role.write)
-    who = f"written from {writers} only" if writers else f"written by {roles} only" if roles else "written by whoever reaches it"
+    who = f"written from {writers} only" if writers else f"written by {roles} only" if roles else "writable by every client"
     files = ", ".join(str(block.number) for block in cell.db if block.writer == door.name)
     also = f"; FC 7: RC outputs 64..71; FC 20: file N is DB N; {f'FC 21: files {files}; ' if files else ''}"
     also = f"{also}FC 24 at {ERRORS_AT}: numbers of the standing errors" if view == "rho3" else ""
@@ -126,7 +126,7 @@ def _client(door: Modbus, routed: Sequence[ModbusValue]) -> Sheet:
 
 
 def db_sheets(cell: Cell) -> list[Sheet]:
-    """One sheet for each data block."""
+    """One table for each data block."""
     columns = ("at", "type", "unit", "way", "value", "min", "max", "edge", "comment")
     sheets = []
     for db in cell.db:

@@ -43,7 +43,7 @@ class ToolClient:
         self._file = self._link.makefile("rb")
 
     def ask(self, op: str, **request: object) -> Row:
-        """One request; ToolError for an error.  In control it also says that it is there."""
+        """One request; ToolError for an error.  In control it is also a sign of life."""
         if self._holds and op != "tool" and time.monotonic() - self._said > ALIVE_S:
             self._said = time.monotonic()
             self._asked("alive", {})
@@ -102,7 +102,7 @@ class ToolClient:
         return bytes.fromhex(str(answer["data"]))
 
     def wait_ready(self, timeout_s: float = START_UP_S) -> None:
-        """Every drive is started up; ToolError says which is not, and why."""
+        """Every drive is started up; ToolError names those that are not, and why."""
         end = time.monotonic() + timeout_s
         while True:
             rows = self.axes()
@@ -158,7 +158,7 @@ def simulated(cell: str, p5_ms: int | None = None, bus: str | None = None) -> It
         )
         try:
             if not wait_up("tool", 30.0):
-                raise ToolError(f"{cell} did not start under simulation; axisgate run {cell} --sim tells why")
+                raise ToolError(f"{cell} did not start under simulation; axisgate run {cell} --sim reports why")
             client = _patiently("tool")
             try:
                 yield client, pathlib.Path(folder)

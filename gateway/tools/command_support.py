@@ -1,4 +1,4 @@
-"""What the commands share: exit codes, the banner, loading a cell with its faults told."""
+"""What the commands share: exit codes, the banner, loading a cell with a report of its faults."""
 
 import contextlib
 import signal

@@ -24,7 +24,7 @@ class MappingFault(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One line; an empty field says nothing.  Numbers are text with a decimal point."""
+    """One line; an empty field has no meaning.  Numbers are text with a decimal point."""
 
     table: str  # block | db (an entry of a block) | route | symbol
     block: str = ""  # number of the data block
@@ -62,7 +62,7 @@ class Row:
 
     @property
     def place(self) -> tuple[str, str, str]:
-        """What tells one block from another."""
+        """Identity of a block."""
         return self.block, self.kind or "D", self.line
 
 

@@ -28,7 +28,7 @@ class Progress:
         print(f"\r\x1b[K{self.line(done, now - self._began)}{f'  {words}' if words else ''}", end="", file=sys.stderr, flush=True)
 
     def line(self, done: float, seconds: float) -> str:
-        """What stands on the terminal after `seconds`."""
+        """Text on the terminal after `seconds`."""
         if self._total <= 0:
             return f"{self._what}: {done:g}"
         share = min(max(done / self._total, 0.0), 1.0)

@@ -1,4 +1,4 @@
-"""Who asks, and may he: cookies and tokens, the guard against other pages' requests, and patience with wrong passwords.
+"""Access control: cookies and tokens, protection against requests of other sites, limits for wrong passwords.
 
 On loopback, looking and stopping need no password; in a simulation the emulator panel neither.  From elsewhere everything does, and
 every change does (AX-471, AX-473).
@@ -41,7 +41,7 @@ class Denied(Exception):
 
 
 class Patience:
-    """Five wrong passwords a minute from one address or for one name; then nobody is heard there for the rest of it."""
+    """Five wrong passwords a minute from one address or for one name; then logins from there are refused for the rest of it."""
 
     def __init__(self) -> None:
         self._wrong: dict[str, deque[float]] = {}
@@ -76,7 +76,7 @@ class Access:
         self.patience = Patience()
 
     def person(self, request: HTTPConnection) -> Person:
-        """By token, else by cookie, else by where he sits.  Denied 401: a token or session that is none."""
+        """By token, else by cookie, else by address.  Denied 401: a token or session that is none."""
         source = request.client.host if request.client else ""
         local = is_local(source)
         bearer = request.headers.get("authorization", "")
@@ -99,7 +99,7 @@ class Access:
         return next((role for label, role, _ in self.store.tokens() if label == name), Role.NOBODY)
 
     def host(self, request: HTTPConnection) -> None:
-        """The name the browser asked for is ours: another site's name that leads here is refused."""
+        """Checks the Host name: another site's name that resolves to this server is refused."""
         asked = host_of(request.headers.get("host", ""))
         known = {*LOOPBACK, self.web.host, *self.web.names}
         if asked not in known and not (self.web.host in ("0.0.0.0", "::") and _is_address(asked)):
@@ -115,7 +115,7 @@ class Access:
             raise Denied(403, "a request of another page is not carried out")
 
     def may(self, request: HTTPConnection, person: Person, role: Role) -> None:
-        """A change through the API; Denied says which role it takes."""
+        """A change through the API; Denied names the role it takes."""
         self.origin(request)
         if person.key.startswith("session:"):
             if not secrets.compare_digest(request.headers.get(CSRF, ""), person.csrf):

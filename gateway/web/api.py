@@ -1,4 +1,4 @@
-"""Handlers of the interface; who may call what stands in the table of `endpoints`."""
+"""Handlers of the interface; the table of `endpoints` has the rights."""
 
 import asyncio
 import math
@@ -136,7 +136,7 @@ class Api:
 
     # ---- the machine ------------------------------------------------------------------------------------------------------
     async def stop(self, call: Call) -> Row:
-        """Everybody may stop."""
+        """Stop is open to all users."""
         return await self.hands.command(call.person.key, call.person.name, "stop")
 
     async def command(self, call: Call) -> Row:
@@ -356,7 +356,7 @@ def endpoints(api: Api) -> list[Endpoint]:
         row("GET", "/api/scope/file", v, "the recording, as scope, csv or mf4", api.scope_file, query=(("as", "string"),)),
         row("POST", "/api/scope/start", o, "record", api.scope_start, Record, True),
         row("POST", "/api/scope/stop", o, "end the recording", api.scope_stop, None, True),
-        row("POST", "/api/scope/open", o, "show a kept recording to everybody", api.scope_open, FileName, True),
+        row("POST", "/api/scope/open", o, "show a kept recording to all users", api.scope_open, FileName, True),
         row("POST", "/api/scope/save", o, "keep the recording on the gateway", api.scope_save, FileName, True),
         row("POST", "/api/set", s, "write a value as the PLC would (simulation)", api.put, Put, True),
         row("POST", "/api/cable", s, "pull a simulated cable", api.cable, Cable, True, plant=True),

@@ -44,7 +44,7 @@ HEADERS = {
 
 
 class Headers:
-    """Puts them on every answer; what the interface says is not to be kept, the page's files are to be asked for again."""
+    """Adds them to every answer; answers of the interface are not cached, the page's files are revalidated."""
 
     def __init__(self, app: ASGIApp, *, tls: bool) -> None:
         self._app, self._more = app, {"strict-transport-security": "max-age=31536000"} if tls else {}

@@ -1,4 +1,4 @@
-"""What an entry of the audit says in words, English and German; the entry itself stays what the chain is made of."""
+"""Text of an audit entry, English and German; the entry itself stays as it was chained."""
 
 import json
 from collections.abc import Sequence
@@ -69,7 +69,7 @@ ROLES = {"viewer": "Betrachter", "operator": "Bediener", "setter": "Einrichter",
 
 
 def told(what: str, detail: str, axes: Sequence[str]) -> Words:
-    """Both languages; an order nobody has words for is told as it was kept."""
+    """Both languages; an order without a text is shown as stored."""
     try:
         given = json.loads(detail) if detail else {}
     except ValueError:

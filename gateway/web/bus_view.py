@@ -1,4 +1,4 @@
-"""The buses of a run as somebody listening sees them: rates, periods, load, decoded frames.  Open only while a page looks."""
+"""The buses of a run as a listener sees them: rates, periods, load, decoded frames.  Open only while a page looks."""
 
 import asyncio
 import time

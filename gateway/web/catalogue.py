@@ -12,7 +12,7 @@ OURS = "axisgate"
 
 
 def advice(code: int) -> dict[str, list[str]]:
-    """Cause, what to do and how it goes away, each English and German, of an error of the cell; {} for none.  Ours are below 256."""
+    """Cause, what to do and how it goes away, each English and German, of an error of the cell; {} for none.  Own ones are below 256."""
     entry = lookup(OURS, code) or lookup("rho3", code) or lookup("reis-servo", code)
     if entry is None:
         return {}

@@ -1,4 +1,4 @@
-"""The cell page: what hangs where, how it is wired, what `check` says, and how far each thing was proved."""
+"""The cell page: devices, wiring, findings of `check`, and evidence for each part."""
 
 import pathlib
 import re
@@ -50,7 +50,7 @@ def described(plan: RunPlan, plant: Plant, skeleton: Skeleton) -> Row:
 
 
 def shown_file(file: str) -> str:
-    """Where the cell stands; a shipped one by its name."""
+    """Path of the cell; a shipped one by its name."""
     path = pathlib.Path(file).resolve()
     return f"{path.stem} (shipped with axisgate)" if path.is_relative_to(PACKAGED) else file
 

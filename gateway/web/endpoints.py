@@ -36,7 +36,7 @@ Handler = Callable[[Call], Awaitable[Row | Response]]
 
 @dataclass(frozen=True, slots=True)
 class Endpoint:
-    """One row.  `role` NOBODY: no login at all; `changes`: guarded against other pages, refused in read-only mode, audited."""
+    """One row.  `NOBODY`: no login needed; `changes`: guarded against other pages, refused in read-only mode, audited."""
 
     method: str
     path: str

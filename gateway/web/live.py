@@ -1,6 +1,6 @@
-"""Ten times a second: one look at the regions, one text for each page somebody has open, the same text to all of them.
+"""Ten times a second: one look at the regions, one text for each kind of open page, the same to all of them.
 
-A browser that is slow misses looks; nobody waits for it, and nothing is queued for it.
+A slow browser misses updates; no one waits for it, and nothing is queued for it.
 """
 
 import asyncio

@@ -1,5 +1,4 @@
-"""Hands at the machine: one person at a time holds the page's command source, jogs or references while he holds a key, and gives control
-back
+"""Operator control from the web page: one user at a time, hold-to-run jogging and referencing, release of control
 (AX-475, AX-499).
 
 The services stop the axes on the path when the page falls silent for a second; the page lets them fall silent as soon as the holder's
@@ -32,7 +31,7 @@ Held = tuple[str, int, int]  # "jog", axis, direction; "reference", mask, 0
 
 
 class NotYours(Exception):
-    """Somebody else holds the page's command source."""
+    """Another user holds the page's command source."""
 
 
 class OperatorControl:
@@ -49,7 +48,7 @@ class OperatorControl:
 
     # ---- life -----------------------------------------------------------------------------------------------------------
     async def run(self) -> None:
-        """Until cancelled: tell the services that the holder is there, end what nobody holds any more."""
+        """Until cancelled: keep the holder's sign of life, end what is no longer held."""
         while True:
             await asyncio.sleep(ALIVE_S / 2)
             if self._held is not None and time.monotonic() - self._held_heard > KEY_S:
@@ -164,7 +163,7 @@ class OperatorControl:
                     await self.desk.command("abandon")
 
     async def forget(self) -> None:
-        """Somebody pressed stop: the rest stands, the key no longer counts."""
+        """Stop was pressed: the axes rest, the key no longer counts."""
         async with self._held_lock:
             self._held = None
 

@@ -16,7 +16,7 @@ BY_NODE = ("reset_node", "bus_off", "bus_on")
 
 
 class Plant:
-    """Hands at everything simulated of one run."""
+    """Controls everything simulated of one run."""
 
     def __init__(self, plan: RunPlan) -> None:
         self.plan = plan
@@ -48,7 +48,7 @@ class Plant:
         return rows
 
     async def look(self) -> Row:
-        """State of every cable and emulator; one that does not answer says so."""
+        """State of every cable and emulator; one that does not answer is marked."""
         cables: dict[str, Row] = {}
         for line, hand in self.cables.items():
             cables[line] = await _told(hand, "status")

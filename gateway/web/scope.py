@@ -35,7 +35,7 @@ Row = dict[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """What somebody asked for."""
+    """A requested recording."""
 
     names: tuple[str, ...]
     seconds: float
@@ -204,7 +204,7 @@ class Scope:
         self.name = name
 
     def open(self, name: str) -> None:
-        """A saved one becomes the one that is shown, to everybody.  KeyError: there is none of that name."""
+        """A saved one becomes the one that is shown to all users.  KeyError: there is none of that name."""
         if self._kept is not None:
             raise ValueError("a recording runs; stop it first")
         from gateway.scope.recording import RecordingError, load

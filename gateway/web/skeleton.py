@@ -1,6 +1,6 @@
 """A robot as a line through its joints, for the picture of the motion page: points in m out of joints in rad and m.
 
-Drawn out of the same robot file the planner uses; a cell without one is drawn as a portal of its linear axes, and says so.
+Drawn out of the same robot file the planner uses; a cell without one is drawn as a portal of its linear axes, and marked so.
 """
 
 from collections.abc import Sequence

@@ -75,7 +75,7 @@ class Sockets:
             await self.judge()
 
     async def judge(self) -> None:
-        """At once after a change of users; a lowered one keeps looking only with the role he has now."""
+        """At once after a change of users; a lowered one keeps its view with the present role only."""
         for viewer, (socket, person) in list(self._open.items()):
             if not person.key:
                 continue

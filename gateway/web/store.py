@@ -75,7 +75,7 @@ class Store:
     # ---- users ---------------------------------------------------------------------------------------------------------
     @property
     def fresh(self) -> bool:
-        """Nobody has set a password yet."""
+        """No password is set yet."""
         return not self._rows("select 1 from user limit 1")
 
     def users(self) -> list[tuple[str, Role]]:

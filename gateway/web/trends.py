@@ -1,4 +1,4 @@
-"""The trend of any value over hours: looks once a second whether somebody watches or not, tells the points of one value (AX-805)."""
+"""The trend of any value over hours: samples once a second, with or without viewers, and returns the points of one value (AX-805)."""
 
 import math
 import time
@@ -138,5 +138,5 @@ def _word(entry: Entry, told: str) -> float:
 
 
 def shown_unit(entry: Entry) -> str:
-    """`mm` of "0.1 mm": the trend is told in whole units."""
+    """`mm` of "0.1 mm": the trend is in whole units."""
     return entry.unit.partition(" ")[2] if entry.unit[:1].isdigit() and entry.type == "KF" else entry.unit

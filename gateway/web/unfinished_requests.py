@@ -65,7 +65,7 @@ class PatientHttp(H11Protocol):
         return self.client is not None and is_local(self.client[0])
 
     def give_up(self) -> None:
-        """Without an answer: whoever did not finish asking does not listen."""
+        """Without an answer: a client that did not finish its request does not listen."""
         self._end()
         self.transport.abort()
 

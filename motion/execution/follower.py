@@ -1,4 +1,4 @@
-"""Runs a chain of timed pieces: time along the path in its hands, forward and back (design 6; motion.md goals 9, 10).
+"""Runs a chain of timed pieces: it controls the time along the path, forward and back (design 6; motion.md goals 9, 10).
 
 tau is the time at full speed, omega = dtau/dt the share of it that is driven, u = d omega/dt, c = du/dt.  The pieces' own derivatives
 by tau stand in a track (motion.timing.track); c is decided from it (motion.timing.change), so that every axis stays inside its limits

@@ -164,7 +164,7 @@ _HEAD_END = _HEAD.size - 4  # the CRC covers what precedes its own field, and th
 
 @dataclass(frozen=True, slots=True)
 class Head:
-    """What every record begins with.  first, second: two small numbers that mean what its version says."""
+    """What every record begins with.  first, second: two small numbers whose meaning depends on the version."""
 
     version: int
     flags: int
@@ -200,7 +200,7 @@ def write_record(head: Head, numbers: Sequence[float]) -> bytes:
 
 
 def version_of(record: bytes) -> int:
-    """What the record says; 0: it is too short to say anything."""
+    """Version in the record; 0: the record is too short."""
     return int(_HEAD.unpack_from(record)[1]) if len(record) >= _HEAD.size else 0
 
 

@@ -1,4 +1,4 @@
-"""The stepper: one sample per SYNC, time along the path in its hands (design 6; goals 9, 10, 15).
+"""The stepper: one sample per SYNC, it controls the time along the path (design 6; goals 9, 10, 15).
 
 It owns (s, sdot, sddot).  A load, an override change, stop, resume and abandon re-plan s(t) from the present state with
 all limits of the piece; between them the plan is only sampled.  Call step() once per SYNC that is sent: a skipped SYNC

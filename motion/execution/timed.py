@@ -61,7 +61,7 @@ class TimedPiece:
         if not (len(self.accel) == len(self.jerk) == columns and all(value > 0 for value in (*self.accel, *self.jerk))):
             raise PieceError(f"piece {self.id}: {columns} limits > 0 of acceleration and of jerk are needed")
         if self.ends_at_rest and any(abs(v) > 1e-6 for k, v in enumerate(self.nodes[-1]) if k % 3 == 1):
-            raise PieceError(f"piece {self.id}: says it ends at rest, but its last speed is not 0")
+            raise PieceError(f"piece {self.id}: marked as ending at rest, but its last speed is not 0")
 
     @cached_property
     def axes(self) -> tuple[int, ...]:

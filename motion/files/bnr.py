@@ -41,7 +41,7 @@ def encode(header: Header, points: Sequence[Sequence[float]]) -> bytes:
     numbers = (header.length, header.base, header.time_base_us, header.axes, header.version, header.base_check_off, *header.reserve)
     wrong = next((n for n, point in enumerate(points, 1) if len(point) != header.axes), 0)
     if wrong:
-        raise BnrError(f"point {wrong} has {len(points[wrong - 1])} components, the header says {header.axes}")
+        raise BnrError(f"point {wrong} has {len(points[wrong - 1])} components, the header announces {header.axes}")
     flat = [value for point in points for value in point]
     try:
         return _FIELDS.pack(*numbers) + bytes(header.length - HEADER) + struct.pack(f"<{len(flat)}f", *flat)

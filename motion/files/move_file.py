@@ -69,7 +69,7 @@ class MoveFiles:
     _open: dict[str, OpenFile] = field(default_factory=dict, init=False)
 
     def read_begin(self, name: str, data: bytes, offset: int = 0) -> None:
-        """READ_BEGIN name, offset: the read marker stands behind that many bytes."""
+        """READ_BEGIN name, offset: the read marker is set after that many bytes."""
         if offset < 0:
             raise MotionError(f"READ_BEGIN {name}, {offset}: an offset from 0 on is needed")
         self._open[name] = OpenFile(data, offset)
@@ -112,7 +112,7 @@ class MoveFiles:
             if header.base in (bnr.INTERPOLATION, bnr.POSITION_LOOP) and header.time_base_us != fits:
                 raise MoveFileError(TIME_BASE, f"{name}: {header.time_base_us} us, the control has {fits} us")
             if header.base != base:
-                raise MoveFileError(BASE, f"{name}: {header.base}, the call says {base}")
+                raise MoveFileError(BASE, f"{name}: {header.base}, the call has {base}")
         return header
 
     @staticmethod

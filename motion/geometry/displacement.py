@@ -1,7 +1,7 @@
 """RELATIVE and CALC_REL of the Reis ROBOTstar V.  Source: L366-422, vectors L787 and L3985-4010, VEC_ADD and others L889-939.
 
 A vector holds a frame number, x, y, z mm, A, B, C deg and offsets of up to 24 axes; all its values are added to the position's,
-number by number, also the angles: that is what the manual says ("will be added"), not a composition of rotations.
+number by number, also the angles: as in the manual ("will be added"), not a composition of rotations.
 """
 
 import math

@@ -30,7 +30,7 @@ UNITS: dict[str, tuple[Kind, float]] = {
 
 
 def kind_of(unit: str) -> Kind:
-    """LINEAR or ROTARY; raises MotionError for a unit nobody knows."""
+    """LINEAR or ROTARY; raises MotionError for an unknown unit."""
     return _row(unit)[0]
 
 

@@ -1,6 +1,6 @@
 """Six-axis arm with a spherical wrist: forward, analytic inverse with all branches, VAL 3 configuration flags.
 
-Geometry (m; all joints 0 = arm straight up, the base's x forwards): axis 2 stands `height` over the base and `delta` forwards
+Geometry (m; all joints 0 = arm straight up, the base's x forwards): axis 2 is `height` over the base and `delta` forwards
 of axis 1; the upper arm `arm` leads to the elbow, the forearm `forearm` to the wrist, `elbow` forwards of it; the wrist centre is
 `side` to the left (y) of axis 1's plane and `flange` behind the flange.  These are the seven lengths of Brandstoetter, Angerer,
 Hofbaur, "An analytical solution of the inverse kinematics problem of industrial serial manipulators with an ortho-parallel
@@ -10,7 +10,7 @@ Flags (VAL 3 ch. 9.7.4, L5308-5333), with geometric angles j:
     righty     <=>  arm sin(j2) + forearm sin(j2+j3) + elbow cos(j2+j3) + delta < 0
     epositive  <=>  j3 - stretched >= 0, where stretched = -atan2(elbow, forearm)
     wpositive  <=>  j5 >= 0
-On RX/TX arms `elbow` is 0: VAL 3 prints no such term, and j3 >= 0 (AX-351 says why an arm with an elbow offset needs both).
+On RX/TX arms `elbow` is 0: VAL 3 prints no such term, and j3 >= 0 (AX-351: why an arm with an elbow offset needs both).
 """
 
 import math

@@ -89,7 +89,7 @@ class WrongConfiguration(KinematicsError):
 
 
 class SingularPose(KinematicsError):
-    """The robot stands where it cannot move on in every direction: 540."""
+    """The robot is in a pose from which it cannot move in every direction: 540."""
 
     number = 540
 

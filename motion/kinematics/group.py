@@ -48,7 +48,7 @@ class Additional:
             raise MotionError(f"axis {self.limits.name}: direction {self.direction} has not the length 1")
 
     def motion(self, value: float) -> Pose:
-        """Where the axis has carried what stands on it; value: m or rad."""
+        """Frame of what the axis carries; value: m or rad."""
         x, y, z = (value * part for part in self.direction)
         if kind_of(self.limits.unit) is Kind.LINEAR:
             return compose(self.origin, Pose((x, y, z), IDENTITY.rotation))

@@ -88,7 +88,7 @@ def admitted(channel: int, boards: Mapping[int, Board]) -> MeasuringInput:
 def stored_at(kind: InputKind, edge_ns: int, cycle_ns: int, incremental: bool = True) -> int:
     """Instant whose position is stored for an edge.  cycle_ns: LRTAKT, position-controller cycle, its grid starts at 0.
 
-    A probe stores at the stamp itself (ours is finer than the 10 us of the old board, AX-456); a high-speed input, and a probe
+    A probe stores at the stamp itself (finer than the 10 us of the old board, AX-456); a high-speed input, and a probe
     on an axis without incremental encoder, in the next position-controller cycle (L1238, L1290).
     """
     if kind in (InputKind.PROBE, InputKind.MODIFIED) and incremental:

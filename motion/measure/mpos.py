@@ -53,7 +53,7 @@ class MeasuredPosition:
 def measured(
     at: MeasuringInput, edge_ns: int, cycle_ns: int, axes: Sequence[int], boards: Mapping[int, Board], history: History
 ) -> tuple[float | None, ...] | None:
-    """Positions of these axes for an edge of this input, m or rad; None for axes on other boards and for edges told so late that
+    """Positions of these axes for an edge of this input, m or rad; None for axes on other boards and for edges reported so late that
     nothing is kept of their time.
 
     None as a whole: an instant to store lies behind the newest positions, ask again next cycle.  history: of all axes of the control.

@@ -22,7 +22,7 @@ STANDS = 1e-9  # m/s or rad/s
 
 
 class Outcome(Enum):
-    """How the block stands."""
+    """State of the block."""
 
     RUNNING = auto()
     MET = auto()  # the statement behind the block is next, @MPOS is occupied
@@ -53,7 +53,7 @@ class Path(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Bench:
-    """What measuring needs of a kinematic.  axes: its axes' numbers in the control, in the order of its joint points; limits: theirs;
+    """What measuring needs of a kinematic.  axes: its axes' numbers in the control, in the order of its joint points; limits: of the axes;
     boards: servo boards by number; cycle_ns: LRTAKT; period_s: P5; history: of all axes of the control."""
 
     axes: tuple[int, ...]
@@ -86,7 +86,7 @@ class MoveUntil:
         """Whether the block is to be loaded.  level: of the input now.
 
         False: a normal or high-speed input has the value already, nothing moves, and what is measured is where the axes
-        stand (AX-455).  A probe must change, whatever it says now.
+        stand (AX-455).  A probe must change, whatever its state is now.
         """
         self._since_ns = now_ns
         if self.asked.by_edge or level != self.value:

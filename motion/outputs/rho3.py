@@ -3,7 +3,7 @@
 Source: rho 3 Releases part 1, section 12 (L4211-4264); positions in workpiece coordinates (L8999-9001).  The text describes only how
 running functions are reset and stopped; what they do on the way is decision AX-465: an IO switches its output to the parameter
 value when the coordinate passes the position, a PPO leads its output in proportion to the coordinate's way, from the value
-that stands to the parameter value at the position; TIME_OFFS (ms) shifts both, positive: later.
+that is proportional to the parameter value at the position; TIME_OFFS (ms) shifts both, positive: later.
 """
 
 import math
@@ -31,7 +31,7 @@ class Stop(Enum):
     EMERGENCY = "emergency stop"
     INTERPOLATOR_STOP = "interpolator stop"
     RUNTIME_ERROR = "runtime error"
-    COORDINATE = "the coordinate stands"
+    COORDINATE = "the coordinate is at rest"
 
 
 class Kind(Enum):
@@ -81,7 +81,7 @@ Key = tuple[Kind, int, int]  # kind, kinematic, function number
 
 @dataclass(slots=True)
 class PathOutputs:
-    """All such functions of one control.  `outputs` holds what stands at the outputs: 0 or 1, INTEGER, V."""
+    """All such functions of one control.  `outputs` holds the values at the outputs: 0 or 1, INTEGER, V."""
 
     analog: Mapping[int, Analog] = field(default_factory=dict)  # by PPO number
     outputs: dict[Key, float] = field(default_factory=dict, init=False)

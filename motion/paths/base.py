@@ -40,7 +40,7 @@ class Curve(Protocol):
 
     @property
     def length(self) -> float:
-        """m, or rad where the TCP stands; > 0."""
+        """m, or rad where the TCP is at rest; > 0."""
         ...
 
     def at(self, s: float) -> Pose:

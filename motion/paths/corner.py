@@ -94,7 +94,7 @@ def corner(before: Curve, after: Curve, leave: float, reach: float) -> Corner | 
     """Rounds the end of `before` and the start of `after`; it begins at before.length - leave and ends at `reach` on after.
 
     PathError: the curves do not meet, ranges longer than the curves, a way back on the same line, or 554: the tool turns by 180 deg or more
-    in it, and which way round is no longer told by where it begins and ends (VAL 3 L5475-5481, L6688).
+    in it, and its start and end no longer define the direction of turning (VAL 3 L5475-5481, L6688).
     """
     if not (0.0 < leave <= before.length and 0.0 < reach <= after.length):
         raise PathError(f"leave {leave} and reach {reach} do not fit curves of length {before.length} and {after.length}")

@@ -37,5 +37,5 @@ def standing_still(place: Pose, length: float) -> Polynomial:
 
 
 def turns_only(curve: Polynomial) -> bool:
-    """True where the TCP stands and s is an angle."""
+    """True where the TCP is at rest and s is an angle."""
     return all(not any(row[1:]) for row in curve.rows[:3]) or norm(sub(curve.at(curve.length).position, curve.origin.position)) <= NO_WAY_M

@@ -30,7 +30,7 @@ def rescaled(path: JointPath, length: float) -> JointPath:
 
 
 def side_by_side(parts: Sequence[JointPath | tuple[float, ...]], lead: int) -> JointPath:
-    """Paths of one length, one for each kinematic; a tuple stands: these axes rest there.  lead: whose way stands at the end."""
+    """Paths of one length, one for each kinematic; a tuple: these axes rest there.  lead: the one whose way is last."""
     moving = [part for part in parts if isinstance(part, JointPath)]
     knots = _knots([part.knots for part in moving])
     axes, ways = [], []

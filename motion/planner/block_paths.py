@@ -35,8 +35,8 @@ NEXT = 1.0  # rad or m: of all ways to stand at the next place the one that goes
 
 @dataclass(frozen=True)
 class Leg:
-    """start, end: (axes,) where the axes stand; length: of curve or path, the same parameter s; course: of the additional axes along a
-    curve; stands: nothing moves but additional axes, and the arm so that the tool stays where it is; axes: what they do along the curve."""
+    """start, end: (axes,) positions; length: of curve or path, the same parameter s; course: of the additional axes along a
+    curve; `stands`: only additional axes move, and the arm keeps the tool in place; axes: their motion along the curve."""
 
     number: int
     block: Block

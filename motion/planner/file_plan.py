@@ -1,4 +1,4 @@
-"""MOVE_FILE as the planner hands it on: a path that has its law already.  Beside motion.planner.planner (AX-576)."""
+"""MOVE_FILE as the planner passes it on: a path that has its law already.  Beside motion.planner.planner (AX-576)."""
 
 from dataclasses import dataclass, field
 
@@ -70,8 +70,8 @@ def _own_period(data: bytes) -> int:
 
 @dataclass
 class FilePlan:
-    """One block; what Planner offers of a path, so that the same hands it on.  path: at full speed; stretch: of its time, for a program
-    that is ordered to run more slowly."""
+    """One block; with the interface of a planned path, so that it is passed on the same way.  path: at full speed; stretch: of its time,
+    for a program that is ordered to run more slowly."""
 
     machine: Machine
     block: Block

@@ -3,7 +3,7 @@
 Values come from the inverse, slopes from the Jacobian (q' = J^-1 x'), bends from its change along q' (q'' = J^-1 (x'' - J' q')).
 The branch is kept by continuity: every inverse starts from the joints before it, and an interval counts only when its quintics follow
 the curve, so a path never jumps from one arm configuration to another (VAL 3 L5547-5554: a change of configuration cannot be forced on
-a line).  Beside a wrist pole the intervals become as short as the swing of the axes is; through the pole itself, where the inverse says
+a line).  Beside a wrist pole the intervals become as short as the swing of the axes is; through the pole itself, where the inverse has
 nothing of axes 4 and 6 alone, the quintics are judged by where they lead the tool (AX-660).
 
 Additional axes that carry the robot or the workpiece have their own course e(s), which is given; what the arm has to do is what they

@@ -72,7 +72,7 @@ def _tool(leg: Leg, s: float, machine: Machine) -> Pose:
 
 
 def check_speed(path: JointPath, block: Block, machine: Machine) -> Slowed | None:
-    """Where the programmed speed of the path asks more of an axis than its limit: what is told of it, or BlockError if that is to be an
+    """Where the programmed speed of the path asks more of an axis than its limit: the finding, or BlockError if that is to be an
     error."""
     pace = block.pace
     if machine.too_fast is TooFast.SLOW or block.kind is Interpolation.PTP or (pace.path_speed is None and pace.turn_speed is None):

@@ -1,8 +1,8 @@
-"""The planner: blocks in, timed pieces out, whatever their number; and where the axes are, told in blocks.
+"""The planner: blocks in, timed pieces out, in any number; and the position of the axes in terms of blocks.
 
 What is known of the path is planned from rest to rest; as more becomes known, the tail that has not begun is planned anew from where
-the committed motion is at full speed (design 6).  Everything handed on ends at rest, so whoever stops hearing from the planner stops
-on the path.  Pure: the caller says how far the follower is (tau, time at full speed since the chain began).
+the committed motion is at full speed (design 6).  Everything passed on ends at rest, so a cycle without news from the planner stops
+on the path.  Pure: the caller passes the progress of the follower (tau, time at full speed since the chain began).
 """
 
 from collections import deque
@@ -81,8 +81,8 @@ class _Planned:
 
 @dataclass
 class Planner:
-    """add() blocks; plan() gives the pieces that are due.  Who must not be kept waiting takes the same in slices: begin(), work() until
-    it says True, take()."""
+    """add() blocks; plan() gives the pieces that are due.  A caller that must not wait works in slices: begin(), work() until it
+    returns True, take()."""
 
     machine: Machine | Team
     start: Sequence[float]

@@ -1,6 +1,6 @@
 """Targets that are known where the block before ends: relative ones, MOVE_REL of the rho 3, and those of endless axes.
 
-Source: rho 3 Releases part 1, L1443, L1626, L4175-4180, L11664; the manual shows the statement and tells nothing of its angles: AX-567.
+Source: rho 3 Releases part 1, L1443, L1626, L4175-4180, L11664; the manual shows the statement without its angles: AX-567.
 Endless axes: L5598-5644, AX-354.
 """
 

@@ -2,8 +2,8 @@
 
 With only block k the path is known up to the point where its corner may begin (VAL 3 L5591-5608: "A leave"); block k + 1 fixes that
 corner and the path up to its own.  So a route that is fed block by block and one that has the whole program give the same path.
-What cannot be run is refused when its block is added, with the manual's number, the block and the axis; the route then stands
-where it stood before.  The curve of a row of SPLINE blocks is known when the row is over: its fault comes with the block behind it (or
+What cannot be run is refused when its block is added, with the manual's number, the block and the axis; the route is then
+as it was before.  The curve of a row of SPLINE blocks is known when the row is over: its fault comes with the block behind it (or
 finish()), names the block of the row, and the row is forgotten; the block behind it may be added again.
 """
 
@@ -133,7 +133,7 @@ class Route:
         return number
 
     def assume_measured(self) -> None:
-        """@MPOS, as long as nobody knows better: where the axes will be after everything that was added."""
+        """@MPOS, until it is measured: where the axes will be after everything that was added."""
         self._now.measured = self._now.standing
 
     def _resolved(self, block: Block) -> Block:
@@ -156,7 +156,7 @@ class Route:
         return list(out)
 
     def left(self) -> tuple[Called | Output, ...]:
-        """What blocks without way behind the last one begin or end with; whoever takes it does it."""
+        """What blocks without way behind the last one begin or end with; the caller that takes it executes it."""
         carried, self._now.carried = self._now.carried, ()
         return carried
 
@@ -200,7 +200,7 @@ class Route:
         now = self._now
         now.number = number
         if block.file is not None:
-            raise BlockError(f"move_file {block.file.name} is run in a cell or on paper: no path leads along it")
+            raise BlockError(f"move_file {block.file.name} runs in a cell or in a dry run: it has no planned path")
         if block.kind is Interpolation.SPLINE:
             self._add_spline(number, block)
             return

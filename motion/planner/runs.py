@@ -127,7 +127,7 @@ def merged(caps: Sequence[Cap]) -> list[Cap]:
 
 
 def caps_of(stretch: Stretch, start: float, machine: Machine, factors: Factors) -> list[Cap]:
-    """What the pace of its block demands of a stretch; in a corner the slower of both blocks, unless v_flyby says otherwise."""
+    """What the pace of its block demands of a stretch; in a corner the slower of both blocks, unless v_flyby sets another."""
     end = start + stretch.path.length
     found = block_caps(stretch.source, stretch.path, stretch.way, start, end, machine, factors)
     if stretch.following is not None:

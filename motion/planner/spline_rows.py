@@ -23,7 +23,7 @@ def goes_on(row: Row, block: Block) -> bool:
 
 
 def place_of(block: Block, standing: Joints, machine: Machine) -> Joints:
-    """(axes,) where the block will end, as far as one point tells; raises what is wrong with it."""
+    """(axes,) where the block will end, as far as one point determines it; raises its fault."""
     check_joints(block, machine)
     flange = base_pose(block, standing, machine) @ block.tool.pose.inverse()
     return machine.inverse(flange, (*standing[: machine.arm], *extra_of(block, standing, machine)))

@@ -21,7 +21,7 @@ class Member(Route):
         self.forced: tuple[float, float] | None = None
 
     def twin(self) -> "Member":
-        """Another one that stands where this one does."""
+        """Another one at the same place."""
         made = copy.copy(self)
         made._now = replace(self._now)
         return made

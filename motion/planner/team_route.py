@@ -346,7 +346,7 @@ class TeamRoute:
 def _check_asked(shared: Shared, number: int) -> None:
     """What the kinematics of a block wait for, end with and go to: BlockError where it is not the same for all."""
     if sum(block.until is not None for block in shared.own) > 1 or sum(block.wait is not None for block in shared.own) > 1:
-        raise BlockError("one kinematic alone says what a shared block waits for, or ends with", block=number)
+        raise BlockError("only one kinematic may define what a shared block waits for, or ends with", block=number)
     if sum(block.recorded != 0 for block in shared.own) > 1:
         raise BlockError(
             "one kinematic alone of a shared block goes to an entry: recorded of another one needs a block of its own", block=number

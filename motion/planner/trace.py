@@ -1,4 +1,4 @@
-"""A program run on paper: set values on a grid of 1 ms, what the tool does, loads of the axes, how corners are missed."""
+"""Dry run of a program: set values on a grid of 1 ms, what the tool does, loads of the axes, how corners are missed."""
 
 import math
 from collections.abc import Sequence
@@ -149,7 +149,7 @@ def numbered(error: BlockError, number: int) -> BlockError:
 def trace(
     stretches: Sequence[Stretch], machine: Machine, factors: Factors = FULL, period: float = PERIOD_S, stands: Sequence[float] = ()
 ) -> Trace:
-    """Runs all whole runs; stands: where the axes are when there is none.  Raises MotionError where a path cannot be run at all."""
+    """Runs all whole runs; `stands`: position of the axes when there is none.  Raises MotionError where a path cannot be run at all."""
     rows, q, blocks, ends = sampled(stretches, machine, factors, period, stands)
     return seen(rows, stretches, machine, q, blocks, ends, period)
 

@@ -31,7 +31,7 @@ def _moving(start: Joints, end: Joints) -> list[int]:
 
 def axes_line(start: Joints, end: Joints, machine: Machine) -> JointPath:
     """The straight line of the axes with its way and turning.  Its parameter is the way of its main axes: what goes straight on through a
-    passed point keeps its speed there, however the others change theirs."""
+    passed point keeps its speed there, however the others change."""
     travel = [b - a for a, b in zip(start, end, strict=True)]
     way, turn = main_rates(travel, machine)
     length = way or turn

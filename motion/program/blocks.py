@@ -1,6 +1,6 @@
-"""Neutral blocks: what an interpreter, a position table or the text form hands to the planner.  Frozen data, SI, no control's words.
+"""Neutral blocks: what an interpreter, a position table or the text form passes to the planner.  Frozen data, SI, no control's words.
 
-A block is one move from where the one before it ends.  Its `blend` says how its own end point is passed; `leave` lies before the
+A block is one move from where the one before it ends.  Its `blend` defines how its own end point is passed; `leave` lies before the
 point on this block, `reach` behind it on the next.  What each of the three controls means by its words is decided where those
 words are known (motion.program.passing, motion.program.reis, motion.val3); here everything is a number with a unit.
 """
@@ -190,8 +190,8 @@ class Latching:
 
 @dataclass(frozen=True, slots=True)
 class Recording:
-    """Reference path where the block begins: rho 3 SF 29 (a mark each `distance` of measuring system `system`, in m, rad or cycles of P5 as
-    `unit` says), SF 30 (system 0).  member: whose path, of several kinematics: its place among them, from 0."""
+    """Reference path where the block begins: rho 3 SF 29 (a mark each `distance` of system `system`, in m, rad or cycles of P5:
+    `unit`), SF 30 (system 0).  member: whose path, of several kinematics: its place among them, from 0."""
 
     system: int = 0
     distance: float = 0.0
@@ -240,7 +240,7 @@ class Alteration:
 @dataclass(frozen=True, slots=True)
 class Sync:
     """SYNC of the rho 3: the program waits until the belt's counter is at least (else at most) `limit` (m or rad), or the RC input has
-    its level; then the counter gets its reset value.  inside: it stands in a synchronous part."""
+    its level; then the counter gets its reset value.  inside: it is in a synchronous part."""
 
     belt: str
     limit: float = 0.0

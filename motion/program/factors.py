@@ -96,7 +96,7 @@ class FactorTable:
         return self._global.times(self._kinematic[self._place(kinematic)])
 
     def happened(self, operation: Operation, kinematic: int | None = None) -> None:
-        """Reset what the option byte says; kinematic: the one whose process starts or whose mode changes, None: all of them.
+        """Reset what the option byte selects; kinematic: the one whose process starts or whose mode changes, None: all of them.
 
         The global factors are one set: resetting them acts on every kinematic, also on one that moves (note to bit 7).
         """

@@ -234,7 +234,7 @@ class Path:
 def check_path(blocks: list[Block], settings: list[Parameters], start: Target, data: MachineData) -> None:
     """Path errors 102 and 620 .. 624: approximation without anything to round, and orientation-only paths without a time.
 
-    A path's own fault is told before the one it makes of the path in front of it: a point twice is 620, not 623.
+    A path's own fault is reported before the one it causes in the path before it: a point twice is 620, not 623.
     """
     ways = [way(a.target if a else start, b.target, data) for a, b in pairwise([None, *blocks]) if b is not None]
     for n, setting in enumerate(settings):

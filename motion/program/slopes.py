@@ -170,7 +170,7 @@ def overlap(
     before: Ramped, after: Ramped, start: float, limits: Sequence[AxisLimits], kept: Callable[[float], bool] | None = None
 ) -> Overlap | None:
     """The earliest legal overlap not before `start`: the first block ends before the middle of the next one, no axis exceeds its
-    limits of speed, acceleration and jerk in the sum, and `kept` says the same of what else it must keep.  None: there is none."""
+    limits of speed, acceleration and jerk in the sum, and `kept` is the same for its other limits.  None: there is none."""
 
     def good(moment: float) -> bool:
         return within(before, after, moment, limits) and (kept is None or kept(moment))

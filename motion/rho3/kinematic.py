@@ -105,7 +105,7 @@ class Rho3Kinematic:
     # ---------------------------------------------------------------------------------------------------- mirror and tool
 
     def mirror(self, point: Sequence[float], plane: str) -> Point:
-        """SF 17: mirrored across a plane of the workpiece system, "xy", "yz" or "xz" (L9003-9005; the call is not told: AX-360)."""
+        """SF 17: mirrored across a plane of the workpiece system, "xy", "yz" or "xz" (L9003-9005; the call is not described: AX-360)."""
         if plane not in PLANES:
             raise MotionError(f"mirror across {plane!r}: xy, yz or xz")
         return self.assignment.put(self._checked(point), mirrored(self.assignment.pose(point), PLANES[plane]))

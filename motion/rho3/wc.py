@@ -1,7 +1,7 @@
 """Workpiece coordinate systems: WC_FRAME, WC_SYSTEM, WC_UR, P313.  Source: rho 3 Releases part 1, TO06 section 6, L8795-9070.
 
-A frame (dx, dy, dz mm, da, db, dc deg) says where the workpiece's zero stands in the original system; dc turns about z, then db
-about y', then da about x'' (L8817).  P313 says for x, y, z, a, b, c which component of a world point holds it, 0 for none: what a
+A frame (dx, dy, dz mm, da, db, dc deg) gives the workpiece's zero in the original system; dc turns about z, then db
+about y', then da about x'' (L8817).  P313 selects for x, y, z, a, b, c which component of a world point holds it, 0 for none: what a
 machine has no component for is not corrected (L8905-8937).
 """
 

@@ -55,14 +55,14 @@ def limits_of(mdesc: Mdesc, nominal: Sequence[float], unit_m: float = 1e-3) -> A
 
 
 class AlterFault(MotionError):
-    """The alteration cannot be followed: the arm stands at the last valid position until resetMotion."""
+    """The alteration cannot be followed: the arm stays at the last valid position until resetMotion."""
 
 
 @dataclass(slots=True)
 class Alter:
     """One arm.  period_s: of the set values, a whole part of every_s; stop_time_s: of the arm at nominal deceleration, from full speed.
 
-    The owner says what happens: path(), stopping(), running(); and takes the altered poses with step().
+    The owner reports what happens: path(), stopping(), running(); and takes the altered poses with step().
     """
 
     period_s: float

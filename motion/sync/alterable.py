@@ -1,4 +1,4 @@
-"""Blocks of an alterable part before they run: what is not possible is told with the words of VAL 3 (13.1), and what the cycle must know.
+"""Blocks of an alterable part before they run: faults in the words of VAL 3 (13.1), and what the cycle must know.
 
 Source: VAL 3 reference L6259-6294 (alterable paths), L6355-6392 (alterBegin); AX-547.
 """

@@ -1,8 +1,8 @@
 """Alterable moves of VAL 3 on an arm: alterMovej/l/c beside the standard moves, and the altered set values.
 
 Source: VAL 3 reference 13.1 (L6245-6480).  An alterable path is a row of alterable moves between two standard ones.  The standard
-move behind it is computed only after alterEnd, from where the altered arm then stands; here the arm is at rest there (AX-449).
-waitEndMove, open and close wait for the theoretical path alone, which `place()` tells.
+move behind it is computed only after alterEnd, from the position of the altered arm; here the arm is at rest there (AX-449).
+waitEndMove, open and close wait for the theoretical path alone, which `place()` reports.
 """
 
 from collections import deque

@@ -52,7 +52,7 @@ class Carried:
         return self._beside if catching else max(self._beside, ONWARD)
 
     def engage(self) -> Pose:
-        """SYNCHRON, after step(): the frame in which the robot stands at this moment; the path begins there."""
+        """SYNCHRON, after step(): the present frame of the robot; the path begins there."""
         self.coupling.engage(self.part.value(self.tracker.ahead()), self.tracker.speed)
         self._beside = left_over(self._along, self._limits, *self.coupling.asks)
         self.frame = self.part.carrier.frame(self.coupling.value)

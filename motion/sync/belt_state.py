@@ -1,4 +1,4 @@
-"""Whether a belt stands or runs, its averaged speed, and when its errors are looked at.
+"""Whether a belt is at rest or runs, its averaged speed, and when its errors are looked at.
 
 Source: rho 3 Releases part 1, TO04 section 15.2-15.3 (L6133-6219): special function 15.  Speeds are those of whole interpolation
 cycles (increments per cycle, so they come in steps).
@@ -74,7 +74,7 @@ class Watch:
 
     @property
     def judges_tolerance(self) -> bool:
-        """Errors 944 .. 953 are looked for: not while the belt stands, nor for the set time after a start or a slow-down."""
+        """Errors 944 .. 953 are looked for: not while the belt is at rest, nor for the set time after a start or a slow-down."""
         return self.motion is not Motion.STOPPED and self._wait == 0
 
     @property

@@ -165,9 +165,9 @@ class Condition(Enum):
 
 @dataclass(slots=True)
 class Sync:
-    """SYNC belt, input=v | SYNC belt <= v | SYNC belt >= v: ask met() once a cycle; the program waits until it says True.
+    """SYNC belt, input=v | SYNC belt <= v | SYNC belt >= v: ask met() once a cycle; the program waits until it is True.
 
-    value: m or rad.  inside: the statement stands in a synchronous part: an endless belt, whose counter is lessened by the value
+    value: m or rad.  inside: the statement is in a synchronous part: an endless belt, whose counter is lessened by the value
     instead of set; an input as condition is not possible there (L11617), BeltError 20.
     """
 

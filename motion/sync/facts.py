@@ -1,4 +1,4 @@
-"""What planner and cycle must know of a belt, and what one tells the other of a synchronous part.  Frozen data, SI unless said."""
+"""What planner and cycle must know of a belt, and what they exchange about a synchronous part.  Frozen data, SI units."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

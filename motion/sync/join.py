@@ -53,7 +53,7 @@ class SyncStepper:
         return self._q
 
     def load(self, piece: Piece | TimedPiece) -> None:
-        """As Stepper.load.  A piece of polynomials is run as well, but nobody looks ahead on it."""
+        """As Stepper.load.  A piece of polynomials is run as well, but without look-ahead."""
         self._stepper.load(piece)
         if isinstance(piece, TimedPiece):
             self._chain.load(piece)
@@ -68,7 +68,7 @@ class SyncStepper:
         self._wanted = value
 
     def place(self, frame: Pose = IDENTITY, alteration: Pose = IDENTITY) -> None:
-        """At rest: the robot stands where it stands, and from now on in this frame with this alteration.  Raises KinematicsError."""
+        """At rest: the robot keeps its position, from now on in this frame with this alteration.  Raises KinematicsError."""
         n = self._kinematics.axes
         seen = compose(compose(frame.inverse(), self._kinematics.forward(self._q[:n])), alteration.inverse())
         self._stepper.place((*self._kinematics.follow(seen, self._q[:n]), *self._q[n:]))
@@ -79,7 +79,7 @@ class SyncStepper:
     def step(self, frame: Pose = IDENTITY, alteration: Pose = IDENTITY) -> Joined:
         """The next period; frame and alteration: of the moment in which the set values act.
 
-        Where the pose cannot be reached the joints stay, the path is stopped and `fault` says why; place() goes on.
+        Where the pose cannot be reached the joints stay, the path is stopped and `fault` gives the reason; place() goes on.
         """
         self._stepper.set_override(self._wanted if self._wanted < self._share else self._share)
         sample = self._stepper.step()

@@ -20,7 +20,7 @@ TOP = 0.97  # of a joint's speed that is planned for; the rest is for what chang
 
 
 class Caps:
-    """Shares that hold until the robot is past a place, and the least of them, which a period has for one look: a share that stands
+    """Shares that hold until the robot is past a place, and the least of them, which a period has for one look: a share that is kept
     behind a lower one is never asked for."""
 
     def __init__(self) -> None:
@@ -32,7 +32,7 @@ class Caps:
         return self._kept[0][1] if self._kept else 1.0
 
     def note(self, place: float, share: float) -> None:
-        """One seen later is forgotten later, also where it stands nearer because the chain was cut."""
+        """One seen later is forgotten later, also where it is nearer because the chain was cut."""
         kept = self._kept
         if kept:
             place = max(place, kept[-1][0])
@@ -41,7 +41,7 @@ class Caps:
         kept.append((place, share))
 
     def past(self, tau: float) -> None:
-        """The robot is there: what was noted for before says nothing any more."""
+        """The robot is there: what was noted for earlier places is void."""
         while self._kept and self._kept[0][0] < tau:
             self._kept.popleft()
 

@@ -1,7 +1,7 @@
 """Belts of type 1: the robot works on what lies on the belt, its path is carried along.
 
 Source: rho 3 Releases part 1, TO04 section 14 (type 1, as programmed in BAPS), P503 (coupling factors), TO08 section 4 (endless
-belt).  The manual of BAPS2 itself is not there: what is read into it stands in AX-442.  A point of a program holds a belt value: it is
+belt).  The manual of BAPS2 itself is not there: its interpretation is AX-442.  A point of a program holds a belt value: it is
 meant for the moment the belt has it.  Seen from the belt such a point stands still, so the path is planned there, and
 P = F_belt(t) * P(s): the frame goes with the belt.
 """
@@ -43,7 +43,7 @@ class Carrier:
 
 
 class Hold(Enum):
-    """OFF: the robot stands beside the belt; CATCHING: it gets up to the belt's speed; ON; LEAVING: it comes to rest."""
+    """OFF: the robot is at rest beside the belt; CATCHING: it gets up to the belt's speed; ON; LEAVING: it comes to rest."""
 
     OFF, CATCHING, ON, LEAVING = "off", "catching up", "on the belt", "leaving"
 

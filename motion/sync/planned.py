@@ -39,7 +39,7 @@ def seen_from(block: Block, carrier: Carrier, reference: float) -> Block:
 
 @dataclass
 class BeltPlan:
-    """One part.  start: (axes,) where the robot stands before it; number: of its first block in the program; kinematic: the robot's number
+    """One part.  start: (axes,) position of the robot before it; number: of its first block in the program; kinematic: the robot's number
     in its cell, one of those that follow the belt."""
 
     facts: BeltFacts
@@ -83,8 +83,8 @@ class BeltPlan:
         return made
 
     def seen_at(self, engaged: float) -> tuple[float, ...]:
-        """(axes,) of `start` as seen from a belt of type 1, got onto at this value; an axis parallel to it has no value it is meant for,
-        and stands where it stands."""
+        """(axes,) of `start` as seen from a belt of type 1, got onto at this value; an axis parallel to it has no target value and keeps
+        its position."""
         if isnan(self.reference):
             self.reference = engaged
         moved = bearing(self.carrier, self.machine.kinematics, self.machine.limits)

@@ -92,7 +92,7 @@ def _circle(start: tuple[float, ...], via: tuple[float, ...], target: tuple[floa
 
 @dataclass(slots=True)
 class SynchronPart:
-    """One SYNCHRON of one kinematic.  position and belt_value: of the last block before it: there the robot stands, and there the
+    """One SYNCHRON of one kinematic.  position and belt_value: of the last block before it: there the robot is, and there the
     first block waits for the belt.  step() once an interpolation cycle, after Belts.update.
 
     Every BeltError here opens READY and shows 528 as well; the robot then keeps the last position that step() returned.

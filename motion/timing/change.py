@@ -1,7 +1,7 @@
 """How the share of full speed changes: in each period the strongest lawful step.
 
 omega = dtau/dt is the share of full speed, u = d omega/dt, c = du/dt.  |omega| <= 1 with u = 0 is lawful anywhere, because full speed
-is; so u is lawful as long as it can be brought back to 0 in time: what lies ahead says how far (motion.timing.foresight).
+is; so u is lawful as long as it can be brought back to 0 in time: what lies ahead limits it (motion.timing.foresight).
 
 Where the way is so calm that one bound of u and one of c hold all along it, the change is known at once (motion.timing.phases) and is
 nearly the fastest: it is taken when it is at least as fast as what foresight could ever find.

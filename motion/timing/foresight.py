@@ -1,4 +1,4 @@
-"""What lies ahead says of a change of speed: place by place the strongest lawful step, found anew in each period.
+"""Limits that the path ahead sets on a change of speed: place by place the strongest lawful step, found anew in each period.
 
 omega, u and c: motion.timing.change.  Along the way that was foreseen a period ago (omega, u, tau at places in time) the rows of the
 track give, in closed form, the lowest u that the accelerations allow and the range of c that the jerks allow.  One pass from the far

@@ -36,7 +36,7 @@ class LawLimits:
     caps: tuple[Cap, ...] = ()
 
     def whole(self, accel: float, jerk: float) -> "LawLimits":
-        """Those of the axes where these are such shares of theirs; way and turning stay."""
+        """Limits of the axes scaled by these shares; way and turning stay."""
         if accel == jerk == 1.0:
             return self
         axes = np.arange(len(self.speed)) < len(self.speed) - 2

@@ -1,7 +1,7 @@
 """Which axes' limits count at a place: those of the others follow from them.
 
-A limit says |p x| <= 1 with as many coefficients p as the unknowns have parts.  Where one p lies between others and their opposites,
-as most do when many axes share a path, its limit is met as soon as theirs are.
+A limit is |p x| <= 1 with as many coefficients p as the unknowns have parts.  Where one p lies between others and their opposites,
+as most do when many axes share a path, its limit is met as soon as those of the others are.
 """
 
 import numpy as np

@@ -6,7 +6,7 @@ With omega = dtau/dt, u = d omega/dt, c = du/dt an axis has the acceleration ome
     |u + omega^2 bend| <= reach            bend = q''/q', reach = accel/|q'|
     |c + omega (omega^2 twist + u lean)| <= pull      lean = 3 q''/q', twist = q'''/q', pull = jerk/|q'|
 
-Where places foreseen lie several periods apart, an axis may turn back (q' = 0) between two of them; what its jerk says there is kept:
+Where places foreseen lie several periods apart, an axis may turn back (q' = 0) between two of them; its jerk limit there is kept:
 
     |u + omega^2 lift| <= edge / |omega|              lift = q'''/(3 q''), edge = jerk/(3 |q''|)
 """
@@ -160,7 +160,7 @@ class Track:
 
         before: the pieces it goes on from, the last one first, four periods of them; where: column of each of its columns; apart: s,
         over which MEAN is one.
-        The path's own acceleration and jerk are told by differences over periods: what a judge of the set values sees.
+        The path's own acceleration and jerk are computed by differences over periods: what a judge of the set values sees.
         """
         h, half = self._period, self._half
         around = round(0.5 * apart / self.step)  # rows from the middle of what MEAN sees to its end

@@ -44,5 +44,5 @@ class Window:
         self.end += len(resting)
 
     def rests(self, row: int) -> bool:
-        """Whether the path itself stands at this row; beyond the ends at the first or last one."""
+        """Whether the path itself is at rest at this row; beyond the ends at the first or last one."""
         return self._resting[max(min(row, self.end - 1) - self.low, 0)] != 0

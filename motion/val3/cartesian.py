@@ -29,7 +29,7 @@ class Frame:
     root: bool = False  # world
 
     def in_world(self) -> Pose:
-        """Where the frame stands; 161 or 163."""
+        """Pose of the frame; 161 or 163."""
         pose, here = IDENTITY, self
         for _ in range(DEEPEST):
             if here.root:
@@ -75,7 +75,7 @@ class Point:
     frame: Frame | None = None
 
     def in_world(self) -> Pose:
-        """Where the point stands; 162 when it has no frame."""
+        """Pose of the point; 162 when it has no frame."""
         return compose(self.linked().in_world(), self.trsf.pose)
 
     def linked(self) -> Frame:
@@ -139,7 +139,7 @@ def distance(first: Point, second: Point) -> float:
 
 
 def compose_point(point: Point, reference: Frame, trsf: Trsf) -> Point:
-    """compose(pPosition, fReference, trTransformation): moved as `trsf` says in the coordinates of `reference`.
+    """compose(pPosition, fReference, trTransformation): moved by `trsf` in the coordinates of `reference`.
 
     A rotation turns the point about the origin of `reference`; frame and configuration stay the point's.
     """
@@ -155,7 +155,7 @@ def appro(point: Point, trsf: Trsf) -> Point:
 
 
 class Arm:
-    """The arm of an application: its kinematics, where it stands in the world, and joints in deg and mm as the language has them."""
+    """The arm of an application: its kinematics, its place in the world, and joints in deg and mm as the language has them."""
 
     def __init__(self, kinematics: Kinematics, units: Sequence[str], base: Pose = IDENTITY) -> None:
         self.kinematics, self.units, self.base = kinematics, tuple(units), base
@@ -172,7 +172,7 @@ class Arm:
         return Point(trsf_of(seen), self.kinematics.configuration(q), reference)
 
     def here(self, tool: Tool, reference: Frame, commanded: Sequence[float]) -> Point:
-        """here(tTool, fReference); commanded: the joints the arm is told to have now."""
+        """here(tTool, fReference); commanded: the joints commanded now."""
         return self.joint_to_point(tool, reference, commanded)
 
     def point_to_joint(self, tool: Tool, initial: Sequence[float], point: Point) -> tuple[float, ...] | None:

@@ -1,7 +1,7 @@
 """Motion descriptors: fields, default, validation, and the block's pace and blend they mean.
 
 Source: VAL 3 reference 10.5 (L5690-5712), speed rule 10.3.2 (L5635-5665), errors 100 .. 106 (L6637-6643).  Percentages are of
-nominal values and may be above 100 (L5667-5677); how far is not told: AX-411.
+nominal values and may be above 100 (L5667-5677); the limit is not documented: AX-411.
 """
 
 import math

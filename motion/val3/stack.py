@@ -77,7 +77,7 @@ class Connection(Enum):
 
 def connects_by_itself(mode: Mode, distance: float, following_error: float, auto: bool) -> bool:
     """Whether a connection move starts without the operator: only in remote mode, there always when the arm is nearer to its path
-    than the largest following error, else as autoConnectMove says (default false)."""
+    than the largest following error, else as autoConnectMove selects (default false)."""
     return mode is Mode.REMOTE and (distance < following_error or auto)
 
 

@@ -1,4 +1,4 @@
-"""The rule by which a compiler tells the two forms of movej apart.  Source: VAL 3 reference L5736-5752, doubt none.
+"""The rule by which a compiler distinguishes the two forms of movej.  Source: VAL 3 reference L5736-5752, doubt none.
 
 The first parameter is a joint or a point; an explicit structured literal could be either, so it is refused at compile time and
 must be put into a variable first.

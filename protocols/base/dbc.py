@@ -35,7 +35,7 @@ def compile_dbc(text: str, name: str = "dbc") -> dict[str, Layout]:
                 message = _message(words)
                 current = message.name if message else ""
                 if message and message.name in layouts:
-                    raise ValueError(f"message {message.name} stands twice")
+                    raise ValueError(f"message {message.name} is defined twice")
                 if message:
                     layouts[message.name] = message
             elif words.startswith("SG_ ") and current:
@@ -98,6 +98,6 @@ def _fit(layout: Layout, signal: Signal, where: str) -> None:
         raise ValueError(f"{where}: bits {signal.start}..{last}; expected within 0..{8 * layout.length - 1} ({layout.length} bytes)")
     for other in layout.signals:
         if other.name == signal.name:
-            raise ValueError(f"{where}: stands twice")
+            raise ValueError(f"{where}: defined twice")
         if other.start < signal.start + signal.bits and signal.start < other.start + other.bits:
             raise ValueError(f"{where}: overlaps signal {other.name} (bits {other.start}..{other.start + other.bits - 1})")

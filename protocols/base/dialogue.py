@@ -1,4 +1,4 @@
-"""Dialogues as text: what one station of a byte protocol hears, says and reports, with times.  Test vectors and line journals (AX-196).
+"""Dialogues as text: what one station of a byte protocol receives, sends and reports, with times.  Test vectors and line journals (AX-196).
 
 One entry a line, parted by white space; `#` starts a comment line; empty lines mean nothing:
 
@@ -7,11 +7,11 @@ One entry a line, parted by white space; `#` starts a comment line; empty lines 
     TIME hears HEX HEX ...           bytes that came in
     TIME damaged PARITY              a spoiled character (FRAMING, OVERRUN, BREAK)
     TIME does WORD HEX ...           its owner asks for something, e.g. send 41 42
-    TIME says HEX HEX ...            bytes that went out
+    TIME `says` HEX HEX ...          bytes that went out
     TIME reports NAME FIELD=VALUE    an event: bytes in hex without spaces (- when empty), enums by name, numbers in decimal
 
 TIME is in milliseconds with up to six decimals (nanoseconds), from the start of the dialogue, never decreasing.  Entries of one moment
-stand in the order in which they happened.  All that is said and reported stands there: silence in between is part of the dialogue.
+stand in the order in which they happened.  All that is sent and reported is included: silence in between is part of the dialogue.
 """
 
 from collections.abc import Iterable
@@ -77,7 +77,7 @@ def _take(dialogues: list[Dialogue], words: list[str]) -> None:
 
 
 def line_of(entry: Entry) -> str:
-    """The entry as it stands in a file."""
+    """The entry as written to a file."""
     return f"{entry.time / 1e6:14.6f}  {entry.verb:8}{entry.what}".rstrip()
 
 
@@ -92,7 +92,7 @@ def write(dialogues: Iterable[Dialogue]) -> str:
 
 
 def describe(event: object) -> str:
-    """An event as it stands after `reports`."""
+    """An event as written after `reports`."""
     if not is_dataclass(event):
         return repr(event)
     parts = [type(event).__name__]

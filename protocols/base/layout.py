@@ -1,6 +1,6 @@
 """Bit-field layouts of frames: plain tables, compiled once to shifts and masks.
 
-Signals are little endian (DBC "@1"), raw counts without scale; the unit stands in the signal's name or in `unit` for people.
+Signals are little endian (DBC "@1"), raw counts without scale; the unit is in the signal's name or in `unit` for people.
 """
 
 import struct
@@ -54,8 +54,8 @@ class Packer:
 
     Bits of signals that are not named are sent as 0 and ignored when received.  The first `flags` signals have one bit each; what they can
     be together is worked out once and looked up then: a drive's bits stay the same for thousands of cycles.  Flags in byte 0 before whole
-    numbers of their full range, as SERVODYN-GC's are, are read and written at one go by `plain`; whoever does so once an axis and cycle
-    may do it himself (`words`: what flags are together, `seen`: the other way round) and leave only the rest to `pack` and `unpack`.
+    numbers of their full range, as SERVODYN-GC's are, are read and written together by `plain`; a caller in each axis and cycle
+    may do it itself (`words`: all flags together, `seen`: the reverse) and leave only the rest to `pack` and `unpack`.
     """
 
     __slots__ = ("_fields", "_length", "_name", "_signals", "flag_bits", "flag_places", "flags", "plain", "seen", "words")

@@ -33,7 +33,7 @@ class Form:
     nesting: bool = False  # a request that arrives instead of the response ends the own job with a fault
 
     def fault_of_job(self, dm: int, word: int, words: int) -> Fault | None:
-        """What the RST itself says to a job before anything is sent; None: it may go."""
+        """Answer of the RST itself to a job before anything is sent; None: it may go."""
         if not 0 <= dm <= MOST_DM:
             return fault_of(Cause.DM_NUMBER)
         if not 0 <= word <= self.plc.value:

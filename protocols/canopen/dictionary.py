@@ -1,4 +1,4 @@
-"""An object dictionary as plain tables: what an EDS or DCF says, whoever reads it.  Source: CiA 301, 7.4."""
+"""An object dictionary as plain tables: the contents of an EDS or DCF.  Source: CiA 301, 7.4."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field

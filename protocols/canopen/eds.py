@@ -1,6 +1,6 @@
 """Electronic data sheets (EDS) and device configurations (DCF), read tolerantly: every fault is named with its line.
 
-Source: CiA 306-1.  A file is never refused: what cannot be used is left out, and `Fault.taken` says so.
+Source: CiA 306-1.  A file is never refused: what cannot be used is left out, and `Fault.taken` reports it.
 """
 
 import re
@@ -67,13 +67,13 @@ def sections(text: str) -> tuple[dict[str, Section], list[Fault]]:
             if here is None:
                 here = found[name.lower()] = Section(name, number)
             else:
-                faults.append(Fault(number, name, f"section stands twice (first in line {here.line})", "its keys are added to the first"))
+                faults.append(Fault(number, name, f"duplicate section (first in line {here.line})", "its keys are added to the first"))
             continue
         key, equals, value = line.partition("=")
         if here is None or not equals:
             faults.append(Fault(number, here.name if here else "", f"{line[:40]!r} is neither section nor key=value", "ignored"))
         elif key.strip().lower() in here.items:
-            faults.append(Fault(number, here.name, f"{key.strip()} stands twice", "the first one counts"))
+            faults.append(Fault(number, here.name, f"duplicate key {key.strip()}", "the first one counts"))
         else:
             here.items[key.strip().lower()] = (value.strip(), number)
     return found, faults

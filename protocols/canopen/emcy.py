@@ -29,7 +29,7 @@ class Register(IntFlag):
 
 @dataclass(frozen=True, slots=True)
 class Emergency:
-    """code 0: the error that was told before is gone."""
+    """code 0: the error reported before is gone."""
 
     code: int
     register: int = 0

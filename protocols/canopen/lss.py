@@ -75,7 +75,7 @@ def activate_bit_timing(switch_delay_ms: int) -> Frame:
 
 
 def answer(service: Service, number: int = 0) -> Frame:
-    """What a slave says; errors of configuring stand in the lowest byte of the number."""
+    """Answer of a slave; configuration errors are in the lowest byte of the number."""
     return Frame(cobid.LSS_SLAVE, struct.pack("<BI3x", service, number))
 
 

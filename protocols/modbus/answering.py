@@ -1,4 +1,4 @@
-"""From a request PDU to its answer PDU.  Every decision is ours (validate, view); writes are decoded and encoded by pymodbus' PDU classes,
+"""From a request PDU to its answer PDU.  Decisions are made here (validate, view); pymodbus' PDU classes decode and encode writes,
 reads, which are nearly all of the traffic, by a struct: half the time of a request went into the objects.  What is not a table
 (FC 7, 8, 11, 12, 17, 20, 21, 24, 43) is in protocols.modbus.special.
 """

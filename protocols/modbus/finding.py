@@ -1,4 +1,4 @@
-"""Where in a device's registers does a value stand that somebody reads on its display?  Every type, every order, every register."""
+"""Finds the registers that contain a value read on the device's display.  Every type, every order, every register."""
 
 import math
 from collections.abc import Iterator, Mapping

@@ -1,4 +1,4 @@
-"""How long an RTU frame will be, told from its first bytes.  Source: V1.1b3, sections 6.1 to 6.21 (request and answer layouts).
+"""Length of an RTU frame, derived from its first bytes.  Source: V1.1b3, sections 6.1 to 6.21 (request and answer layouts).
 
 RTU frames carry no length; on a line silence ends them, behind a TCP connection (RTU over TCP) only these lengths can.
 """
@@ -14,7 +14,7 @@ EXCEPTION_PDU = 2
 
 
 def request_length(frame: bytes) -> int | None:
-    """Bytes of the whole request frame; 0: more bytes are needed to say; None: a function whose length nothing tells."""
+    """Bytes of the whole request frame; 0: more bytes are needed; None: a function of unknown length."""
     if len(frame) < 2:
         return 0
     function = frame[1]
@@ -26,7 +26,7 @@ def request_length(frame: bytes) -> int | None:
 
 
 def answer_length(frame: bytes, request: bytes) -> int | None:
-    """Bytes of the whole answer frame to `request` (its PDU); 0: more bytes are needed; None: nothing tells."""
+    """Bytes of the whole answer frame to `request` (its PDU); 0: more bytes are needed; None: unknown."""
     if len(frame) < 2:
         return 0
     function = frame[1]

@@ -1,6 +1,6 @@
 """A Modbus client with many devices on one connection or line: whose turn it is, retries, busy answers, polling, devices that are dead.
 
-Orders (reads and writes somebody waits for) go before polling; among the devices turns go round, so none starves another.  A device
+Orders (reads and writes with a waiting caller) go before polling; among the devices turns go round, so none starves another.  A device
 that does not answer is demoted: its orders fail at once and one single request a probe interval asks whether it is back (AX-346).
 A read that is not answered any more fails all groups of its device with it, and two devices silent in a row fail what is overdue on the
 whole link: a value is never GOOD because its turn to be asked has not come yet (AX-640).
@@ -122,7 +122,7 @@ class Master:
     def order(self, device: str, pdu: bytes, now: Ns) -> int:
         """Queues a request (1..253 bytes); its number comes back in Done, Refused or Failed.  KeyError: no such device.
 
-        Without a connection it fails at once: nothing is kept that would be done at a moment nobody meant.
+        Without a connection it fails at once: nothing is kept that would be executed at an unintended moment.
         """
         seen = self.seen[device]
         self._numbers += 1
@@ -199,7 +199,7 @@ class Master:
         return output
 
     def lost(self, now: Ns) -> list[Event]:
-        """What was under way or waited fails, every group is told lost; nothing is sent until opened()."""
+        """What was under way or waited fails, every group is reported lost; nothing is sent until opened()."""
         self._output, self._quiet_until, self._open, self._silent = b"", 0, False, None
         self._wire.forget()
         running, self._running = self._running, None

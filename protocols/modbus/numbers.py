@@ -1,8 +1,8 @@
 """Numbers wider than a register, in every word and byte order in use.
 
-A 32-bit value ABCD (A the highest byte) stands in two registers as AB CD, CD AB (words swapped), BA DC (bytes swapped) or DC BA (both).
-V1.1b3, 4.2, fixes the bytes of one register (high first) and says nothing about more than one; users.md 3.3: ABCD unless told otherwise.
-64-bit values follow the same four letters: words in the given row, bytes in each as told.
+A 32-bit value ABCD (A the highest byte) is stored in two registers as AB CD, CD AB (words swapped), BA DC (bytes swapped) or DC BA (both).
+V1.1b3, 4.2, fixes the bytes of one register (high first) and leaves more than one open; the default is ABCD.
+64-bit values follow the same four letters: words in the given row, bytes in each likewise.
 """
 
 import struct

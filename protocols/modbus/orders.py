@@ -1,4 +1,4 @@
-"""What a Modbus client asks and is told: devices and how they want to be treated, groups polled, events.
+"""Requests and events of a Modbus client: devices with their properties, polled groups, events.
 
 Sources: V1.1b3, section 7 (05 and 06); serial line guide, 2.4.1.
 """

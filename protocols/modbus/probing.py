@@ -1,4 +1,4 @@
-"""What to ask a Modbus TCP server to see whether it does what is written, and how to judge what it says.
+"""Requests that test a Modbus TCP server against the specification, and how to judge its answers.
 
 Sources: V1.1b3 (sections in each case), TCP guide; the points where widely used servers differ: serial-protocols 5.1.  A verdict is PASS
 where the text is met, WARN where practice and text differ and clients live with it, FAIL where a client is misled.
@@ -140,7 +140,12 @@ def _reads(unit: int, register: int, coil: int) -> list[Case]:
             (f"FC {function}: {most + 1} {what}", pdu(at, most + 1), ("03",), (EXCEPTION_01,)),
             (f"FC {function}: 65535 {what}", pdu(at, 0xFFFF), ("03",), (EXCEPTION_01,)),
             (f"FC {function}: beyond address 65535", pdu(0xFFFF, 2), ("02",), (("03", "02 (address) is written"),)),
-            (f"FC {function}: a byte too few", pdu(at, 1)[:-1], ("03",), (("closed", "closes instead of 03"), ("silence", "says nothing"))),
+            (
+                f"FC {function}: a byte too few",
+                pdu(at, 1)[:-1],
+                ("03",),
+                (("closed", "closes instead of 03"), ("silence", "does not answer")),
+            ),
             (
                 f"FC {function}: a byte too many",
                 pdu(at, 1) + b"\0",

@@ -119,8 +119,8 @@ class RtuFraming:
 
 
 class RtuTcpFraming:
-    """RTU frames in a TCP stream: no silence can be seen there, so the length the function code tells ends a frame; a check that does not
-    fit means that the beat is lost and closes the connection."""
+    """RTU frames in a TCP stream: no silence can be seen there, so the length given by the function code ends a frame; a wrong
+    check sum means lost framing and closes the connection."""
 
     def __init__(self, receive_limit: Ns = RECEIVE_LIMIT) -> None:
         self._receive_limit = receive_limit

@@ -1,4 +1,4 @@
-"""What a Modbus server is answered from: four tables behind one protocol, whoever owns the values.
+"""Source of a Modbus server's answers: four tables behind one protocol, independent of the owner.
 
 Addresses are protocol addresses, base 0: register "40001" of a manual is holding register 0 here.
 """

@@ -117,7 +117,7 @@ class TcpWire:
 class RtuWire:
     """RTU, on a line (silence and CRC) or over TCP (lengths and CRC, Timing OVER_TCP).
 
-    A whole frame with a good CRC is taken as soon as its length is there; one whose length nothing tells ends by silence.
+    A whole frame with a good CRC is taken as soon as its length is there; one of unknown length ends by silence.
     """
 
     def __init__(self, timing: Timing) -> None:

@@ -91,7 +91,7 @@ class ReceptionFailed:
 
 @dataclass(frozen=True, slots=True)
 class StrayCharacters:
-    """So many characters came in idle before a STX, a job of ours or a quiet line."""
+    """So many characters came in idle before a STX, an own job or a quiet line."""
 
     count: int
 

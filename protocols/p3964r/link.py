@@ -20,7 +20,7 @@ class Link:
     """A 3964R station: a byte machine that also takes blocks to send.  Never raises on what the partner sends.
 
     keep_one: behave as the driver of 7.1: a received block fills the buffer until `take_block` is called; meanwhile no
-    further block is acknowledged.  Otherwise whoever handles the events takes each block at once (or calls set_buffer_free).
+    further block is acknowledged.  Otherwise the handler of the events takes each block at once (or calls set_buffer_free).
     """
 
     def __init__(self, profile: Profile, priority: Priority, keep_one: bool = False) -> None:

@@ -4,7 +4,7 @@ Sources: [rho3] rho 3 Releases part 1, section 7.1; [CP340] SIMATIC CP 340 manua
 [CP440] SIMATIC CP 440 manual 09/2007 and 03/2022; [BUEP64] Bosch R500 interface manual 1070 072 131-102, chapter 9; [VIPA] System 200V
 manual HB97E-CP; [VIPA21] CPU 21x manual HB103E; [WAGO] WagoAppSerial_3964R_RK512 1.6.1.0; [BECKHOFF] TF6340; [VCP] R911305038 chapter 6;
 [EUCHNER] HBAS-094594; [AEG] FX22-Z manual; [SYS350] 3 608 878 300 chapter 6.3; [LINUX] behaviour of the Linux R3964 line discipline;
-[M] measured on running stations; AX-nnn: a decision of ours where the manuals are silent.
+[M] measured on running stations; AX-nnn: a decision where the manuals are silent.
 """
 
 from dataclasses import dataclass, replace

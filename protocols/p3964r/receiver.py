@@ -33,7 +33,7 @@ BLOCK_ENDS = (bytes((DLE, ETX)), bytes((DLE, ETB)))
 
 
 class Receiver:
-    """Takes blocks off the line and answers them; half of a Link, which hands it the characters that are its."""
+    """Takes blocks off the line and answers them; half of a Link, which passes it its characters."""
 
     def __init__(self, profile: Profile, box: Outbox, keep_one: bool) -> None:
         self._profile, self._box, self._keep_one = profile, box, keep_one
@@ -67,7 +67,7 @@ class Receiver:
 
     @property
     def heard_only_dle(self) -> bool:
-        """A lone DLE since we connected: what a partner sends who gave way to us as we gave way to him."""
+        """A lone DLE since we connected: sent by a partner that gave way while this side gave way too."""
         return self._state is ESCAPED and self._count == 0
 
     # ---- the table

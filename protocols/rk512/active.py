@@ -1,6 +1,6 @@
 """Active RK512 station: SEND and FETCH jobs, one on the way at a time, each ending in exactly one event.
 
-Works on telegrams: `take_output` gives the next block for the link, `acknowledged` or `unsent` tells what became of it, `reaction` takes
+Works on telegrams: `take_output` gives the next block for the link, `acknowledged` or `unsent` reports its outcome, `reaction` takes
 a reaction telegram.  Source: SIMATIC CP 341 manual 09/2008 (RK512, event classes 6, 9, 10); long jobs: AX-222.
 """
 

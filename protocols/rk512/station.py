@@ -1,7 +1,7 @@
 """Both roles on one link: which block is whose, and which telegram may leave.
 
-Knows no link: `block` takes what it delivered, `take_block` gives what it is to send, `block_sent` and `block_failed` tell in the same
-order what became of it.  Order of jobs: serial-protocols 2.6; repeated commands: AX-225; reactions nobody took: AX-650.
+Knows no link: `block` takes what it delivered, `take_block` gives what it is to send, `block_sent` and `block_failed` report the
+outcomes in the same order.  Order of jobs: serial-protocols 2.6; repeated commands: AX-225; late reactions: AX-650.
 """
 
 from collections import deque
@@ -70,7 +70,7 @@ class Station:
         self._under_way.pop()
 
     def take_block(self) -> bytes | None:
-        """The next block for the link; a reaction goes before a command of ours."""
+        """The next block for the link; a reaction goes before an own command."""
         for out, output in ((_Out.REACTION, self.passive.take_output), (_Out.COMMAND, self.active.take_output)):
             block = output()
             if block is not None:

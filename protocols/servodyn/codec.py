@@ -65,7 +65,7 @@ class Codec:
         self._readers = {axis: _reader(packer) for axis, packer in self._actual_packers.items()}
         identifiers = [SYNC_ID, *self._set_ids.values(), *self._actual_ids.values()]
         if len(set(identifiers)) != len(identifiers):
-            faults.append("an identifier stands twice among SYNC, SET_n and ACT_n")
+            faults.append("an identifier is used twice among SYNC, SET_n and ACT_n")
         if faults:
             raise EncodeError("; ".join(faults))
         self._set_axes = {number: (axis, self._set_packers[axis]) for axis, number in self._set_ids.items()}
@@ -119,11 +119,11 @@ class Codec:
         return self._set_ids[axis]
 
     def packers(self, axis: int) -> tuple[Packer, Packer]:
-        """Of the set values and the actual values of module 1..6: for whoever does their work (gateway.cycle.native)."""
+        """Of the set values and the actual values of module 1..6: for code that replaces them (gateway.cycle.native)."""
         return self._set_packers[axis], self._actual_packers[axis]
 
     def reader(self, axis: int) -> Callable[[bytes], ActualValue]:
-        """Decodes what this module says; DecodeError as `decode_actual`."""
+        """Decodes the telegram of this module; DecodeError as `decode_actual`."""
         return self._readers[axis]
 
 

@@ -1,7 +1,7 @@
-"""Drive parameters over the bus: one request, one answer.  The transport is axisgate's own (AX-266): no manual tells it.
+"""Drive parameters over the bus: one request, one answer.  The transport is axisgate's own (AX-266): no manual describes it.
 
 Request 300 + 10 n, answer 700 + 10 n, 8 bytes little endian: number, kind (request) or status (answer), sequence, 0, value (4 bytes:
-int32, float32, or 0 / 1).  The answer carries the value that stands in the drive now.
+int32, float32, or 0 / 1).  The answer carries the present value in the drive.
 """
 
 import math

@@ -43,14 +43,14 @@ class When:
 
 
 def parse_when(text: str) -> When | None:
-    """None when the text says nothing of the kind."""
+    """None when the text has no such part."""
     words = text.split()
     edges = {edge.value: edge for edge in Edge}
     return When(edges[words[0]], words[1]) if len(words) == 2 and words[0] in edges else None
 
 
 class EdgeWatch:
-    """One `when`.  The first value seen only says where it stands: a standing bit sends nothing (AX-194)."""
+    """One `when`.  The first value seen only sets the state: a bit already set sends nothing (AX-194)."""
 
     def __init__(self, when: When) -> None:
         self.when = when

@@ -1,4 +1,4 @@
-"""What can be said about telegrams before the first block: colliding places, impossible lengths, matches that cannot be told apart."""
+"""Checks of telegrams before the first block: colliding positions, impossible lengths, ambiguous matches."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -56,7 +56,7 @@ class Emergencies:
         return register
 
     def raise_(self, code: int, register: Register, now: Ns, detail: bytes = b"") -> None:
-        """A new error; one that stands already is not told again."""
+        """A new error; one already present is not reported again."""
         if code in self.standing:
             return
         self.standing[code] = register
@@ -65,7 +65,7 @@ class Emergencies:
         self._tell(Emergency(code, int(self.register), detail[:5].ljust(5, b"\0")), now)
 
     def clear(self, codes: list[int], now: Ns) -> None:
-        """These are gone: code 0 once, with what still stands in the register (CiA 301, 7.2.7.1)."""
+        """These are gone: code 0 once, with what is left in the register (CiA 301, 7.2.7.1)."""
         gone = [code for code in codes if self.standing.pop(code, None) is not None]
         if gone:
             self._tell(Emergency(0, int(self.register)), now)
@@ -153,7 +153,7 @@ class Consumer:
         return min((watched.due for watched in self.watched.values()), default=NEVER)
 
     def expired(self, now: Ns) -> list[int]:
-        """Nodes whose heartbeat stayed away; each is told once."""
+        """Nodes whose heartbeat stayed away; each is reported once."""
         lost = [watched for watched in self.watched.values() if watched.due <= now]
         for watched in lost:
             watched.due, watched.lost = NEVER, True

@@ -157,7 +157,7 @@ class CanopenNode:
         self.events(now)
 
     def events(self, now: Ns) -> None:
-        """Event-driven TPDOs: what changed is told when the inhibit time allows, the rest when the event timer says so."""
+        """Event-driven TPDOs: changes are sent when the inhibit time allows, the rest when the event timer expires."""
         if not self._event_tpdos or self.state is not State.OPERATIONAL:
             return
         changed = self.application.changed()

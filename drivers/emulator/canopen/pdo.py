@@ -106,7 +106,7 @@ class Pdo:
                 checks[self.map, sub] = self._check_entry
 
     def load(self) -> None:
-        """Takes over what stands in the dictionary."""
+        """Takes over the contents of the dictionary."""
         objects, cob = self.objects, self.objects.whole((self.com, COB))
         self.identifier = cob & cobid.ID_BITS
         count = objects.whole((self.map, 0))

@@ -144,7 +144,7 @@ class Cia402Axis(DriveMotion):
     # -- SYNC -----------------------------------------------------------------------------------
 
     def sample(self, now: Ns) -> None:
-        """Positions are latched; the record's row is what stood before the new set values act."""
+        """Positions are latched; the record's row is the state before the new set values act."""
         self.advance(now)
         self._watch_sync(now)
         self.row = self.make_row()
@@ -387,7 +387,7 @@ class Cia402Axis(DriveMotion):
         self._schedule()
 
     def fail(self, error: int) -> None:
-        """Transition 13: error code, emergency, reaction as 605Eh says; then 14."""
+        """Transition 13: error code, emergency, reaction as in 605Eh; then 14."""
         if self.state is State.NOT_READY:
             return
         self.node.emergencies.raise_(error, KINDS.get(error, KINDS[Error.GENERIC]), self.now)

@@ -67,7 +67,7 @@ class Phase(Enum):
 
 
 class Homing:
-    """`begin`, then `edge` for each edge crossed; says in which `direction` and whether `fast` the axis has to go."""
+    """`begin`, then `edge` for each edge crossed; sets `direction` and `fast` for the axis."""
 
     def __init__(self, active: Callable[[Signal], bool]) -> None:
         self._active = active

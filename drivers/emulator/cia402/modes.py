@@ -51,7 +51,7 @@ class Drive(Protocol):
 
 
 class Mode:
-    """Also the mode "none": holds where it stands."""
+    """Also the mode "none": holds its position."""
 
     code: ClassVar[int] = 0
     synchronous: ClassVar[bool] = False  # lives from SYNC

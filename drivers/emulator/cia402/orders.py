@@ -8,7 +8,7 @@ class OrderedAxis(Cia402Axis):
     """The drive that sits on a bus.  After an order its bus looks at it again (`reschedule`)."""
 
     def cause(self, error: Error, present: bool) -> None:
-        """A fault whose cause stands until it is taken away."""
+        """A fault whose cause remains until it is removed."""
         if present:
             self.causes.add(error)
             self.fail(error)
@@ -31,7 +31,7 @@ class OrderedAxis(Cia402Axis):
         self.watch_switches()
 
     def stick_brake(self, stuck: bool) -> None:
-        """The brake does not open (mechanically), whatever it is told."""
+        """The brake does not open (mechanically), whatever is commanded."""
         self.brake_stuck = stuck
         if stuck:
             self.servo.close_brake()

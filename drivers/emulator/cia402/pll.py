@@ -10,7 +10,7 @@ GAIN_SHIFT = 2  # a quarter of the phase error is taken over at each SYNC
 
 
 class SyncWatch:
-    """Phase error of each SYNC against the drive's own grid; `period` is what the drive was told."""
+    """Phase error of each SYNC against the drive's own grid; `period` is the period set in the drive."""
 
     def __init__(self, period: Ns) -> None:
         self.period = period
@@ -37,7 +37,7 @@ class SyncWatch:
         self.worst = self.outside = self.missing = 0
 
     def heard(self, stamp: Ns) -> None:
-        """A SYNC; `error` and `in_a_row` tell how it was."""
+        """A SYNC; `error` and `in_a_row` report its phase."""
         if self._seen == 0:
             self._grid, self._seen = stamp, 1
             return

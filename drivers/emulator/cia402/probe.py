@@ -51,7 +51,7 @@ class TouchProbe:
                 probe.taken &= ~(2 if wanted & FALLING and not before & FALLING else 0)
 
     def edge(self, edge: Edge, shift: int) -> None:
-        """An edge at counter + shift; once, or again and again, as the function says."""
+        """An edge at counter + shift; once or continuously, as the function selects."""
         for number, probe in enumerate(self._probes):
             signal = Signal.INDEX if probe.function & SOURCE == INDEX_SOURCE else _SIGNALS[number]
             wanted = probe.function & (RISING if edge.rising else FALLING)

@@ -113,7 +113,7 @@ class Cia402Slave:
         return output
 
     def lost(self, now: Ns) -> list[Event]:
-        """The port is gone: nothing of ours is sent later; the drives run on and miss their master."""
+        """The port is gone: pending output is dropped; the drives run on and miss their master."""
         self._output.clear()
         self._later.clear()
         return self._take_events()
@@ -361,11 +361,11 @@ class Cia402Slave:
         self._ordered(seat)
 
     def force_fault(self, node: int, code: int = 0xFF00) -> None:
-        """Any code of 603Fh; reaction as 605Eh says unless the code is one of those that switch the torque off."""
+        """Any code of 603Fh; reaction as in 605Eh unless the code is one of those that switch the torque off."""
         self._order_axis(node, lambda axis: axis.fail(min(max(code, 1), 0xFFFF)))
 
     def cause(self, node: int, name: str, present: bool) -> None:
-        """One of cia402_errors.CAUSES by its name: stands until it is taken away.  Raises KeyError."""
+        """One of cia402_errors.CAUSES by its name; remains until it is removed.  Raises KeyError."""
         error = CAUSES[name]
         self._order_axis(node, lambda axis: axis.cause(error, present))
 
@@ -377,7 +377,7 @@ class Cia402Slave:
         self._order_axis(node, lambda axis: axis.servo.load_torque(torque_nm))
 
     def local_control(self, node: int, local: bool) -> None:
-        """Somebody works at the drive's own panel: bit 9 of the statusword falls, 6040h is refused."""
+        """The drive is operated at its own panel: bit 9 of the statusword falls, 6040h is refused."""
 
         def act(axis: OrderedAxis) -> None:
             axis.local = local

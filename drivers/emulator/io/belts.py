@@ -1,4 +1,4 @@
-"""Emulated belts: conveyors with an encoder that says its count after every SYNC, in bus time.
+"""Emulated belts: conveyors with an encoder that sends its count after every SYNC, in bus time.
 
 A belt runs at its speed and goes to another one at its acceleration; the count is that of whole increments, as an encoder gives it.
 """
@@ -17,7 +17,7 @@ LONGEST_NS = 1_000_000_000  # between two SYNCs: more is a bus that was away, an
 
 @dataclass(slots=True)
 class EmulatedBelt:
-    """speed: increments/s; accel: increments/s2; place: increments; byte, size: where the count stands in the telegram."""
+    """speed: increments/s; accel: increments/s2; place: increments; byte, size: position of the count in the telegram."""
 
     identifier: int
     speed: float = 0.0

@@ -20,7 +20,7 @@ FAR: Ns = 1 << 62
 
 
 class Terminals:
-    """The device behind the communication: terminals, and where its outputs go when nobody commands them."""
+    """The device behind the communication: terminals, and the state of its outputs without a master."""
 
     def __init__(self, objects: Objects, node: CanopenNode) -> None:
         self._objects, self._node = objects, node
@@ -57,7 +57,7 @@ class Terminals:
 
     # -- Application ----------------------------------------------------------------------------
     def advance(self, now: Ns) -> None:
-        """Leaving operational, by whatever way, is losing whoever commands the outputs."""
+        """Leaving operational in any way means losing the master of the outputs."""
         if self._state is State.OPERATIONAL and self._node.state is not State.OPERATIONAL:
             self.fall()
         self._state = self._node.state
@@ -114,7 +114,7 @@ class Couplers:
                 self._collect(node)
 
     def error_frame(self, kind: FrameFault, now: Ns) -> None:
-        """Nothing of theirs depends on it."""
+        """The device does not depend on it."""
 
     def wake(self, now: Ns) -> None:
         """Handles what has expired by bus time `now`."""

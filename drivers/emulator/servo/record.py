@@ -1,4 +1,4 @@
-"""The emulator's own record: what every axis really did, written by the side that nobody drives through (the witness of the figures).
+"""The emulator's own record: what every axis really did, written by a side without influence on it (the witness of the figures).
 
 File: one header line of JSON ending in a newline, then rows of fixed size, little endian, without padding: int64 bus stamp ns, uint32
 number of the SYNC, then for each axis of the header's "axes" in order: int32 position_inc (latched), int32 set_inc, float64
@@ -72,7 +72,7 @@ def pack(stamp_ns: int, sync: int, axes: list[AxisRow]) -> bytes:
 
 
 def read(data: bytes) -> Record:
-    """A whole record.  Raises DecodeError when the header is not ours."""
+    """A whole record.  Raises DecodeError when the header is a foreign one."""
     line, found, body = data.partition(b"\n")
     try:
         head = json.loads(line)

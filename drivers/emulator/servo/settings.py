@@ -1,4 +1,4 @@
-"""What an emulated servo axis is made of.  Everything stands at the motor shaft, in SI units (rad, Nm, kg m2, s).
+"""What an emulated servo axis is made of.  All values refer to the motor shaft, in SI units (rad, Nm, kg m2, s).
 
 A gear, a spindle or an axis direction is the caller's arithmetic: reflect inertia, friction and gravity to the motor shaft first.
 The defaults are a believable 1.9 kW axis with a resolver of 16384 increments a turn (AX-084); none of them is measured on a machine.

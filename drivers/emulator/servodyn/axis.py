@@ -253,7 +253,7 @@ class ServodynAxis:
         return row
 
     def actual(self) -> ActualValue:
-        """What the axis says now; the position is the one latched at the last SYNC."""
+        """Present actual-value telegram; the position is the one latched at the last SYNC."""
         s, servo, state = self.settings, self.servo, self.state
         torque = round(servo.torque_nm / s.rated_torque_nm * 1000.0)
         return ActualValue(
@@ -388,7 +388,7 @@ class ServodynAxis:
     # -- parameters -----------------------------------------------------------------------------
 
     def parameter(self, request: Request) -> Answer | None:
-        """A parameter off the bus (AX-266); None: nobody at home."""
+        """A parameter from the bus (AX-266); None: no such drive."""
         if self.state is State.OFFLINE:
             return None
         answer = self.parameters.take(request, power_on=self.state in _SUPERVISED or self.servo.speed_rad_s != 0.0)
@@ -409,7 +409,7 @@ class ServodynAxis:
         self._look_around()
 
     def cause(self, fault: Fault, present: bool) -> None:
-        """A fault whose cause stands until it is taken away; a reset has no effect meanwhile."""
+        """A fault whose cause remains until it is removed; a reset has no effect meanwhile."""
         if not present:
             self.causes.discard(fault)
             return

@@ -53,7 +53,7 @@ class ParameterStore:
     ram: dict[int, Value] = field(default_factory=dict)
 
     def take(self, request: Request, power_on: bool) -> Answer:
-        """Judges one request; the answer carries what stands in the drive afterwards."""
+        """Judges one request; the answer carries the resulting value in the drive."""
         rule = RULES.get(request.number)
         standing = self.ram.get(request.number, 0)
         if rule is None:

@@ -131,7 +131,7 @@ class ServodynSlave:
         return output
 
     def lost(self, now: Ns) -> list[Event]:
-        """The port is gone: nothing of ours is sent later; the drives run on and miss their SYNC."""
+        """The port is gone: pending output is dropped; the drives run on and miss their SYNC."""
         self._output.clear()
         return self._take_events()
 
@@ -218,7 +218,7 @@ class ServodynSlave:
         self._injected()
 
     def cause(self, axis: int, name: str, present: bool) -> None:
-        """One of servodyn_axis.CAUSES by its name: stands until it is taken away.  Raises KeyError."""
+        """One of servodyn_axis.CAUSES by its name; remains until it is removed.  Raises KeyError."""
         self._seat(axis).axis.cause(CAUSES[name], present)
         self._injected()
 

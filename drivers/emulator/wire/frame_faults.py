@@ -1,6 +1,6 @@
 """Faults of frames between the cable and the emulated drives: lost, late, doubled, altered; SYNC late or not at all; a quiet controller.
 
-Pure: stands between port and slaves, both ways.  A frame that an error on the wire destroyed is sent again by the controllers and shows
+Pure: sits between port and slaves, both ways.  A frame that an error on the wire destroyed is sent again by the controllers and shows
 here as a late one; an altered frame is what a CAN controller cannot see (a gateway or firmware that changes data).
 """
 
@@ -39,7 +39,7 @@ class Order:
 
 
 class FrameFaults:
-    """All orders of one emulator; without any it hands everything through."""
+    """All orders of one emulator; without any it passes everything through."""
 
     def __init__(self) -> None:
         self.spoilt = dict.fromkeys(Kind, 0)  # frames spoilt so far

@@ -31,7 +31,7 @@ LISTEN: dict[str, dict[str, object]] = {"slcan": {"listen_only": True}, "pcan": 
 
 
 class AdapterPort:
-    """CanPort of one adapter.  Own frames are not heard, but for the latency they tell."""
+    """CanPort of one adapter.  Own frames are ignored except to measure latency."""
 
     def __init__(self, url: str, bitrate: int = 1_000_000, *, listen_only: bool = False) -> None:
         self.name = url

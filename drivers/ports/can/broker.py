@@ -135,7 +135,7 @@ class BrokerPort:
     """CanPort of the local bus.  Own frames are not heard; extended and remote frames are ignored and counted.
 
     After a PortError open a new port, or `reconnect()` this one: then the broker's gap record counts what was missed in between
-    (`counters.gaps`; own frames that nobody returned count too, and nothing is known across a restart of the broker).
+    (`counters.gaps`; own frames that were not returned count too, and nothing is known across a restart of the broker).
     """
 
     not_data = CONTROL  # flags of frames that receive() leaves out; see drivers.ports.can.remote_frames
@@ -162,11 +162,11 @@ class BrokerPort:
         return self._frames(self._link.receive(1))
 
     def send_message(self, message: bytes) -> int:
-        """Records that somebody else has packed: how many were taken, all or none."""
+        """Records packed elsewhere: how many were taken, all or none."""
         return self._link.send((message,))
 
     def frames_in(self, message: bytes) -> list[Frame]:
-        """A message that somebody else has taken off the socket, as receive() would have given it."""
+        """A message that was read from the socket elsewhere, as receive() would have given it."""
         return self._frames(self._link.records_in(message))
 
     def _frames(self, records: list[Record]) -> list[Frame]:

@@ -63,7 +63,7 @@ class SocketCanPort:
         return self._socket.fileno()
 
     def send(self, frames: Sequence[Frame]) -> int:
-        """How many were taken, in order; the others are counted as refused (ENOBUFS: the interface's queue is full, EAGAIN: ours)."""
+        """How many were taken, in order; the others are counted as refused (ENOBUFS: the interface's queue is full; EAGAIN: its own)."""
         for frame in frames:
             check_frame(frame)
         for taken, frame in enumerate(frames):

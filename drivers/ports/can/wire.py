@@ -3,7 +3,7 @@
 Source: linux/can.h (struct can_frame), linux/can/error.h; AX-092 (record and control records of the local bus).
 
 A record is struct can_frame (16 bytes), stamp ns (u64), sequence (u64), native byte order.  Byte 5 of struct can_frame (its padding) holds
-the number of the sender, 1..255, on the way from the broker; 0 on the way to it and in what the broker says itself.
+the number of the sender, 1..255, on the way from the broker; 0 on the way to it and in the broker's own messages.
 """
 
 import struct

@@ -1,4 +1,4 @@
-"""A TCP connection inside TLS: the client's side of Modbus/TCP Security.  What is believed stands in the context it is given."""
+"""A TCP connection inside TLS: the client's side of Modbus/TCP Security.  The given context decides which certificates are trusted."""
 
 import errno
 import ssl

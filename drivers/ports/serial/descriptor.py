@@ -21,7 +21,7 @@ def is_pty(fd: int) -> bool:
 
 
 class DescriptorPort:
-    """Whoever derives opens `_fd` and says in `_gone` what it means when it is no more."""
+    """A derived class opens `_fd` and defines in `_gone` what its loss means."""
 
     kind = ""  # in messages: "pty", "serial port"
     back = ""  # when it is opened again

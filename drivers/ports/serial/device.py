@@ -1,7 +1,7 @@
 """A real serial interface through pyserial: exclusive, never blocking, damage in line order with the bytes.
 
-pyserial opens and sets the frame; it switches the parity check off, so PARMRK and INPCK are set through termios afterwards.  PARMRK says
-only "damaged" or BREAK; where the driver counts (TIOCGICOUNT) its counters tell parity, framing and overrun apart.  A pty under its own
+pyserial opens and sets the frame; it switches the parity check off, so PARMRK and INPCK are set through termios afterwards.  PARMRK reports
+only "damaged" or BREAK; where the driver counts (TIOCGICOUNT) its counters distinguish parity, framing and overrun.  A pty under its own
 name (/dev/pts/5: a simulator, socat) is taken as well: it has no frame, the format only gives the pace.
 """
 
@@ -38,7 +38,7 @@ SIZES = {termios.CS5: 5, termios.CS6: 6, termios.CS7: 7, termios.CS8: 8}
 
 
 def frame_of(settings: Sequence[Any], asked_baud: int) -> str:
-    """What tcgetattr says, written as a line format; termios has no word for unusual speeds, there the asked one is believed."""
+    """Result of tcgetattr as a line format; termios has no word for unusual speeds, there the asked one is believed."""
     flags = settings[2]
     baud = SPEEDS.get(settings[5], settings[5]) if asked_baud in SPEEDS.values() else asked_baud
     parity = "N" if not flags & termios.PARENB else "O" if flags & termios.PARODD else "E"
@@ -46,7 +46,7 @@ def frame_of(settings: Sequence[Any], asked_baud: int) -> str:
 
 
 def told_apart(items: list[bytes | Damage], before: Mapping[Damage, int], now: Mapping[Damage, int]) -> list[bytes | Damage]:
-    """Names the marked characters of one read by what the driver counted meanwhile; PARMRK itself says PARITY for all, BREAK for a 00."""
+    """Names the marked characters of one read by what the driver counted meanwhile; PARMRK itself gives PARITY for all, BREAK for a 00."""
     if now == before:
         return items
     new = {kind: now[kind] - before[kind] for kind in now}
@@ -128,7 +128,7 @@ class SerialPort(DescriptorPort):
         return items
 
     def unsent(self) -> int:
-        """Never less than the kernel says (TIOCOUTQ, transmitter), never less than baud rate and count allow (an adapter's own buffer)."""
+        """At least what the kernel reports (TIOCOUTQ, transmitter), and what baud rate and count allow (an adapter's own buffer)."""
         try:
             queued = int(struct.unpack("i", fcntl.ioctl(self._fd, termios.TIOCOUTQ, b"\0" * 4))[0])
         except OSError as error:

@@ -8,7 +8,7 @@ Record of the line process, one line for each run of characters of one side that
     <ns> <A|B> <hex> [mark]      stamp: end of the last character of the run, CLOCK_MONOTONIC; A or B: who sent it; hex: as it was sent
     # <ns> <what happened>       a command or an event at the line: unplug, plug, remove A, insert A, damage ..., ready <key>=<value> ...
 
-Marks: `lost` at the broken cable, `gone` no adapter at the receiving side, `overflow` nobody reads there; `parity`, `framing`, `overrun`,
+Marks: `lost` at the broken cable, `gone` no adapter at the receiving side, `overflow` no reader there; `parity`, `framing`, `overrun`,
 `break` delivered damaged; `flip=<hex>` delivered as that other character without any mark; `drop` vanished.  No mark: delivered as sent.
 """
 
@@ -27,7 +27,7 @@ KIND_OF = {second: kind for kind, second in MARK_OF.items()}
 
 @dataclass(frozen=True, slots=True)
 class LineFormat:
-    """What "9600 8E1" says.  baud 0: the line has no pace of its own (a pty without line process, a TCP partner without serial line)."""
+    """Meaning of "9600 8E1".  baud 0: the line has no pace of its own (a pty without line process, a TCP partner without serial line)."""
 
     baud: int
     data_bits: int = 8

@@ -1,6 +1,6 @@
 """A pseudo terminal: raw 8N1.  Where its other end is the line process, marks in PARMRK form are decoded here (AX-060).
 
-A pty knows neither parity nor pace; the line process makes both and says so by a signature in the terminal's settings (AX-651).  Any other
+A pty knows neither parity nor pace; the line process makes both and marks it by a signature in the terminal's settings (AX-651).  Any other
 program writes characters as they are, FF too.  `unsent` is computed from count and character time.
 """
 
@@ -28,7 +28,7 @@ def set_raw(fd: int) -> None:
 
 
 def offer_marks(fd: int) -> None:
-    """Whoever opens this pty as a port will find FF doubled and damaged characters marked."""
+    """A program that opens this pty as a port finds FF doubled and damaged characters marked."""
     settings = termios.tcgetattr(fd)
     for place, sign in SIGNATURE.items():
         settings[6][place] = sign

@@ -1,7 +1,7 @@
 """A serial interface behind a server that speaks RFC 2217 (Telnet COM port control), through pyserial: the frame is set at the server.
 
-pyserial reads the connection in a thread of its own and has no file descriptor to wait on, so a second thread hands what came through a
-socket pair.  RFC 2217 tells line errors as a state, not at their place among the characters: a block spoiled so is found by its check.
+pyserial reads the connection in a thread of its own and has no file descriptor to wait on, so a second thread passes what came through a
+socket pair.  RFC 2217 reports line errors as a state, not at their place among the characters: a block spoiled so is found by its check.
 """
 
 import contextlib
@@ -75,7 +75,7 @@ class Rfc2217Port:
         return len(data)
 
     def unsent(self) -> int:
-        """As baud rate and count allow: the server does not tell."""
+        """As baud rate and count allow: the server does not report it."""
         return self._drain.left(time.monotonic_ns()) if self.char_ns else 0
 
     def send_break(self, seconds: float = 0.25) -> None:

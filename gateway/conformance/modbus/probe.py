@@ -116,7 +116,7 @@ def _exactly(connection: socket.socket, count: int) -> bytes:
 
 
 def probe(prober: Prober, cases: Sequence[Case], tell: Callable[[Result], None]) -> list[Result]:
-    """All cases, each told as soon as it is judged."""
+    """All cases, each reported as soon as it is judged."""
     results = []
     for case in cases:
         result = prober.play(case)
@@ -182,7 +182,7 @@ def _short(text: str) -> str:
 
 
 def search(prober: Prober, value: float, unit: int, first: int, last: int) -> tuple[list[Place], int]:
-    """Where the value stands, and how many registers were read."""
+    """Places of the value, and how many registers were read."""
     registers = prober.registers(unit, first, last)
     found = [place for table, words in registers.items() for place in find(value, table, words)]
     return found, sum(map(len, registers.values()))

@@ -1,4 +1,4 @@
-"""The tester's side of a probe: says, expects, measures.  What the station does otherwise ends the test by an exception: its verdict."""
+"""The tester's side of a probe: sends, expects, measures.  A deviation of the station ends the test by an exception: its verdict."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -67,7 +67,7 @@ def named(what: int | Damage | None) -> str:
 
 @dataclass(slots=True)
 class Stimulus:
-    """How the station is made to send.  `blocks` says that it took a block of ours for that."""
+    """How the station is made to send.  `blocks`: an own block was used for that."""
 
     name: str
     trigger: Callable[["Bench"], None]

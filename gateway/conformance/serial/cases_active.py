@@ -1,6 +1,6 @@
 """The station is active: it sends a command telegram and gets reactions of every wrong kind; then it must still work (serial-protocols 6).
 
-What its program is told cannot be seen on the line; that it neither hangs nor repeats for ever, and serves the next job, can.
+What its program receives cannot be seen on the line; that it neither hangs nor repeats for ever, and serves the next job, can.
 """
 
 from collections.abc import Callable

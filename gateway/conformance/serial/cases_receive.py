@@ -48,7 +48,7 @@ def idle_break(bench: Bench) -> None:
 @IDLE.case("full", "STX while the buffer is full")
 def full(bench: Bench) -> None:
     if bench.hold is None:
-        raise NotRun("this station cannot be told to keep its buffer full; see idle.fill")
+        raise NotRun("this station has no command to keep its buffer full; see idle.fill")
     bench.hold(True)
     try:
         bench.say(bytes((Char.STX,)))
@@ -234,7 +234,7 @@ def empty(bench: Bench) -> None:
     got = bench.give(b"")
     if got not in (Char.DLE, Char.NAK):
         raise Fail(said("after an empty block: {}, expected DLE or NAK", named(got)))
-    bench.remark(said("answers {}; no source says which", named(got)))
+    bench.remark(said("answers {}; the sources leave the choice open", named(got)))
     bench.settle()
     bench.give_good(b"UV", "a good block after an empty one")
 

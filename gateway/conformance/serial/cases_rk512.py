@@ -62,7 +62,7 @@ def number_expected(bench: Bench, place: Place, telegram: bytes, number: int, ot
         raise Fail(said("error {:02X}h with {} data bytes behind it, none may follow", told, len(reaction) - 4))
     if told != number:
         text = said("refused with {:02X}h ({}), expected {:02X}h ({})", told, words_of(told), number, words_of(number))
-        raise Warn(text) if told in others or told in known_numbers() else Fail(said("{}; {:02X}h stands in no table", text, told))
+        raise Warn(text) if told in others or told in known_numbers() else Fail(said("{}; {:02X}h is in no table", text, told))
 
 
 def known_numbers() -> tuple[int, ...]:

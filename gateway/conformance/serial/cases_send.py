@@ -263,7 +263,9 @@ def _both_high(bench: Bench) -> None:
         start, got = bench.mark, bench.answer(bench.profile.ack_delay + bench.profile.retry_pause + ms(500))
         if got != Char.STX:
             break
-        bench.measured(said("STX {} after a conflict nobody gives way in", count + 1), bench.mark - start, bench.profile.ack_delay)
+        bench.measured(
+            said("STX {} after a conflict in which neither side gives way", count + 1), bench.mark - start, bench.profile.ack_delay
+        )
         count += 1
     if bench.profile.yields_to_second_conflict and got == Char.DLE:
         bench.say(wire_block(bench.harmless, bench.profile.block_check))

@@ -1,4 +1,4 @@
-"""Lines with one fault each, wrapped round a good one: what `diagnose` has to tell apart.  Also reached as sim:NAME."""
+"""Lines with one fault each, wrapped round a good one: what `diagnose` has to distinguish.  Also reached as sim:NAME."""
 
 from collections import deque
 from collections.abc import Callable
@@ -47,7 +47,7 @@ class Around:
         self.wire.close()
 
     def comes_back(self, data: bytes, what: Callable[[int, int], int | Damage | None]) -> None:
-        """Characters of ours that are heard again; `what(place, byte)`: as what, None: not at all."""
+        """Own characters that come back; `what(place, byte)`: as what, None: not at all."""
         start = max(self.now(), self.wire.drained() - len(data) * self.char_ns)
         for at, byte in enumerate(data):
             heard = what(at, byte)
@@ -86,7 +86,7 @@ class Inverted(Around):
 
 
 class Latency(Around):
-    """A USB adapter that hands over what it has every 16 ms."""
+    """A USB adapter that passes on its bytes every 16 ms."""
 
     def hear(self, until: Ns) -> Heard | None:
         heard = super().hear(until)

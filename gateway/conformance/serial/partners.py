@@ -1,4 +1,4 @@
-"""Partners in process for `sim:NAME`: good stations of ours, and hostile ones that each have one fault real stations were seen to have.
+"""Partners in process for `sim:NAME`: good stations, and hostile ones that each have one fault seen in real stations.
 
 Sources of the faults: serial-protocols 1.2 (block check), 1.3 (NAK at giving up, attempts), 1.6 (conflicts), 6 (21 ms: one more than the
 tolerance of the probe); AX-201.
@@ -99,7 +99,7 @@ class Station:
 
 
 class Silent(Station):
-    """Hears everything, says nothing."""
+    """Receives everything, sends nothing."""
 
     def take_output(self) -> bytes:
         self.link.take_output()
@@ -107,7 +107,7 @@ class Silent(Station):
 
 
 class NoNak(Station):
-    """Never says NAK: refuses by silence, gives up without a word."""
+    """Never sends NAK: refuses by silence, gives up silently."""
 
     def take_output(self) -> bytes:
         output = self.link.take_output()
@@ -163,7 +163,7 @@ class NaksConflicts(Station):
 
 
 class Late(Station):
-    """Everything it says comes `late` after it should."""
+    """Sends everything late by `late`."""
 
     def __init__(self, profile: Profile, priority: Priority, layer: str = "rk512", late: Ns = SLOW) -> None:
         super().__init__(profile, priority, layer)
@@ -291,7 +291,7 @@ PARTNERS: dict[str, Partner] = {
     "raw": Partner("keeps to its profile; raw blocks, no RK512", lambda profile, priority: Station(profile, priority, "raw")),
     "bad-partner": Partner("2 connection attempts, no NAK at giving up, a doubled DLE enters the check once", _bad),
     "silent": Partner("never answers", Silent),
-    "no-nak": Partner("never says NAK", NoNak),
+    "no-nak": Partner("never sends NAK", NoNak),
     "drops-its-job": Partner("gives way in a conflict and forgets its own job", DropsItsJob),
     "never-doubles": Partner("sends a DLE of its data once", NeverDoubles),
     "slow-3s": Partner("everything 3 s late, behind every acknowledgement delay", lambda p, q: Late(p, q, late=ms(3000))),

@@ -1,6 +1,6 @@
 """Builds the parts in C with the system's compiler: `python -m gateway.cycle.native.build`.
 
-Exit code 0: all are there; 1: not, and the Python twins run (a line says what is missing).
+Exit code 0: all are there; 1: not, and the Python twins run (a line names what is missing).
 """
 
 import os
@@ -17,7 +17,7 @@ FLAGS = ("-O2", "-Wall", "-Wextra", "-Wno-unused-parameter", "-ffp-contract=off"
 
 
 def build(part: str, compiler: list[str]) -> str:
-    """What went wrong; empty: it stands."""
+    """What went wrong; empty: built."""
     target = library(part)
     if target.exists():
         return ""

@@ -19,14 +19,14 @@ PYTHON_ONLY = "AXISGATE_PYTHON_CYCLE"  # any value but 0: the twins run, built o
 
 
 def library(part: str) -> pathlib.Path:
-    """Where the library of a part stands once it was built."""
+    """Path of the library of a part once built."""
     suffix = str(sysconfig.get_config_var("EXT_SUFFIX"))
     text = b"".join((FOLDER / name).read_bytes() for name in (f"{part}.c", HEADER)) + suffix.encode()
     return FOLDER / f"{part}-{hashlib.blake2b(text, digest_size=6).hexdigest()}{suffix}"
 
 
 def wanted() -> bool:
-    """Nobody asked for the twins."""
+    """The twins were not requested."""
     return os.environ.get(PYTHON_ONLY, "0") in ("", "0")
 
 

@@ -1,4 +1,4 @@
-"""What lies ahead says of a change of speed, in C; the twin: motion.timing.foresight (AX-609)."""
+"""Limits that the path ahead sets on a change of speed, in C; the twin: motion.timing.foresight (AX-609)."""
 
 from types import ModuleType
 from typing import ClassVar, cast

@@ -8,7 +8,7 @@ from protocols.base.machine import Frame
 
 
 class DirectLink:
-    """One CAN port as a link (drivers.ports.can.cycle_bus.CycleLink); what the master releases is remembered for whoever makes SYNC."""
+    """One CAN port as a link (drivers.ports.can.cycle_bus.CycleLink); what the master releases is kept for the SYNC producer."""
 
     def __init__(self, port: CanPort) -> None:
         self.port = port

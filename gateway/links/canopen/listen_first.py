@@ -14,7 +14,7 @@ END_IT = "nothing was sent; two masters reset each other's drives: end the other
 
 
 class OtherMasterError(PortError):
-    """Somebody else is the master of this bus."""
+    """Another device is the master of this bus."""
 
 
 def listen(port: CanPort, seconds: float = LISTEN_S) -> list[Frame]:

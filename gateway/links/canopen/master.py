@@ -1,6 +1,6 @@
-"""The master of a CANopen bus: starts the nodes up, watches them, says what is wrong with them.  Runs in threads of the services.
+"""The master of a CANopen bus: starts the nodes up, supervises them, reports their faults.  Runs in threads of the services.
 
-What each node is told is the pure plan of drivers.drives.cia402_boot; the `canopen` package carries it out over the python-can plug-in
+The settings of each node are the pure plan of drivers.drives.cia402_boot; the `canopen` package carries it out over the python-can plug-in
 `cycle:`.  One node at a time speaks SDO through its own lock; a node that does not answer is tried again after 1, 2, 5 s and never keeps
 another one waiting (AX-309).
 """
@@ -50,7 +50,7 @@ logging.getLogger("canopen").setLevel(logging.CRITICAL)  # what fails is reporte
 
 
 class Health(Enum):
-    """How a node stands."""
+    """State of a node."""
 
     WAITING = "waiting for its start-up"
     BOOTING = "is started up"
@@ -93,7 +93,7 @@ class MasterLink(cycle_bus.CycleLink, Protocol):
 
 
 class Receiving(can.Listener):
-    """Keeps the receiving thread alive: one frame or one look at the ring that fails is told, and the next one is received.
+    """Keeps the receiving thread alive: one frame or one look at the ring that fails is reported, and the next one is received.
 
     Without it python-can ends the thread, and canopen raises that one error in every dialogue from then on.
     """
@@ -122,7 +122,7 @@ def place_of(error: BaseException) -> str:
 
 
 class EndedError(Exception):
-    """A dialogue was given up between two of its steps; the message says why."""
+    """A dialogue was given up between two of its steps; the message gives the reason."""
 
 
 T = TypeVar("T")
@@ -221,7 +221,7 @@ class CanopenMaster:
         cycle_bus.detach(self._channel)
 
     def again(self, number: int | None = None) -> None:
-        """Start up once more: a new cycle, or somebody asks."""
+        """Start up once more: a new cycle, or on request."""
         for node in self.nodes.values():
             if number in (None, node.plan.node):
                 node.adopted, node.asked = False, node.asked + 1
@@ -285,7 +285,7 @@ class CanopenMaster:
                     if now - node.seen > max(patience, 0.25):
                         self._lost(node, "its heartbeat stays away")
                     elif node.state not in (State.OPERATIONAL, -1):
-                        self._lost(node, f"left operational: its heartbeat says {node.state}")
+                        self._lost(node, f"left operational: its heartbeat reports {node.state}")
                 elif node.health is not Health.BOOTING and now >= node.due:
                     node.health, node.attempts = Health.BOOTING, node.attempts + 1
                     node.thread = threading.Thread(target=self._boot, args=(node,), name=f"boot {node.name}", daemon=True)

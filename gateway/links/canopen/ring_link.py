@@ -28,7 +28,7 @@ class Rings:
 
     @property
     def gaps(self) -> int:
-        """Records of the cycle that were lost because nobody looked for too long."""
+        """Records of the cycle that were lost because they were not read in time."""
         return self._in.gaps
 
     def put(self, record: AsideRecord) -> None:

@@ -75,7 +75,7 @@ class ModbusRefused(Exception):
 
 
 class ModbusSilent(Exception):
-    """The device did not answer; `why` tells which way."""
+    """The device did not answer; `why` is the kind of failure."""
 
     def __init__(self, device: str, why: Failure) -> None:
         super().__init__(f"{device}: {why.name.lower()}")
@@ -132,7 +132,7 @@ class ModbusClient:
         self._runner = LineRunner[Event](self._opened, self._master, self._on_event)
 
     def close(self) -> None:
-        """Ends everything; whoever waits is told LOST."""
+        """Ends everything; waiting callers get LOST."""
         if self._runner is not None:
             self._runner.close()
             self._runner = None
@@ -140,7 +140,7 @@ class ModbusClient:
     def poll(self, group: Group, on_values: OnValues) -> None:
         """Reads the group from now on, also before `start`; its name must be its own."""
         if group.name in self._listeners:
-            raise ValueError(f"group {group.name}: the name stands twice")
+            raise ValueError(f"group {group.name}: the name is used twice")
         self._listeners[group.name], self._groups[group.name] = on_values, group
         self._master.poll(group, time.monotonic_ns())
         self._kick()

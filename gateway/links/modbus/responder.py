@@ -1,4 +1,4 @@
-"""What all Modbus servers of ours share, whatever the bytes come on: who asked, what he may, the answer, the counters."""
+"""Request handling shared by all Modbus servers, independent of transport: client identity, access rights, answer, counters."""
 
 from collections import Counter, deque
 from collections.abc import Callable
@@ -77,7 +77,7 @@ class ModbusResponder:
     """Answers requests from the views of the units.
 
     view_for(unit) gives the tables or None.  on_request(client's address, function code) is called after each request that was
-    answered without exception.  line: RTU rules, so unit 0 is everybody and silence answers what is not for us.
+    answered without exception.  line: RTU rules, so unit 0 is broadcast and requests for other units get no answer.
     """
 
     def __init__(
@@ -125,7 +125,7 @@ class ModbusResponder:
         return result
 
     def look(self, request: Request) -> bytes:
-        """The answer to a read as it would be now, though nobody asked: counted nowhere."""
+        """The present answer to a read without a request: not counted."""
         return answer(request.pdu, self._view_for(home_unit(request.unit, self._unit)), False)
 
     def since(self, number: int) -> list[Exchange]:

@@ -17,9 +17,9 @@ from protocols.modbus.view import View
 
 
 class ModbusLine:
-    """One port; view_for(unit) names the units that are ours, all others are passed over in silence.
+    """One port; view_for(unit) gives the units served here, requests for others are ignored.
 
-    A line has no partner's address: whoever is the master may do what `rights` says.
+    A line has no partner's address: the master has the rights in `rights`.
     """
 
     def __init__(

@@ -2,7 +2,7 @@
 
 What a partner sends can cost it its connection and nothing else.  Per client at most Limits.held_bytes stay in this process: a chunk is
 read, all its requests are answered, and while the partner does not take the answers nothing more is read (the kernel's buffers then
-stop it).  One timer sweeps all connections for half frames, silence and answers nobody takes.
+stop it).  One timer sweeps all connections for half frames, silence and answers that are not read.
 """
 
 import asyncio
@@ -54,8 +54,8 @@ class ModbusServer:
     """Listens on one address and answers every request from the view of its unit.
 
     view_for(unit) gives the tables or None (answered 0Bh; with rtu in silence); units 0 and 255 arrive there as `unit` (AX-012).
-    allow: addresses or networks that may write; None: everybody may; all others only read and get 01 for a write (AX-070).
-    rights_for(transport) decides instead of `allow`: rights and role of a partner, None closes his connection.
+    allow: addresses or networks that may write; None: all may; all others only read and get 01 for a write (AX-070).
+    rights_for(transport) decides instead of `allow`: rights and role of a partner, None closes the connection.
     rtu: RTU frames in the stream, in place of the Modbus TCP header.  tls: a server context; its handshake comes first.
     on_request("host:port", function code) is called after each request that was answered without exception.
     """
@@ -141,7 +141,7 @@ class ModbusServer:
         return any(partner in network for network in self._allow)
 
     def rights_of(self, host: str, transport: asyncio.Transport) -> tuple[Rights, str] | None:
-        """What a new partner may do, and his role; None: nothing at all."""
+        """Rights and role of a new partner; None: no access."""
         if self.rights_for is not None:
             return self.rights_for(transport)
         return Rights(write=self.may_write(host)), ""

@@ -1,4 +1,4 @@
-"""Modbus/TCP Security: TLS with certificates on both sides, the partner's role out of his certificate, rights by role.
+"""Modbus/TCP Security: TLS with certificates on both sides, the partner's role from its certificate, rights by role.
 
 Source: MODBUS/TCP Security Protocol Specification V21 (mutual authentication, TLS 1.2 or newer, role in extension
 1.3.6.1.4.1.50316.802.1 as a UTF8String; authorisation is the server's own: AX-348).
@@ -60,7 +60,7 @@ def role_of(certificate: bytes) -> str:
 
 
 class TlsRights:
-    """Rights by role; a role that stands nowhere may do nothing and is answered 01 for whatever it asks."""
+    """Rights by role; an undeclared role has no rights and is answered 01 for every request."""
 
     def __init__(self, roles: Mapping[str, Rights]) -> None:
         self._roles = dict(roles)

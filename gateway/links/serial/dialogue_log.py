@@ -1,4 +1,4 @@
-"""Journal of a line on a real port: a machine between loop and station that writes down what it hears, says and reports.
+"""Journal of a line on a real port: a machine between loop and station that writes down what it receives, sends and reports.
 
 `axisgate run CELL --record FOLDER` keeps it as FOLDER/line-NAME.txt, in the form of the test vectors (protocols.base.dialogue); on a
 simulated line the line process keeps its own record of both sides.  `axisgate line export` reads either.

@@ -40,7 +40,7 @@ class Monitor:
         self.characters = 0
 
     def run(self, how_long: Ns | None, quiet: Callable[[Ns], None] = lambda silence: None) -> None:
-        """So long, or until interrupted.  `quiet` is told how long nothing came: after QUIET, then each time it has doubled."""
+        """So long, or until interrupted.  `quiet` is called with the time without a byte: after QUIET, then each time it has doubled."""
         start = since = self._clock()
         count, due = 0, QUIET
         while how_long is None or self._clock() - start < how_long:

@@ -69,7 +69,7 @@ class LineCore(Generic[E]):
         self.state.counters.refused += 1
 
     def disconnect(self, why: str, now: Ns) -> None:
-        """Closes the port, tells the machine.  The loop stops watching it before."""
+        """Closes the port, notifies the machine.  The loop stops watching it before."""
         if self.port is None:
             return
         port, self.port = self.port, None

@@ -44,7 +44,7 @@ class LineRunner(Generic[E]):
         self._guarded(self._core.pump)
 
     def close(self) -> None:
-        """Tells the machine `lost`, gives port and timer back; twice does no harm."""
+        """Calls `lost` of the machine, releases port and timer; twice does no harm."""
         if self._closed:
             return
         self._closed = True
@@ -130,7 +130,7 @@ class LineRunner(Generic[E]):
         self._guarded(lambda now: self._core.connect(port, now))
 
     def _report(self, error: Exception) -> None:
-        self._loop.call_exception_handler({"message": "line: a machine or listener of ours failed", "exception": error})
+        self._loop.call_exception_handler({"message": "line: a protocol machine or listener failed", "exception": error})
 
 
 def _close_late(opening: "asyncio.Future[BytePort]") -> None:

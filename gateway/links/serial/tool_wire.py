@@ -1,6 +1,6 @@
 """What a tool has of a line: say characters, hear the next one until a moment, spoil one.  Real ports and virtual time look the same.
 
-A stamp is the moment at which a character had come in.  Virtual time: a station of ours is the other end, time passes only while the tool
+A stamp is the moment at which a character had come in.  Virtual time: an emulated station is the other end, time passes only while the tool
 waits, so a probe that waits four seconds for a block takes none.
 """
 
@@ -60,7 +60,7 @@ class ToolPort(Protocol):
 
 
 class RealWire:
-    """A port in real time.  `late_ns` says by how much this program itself was held up: times it measured meanwhile are worth nothing."""
+    """A port in real time.  `late_ns`: by how much this program itself was held up; times measured meanwhile are void."""
 
     simulated = False
 
@@ -132,7 +132,7 @@ class RealWire:
 
 
 class VirtualWire:
-    """A machine of ours at the other end, characters at their time, no clock."""
+    """A protocol machine at the other end, characters at their time, no clock."""
 
     simulated = True
 

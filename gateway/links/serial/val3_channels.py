@@ -72,7 +72,7 @@ class SioRunner:
         return self.core.status(sio)
 
     def descriptors(self, sio: Sio) -> list[int]:
-        """Of the open connections of its channel, for somebody who looks at the sockets from outside."""
+        """Of the open connections of its channel, to show the sockets from outside."""
         return [wire.fileno() for wire in self._wires.values() if wire.channel.name == sio.link]
 
     def end_application(self) -> None:

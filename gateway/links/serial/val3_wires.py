@@ -43,7 +43,7 @@ class SocketWire:
         return self._socket.fileno()
 
     def unsent(self) -> int:
-        """Nobody asks a socket."""
+        """Not used for a socket."""
         return 0
 
     def configure(self, channel: Channel) -> None:
@@ -56,7 +56,7 @@ class SocketWire:
 
 
 class TcpWire(SocketWire):
-    """One TCP connection, whoever made it."""
+    """One TCP connection, made by either side."""
 
     def __init__(self, channel: Channel, sock: socket.socket) -> None:
         super().__init__(channel, sock)

@@ -65,7 +65,7 @@ def real_words(value: float) -> tuple[int, int]:
 
 
 def mask_word(mask: int, axes: int, *, every: bool = True) -> int:
-    """Axes of a cell of so many as the block tells them: bits 0..14 are axes 1..15, bit 15 stands for all behind them (`every`: it is set
+    """Axes of a cell as encoded in the block: bits 0..14 are axes 1..15, bit 15 means all further ones (`every`: it is set
     when all of them are in the mask, else when one is)."""
     own, behind = (1 << MASKED) - 1, ((1 << axes) - 1) >> MASKED
     rest = mask >> MASKED & behind
@@ -90,7 +90,7 @@ def _all_words(values: Sequence[float]) -> Sequence[int]:
 
 @dataclass(slots=True)
 class Status:
-    """What stands in the status block."""
+    """Contents of the status block."""
 
     state: CommandState = CommandState.NONE
     reason: Reason = Reason.NONE
@@ -106,7 +106,7 @@ class Status:
 
 
 class CommandBlock:
-    """One command source's command words and the toggle that says which of them was taken."""
+    """Command words of one command source and the toggle that confirms the one taken."""
 
     def __init__(self, words: Sequence[int] = (), axes: int = AXES) -> None:
         """`words`: what a predecessor left standing; it is never carried out.  `axes`: of the cell."""
@@ -127,7 +127,7 @@ class CommandBlock:
         return bool(self._toggle)
 
     def write(self, first: int, values: Sequence[int]) -> Command | Refusal | None | Reason:
-        """Put words into the block; a Command when a fresh one stands there, RESYNCHRONISED when it was only adopted, else None.
+        """Put words into the block; a Command when it is a fresh one, RESYNCHRONISED when it was only adopted, else None.
 
         Refusal: the fresh one counts on words of an earlier link (AX-610)."""
         if first < 0 or first + len(values) > COMMAND_WORDS:

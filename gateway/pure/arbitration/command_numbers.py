@@ -1,6 +1,6 @@
 """Numbers a command of a data block needs: targets, speed, number, parity, override, by name, good, refused or not written (AX-610).
 
-A number that was refused stands in the way of every command until a good one is written; none of them outlives the link it came over.
+A refused number blocks every command until a good one is written; none of them outlives the link it came over.
 """
 
 from collections.abc import Collection, Iterable, Mapping

@@ -1,7 +1,7 @@
 """The old-style command source: data blocks as the PLC program already has them, and its start/busy/done handshake.
 
 A SEND is taken whole: all its words first, then its edges, in a fixed order (AX-142).  Edges need a telegram before them: after a start
-of services or a lost link the first telegram only tells where the bits stand, so a standing start bit starts nothing.
+of services or a lost link the first telegram only sets the state of the bits, so a start bit already set starts nothing.
 
 Targets, speed, number and override are `gateway.pure.arbitration.command_numbers`: a command that needs one that was refused, or that
 the PLC has not
@@ -125,7 +125,7 @@ class DataBlock:
         return number * slot.factor
 
     def put(self, slot: Slot, value: float) -> bool:
-        """Write a value in its unit; beyond the type's range the nearest end stands there (False)."""
+        """Write a value in its unit; beyond the type's range the nearest limit is written (False)."""
         if slot.type is None:
             self.put_bit(slot.word, slot.bit, bool(value))
             return True
@@ -186,7 +186,7 @@ class DataBlocks:
 
     # ---- from the PLC ------------------------------------------------------------------------------------------------
     def restart(self) -> None:
-        """Start of services or return of the link: the next telegram only says where the bits stand (AX-141)."""
+        """Start of services or return of the link: the next telegram only sets the state of the bits (AX-141)."""
         self._primed.clear()
         self._numbers.clear()
         self._asked, self._owed = Asked(), False

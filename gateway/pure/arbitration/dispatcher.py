@@ -1,8 +1,8 @@
-"""The office: takes commands from the command sources, judges them, turns them into orders for the cycle and keeps each command source's
+"""Command dispatcher: validates commands from the command sources, issues orders to the cycle and keeps each command source's
 outcome.
 
-Pure: what the cycle publishes (CellState) and time come in, orders and events go out.  The office never remembers across a restart:
-a new office has no jobs, so a standing command starts nothing (design: a command is taken once).
+Pure: what the cycle publishes (CellState) and time come in, orders and events go out.  Nothing is kept across a restart:
+a new dispatcher has no jobs, so a command already present starts nothing (design: a command is taken once).
 """
 
 import math
@@ -54,17 +54,17 @@ class CommandDispatcher:
         self._move: Job | None = None  # the move or reference run the axes are on
 
     def bar(self, mask: int) -> None:
-        """These axes are disabled at the interface: off at once whoever has control, and nobody moves them until a new start (AX-333)."""
+        """These axes are disabled at the interface: off at once whichever source has control, and not moved until a new start (AX-333)."""
         new, self.barred = mask & ~self.barred, mask
         if new & self.enabled_mask():
             self._order(Order.DISABLE, mask=new, reason=Reason.DRIVES_OFF)
 
     def belt_stood(self, place: int, offset: float) -> None:
-        """Where the counter of a belt stood to its encoder when it was last seen; NaN: nobody knows (AX-480)."""
+        """Offset of a belt's counter to its encoder when last seen; NaN: unknown (AX-480)."""
         self._order(Order.BELT, mask=place, value=offset)
 
     def open_ready(self) -> None:
-        """As an open chain, whoever has control."""
+        """As an open chain, whichever source has control."""
         self._order(Order.EMERGENCY)
 
     # ---- what the others ask ---------------------------------------------------------------------------------------------
@@ -88,7 +88,7 @@ class CommandDispatcher:
         return events
 
     def enabled_mask(self, flag: AxisFlag = AxisFlag.ENABLED) -> int:
-        """Axes (bit n-1 = axis n) on which `flag` stands."""
+        """Axes (bit n-1 = axis n) with `flag` set."""
         if self.cell is None:
             return 0
         wanted, mask, place = int(flag), 0, 1
@@ -199,7 +199,7 @@ class CommandDispatcher:
 
     # ---- commands --------------------------------------------------------------------------------------------------------
     def command(self, door: int, command: Command, now: Ns, *, first_try: bool = False) -> Job:
-        """Judge one fresh command of a command source; its outcome stands in the returned Job (refused at once or open).
+        """Judge one fresh command of a command source; its outcome is in the returned Job (refused at once or open).
 
         `first_try`: a relative move of a single axis that has not been referenced yet (AX-312); everything else is judged as ever.
         """
@@ -220,7 +220,7 @@ class CommandDispatcher:
         return job
 
     def refuse(self, door: int, code: Code, reason: Reason, detail: str) -> Job:
-        """A command a command source could not even give, because of its numbers: the outcome stands where that of a given one would."""
+        """A command that a command source could not give because of its numbers: the outcome is stored like that of a given one."""
         job = Job(self._next, door, code)
         self._next += 1
         state = self.door(door)
@@ -471,5 +471,5 @@ class CommandDispatcher:
 
     @property
     def owner(self) -> int:
-        """Number of the command source in control; 0: nobody."""
+        """Number of the command source in control; 0: none."""
         return self.control.owner or NOBODY

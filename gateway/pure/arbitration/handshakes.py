@@ -1,10 +1,10 @@
 """How old programs start a move and hear of it: one table for each pattern, one machine for all (AX-403).
 
-A telegram gives the machine its bits; the machine says whether a move is to be started, and what the answering bits show.  A telegram that
-says the same as the one before is never an event, and the first one after a start or a lost link only says where the bits stand: no
+A telegram gives the machine its bits; the machine decides whether a move starts and what the answering bits show.  A telegram that
+equals the one before is never an event, and the first one after a start or a lost link only sets the state of the bits: no
 pattern starts twice on a repeated telegram.
 
-start-busy-done is gateway.pure.arbitration.data_blocks's own; its table stands here for `check` and for the page.
+start-busy-done is gateway.pure.arbitration.data_blocks's own; its table is here for `check` and for the page.
 """
 
 from collections.abc import Collection, Mapping
@@ -25,7 +25,7 @@ class Pattern(Enum):
 
 
 class State(Enum):
-    """Where one exchange stands."""
+    """State of one exchange."""
 
     IDLE = auto()
     BUSY = auto()  # started, nothing final heard
@@ -35,7 +35,7 @@ class State(Enum):
 
 
 class Event(Enum):
-    """What a telegram or the job says."""
+    """Event from a telegram or the job."""
 
     ASKS = auto()  # rising edge, change, a number
     WRONG = auto()  # the same with a wrong parity or an unknown number
@@ -118,7 +118,7 @@ class Handshaking:
         self._copied = False
 
     def restart(self) -> None:
-        """Start of services or return of the link: the next telegram only says where the bits stand."""
+        """Start of services or return of the link: the next telegram only sets the state of the bits."""
         self._before, self.state = None, State.IDLE
 
     @property

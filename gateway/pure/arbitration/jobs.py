@@ -1,4 +1,4 @@
-"""Jobs of the office: one command of one command source and what became of it; what a person reads of it."""
+"""Jobs of the dispatcher: one command of one command source, its outcome, and the text shown for it."""
 
 from dataclasses import dataclass, field
 from enum import Enum
@@ -10,7 +10,7 @@ from protocols.base.machine import Ns
 
 @dataclass(frozen=True, slots=True)
 class AxisFacts:
-    """What the office must know of an axis; positions in the axis' own unit."""
+    """What the dispatcher must know of an axis; positions in the axis' own unit."""
 
     name: str
     unit: str  # mm | deg

@@ -10,7 +10,7 @@ from protocols.base.machine import Ns
 
 
 class LinkEvent(Enum):
-    """What a supervision has to tell."""
+    """Event of a supervision."""
 
     ALIVE = auto()  # the first sign of life after a silence, or the very first
     SILENT = auto()
@@ -43,7 +43,7 @@ class LinkWatch:
         return LinkEvent.ALIVE
 
     def wake(self, now: Ns) -> LinkEvent | None:
-        """Call at deadline(): tells once that the partner fell silent."""
+        """Call at deadline(): reports once that the partner fell silent."""
         if not self.alive or now - self.last_ns < self.max_silence:
             return None
         self.alive = False

@@ -14,7 +14,7 @@ AGAIN: Ns = ms(1000)  # a job on change that failed is given again, not sooner
 
 @dataclass(frozen=True, slots=True)
 class OwnJob:
-    """One block of ours and its place at the partner."""
+    """One own block and its address at the partner."""
 
     key: int  # line_blocks.block_key
     fetch: bool
@@ -59,7 +59,7 @@ class OwnJobs:
             self._due[job] = due + ((now - due) // job.every + 1) * job.every if now >= due else due
 
     def over(self, number: int) -> OwnJob | None:
-        """It is done; None: no job of ours."""
+        """It is done; None: not an own job."""
         return self._open.pop(number, None)
 
     def failed(self, number: int, now: Ns) -> OwnJob | None:

@@ -6,7 +6,7 @@ NOBODY = 0
 
 
 class Ownership:
-    """Command sources are numbered from 1; the owner's number stands in word 8 of every status block."""
+    """Command sources are numbered from 1; word 8 of every status block contains the owner's number."""
 
     def __init__(self) -> None:
         self.owner = NOBODY
@@ -34,10 +34,10 @@ class Ownership:
     def demand(self, door: int) -> None:
         """Raise unless `door` owns the kinematic."""
         if self.owner != door:
-            raise Refusal(Reason.NOT_OWNER, f"command source {self.owner}" if self.owner else "nobody; request control first")
+            raise Refusal(Reason.NOT_OWNER, f"command source {self.owner}" if self.owner else "no command source; request control first")
 
     def link(self, door: int, *, alive: bool) -> None:
-        """The owner keeps control while its link is dead, but then somebody else may take it."""
+        """The owner keeps control while its link is dead, but then another command source may take it."""
         if alive:
             self._dead.discard(door)
         else:

@@ -101,7 +101,7 @@ class CouplerFamily:
         return False
 
     def input_at(self, node: int, channel: int) -> InputLevel | None:
-        """One input as the node says it now; None while it is not good."""
+        """Present state of one input; None while it is not good."""
         coupler = self.couplers[node]
         octet = channel // 8
         if not self._alive(coupler) or octet >= len(coupler.heard):

@@ -45,7 +45,7 @@ OWN = {
 
 
 class Said(NamedTuple):
-    """A contact as one process tells another."""
+    """A contact as passed between processes."""
 
     value: bool = False
     quality: Quality = Quality.BAD

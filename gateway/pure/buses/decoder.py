@@ -1,4 +1,4 @@
-"""One line for a CANopen frame: what it is, who sends it, what it says.  Source: CiA 301 (4.2) 7.2, 7.3.5; codes: protocols.canopen."""
+"""One line for a CANopen frame: type, sender, contents.  Source: CiA 301 (4.2) 7.2, 7.3.5; codes: protocols.canopen."""
 
 from protocols.base.errors import ProtocolError
 from protocols.base.machine import Frame

@@ -54,7 +54,7 @@ class Measuring:
 
 @dataclass(frozen=True, slots=True)
 class PathOutput:
-    """[[path_output]]: IO logic (SF 1) or PPO (SF 2) of programs, and where its value stands in the image."""
+    """[[path_output]]: IO logic (SF 1) or PPO (SF 2) of programs, and the address of its value in the image."""
 
     kind: Literal["iol", "ppo"]
     function: Annotated[int, Ge(1), Le(299)]  # 1..; a PPO from 201 on is analog

@@ -169,7 +169,7 @@ class Cell(CellTables):
 
     @property
     def cycle_ms(self) -> int:
-        """The clock of the cell: P5 where the P list says it, else the drive bus."""
+        """The clock of the cell: P5 where the P list sets it, else the drive bus."""
         if self.rho3 is not None and self.rho3.P5 is not None:
             return self.rho3.P5
         return next((bus.cycle_ms for bus in self.bus if bus.protocol != "rho3-io"), 4)

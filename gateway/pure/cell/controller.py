@@ -1,4 +1,4 @@
-"""[controller] of a cell: whose signals stand on the image beside axisgate's own; no table, ours alone (AX-332)."""
+"""[controller] of a cell: whose signals the image contains beside axisgate's own; without the table only those (AX-332)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

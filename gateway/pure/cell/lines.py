@@ -176,7 +176,7 @@ class Handshake:
 
 @dataclass(frozen=True, slots=True)
 class TelegramMatch:
-    """One entry of `match`: exactly one of hex and text stands at `byte`."""
+    """One entry of `match`: exactly one of hex and text is expected at `byte`."""
 
     byte: Annotated[int, Ge(0), Le(LONGEST - 1)]
     hex: Hex = ""

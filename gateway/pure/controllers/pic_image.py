@@ -10,7 +10,7 @@ from gateway.pure.image.records.cell import RC_BYTES, InputImage, Quality, get_b
 
 @dataclass(slots=True)
 class PicImage:
-    """What PLC and control tell each other: `inputs` PLC -> RC, `outputs` RC -> PLC, `flags` of the PIC alone."""
+    """Signals between PLC and control: `inputs` PLC -> RC, `outputs` RC -> PLC, `flags` of the PIC alone."""
 
     inputs: bytearray = field(default_factory=lambda: bytearray(RC_BYTES))
     outputs: bytearray = field(default_factory=lambda: bytearray(RC_BYTES))
@@ -18,7 +18,7 @@ class PicImage:
     good: bytearray = field(default_factory=lambda: bytearray(b"\1" * RC_BYTES))  # input bytes that come from a living command source
 
     def take(self, doors: InputImage) -> None:
-        """The inputs as the command sources have them: a byte nobody vouches for is 0, an old one stays and has no edges."""
+        """The inputs as the command sources have them: an invalid byte is 0, a stale one stays and has no edges."""
         for byte, quality in enumerate(doors.quality):
             self.inputs[byte] = 0 if quality == Quality.BAD else doors.values[byte]
             self.good[byte] = quality == Quality.GOOD
@@ -46,7 +46,7 @@ class PicImage:
 
 
 class Edge:
-    """Rising edges of one RC input; what stands at the first look or when its command source comes back is no edge (AX-510)."""
+    """Rising edges of one RC input; a state at the first look or when its command source comes back is no edge (AX-510)."""
 
     def __init__(self, number: int) -> None:
         self._number, self._before = number, True

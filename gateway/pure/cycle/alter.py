@@ -51,7 +51,7 @@ class AlterFacts:
 
 @dataclass(slots=True)
 class Correction:
-    """What the command source says, and whether it still does."""
+    """Correction of the command source, and whether it is fresh."""
 
     facts: AlterFacts
     _codes: struct.Struct = field(init=False)
@@ -64,7 +64,7 @@ class Correction:
         )  # words high byte first, as at every command source (AX-010)
 
     def read(self, inputs: InputImage) -> Trsf:
-        """As it stands in the image."""
+        """As read from the image."""
         values = self._codes.unpack_from(inputs.values, self.facts.byte)
         if self.facts.real:
             return Trsf(*values)
@@ -136,18 +136,18 @@ class CoreAlter:
         self.fault, self._held = None, False
 
     def drop(self) -> None:
-        """The part is over, or forgotten; the axes are somebody else's again.  An error stays shown until the next program."""
+        """The part is over, or forgotten; the axes are released.  An error stays shown until the next program."""
         self.on, self._order = False, None
         if self.alter.mode is not Mode.ERROR:
             self.alter.reset_motion()
 
     @property
     def moves(self) -> bool:
-        """A correction may move the axes though the path stands."""
+        """A correction may move the axes while the path is at rest."""
         return self.on and self.alter.mode is Mode.ACTIVE and self.alter.stop_time() != 0.0
 
     def may_end(self, inputs: InputImage) -> bool:
-        """At the end of the path: nobody waits for the input of alterEnd."""
+        """At the end of the path: the input of alterEnd is not awaited."""
         until = self._order.until if self._order is not None else None
         if until is None or self.alter.mode is not Mode.ACTIVE:
             return True
@@ -160,7 +160,7 @@ class CoreAlter:
         self._answer = self.alter.alter(self._source.read(inputs))
 
     def step(self, sample: Sample, override: float) -> Sample:
-        """Set values of all axes for the path's; `fault` tells what ended the part."""
+        """Set values of all axes for the path's; `fault` is the cause that ended the part."""
         alter = self.alter
         if sample.state is State.RUNNING and alter.mode is Mode.PENDING:
             alter.path(alterable=True)

@@ -1,6 +1,6 @@
-"""What the core is told about an axis, and what it remembers of it.
+"""Settings of an axis for the core, and the state the core keeps of it.
 
-Apart from the core: whoever only describes axes (services, commands) does not load the motion core with it.
+Apart from the core: code that only describes axes (services, commands) does not load the motion core.
 """
 
 import math
@@ -67,5 +67,5 @@ class HeldAxis:
 
     @property
     def actual(self) -> float:
-        """Where the drive says it is, m or rad."""
+        """Position reported by the drive, m or rad."""
         return (self.drive.position_inc - self.scaling.zero_inc) / self.scaling.inc_per_unit

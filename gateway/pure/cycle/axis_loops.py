@@ -1,6 +1,6 @@
 """What a cycle does for each of its axes: set values, supervision, what others see.  Pure.
 
-`AxisLoops` is built twice: `InPython` says what it means, gateway/cycle/native/axes.c does the same in C where it was built (AX-320).  A
+`AxisLoops` is built twice: `InPython` is the reference, gateway/cycle/native/axes.c does the same in C where it was built (AX-320).  A
 property
 test holds them side by side.
 """

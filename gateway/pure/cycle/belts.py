@@ -48,13 +48,13 @@ class BeltFault:
 
 @dataclass(frozen=True, slots=True)
 class Zero:
-    """Where an encoder stood when it was first heard."""
+    """First reading of an encoder."""
 
     raw: int
     span: int  # its counts are 0..span-1
 
     def says(self, count: int) -> int:
-        """What it says now, `count` increments further."""
+        """Its present reading, `count` increments further."""
         return (self.raw + count) % self.span
 
 
@@ -98,7 +98,7 @@ class CoreBelts:
         self._encoders[place] = True
 
     def begins(self, place: int, raw: int, span: int) -> None:
-        """The first telegram of its encoder says `raw` of 0..span-1; from here the counts go on from 0."""
+        """The first telegram of its encoder has `raw` of 0..span-1; from here the counts go on from 0."""
         self._zeros[place] = Zero(raw, span)
 
     def stood(self, place: int, offset: float) -> None:
@@ -107,7 +107,7 @@ class CoreBelts:
             self._stood[place] = offset
 
     def offset(self, place: int) -> float:
-        """Counter less what the encoder says, m or rad: it stays while the belt runs.  NaN: nothing to keep yet."""
+        """Counter minus encoder value, m or rad: it stays while the belt runs.  NaN: nothing to keep yet."""
         zero, belt = self._zeros[place], self.all.all[place]
         if zero is None or not self._told[place]:
             return nan
@@ -147,7 +147,7 @@ class CoreBelts:
         return self.all.all[self.order.belt if self.order is not None else 0]
 
     def act(self, order: ActOrder) -> None:
-        """SF 15, SF 28 at once; SYNC: `awaits` until it is met, on its belt where it stands inside a part.  MotionError."""
+        """SF 15, SF 28 at once; SYNC: `awaits` until it is met, on its belt if it is inside a part.  MotionError."""
         under = self.order if self.carries else None
         possible = under is not None and under.belt == order.belt if order.inside else self.free
         if not (possible and 0 <= order.belt < len(self.facts)):
@@ -216,7 +216,7 @@ class CoreBelts:
         self._part.add(replace(block, target=(*block.target, *others), via=via))
 
     def drop(self) -> None:
-        """The part is over, or forgotten; the axes are somebody else's again."""
+        """The part is over, or forgotten; the axes are released."""
         self.order, self._rig, self._carried, self._part, self._sync = None, None, None, None, None
 
     def forget(self) -> None:
@@ -263,7 +263,7 @@ class CoreBelts:
 
     # ---- one cycle ---------------------------------------------------------------------------------------------------
     def step(self, stepper: Stepper, inputs: InputImage) -> Sample:
-        """Set values of all axes; `fault` tells what ended the part."""
+        """Set values of all axes; `fault` is the cause that ended the part."""
         self.update(inputs)
         self.engaged_now = False
         order = self.order

@@ -1,7 +1,7 @@
 """Drive-on of single axes while a program runs: who is out of the loop, what may move meanwhile, and who may come back.  Pure.
 
 The rules are those of motion.axes.interruptible (rho 3 L1290-1345, L1500-1524, L7918-7945); here they meet drives, pieces and the parts of
-a program.  An axis that is out, or back and not accepted, is kept: its set value is where it stands, whatever the path says.  AX-393.
+a program.  An axis that is out, or back and not accepted, is kept: its set value is its position, whatever the path demands.  AX-393.
 """
 
 from collections.abc import Iterable, Sequence
@@ -32,7 +32,7 @@ class DriveOnGate:
 
     # ---- programs ----------------------------------------------------------------------------------------------------
     def begin(self, mask: int) -> bool:
-        """A program is ordered: True when its axes follow, but for those nobody wants on; one at least."""
+        """A program is ordered: True when its axes follow, except those not commanded on; one at least."""
         own = [axis for n, axis in enumerate(self._axes) if mask >> n & 1]
         self.kept = {n for n, axis in enumerate(self._axes) if not axis.wanted}
         self._rule = DriveOn(len(self._axes))

@@ -56,7 +56,7 @@ class PermitView:
 
 
 class EnablingInputs:
-    """Remembers only what stood in the cycle before."""
+    """Remembers only the state of the cycle before."""
 
     def __init__(self, numbers: RcNumbers, assumed: Permit) -> None:
         """`assumed`: inputs that are not wired here and count as 1 ([rc_inputs] assume)."""
@@ -75,7 +75,7 @@ class EnablingInputs:
         self._steady = self._seen = None
 
     def judge(self, inputs: InputImage, services_ns: Ns, now: Ns) -> PermitView:
-        """`services_ns`: last sign of life of whoever writes the inputs."""
+        """`services_ns`: last sign of life of the writer of the inputs."""
         held = services_ns != 0 and now - services_ns < INPUTS_HOLD
         seen = (held, self._look(inputs.values), self._look(inputs.quality))
         if seen == self._seen and self._steady is not None:

@@ -1,4 +1,4 @@
-"""Did a multi-turn encoder count round while nobody looked?  It then shows another position by its whole range."""
+"""Detects a multi-turn encoder that overflowed while the gateway was off.  It then shows another position by its whole range."""
 
 import math
 

@@ -50,7 +50,7 @@ class Wire:
 
 @dataclass(slots=True)
 class Armed:
-    """One channel that waits for its edge.  probe: drives catch it; told: and the edge was handed on."""
+    """One channel that waits for its edge.  probe: drives catch it; `told`: the edge was passed on."""
 
     wire: Wire
     bench: Bench
@@ -101,7 +101,7 @@ class CoreFlying:
         return self._probes.input(channel)
 
     def call(self, order: FlyingAt, inputs: InputImage, now: Ns) -> None:
-        """The path is where the statement stands."""
+        """The path has reached the statement."""
         self._armed.pop(order.channel, None)
         if order.edge is None:
             self._probes.off(KINEMATIC, order.channel)

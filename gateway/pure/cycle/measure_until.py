@@ -76,7 +76,7 @@ class CoreMeasure:
 
     @property
     def waits(self) -> bool:
-        """The edge came, its position is not stored yet; or a drive may have passed it and has not told yet."""
+        """The edge came, its position is not stored yet; or a drive may have passed it and has not reported it yet."""
         if self._until is None or self._stored:
             return False
         if self._hit is not None:
@@ -85,7 +85,7 @@ class CoreMeasure:
 
     def stands(self, inputs: InputImage) -> bool:
         """Before the block: an input that has its value already lets nothing move, and the axes' place is measured; a probe has to
-        change, whatever it says now (L1130)."""
+        change, whatever its state is now (L1130)."""
         until = self._until
         if until is None or until.by_edge or self._read(until, inputs) is not until.level:
             return False

@@ -19,7 +19,7 @@ class Measured:
         return self._masks.get(kinematic, 0)
 
     def forget(self, mask: int) -> None:
-        """Whoever has one of these axes has measured nothing."""
+        """A kinematic with one of these axes has measured nothing."""
         for own in self._masks.values():
             self._state.measured_mask &= ~own if own & mask else -1
 

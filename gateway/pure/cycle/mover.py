@@ -149,7 +149,7 @@ class Mover:
 
     # ---- drive-on of single axes -------------------------------------------------------------------------------------
     def all_wanted(self) -> bool:
-        """Nobody switched off an axis of the program."""
+        """No axis of the program was switched off."""
         return all(axis.wanted for n, axis in enumerate(self._axes) if self.program.mask >> n & 1)
 
     def leave(self) -> bool:

@@ -22,7 +22,7 @@ HELD = (Motion.STOPPING, Motion.STOPPED)
 
 @dataclass(frozen=True, slots=True)
 class OutputPlace:
-    """Where a function's value stands: RC output (of the lowest bit), bits (1: IO logic), rated value and volts of an analog output;
+    """Address of a function's value: RC output (of the lowest bit), bits (1: IO logic), rated value and volts of an analog output;
     kinematic: whose coordinates lead it, from 1."""
 
     output: int
@@ -37,7 +37,7 @@ Places = Mapping[tuple[Kind, int], OutputPlace]
 
 class CoreOutputs:
     """All functions of a cell.  robots: kinematics by number, as motion.planner.robot.Machine has them (axes that carry the robot or the
-    workpiece among theirs), each on the axes of the cell."""
+    workpiece included), each on the axes of the cell."""
 
     def __init__(self, places: Places, robots: Mapping[int, PathKinematics], period_s: float) -> None:
         self._places, self._robots, self._period = places, robots, period_s
@@ -47,7 +47,7 @@ class CoreOutputs:
         self._failed = 0  # job that failed last
 
     def call(self, asked: Function, state: CellState, image: bytearray) -> None:
-        """The path is where the statement stands.  ProgramFault: the function has not ended."""
+        """The path has reached the statement.  ProgramFault: the function has not ended."""
         self._failed = state.failed_job
         self._functions.call(*as_call(asked))
         self._running += 1

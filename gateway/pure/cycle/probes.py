@@ -1,6 +1,6 @@
 """Touch probes inside drives: the edge that ends a block or is measured on the way, as the drives caught it.  Pure.
 
-A drive says where it was at an edge, not when.  The instant is found where its own positions, latched at each SYNC, passed that place;
+A drive reports where it was at an edge, not when.  The instant is found where its own positions, latched at each SYNC, passed that place;
 axes whose drives did not catch the edge are measured at that instant (AX-569).
 """
 

@@ -1,4 +1,4 @@
-"""What others see of the core: the state of every axis, and the RC outputs that tell of drives, positions and references.  Pure."""
+"""Published state of the core: the state of every axis, and the RC outputs for drives, positions and references.  Pure."""
 
 from gateway.pure.cycle.axis import HeldAxis
 from gateway.pure.cycle.axis_loops import FAULT, LOST, PYTHON, AxisLoops
@@ -17,7 +17,7 @@ class Publisher:
         self._bytes: list[tuple[int, int, int]] = []  # of the outputs: index, bits of others, ours
 
     def publish(self, axes: list[HeldAxis]) -> None:
-        """After the motion was judged: `state.motion` stands."""
+        """After the motion was judged: `state.motion` is valid."""
         state = self._state
         at_rest = state.motion is Motion.IDLE or state.motion is Motion.STOPPED
         some, every, in_position, referenced = self._show_axes(state.axes, axes, at_rest, self._period)

@@ -16,7 +16,7 @@ LAST_BIT = 1023  # PIC image: 1024 bits of each kind (rho3 L9292-9311)
 
 
 class AddressFault(ValueError):
-    """The text is no address we know; the message says what was expected."""
+    """The text is no known address; the message names what was expected."""
 
 
 class Direction(Enum):

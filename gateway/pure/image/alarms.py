@@ -1,7 +1,7 @@
 """The alarms of a cell over time: what came, who acknowledged it, when it went (AX-642).
 
 A list of errors goes in each time it is made; records come out when something changed.  Records of an earlier run go in as they were
-written, so numbers count on, and what stood when that run ended is gone.
+written, so numbers count on, and alarms pending when that run ended are gone.
 """
 
 import re
@@ -65,7 +65,7 @@ class Alarms:
         return records
 
     def acknowledge(self, who: str) -> list[Record]:
-        """Somebody reset faults: everything that stands or stood unseen is acknowledged."""
+        """Faults were reset: everything pending or unseen is acknowledged."""
         records: list[Record] = []
         for key, alarm in list(self._open.items()):
             if not alarm.acknowledged:

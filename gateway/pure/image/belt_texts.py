@@ -1,4 +1,4 @@
-"""What a fault of a belt-synchronous or alterable part is called: the words of the rho 3 for its numbers, ours for our own (AX-545,
+"""Names of faults of belt-synchronous and alter sections: the words of the rho 3 for its numbers, axisgate's for its own (AX-545,
 AX-547).  Pure.
 """
 

@@ -78,7 +78,7 @@ def family_of(table: Table) -> Family:
     for row in _list(table.get("error")):
         for index, number in enumerate(_numbers(_table(row), name), 1):
             if number in entries:
-                raise CatalogueError(f"{name} {number}: stands twice")
+                raise CatalogueError(f"{name} {number}: defined twice")
             entries[number] = _entry(name, number, index, {**default, "source": table.get("source"), **_table(row)})
     aliases = tuple(str(alias) for alias in _list(table.get("aliases")))
     return Family(name, _words(table, "title", name), str(table.get("source", "")), aliases, dict(sorted(entries.items())))

@@ -1,6 +1,6 @@
-"""The one list of errors: what stands first is shown first (first-out), repeats are counted, the list never grows beyond its bound.
+"""The one list of errors: the first error is shown first (first-out), repeats are counted, the list never grows beyond its bound.
 
-An error leaves the list only after its cause is gone and somebody with enough right acknowledged it (rho3 9.1: L3033, L3059, L4066).
+An error leaves the list only after its cause is gone and a user with sufficient rights acknowledged it (rho3 9.1: L3033, L3059, L4066).
 """
 
 from collections import deque

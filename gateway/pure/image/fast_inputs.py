@@ -1,7 +1,7 @@
 """Inputs of [[measuring]] whose wire ends in the cycle: the core has their level in the cycle that hears it (AX-481).  Pure.
 
 The services bring the same bit by their route or contact one or two cycles later; they judge its byte as before, and what the cycle hears
-itself goes over it for as long as the module vouches for it.
+itself overrides it as long as the module reports it valid.
 """
 
 from collections.abc import Callable, Sequence
@@ -13,7 +13,7 @@ from protocols.base.machine import Ns
 
 
 class InputLevel(NamedTuple):
-    """What a module says of one input, and the bus stamp of the frame that brought its last change."""
+    """State of one input reported by a module, and the bus stamp of the frame that brought its last change."""
 
     level: bool
     stamp_ns: Ns
@@ -21,7 +21,7 @@ class InputLevel(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Wire:
-    """RC input `number`; hear: None while nobody vouches for the module."""
+    """RC input `number`; hear: None while the module is invalid."""
 
     number: int
     inverted: bool

@@ -1,6 +1,6 @@
 """Named values of a cell: what telegrams write and read (order.number ..), with quality and stamp.  Source: design.md 5; users.md 3.5.
 
-The names are those the cell file uses, so nothing grows.  A signal is a value that counts how often it was given: whoever acts on it
+The names are those the cell file uses, so nothing grows.  A signal is a value that counts how often it was given: code that acts on it
 compares counts, and takes each one once, however late it looks.
 """
 
@@ -14,7 +14,7 @@ from protocols.telegrams.fields import Value
 
 @dataclass(frozen=True, slots=True)
 class Sample:
-    """A value as it stands.  BAD: never written.  STALE: its source is away; the value is the last one it wrote."""
+    """A present value.  BAD: never written.  STALE: its source is away; the value is the last one it wrote."""
 
     value: Value | None = None
     quality: Quality = Quality.BAD
@@ -43,14 +43,14 @@ class Values:
         return self._samples[name]
 
     def get(self, name: str) -> Value:
-        """The value, also a stale one (its quality says so); KeyError where nobody has written it yet."""
+        """The value, also a stale one (see its quality); KeyError if it was never written."""
         value = self._samples[name].value
         if value is None:
             raise KeyError(name)
         return value
 
     def put(self, name: str, value: Value, now: Ns, source: str) -> None:
-        """A new value; a signal is given once more whatever `value` says."""
+        """A new value; a signal is given once more whatever `value` is."""
         if name in self.signals:
             self.give(name, now, source)
             return

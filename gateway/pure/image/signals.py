@@ -17,7 +17,7 @@ class SignalFault(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Signal:
-    """One signal; `source` is "rho3" (the manual's number) or "axisgate" (ours, AX-002: movable, marked wherever shown)."""
+    """One signal; `source` is "rho3" (the manual's number) or "axisgate" (AX-002: movable, marked wherever shown)."""
 
     name: str
     at: RcBit
@@ -62,7 +62,7 @@ class SignalList:
         return {name: signal.at for name, signal in self._names.items()}
 
     def moved(self, places: Mapping[str, int]) -> "SignalList":
-        """The list with rows at other bits; ours anywhere free, the manual's only to a number it prints (AX-509).  SignalFault."""
+        """The list with rows at other bits; own signals anywhere free, the manual's only at a number it prints (AX-509).  SignalFault."""
         for name, bit in places.items():
             signal = self.named(name)
             if signal is None:

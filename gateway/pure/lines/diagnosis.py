@@ -13,7 +13,7 @@ from protocols.p3964r.characters import Char
 
 Heard = int | Damage
 LATENCY_GOOD_MS = 1
-SLOW_ANSWER = (ms(12), ms(40))  # answers of an adapter whose latency timer stands at 16 ms
+SLOW_ANSWER = (ms(12), ms(40))  # answers of an adapter whose latency timer is set to 16 ms
 ECHO_WHOLE = 0.95  # part of the pattern that must come back for an echo
 
 
@@ -161,14 +161,14 @@ def _latency(seen: Evidence) -> list[Finding]:
     found = []
     if seen.latency_timer_ms is not None and seen.latency_timer_ms > LATENCY_GOOD_MS:
         text = said(
-            "the USB adapter's latency timer stands at {} ms: every answer waits up to so long in the adapter", seen.latency_timer_ms
+            "the latency timer of the USB adapter is set to {} ms: each answer can wait that long in the adapter", seen.latency_timer_ms
         )
         found.append(Finding("USB latency timer", "warn", text, said("echo {} | sudo tee {}", LATENCY_GOOD_MS, seen.latency_file)))
     elif seen.answer_times and SLOW_ANSWER[0] <= median(seen.answer_times) <= SLOW_ANSWER[1] and not seen.hidden_adapter:
         text = said("answers take {:.0f} ms: the partner looks at its line in steps", median(seen.answer_times) / 1e6)
         found.append(Finding("slow answers", "note", text, "nothing, while they stay far below QVZ/ADT"))
     elif seen.answer_times and SLOW_ANSWER[0] <= median(seen.answer_times) <= SLOW_ANSWER[1]:
-        text = said("answers take {:.0f} ms, as through a USB adapter whose latency timer stands at 16 ms", median(seen.answer_times) / 1e6)
+        text = said("answers take {:.0f} ms, as through a USB adapter whose latency timer is set to 16 ms", median(seen.answer_times) / 1e6)
         found.append(
             Finding(
                 "USB latency timer",
@@ -180,7 +180,10 @@ def _latency(seen: Evidence) -> list[Finding]:
     return found
 
 
-SET_OURS = {"high": 'set ours to priority = "low"', "low": 'set ours to priority = "high"'}  # theirs -> what to write into the cell
+SET_OURS = {
+    "high": 'set this side to priority = "low"',
+    "low": 'set this side to priority = "high"',
+}  # theirs -> what to write into the cell
 
 
 # ---- the block check
@@ -319,9 +322,9 @@ CP341_EVENTS: Mapping[tuple[int, int], str] = {
     (8, 0x0D): "BREAK: the line to the partner is open",
     (9, 0x08): "the partner reports a wrong sequence; normal after a restart of either side",
     (9, 0x09): "the partner's block is locked by a coordination flag",
-    (9, 0x0A): "the partner says: byte 3 of the command wrong",
-    (9, 0x0B): "the partner says: byte 1 or 4 of the command wrong",
-    (9, 0x0C): "the partner says: length wrong",
+    (9, 0x0A): "the partner reports: byte 3 of the command wrong",
+    (9, 0x0B): "the partner reports: byte 1 or 4 of the command wrong",
+    (9, 0x0C): "the partner reports: length wrong",
     (9, 0x0D): "the partner has not been restarted yet",
     (10, 0x01): "reaction without a request, or in the wrong sequence; normal after a restart of either side",
     (10, 0x02): "byte 1 of the reaction is neither 00 nor FF",

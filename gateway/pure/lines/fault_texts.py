@@ -22,7 +22,7 @@ REFUSED = {
     Refusal.CHECK: "wrong block check",
     Refusal.DAMAGED: "characters damaged on the line (parity, framing or overrun)",
     Refusal.BREAK: "the line was interrupted (BREAK)",
-    Refusal.NO_BUFFER: "nobody had taken the block before",
+    Refusal.NO_BUFFER: "the previous block was not taken yet",
     Refusal.LOST: "the port went away",
 }
 FAILED = {
@@ -51,9 +51,9 @@ def _of_the_link(event: object) -> str:
         case ReceptionFailed(why, attempts):
             return f"the partner gave up a block after {attempts} attempt{'s' * (attempts != 1)}, the first fault: {REFUSED[why]}"
         case SendRepeated(_, why, stage):
-            return f"a block of ours is sent again: {FAILED[why]} {STAGES[stage]}"
+            return f"an own block is sent again: {FAILED[why]} {STAGES[stage]}"
         case SendFailed(_, why, stage):
-            return f"a block of ours was given up: {FAILED[why]} {STAGES[stage]}"
+            return f"an own block was given up: {FAILED[why]} {STAGES[stage]}"
         case StrayCharacters(count):
             return f"{count} characters outside any block"
         case LineBreak():

@@ -1,7 +1,7 @@
 """Out of a recorded line a draft of its cell: [[line]], [[db]], per data word the type it looks like, period, range and evidence.
 
 A recording shows how words change, not what they mean: `to =` and `from =` stay open, as comments, except for life words.  What a word
-looks like is told with its reasons; where two types fit, both are named (AX-205).
+looks like is reported with its reasons; where two types fit, both are named (AX-205).
 """
 
 from collections.abc import Iterable, Sequence

@@ -1,7 +1,7 @@
 """Sentences of the line tools in German and English.
 
-A sentence is a `Text`: to everybody a string, the English one; it keeps its pattern and values, so that the same sentence can be said in
-German when it is printed.  What has no German stands in English; a test finds it.
+A sentence is a `Text`: the English string, which also keeps its pattern and values, so that the same sentence can be printed in
+German.  A sentence without German is printed in English; a test finds it.
 """
 
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""The German of the line tools: English sentence, or its pattern, -> German one.  What stands behind "nach" is in the dative.
+"""The German of the line tools: English sentence, or its pattern, -> German one.  The part after "nach" is in the dative.
 
 Umlauts are written out, for consoles of every code page; {} may be numbered to change their order.
 """
@@ -111,7 +111,7 @@ RECEIVE = {
     "the repeat within the block wait time": "der Wiederholung innerhalb der Blockwartezeit",
     "a block after the block wait time": "einem Block nach der Blockwartezeit",
     "a good block after seven bad ones": "einem guten Block nach sieben schlechten",
-    "this station cannot be told to keep its buffer full; see idle.fill": (
+    "this station has no command to keep its buffer full; see idle.fill": (
         "dieser Station kann man nicht befehlen, ihren Puffer voll zu lassen; siehe idle.fill"
     ),
     "took {} blocks: the buffer cannot be filled from the line": "nahm {} Bloecke: der Puffer ist von der Leitung her nicht zu fuellen",
@@ -119,7 +119,7 @@ RECEIVE = {
     "NAK after {}": "NAK nach {}",
     "the block check is {:02X}h: sent once, read as it is": "das Blockpruefzeichen ist {:02X}h: einmal gesendet, gelesen wie es ist",
     "DLE and another character": "DLE und einem anderen Zeichen",
-    "answers {}; no source says which": "antwortet {}; keine Quelle sagt was",
+    "answers {}; the sources leave the choice open": "antwortet {}; die Quellen lassen die Wahl offen",
     "NAK: this station does not know DLE ETB, which only process computers send": (
         "NAK: diese Station kennt DLE ETB nicht, das nur Prozessrechner senden"
     ),
@@ -193,7 +193,7 @@ SEND = {
     "after NAK inside the block: {} at last, expected STX": "nach NAK im Block: zuletzt {}, erwartet STX",
     "with priority it must ignore our STX and wait: {}{}": "mit Prioritaet muss sie unser STX uebergehen und warten: {}{}",
     "both without priority, after our STX: {}, expected DLE": "beide ohne Prioritaet, nach unserem STX: {}, erwartet DLE",
-    "STX {} after a conflict nobody gives way in": "STX {} nach einem Konflikt, in dem niemand nachgibt",
+    "STX {} after a conflict in which neither side gives way": "STX {} nach einem Konflikt, in dem niemand nachgibt",
     "{} after STX {} and silence": "{} nach STX {} und Stille",
     "without priority it must withdraw and answer our STX with DLE: {}{}": (
         "ohne Prioritaet muss sie zuruecktreten und unser STX mit DLE beantworten: {}{}"
@@ -290,7 +290,7 @@ RK512 = {
     "executed: the flag was free or is not looked at": "ausgefuehrt: der Merker war frei oder wird nicht beachtet",
     "32h: locked, or flags are not served": "32h: gesperrt, oder Merker werden nicht bedient",
     "{}: {:02X}h": "{}: {:02X}h",
-    "{}; {:02X}h stands in no table": "{}; {:02X}h steht in keiner Tabelle",
+    "{}; {:02X}h is in no table": "{}; {:02X}h steht in keiner Tabelle",
     "SEND of {} words: reaction {}, expected 00 00 00 00": "SEND von {} Worten: Reaktion {}, erwartet 00 00 00 00",
     "{} bytes, expected 32": "{} Bytes, erwartet 32",
     "{:02X}h ({}): the header was not read as it was sent": "{:02X}h ({}): der Kopf wurde nicht gelesen, wie er gesendet war",

@@ -68,8 +68,8 @@ DIAGNOSIS = {
     "both stations have the same priority ({}): whenever both send at once, both jobs wait or fail": (
         "beide Stationen haben dieselbe Prioritaet ({}): senden beide zugleich, warten oder scheitern beide Auftraege"
     ),
-    'set ours to priority = "low"': 'unsere auf priority = "low" setzen',
-    'set ours to priority = "high"': 'unsere auf priority = "high" setzen',
+    'set this side to priority = "low"': 'diese Seite auf priority = "low" setzen',
+    'set this side to priority = "high"': 'diese Seite auf priority = "high" setzen',
     "priority": "Prioritaet",
     "the partner has priority {}, we {}": "der Partner hat die Prioritaet {}, wir {}",
     "BCC off by 02h": "BCC um 02h falsch",
@@ -130,10 +130,10 @@ DIAGNOSIS = {
         "Antworten brauchen {:.0f} ms: der Partner sieht nur in Schritten nach seiner Leitung"
     ),
     "nothing, while they stay far below QVZ/ADT": "nichts, solange sie weit unter der QVZ bleiben",
-    "the USB adapter's latency timer stands at {} ms: every answer waits up to so long in the adapter": (
+    "the latency timer of the USB adapter is set to {} ms: each answer can wait that long in the adapter": (
         "die Latenzzeit des USB-Wandlers steht auf {} ms: jede Antwort wartet bis zu so lange im Wandler"
     ),
-    "answers take {:.0f} ms, as through a USB adapter whose latency timer stands at 16 ms": (
+    "answers take {:.0f} ms, as through a USB adapter whose latency timer is set to 16 ms": (
         "Antworten brauchen {:.0f} ms, wie durch einen USB-Wandler, dessen Latenzzeit auf 16 ms steht"
     ),
     "set the adapter's latency timer to 1 ms (Linux: latency_timer in sysfs; Windows: port settings)": (
@@ -254,9 +254,9 @@ CP341 = {
         "der Partner meldet falsche Reihenfolge; normal nach einem Neustart einer Seite"
     ),
     "the partner's block is locked by a coordination flag": "der Baustein des Partners ist durch einen Koordinierungsmerker gesperrt",
-    "the partner says: byte 3 of the command wrong": "der Partner meldet: Byte 3 des Befehls falsch",
-    "the partner says: byte 1 or 4 of the command wrong": "der Partner meldet: Byte 1 oder 4 des Befehls falsch",
-    "the partner says: length wrong": "der Partner meldet: Laenge falsch",
+    "the partner reports: byte 3 of the command wrong": "der Partner meldet: Byte 3 des Befehls falsch",
+    "the partner reports: byte 1 or 4 of the command wrong": "der Partner meldet: Byte 1 oder 4 des Befehls falsch",
+    "the partner reports: length wrong": "der Partner meldet: Laenge falsch",
     "the partner has not been restarted yet": "der Partner hat noch nicht neu gestartet",
     "reaction without a request, or in the wrong sequence; normal after a restart of either side": (
         "Reaktion ohne Anforderung oder in falscher Reihenfolge; normal nach einem Neustart einer Seite"

@@ -1,7 +1,7 @@
 """A trace of one line: who sent which characters when, whatever it was recorded by.  Journals and line records become traces, and back.
 
 Sides are A and B, as the line process calls them.  In a journal (protocols.base.dialogue) the station is B and its partner A, unless
-the journal's `station` line says side=A.
+the journal's `station` line has side=A.
 """
 
 from collections.abc import Iterable
@@ -43,7 +43,7 @@ class Item:
 
 
 def of_runs(runs: Iterable[RunLike]) -> list[Item]:
-    """A line record as a trace.  DecodeError: a mark nobody knows."""
+    """A line record as a trace.  DecodeError: an unknown mark."""
     return [_item(run) for run in runs]
 
 
@@ -61,7 +61,7 @@ def _item(run: RunLike) -> Item:
 
 
 def of_dialogue(dialogue: Dialogue, start_ns: Ns = 0) -> list[Item]:
-    """A journal as a trace; what the station reported stands as remark at the last characters before it.
+    """A journal as a trace; reports of the station become remarks at the last characters before them.
 
     Its `station` line may say when it began (start_ns=..), else `start_ns` does.
     """

@@ -17,7 +17,7 @@ FORGET = ms(5000)  # an STX nobody answered so long means nothing any more (ackn
 
 
 class Kind(IntEnum):
-    """What a packet is; the number stands in the pseudo header of the export."""
+    """What a packet is; the number is in the pseudo header of the export."""
 
     STX = 1
     DLE = 2

@@ -129,7 +129,7 @@ class RhoView:
         return [data[2 * r] << 8 | data[2 * r + 1] for r in range(record, record + count)]
 
     def refuses_record(self, file: int, record: int, count: int) -> ExceptionCode | None:
-        """A block has one writer: this command source where the cell says so, else the partner on its line or axisgate (AX-479)."""
+        """A block has one writer: this command source where the cell names it, else the partner on its line or axisgate (AX-479)."""
         found = self.read_record(file, record, count) if file in self._files else MISSING
         return found if isinstance(found, ExceptionCode) else None
 

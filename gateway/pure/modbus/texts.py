@@ -1,6 +1,6 @@
 """Modbus exchanges in words, for people who look at a line.  Source: MODBUS Application Protocol V1.1b3, section 6.
 
-What cannot be read is told as it is, never raised: both sides of a line may be wrong.
+What cannot be decoded is shown raw, never raised: both sides of a line may be wrong.
 """
 
 from dataclasses import dataclass

@@ -54,7 +54,7 @@ def act_of(record: PieceRecord) -> ActOrder:
 
 def act_order(act: BeltAct, belts: Sequence[BeltFacts], number: int, part: Synchron | None = None, kinematic: int = 1) -> ActOrder | None:
     """What the cycle does of it, None: nothing (SF 21); BlockError with the manual's number, for the block `number` behind it.  part: the
-    synchronous part it stands in."""
+    synchronous part that contains it."""
     if act.inside:
         return _endless(act, belts, number, part, kinematic)
     if isinstance(act, Sync):

@@ -53,13 +53,13 @@ class OfCell:
     @staticmethod
     def _check_stream(block: Block, number: int) -> None:
         if block.synchron is not None:
-            raise BlockError("a synchronous part stands in a program of the cell alone", block=number)
+            raise BlockError("a synchronous part is allowed only in a program of the cell", block=number)
         if block.alteration is not None:
-            raise BlockError("an alterable part stands in a program of the cell alone", block=number)
+            raise BlockError("an alter section is allowed only in a program of the cell", block=number)
         if block.recorded:
             raise BlockError("recorded is a target in programs of the cell alone", block=number)
         if block.file is not None:
-            raise BlockError("move_file stands in a program of the cell alone", block=number)
+            raise BlockError("move_file is allowed only in a program of the cell", block=number)
 
 
 def check_acts(acts: Sequence[Act], number: int, *, whole: bool) -> None:
@@ -70,7 +70,7 @@ def check_acts(acts: Sequence[Act], number: int, *, whole: bool) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Away:
-    """Axes (bit n-1 = axis n of the cell) nobody wants on as a program is ordered; windows: of the axes of the cell, in position."""
+    """Axes (bit n-1 = axis n of the cell) not commanded on as a program is ordered; windows: of the axes of the cell, in position."""
 
     axes: int = 0
     windows: Sequence[float] = ()

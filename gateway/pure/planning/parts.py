@@ -114,7 +114,7 @@ class Coming:
 
     @staticmethod
     def marked(block: Block) -> Block:
-        """alterEnd at its end, where it says so."""
+        """alterEnd at its end, where it has one."""
         return replace(block, outputs=(*block.outputs, Output(FREEZE, 1.0))) if block.freeze else block
 
     def own(self, mask: int, job: int, generation: int) -> PieceRecord | None:
@@ -124,7 +124,7 @@ class Coming:
         return recall_record(job, generation, self.recall, self.kinematic) if self.recall else None
 
     def again(self, machine: Machine, start: Sequence[float]) -> BeltPlan:
-        """The same part from where the robot really stands."""
+        """The same part from the actual position of the robot."""
         assert self.tried is not None
         return replace(self.tried, machine=machine, start=start, blocks=[], _trial=None, _rotation=None, _count=0)
 
@@ -231,7 +231,7 @@ def _placed(act: MachinePoint, number: int, robots: Machine | Team) -> tuple[flo
             raise robots.told(error, act.member) from error
     try:
         if act.inside:
-            raise MotionError("mach_pos stands outside of synchronous and alterable parts")
+            raise MotionError("mach_pos is not allowed in synchronous and alter sections")
         check_targets(robots.limits, act.q)
     except LimitError as error:
         what = f"mach_pos: {str(error).partition(': ')[2]}"
@@ -247,7 +247,7 @@ def told(error: BlockError, blocks: int) -> BlockError:
 
 
 def apart(block: Block) -> bool:
-    """Whether a block begins a part of its own wherever it stands."""
+    """Whether a block always begins a part of its own."""
     asks = block.until is not None or block.wait is not None or block.target == MEASURED or block.recorded != 0 or block.file is not None
     return asks or bool(block.synchron or block.alteration or block.acts)
 

@@ -135,7 +135,7 @@ class Programs:
         """records: new ones; the rest is the cycle's: its generation, the piece under way (0: none), where the axes stand, whether they
         move, the last order it took (nothing is handed on before it knows of the job), the job that failed last, the number of parts
         that are over, the belt value at which the robot got onto a belt, whether the last part with an input ended by it, where the
-        axes were measured last (None: they were not), the axes (bit n-1 = axis n) nobody wants on, and the override."""
+        axes were measured last (None: they were not), the axes (bit n-1 = axis n) not commanded on, and the override."""
         self._override = override
         if generation != self.generation:
             self.generation, self._belts, self._placed = generation, self.belts, 0  # a start-up of the control
@@ -388,7 +388,7 @@ class Programs:
 
     @property
     def working(self) -> bool:
-        """A law is being made: work() goes on with it between two turns, for whoever has the time."""
+        """A law is being made: work() continues it between two turns when there is time."""
         return self._planner is not None and self._planner.working
 
     def work(self) -> bool:

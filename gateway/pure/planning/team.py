@@ -22,12 +22,12 @@ def no_programs(number: int) -> str:
 
 
 def no_team(kinematics: Sequence[Kinematic], number: int) -> Team:
-    """Of a cell with one robot whose programs nobody gave kinematics."""
+    """Of a cell with one robot and programs without kinematics."""
     raise MotionError(f"kinematic {kinematics[0].name}: this cell has one robot alone")
 
 
 def reader_for(text: str, reader: Reader | TeamReader) -> Reader | TeamReader:
-    """Who reads this line: `kinematic` at the beginning tells a program of several kinematics."""
+    """The reader of this line: `kinematic` at the beginning marks a program of several kinematics."""
     if isinstance(reader, Reader) and several(text) and reader.untold:
         return TeamReader(reader.name)
     return reader

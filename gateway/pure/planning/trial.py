@@ -26,7 +26,7 @@ LEAST = 1e-3  # velocity factor of an order
 
 
 def no_files(name: str, number: int) -> bytes:
-    """Of whoever has none."""
+    """Of a robot that has none."""
     raise MotionError(f"{name}: no such file")
 
 

@@ -1,4 +1,4 @@
-"""One turn of the planner's inside on what the cycle says of itself.  Pure."""
+"""One turn of the planner's inside on the published state of the cycle.  Pure."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""Blocks whose programmed speed an axis cannot keep: "Interpolator Stop", told once a block when it is under way (AX-571).  Pure."""
+"""Blocks whose programmed speed an axis cannot keep: "Interpolator Stop", reported once a block when it is under way (AX-571).  Pure."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -8,7 +8,7 @@ from motion.planner.path_checks import Slowed
 
 @dataclass
 class Slowing:
-    """Of one part after the other of a program.  heard: sentences nobody has taken yet."""
+    """Of one part after the other of a program.  heard: sentences not taken yet."""
 
     heard: list[str] = field(default_factory=list)
     _passed: int = 0  # blocks of the program that were looked at

@@ -35,7 +35,7 @@ class CellSystems:
         self.begin()
 
     def placed(self, block: Block | Shared, number: int, robots: Machine | Team, kinematic_of: Callable[[Machine], int]) -> Block | Shared:
-        """The block, each robot's own part of it, in the system it says, or in the one in force."""
+        """The block, each robot's own part of it, in the system it names, or in the one in force."""
         machines = machines_in(robots)
 
         def own(n: int, part: Block) -> Block:
@@ -46,7 +46,7 @@ class CellSystems:
         return block.changed(own) if isinstance(block, Shared) else own(0, block)
 
     def chosen(self, system: WcFrame | None, number: int, kinematic: int) -> None:
-        """By block `number`, or what stands behind the last one."""
+        """By block `number`, or what follows the last one."""
         if system is not None and system != self._read.get(kinematic, WC_UR):
             self._coming.append((number, kinematic, system))
             self._read[kinematic] = system
@@ -69,7 +69,7 @@ class CellSystems:
 
     @property
     def shown(self) -> Shown:
-        """For whoever takes over."""
+        """For the successor."""
         return tuple(sorted((kinematic, system.values) for kinematic, system in self.active.items()))
 
     def follows(self, before: Shown) -> None:

@@ -70,7 +70,7 @@ RECORDER_GONE: Ns = 30_000_000_000  # a recorder that died and comes back within
 
 
 class Source(IntEnum):
-    """Who told."""
+    """Origin of a message."""
 
     HEARD = 1  # characters of the partner of a line
     SAID = 2  # characters of ours
@@ -190,4 +190,4 @@ def unpack_told(record: bytes) -> ServiceEvent:
         stamp, source, door, size = TOLD.unpack_from(record)
         return ServiceEvent(stamp, Source(source), door, bytes(record[TOLD.size : TOLD.size + size]))
     except (struct.error, ValueError) as error:
-        raise DecodeError(f"told: {error}") from error
+        raise DecodeError(f"message: {error}") from error

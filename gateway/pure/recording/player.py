@@ -112,7 +112,7 @@ class Player:
             raise DecodeError(f"cycle {self.core.state.cycle}: its script cannot be played ({error})") from error
 
     def prepare_image(self, payload: bytes) -> None:
-        """What stood at the start."""
+        """State at the start."""
         self._take_image(payload)
 
     # ---- the calls of the cycle ------------------------------------------------------------------------------------------

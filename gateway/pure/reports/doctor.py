@@ -19,7 +19,7 @@ class Finding:
 
 @dataclass(frozen=True, slots=True)
 class PortState:
-    """What the system says about one serial port; latency_ms is None where the driver has no such timer."""
+    """What the system reports about one serial port; latency_ms is None where the driver has no such timer."""
 
     name: str
     exists: bool

@@ -24,7 +24,7 @@ class Line:
 
 @dataclass(frozen=True, slots=True)
 class Chart:
-    """One picture; bound: a horizontal line that must not be passed; equal: one scale for both axes."""
+    """One drawing; bound: a horizontal line that must not be passed; equal: one scale for both axes."""
 
     title: str
     x_label: str

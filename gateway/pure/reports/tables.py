@@ -1,4 +1,4 @@
-"""Tables for people and for spreadsheets: one sheet, four forms.
+"""Tables for people and for spreadsheets: one table, four formats.
 
 CSV is what German spreadsheets open with a double click: semicolon, decimal comma, UTF-8 with a byte-order mark (users.md 3.2).
 """
@@ -29,7 +29,7 @@ class Sheet:
 
 
 def render(name: str, sheets: Sequence[Sheet], form: str, footer: str = "") -> str:
-    """All sheets of one document `name` in one of FORMS."""
+    """All tables of one document `name` in one of FORMS."""
     match form:
         case "md":
             return _markdown(name, sheets, footer)

@@ -1,4 +1,4 @@
-"""In which line of a TOML file a key stands.
+"""Line of a key in a TOML file.
 
 tomllib gives values without places, so messages could only name a key. This walks the text once and knows just enough
 TOML for it: headers, keys, strings, comments and the nesting of arrays and inline tables. It never judges the file.

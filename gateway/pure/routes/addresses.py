@@ -1,4 +1,4 @@
-"""Where a route begins and ends: an address of any world and the number form that stands there.
+"""Where a route begins and ends: an address of any kind and its number format.
 
 Source of the addresses: gateway.pure.image.addresses.  RC inputs are what a PLC writes (A, O, Q; RCI), RC outputs what it reads (E, I;
 RCO).
@@ -94,7 +94,7 @@ NO_DEVICES: Mapping[str, str] = {}
 def place_of(
     text: str, form: str, order: str, symbols: Mapping[str, RcBit], line_of: Mapping[int, str], devices: Mapping[str, str] = NO_DEVICES
 ) -> Place:
-    """`form` "" is a bit or a name; `line_of`: data block -> the one line it is served on; `devices`: what stands before the colon of a
+    """`form` "" is a bit or a name; `line_of`: data block -> the one line it is served on; `devices`: the part before the colon of a
     register -> CLIENT.DEVICE.  Raises AddressFault."""
     if form and form not in FORMS:
         raise AddressFault(f"{form!r} is no number form; {' '.join(FORMS)} are")
@@ -104,7 +104,7 @@ def place_of(
     where = parse_operand(rest if colon else text, symbols)
     if colon and not isinstance(where, Register | DataBit | DataWord):
         raise AddressFault(
-            f"{text!r}: before the colon stands the line of a data block (LINE:DB30.DW0), the Modbus device of a register (DEVICE:40001) "
+            f"{text!r}: name before the colon the line of a data block (LINE:DB30.DW0), the Modbus device of a register (DEVICE:40001) "
             "or the axis of a drive parameter (AXIS:6081h:00); no other address has one"
         )
     match where:
@@ -149,14 +149,14 @@ def octets_of(place: Place, value: float) -> bytes:
 
 def _register(text: str, device: str, table: Table, address: int, form: str, order: str) -> Place:
     if not device:
-        raise AddressFault(f"{text!r}: before the colon stands a [[modbus.device]] of a client (or CLIENT.DEVICE, where two have the name)")
+        raise AddressFault(f"{text!r}: name before the colon a [[modbus.device]] of a client (or CLIENT.DEVICE, where two have the name)")
     bits = table in (Table.COIL, Table.DISCRETE)
     if bits:
         _need(text, form, 0)
     elif form not in REGISTER_TYPES or form == BIT:
         raise AddressFault(f"{text!r}: registers hold {' '.join(each for each in REGISTER_TYPES if each != BIT)}: type = one of them")
     if order != "ABCD":
-        raise AddressFault(f"{text!r}: words lie in the order of their device: order stands at the [[modbus.device]]")
+        raise AddressFault(f"{text!r}: the device sets the word order: give order at the [[modbus.device]]")
     kind = BIT if bits else form
     if address + max(1, size_of(kind) // 2) > 0x10000:
         raise AddressFault(f"{text!r}: {kind} goes beyond register 65535")
@@ -164,7 +164,7 @@ def _register(text: str, device: str, table: Table, address: int, form: str, ord
 
 
 def number_at(place: Place, data: bytes | bytearray) -> float | None:
-    """What stands in the block or image; None: the bytes are no number of that form."""
+    """Value in the block or image; None: the bytes are no number of that form."""
     if place.form == BIT:
         return float(data[place.byte] >> place.bit & 1)
     try:
@@ -186,7 +186,7 @@ def _need(text: str, form: str, size: int) -> None:
     if size == 0 and form not in ("", BIT):
         raise AddressFault(f"{text!r} is a bit: type = {form!r} does not fit")
     if size and not form:
-        raise AddressFault(f"{text!r}: which number form stands there? type = one of {' '.join(f for f in FORMS if size_of(f) == size)}")
+        raise AddressFault(f"{text!r}: the number format is missing: type = one of {' '.join(f for f in FORMS if size_of(f) == size)}")
     if size and size_of(form) != size:
         raise AddressFault(f"{text!r} has {size} bytes, {form} needs {size_of(form) or 'a bit'}")
 

@@ -1,7 +1,7 @@
 """One route: a source sampled once per step, a target value with validity bit and life counter out of it (AX-395).
 
-The source is a number, or None where nobody vouches for it (a link is down, a value was never written, the bytes are no number).  Levels
-follow the source; edges are given once, as a pulse, and need a sample before them: what stands when a source begins or comes back is
+The source is a number, or None where it is invalid (a link is down, a value was never written, the bytes are no number).  Levels
+follow the source; edges are given once, as a pulse, and need a sample before them: a state found when a source begins or comes back is
 only adopted, so a standing bit starts nothing.
 """
 

@@ -1,4 +1,4 @@
-"""What is compared in a block of bytes: declared bits and numbers by their names, and what nobody declared, word by word (AX-493)."""
+"""What is compared in a block of bytes: declared bits and numbers by their names, and what is not declared, word by word (AX-493)."""
 
 import math
 from collections.abc import Callable

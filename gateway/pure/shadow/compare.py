@@ -1,8 +1,8 @@
-"""Compares what ours would have said with what the old control said: equal for which share of the time, and how far apart else (AX-493).
+"""Compares axisgate's answers with those of the old control: equal for which share of the time, else how far apart (AX-493).
 
-Ours is known at every change; of the old control only what its partner was told, at moments the tap saw.  Each of its answers stands for
-a span: from when it was asked until its answer began.  Equal is a place that ours held somewhere in that span; else the nearest moment at
-which ours held the same is looked for, before (ours earlier) and after (ours later), which is why an answer is judged only when the
+axisgate's state is known at every change, that of the old control only when the tap sees an answer.  Each answer covers
+a span: from the request until the answer began.  An entry is equal if axisgate had its value in that span; else the nearest moment at
+which axisgate had it is searched, before (axisgate earlier) and after (axisgate later), which is why an answer is judged only when the
 horizon has passed.
 """
 
@@ -92,7 +92,7 @@ class Answer:
 
 
 class Comparison:
-    """Blocks by their keys; a block nobody declared is unknown until `declare`."""
+    """Blocks by their keys; an undeclared block is unknown until `declare`."""
 
     def __init__(self, slack: Ns = SLACK, horizon: Ns = HORIZON) -> None:
         self.blocks: dict[Hashable, Block] = {}
@@ -104,7 +104,7 @@ class Comparison:
         self.blocks.setdefault(key, Block(name, [Row(place) for place in places]))
 
     def ours(self, key: Hashable, data: bytes, now: Ns) -> None:
-        """What ours would answer from now on."""
+        """What axisgate would answer from now on."""
         here = self.blocks[key].here
         if not here or here[-1][1] != data:
             here.append((now, data))

@@ -5,8 +5,8 @@ from collections.abc import Iterable, Iterator, Mapping
 
 Found = Mapping[str, object]
 BANNER = (
-    "axisgate is not a safety device. It has no safety function, no performance level and no certificate. What is equal here was equal "
-    "while the shadow listened; it says nothing of what was not played."
+    "axisgate is not a safety device. It has no safety function, no performance level and no certificate. Results hold only for the "
+    "commands that were executed while shadow mode was listening."
 )
 STYLE = (
     "body{font:15px/1.45 system-ui,sans-serif;max-width:72rem;margin:2rem auto;padding:0 1rem;color:#1b1b1b;background:#fff}"
@@ -81,8 +81,8 @@ def _line_sentences(line: object) -> Iterator[str]:
 
 def _serial_sentence(line: object, telegrams: object, other: int) -> str:
     return (
-        f"line {_of(line, 'line')}: {_of(line, 'characters')} characters, {_of(telegrams, 'heard')} telegrams of the PLC, "
-        f"{_of(telegrams, 'answered')} answers of the old control, {other} of them with another error number than ours"
+        f"line {_of(line, 'line')}: {_of(line, 'characters')} characters, {_of(telegrams, 'heard')} telegrams from the PLC, "
+        f"{_of(telegrams, 'answered')} answers of the old control, {other} of them with another error number than axisgate's"
     )
 
 
@@ -108,10 +108,10 @@ def difference(place: object) -> str:
     parts = [f"equal in {_percent(_of(place, 'equal_percent'))}"]
     later, earlier, never = _real(_of(place, "later_ms")), _real(_of(place, "earlier_ms")), _whole(_of(place, "never"))
     if later or earlier:
-        ways = [f"{ms:g} ms ({word})" for ms, word in ((later, "ours later"), (earlier, "ours earlier")) if ms]
+        ways = [f"{ms:g} ms ({word})" for ms, word in ((later, "axisgate later"), (earlier, "axisgate earlier")) if ms]
         parts.append(f"differs by {' and '.join(ways)}")
     if never:
-        parts.append(f"{never} times ours had it not at all")
+        parts.append(f"{never} times axisgate did not have it")
     if _of(place, "largest"):
         parts.append(f"off by at most {_real(_of(place, 'largest')):g}")
     first = _of(place, "first")

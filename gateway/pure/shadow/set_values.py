@@ -53,7 +53,7 @@ class SetValues:
         return not self._canopen
 
     def content(self, frame: Frame) -> bytes:
-        """Of a set value; empty: it is too short and says nothing."""
+        """Of a set value; empty: it is too short."""
         if self.codec is None:
             if len(frame.data) != TARGET.size:
                 return b""

@@ -9,7 +9,7 @@ GROUPS = {
 
 
 def group_of(name: str) -> str:
-    """The group a name belongs to.  ValueError: what stands under this name must not outlive a run."""
+    """The group a name belongs to.  ValueError: the value of this name must not outlive a run."""
     group = name.partition(".")[0]
     if group not in GROUPS:
         raise ValueError(f"{name}: is not kept over a restart; groups that are: {', '.join(GROUPS)}")

@@ -33,7 +33,7 @@ class RetainError(OSError):
 
 @dataclass(frozen=True, slots=True)
 class Opened:
-    """A file that is ready, and what had to be told on the way."""
+    """A file that is ready, and messages from opening it."""
 
     file: "RetainFile"
     events: tuple[str, ...]
@@ -92,7 +92,7 @@ class RetainFile:
 
 
 def open_file(path: pathlib.Path, *, repair: bool = True) -> Opened:
-    """The file, made where it is missing; one that is damaged is set aside under a name that is told.
+    """The file, made where it is missing; a damaged one is set aside, and its new name reported.
 
     RetainError: it cannot be opened; without `repair` also when it is damaged.
     """
@@ -103,7 +103,7 @@ def open_file(path: pathlib.Path, *, repair: bool = True) -> Opened:
         raise RetainError(f"{path}: cannot be opened: {error}") from error
     except sqlite3.DatabaseError as error:
         if not repair:
-            raise RetainError(f"{path}: damaged ({error}); the next start of the cell sets it aside and says so") from error
+            raise RetainError(f"{path}: damaged ({error}); the next start of the cell sets it aside and reports it") from error
         aside = set_aside(path)
         told = f"retained data: {path} is damaged ({error}); set aside as {aside.name}, started with defaults"
         try:
@@ -115,7 +115,7 @@ def open_file(path: pathlib.Path, *, repair: bool = True) -> Opened:
 
 
 def set_aside(path: pathlib.Path) -> pathlib.Path:
-    """Renames the file with its log, so that somebody can look at it; the new name."""
+    """Renames the file with its log, so that it can be examined; returns the new name."""
     mark = wall().replace(":", "").replace(" ", "T")[:19]
     number = next(n for n in range(1, 10_000) if not path.with_name(f"{path.name}.damaged-{mark}-{n}").exists())
     aside = path.with_name(f"{path.name}.damaged-{mark}-{number}")

@@ -1,6 +1,6 @@
-"""Retained data of a run: values that outlive power-off, and histories (errors, configuration).  A thread writes; nobody waits for it.
+"""Retained data of a run: values that outlive power-off, and histories (errors, configuration).  A thread writes; no one waits for it.
 
-    kept = Retained(path, patterns)          reads the file; kept.events tells what was wrong with it
+    kept = Retained(path, patterns)          reads the file; kept.events lists its faults
     kept.value("counter.3", 0)               what the last run left, else the default
     kept.keep("counter.3", 7)                written soon, if [retain] of the cell names it; costs nothing when nothing changed
     kept.block("flags.M", 2048)              bytes that were kept one by one as flags.M0, flags.M1, ...
@@ -212,7 +212,7 @@ def _storable(value: Value) -> bool:
 
 
 def path_of(cell: Cell) -> pathlib.Path:
-    """Where the data of this cell stand: retain/NAME.sqlite beside its file, or as gateway.runtime.state_folder says."""
+    """Path of this cell's data: retain/NAME.sqlite beside its file, or from gateway.runtime.state_folder."""
     return place(cell.file, "retain", f"{pathlib.Path(cell.file).resolve().stem}.sqlite")
 
 

@@ -23,7 +23,7 @@ Tell = Callable[..., None]  # journal.write
 
 @dataclass(frozen=True)
 class SourceContext:
-    """Where a command source of a run stands: its record in the plan, the office behind it, the watch over its partner, what a loss
+    """Context of a command source of a run: its record in the plan, the dispatcher, the supervision of its partner, what a loss
     does, its
     region, the journal."""
 
@@ -59,7 +59,7 @@ class BaseSource:
             self._tell("link", f"command source {self.number} {self.name}: link is alive", door=self.number)
 
     def wake(self, now: Ns) -> None:
-        """Tell the office when the partner fell silent."""
+        """Notify the dispatcher when the partner fell silent."""
         if self.watch.wake(now) is LinkEvent.SILENT:
             self.office.link(self.number, self.on_loss, alive=False)
             self.restart()
@@ -98,7 +98,7 @@ class BaseSource:
             self._region.write(payload, now)
 
     def write_words(self, first: int, values: Sequence[int], now: Ns) -> None:
-        """Words into the own command block; a fresh command goes to the office."""
+        """Words into the own command block; a fresh command goes to the dispatcher."""
         fresh = self.block.write(first, values)
         if isinstance(fresh, Command):
             self.status.reason = Reason.NONE
@@ -137,7 +137,7 @@ class CellValues:
         return [f"cell.{name}" for name in single] + ["error.first.code"] + axes
 
     def get(self, name: str, door: "BaseSource | None" = None) -> float:
-        """Value in the unit of the name; KeyError for a name nobody knows."""
+        """Value in the unit of the name; KeyError for an unknown name."""
         match name.split("."):
             case ["cell", key]:
                 return self._cell(key, door)

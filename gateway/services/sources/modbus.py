@@ -245,7 +245,7 @@ def identity(settings: Modbus) -> Identity:
 
 
 class WriterRights:
-    """[[modbus.writers]]: who may write where; everybody else reads (AX-343)."""
+    """[[modbus.writers]]: who may write where; all others read (AX-343)."""
 
     def __init__(self, settings: Modbus) -> None:
         self._writers = [
@@ -269,7 +269,7 @@ class WriterRights:
 
 
 def role_rights(role: ModbusRole) -> Rights:
-    """What [[modbus.roles]] says; a table left out means all of it."""
+    """Rights from [[modbus.roles]]; a table left out means all of it."""
     coils = None if role.coils is None else spans(role.coils)
     holding = None if role.holding is None else spans(role.holding)
     return Rights(role.read, role.write, coils, holding, None if role.files is None else spans(role.files))

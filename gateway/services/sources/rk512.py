@@ -44,7 +44,7 @@ ANY_DB = 1  # entries say only where in their block they stand
 
 
 class NotActive(RuntimeError):
-    """The cell says role = "passive": this line never sends a job of its own."""
+    """The cell has role = "passive": this line never sends a job of its own."""
 
 
 class Rk512Source(SerialSource):
@@ -235,7 +235,7 @@ class Rk512Source(SerialSource):
         return None
 
     def refused(self, kind: str) -> ErrorNumber | None:
-        """The number a job to this type gets whatever it wants: the line serves nobody (role active), or not this type."""
+        """The error number for any job to this type: the line serves no jobs (role active), or not this type."""
         if self.line.role == "active":
             return ErrorNumber.NOT_ALLOWED
         return None if kind in self.line.rk512.types else ErrorNumber.TYPE_NOT_SERVED
@@ -282,7 +282,7 @@ class Rk512Source(SerialSource):
         return None
 
     def write_inputs(self, first: int, data: bytes) -> ErrorNumber | None:
-        """RC input bytes from `first` on; all of them have to be ours."""
+        """RC input bytes from `first` on; all of them must belong to this source."""
         octets = range(first, first + len(data))
         services = self._services
         if octets.stop > RC_BYTES:
@@ -302,7 +302,7 @@ class Rk512Source(SerialSource):
         return bool(standing)
 
     def flag_bytes(self) -> bytes:
-        """Area M as it stands."""
+        """Present contents of area M."""
         return self._areas.content("M", 0) or b""
 
     def _note_life(self, db: int, word: int, data: bytes) -> None:

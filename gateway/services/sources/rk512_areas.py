@@ -2,7 +2,7 @@
 
 E is what a PLC reads as its inputs, the RC outputs; A what it writes as its outputs, the RC inputs, both at the PLC's own addresses where
 the cell has a bit coupling; M holds the flags or markers of the control and the coordination flags that are set; T and Z the control's
-timers (rest in ms) and counters.  A [[db]] with that kind stands in the place of it; X exists only so (AX-250, AX-339).
+timers (rest in ms) and counters.  A [[db]] of that kind replaces it; X exists only so (AX-250, AX-339).
 """
 
 import time
@@ -49,7 +49,7 @@ class LineAreas:
         return self._door.write_block(block_key(chr(kind), block), address * kind.unit // 2, data, time.monotonic_ns())
 
     def content(self, kind: str, number: int) -> bytes | None:
-        """The whole area or block as it stands; None where there is none."""
+        """Present contents of the whole area or block; None where there is none."""
         declared = self._declared(kind, number)
         services = self._door.services
         control = services.signals.control

@@ -1,7 +1,7 @@
 """Command source of a serial line with layer = "telegrams": 3964R below, raw blocks declared by [[telegram]] above, named values behind.
 
 It commands no axes: values and signals are what a program (or another command source) acts on.  Blocks that fit nothing are counted and
-told.
+reported.
 """
 
 import time

@@ -62,7 +62,7 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
 
 
 def run(broker: Broker) -> None:
-    """Turn until SIGTERM or SIGINT; SIGUSR1 tells the counters."""
+    """Turn until SIGTERM or SIGINT; SIGUSR1 prints the counters."""
     wanted: set[int] = set()
     inside, outside = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)
     signal.set_wakeup_fd(outside, warn_on_full_buffer=False)

@@ -3,9 +3,9 @@
     (12345.678901) drives 064# 3 4711 234
     stamp s.us     bus    frame  sender, sequence, ns within the microsecond
 
-The three numbers at the end are ours (AX-095); tools that read candump logs ignore them.  Lines that begin with # are remarks: who
+The three numbers at the end are axisgate's (AX-095); tools that read candump logs ignore them.  Lines that begin with # are remarks: who
 connected, who was too slow, how many frames the log lost.  Between broker and child runs a pipe of records; when it and 65,536 more
-records are full, frames are left out of the log, counted, and the log says so.
+records are full, frames are left out of the log, counted, and the log reports it.
 """
 
 import collections

@@ -1,7 +1,7 @@
 """Belts of an emulator process: their settings from the command line, and the command that changes their speed.
 
 {"do": "belt", "belt": 1, "speed": 2500.0}            increments/s; the belt gets there at its acceleration
-{"do": "belt", "belt": 1, "silent": true}             its encoder says nothing any more
+{"do": "belt", "belt": 1, "silent": true}             its encoder falls silent
 """
 
 import json

@@ -37,7 +37,7 @@ def socket_path(name: str) -> str:
 
 
 class BadCommandError(ValueError):
-    """The client's mistake, told in the answer."""
+    """The client's mistake, reported in the answer."""
 
 
 def carry_out(slave: ServodynSlave, command: Command) -> Answer:
@@ -118,7 +118,7 @@ class ControlServer:
         epoll.register(self._listener, select.EPOLLIN)
 
     def ready(self, fd: int) -> None:
-        """This descriptor of the epoll is readable; others than ours are left aside."""
+        """This descriptor of the epoll is readable; foreign ones are ignored."""
         if fd == self._listener.fileno():
             self._accept()
         elif fd in self._clients:

@@ -5,7 +5,7 @@
 Settings: drivers.emulator.servo.settings ("axes": SERVODYN boosters, "nodes": CiA 402 drives, either or both); record:
 drivers.emulator.servo.record
 (with both families the nodes' is FILE.nodes); commands: gateway.simulation.drives.control, for nodes emulator_nodes.  Prints `ready` when
-it is on the bus.  A bus that goes away is opened again; the plant keeps its state.  Exit codes: 0 told to stop, 2 wrong arguments or
+it is on the bus.  A bus that goes away is opened again; the plant keeps its state.  Exit codes: 0 stopped, 2 wrong arguments or
 settings, 3 name taken or record not writable.
 """
 
@@ -78,7 +78,7 @@ class Recorder:
             self.flush()
 
     def flush(self) -> None:
-        """A full disk is counted and told once, it does not stop the drives."""
+        """A full disk is counted and reported once, it does not stop the drives."""
         if self._file is None or not self._rows:
             return
         try:
@@ -308,7 +308,7 @@ def stretched(options: argparse.Namespace) -> StretchedTime | None:
 
 
 def dictionaries(settings: BusSettings) -> dict[int, ObjectDictionary]:
-    """The object dictionary of each node, from the EDS its settings name; what is wrong with a file is told."""
+    """The object dictionary of each node, from the EDS its settings name; faults of a file are reported."""
     read: dict[str, ObjectDictionary] = {}
     for name in sorted({drive.eds for drive in settings.nodes.values()}):
         read[name], faults = eds.parse(find_config(name, "drives").read_bytes().decode("utf-8", "replace"))

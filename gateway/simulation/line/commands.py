@@ -20,7 +20,7 @@ Answer = dict[str, object]
 
 
 class BadCommand(ValueError):
-    """The client's mistake, told in the answer."""
+    """The client's mistake, reported in the answer."""
 
 
 class ControlSocket:
@@ -47,7 +47,7 @@ class ControlSocket:
         self._line.watch(self._listener.fileno(), self._accept)
 
     def close(self) -> None:
-        """Ends all connections and removes the path if it is ours."""
+        """Ends all connections and removes the path if it is its own."""
         for client, _ in list(self._clients.values()):
             self._drop(client)
         if self._listener is not None:

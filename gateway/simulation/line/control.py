@@ -12,7 +12,7 @@ from protocols.base.machine import Ns
 
 
 class LineControl:
-    """Hands at the cable called `name`."""
+    """Controls the cable called `name`."""
 
     def __init__(self, name: str, timeout_s: float = 5.0) -> None:
         self.name = name
@@ -62,7 +62,7 @@ class LineControl:
         return self._stamp(do="calm")
 
     def noise(self, sender: str, data: bytes) -> Ns:
-        """Characters nobody sent, as if side `sender` had."""
+        """Injected characters, as if sent by side `sender`."""
         return self._stamp(**{"do": "noise", "from": sender, "hex": data.hex()})
 
     def send_break(self, sender: str) -> Ns:

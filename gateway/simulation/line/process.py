@@ -5,7 +5,7 @@
 Side A is runtime_dir()/NAME-a, side B NAME-b; ports open them as "pty:PATH".  Commands come as JSON lines through line-NAME.sock (client:
 gateway.simulation.line.control); format of the record and of marks:
 drivers.ports.serial.line_format.  A --plain side gets no marks and no doubled FF,
-for programs that are not ours; damage reaches it as a wrong character.  Prints `ready`.  Exit codes: 0 told to stop, 2 wrong arguments,
+for foreign programs; damage reaches it as a wrong character.  Prints `ready`.  Exit codes: 0 stopped, 2 wrong arguments,
 3 name taken or no pty to be had.
 """
 

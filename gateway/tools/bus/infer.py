@@ -1,4 +1,4 @@
-"""`axisgate bus infer LOG`: what a recording of the living old control tells about its layout, as a DBC with a confidence per field."""
+"""`axisgate bus infer LOG`: infers the layout from a recording of the living old control, as a DBC with a confidence per field."""
 
 import argparse
 import dataclasses

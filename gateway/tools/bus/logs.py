@@ -21,7 +21,7 @@ WRITABLE = (*READABLE, ".pcapng")
 
 
 class BadLog(ValueError):
-    """The file is no recording we can read; the message names it and says which are."""
+    """The file is no readable recording; the message names it and the readable kinds."""
 
 
 def read_log(path: pathlib.Path) -> Iterator[Frame]:
@@ -80,7 +80,7 @@ def _ours(path: pathlib.Path) -> bool:
 
 
 def frame_of(message: can.Message) -> Frame:
-    """python-can's message as ours; stamp in ns of the recording's clock."""
+    """python-can's message as a frame; stamp in ns of the recording's clock."""
     flag = (EFF_FLAG if message.is_extended_id else 0) | (RTR_FLAG if message.is_remote_frame else 0)
     data = bytes(message.dlc) if message.is_remote_frame else bytes(message.data)
     return Frame(message.arbitration_id | flag, data, round(message.timestamp * 1e9))
@@ -102,7 +102,7 @@ def fd_frame_of(message: can.Message) -> FdFrame:
 
 
 def message_of(frame: Frame) -> can.Message:
-    """Ours as python-can's."""
+    """A frame as python-can's message."""
     remote = bool(frame.identifier & RTR_FLAG)
     return can.Message(
         timestamp=frame.stamp_ns / 1e9,

@@ -72,7 +72,9 @@ def can_echo(url: str, count: int, said: Said) -> list[float]:
             start = time.monotonic_ns()
             while not sender.send([frame]):
                 if time.monotonic_ns() - start > PATIENCE_S * 1e9:
-                    raise NoEcho(f"{url}: takes no frame; is it up, and does anybody acknowledge? axisgate doctor --can names its state")
+                    raise NoEcho(
+                        f"{url}: accepts no frame; is it up, and does another node acknowledge? axisgate doctor --can reports its state"
+                    )
                 time.sleep(0.0005)
             _until_heard(listener.fileno(), functools.partial(_received, listener, frame.data), url)
             times.append((time.monotonic_ns() - start) / 1e6)
@@ -94,7 +96,7 @@ def _own_echo(url: str, count: int, said: Said) -> list[float]:
             end = time.monotonic() + PATIENCE_S
             while not port.own_ns:
                 if time.monotonic() > end:
-                    raise NoEcho(f"{url}: gives no own frames back; axisgate run tells its latency by the drives' first answers")
+                    raise NoEcho(f"{url}: does not echo own frames; axisgate run derives its latency from the drives' first answers")
                 select.select([port], [], [], PATIENCE_S)
                 port.receive()
             times.append(port.own_ns.pop() / 1e6)

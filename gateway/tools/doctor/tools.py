@@ -14,7 +14,7 @@ from gateway.tools.doctor.measure import NoEcho, can_echo, lateness, progress, s
 
 EXAMPLES = """examples:
   axisgate doctor serial /dev/ttyUSB0               with a loop plug: how long the adapter keeps a character
-  axisgate doctor can socketcan:can0 --send         until another listener of the channel has a frame of ours
+  axisgate doctor can socketcan:can0 --send         until another listener of the channel receives a frame from axisgate
   axisgate doctor --hour cell.toml                  an hour of this machine, against the clock of the cell
 serial and --hour's lines need send and receive bridged at the adapter; nothing but single characters is sent.
 exit code: 0 good for the wanted clock, 1 not, 2 command line, 3 no such port, or no echo"""

@@ -22,7 +22,7 @@ TEXT = (
     "  1. Emergency stop tested today, with drives on.\n"
     "  2. Hard limit switches tested.\n"
     "  3. Vertical axes supported or brake tested.\n"
-    "  4. Nobody inside the guard, one hand at the emergency stop.\n"
+    "  4. The guarded area is clear, one hand is at the emergency stop.\n"
     "  5. Motor data and commutation set with the drive maker's tool.\n"
     "  6. Stop time at bus loss measured: axisgate drive loss-test.\n"
     "Vor dem ersten Einschalten echter Antriebe: Not-Halt heute unter Leistung geprueft, Endschalter geprueft, senkrechte Achsen\n"
@@ -65,7 +65,7 @@ def log_of(cell: Cell) -> pathlib.Path:
 
 
 def unconfirmed(cell: Cell) -> list[str]:
-    """Axes nobody has confirmed as they are now."""
+    """Axes not confirmed in their present state."""
     try:
         entries = rows_of(log_of(cell).read_text(errors="replace"))[0]
     except OSError:

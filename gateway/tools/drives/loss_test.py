@@ -211,7 +211,7 @@ def write(cell: Cell, stops: list[Stop], folder: pathlib.Path, evidence: str = "
 
 
 def _page(cell: Cell, stops: list[Stop], moment: str, evidence: str) -> str:
-    heads = ("lost", "axis", "speed", "reaction", "allowed", "stands after", "way", "verdict")
+    heads = ("lost", "axis", "speed", "reaction", "allowed", "at rest after", "distance", "verdict")
     cells = [
         (
             *(KINDS[s.loss], s.axis, f"{s.speed:g} {s.unit}/s", f"{s.reaction_ms:g} ms", f"{s.allowed_ms:g} ms"),

@@ -1,7 +1,7 @@
-"""The loss of the gateway on a cell that runs, with drives nobody can look into: the bus itself is the witness.
+"""The loss of the gateway on a cell that runs, with drives without internal access: the bus itself is the witness.
 
-Until the loss each CiA 402 drive tells its position with every SYNC; from then on it is asked for 6064h by SDO, one drive after the
-other, as fast as they answer: the cycle is ended, so the bus is free for it.  A SERVODYN drive says nothing without SYNC and cannot be
+Until the loss each CiA 402 drive reports its position with every SYNC; from then on 6064h is read by SDO, one drive after the
+other, as fast as they answer: the cycle is ended, so the bus is free for it.  A SERVODYN drive is silent without SYNC and cannot be
 measured so.
 """
 
@@ -33,7 +33,7 @@ LISTEN_S = 0.5
 
 @dataclass(slots=True)
 class Track:
-    """One drive as the bus told it."""
+    """One drive as seen on the bus."""
 
     places: list[tuple[Ns, int]] = field(default_factory=list)  # stamp, increments
     emergency_ns: Ns = 0  # first EMCY after the loss
@@ -114,11 +114,11 @@ def _ask_all(witnesses: Mapping[str, Witness], patience_s: float) -> None:
 
 
 def drives_of(cell: Cell) -> list[Axis]:
-    """ToolError where a drive says nothing without SYNC."""
+    """ToolError where a drive is silent without SYNC."""
     silent = [axis.name for axis in cell.axis if axis.drive.type != "cia402"]
     if silent:
         raise ToolError(
-            f"axes {', '.join(silent)}: a SERVODYN drive says nothing without SYNC; measure its stop with the maker's tool or a watch "
+            f"axes {', '.join(silent)}: a SERVODYN drive is silent without SYNC; measure its stop with the maker's tool or a watch "
             "and write last_stop_test into [safety] yourself"
         )
     return list(cell.axis)
@@ -132,7 +132,7 @@ def _stop(axis: Axis, bus: Bus, witness: Witness, period_ms: float) -> Stop:
     track = witness.tracks[axis.drive.node or 0]
     found = judged(track, witness.last_life)
     if found is None:
-        raise ToolError(f"axis {axis.name}: node {axis.drive.node} told no position around the loss; is another master on {bus.name}?")
+        raise ToolError(f"axis {axis.name}: node {axis.drive.node} reported no position around the loss; is another master on {bus.name}?")
     allowed = losstest.allowed_ms(bus, period_ms)
     per_inc = abs(inc_to_unit(axis, 1))
     return Stop(

@@ -83,7 +83,7 @@ def _take(frames: list[Frame], key: tuple[int, int], name: str, found: dict[int,
 def start_up(
     link: DirectLink, axis: str, plan: NodePlan, manual: Manual | None = None, timeout_s: float = 20.0
 ) -> tuple[Node, Moved | None]:
-    """One node by the same plan as the cell's master, and one move by hand; pre-operational afterwards, because nobody watches it.
+    """One node by the same plan as the cell's master, and one move by hand; pre-operational afterwards, because it is no longer supervised.
 
     The drive watches the tool's heartbeat, so the tool's death stops it.  Every other way out stops it by controlword and is verified.
     Raises ManualError with what the drive would not do, and whether it is off.

@@ -14,7 +14,7 @@ EXAMPLES = """examples:
   axisgate line fetch /dev/ttyUSB0 DB11.DW0 --count 8 --type KF
   axisgate line monitor --tap /dev/ttyUSB0,/dev/ttyUSB1        listens to both wires, never sends
   axisgate line export line.rec -o line.pcapng                 for Wireshark (axisgate line export -h)
-words: QVZ/ADT acknowledgement delay, ZVZ/CDT character delay, BWZ block wait time; axisgate line TOOL -h tells more"""
+words: QVZ/ADT acknowledgement delay, ZVZ/CDT character delay, BWZ block wait time; see also axisgate line TOOL -h"""
 PROBE_EXAMPLES = """examples:
   axisgate line probe sim:bad-partner
   axisgate line probe COM5 --profile siemens-cp341 --report cw4     writes cw4.json and cw4.html
@@ -37,7 +37,7 @@ FETCH_EXAMPLES = """examples:
   axisgate line fetch COM5 DB11.DW0 --json
 exit code: 0 done, 1 refused or no answer, 2 command line, 3 port"""
 MONITOR_EXAMPLES = """examples:
-  axisgate line monitor /dev/ttyUSB0                                one wire: what its sender says
+  axisgate line monitor /dev/ttyUSB0                                one wire: what its sender transmits
   axisgate line monitor --tap /dev/ttyUSB0,/dev/ttyUSB1 --json      both wires, two receive-only adapters
   axisgate line monitor --tap COM5,COM6 --save line.rec             and keeps what it hears, for learn and export
   axisgate line monitor --record line.rec                           a recording instead of a line"""
@@ -86,7 +86,10 @@ def _line_arguments(tool: argparse.ArgumentParser, port_optional: bool = False) 
 
 def _priority_argument(tool: argparse.ArgumentParser, default: str) -> None:
     tool.add_argument(
-        "--priority", default=default, choices=("high", "low"), help=f"ours; the partner has the other one (default {default})"
+        "--priority",
+        default=default,
+        choices=("high", "low"),
+        help=f"priority of this side; the partner has the other one (default {default})",
     )
 
 

@@ -1,4 +1,4 @@
-"""An active RK512 station on a wire for send and fetch: one command, its reaction, told in words when it fails.
+"""An active RK512 station on a wire for send and fetch: one command, its reaction, reported in words when it fails.
 
 The link is the product's own (protocols.p3964r.link).  Faults carry both vocabularies: QVZ/ADT, ZVZ/CDT, BWZ.
 """
@@ -31,7 +31,7 @@ FAILED = {
 
 
 class Refused(Exception):
-    """The job failed; the text says why, in words."""
+    """The job failed; the text gives the reason in words."""
 
 
 @dataclass(slots=True)
@@ -61,7 +61,7 @@ class Client:
         self.link = Link(self.profile, self.priority)
 
     def send(self, db: int, word: int, data: bytes) -> int:
-        """SEND; how many telegrams it took.  Refused tells why not."""
+        """SEND; how many telegrams it took.  Refused gives the reason."""
         if len(data) % 2:
             raise ValueError(f"data of {len(data)} bytes: data words have two each")
         telegrams = 0
@@ -74,7 +74,7 @@ class Client:
         return telegrams
 
     def fetch(self, db: int, word: int, words: int) -> bytes:
-        """FETCH; 2 x words bytes.  Refused tells why not."""
+        """FETCH; 2 x words bytes.  Refused gives the reason."""
         data = b""
         while len(data) < 2 * words:
             here = min(TELEGRAM_WORDS, words - len(data) // 2)

@@ -156,7 +156,7 @@ def _fetch(bench: Bench, seen: Evidence) -> None:
 
 
 def latency_timer(url: str) -> tuple[int | None, str]:
-    """What Linux says of a USB adapter's latency timer; None where there is none to be read."""
+    """Latency timer of a USB adapter as Linux reports it; None where there is none."""
     name = os.path.basename(os.path.realpath(url)) if url.startswith("/dev/") else ""
     path = pathlib.Path(f"/sys/bus/usb-serial/devices/{name}/latency_timer")
     try:

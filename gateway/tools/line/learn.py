@@ -15,7 +15,7 @@ ARRIVED = ("", "parity", "framing", "overrun", "break")
 
 
 class NoTrace(ValueError):
-    """The file is neither a line record nor a journal; the text says what was found."""
+    """The file is neither a line record nor a journal; the text names what was found."""
 
 
 def characters(text: str) -> Characters:

@@ -136,7 +136,7 @@ class SelectPort:
 
 
 class PyserialPort:
-    """Any address pyserial knows, on any system; damaged characters are not told from good ones."""
+    """Any address pyserial knows, on any system; damaged characters are not distinguished from good ones."""
 
     def __init__(self, url: str, line_format: LineFormat) -> None:
         import serial

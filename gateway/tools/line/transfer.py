@@ -11,7 +11,7 @@ TYPES = {kind.value.upper(): kind for kind in Step5Type}
 
 
 class BadInput(ValueError):
-    """The command line does not fit; the text says what was expected."""
+    """The command line does not fit; the text names what was expected."""
 
 
 @dataclass(frozen=True, slots=True)

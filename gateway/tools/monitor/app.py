@@ -17,7 +17,7 @@ KEYS = """1 2 3 4      axes, signals, lines, errors
 Tab, arrows  move between search, tabs and rows
 /            search among all signals: every word must occur in a name, address, text or use
 f            filter of the signals: all, on, forced, old
-space        hold the picture, and go on
+space        freeze the display, and resume
 ?            these keys
 q            end
 

@@ -1,4 +1,4 @@
-"""Looks at a running cell as the page does: regions and the services' answers, read only; nothing here proves anybody's life (AX-494)."""
+"""Reads a running cell as the page does: regions and the services' answers; it gives no sign of life (AX-494)."""
 
 import asyncio
 import os

@@ -178,7 +178,7 @@ class Pendant(App[None]):
 
 
 async def once(run: str, keys: list[str]) -> Row:
-    """Keys, then the display as it stands; Gone, PanelError."""
+    """Keys, then the present display; Gone, PanelError."""
     link = PanelLink(run)
     try:
         for key in keys:

@@ -1,4 +1,4 @@
-"""What the tabs of the monitor say, made of what regions and services tell."""
+"""Contents of the monitor's tabs, from regions and services."""
 
 from collections.abc import Sequence
 
@@ -33,7 +33,7 @@ COUNTED = ("sends", "fetches", "refused", "bad_blocks", "own_jobs", "own_faults"
 
 
 def headline(name: str, regions: Regions, *, simulated: bool) -> str:
-    """One line; a silent cycle is told before anything it said last."""
+    """One line; a silent cycle is reported before its last values."""
     head = regions.head()
     if not head["cycle_alive"]:
         state = "CYCLE SILENT: all values are old"
@@ -47,7 +47,7 @@ def headline(name: str, regions: Regions, *, simulated: bool) -> str:
         Motion(head["motion"]).name.lower(),
         f"override {head['override']:g} %",
         f"drives {head['enabled']}/{head['axes']}",
-        f"control: command source {head['owner']}" if head["owner"] else "control: nobody",
+        f"control: command source {head['owner']}" if head["owner"] else "control: not in use",
     ]
     if head["forced"]:
         parts.append(f"{head['forced']} FORCED")
@@ -101,7 +101,7 @@ def _passes(chosen: str, value: object, quality: int, *, forced: bool) -> bool:
 
 
 def shown(entry: Entry, value: object) -> str:
-    """As the entry's type says; words of a block come as four bytes in hexadecimal."""
+    """By the entry's type; words of a block come as four bytes in hexadecimal."""
     if value is None:
         return "-"
     if entry.kind != "word" or not isinstance(value, str):
@@ -146,7 +146,7 @@ def _sentence(one: Row) -> tuple[str, str, str]:
 
 
 def errors_table(regions: Regions, alarms: Sequence[str], language: str) -> Table:
-    """What stands, first one first, with cause and what to do of the catalogue."""
+    """Pending errors, first one first, with cause and remedy from the catalogue."""
     rows: list[tuple[str, ...]] = [
         ("supervisor", "", alarm, "a process ended again and again", "see the journal; axisgate doctor") for alarm in alarms
     ]
@@ -155,7 +155,7 @@ def errors_table(regions: Regions, alarms: Sequence[str], language: str) -> Tabl
     for error in control.get("errors", []):
         where = f"{error['text']} {error['where']}".strip() + ("" if error["standing"] else " (waits for its reset)")
         rows.append(_row("rho3", int(error["code"]), where, language))
-    return Table("Errors, first one first", ERRORS, tuple(rows), ("bad",) * len(rows), "no error stands")
+    return Table("Errors, first one first", ERRORS, tuple(rows), ("bad",) * len(rows), "no error pending")
 
 
 def _row(family: str, code: int, text: str, language: str) -> tuple[str, ...]:

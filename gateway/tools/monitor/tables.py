@@ -9,7 +9,7 @@ GAP = "  "
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """`marks` stands beside the rows: "", "old", "warn" or "bad"; it colours a row and is always said in words too."""
+    """`marks` of the rows: "", "old", "warn" or "bad"; each colours a row and is always given in words too."""
 
     title: str
     columns: tuple[str, ...]

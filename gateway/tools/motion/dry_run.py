@@ -1,4 +1,4 @@
-"""A program on paper whose blocks may lie on belts: what of it cannot be run, and what the axes do while the belts run evenly.
+"""Dry run of a program, belt-synchronous sections included: finds blocks that cannot be executed, computes the axes.
 
 Synchronous parts are looked at as the planner does it before an order is taken (gateway.pure.planning.parts), and run by what runs them in
 the cycle (gateway.pure.cycle.belts), on the grid of the page.
@@ -42,7 +42,7 @@ MOST_S = 600.0  # of one part
 
 @dataclass
 class Section:
-    """Blocks of one kind in a row.  first: number of the first; part: of those on a belt; stands: (axes,) where they begin."""
+    """Blocks of one kind in a row.  first: number of the first; part: of those on a belt; `stands`: (axes,) where they begin."""
 
     first: int
     stands: Sequence[float]
@@ -63,7 +63,7 @@ def sections_of(
     said: Callable[[int], None] = lambda block: None,
     slowed: dict[int, Slowed] | None = None,
 ) -> tuple[list[Section], list[BlockError]]:
-    """Every block, each looked at from where the last good one ended; a part on a belt as if the belt stood where it is meant to be, an
+    """Every block, each looked at from where the last good one ended; a part on a belt as if the belt were in its intended position, an
     alterable part without its correction.  option: the robot has one; kinematic: its number in the cell; `said` hears the number of each
     block that was looked at, `slowed` gets those whose programmed speed an axis cannot keep."""
     route, found, faults = _Looked(machine, program.start), [Section(1, program.start)], []
@@ -156,7 +156,7 @@ class _Looked:
 
 @dataclass
 class DryRun:
-    """A program run on paper.  speeds: of the belts in the order of `belts`, m or rad per s; tolerance_cycles: periods of the page in an
+    """Result of a dry run.  speeds: of the belts in the order of `belts`, m or rad per s; tolerance_cycles: periods of the page in an
     interpolation cycle of the cell."""
 
     machine: Machine

@@ -1,4 +1,4 @@
-"""A program of several kinematics on paper: what of it cannot be run, and what each kinematic does."""
+"""Dry run of a program of several kinematics: finds blocks that cannot be executed, computes each kinematic."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -26,7 +26,7 @@ from motion.program.team import TeamProgram
 @dataclass
 class TeamSection:
     """Blocks in a row without a change of numbers, or one MOVE_FILE.  first: number of the first; before: blocks of the program, less
-    those of the route, in front of it; stands: (all axes,) where they begin; placed: kinematics whose axes got other places before it
+    those of the route, in front of it; `stands`: (all axes,) where they begin; placed: kinematics whose axes got other places before it
     (SF 3)."""
 
     first: int

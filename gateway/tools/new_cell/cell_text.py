@@ -1,6 +1,6 @@
 """A commented cell file out of a few answers: it passes `check` and plays under `run --sim` as it is.
 
-Nothing in it moves metal: `target` is "simulation" until its owner has filled [safety] and says "machine".
+Nothing in it moves metal: `target` is "simulation" until its owner has filled [safety] and set "machine".
 """
 
 from collections.abc import Mapping
@@ -38,7 +38,7 @@ def _head(kind: str, answers: Mapping[str, str], language: str) -> str:
     )
     return f"""\
 # Written by `axisgate new --from {kind}`.  Next: axisgate check FILE, then axisgate run FILE --sim
-# Every number below is an example until somebody has read it off the machine.
+# Every number below is an example until it was checked on the machine.
 format = 1
 
 [cell]
@@ -160,7 +160,7 @@ def _modbus(kind: str, answers: Mapping[str, str]) -> str:
 name           = "plc2"
 role           = "server"
 bind           = "{answers["bind"]}"
-allow          = ["{answers["plc"]}"]         # writes only from here; everybody else reads
+allow          = ["{answers["plc"]}"]         # writes only from here; all others read
 unit           = 1
 view           = "rho3"
 command_block  = true
@@ -176,7 +176,7 @@ axes     = "1..{count}"
 """
 CIA402 = """\
 protocol = "canopen"
-heartbeat_ms = 50                # ours; drives must stop by themselves after 3 of them
+heartbeat_ms = 50                # of the gateway; drives must stop by themselves after three missing ones
 """
 
 

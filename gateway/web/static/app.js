@@ -155,7 +155,7 @@ async function login() {
     } catch (error) { put(form.querySelector(".wrong"), error.message); }
   } },
   h("h2", {}, fresh ? t("Set the first password") : t("Log in")),
-  fresh ? h("p", { class: "soft" }, t("Nobody may change anything before. The first user is the administrator; 10 characters or more.")) : null,
+  fresh ? h("p", { class: "soft" }, t("Until then, nothing can be changed. The first user is the administrator; 10 characters or more.")) : null,
   field(t("Name"), { name: "name", autocomplete: "username", autofocus: true, pattern: "[A-Za-z0-9_.@\\-]+", maxlength: "64" }),
   field(t("Password"), { name: "password", type: "password", autocomplete: fresh ? "new-password" : "current-password", minlength: fresh ? "10" : "1" }),
   h("p", { class: "wrong badq", role: "alert" }),

@@ -82,7 +82,7 @@ class Hand:
 def said(block: Block) -> str:
     """DB 11 in words."""
     outcome = "done" if block.bit(*DONE) else f"refused or ended, error {words_of(block.word(1))}"
-    return f"{outcome}; A1 stands at {block.word(2)} (KF, 0.1 mm)"
+    return f"{outcome}; A1 is at {block.word(2)} (KF, 0.1 mm)"
 
 
 def carried_out(hand: Hand, wish: str) -> str:

@@ -101,7 +101,7 @@ def test_a_modbus_coupler_shows_outputs_gives_inputs_and_is_bad_while_it_is_away
             asked = subprocess.run(
                 [*command, "--only", "lamp"], input="yes\ny\nn\n", capture_output=True, text=True, timeout=60, check=False
             )
-            assert asked.returncode == 1 and "not seen at 0" in asked.stdout and "Somebody may be standing there" in asked.stderr
+            assert asked.returncode == 1 and "not seen at 0" in asked.stdout and "clear of people" in asked.stderr
             asyncio.run_coroutine_threadsafe(server.server.close(), server.loop).result(10)
             run.until(lambda: said("button")["quality"] == "BAD" and said("ready")["quality"] == "BAD", "a coupler that is away is told")
 

@@ -130,7 +130,7 @@ def test_commission_moves_an_emulated_drive_in_every_mode_without_a_cycle(
 def test_a_servodyn_cell_has_no_heartbeat_to_lose() -> None:
     assert losstest.losses_of(load_cell("demo")) == ["sync", "gateway"]
     assert drive_command.main(["loss-test", "demo", "--lose", "heartbeat"]) == 2
-    with pytest.raises(ToolError, match=r"axes A1, .*: a SERVODYN drive says nothing without SYNC"):
+    with pytest.raises(ToolError, match=r"axes A1, .*: a SERVODYN drive is silent without SYNC"):
         losstest_bus.drives_of(load_cell("demo"))
     assert drive_command.main(["loss-test", "demo-402", "--running", "--lose", "sync"]) == 2
 

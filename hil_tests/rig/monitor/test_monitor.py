@@ -111,7 +111,7 @@ def test_tabs_show_axes_signals_lines_and_errors_live(run: CellRun) -> None:
         head = str(app.line.content)
         assert head.startswith("see (simulated) | ") and "drives 0/2" in head and "control: nobody" in head
         await pilot.press("4")
-        await until(pilot, lambda: cells(app, "table-errors")[0][0] == "no error stands", "no error")
+        await until(pilot, lambda: cells(app, "table-errors")[0][0] == "no error pending", "no error")
         held(run, "hold")
         await until(pilot, lambda: any("A2" in row[2] for row in cells(app, "table-errors")), "the drives are lost")
         row = next(row for row in cells(app, "table-errors") if "A2" in row[2])

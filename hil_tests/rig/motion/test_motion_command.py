@@ -72,7 +72,7 @@ def test_a_program_with_belts_is_looked_at_in_its_cell(tmp_path: pathlib.Path, c
     pathlib.Path(cell).write_text(TEXT)
     lines = ("synchron B1 at=60mm", "linear pose 150 150 50 0 0 0 belt=60mm path=60", "synchron_end", "linear pose 100 100 50 0 0 0", "")
     pathlib.Path(program).write_text(HEAD + "\n".join(lines))
-    assert main(["check", program]) == 2 and "line 6: belt B1 is one of a cell: --cell" in capsys.readouterr().err
+    assert main(["check", program]) == 2 and "line 6: belt B1 belongs to a cell: name it with --cell" in capsys.readouterr().err
     assert main(["check", program, "--cell", cell]) == 0
     assert main(["plot", program, "--cell", cell, "--out", page]) == 0
     assert "belt B1 while blocks lie on it" in pathlib.Path(page).read_text()

@@ -56,12 +56,10 @@ def typed(hand: Hand, wish: str) -> str:
 
 def test_a_person_moves_an_axis_over_the_line(answers: dict[str, str]) -> None:
     assert answers["begin"] == "drives on, referenced"
-    assert answers["1200"] == "done; A1 stands at 1200 (KF, 0.1 mm)" and answers["1200"] in PAGE.read_text()
+    assert answers["1200"] == "done; A1 is at 1200 (KF, 0.1 mm)" and answers["1200"] in PAGE.read_text()
     assert answers["help"] == HELP
 
 
 def test_wrong_numbers_are_refused_with_the_error_the_page_shows(answers: dict[str, str]) -> None:
-    assert answers["20000"] == "refused or ended, error 4 (target outside the limits); A1 stands at 1200 (KF, 0.1 mm)"
-    assert (
-        answers["kg"] == "refused or ended, error 5 (number format); A1 stands at 1200 (KF, 0.1 mm)" and answers["kg"] in PAGE.read_text()
-    )
+    assert answers["20000"] == "refused or ended, error 4 (target outside the limits); A1 is at 1200 (KF, 0.1 mm)"
+    assert answers["kg"] == "refused or ended, error 5 (number format); A1 is at 1200 (KF, 0.1 mm)" and answers["kg"] in PAGE.read_text()

@@ -51,7 +51,7 @@ class AlterParts:
     def freeze(self, given: str | None) -> bool:
         """freeze= of a block."""
         if given is not None and self.part is None:
-            raise Fault("freeze", "stands in an alterable part alone: `alter frame NAME` before it")
+            raise Fault("freeze", "is allowed in an alter section only: write `alter frame NAME` before it")
         return given is not None and yes("freeze", given)
 
 

@@ -16,12 +16,12 @@ class Labels:
     _asked: list[tuple[int, str, int]] = field(default_factory=list)  # line, label, number of the block that names it
 
     def line(self, head: str, rest: list[str], *, acting: bool = False) -> None:
-        """acting: sync or a belt function stands before it already."""
+        """acting: sync or a belt function precedes it already."""
         self.label = name(head, one(head, rest))
         if acting:
             raise Fault(head, f"{self.label} has to stand before sync, mach_pos and belt functions: they belong to the block behind it")
         if self.label in self._known:
-            raise Fault(head, f"{self.label} stands twice")
+            raise Fault(head, f"{self.label} is defined twice")
         self._known[self.label] = self.blocks
 
     def asked(self, line: int, label: str) -> None:

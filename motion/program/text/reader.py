@@ -1,6 +1,6 @@
 """The text form of programs: line by line, mm, deg and % outside.  Grammar and examples: docs/guide/motion-programs.md.
 
-read(text) takes a whole text and tells all its faults at once, each with line, key and range; motion.program.text.writer writes one.
+read(text) takes a whole text and reports all its faults at once, each with line, key and range; motion.program.text.writer writes one.
 """
 
 from collections.abc import Callable
@@ -120,7 +120,7 @@ class Reader:
         self.check_begun()
 
     def check_begun(self) -> None:
-        """What begins with a block has one, what stands in a part is followed by its end; raises TextError."""
+        """What begins with a block has one, each part is followed by its end; raises TextError."""
         if self.functions:
             raise TextError(0, called(self.functions[0]).split()[0], "begins with a block, and none follows")
         if self.part is not None and self.acts and self.acts[-1].inside:
@@ -182,7 +182,7 @@ class Reader:
                     raise _Fault(head, f"1 .. {MAX_JOINTS} units, each mm or deg")
                 self.units = tuple(rest)
             case "kinematic":
-                raise _Fault(head, "stands before everything else of a program of several kinematics")
+                raise _Fault(head, "must come first in a program of several kinematics")
             case _:
                 self.start = self.joints(head, rest)
 
@@ -279,12 +279,12 @@ class Reader:
                 self.files.close(rest)
             case _:
                 if self.inside:
-                    raise _Fault(head, "stands outside of synchronous and alterable parts")
+                    raise _Fault(head, "is not allowed in synchronous and alter sections")
                 block = self.block(Interpolation.PTP, UNKNOWN, None, {}, number)
                 self.added(replace(block, file=self.files.call(rest)))
 
     def added(self, block: Block) -> None:
-        """One more; what stood in front of it is its own."""
+        """One more; what preceded it belongs to it."""
         self.blocks.append(block)
         self.labels.asked(block.line, block.goes_on_at)
         self.labels.added()
@@ -388,7 +388,7 @@ class Reader:
     def on_belt(self, keys: dict[str, str]) -> OnBelt | None:
         given = [name for name in ("belt", "camin", "camout") if name in keys]
         if given and self.part is None:
-            raise _Fault(given[0], "stands in a synchronous part alone: synchron BELT before it")
+            raise _Fault(given[0], "is allowed in a synchronous part only: write synchron BELT before it")
         if given and "belt" not in keys:
             raise _Fault(given[0], "needs the block's value of the belt: belt=")
         return OnBelt(*(length_of(name, keys[name]) if name in keys else 0.0 for name in ("belt", "camin", "camout"))) if given else None

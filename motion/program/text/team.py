@@ -122,7 +122,7 @@ class TeamReader:
             if len(part) < 2 or part[1] not in MOVES:
                 raise Fault("move", f"NAME and one of {', '.join(MOVES)}, then its target; `and` between two kinematics")
             if part[0] in moves:
-                raise Fault("move", f"{part[0]} stands twice in one block")
+                raise Fault("move", f"{part[0]} is used twice in one block")
             moves[part[0]] = self.own(part[0], part[1:], number)
         self.add(moves, number)
 
@@ -132,7 +132,7 @@ class TeamReader:
         return block
 
     def said(self, named: str, words: list[str], number: int) -> Reader:
-        """The reader of a kinematic, which was told this line."""
+        """The reader of a kinematic; it was given this line."""
         reader = self.reader(named)
         try:
             reader.line(words, number)

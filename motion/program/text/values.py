@@ -1,4 +1,4 @@
-"""Values of the text form: what a word or KEY=VALUE means for a block, without knowing the line it stands in.  Each raises Fault."""
+"""Values of the text form: what a word or KEY=VALUE means for a block, without knowing its line.  Each raises Fault."""
 
 import re
 from dataclasses import replace

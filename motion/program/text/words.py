@@ -18,7 +18,7 @@ class Fault(Exception):
 
 
 def statement(raw: str, number: int, line: Callable[[list[str], int], None]) -> None:
-    """One line without its comment, for whoever reads its words; raises TextError with its number."""
+    """One line without its comment, for a reader of its words; raises TextError with its number."""
     words = raw.partition("#")[0].split()
     if not words:
         return

@@ -1,1 +1,1 @@
-"""What a recording of a living drive bus tells about its layout: fields, what they are, how sure that is.  Pure."""
+"""Infers the layout of a drive bus from a recording: fields, their meaning, the confidence.  Pure."""

@@ -1,4 +1,4 @@
-"""What a recording lacks for a better proposal, in words: read by whoever records it again."""
+"""What a recording lacks for a better proposal, in words, for the next recording."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -22,7 +22,7 @@ def no_cycle(frames: Sequence[Frame]) -> str:
 
 
 def missing(found: Inferred) -> list[str]:
-    """What was not in the recording; nothing when every axis has all that can be told."""
+    """What was not in the recording; nothing when the data of every axis are complete."""
     positions = sorted({each.identifier for each in found.signals if each.name == "position_inc"})
     if not found.axes:
         return [_no_position(found)] if not positions else [_no_follower(positions)]

@@ -269,7 +269,7 @@ def flag_bits(series: Series, taken: Sequence[Found]) -> list[int]:
 
 
 def steady_bits(series: Series, taken: Sequence[Found]) -> list[int]:
-    """Bits that stood at 1 all the time."""
+    """Bits that were 1 all the time."""
     covered = {bit for each in taken for bit in range(each.start, each.start + each.bits)}
     every = ~0
     for word in series.words:
@@ -278,7 +278,7 @@ def steady_bits(series: Series, taken: Sequence[Found]) -> list[int]:
 
 
 def without_torque(found: Sequence[Found]) -> list[Found]:
-    """A set value carries no torque: what looks like one is a number nobody understood."""
+    """A set value carries no torque: what looks like one is an unidentified number."""
     return [
         replace(each, name=f"number_{each.start}", confidence=0.2, why=f"runs with the motion, meaning unknown ({each.why})")
         if each.name == "torque_permille"

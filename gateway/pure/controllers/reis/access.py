@@ -14,7 +14,7 @@ class Level(IntEnum):
 
 
 class Operation(Enum):
-    """What somebody wants to do, and the level it begins at."""
+    """An operation and the access level it requires."""
 
     START = 1, "start"
     STOP = 1, "stop"

@@ -51,7 +51,7 @@ class BinaryIo:
         return bool(self._bytes(area)[self._first + byte] >> bit & 1)
 
     def write_bit(self, area: Area, level: bool, byte: int, bit: int) -> None:
-        """WRITE_BIT; for inputs what the modules tell."""
+        """WRITE_BIT; for inputs the values of the modules."""
         check_place(byte, bit)
         place, mask = self._first + byte, 1 << bit
         data = self._bytes(area)
@@ -132,7 +132,7 @@ class Modules:
         self._modules = tuple(modules)
 
     def outputs(self, io: BinaryIo) -> dict[int, bytes]:
-        """What each output module is told; channel c is bit c mod 8 of byte c div 8."""
+        """Data for each output module; channel c is bit c mod 8 of byte c div 8."""
         return {
             module.node: bytes(io.byte(Area.OUTPUT, module.first_byte + at) for at in range(module.points // 8))
             for module in self._modules
@@ -140,7 +140,7 @@ class Modules:
         }
 
     def take(self, io: BinaryIo, node: int, data: bytes) -> None:
-        """An input module has told its points; IoFault: unknown node or wrong length."""
+        """An input module has reported its points; IoFault: unknown node or wrong length."""
         found = [module for module in self._modules if module.node == node and module.area is Area.INPUT]
         if not found or len(data) * 8 != found[0].points:
             raise IoFault(f"node {node}: {len(data)} bytes do not fit a module here")

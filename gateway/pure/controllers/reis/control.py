@@ -1,6 +1,6 @@
 """A Reis ROBOTstar V as its PLC sees it: inputs, outputs and markers on the image, once per cycle of the services.  Pure.
 
-Source: robotstar 4, 5.8, 5.9, 8.1; AX-336.  Command sources write markers as the integrated PLC's program did; what the axes do stands
+Source: robotstar 4, 5.8, 5.9, 8.1; AX-336.  Command sources write markers as the integrated PLC's program did; the state of the axes is
 in the
 system markers.
 """
@@ -49,7 +49,7 @@ _ROBOTS_BITS = {  # byte -> bits of it that are the robot's
 
 
 def regulator_number(fault_code: int) -> int:
-    """The regulator error that tells a drive's fault; what the manual has no number for is "error of the power pack"."""
+    """The regulator error for a drive's fault; faults without a number in the manual are "error of the power pack"."""
     if fault_code <= LAST_OF_BOOSTERS:
         return booster_fault(fault_code).number or POWER
     return next((number for first, number in reversed(FAULTS) if fault_code >= first), POWER)
@@ -57,7 +57,7 @@ def regulator_number(fault_code: int) -> int:
 
 @dataclass(frozen=True, slots=True)
 class ReisSetup:
-    """What the cell says."""
+    """Settings from the cell."""
 
     axes: tuple[str, ...] = ()
     door: int = 0  # commands of markers come from it
@@ -210,7 +210,7 @@ class ReisControl:
         return True
 
     def retained(self) -> bytes:
-        """Markers without what the robot tells anew at every start; binary inputs and outputs read 0."""
+        """Markers without those that the robot sets anew at every start; binary inputs and outputs read 0."""
         kept = bytearray(self.markers.retained())
         for first, size in _ROBOTS:
             if first < len(kept):
@@ -218,7 +218,7 @@ class ReisControl:
         return bytes(kept).ljust(SIZE, b"\0")
 
     def restore(self, flags: bytes, counters: Mapping[int, int]) -> None:
-        """Markers as they were kept; what stands in them then commands nothing."""
+        """Markers as they were kept; their contents then command nothing."""
         if flags:
             self.markers.power_on(flags[:INPUTS])
             self._percent = self.markers.number(OVERRIDE)

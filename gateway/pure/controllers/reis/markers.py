@@ -144,7 +144,7 @@ class Markers:
         return bytes(self._own)
 
     def power_on(self, kept: bytes) -> None:
-        """Markers as they were; the power-on bit stands, initialisation and errors do not (AX-516).  IoFault: wrong length."""
+        """Markers as they were; the power-on bit is set, initialisation and errors are not (AX-516).  IoFault: wrong length."""
         if len(kept) != len(self._own):
             raise IoFault(f"{len(kept)} bytes of markers, {len(self._own)} expected")
         self._own[:] = kept

@@ -1,4 +1,4 @@
-"""alterBegin through the pieces ring: what the cycle must be told of an alterable part.  NaN-free doubles; until: -1 none."""
+"""alterBegin through the pieces ring: parameters of an alter section for the cycle.  NaN-free doubles; until: -1 none."""
 
 import struct
 

@@ -1,4 +1,4 @@
-"""Synchronous parts through the pieces ring: what the cycle must be told of one, and of each block of types 2 and 3.
+"""Synchronous parts through the pieces ring: parameters of one for the cycle, and of each block of types 2 and 3.
 
 Numbers are doubles; NaN stands for what is not given.
 """

@@ -1,4 +1,4 @@
-"""Layouts of what the processes tell each other through regions and rings (design: sections 4 to 6).
+"""Layouts of the records that the processes exchange through regions and rings (design: sections 4 to 6).
 
 All plain structs in native byte order: both sides run on one machine, and the layout string goes into the region's hash.
 """

@@ -1,7 +1,7 @@
-"""What planner, cycle and those who order programs tell each other through rings and one region (design: sections 4 and 6).
+"""Records exchanged by planner, cycle and the sources of program orders through rings and one region (design: sections 4 and 6).
 
 blocks ring (to the planner): one statement of the text form a record, or a mark.  pieces ring (to the cycle): one motion piece a record,
-or the mark that nothing follows.  planner region: what it does, for displays and for whoever orders.
+or the mark that nothing follows.  planner region: its activity, for displays and for the source of the order.
 """
 
 import json
@@ -62,7 +62,7 @@ def unpack_block(data: bytes) -> BlockRecord:
 
 @dataclass(frozen=True, slots=True)
 class ProgramFacts:
-    """What the office must know of a program of the cell; mask: bit n-1 = axis n."""
+    """What the dispatcher must know of a program of the cell; mask: bit n-1 = axis n."""
 
     name: str
     mask: int

@@ -183,7 +183,7 @@ class Bodies:
     # ---- flow
 
     def otherwise(self, answer: str, statement: Statement | None) -> None:
-        """The ERROR part of a statement whose answer stands in `answer`."""
+        """The ERROR part of a statement whose answer is in `answer`."""
         if statement is not None and answer:
             self._if(f"not {answer}", statement, None)
 
@@ -269,7 +269,7 @@ class Bodies:
         elif not fits(kind, found.type, found.constant) or found.type.base == "REAL":
             self.names.faults.error("type", tree.at, f"{found.type} does not fit {kind}")
         elif found.constant in seen:
-            self.names.faults.error("case-twice", tree.at, f"{found.constant!r} stands twice in this CASE")
+            self.names.faults.error("case-twice", tree.at, f"{found.constant!r} is used twice in this CASE")
         seen.add(found.constant)
         return repr(found.constant)
 

@@ -55,5 +55,5 @@ OURS = range(208, 1_000)  # texts that the manual does not print
 
 
 def fault(code: int, more: str = "") -> RuntimeFault:
-    """The runtime error of a code.  `more` is told where the text is ours; the manual's texts stand as printed."""
+    """The runtime error of a code.  `more` is added to axisgate's texts; the manual's texts are used as printed."""
     return RuntimeFault(code, TEXTS[code] + (f": {more}" if more and code in OURS else ""))

@@ -1,4 +1,4 @@
-"""Reads expressions.  Order of the operators: OR, AND, NOT, comparisons, + -, * / MOD, sign, % (ours; the manual prints no table)."""
+"""Reads expressions.  Order of the operators: OR, AND, NOT, comparisons, + -, * / MOD, sign, % (axisgate's; no table in the manual)."""
 
 from gateway.pure.languages.baps2.lexer import Kind, Token
 from gateway.pure.languages.baps2.stream import Stream

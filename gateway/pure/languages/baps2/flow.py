@@ -38,14 +38,14 @@ def needs_jumps(statement: Statement) -> bool:
 
 
 def label_paths(body: tuple[Statement, ...], faults: Faults) -> dict[str, Path]:
-    """Label -> what stands around it that may not be jumped into."""
+    """Label -> enclosing part that may not be jumped into."""
     found: dict[str, Path] = {}
 
     def walk(statements: tuple[Statement, ...], path: Path) -> None:
         for each in statements:
             if isinstance(each, Label):
                 if each.name in found:
-                    faults.error("label-twice", each.at, f"label {each.name} stands twice")
+                    faults.error("label-twice", each.at, f"label {each.name} is defined twice")
                 found[each.name] = path
             closed = isinstance(each, Repeat | Exclusive | Case)
             for part in children(each):

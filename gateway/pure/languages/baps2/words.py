@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Spelling:
-    """One spelling of a word.  `source`: a line or doubt of the manual, or "ours"."""
+    """One spelling of a word.  `source`: a line or doubt of the manual, or "axisgate"."""
 
     text: str
     language: str

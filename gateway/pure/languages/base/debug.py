@@ -1,4 +1,4 @@
-"""Breakpoints and single step, the same for all languages.  A translated program asks `stops` in front of a line it was told to watch."""
+"""Breakpoints and single step, the same for all languages.  A translated program asks `stops` in front of a line that it has to watch."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field

@@ -16,7 +16,7 @@ class Severity(Enum):
 
 @dataclass(frozen=True, slots=True)
 class SourceFault:
-    """One fault.  `id` is stable and names the kind of fault; `hint` says what to do."""
+    """One fault.  `id` is stable and names the kind of fault; `hint` is the remedy."""
 
     id: str
     position: Position

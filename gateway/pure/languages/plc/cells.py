@@ -97,7 +97,7 @@ class Cells:
         cell.preset = result
 
     def reset(self, number: int, result: bool) -> None:
-        """While the result is 1: the timer stands and its state is 0, the counter is 0.  Edges are kept: nothing starts anew by itself."""
+        """While the result is 1: the timer is stopped and its state is 0, the counter is 0.  Edges are kept: nothing restarts by itself."""
         if not result:
             return
         cell = self._cells[number]

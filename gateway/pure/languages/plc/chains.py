@@ -50,7 +50,7 @@ def plain_until_close(commands: Sequence[Command], at: int) -> bool:
 
 @dataclass(slots=True)
 class Outside:
-    """What stands in front of an open bracket: its expression, or the number of the variables that keep it."""
+    """The part before an open bracket: its expression, or the number of the variables that keep it."""
 
     code: Code
     before: str
@@ -105,7 +105,7 @@ class Chain:
         return lines
 
     def open(self, commands: Sequence[Command], at: int) -> list[str]:
-        """A bracket; what stands in front of it is kept in variables of its level unless it can wait."""
+        """A bracket; the part before it is kept in variables of its level unless it can wait."""
         code, level = commands[at].code, len(self._outside)
         if self.fresh is not None and plain_until_close(commands, at):
             self._outside.append(Outside(code, self.expression, self.fresh, self.links))

@@ -97,7 +97,7 @@ class Routine:
 
 @dataclass(frozen=True, slots=True)
 class Program:
-    """All routines that the start routine reaches; each stands behind those that it calls, the start routine is the last."""
+    """All routines that the start routine reaches; each comes after those that it calls, the start routine is last."""
 
     start: str
     routines: Mapping[str, Routine]

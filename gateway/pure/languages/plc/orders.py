@@ -10,7 +10,7 @@ VOLTS = 10.0
 
 
 class OrderFault(ValueError):
-    """An order that cannot be carried out; the text says what and where."""
+    """An order that cannot be carried out; the text names what and where."""
 
 
 @dataclass(frozen=True, slots=True)

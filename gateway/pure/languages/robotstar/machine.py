@@ -137,7 +137,7 @@ class Machine:
         if found.kind != "MPR":
             raise StepFault(f"program {name} is no main program")
         if self.frame.program.kind not in ("MPR", "PAL"):
-            raise StepFault("PROGRAM stands only in a main program")
+            raise StepFault("PROGRAM is allowed in a main program only")
         self._refuse_faulty(found)
         self.stack = []
         self._push(found, "main")

@@ -149,7 +149,7 @@ class Memory:
         if isinstance(name.index, int) and not 1 <= name.index <= MOST_ELEMENTS:
             return f"{name.name}[{name.index}]: the number of elements is outside 1 .. {MOST_ELEMENTS}"
         if (kind == "S") != (name.length is not None) and not (kind == "S" and step.word.endswith("CONST")):
-            return f"{name.name}: the length of a string stands in round brackets" if kind == "S" else f"{name.name} has no length"
+            return f"{name.name}: write the length of a string in round brackets" if kind == "S" else f"{name.name} has no length"
         if name.length is not None and not 1 <= name.length <= 256:
             return f"{name.name}({name.length}): the length is outside 1 .. 256"
         if step.word.endswith("CONST") and len(step.slots) < 2:

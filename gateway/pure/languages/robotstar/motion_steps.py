@@ -38,7 +38,7 @@ def _axis(name: str) -> int:
 
 
 def target_from(found: Structure) -> Target:
-    """What a position variable says; StepFault where a value was never written."""
+    """Value of a position variable; StepFault where a value was never written."""
     if found.kind != "P":
         raise StepFault(WRONG_TYPES)
     pose = tuple(found.parts[name] for name in CARTESIAN)
@@ -67,7 +67,7 @@ def shift_of(vector: Structure) -> Target:
 
 
 def position(machine: Machine, step: Step, following: int) -> Op:
-    """POSITION or VAR_POS: goes there with what stands now, or gives CALC_REL its vector."""
+    """POSITION or VAR_POS: goes there with the present settings, or gives CALC_REL its vector."""
     slots = dict(step.slots)
     source = slots.get("variable" if step.word == "POSITION" else "position")
     fixed = None if source is not None and "X" not in slots else target_of(slots, machine)

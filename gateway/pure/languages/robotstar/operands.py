@@ -136,7 +136,7 @@ def _reference(text: str) -> Ref:
     if rest.startswith("."):
         element, rest = rest[1:].strip().upper(), ""
         if not re.fullmatch(r"\w+", element):
-            raise OperandFault(f"{text}: behind the point stands the name of an element")
+            raise OperandFault(f"{text}: the name of an element must follow the point")
     if rest:
         raise OperandFault(f"{text}: {rest} behind the name is not understood")
     return Ref(name, index, element, length)

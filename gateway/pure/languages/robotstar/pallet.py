@@ -72,7 +72,7 @@ def pattern_of(program: Program, kind_of: Callable[[str], str]) -> Pattern:
     front = [step for step in definitions if step.number < rest[0].number]
     behind = [step for step in definitions if step.number > rest[4].number]
     if len(front) + len(behind) != len(definitions):
-        raise _syntax(program, "no definition stands between the positions")
+        raise _syntax(program, "no definition is allowed between the positions")
     names = [_name(step) for step in front]
     kinds = "".join(kind_of(name) for name in names)
     if kinds not in ("IIIIVVVIII", "IIIIVVVIIIPPPP"):

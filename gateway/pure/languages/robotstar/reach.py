@@ -11,7 +11,7 @@ from motion.robot import Robot, kinematics_of
 
 
 def reach_of(robot: Robot) -> Callable[[Target, Structure | None], str]:
-    """A function that says why a position is not reached; "" where it is.  Positions in a frame above 0 are not looked at."""
+    """A function that returns why a position is not reached; "" where it is.  Positions in a frame above 0 are not looked at."""
     kinematics = kinematics_of(robot)
 
     def reaches(target: Target, tool: Structure | None) -> str:

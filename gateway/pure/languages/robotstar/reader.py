@@ -1,6 +1,6 @@
 """Reads one program of the memory: a step a line, `[number] [\\]WORD parameters`, as the control prints it.  Never an exception.
 
-All faults of the text are collected; a step that cannot be read keeps its number, so that the steps behind it keep theirs.
+All faults of the text are collected; a step that cannot be read keeps its number, so that the steps after it keep their numbers.
 """
 
 import re
@@ -242,7 +242,9 @@ def _frame(reading: _Reading) -> None:
     for step in program.steps[1:-1]:
         if step.valid and not step.macro and (step.word in HEADS or step.word == "END"):
             reading.fault(
-                "rsv.order", step.line, f"step {step.number}: {step.word} stands only at the {'end' if step.word == 'END' else 'begin'}"
+                "rsv.order",
+                step.line,
+                f"step {step.number}: {step.word} is allowed only at the {'end' if step.word == 'END' else 'beginning'}",
             )
     _labels(reading)
     if program.kind != "PAL":

@@ -1,4 +1,4 @@
-"""A cell in virtual time: inputs, outputs, markers, a robot that goes where it is told, a script of orders, and what happened.
+"""A cell in virtual time: inputs, outputs, markers, a robot that follows its commands, a script of orders, and what happened.
 
 Pure: nothing passes but virtual time, so the same input gives the same events.
 """
@@ -47,7 +47,7 @@ class Plc(Protocol):
     """The integrated PLC: scans the marker image."""
 
     def power_on(self, cell: "VirtualCell") -> None:
-        """Starts or refuses; says why."""
+        """Starts, or refuses with the reason."""
 
     def scan(self, cell: "VirtualCell", now: Ns) -> Ns:
         """One look; when the next is due."""

@@ -67,7 +67,7 @@ def f_user_page_confirm(own: Instance, text: str) -> bool:
 
 
 def f_user_page_prompt(own: Instance, text: str, entry: Place) -> bool:
-    """CANCEL at once in a virtual run: nobody enters anything."""
+    """CANCEL at once in a virtual run: there is no input."""
     own.machine.popup(text)
     return False
 

@@ -24,7 +24,7 @@ class Point:
 
 
 def looks_like_input(path: str) -> bool:
-    """%I0, fIn0 and the inputs of boards whose module says so are inputs; all others are written, too."""
+    """%I0, fIn0 and those that a board's module declares are inputs; all others are written, too."""
     last = last_name(path).lower()
     module = path.replace("/", "\\").lower().split("\\")[:-1]
     return last.startswith(("%i", "fin")) or any(part.endswith(("inputs", "_in")) or part == "in" for part in module)

@@ -1,4 +1,4 @@
-"""Serial lines and sockets of a virtual run: the core is the real one, at its other end nobody answers."""
+"""Serial lines and sockets of a virtual run: the core is the real one, the other end never answers."""
 
 from gateway.pure.controllers.val3.sio.channel import Channel, Kind
 from gateway.pure.controllers.val3.sio.core import SioCore
@@ -19,7 +19,7 @@ class VirtualSio:
         self.sent: dict[str, bytes] = {}
 
     def declare(self, link: str) -> None:
-        """A channel of that name: serial where its path says so, else a client nobody answers."""
+        """A channel of that name: serial by its path, else a client that gets no answer."""
         if link in self._declared:
             return
         serial = "serial" in link.lower() or "com" in link.lower().split("\\")[0]

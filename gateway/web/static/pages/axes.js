@@ -99,7 +99,7 @@ export function mount(root, { t, cell, live, login, may, me, post, unable }) {
   function step(head) {
     const unfit = unable("operator");
     if (unfit) return unfit;
-    if (!me.holds) return head.holder || head.owner ? `${t("Somebody else is in control")}: ${head.holder || `${t("command source")} ${head.owner}`}.` : t("Request control.");
+    if (!me.holds) return head.holder || head.owner ? `${t("Another command source is in control")}: ${head.holder || `${t("command source")} ${head.owner}`}.` : t("Request control.");
     if (head.missing.length) return `${t("Enabling inputs missing")}: ${head.missing.map((each) => t(`permit ${each}`)).join(", ")}.${cell.simulated && !head.permits ? ` ${t("In this simulation the page sets them.")}` : ""}`;
     if (head.emergency) return t("The emergency stop is latched: reset faults.");
     if (!head.enabled) return t("The drives are off: switch them on.");
@@ -117,7 +117,7 @@ export function mount(root, { t, cell, live, login, may, me, post, unable }) {
     update(page, head) {
       if (page && !page.gone) table.update(page.axes); // first: its keys are greyed below
       put(control, me.holds ? t("Release control") : t("Request control"));
-      put(holder, head.holder ? `${t("in control")}: ${head.holder}` : head.owner ? `${t("in control")}: ${t("command source")} ${head.owner}` : t("nobody is in control"));
+      put(holder, head.holder ? `${t("in control")}: ${head.holder}` : head.owner ? `${t("in control")}: ${t("command source")} ${head.owner}` : t("control is free"));
       if (me.holds && head.holder !== me.name) refreshMe();
       const why = unable("operator") || (me.holds ? "" : step(head));
       const words = step(head);

@@ -121,12 +121,12 @@ def test_a_needed_parameter_that_is_refused_stops_the_start_up_another_is_noted(
 @pytest.mark.parametrize(
     ("abort", "reaction", "quick", "loss", "words"),
     [
-        (None, None, 2, Loss.QUICK_STOP, "does not tell"),
+        (None, None, 2, Loss.QUICK_STOP, "does not report"),
         (0, 2, 2, Loss.QUICK_STOP, "runs on"),
         (0, 2, 2, Loss.COAST, "runs on"),
         (1, 2, 2, Loss.QUICK_STOP, ""),
         (1, 0, 2, Loss.QUICK_STOP, "coasts"),
-        (1, None, 2, Loss.QUICK_STOP, "does not tell"),
+        (1, None, 2, Loss.QUICK_STOP, "does not report"),
         (2, 2, 2, Loss.QUICK_STOP, "coasts"),
         (2, 2, 2, Loss.COAST, ""),
         (3, 2, 2, Loss.QUICK_STOP, ""),
@@ -159,7 +159,7 @@ def test_a_drive_without_6007h_is_refused_with_what_to_do_unless_its_stop_was_me
     dialogue.refuse[0x6007, 0] = sdo.Abort.NO_OBJECT
     dialogue.absent.add((0x6007, 0))
     why = refused(dialogue, one_plan())
-    assert "does not tell" in str(why) and "stop_evidence" in str(why) and "loss-test" in str(why)
+    assert "does not report" in str(why) and "stop_evidence" in str(why) and "loss-test" in str(why)
     assert rig.slave.seat(NODE).node.state.name != "OPERATIONAL"
     booted = dialogue.carry(boot(replace(one_plan(), stop_evidence="loss-test-x.json")))
     assert any("loss-test-x.json" in note for note in booted.notes) and "abort connection" not in booted.options
@@ -175,7 +175,7 @@ def test_measured_or_not_a_drive_that_shows_that_it_runs_on_or_that_does_not_wat
         assert refused(dialogue, plan).key == key
     dialogue = OneNode().dialogue()
     dialogue.silent.add((0x6007, 0))
-    assert "does not tell" in str(refused(dialogue, plan)), "no answer is not an object that is not there"
+    assert "does not report" in str(refused(dialogue, plan)), "no answer is not an object that is not there"
 
 
 # ---- plans that cannot be ------------------------------------------------------------------------------------------------
@@ -186,7 +186,7 @@ def test_a_controlword_in_two_rpdos_is_refused_with_both_places() -> None:
     assert map_faults(pdos) and "RPDO1 and RPDO3" in map_faults(pdos)[0]
     assert map_faults(default_pdos(NODE, torque=True)) == []
     why = refused(OneNode().dialogue(), NodePlan(NODE, pdos))
-    assert "6040h stands in RPDO1 and RPDO3" in str(why)
+    assert "6040h is mapped in RPDO1 and RPDO3" in str(why)
 
 
 def test_two_nodes_of_one_number_collide_in_everything_they_say() -> None:

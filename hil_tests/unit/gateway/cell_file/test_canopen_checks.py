@@ -45,14 +45,14 @@ def test_a_dcf_that_maps_the_controlword_twice_is_refused_with_both_places() -> 
             rows += [f"[16{number:02X}sub{sub}]", "ParameterName=entry", "DataType=7", "AccessType=rw", f"ParameterValue={word:#010x}"]
     dictionary, _ = eds.parse("[DeviceInfo]\n" + "\n".join(rows))
     assert dictionary_map_faults(dictionary, 1) == [
-        "6040h stands in RPDO1 and RPDO2: one of them would switch the drive off with its stale copy"
+        "6040h is mapped in RPDO1 and RPDO2: one of them would switch the drive off with its stale copy"
     ]
 
 
 def test_a_serial_number_of_0_pins_nothing_and_check_says_so() -> None:
     text = DEMO_402.replace("node = 2,", 'node = 2, serial = "0x0",').replace("node = 3,", 'node = 3, serial = "7",')
     cell = load_cell("cell.toml", text)
-    said = {notice.where: notice.text for notice in cell.warnings if "pins nothing" in notice.text}
+    said = {notice.where: notice.text for notice in cell.warnings if "identifies no drive" in notice.text}
     assert list(said) == ["axis.A2.drive.serial"]
     plans = dict(node_plans(cell, cell.bus[0], 4, simulated=False))
     assert plans["A2"].identity.serial is None and plans["A3"].identity.serial == 7

@@ -171,7 +171,7 @@ def test_an_amount_over_the_limit_is_told_with_figures() -> None:
 
 def test_a_block_nobody_could_reach_and_a_type_without_blocks() -> None:
     found = faults("", "", block(more='kind = "X"'))
-    assert 'serves types = ["D"]: nobody could reach it' in str(found["db.10.kind"])
+    assert 'serves types = ["D"] only: the block cannot be reached' in str(found["db.10.kind"])
     assert faults("", '[line.rk512]\ntypes = ["D", "X"]', block(more='kind = "X"')) == {}
     (said,) = notices(cell("", '[line.rk512]\ntypes = ["D", "T"]'), "line plc")
     assert said.text == 'types has "T" and no [[db]] has kind = "T": every job to it gets 14h'
@@ -183,7 +183,7 @@ def test_a_block_nobody_could_reach_and_a_type_without_blocks() -> None:
 def test_the_same_number_as_db_and_dx_is_no_double() -> None:
     both = block() + block(more='kind = "X"')
     assert faults("", '[line.rk512]\ntypes = ["D", "X"]', both) == {}
-    assert "stands twice" in str(faults("", "", block() + block())["db.10.number"])
+    assert "is defined twice" in str(faults("", "", block() + block())["db.10.number"])
 
 
 def test_everything_a_line_can_serve_is_played() -> None:

@@ -23,8 +23,8 @@ def test_a_moved_signal_has_its_new_number_and_a_row_moves_as_a_whole() -> None:
     ("lines", "words"),
     [
         ("K01_A_MN_RCI = 600", "only axisgate's own"),
-        ("READY_RCO = 72", "PHG_ACTV_RCO stands there already"),
-        ("EMSTOP_OK_RCI = 600\nFEED_ALLOW_RCI = 600", "EMSTOP_OK_RCI stands there already"),
+        ("READY_RCO = 72", "already used by PHG_ACTV_RCO"),
+        ("EMSTOP_OK_RCI = 600\nFEED_ALLOW_RCI = 600", "already used by EMSTOP_OK_RCI"),
         ("READY_RCO = 1024", "1023"),
     ],
 )

@@ -84,7 +84,7 @@ SECOND = '\n[[telegram]]\nline = "V24_1"\nname = "{name}"\n{rest}\n'
         (replaced("length = 18", "length = 139"), "telegram.ORDER.length", "profile has 1..138"),
         (replaced("length = 18", "length = 4001"), "telegram.ORDER.length", "allowed 1..4000 bytes"),
         (replaced("count = 2", 'count = 2, unit = "mm", scale = 2.0'), "telegram.ORDER.fields[3]", "CHARACTER has no scale"),
-        (replaced('unit = "mm"', 'unit = "0.1 mm", scale = 0.1'), "telegram.ORDER.fields[2]", "says it too"),
+        (replaced('unit = "mm"', 'unit = "0.1 mm", scale = 0.1'), "telegram.ORDER.fields[2]", "sets the same"),
         (replaced('unit = "mm"', 'unit = "0 mm"'), "telegram.ORDER.fields[2]", "worth more than nothing"),
         (replaced('hex = "00 00" }, { byte', 'hex = "00 0" }, { byte'), "telegram.ORDER.match[0].hex", "two hex digits a byte"),
         (replaced('byte = 2, text = "OR"', 'byte = 2, text = "OR", hex = "4F"'), "telegram.ORDER.match[1]", "exactly one of hex, text"),
@@ -116,7 +116,11 @@ SECOND = '\n[[telegram]]\nline = "V24_1"\nname = "{name}"\n{rest}\n'
         ),
         (replaced('layer = "telegrams"', 'layer = "program"'), "telegram.ORDER.line", 'layer "program" carries no telegrams'),
         (replaced('line   = "V24_1"\nname   = "DONE"', 'line = "V24_2"\nname = "DONE"'), "telegram.DONE.line", "no such line"),
-        (HEAD + ORDER + DONE + SECOND.format(name="DONE", rest='match = [{ byte = 0, hex = "01" }]'), "telegram.DONE.name", "stands twice"),
+        (
+            HEAD + ORDER + DONE + SECOND.format(name="DONE", rest='match = [{ byte = 0, hex = "01" }]'),
+            "telegram.DONE.name",
+            "is used twice",
+        ),
         (HEAD + SECOND.format(name="T", rest=""), "telegram.T", "neither match nor build"),
         (HEAD + SECOND.format(name="T", rest='when = "rising cell.error"'), "telegram.T.build", "what is sent?"),
         (

@@ -171,8 +171,8 @@ def test_a_place_as_an_encoder_shows_it_that_counted_round_meanwhile_is_told(
     assert judged(0.0) == judged(73.0 * 10) == judged(0.02) == [], "where it was, but for whole rounds"
     assert judged(3.0) == judged(-2.5) == [], "turned by hand"
     (first, *others) = judged(4096.0)
-    assert first.startswith("axis M: shown -144 deg beside its place at the last stop, as when its encoder counts round by +4096 turns")
-    assert "unless somebody turned it" in first and len(others) == len(CELL.axis) - 1
+    assert first.startswith("axis M: shown -144 deg from its position at the last stop, as when its encoder overflows by +4096 turns")
+    assert "unless the axis was turned" in first and len(others) == len(CELL.axis) - 1
     assert "by -4096 turns" in judged(-4096.1)[0] and "by +1024 turns" not in judged(1024.0)[0], "by the range that is usual"
     told = [notice.text for notice in CELL.notices if notice.where == "axis.M.home"]
     assert len(told) == 1 and "is told where it may be" in told[0]

@@ -162,7 +162,7 @@ ERRORS = [
     ("read_begin axes.bnr", "axes.bnr", KEEP, 96, "MF: No. of axes: axes.bnr: 4, the kinematic has 5"),
     ("read_begin turn.bnr 40", "turn.bnr", KEEP, 97, "MF: Read marker err.: turn.bnr: byte 40 lies in the header of 80"),
     ("read_begin time.bnr", "time.bnr", KEEP, 98, "MF: Time base: time.bnr: 400 us, the control has 4000 us"),
-    ("read_begin base.bnr", "base.bnr", KEEP, 99, "MF: IP-PL base: base.bnr: 2, the call says 1"),
+    ("read_begin base.bnr", "base.bnr", KEEP, 99, "MF: IP-PL base: base.bnr: 2, the call has 1"),
     ("read_begin cut.bnr", "cut.bnr", KEEP, 100, "MF: Format error: cut.bnr"),
     ("read_begin turn.bnr 84", "turn.bnr", KEEP, 100, "MF: Format error: turn.bnr"),
     ("read_begin turn.bnr", "turn.bnr", "", 101, "axis M: MF: MOD-Flag n. init.: none: 5 values"),
@@ -237,7 +237,7 @@ def test_words_are_read_and_written_and_told_with_line_and_key() -> None:
         ("read_begin ../a.bnr", "read_begin: '../a.bnr' is no name"),
         ("read_begin a.bnr -1", "read_begin: -1 is outside"),
         ("read_begin a.bnr 80.5", "a whole number of bytes"),
-        ("alter frame -\nmove_file a.bnr\nalter_end", "move_file: stands outside of synchronous and alterable parts"),
+        ("alter frame -\nmove_file a.bnr\nalter_end", "move_file: is not allowed in synchronous and alter sections"),
     ]:
         with pytest.raises(TextFaults) as caught:
             read(PAPER + line)

@@ -70,14 +70,14 @@ def test_a_program_written_is_read_back_the_same() -> None:
         ("move left linear B", "line 18: kinematic left: point 'B' is unknown; A are known"),
         ("move left linear A speed=900", "line 18: speed: kinematic left: 900 % is outside 0.01 .. 500 %"),
         ("move middle linear A", "line 18: kinematic: 'middle' is unknown; left, right"),
-        ("move left linear A and left linear A", "line 18: move: left stands twice in one block"),
+        ("move left linear A and left linear A", "line 18: move: left is used twice in one block"),
         ("move linear A", "line 18: move: NAME and one of ptp, linear, circular, spline, then its target; `and` between two kinematics"),
         ("kinematic third portal", "line 18: kinematic: third has to stand before the first move"),
         ("kinematic other", "line 18: kinematic: 'other' is unknown: kinematic NAME ROBOT, with its robot file, comes first"),
         ("robot portal", "line 18: robot: `kinematic NAME ROBOT` names the robot of each kinematic"),
         ("label X\nmove left linear A until=3 error=X", "line 19: error: label X does not stand behind the block"),
         ("circle A", "line 18: circle: no statement of a program of several kinematics; program, kinematic, angles,"),
-        ("label X\nlabel X", "line 19: label: X stands twice"),
+        ("label X\nlabel X", "line 19: label: X is defined twice"),
         ("synchron B1", "line 18: synchron: belongs to programs of one robot: write it in a program with `robot NAME` (AX-341)"),
     ],
 )
@@ -107,7 +107,7 @@ def test_check_names_line_block_kinematic_and_axis_of_every_block_that_cannot_be
     assert main(["check", str(path)]) == 1
     said = capsys.readouterr().out.splitlines()
     assert said[0].startswith("line 18: block 5, axis left.Z: kinematic left: target 9000 mm is outside ")
-    assert said[1] == "line 19: block 6: one kinematic alone says what a shared block waits for, or ends with"
+    assert said[1] == "line 19: block 6: only one kinematic may define what a shared block waits for, or ends with"
     assert said[2] == "6 blocks: 2 cannot be run"
     assert main(["check", str(path), "--robot", "portal"]) == 2
     assert team_findings(read_team(TEXT), team_of_program(read_team(TEXT), None)).faults == ()

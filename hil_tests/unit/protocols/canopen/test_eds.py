@@ -55,11 +55,11 @@ def test_every_fault_of_a_dirty_file_is_named_with_line_and_consequence() -> Non
         ("607D", "SubNumber=9, but 3 sub-indexes are described", "the described ones count"),
         ("6084", "DefaultValue=1,638,400", "ignored"),
         ("60E3", "object 60E3h is described but not listed", "it exists"),
-        ("6083", "section stands twice", "its keys are added to the first"),
-        ("6083", "ParameterName stands twice", "the first one counts"),
+        ("6083", "duplicate section", "its keys are added to the first"),
+        ("6083", "duplicate key ParameterName", "the first one counts"),
         ("6083", "'this line says nothing' is neither section nor key=value", "ignored"),
-        ("6402", "section stands twice", "its keys are added to the first"),
-        ("6402", "AccessType stands twice", "the first one counts"),
+        ("6402", "duplicate section", "its keys are added to the first"),
+        ("6402", "duplicate key AccessType", "the first one counts"),
         ("2003", "DataType 00FEh is unknown", "read as DOMAIN"),
         ("2003", "DefaultValue=0", "ignored"),
         ("2004", "DataType is missing or empty", "left out"),
@@ -68,7 +68,7 @@ def test_every_fault_of_a_dirty_file_is_named_with_line_and_consequence() -> Non
     for fault in DIRTY_FAULTS:
         if fault.section == "6084":
             assert lines[fault.line - 1] == "DefaultValue=1,638,400"
-        if fault.what.startswith("section stands twice"):
+        if fault.what.startswith("duplicate section"):
             assert lines[fault.line - 1] == f"[{fault.section}]"
 
 

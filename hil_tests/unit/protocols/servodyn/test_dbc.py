@@ -49,7 +49,7 @@ def test_a_signal_we_cannot_use_is_refused_with_its_place(signal: str, told: str
 def test_overlapping_and_double_signals_are_refused() -> None:
     good = ' SG_ life : 8|8@1+ (1,0) [0|255] "" B\n'
     assert "overlaps signal life (bits 8..15)" in faults(HEAD + good + ' SG_ more : 15|2@1+ (1,0) [0|3] "" B')[0]
-    assert "stands twice" in faults(HEAD + good + good)[0]
+    assert "defined twice" in faults(HEAD + good + good)[0]
 
 
 def test_bad_messages_are_refused_and_all_faults_come_at_once() -> None:

@@ -60,22 +60,22 @@ class IoBus:
 
     @property
     def coupled(self) -> bool:
-        """Another control hangs on this bus: nothing else may (L10966-10968), and nobody is its master."""
+        """Another control is on this bus: nothing else may be (L10966-10968), and it has no master."""
         return any(entry.coupled for entry in self._inputs)
 
     @property
     def errors(self) -> list[IoError]:
-        """What stands now."""
+        """Present contents."""
         bus = self.settings.bus
         standing = [IoError(entry.error, bus, entry.number) for entry in self._inputs if entry.error is not None]
         return standing + [IoError(trouble, bus, number) for trouble, number in sorted(self._faulty, key=lambda pair: pair[1])]
 
     def untrusted(self) -> list[int]:
-        """Bytes of inputs nobody vouches for now: never heard, or in error."""
+        """Bytes of inputs that are invalid now: never received, or in error."""
         return [byte for entry in self._inputs if entry.error is not None or not entry.heard for byte in entry.block.span]
 
     def input_at(self, byte: int, bit: int) -> InputLevel | None:
-        """One PIC input of a block of this bus; None while nobody vouches for it."""
+        """One PIC input of a block of this bus; None while it is invalid."""
         entry = next(entry for entry in self._inputs if byte in entry.block.span)
         return InputLevel(bool(self.image[byte] >> bit & 1), entry.changed_ns) if entry.heard and entry.error is None else None
 

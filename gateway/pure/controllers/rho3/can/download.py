@@ -1,7 +1,7 @@
 """What the rho 3 sends its boosters at start-up: numbers 1..24 out of P601..P615 and parameters it has anyway.
 
 Source: rho 3 Releases part 5, 7.3 (L7549-7592); formulas of 8 and 9: part 3, 5.2 (L3724-3748, "rho3 D-17").  The chapters with ranges
-and units of P602..P615 are missing (rho3 D-29): units below are ours (AX-267).
+and units of P602..P615 are missing (rho3 D-29): units below are AX-267.
 """
 
 from collections.abc import Iterator, Mapping, Sequence

@@ -83,7 +83,7 @@ class RhoFamily:
         return self.drives.hear(frame)
 
     def exchange(self, image: InputImage, inputs: bytearray, now: Ns, *, up: bool) -> list[str]:
-        """PIC outputs from `image` (bytes nobody vouches for are 0), PIC inputs into `inputs`; what a person should read.
+        """PIC outputs from `image` (invalid bytes are 0), PIC inputs into `inputs`; what a person should read.
 
         `up`: the bus is there.
         """

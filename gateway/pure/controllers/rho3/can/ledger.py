@@ -1,4 +1,4 @@
-"""What the I/O blocks and parameter downloads of a cycle complain about, as the services are told it: a table of fixed size.
+"""Faults of the I/O blocks and parameter downloads of a cycle as passed to the services: a table of fixed size.
 
 One entry for each trouble of each block and for each module whose parameters were not taken; it stays, and counts.  An error that was
 there for one cycle only is seen by its count.  Numbers and texts: gateway.pure.controllers.rho3.can.messages,
@@ -49,7 +49,7 @@ class Ledger:
             self._enter((_TROUBLES.index(error.trouble) + 1, error.bus, error.block), standing=error.standing)
 
     def refused(self, bus: int, module: int, error: DownloadError) -> None:
-        """A module took its parameters not; that stands until the next start."""
+        """A module refused its parameters; kept until the next start."""
         self._enter((_DOWNLOAD, bus, module), standing=True, cause=error.cause, parameter=error.parameter)
 
     def _enter(self, key: tuple[int, int, int], *, standing: bool, cause: int = 0, parameter: int = 0) -> None:

@@ -35,7 +35,7 @@ class Trouble(Enum):
     )
 
     def phg(self, bus: int, block: int) -> str:
-        """As the pendant shows it; the last one is ours, the manual has no text for it (L10998 only forbids it)."""
+        """As the pendant shows it; the last one is axisgate's, the manual has no text for it (L10998 only forbids it)."""
         return self.value[0].format(bus=bus, block=block)
 
     def words(self, bus: int, block: int, language: str = "en") -> str:

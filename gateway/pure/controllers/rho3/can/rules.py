@@ -167,7 +167,7 @@ def _identifiers(number: int, bus: BusSetup) -> Iterator[Finding]:
                 hint = "modules send 541..550; 471..480 couples another rho 3"
                 yield Finding(UNDEFINED, TEXTS[UNDEFINED], key, f"id = {block.identifier}", hint)
             if block.identifier in seen:
-                hint = "this identifier stands twice on its bus; two controls on a bus must not send the same one (L10998)"
+                hint = "this identifier is used twice on its bus; two controls on a bus must not send the same one (L10998)"
                 yield Finding(0, "identifier twice", key, value, hint)
             seen.add(block.identifier)
 

@@ -1,6 +1,6 @@
 """Bit numbers of the functions on the interface, edges and strobes.  Source: rho 3 Releases; table in rho3 3.1 and 3.2.
 
-Numbers the manual leaves open are AX-531; they can be given to `Places` by whoever builds the functions.
+Numbers the manual leaves open are AX-531; the builder of the functions can pass them to `Places`.
 """
 
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ STROBE_TIME: Ns = ms(200)  # P9 where the cell says nothing (AX-530)
 
 @dataclass(frozen=True, slots=True)
 class Places:
-    """Where every signal of the functions stands; RC inputs first, then RC outputs."""
+    """Address of every signal of the functions; RC inputs first, then RC outputs."""
 
     display_off: int = 35  # DIS_PHGM_RCI (L949)
     phg_strobe: int = 49  # L4987

@@ -1,6 +1,6 @@
 """Coded error output: groups, parity, strobe.  Source: rho 3 Releases, coded error output (L2945-3065); rho3 3.3, AX-534.
 
-The list of errors (gateway.pure.image.error_list) stores and clears; this shows what stands in it to the PLC, one code after the other.
+The list of errors (gateway.pure.image.error_list) stores and clears; this shows its entries to the PLC, one code after the other.
 """
 
 from collections import deque
@@ -26,7 +26,7 @@ def group_text(number: int, language: str) -> str:
 
 
 def code_of(record: ErrorRecord) -> int | None:
-    """The number shown; None for errors somebody else numbered: those have no code of the rho 3."""
+    """The number shown; None for errors with foreign numbers: those have no code of the rho 3."""
     return record.code if record.source == "rho3" and group(record.code) is not None else None
 
 
@@ -42,13 +42,13 @@ class CodedErrors:
         self._since: Ns | None = None  # of the level of the strobe; None: low for long enough
 
     def step(self, records: Sequence[ErrorRecord], outputs: bytearray, now: Ns, *, key: bool = False) -> None:
-        """records: the error list as it stands; key: a key of the panel was pressed since the last step."""
+        """records: the present error list; key: a key of the panel was pressed since the last step."""
         self.show(
             {(r.code, r.source, r.where, r.first_ns): code for r in records if (code := code_of(r)) is not None}, outputs, now, key=key
         )
 
     def show(self, standing: Mapping[Hashable, int], outputs: bytearray, now: Ns, *, key: bool = False) -> None:
-        """The same for errors kept elsewhere: what tells one happening from another -> code, in the order they came."""
+        """The same for errors kept elsewhere: identity of one occurrence -> code, in the order they came."""
         self._learn(standing)
         if self._over(now, key):
             self._since = now if self._shown else None

@@ -38,7 +38,7 @@ class LineError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Table(Generic[V]):
-    """What a file says: entries of the good lines, faults of the others."""
+    """Contents of a file: entries of the good lines, faults of the others."""
 
     file: str
     entries: Mapping[int, V]
@@ -64,7 +64,7 @@ def parse(file: str, text: str, entry: Callable[[str], tuple[int, V]]) -> Table[
 
 
 def head_of(line: str) -> str:
-    """What stands before the equals sign, without blanks around."""
+    """The part before the equals sign, without blanks around."""
     head, equals, _ = line.partition("=")
     if not equals:
         raise LineError("no_equals")
@@ -72,7 +72,7 @@ def head_of(line: str) -> str:
 
 
 def tail_of(line: str) -> str:
-    """What stands behind the equals sign, without blanks before it."""
+    """The part after the equals sign, without blanks before it."""
     return line.partition("=")[2].lstrip(" \t")
 
 
@@ -91,7 +91,7 @@ def quoted(tail: str) -> str:
 
 
 def only_comment(rest: str) -> None:
-    """Raises LineError where more than blanks and a comment stands."""
+    """Raises LineError for more than blanks and a comment."""
     rest = rest.strip(" \t")
     if rest and not rest.startswith(";"):
         raise LineError("behind", rest)

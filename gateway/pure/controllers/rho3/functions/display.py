@@ -118,7 +118,7 @@ class Display:
 
     # ---- keys --------------------------------------------------------------------------------------------------------------
     def press(self, key: str) -> None:
-        """A key of the panel; where nobody reads, the newest are lost and counted."""
+        """A key of the panel; without a reader the newest are lost and counted."""
         if len(self._keys) >= KEYS:
             self.lost_keys += 1
         else:

@@ -1,4 +1,4 @@
-"""Texts of the functions in German and English: faults of files, what the panel shows, what the log says."""
+"""Texts of the functions in German and English: faults of files, panel and log."""
 
 from dataclasses import dataclass
 

@@ -12,7 +12,7 @@ BASE = "0"  # the basic level
 class PhgSelection:
     """The mode the panel is in: the operator enters modes, the PLC selects them by code.
 
-    `file_error`: a code without a usable line was selected; whoever steps this reports it and clears it.
+    `file_error`: a code without a usable line was selected; the caller reports it and clears it.
     """
 
     def __init__(self, places: Places, table: Table[str] | None, language: str = "en", *, option: bool = True) -> None:
@@ -21,7 +21,7 @@ class PhgSelection:
         self._edge = Edge(places.phg_strobe)
 
     def step(self, inputs: InputImage, outputs: bytearray, display: Display) -> None:
-        """Edges of the strobe with the code beside it; bit 104 tells whether the basic level is active."""
+        """Edges of the strobe with the code beside it; bit 104: the basic level is active."""
         edge = self._edge.step(inputs) if self._option and trusted(inputs, self._places.phg_code) else 0
         code = number_at(inputs.values, self._places.phg_code, 4)
         if edge < 0 and code == 0:

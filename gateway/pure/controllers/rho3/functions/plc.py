@@ -49,7 +49,7 @@ class Functions:
         self._pressed = False
 
     def press(self, key: str) -> None:
-        """A key of the panel, whoever reads it; it also ends the strobe of a system error."""
+        """A key of the panel, for any reader; it also ends the strobe of a system error."""
         self._pressed = True
         self.display.press(key)
 

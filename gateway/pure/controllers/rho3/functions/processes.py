@@ -27,7 +27,7 @@ class State(Enum):
 
 
 class Turn(Enum):
-    """What a body says after its turn."""
+    """Result of a body after its turn."""
 
     GO_ON, WAIT, DONE = auto(), auto(), auto()
 
@@ -156,7 +156,7 @@ class ProcessTable:
         return stopped
 
     def step(self, now: Ns) -> list[Process]:
-        """One turn for everybody; those whose error came in this turn."""
+        """One turn for all; returns those whose error came in this turn."""
         self._turn += 1
         faulty: list[Process] = []
         for number in self._order():

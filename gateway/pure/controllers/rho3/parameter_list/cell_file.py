@@ -23,7 +23,7 @@ FIELDS: tuple[tuple[str, str], ...] = (  # label of P401 -> key of [[rho3.P401]]
     (r"m.?bewert|evaluation", "evaluation"),
     (r"set.?point output|set value output|sollwert.?ausgang", "output"),
 )
-NO_AXIS = "no axis stands before it (A_1 ...)"
+NO_AXIS = "no axis precedes it (A_1 ...)"
 NO_NUMBER = "its value is no number"
 PULSES = {16384: 1, 8192: 2, 4096: 3}  # L7586-7588
 RANGES = ("i.start", "i.end", "o.start", "o.end")
@@ -101,7 +101,7 @@ def _single(entry: Entry, kept: Collected) -> str:
     if isinstance(first, bool | str) or first != int(first):
         return "a whole number is expected"
     if kept.single.setdefault(entry.parameter, int(first)) != int(first):
-        return f"it stood above as {kept.single[entry.parameter]}, which counts"
+        return f"given above as {kept.single[entry.parameter]}, which is used"
     return ""
 
 

@@ -3,7 +3,7 @@
 The manuals we have show the list by its entries ("A_2 MBewert : -16384.0", rho 3 Releases part 3, L3903-3923; "No. of input blocks
 [8 Byte] : 2", part 5, L7399-7455; "SB1 No.of Probe Inp.: 1", L1242; "I.START : 0", L11141), never as a whole.  So a line is taken as
 
-    P103 any title                   a parameter begins; what stands behind a colon or an equals sign is its value
+    P103 any title                   a parameter begins; the text after a colon or an equals sign is its value
     CAN bus 2 / BUS 2                entries below belong to bus 2
     [ROBI_1] A_3 label : value       entry of axis 3
     SB1 label : value                entry of servo board 1
@@ -43,7 +43,7 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Unread:
-    """A line that says something we do not understand."""
+    """A line that is not understood."""
 
     line: int
     text: str
@@ -77,7 +77,7 @@ def read(text: str) -> Iterator[Entry | Unread]:
             board, line = int(found[1]), found[2]
         label, values = _split(line)
         if not parameter:
-            yield Unread(number, raw.strip(), "stands before the first parameter")
+            yield Unread(number, raw.strip(), "comes before the first parameter")
         elif not values:
             yield Unread(number, raw.strip(), "no value in it")
         else:

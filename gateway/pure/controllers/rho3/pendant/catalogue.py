@@ -235,6 +235,6 @@ def variable_of(name: str) -> tuple[Variable, int]:
 
 
 def register_type(name: str) -> str:
-    """How a number stands in registers where the cell names no type."""
+    """Form of a number in registers where the cell names no type."""
     base = variable_of(name)[0].base
     return {Base.REAL: "REAL", Base.DOUBLE: "UINT32"}.get(base, "UINT16")

@@ -38,7 +38,7 @@ def operation(p35: int, *, display_disabled: bool = False) -> Operation:
     """From P35 and the PLC's signal that disables the pendant's display; PhgError for another P35 than 0 and 1.
 
     In both modes WRITE PHG goes to 4 lines of 20 characters; only in transparent mode the 256 x 128 pixels can be written, and only
-    there a disabled display hands the lead to the pendant with its own masks.
+    there a disabled display passes the lead to the pendant with its own masks.
     """
     try:
         mode = PhgMode(p35)

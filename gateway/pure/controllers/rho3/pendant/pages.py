@@ -44,7 +44,7 @@ class Source(Protocol):
         """Servo boards with high-speed inputs: number and the state of each."""
 
     def conditions(self) -> Collection[Condition]:
-        """What INFO may tell."""
+        """Content of INFO."""
 
     def start(self, name: str) -> object:
         """A program; ProcessFault."""

@@ -1,9 +1,9 @@
 """The system's side of the pendant: keys in, lines of standard operation and INFO out.  Source: rho 3 Releases L2743-2941, L3454-3560.
 
-What the manual says is kept: the mode numbers and their direct selection, CURSOR LEFT one level back, Automatic or Manual in
-the basic level, the INFO texts, priorities by gateway.pure.controllers.rho3.functions.display.  Where a line stands on the 4 x 20
-display is ours
-(AX-495), and a mode whose function is not here says so.
+Follows the manual in: the mode numbers and their direct selection, CURSOR LEFT one level back, Automatic or Manual in
+the basic level, the INFO texts, priorities by gateway.pure.controllers.rho3.functions.display.  The place of a line on the 4 x 20
+display is axisgate's own
+(AX-495), and a mode whose function is missing reports it.
 """
 
 from gateway.pure.controllers.rho3.functions.display import COLUMNS, LINES, Display, Layer
@@ -55,7 +55,7 @@ class Panel:
             self._draw()
 
     def refuse(self, words: str) -> None:
-        """Why what was chosen is not done; stands in line 3 until the next key."""
+        """Reason why a selection is not executed; shown in line 3 until the next key."""
         self._message = words
 
     # ---- modes -----------------------------------------------------------------------------------------------------------

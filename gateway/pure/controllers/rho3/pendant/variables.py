@@ -1,7 +1,7 @@
 """Reads and writes PHG 2000 variables of a running control.  Source: rho 3 Releases L9288-9470; rho3 3.8, AX-486.
 
 Positions are in mm and degrees, as the control shows them; `Machine` is the state of one moment, a write is an order for the
-office that owns the thing written.  Processes and files come from gateway.pure.controllers.rho3.functions.system_variables.
+part that owns the value written.  Processes and files come from gateway.pure.controllers.rho3.functions.system_variables.
 """
 
 import struct

@@ -88,7 +88,7 @@ class Driver:
                 self.read_begin(now)
 
     def resume(self, now: Ns) -> None:
-        """The line is ours."""
+        """The line is allocated."""
         self.active = True
         for job in self._reads:
             self._desk.status.pop((job.process.number, job.function), None)

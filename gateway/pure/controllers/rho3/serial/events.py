@@ -1,4 +1,4 @@
-"""What the serial devices of a rho 3 report: to the interpreter, to the user interface, to whoever shows the lines."""
+"""What the serial devices of a rho 3 report: to the interpreter, the user interface and displays of the lines."""
 
 from dataclasses import dataclass
 

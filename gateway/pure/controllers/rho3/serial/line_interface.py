@@ -1,4 +1,4 @@
-"""The calls under way and what is told of them; one desk for all lines of a control."""
+"""The pending calls and their events; one interface for all lines of a control."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
@@ -29,7 +29,7 @@ class Job:
 
 
 class LineInterface:
-    """Open jobs, the STATUS of each process and unit, events not yet told."""
+    """Open jobs, the STATUS of each process and unit, events not yet reported."""
 
     def __init__(self) -> None:
         self.jobs: dict[int, Job] = {}

@@ -36,7 +36,7 @@ class DeviceError(ProtocolError):
 class LineManager:
     """Functions of a control on its lines.
 
-    Calls return at once with a ticket; how they end is told by the events of the lines' methods (Finished names the ticket).
+    Calls return at once with a ticket; the events of the lines' methods report how they end (Finished names the ticket).
     """
 
     def __init__(self, setup: Setup, rc_inputs: bytes = b"", now: Ns = 0) -> None:
@@ -54,7 +54,7 @@ class LineManager:
     def write(self, process: Process, device: str | None, items: Sequence[Item], now: Ns, hold: bool = False) -> int:
         """WRITE device, items; hold: it ends in `..`, nothing is sent before a WRITE without.  0 when held without error, else a ticket.
 
-        Raises DeviceError where `room` says no.
+        Raises DeviceError where `room` refuses.
         """
         function = self.function(process, device)
         if not self.room(process, device):
@@ -90,7 +90,7 @@ class LineManager:
         return None if self._desk.outputs(process, function) else self.status(process, device)
 
     def status(self, process: Process, device: str | None) -> Condition:
-        """What CONDITION would return, without waiting; an absent unit is told even before the first call."""
+        """What CONDITION would return, without waiting; an absent unit is reported even before the first call."""
         function = self.function(process, device)
         absent = self._absent.get(function, Condition.NO_ERROR)
         return self._desk.status.get((process.number, function), absent)
@@ -186,7 +186,7 @@ class LineManager:
             del self._desk.status[status]
 
     def take_events(self) -> list[Event]:
-        """For a control without lines; else the methods of the lines tell them."""
+        """For a control without lines; else the methods of the lines report them."""
         return self._desk.take_events()
 
     # ---- inside

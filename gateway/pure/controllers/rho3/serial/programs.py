@@ -1,4 +1,4 @@
-"""What stands around the devices in a BAPS program: `;;SER_IO_STOP`, and CONDITION of a file.
+"""Statements about the devices in a BAPS program: `;;SER_IO_STOP`, and CONDITION of a file.
 
 Source: rho 3 Releases part 1, sections 9.1 and 9.3; part 2, section 12.6 (FILE_ERROR).
 """
@@ -29,7 +29,7 @@ def ser_io_stop(source: str) -> bool:
         if match is None:
             raise DirectiveError(f"line {number}: {line!r}; ;;SER_IO_STOP [+/-] expected")
         if started or stop is not None:
-            raise DirectiveError(f"line {number}: ;;SER_IO_STOP stands once, at the beginning of the program")
+            raise DirectiveError(f"line {number}: ;;SER_IO_STOP is allowed once, at the beginning of the program")
         stop = match["sign"] != "-"
     return stop is not False
 

@@ -48,7 +48,7 @@ DEVICES = (Function.V24_1, Function.V24_2, Function.V24_3, Function.V24_4, Funct
 
 
 class Procedure(IntEnum):
-    """Protocol number of mode 9.1 / 7.8.3.  Of 1, 3, 4 and 7 the manual tells nothing; they are refused (AX-161)."""
+    """Protocol number of mode 9.1 / 7.8.3.  1, 3, 4 and 7 are not described; they are refused (AX-161)."""
 
     ECHO = 2
     NO_ECHO = 5

@@ -1,4 +1,4 @@
-"""BAPS values as text, for protocols 2, 5 and 6: "the previous protocols" convert (7), how is told only in part (AX-164).
+"""BAPS values as text, for protocols 2, 5 and 6: "the previous protocols" convert (7), described only in part (AX-164).
 
 WRITE: items follow one another without separators, as in the PHG 2000 subroutines of part 3 (CHR, TEXT, REAL in 8 characters).
 READ: numbers end with a comma or carriage return, TEXT with a carriage return, CHARACTER is the next character.
@@ -61,7 +61,7 @@ def real_text(value: float) -> bytes:
 
 
 class ItemReader:
-    """Takes the characters of one variable; `feed` says when it is whole."""
+    """Takes the characters of one variable; `feed` reports when it is complete."""
 
     def __init__(self, kind: BapsType) -> None:
         self._kind = kind

@@ -1,5 +1,5 @@
-"""What the cycle tells, as coded errors of the interface.  Group 3 is servo, INPOS, interpolator stop, drive-on; group 4 PIC, PLC and
-other (rho3 L2945-3017).  The manual at hand gives no numbers of single servo errors: those below are ours (AX-335), but for 528.
+"""Faults reported by the cycle, as coded errors of the interface.  Group 3 is servo, INPOS, interpolator stop, drive-on; group 4 PIC, PLC
+and other (rho3 L2945-3017).  The manual at hand gives no numbers of single servo errors: those below are AX-335, except 528.
 """
 
 from dataclasses import dataclass, field
@@ -46,7 +46,7 @@ _TEXTS = {
 
 
 def code_text(code: int, language: str = "en") -> str:
-    """What an error of ours or of this table is about; "" for others."""
+    """Subject of an error of axisgate or of this table; "" for others."""
     german = language == "de"
     if DRIVE_FAULT <= code < DRIVE_FAULT + CODED:
         return f"{'Antriebsfehler Achse' if german else 'drive fault, axis'} {code - DRIVE_FAULT + 1}"
@@ -59,7 +59,7 @@ def code_text(code: int, language: str = "en") -> str:
 
 @dataclass(slots=True)
 class CycleErrors:
-    """Puts what the cycle tells into the list: each axis' fault while it stands, each stop once."""
+    """Enters the cycle's reports into the list: each axis fault while present, each stop once."""
 
     faults: Faults
     names: tuple[str, ...]  # of the axes
@@ -67,7 +67,7 @@ class CycleErrors:
     _cause: int = 0
 
     def look(self, state: CellState, now: Ns) -> None:
-        """Once per cycle; a cycle that does not run says nothing."""
+        """Once per cycle; a cycle that does not run reports nothing."""
         if not state.generation:
             return
         seen = {

@@ -1,4 +1,4 @@
-"""Signals that command the axes, as commands of the command sources that give them: the office judges them as it judges every other one.
+"""Signals that command the axes, as commands of their command sources: the dispatcher judges them like every other command.
 
 Source: rho3 4.10 (L1295-1305, L7920-7941); AX-333.  Control is asked for with the first drive-on of a command source and given back at rest
 when its last one has fallen, as an old-style command source does it.
@@ -19,7 +19,7 @@ AT_REST = (Motion.IDLE, Motion.STOPPED)
 
 
 class AxisCommands:
-    """What the signals ask of the office."""
+    """Requests of the signals to the dispatcher."""
 
     def __init__(self, office: CommandDispatcher, sets_override: bool) -> None:
         """`sets_override`: nobody else of this cell does, so drive-on brings 100 %."""
@@ -28,7 +28,7 @@ class AxisCommands:
         self._abandon: dict[int, Job] = {}  # command source -> its stopped move, given up as soon as it rests
 
     def drives(self, asked: Mapping[int, Asked], wanted: int, disabled: int, now: Ns) -> None:
-        """Edges of the drive-on signals; `wanted`: axes whose signal stands, `disabled`: axes that stay off whatever it says."""
+        """Edges of the drive-on signals; `wanted`: axes whose signal is set, `disabled`: axes that stay off regardless of it."""
         for door, change in asked.items():
             if change.off:
                 self._say(door, Command(Code.DISABLE, change.off), now)

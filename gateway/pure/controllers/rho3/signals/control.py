@@ -1,8 +1,7 @@
 """The old control as its PLC sees it: signals, functions and processes on one image, once per cycle of the services.  Pure.
 
 The command sources bring the RC inputs, the cycle what the axes do; outputs and flags go back to the command sources, commands of the
-axes through the
-office.  A restart of services counts as a start of the control (AX-332): nothing that stands starts anything.
+axes through the dispatcher.  A restart of services counts as a start of the control (AX-332): signals already set start nothing.
 """
 
 from collections.abc import Mapping
@@ -82,7 +81,7 @@ class RhoControl:
 
     @property
     def outputs(self) -> bytes:
-        """RC outputs, the cycle's and ours."""
+        """RC outputs of the cycle and of the control."""
         return bytes(self.image.outputs)
 
     # ---- one cycle -----------------------------------------------------------------------------------------------------
@@ -286,7 +285,7 @@ class RhoControl:
         return bytes(self.image.flags)
 
     def restore(self, flags: bytes, counters: Mapping[int, int]) -> None:
-        """Flags and counters as they were kept; a decrement flag that stands counts nothing."""
+        """Flags and counters as they were kept; a decrement flag already set counts nothing."""
         self.image.flags[: len(flags)] = flags
         for number, value in counters.items():
             if number < len(self.interface.timers.counters):

@@ -16,7 +16,7 @@ FLAG_INDEX, IO_INDEX = 0x100, 0x2A0  # CL400 index addresses of M 0 and IO 0 (K1
 
 
 class CouplingFault(ValueError):
-    """P20 and P21 do not fit; the message says why."""
+    """P20 and P21 do not fit; the message gives the reason."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,7 +142,7 @@ def flag_byte(index: int) -> int:
 
 @dataclass(frozen=True, slots=True)
 class Block:
-    """Part `number` of `count` of one frame (the counting is ours, AX-505)."""
+    """Part `number` of `count` of one frame (numbering: AX-505)."""
 
     number: int
     count: int

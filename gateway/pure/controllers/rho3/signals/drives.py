@@ -1,4 +1,4 @@
-"""Drive-on and disabled axes as the interface tells them.  Source: rho3 4.10 (L1295-1305, L7920-7941), AX-333.
+"""Drive-on and disabled axes as commanded by the interface.  Source: rho3 4.10 (L1295-1305, L7920-7941), AX-333.
 
 What an axis does with it is motion's part (motion.axes); here are the masks, bit n-1 for axis n, and what changes in them asks for.
 """
@@ -54,7 +54,7 @@ class _Axis:
 
 
 class DriveOn:
-    """Edges of the drive-on signals, command source by command source; a signal that stands at start or when its command source comes
+    """Edges of the drive-on signals, command source by command source; a signal already set at start or when its command source comes
     back starts nothing."""
 
     def __init__(self, axes: int, owner_of: Callable[[int], int]) -> None:
@@ -86,5 +86,5 @@ class DriveOn:
 
     @property
     def wanted(self) -> int:
-        """Axes whose signal has stood since its last edge."""
+        """Axes whose signal has been set since its last edge."""
         return sum(axis.mine << number for number, axis in enumerate(self._axes))

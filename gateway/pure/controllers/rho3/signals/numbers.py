@@ -1,4 +1,4 @@
-"""Bit numbers of signals that are ours and may be moved, out of the signal list (AX-002, AX-503)."""
+"""Bit numbers of axisgate's own signals, which may be moved, out of the signal list (AX-002, AX-503)."""
 
 from dataclasses import dataclass
 

@@ -44,7 +44,7 @@ def flags_of(number: int, reset_as_printed: bool = False) -> Flags:
 
 
 class TimersAndCounters:
-    """`presets`: P13 and P14, in units and pulses; missing ones are 0.  A timer runs while its start flag stands (AX-502)."""
+    """`presets`: P13 and P14, in units and pulses; missing ones are 0.  A timer runs while its start flag is set (AX-502)."""
 
     def __init__(self, count: int, timers: Sequence[int], counters: Sequence[int], unit: Ns, reset_as_printed: bool = False) -> None:
         """ValueError: `count` is no stage, or there are more values than timers or counters."""

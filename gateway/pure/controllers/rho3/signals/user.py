@@ -58,7 +58,7 @@ class UserPorts:
                 self._taken[number] = self._image.inputs[self._numbers.first_integer // 8 + number]
 
     def integer(self, channel: int) -> int:
-        """INTEGER input 401..408 (or 1401..1408): what stood at its last strobe, with P27 = 1 what stands now."""
+        """INTEGER input 401..408 (or 1401..1408): the value at its last strobe, with P27 = 1 the present one."""
         number = (channel - EARLY if channel > EARLY else channel) - INTEGER_CHANNEL
         if not 0 <= number < INTEGERS:
             raise ChannelFault(f"inadmissable input: INTEGER channel {channel}")

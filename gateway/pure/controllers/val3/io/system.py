@@ -10,7 +10,7 @@ from gateway.pure.image.records.cell import get_bit, set_bit
 
 
 class Status(IntEnum):
-    """What ioStatus tells."""
+    """Result of ioStatus."""
 
     WORKS = 0
     LOCKED = 1
@@ -29,7 +29,7 @@ class RunTime(IntEnum):
 
 
 class RunTimeFault(Exception):
-    """A run-time error; `code` as taskStatus tells it."""
+    """A run-time error; `code` as returned by taskStatus."""
 
     def __init__(self, code: RunTime, where: str) -> None:
         super().__init__(f"run-time error {int(code)}: {where}")

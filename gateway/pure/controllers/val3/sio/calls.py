@@ -1,6 +1,6 @@
 """Instructions under way: what each takes from or gives to a connection, and what a time-out or an error means for it.
 
-Source: VAL 3 manual, 3.7.2 (operators) and 3.7.3 (sioGet, sioSet).  A call waits inside its task; everybody else goes on.
+Source: VAL 3 manual, 3.7.2 (operators) and 3.7.3 (sioGet, sioSet).  A call waits inside its task; all others go on.
 """
 
 from collections.abc import Sequence

@@ -14,7 +14,7 @@ class State(Enum):
 
 
 class Connection:
-    """Knows nothing of channels; told `serve` after every change."""
+    """Knows no channels; `serve` is called after every change."""
 
     def __init__(self, number: int) -> None:
         self.number = number
@@ -25,7 +25,7 @@ class Connection:
 
     @property
     def idle(self) -> bool:
-        """Nobody waits here."""
+        """No call waits here."""
         return not self.readers and not self.writers
 
     def add(self, call: AnyCall) -> None:
@@ -59,7 +59,7 @@ class Connection:
         return [self.writers.popleft()] if self.writers and self.writers[0].took(count) else []
 
     def expire(self, now: int) -> list[AnyCall]:
-        """Calls whose time is over; nobody behind them was served before them."""
+        """Calls whose time is over; no later call was served before them."""
         late = [call for call in (*self.readers, *self.writers) if call.deadline is not None and now >= call.deadline]
         for call in late:
             call.expire(connected=True)

@@ -80,7 +80,7 @@ class SioCore:
         return done
 
     def status(self, sio: Sio) -> tuple[int, str, str]:
-        """ioStatus: 0, -1 no link, -2 a link nothing stands behind; description and physical path."""
+        """ioStatus: 0, -1 no link, -2 a link to nothing; description and physical path."""
         if sio.link is None or sio.deleted:
             return -1, "", ""
         line = self._lines.get(sio.link)
@@ -172,12 +172,12 @@ class SioCore:
         return orders
 
     def opened(self, number: int, now: Ns) -> list[AnyCall]:
-        """An ordered connection stands."""
+        """An ordered connection is established."""
         line, connection = self._find(number)
         return [] if line is None or connection is None else line.opened(connection)
 
     def refused(self, number: int, now: Ns) -> list[AnyCall]:
-        """An ordered connection could not be made; tried again while somebody waits for it (a serial line: always)."""
+        """An ordered connection could not be made; tried again while a call waits for it (a serial line: always)."""
         line, connection = self._find(number)
         return [] if line is None or connection is None else line.refused(connection, now)
 
@@ -186,7 +186,7 @@ class SioCore:
         return self._lines[name].accepted(peer)
 
     def not_listening(self, name: str, now: Ns) -> None:
-        """The server's port cannot be had; tried again while somebody waits."""
+        """The server's port cannot be had; tried again while a call waits."""
         self._lines[name].not_listening(now)
 
     def room(self, number: int) -> int:

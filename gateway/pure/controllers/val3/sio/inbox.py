@@ -21,7 +21,7 @@ class Line:
 
 
 class Inbox:
-    """Bytes that came and were not read; a mark stands before the byte whose index it holds."""
+    """Bytes that came and were not read; a mark precedes the byte whose index it holds."""
 
     def __init__(self, limit: int = READ_BUFFER) -> None:
         self._limit = limit
@@ -58,7 +58,7 @@ class Inbox:
         return self._marks[0][1] if self._marks and self._marks[0][0] == 0 else None
 
     def drop_front(self) -> None:
-        """That mark has been told."""
+        """That mark has been reported."""
         del self._marks[0]
 
     def take(self, limit: int) -> bytes:
@@ -69,7 +69,7 @@ class Inbox:
         return taken
 
     def line(self, end_of_string: int) -> Line | None:
-        """Takes one whole string, or nothing; a string with a damage inside is taken to its end and told as damaged."""
+        """Takes one whole string, or nothing; a string with a damage inside is taken to its end and reported as damaged."""
         if self._scan is None or self._scan.end_of_string != end_of_string:
             self._scan = TextScan(end_of_string)
         scan = self._scan

@@ -19,7 +19,7 @@ RETRY: Ns = ms(250)  # pause between two attempts to open (AX-182)
 
 
 class Line:
-    """Changes nothing outside itself: what has to be done stands in `orders`."""
+    """Changes nothing outside itself: what has to be done is in `orders`."""
 
     def __init__(self, channel: Channel, next_number: Callable[[], int]) -> None:
         self.channel = channel
@@ -86,7 +86,7 @@ class Line:
         return dropped, done if others else done + self.shut("closed by clearBuffer")
 
     def cancel(self, call: object) -> list[AnyCall]:
-        """Nobody waits for this call any more; those behind it move up."""
+        """This call no longer waits; those after it move up."""
         self._opening = [waiting for waiting in self._opening if waiting is not call]
         done: list[AnyCall] = []
         for connection in self.connections():
@@ -109,7 +109,7 @@ class Line:
         return done
 
     def shut(self, why: str) -> list[AnyCall]:
-        """Everything closed and nobody waiting; a serial line itself stays on."""
+        """Everything closed and no call waiting; a serial line itself stays on."""
         done = self._fail_opening(self._opening, why)
         for connection in self.connections():
             done += connection.fail(why) if self.channel.kind is Kind.SERIAL else self._close(connection, why)
@@ -143,7 +143,7 @@ class Line:
         return self._settle(connection, self._opening)
 
     def refused(self, connection: Connection, now: Ns) -> list[AnyCall]:
-        """After a pause once more, if somebody waits then."""
+        """After a pause once more, if a call waits then."""
         if connection.state is State.OPENING:
             self._retry_at = now + RETRY
             if self.channel.kind is not Kind.SERIAL:
@@ -177,7 +177,7 @@ class Line:
         return done
 
     def lost(self, connection: Connection, now: Ns) -> list[AnyCall]:
-        """Sockets: read what came, then error.  Serial: the gap is told once, the port comes back by itself."""
+        """Sockets: read what came, then error.  Serial: the gap is reported once, the port recovers by itself."""
         if connection.state is State.OPENING:
             return self.refused(connection, now)
         if self.channel.kind is not Kind.SERIAL:

@@ -1,4 +1,4 @@
-"""What the core asks of its adapter.  Connections are told apart by number; a number is never used again, except a serial line's."""
+"""Requests of the core to its adapter.  Connections are distinguished by number; a number is never used again, except a serial line's."""
 
 from dataclasses import dataclass
 

@@ -24,7 +24,7 @@ def diagnosed(partner: str, priority: str = "low") -> dict[str, Finding]:
         ("inverted", "wires crossed", "fault", "polarity"),
         ("speed-4800", "wrong speed", "fault", "the partner answers at 4800 8E1, not at 9600 8E1"),
         ("parity-odd", "wrong parity or frame", "fault", "the partner answers at 9600 8O1"),
-        ("latency-16ms", "USB latency timer", "warn", "as through a USB adapter whose latency timer stands at 16 ms"),
+        ("latency-16ms", "USB latency timer", "warn", "as through a USB adapter whose latency timer is set to 16 ms"),
         ("silent", "partner silent", "fault", "nothing answers at 9600 8E1"),
         ("slow-3s", "partner slow", "fault", "STX is answered with DLE after 3.0 s: later than"),
         ("includes-stx", "BCC off by 02h", "fault", "begins the exclusive or with STX"),
@@ -43,7 +43,7 @@ def test_the_fault_is_named_and_no_other_beside_it(partner: str, name: str, leve
 
 
 def test_both_high_is_the_same_priority_too() -> None:
-    assert diagnosed("good", "high")["same priority"].todo == 'set ours to priority = "low"'
+    assert diagnosed("good", "high")["same priority"].todo == 'set this side to priority = "low"'
 
 
 def test_no_retry_after_a_fault_hides_the_line() -> None:

@@ -19,7 +19,7 @@ def entry(kind: str, name: str = "X", id_: str = "db:10:2") -> Entry:
 def test_columns_are_as_wide_as_their_widest_word() -> None:
     assert plain(TABLE) == "Axes\n  axis  actual\n  A1    10.000\n  A22   -3.5"
     assert plain(TABLE, 8) == "Axes\n  axis  \n  A1    \n  A22   "
-    assert plain(Table("Errors", ("code",), empty="no error stands")) == "Errors\n  no error stands"
+    assert plain(Table("Errors", ("code",), empty="no error pending")) == "Errors\n  no error pending"
 
 
 def test_json_has_a_record_for_each_row() -> None:

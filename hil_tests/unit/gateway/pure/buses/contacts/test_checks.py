@@ -94,7 +94,7 @@ def test_routes_begin_and_end_in_registers_of_devices() -> None:
             "route.r.to",
             "route q writes it already",
         ),
-        (route("r", from_="DB10.DW2", to="DB30.DW2"), "route.r", "which number form"),
+        (route("r", from_="DB10.DW2", to="DB30.DW2"), "route.r", "the number format is missing"),
         (route("r", from_="DB10.DW2", type="KF", to="DB30.DW0"), "route.r.to", "overlaps the entry DW 0"),
         (route("r", from_="DB10.D0.9", to="DB30.D1.3"), "route.r.to", "overlaps the entry D 1.3"),
         (route("r", from_="DB10.DW2", type="KF", to="DB10.DW20"), "route.r.to", "two writers in one word"),
@@ -114,7 +114,7 @@ def test_routes_begin_and_end_in_registers_of_devices() -> None:
         (route("r", from_="DB10.D0.9", to="DB30.D1.0", edge="rising", pulse_ms=50), "route.r.pulse_ms", "between two of them unseen"),
         (route("r", from_="DB10.D0.9", to="A 90.0", scale=0.0), "route.r.scale", "never follows"),
         (route("r", from_="DB10.D0.9", to="A 90.0", on_loss="zero", loss_value=1.0), "route.r.loss_value", 'on_loss = "value"'),
-        (route("r", from_="DB10.D0.9", to="A 90.0", valid="cell.ready"), "route.r.valid", "a mark stands in"),
+        (route("r", from_="DB10.D0.9", to="A 90.0", valid="cell.ready"), "route.r.valid", "a mark must be in"),
         (
             route("r", from_="DB10.D0.9", to="A 90.0") + route("s", from_="DB10.D0.10", to="A 90.0"),
             "route.s.to",
@@ -166,7 +166,7 @@ DEMO_402 = read_text(find_config("demo-402", "cells"))
 @pytest.mark.parametrize(
     ("to", "to_type", "words"),
     [
-        ("A1:6041h:00", "u16", "axisgate_402.eds says it can only be read"),
+        ("A1:6041h:00", "u16", "read-only according to axisgate_402.eds"),
         ("A1:6072h:00", "u32", "is UNSIGNED16 in axisgate_402.eds"),
         ("A1:5FFFh:00", "u16", "lists no object 5FFFh:00"),
         ("A1:6072h:01", "u16", "lists no object 6072h:01"),

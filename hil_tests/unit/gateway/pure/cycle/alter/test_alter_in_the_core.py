@@ -261,7 +261,7 @@ SAYS: dict[str, list[str]] = {
     "line 5: alter_end: ends no alterable part; `alter frame NAME` begins one (VAL 3 alterEnd -1)": ["alter_end"],
     "line 5: alter: VAL 3 error 103: mdesc tvel invalid": ["alter frame - path=0"],
     "line 5: alter: frame 'nowhere' is unknown; - are known": ["alter frame nowhere"],
-    "line 5: freeze: stands in an alterable part alone": ["linear pose 400 100 50 0 0 0 freeze=yes"],
+    "line 5: freeze: is allowed in an alter section only": ["linear pose 400 100 50 0 0 0 freeze=yes"],
     "line 6: block 1: until= and labels have no place in an alterable part": ["alter frame -", "linear pose 400 100 50 0 0 0 until=464"],
     "the tool cannot change in an alterable part": [
         "tool grip 50 0 0 0 0 0",

@@ -240,7 +240,7 @@ SHARED = '[[shared_output]]\nname = "FU1"\noutput = 720\nselect = 736\nrobot = "
     [
         (OWNER, OWNER.replace('robot = "scara"\n', ""), "belt.B5.robot: allowed arm, scara: whose is it. this cell has several robots"),
         (OWNER, OWNER.replace("scara", "nobody"), "belt.B5.robot = nobody: no .*robot.* has this name; this cell has arm, scara"),
-        ('robot = ["arm", "scara"]\nfactors', 'robot = ["arm", "arm"]\nfactors', "belt.B4.robot = arm: stands twice"),
+        ('robot = ["arm", "scara"]\nfactors', 'robot = ["arm", "arm"]\nfactors', "belt.B4.robot = arm: is listed twice"),
         ("factors_of = { scara", "factors_of = { other", "belt.B4.factors_of = other: allowed arm, scara: no robot of this belt"),
         ("{ scara = [0.0, 1.0, 0.0] }", "{ scara = [0.0, 0.0, 0.0] }", "a belt that moves nothing"),
         ("# ---- drives", belt_table(8).replace("B8", "B9").replace("504", "505") + "# ---- drives", "belts of one cell"),

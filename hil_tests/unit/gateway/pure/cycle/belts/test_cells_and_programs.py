@@ -54,7 +54,7 @@ def test_a_part_of_a_program_reads_back_as_it_was_written() -> None:
 @pytest.mark.parametrize(
     ("lines", "says"),
     [
-        ("linear pose 200 150 50 0 0 0 belt=200mm", "line 5: belt: stands in a synchronous part alone"),
+        ("linear pose 200 150 50 0 0 0 belt=200mm", "line 5: belt: is allowed in a synchronous part only"),
         ("synchron_end", "line 5: synchron_end: ends no synchronous part"),
         ("synchron B1\nsynchron B2", "line 6: synchron: the part on belt B1 is not ended"),
         ("synchron B1 at=5", "line 5: at: '5': a number with mm or deg"),

@@ -7,7 +7,7 @@ from hil_tests.unit.gateway.pure.controllers.rho3.can.test_7_3_parameter_downloa
 def test_modes_1_and_3_are_told_their_segments_or_that_there_are_none() -> None:
     whole = load_cell("rho3-servodyn")
     said = {notice.where: notice.text for notice in whole.notices if "referencing mode" in notice.text}
-    assert "without decimals no turn is told apart" in said["axis 1"] and "axis 4" not in said  # mode 2
+    assert "no decimals, so turns are ambiguous" in said["axis 1"] and "axis 4" not in said  # mode 2
     text = "\n".join(str(n.text) for n in cell(False, ("gear_factor = 121.0", "gear_factor = 4.1")).notices)
     assert "10 segments of 36 degrees at the resolver, 8.78049 degrees at the axis" in text
 

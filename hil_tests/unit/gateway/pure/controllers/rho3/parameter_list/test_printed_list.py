@@ -75,7 +75,7 @@ def test_lines_nobody_needs_are_named_with_their_number() -> None:
     _, report = imported()
     ignored = "\n".join(report.ignored)
     assert "line 7: P18 're-entered': axisgate does not use it" in ignored
-    assert "line 2: 'MACHINE PARAMETERS                                     page 1': stands before the first parameter" in ignored
+    assert "line 2: 'MACHINE PARAMETERS                                     page 1': comes before the first parameter" in ignored
     assert "'end of list': no value in it" in ignored
     assert len(report.taken) + len(report.ignored) == sum(isinstance(each, Entry | Unread) for each in read(LIST))
 
@@ -165,12 +165,12 @@ def test_a_german_list_gives_its_gear_factors() -> None:
 @pytest.mark.parametrize(
     ("more", "words"),
     [
-        ("P401\nGetriebefaktor : 121.0\n", "P401 'Getriebefaktor': no axis stands before it"),
+        ("P401\nGetriebefaktor : 121.0\n", "P401 'Getriebefaktor': no axis precedes it"),
         ("P401\nA_1 Gear factor : all\n", "P401 'Gear factor': its value is no number"),
         ("P401\nA_1 Gear factor : 1.0 2.0\n", "one value is expected, 2 stand there"),
         ("P5 8 16\n", "one value is expected, 2 stand there"),
         ("P9 40.5\n", "a whole number is expected"),
-        ("P2 3\nP2 4\n", "it stood above as 3, which counts"),
+        ("P2 3\nP2 4\n", "given above as 3, which is used"),
         ("P103 all\n", "its value is no number"),
         ("P21\nX.START : 3\n", "none of I.START"),
         ("P30\nColour : 3\n", "neither input blocks"),
