@@ -109,7 +109,7 @@ def test_tabs_show_axes_signals_lines_and_errors_live(run: CellRun) -> None:
         looks = app.looks
         await until(pilot, lambda: app.looks > looks + 3, "it goes on looking")
         head = str(app.line.content)
-        assert head.startswith("see (simulated) | ") and "drives 0/2" in head and "control: nobody" in head
+        assert head.startswith("see (simulated) | ") and "drives 0/2" in head and "control: not in use" in head
         await pilot.press("4")
         await until(pilot, lambda: cells(app, "table-errors")[0][0] == "no error pending", "no error")
         held(run, "hold")

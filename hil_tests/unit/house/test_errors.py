@@ -232,5 +232,5 @@ GOOD = {"family": "x", "title": ["a", "b"], "default": {key: ["a", "b"] for key 
 def test_a_table_that_is_wrong_is_named(row: dict[str, object], said: str) -> None:
     with pytest.raises(CatalogueError, match=said):
         family_of({**GOOD, "error": [row]})
-    with pytest.raises(CatalogueError, match="x 7: stands twice"):
+    with pytest.raises(CatalogueError, match="x 7: defined twice"):
         family_of({**GOOD, "error": [{"number": 7, "text": ["a", "b"]}] * 2})

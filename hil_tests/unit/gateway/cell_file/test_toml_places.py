@@ -53,7 +53,7 @@ def test_written_keys_are_found_by_name_number_and_place() -> None:
         ("speed = 1,5\n", 1, "decimal point"),
         ("drive = servodyn\n", 1, 'texts in "quotes"'),
         ("format: 1\n", 1, "key = value"),
-        ("a = 1\na = 2\n", 2, "stands in the file already"),
+        ("a = 1\na = 2\n", 2, "is already in the file"),
         ("a = [ 1,\n2\n", 2, ""),
     ],
 )

@@ -175,7 +175,7 @@ def test_a_place_as_an_encoder_shows_it_that_counted_round_meanwhile_is_told(
     assert "unless the axis was turned" in first and len(others) == len(CELL.axis) - 1
     assert "by -4096 turns" in judged(-4096.1)[0] and "by +1024 turns" not in judged(1024.0)[0], "by the range that is usual"
     told = [notice.text for notice in CELL.notices if notice.where == "axis.M.home"]
-    assert len(told) == 1 and "is told where it may be" in told[0]
+    assert len(told) == 1 and "reports where this may be" in told[0]
 
 
 @pytest.mark.parametrize(

@@ -56,7 +56,7 @@ def test_one_answer_decides_its_line_and_the_worst_line_decides_the_whole(key: s
         ("axes", "0", "a number from 1 to 99"),
         ("axes", "six", "a number from 1 to 99"),
         ("p15", "three", "numbers with commas"),
-        ("risk", "", "a name, or nobody is needed"),
+        ("risk", "", "a name, or none is needed"),
         ("plc", "", "(nothing): one of rk512"),
     ],
 )
