@@ -33,7 +33,7 @@ def rc_numbers(cell: Cell) -> RcNumbers:
 
 
 def assumed_permits(cell: Cell) -> Permit:
-    """Enabling inputs the cell says are not wired here and count as 1."""
+    """Enabling inputs that the cell declares as not wired; they count as 1."""
     permits = Permit(0)
     for name in cell.rc_inputs.assume:
         permits |= ASSUMED[INPUT_SIGNALS.get(name.upper(), name.lower())]

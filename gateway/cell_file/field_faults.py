@@ -174,7 +174,7 @@ def _near(word: str, known: Sequence[str]) -> str:
 
 def _missing(path: Path, span: str, unit: str) -> str:
     if path[-1] == "type" and "entries" in path:
-        return f"missing: every entry says how the number is written, there is no default; types are {', '.join(get_args(NumberForm))}"
+        return f"missing: each entry needs the number format, there is no default; types are {', '.join(get_args(NumberForm))}"
     what = " ".join(word for word in (span, unit if "{u}" not in unit else "") if word)
     return f"missing{f' ({what})' if what else ''}"
 

@@ -46,7 +46,7 @@ GENUINE = re.compile(  # the field's own use of a word
     re.IGNORECASE,
 )
 QUOTED = re.compile(r'"(?:\\.|[^"\\\n])*"')  # the page's texts are in double quotes, so that they can be translated
-KEY = re.compile(r'^\s*(?:[\w-]+|"[^"]*")(?:\.[\w-]+)*\s*=', re.MULTILINE)
+KEY = re.compile(r'^\s*(?:(?:[\w-]+|"[^"]*")(?:\.[\w-]+)*\s*=|\[+[^]"]*\]+)', re.MULTILINE)
 TAG = re.compile(r"<[^>]*>", re.DOTALL)
 
 

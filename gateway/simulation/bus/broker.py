@@ -1,6 +1,6 @@
 """The local bus as a process: python -m gateway.simulation.bus.broker --name NAME [--log FILE].
 
-One thread, one epoll: a plain bus hands frames over at once, one with --bitrate takes the time of a wire (wired_broker).
+One thread, one epoll: a plain bus passes frames on at once, one with --bitrate takes the time of a wire (wired_broker).
 """
 
 import argparse

@@ -49,7 +49,7 @@ class Side:
         os.replace(fresh, self.link)
 
     def take(self, wire: bytes) -> bool:
-        """Characters for the reader; False: nobody reads, so much waits there already that these are lost, as in a UART."""
+        """Characters for the reader; False: there is no reader and so much waits there already that these are lost, as in a UART."""
         if int.from_bytes(fcntl.ioctl(self._slave, termios.FIONREAD, bytes(4)), sys.byteorder) > UNREAD_LIMIT:
             return False
         try:
@@ -58,7 +58,7 @@ class Side:
             return False
 
     def remove(self) -> None:
-        """Whoever has the pty open is hung up; twice does no harm."""
+        """Hangs up the program that has the pty open; twice does no harm."""
         if not self.inserted:
             return
         with contextlib.suppress(FileNotFoundError):
@@ -146,7 +146,7 @@ class Line:
             self._epoll.unregister(fd)
 
     def run(self) -> None:
-        """Until told to stop."""
+        """Until stopped."""
         while not self.stopping:
             ready = self._epoll.poll(RECORD_IDLE_S if self.recorder.waiting else -1)
             if not ready:

@@ -20,7 +20,7 @@ export function mount(root, { t, cell }) {
     h("section", { class: "card w6" }, h("h2", {}, t("Data blocks")), made(plain([["number", "number", true], ["kind", "type"], ["words", "words", true], ["writer", "writer"], ["line", "line"], ["comment", "comment"]]), cell.blocks.map((row, i) => ({ ...row, i })), (row) => row.i),
       cell.routes?.length ? h("h2", { style: "margin-top:.8rem" }, t("Routes")) : null, cell.routes?.length ? made(plain([["name", "name"], ["from", "from"], ["to", "to"], ["edge", "edge"], ["on_loss", "on loss"]]), cell.routes.map((row, i) => ({ ...row, i })), (row) => row.i) : null,
       h("h2", { style: "margin-top:.8rem" }, t("Evidence")), made([{ title: t("what"), cell: text((row) => say(row.what)) }, { title: t("level"), cell: (row, td) => td.append(chip("warn", t(row.level))) }, { title: t("by"), cell: text((row) => say(row.why)) }], cell.evidence, (row) => `${row.what[0]} ${row.why[0]}`)),
-    h("section", { class: "card w12" }, h("div", { class: "bar spread" }, h("h2", { style: "margin:0" }, t("Wiring sheet")), h("button", { type: "button", onclick: () => print() }, t("Print"))), made(plain([["from", "from"], ["to", "to"], ["how", "how"], ["signal", "signal"]]), cell.wiring.map((row, i) => ({ ...row, i })), (row) => row.i))));
+    h("section", { class: "card w12" }, h("div", { class: "bar spread" }, h("h2", { style: "margin:0" }, t("Wiring table")), h("button", { type: "button", onclick: () => print() }, t("Print"))), made(plain([["from", "from"], ["to", "to"], ["how", "how"], ["signal", "signal"]]), cell.wiring.map((row, i) => ({ ...row, i })), (row) => row.i))));
   for (const table of root.querySelectorAll("td")) if (table.childNodes.length > 1) table.replaceChildren(table.firstChild);
   return {};
 }

@@ -118,7 +118,7 @@ def test_every_word_of_the_line_decoder_and_of_line_faults_has_german() -> None:
         assert german(words) != words
     for stage in STAGES.values():
         for why in FAILED.values():
-            said = german(f"plc1: a block of ours is sent again: {why} {stage}")
+            said = german(f"plc1: an own block is sent again: {why} {stage}")
             assert stage not in said and why not in said and said.startswith("plc1: ein eigener Block wird wiederholt: ")
 
 

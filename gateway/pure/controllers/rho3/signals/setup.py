@@ -1,4 +1,4 @@
-"""What a cell says of its rho 3: programs, bit numbers, boards, parameters."""
+"""Settings of a cell for its rho 3: programs, bit numbers, boards, parameters."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -27,7 +27,7 @@ class Declared:
 
 @dataclass(frozen=True, slots=True)
 class Setup:
-    """What the cell says; bit numbers as this cell has them."""
+    """Settings from the cell; bit numbers of this cell."""
 
     installation: Installation = Installation()
     numbers: Numbers = AS_SHIPPED
