@@ -15,11 +15,9 @@ from gateway.cycle.native.foresight import QuickForesight
 from gateway.pure.cycle.axis import CoreAxis, HeldAxis
 from gateway.pure.cycle.axis_loops import PYTHON, AxisLoops
 from gateway.pure.image.records.cell import (
-    AXIS_NAMES,
+    AXIS,
     FLAGS,
-    STATE_AXIS,
-    STATE_HEAD,
-    STATE_NAMES,
+    STATE,
     AxisState,
     CellState,
     cell_state_packer,
@@ -132,8 +130,7 @@ class NativeParts:
         memory = self._memory
         if memory is None:
             return cell_state_packer(axes)
-        codes, each = STATE_HEAD.format[1:], STATE_AXIS.format[1:]
-        packing = memory.packing(CellState, AxisState, STATE_NAMES, codes, AXIS_NAMES, each, axes, cell_state_size(axes))
+        packing = memory.packing(CellState, AxisState, STATE.names, STATE.codes, AXIS.names, AXIS.codes, axes, cell_state_size(axes))
         pack = memory.pack
 
         def packer(state: CellState) -> bytes:

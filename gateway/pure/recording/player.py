@@ -15,7 +15,7 @@ from gateway.pure.cycle.core import CycleLogic
 from gateway.pure.image.fast_inputs import FastWires
 from gateway.pure.image.records.cell import (
     RC_BYTES,
-    STATE_NAMES,
+    STATE,
     CellState,
     InputImage,
     pack_cell_state,
@@ -199,7 +199,7 @@ class Player:
 
 
 def _fields(expected: CellState, got: CellState, axes: Sequence[str]) -> Iterator[tuple[str, object, object]]:
-    for name in STATE_NAMES:
+    for name in STATE.names:
         was, now = getattr(expected, name), getattr(got, name)
         if name not in NOT_COMPARED and not _same(was, now):
             yield f"cell.{name}", was, now

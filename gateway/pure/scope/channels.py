@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from gateway.pure.image.addresses import Direction
-from gateway.pure.image.records.cell import RC_BYTES, STATE_AXIS, STATE_HEAD, STATE_NAMES, AxisFlag
+from gateway.pure.image.records.cell import AXIS, RC_BYTES, STATE, AxisFlag
 from gateway.pure.image.signals import SignalList
 from gateway.pure.scope.records import INPUTS_AT, OUTPUTS_AT
 from motion.geometry.units import to_si
@@ -40,9 +40,8 @@ class AxisFact:
     unit: str
 
 
-_VALUES = ("actual", "set", "speed", "lag", "torque")  # doubles in the order of an axis record
-_NUMBERS = {"fault_code": (42, "H"), "power": (44, "B")}  # behind five doubles and the flags
-_FLAGS_AT = 40
+_VALUES = ("actual", "set", "speed", "lag", "torque")
+_NUMBERS = ("fault_code", "power")
 _CELL = {"override": (100.0, "%"), "progress": (100.0, "%"), "compute_us": (1e-3, "us"), "belt": (1e3, "mm"), "belt_speed": (1e3, "mm/s")}
 _CELL_NAMES = {
     "override": "override", "progress": "progress", "compute_us": "compute_ns", "motion": "motion", "job": "job", "ready": "ready",
@@ -50,7 +49,7 @@ _CELL_NAMES = {
     "permits": "permits", "piece": "piece", "belt": "belt", "belt_speed": "belt_speed",
 }  # fmt: skip
 _STAMP = struct.Struct("=q").unpack_from
-_STAMP_AT = struct.calcsize("=" + STATE_HEAD.format.lstrip("=")[: STATE_NAMES.index("sync_ns")])
+_STAMP_AT = STATE.offset("sync_ns")
 FLAGS = {flag.name.lower(): flag for flag in AxisFlag if flag.name}
 
 
@@ -80,14 +79,13 @@ def _axis_channel(name: str, axis: str, value: str, axes: Sequence[AxisFact]) ->
     place = next((number for number, fact in enumerate(axes) if fact.name == axis), None)
     if place is None:
         raise ChannelError(f"{name}: no axis {axis}; {', '.join(fact.name for fact in axes)}")
-    at = STATE_HEAD.size + place * STATE_AXIS.size
+    at = STATE.size + place * AXIS.size
     if value in _VALUES:
-        return _double(name, at + 8 * _VALUES.index(value), value, axes[place].unit)
+        return _double(name, at + AXIS.offset(value), value, axes[place].unit)
     if value in _NUMBERS:
-        offset, form = _NUMBERS[value]
-        return Channel(name, "", _reader(f"={form}", at + offset, 1.0))
+        return Channel(name, "", _reader(f"={AXIS.code(value)}", at + AXIS.offset(value), 1.0))
     if value in FLAGS:
-        return Channel(name, "", _flag(at + _FLAGS_AT, int(FLAGS[value])))
+        return Channel(name, "", _flag(at + AXIS.offset("flags"), int(FLAGS[value])))
     raise ChannelError(f"{name}: no value {value}; {', '.join((*_VALUES, *_NUMBERS, *FLAGS))}")
 
 
@@ -101,10 +99,9 @@ def _double(name: str, at: int, value: str, unit: str) -> Channel:
 def _cell_channel(name: str, value: str) -> Channel:
     if value not in _CELL_NAMES:
         raise ChannelError(f"{name}: no value {value}; {', '.join(_CELL_NAMES)}")
-    number = STATE_NAMES.index(_CELL_NAMES[value])
-    codes = STATE_HEAD.format.lstrip("=")
+    field = _CELL_NAMES[value]
     factor, unit = _CELL.get(value, (1.0, ""))
-    return Channel(name, unit, _reader(f"={codes[number]}", struct.calcsize(f"={codes[:number]}"), factor))
+    return Channel(name, unit, _reader(f"={STATE.code(field)}", STATE.offset(field), factor))
 
 
 def _bit_channel(name: str, area: str, number: str) -> Channel:

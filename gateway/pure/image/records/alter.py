@@ -1,7 +1,9 @@
 """alterBegin through the pieces ring: parameters of an alter section for the cycle.  NaN-free doubles; until: -1 none."""
 
-import struct
+from dataclasses import dataclass
+from typing import Annotated
 
+from gateway.pure.image.records.layout import F64, I32, U8, U32, Code, Layout, Yes
 from gateway.pure.image.records.planner import Part, PieceRecord
 from motion.execution.pieces import RECORD_SIZE
 from motion.geometry.frames import Pose
@@ -10,36 +12,59 @@ from motion.sync.alter import Reference
 from motion.sync.alterable import AlterOrder
 
 FREEZE = -2  # number of an output mark that is none: from this place on the correction stays as it is
-_ORDER = struct.Struct("=?i?IB 5d 12d 12d")
+Numbers = tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Altered:
+    """An AlterOrder as the ring holds it."""
+
+    of_tool: Yes
+    number: I32  # of the input that ends it, -1: none
+    level: Yes
+    block: U32
+    kinematic: U8
+    speed: F64
+    path: F64
+    turn: F64
+    accel: F64
+    decel: F64
+    frame: Annotated[Numbers, Code("12d")]
+    tool: Annotated[Numbers, Code("12d")]
+
+
+_ORDER = Layout(_Altered)
 
 
 def alter_record(job: int, generation: int, order: AlterOrder) -> PieceRecord:
     """As a record of the pieces ring."""
     until = order.until
-    head = (
+    altered = _Altered(
         order.reference is Reference.TOOL,
         -1 if until is None else until.number,
         until is not None and until.value,
         order.block,
         order.kinematic,
+        *(order.speed, order.path, order.turn, order.accel, order.decel),
+        frame=_flat(order.frame),
+        tool=_flat(order.tool),
     )
-    numbers = (order.speed, order.path, order.turn, order.accel, order.decel)
-    body = _ORDER.pack(*head, *numbers, *_flat(order.frame), *_flat(order.tool))
-    return PieceRecord(Part.ALTER, job, generation, body.ljust(RECORD_SIZE, b"\0"))
+    return PieceRecord(Part.ALTER, job, generation, _ORDER.pack(altered).ljust(RECORD_SIZE, b"\0"))
 
 
 def alter_of(record: PieceRecord) -> AlterOrder:
     """The reverse of alter_record."""
-    of_tool, number, value, block, kinematic, speed, path, turn, accel, decel, *poses = _ORDER.unpack_from(record.piece)
-    kind = Reference.TOOL if of_tool else Reference.FRAME
-    until = None if number < 0 else Until(number, value)
-    return AlterOrder(kind, _pose(poses[:12]), speed, path, turn, accel, decel, _pose(poses[12:]), until, block, kinematic)
+    at = _ORDER.unpack(record.piece)
+    kind = Reference.TOOL if at.of_tool else Reference.FRAME
+    until = None if at.number < 0 else Until(at.number, at.level)
+    numbers = (at.speed, at.path, at.turn, at.accel, at.decel)
+    return AlterOrder(kind, _pose(at.frame), *numbers, _pose(at.tool), until, at.block, at.kinematic)
 
 
-def _flat(pose: Pose) -> tuple[float, ...]:
+def _flat(pose: Pose) -> Numbers:
     return (*pose.position, *pose.rotation)
 
 
-def _pose(values: list[float]) -> Pose:
+def _pose(values: Numbers) -> Pose:
     x, y, z, a, b, c, d, e, f, g, h, i = values
     return Pose((x, y, z), (a, b, c, d, e, f, g, h, i))

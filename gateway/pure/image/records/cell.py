@@ -8,8 +8,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import IntEnum, IntFlag
 from operator import attrgetter
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
+from gateway.pure.image.records.layout import F64, I64, U8, U16, U32, U64, Code, Layout
 from motion.execution.pieces import MAX_AXES
 
 MOST_AXES = MAX_AXES  # of one cell (AX-572)
@@ -54,6 +55,7 @@ class AxisFlag(IntFlag):
     UNCONFIGURED = 256  # the drive has not been started up by the master yet: it cannot be switched on
 
 
+OneByteBool = Annotated[bool, Code("B", bool)]
 FLAGS = tuple(AxisFlag(bits) for bits in range(1 << len(AxisFlag)))  # arithmetic of enum flags costs microseconds, a table nothing
 
 
@@ -61,60 +63,60 @@ FLAGS = tuple(AxisFlag(bits) for bits in range(1 << len(AxisFlag)))  # arithmeti
 class AxisState:
     """One axis as the cycle sees it; rad or m, rad/s or m/s, torque as a share of rated."""
 
-    actual: float = 0.0
-    set: float = 0.0
-    speed: float = 0.0
-    lag: float = 0.0
-    torque: float = 0.0
-    flags: AxisFlag = AxisFlag(0)
-    fault_code: int = 0
-    power: int = 0
-    finding: int = 0  # 647, 648 (drivers.drives.tracking), 0: none
-    measured: float = 0.0  # @MPOS, where measured_mask has the axis
+    actual: F64 = 0.0
+    set: F64 = 0.0
+    speed: F64 = 0.0
+    lag: F64 = 0.0
+    torque: F64 = 0.0
+    flags: Annotated[AxisFlag, Code("H", FLAGS.__getitem__)] = AxisFlag(0)
+    fault_code: U16 = 0
+    power: U8 = 0
+    finding: U16 = 0  # 647, 648 (drivers.drives.tracking), 0: none
+    measured: F64 = 0.0  # @MPOS, where measured_mask has the axis
 
 
 @dataclass(slots=True)
 class CellState:
     """What the cycle publishes once per SYNC."""
 
-    cycle: int = 0  # SYNCs sent since this cycle process started
-    sync_ns: int = NEVER
-    generation: int = 0  # new for every cycle process: orders for an older one are dropped
-    motion: Motion = Motion.IDLE
-    override: float = 0.0
-    job: int = 0  # id of the order that moves the axes now, 0: none
-    progress: float = 0.0  # s of the running piece, 0..1
-    done_job: int = 0  # last order that ended well
-    failed_job: int = 0  # last order that ended badly; failure() also knows those before it
-    failed_reason: int = 0
-    taken: int = 0  # last order id taken from the ring
-    emergency: bool = False  # emergency-stop latch
-    ready: bool = False
-    permits: int = 0  # Permit bits: which enabling inputs stand
-    stop_cause: int = 0  # Reason number of the last stop the cycle made by itself
-    skipped: int = 0  # grid instants without SYNC
-    incomplete: int = 0  # cycles in which not every actual value came
-    late: int = 0  # telegrams that came in the cycle after theirs
-    services_lost: int = 0  # times the services' life stood still
-    piece: int = 0  # id of the planner's piece under way, 0: none
-    compute_ns: int = 0  # time of the last cycle from the last actual value to set values ready
-    parts: int = 0  # parts of programs that are over: the axes rest, and the planner goes on from where they stand
-    engaged: float = 0.0  # belt value (m or rad) at which the robot got onto its belt last
-    belt: float = 0.0  # counter of the belt under way, or of the first one; m or rad
-    belt_speed: float = 0.0
-    belt_code: int = 0  # last fault of a synchronous part: number of the rho 3, or 65001 .. (AX-545, AX-547)
-    belt_block: int = 0  # and its block in the program
-    belt_axis: int = 0  # and the axis, from 1; also of a servo error (AX-549)
-    met: bool = False  # the last part with an input ended by it
-    path_stop: int = 0  # function of the path that was stopped last, or was still in use (plannerrecords.function_words), 0: none
-    drive_axis: int = 0  # axis (from 1) for whose drive-on the last program ended, 0: none
-    measured_mask: int = 0  # axes (bit n-1 = axis n) whose position the program under way, or the last one, has measured
-    failed_2: int = 0  # the three that ended badly before failed_job, newest first: several may fail in one cycle (AX-514)
-    reason_2: int = 0
-    failed_3: int = 0
-    reason_3: int = 0
-    failed_4: int = 0
-    reason_4: int = 0
+    cycle: U64 = 0  # SYNCs sent since this cycle process started
+    sync_ns: I64 = NEVER
+    generation: U64 = 0  # new for every cycle process: orders for an older one are dropped
+    motion: Annotated[Motion, Code("B", Motion)] = Motion.IDLE
+    override: F64 = 0.0
+    job: U64 = 0  # id of the order that moves the axes now, 0: none
+    progress: F64 = 0.0  # s of the running piece, 0..1
+    done_job: U64 = 0  # last order that ended well
+    failed_job: U64 = 0  # last order that ended badly; failure() also knows those before it
+    failed_reason: U16 = 0
+    taken: U64 = 0  # last order id taken from the ring
+    emergency: OneByteBool = False  # emergency-stop latch
+    ready: OneByteBool = False
+    permits: U8 = 0  # Permit bits: which enabling inputs stand
+    stop_cause: U16 = 0  # Reason number of the last stop the cycle made by itself
+    skipped: U64 = 0  # grid instants without SYNC
+    incomplete: U64 = 0  # cycles in which not every actual value came
+    late: U64 = 0  # telegrams that came in the cycle after theirs
+    services_lost: U64 = 0  # times the services' life stood still
+    piece: U64 = 0  # id of the planner's piece under way, 0: none
+    compute_ns: U64 = 0  # time of the last cycle from the last actual value to set values ready
+    parts: U64 = 0  # parts of programs that are over: the axes rest, and the planner goes on from where they stand
+    engaged: F64 = 0.0  # belt value (m or rad) at which the robot got onto its belt last
+    belt: F64 = 0.0  # counter of the belt under way, or of the first one; m or rad
+    belt_speed: F64 = 0.0
+    belt_code: U16 = 0  # last fault of a synchronous part: number of the rho 3, or 65001 .. (AX-545, AX-547)
+    belt_block: U32 = 0  # and its block in the program
+    belt_axis: U8 = 0  # and the axis, from 1; also of a servo error (AX-549)
+    met: OneByteBool = False  # the last part with an input ended by it
+    path_stop: U16 = 0  # function of the path that was stopped last, or was still in use (plannerrecords.function_words), 0: none
+    drive_axis: U8 = 0  # axis (from 1) for whose drive-on the last program ended, 0: none
+    measured_mask: U32 = 0  # axes (bit n-1 = axis n) whose position the program under way, or the last one, has measured
+    failed_2: U64 = 0  # the three that ended badly before failed_job, newest first: several may fail in one cycle (AX-514)
+    reason_2: U16 = 0
+    failed_3: U64 = 0
+    reason_3: U16 = 0
+    failed_4: U64 = 0
+    reason_4: U16 = 0
     axes: list[AxisState] = field(default_factory=lambda: [AxisState() for _ in range(MOST_AXES)])  # published: those of the cell
 
     def fail(self, job: int, reason: int) -> None:
@@ -140,28 +142,20 @@ class CellState:
         return next((reason for failed, reason in told if failed == job), 0)
 
 
-STATE_NAMES = (
-    "cycle", "sync_ns", "generation", "motion", "override", "job", "progress", "done_job", "failed_job", "failed_reason", "taken",
-    "emergency", "ready", "permits", "stop_cause", "skipped", "incomplete", "late", "services_lost", "piece", "compute_ns",
-    "parts", "engaged", "belt", "belt_speed", "belt_code", "belt_block", "belt_axis", "met", "path_stop", "drive_axis", "measured_mask",
-    "failed_2", "reason_2", "failed_3", "reason_3", "failed_4", "reason_4",
-)  # fmt: skip
-AXIS_NAMES = ("actual", "set", "speed", "lag", "torque", "flags", "fault_code", "power", "finding", "measured")
-STATE_HEAD = struct.Struct("=QqQBdQdQQHQBBBHQQQQQQQdddHIBBHBIQHQHQH")
-STATE_AXIS = struct.Struct("=dddddHHBHd")  # flags, fault code (CiA 402: 16 bits), power, finding, measured
-CELL_STATE_LAYOUT = f"cell-state/2 {STATE_HEAD.format} axes x {STATE_AXIS.format}"
+STATE, AXIS = Layout(CellState, "cell-state/2"), Layout(AxisState)
+CELL_STATE_LAYOUT = f"{STATE.text} axes x {AXIS.struct.format}"
 
 
 def cell_state_size(axes: int) -> int:
     """Bytes of the packed state of a cell of so many axes: a cycle copies those it has, not those there may be."""
-    return STATE_HEAD.size + axes * STATE_AXIS.size
+    return STATE.size + axes * AXIS.size
 
 
 def cell_state_packer(axes: int) -> Callable[[CellState], bytes]:
     """Packs the first `axes` of a state, which has no fewer: cell_state_size(axes) bytes."""
-    pack = struct.Struct(f"{STATE_HEAD.format}{STATE_AXIS.format[1:] * axes}").pack
-    head = attrgetter(*STATE_NAMES)
-    axis = attrgetter(*AXIS_NAMES)
+    pack = struct.Struct(f"={STATE.codes}{AXIS.codes * axes}").pack
+    head = attrgetter(*STATE.names)
+    axis = attrgetter(*AXIS.names)
 
     def packer(state: CellState) -> bytes:
         values = [*head(state)]
@@ -179,15 +173,8 @@ def pack_cell_state(state: CellState) -> bytes:
 
 def unpack_cell_state(data: bytes) -> CellState:
     """The reverse of pack_cell_state: as many axes as were packed."""
-    axes = []
-    for actual, set_, speed, lag, torque, flags, *rest in STATE_AXIS.iter_unpack(memoryview(data)[STATE_HEAD.size :]):
-        axes.append(AxisState(actual, set_, speed, lag, torque, FLAGS[flags], *rest))
-    state = CellState(axes=axes)
-    for name, value in zip(STATE_NAMES, STATE_HEAD.unpack_from(data), strict=True):
-        setattr(state, name, value)
-    state.motion, state.emergency, state.ready = Motion(state.motion), bool(state.emergency), bool(state.ready)
-    state.met = bool(state.met)
-    return state
+    rest = memoryview(data)
+    return STATE.unpack(data, [AXIS.unpack(rest[at : at + AXIS.size]) for at in range(STATE.size, len(data), AXIS.size)])
 
 
 class Order(IntEnum):
@@ -220,7 +207,21 @@ class OrderRecord:
     piece: bytes = b""
 
 
-_ORDER = struct.Struct("=HHIQQdI4x")
+@dataclass(frozen=True, slots=True)
+class _OrderHead:
+    """The packed part of a record; the piece follows."""
+
+    order: Annotated[Order, Code("H", Order)]
+    reason: U16
+    mask: U32
+    job: U64
+    generation: U64
+    value: F64
+    size: Annotated[int, Code("I4x")]  # of the piece
+
+
+_ORDER = Layout(_OrderHead, "orders/2")
+ORDER_LAYOUT = _ORDER.text
 
 
 def order_size(piece_size: int) -> int:
@@ -228,21 +229,19 @@ def order_size(piece_size: int) -> int:
     return _ORDER.size + piece_size
 
 
-ORDER_LAYOUT = f"orders/2 {_ORDER.format}"
-
-
 def pack_order(record: OrderRecord, piece_size: int) -> bytes:
     """OrderRecord as order_size(piece_size) bytes."""
     if len(record.piece) > piece_size:
         raise ValueError(f"piece of {len(record.piece)} bytes; {piece_size} fit")
-    head = _ORDER.pack(record.order, record.reason, record.mask, record.job, record.generation, record.value, len(record.piece))
-    return head + record.piece.ljust(piece_size, b"\0")
+    head = _OrderHead(record.order, record.reason, record.mask, record.job, record.generation, record.value, len(record.piece))
+    return _ORDER.pack(head) + record.piece.ljust(piece_size, b"\0")
 
 
 def unpack_order(data: bytes) -> OrderRecord:
     """The reverse of pack_order."""
-    order, reason, mask, job, generation, value, size = _ORDER.unpack_from(data)
-    return OrderRecord(Order(order), job, generation, mask, value, reason, bytes(data[_ORDER.size : _ORDER.size + size]))
+    head = _ORDER.unpack(data)
+    piece = bytes(data[_ORDER.size : _ORDER.size + head.size])
+    return OrderRecord(head.order, head.job, head.generation, head.mask, head.value, head.reason, piece)
 
 
 class Quality(IntEnum):
@@ -257,28 +256,27 @@ class Quality(IntEnum):
 class InputImage:
     """RC inputs: value, quality and stamp of each byte; a byte belongs to one command source."""
 
-    values: bytearray = field(default_factory=lambda: bytearray(RC_BYTES))
-    quality: bytearray = field(default_factory=lambda: bytearray(RC_BYTES))
-    stamps: list[int] = field(default_factory=lambda: [NEVER] * RC_BYTES)
+    values: Annotated[bytearray, Code(f"{RC_BYTES}s", bytearray, bytes)] = field(default_factory=lambda: bytearray(RC_BYTES))
+    quality: Annotated[bytearray, Code(f"{RC_BYTES}s", bytearray, bytes)] = field(default_factory=lambda: bytearray(RC_BYTES))
+    stamps: Annotated[list[int], Code(f"{RC_BYTES}q", list)] = field(default_factory=lambda: [NEVER] * RC_BYTES)
 
     def bit(self, number: int) -> bool:
         """Bit N of the image whatever its quality."""
         return bool(self.values[number >> 3] >> (number & 7) & 1)
 
 
-_INPUT = struct.Struct(f"={RC_BYTES}s{RC_BYTES}s{RC_BYTES}q")
-INPUT_SIZE = _INPUT.size
-INPUT_LAYOUT = f"rc-in/1 {_INPUT.format}"
+_INPUT = Layout(InputImage, "rc-in/1")
+INPUT_SIZE, INPUT_LAYOUT = _INPUT.size, _INPUT.text
 
 
 def pack_inputs(image: InputImage) -> bytes:
-    """InputImage as INPUT_SIZE bytes."""
-    return _INPUT.pack(bytes(image.values), bytes(image.quality), *image.stamps)
+    """InputImage as INPUT_SIZE bytes; by hand, it is done in every cycle."""
+    return _INPUT.struct.pack(bytes(image.values), bytes(image.quality), *image.stamps)
 
 
 def unpack_inputs(data: bytes) -> InputImage:
     """The reverse of pack_inputs."""
-    values, quality, *stamps = _INPUT.unpack(data)
+    values, quality, *stamps = _INPUT.struct.unpack(data)
     return InputImage(bytearray(values), bytearray(quality), stamps)
 
 
@@ -320,45 +318,47 @@ class AsideRecord(NamedTuple):
     stamp_ns: int = 0
 
 
-_ASIDE = struct.Struct("=BBHB3x8sq")
-ASIDE_BYTES, ACYCLIC_RECORDS, HEARD_RECORDS = _ASIDE.size, 1024, 8192
-ASIDE_LAYOUT = f"aside/1 {_ASIDE.format}"
+@dataclass(frozen=True, slots=True)
+class _AsideBytes:
+    """An AsideRecord as the ring holds it."""
+
+    kind: Annotated[Aside, Code("B", Aside)]
+    bus: U8
+    identifier: U16
+    size: Annotated[int, Code("B3x")]
+    data: Annotated[bytes, Code("8s")]
+    stamp_ns: I64
+
+
+_ASIDE = Layout(_AsideBytes, "aside/1")
+ASIDE_BYTES, ACYCLIC_RECORDS, HEARD_RECORDS, ASIDE_LAYOUT = _ASIDE.size, 1024, 8192, _ASIDE.text
 
 
 def pack_aside(record: AsideRecord) -> bytes:
-    """AsideRecord as ASIDE_BYTES bytes; data has at most 8."""
+    """AsideRecord as ASIDE_BYTES bytes; data has at most 8. By hand: it is done for every frame."""
     kind, bus, identifier, data, stamp = record
-    return _ASIDE.pack(kind, bus, identifier, len(data), data, stamp)
+    return _ASIDE.struct.pack(kind, bus, identifier, len(data), data, stamp)
 
 
 def unpack_aside(data: bytes) -> AsideRecord:
     """The reverse of pack_aside."""
-    kind, bus, identifier, size, octets, stamp = _ASIDE.unpack(data)
+    kind, bus, identifier, size, octets, stamp = _ASIDE.struct.unpack(data)
     return AsideRecord(Aside(kind), bus, identifier, octets[:size], stamp)
-
-
-_TRACE = struct.Struct("=Qqqqqq")
-TRACE_BYTES, TRACE_RECORDS = _TRACE.size, 8192
-TRACE_LAYOUT = f"cycle-trace/1 {_TRACE.format}"
 
 
 @dataclass(frozen=True, slots=True)
 class Trace:
     """One cycle as its own clock saw it; ns."""
 
-    cycle: int
-    due: int
-    sent: int  # SYNC handed to the bus
-    answered: int  # last actual value in, or patience over
-    ready: int  # set values for the next SYNC prepared
-    missing: int  # telegrams
+    cycle: U64
+    due: I64
+    sent: I64  # SYNC handed to the bus
+    answered: I64  # last actual value in, or patience over
+    ready: I64  # set values for the next SYNC prepared
+    missing: I64  # telegrams
 
 
-def pack_trace(cycle: int, due: int, sent: int, answered: int, ready: int, missing: int) -> bytes:
-    """A record of the cycle's trace ring."""
-    return _TRACE.pack(cycle, due, sent, answered, ready, missing)
-
-
-def unpack_trace(data: bytes) -> Trace:
-    """The reverse of pack_trace."""
-    return Trace(*_TRACE.unpack(data))
+_TRACE = Layout(Trace, "cycle-trace/1")
+TRACE_BYTES, TRACE_RECORDS, TRACE_LAYOUT = _TRACE.size, 8192, _TRACE.text
+pack_trace = _TRACE.struct.pack  # of the fields themselves: it is called in every cycle
+unpack_trace = _TRACE.unpack

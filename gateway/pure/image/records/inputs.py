@@ -1,21 +1,19 @@
 """Fast start-off and flying measurement as records of the pieces ring (AX-328, AX-329)."""
 
-import struct
 from dataclasses import dataclass
 
+from gateway.pure.image.records.layout import F64, I32, U32, U64, Layout, Yes
 from gateway.pure.image.records.planner import Part, PieceRecord
 from motion.execution.pieces import RECORD_SIZE
-
-_START, _FLYING = struct.Struct("=i?d"), struct.Struct("=QdiiI??I")
 
 
 @dataclass(frozen=True, slots=True)
 class StartOrder:
     """The part that follows begins when RC input `number` has this value, and so long (s) after it."""
 
-    number: int
-    level: bool
-    delay_s: float = 0.0
+    number: I32
+    level: Yes
+    delay_s: F64 = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,26 +30,45 @@ class FlyingAt:
     drives: int = 0
 
 
+@dataclass(frozen=True, slots=True)
+class _Flying:
+    """A FlyingAt as the ring holds it."""
+
+    piece: U64
+    after: F64
+    channel: I32
+    number: I32
+    mask: U32
+    on: Yes
+    positive: Yes
+    drives: U32
+
+
+_START, _FLYING = Layout(StartOrder), Layout(_Flying)
+
+
 def start_record(job: int, generation: int, order: StartOrder) -> PieceRecord:
     """As a record of the pieces ring."""
-    return _record(Part.START, job, generation, _START.pack(order.number, order.level, order.delay_s))
+    return _record(Part.START, job, generation, _START.pack(order))
 
 
 def start_of(record: PieceRecord) -> StartOrder:
     """The reverse of start_record."""
-    return StartOrder(*_START.unpack_from(record.piece))
+    return _START.unpack(record.piece)
 
 
 def flying_record(job: int, generation: int, at: FlyingAt) -> PieceRecord:
     """As a record of the pieces ring."""
     on, positive = at.edge is not None, at.edge is True
-    return _record(Part.FLYING, job, generation, _FLYING.pack(at.piece, at.after, at.channel, at.number, at.mask, on, positive, at.drives))
+    held = _Flying(at.piece, at.after, at.channel, at.number, at.mask, on, positive, at.drives)
+    return _record(Part.FLYING, job, generation, _FLYING.pack(held))
 
 
 def flying_of(record: PieceRecord) -> FlyingAt:
     """The reverse of flying_record."""
-    piece, after, channel, number, mask, on, positive, drives = _FLYING.unpack_from(record.piece)
-    return FlyingAt(piece, after, channel, number, mask, positive if on else None, drives)
+    held = _FLYING.unpack(record.piece)
+    edge = held.positive if held.on else None
+    return FlyingAt(held.piece, held.after, held.channel, held.number, held.mask, edge, held.drives)
 
 
 def _record(part: Part, job: int, generation: int, body: bytes) -> PieceRecord:

@@ -5,10 +5,11 @@ or the mark that nothing follows.  planner region: its activity, for displays an
 """
 
 import json
-import struct
 from dataclasses import dataclass, replace
 from enum import IntEnum
+from typing import Annotated
 
+from gateway.pure.image.records.layout import F64, I32, U32, U64, Code, Layout, Yes
 from motion.execution.pieces import RECORD_SIZE, record_size
 from motion.outputs.function import Function
 
@@ -32,9 +33,18 @@ class Say(IntEnum):
     STREAM = 7  # a stream of the interpreter begins, at rest; text: number of its robot, from 1
 
 
-_SAY = struct.Struct(f"=IIQ{TEXT_BYTES}s")
-SAY_SIZE = _SAY.size
-SAY_LAYOUT = f"blocks/1 {_SAY.format}"
+@dataclass(frozen=True, slots=True)
+class _Said:
+    """A BlockRecord as the ring holds it."""
+
+    say: Annotated[Say, Code("I", Say)]
+    size: U32
+    job: U64
+    text: Annotated[bytes, Code(f"{TEXT_BYTES}s")]
+
+
+_SAY = Layout(_Said, "blocks/1")
+SAY_SIZE, SAY_LAYOUT = _SAY.size, _SAY.text
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,13 +61,13 @@ def pack_block(record: BlockRecord) -> bytes:
     octets = record.text.encode()
     if len(octets) > TEXT_BYTES:
         raise ValueError(f"a line of {len(octets)} bytes; {TEXT_BYTES} fit")
-    return _SAY.pack(record.say, len(octets), record.job, octets)
+    return _SAY.pack(_Said(record.say, len(octets), record.job, octets))
 
 
 def unpack_block(data: bytes) -> BlockRecord:
     """The reverse of pack_block."""
-    say, size, job, octets = _SAY.unpack(data)
-    return BlockRecord(Say(say), job, octets[:size].decode())
+    said = _SAY.unpack(data)
+    return BlockRecord(said.say, said.job, said.text[: said.size].decode())
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,8 +124,18 @@ class Part(IntEnum):
     LATCH = 17  # VAL 3's latch is set at a place of a piece that follows
 
 
-_PIECE = struct.Struct("=II QQ")
-PIECE_LAYOUT = f"pieces/2 {_PIECE.format}"
+@dataclass(frozen=True, slots=True)
+class _PieceHead:
+    """The packed part of a PieceRecord; the piece follows."""
+
+    part: Annotated[Part, Code("I", Part)]
+    size: U32  # of the piece
+    job: U64
+    generation: U64
+
+
+_PIECE = Layout(_PieceHead, "pieces/2")
+PIECE_LAYOUT = _PIECE.text
 
 
 def piece_size(axes: int) -> int:
@@ -138,10 +158,10 @@ class SwitchAt:
     """RC output `number` becomes 0 or 1 so long (s at full speed) after the beginning of a piece; number -1: what was said of this piece
     and later ones is void."""
 
-    piece: int
-    after: float
-    number: int
-    value: bool = False
+    piece: U64
+    after: F64
+    number: I32
+    value: Yes = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,45 +189,59 @@ class UntilInput:
     """RC input `number` has this value.  mask: axes whose positions are stored; by_edge: a probe, it has to change during the block;
     drives: axes whose drives catch its edge."""
 
-    number: int
-    level: bool
-    mask: int = 0
-    by_edge: bool = False
-    drives: int = 0
+    number: I32
+    level: Yes
+    mask: U32 = 0
+    by_edge: Yes = False
+    drives: U32 = 0
 
 
 VOID = -1
 PPO_NUMBERS = 1000  # added to the number of a PPO where a function is told as one number
-_FUNCTION = struct.Struct("=Qd?iiiddi6d")
-_SWITCH, _UNTIL = struct.Struct("=Qdi?"), struct.Struct("=i?I?I")
+
+
+@dataclass(frozen=True, slots=True)
+class _Called:
+    """A FunctionAt as the ring holds it."""
+
+    piece: U64
+    after: F64
+    ppo: Yes
+    number: I32
+    kinematic: I32
+    coordinate: I32
+    position: F64
+    value: F64
+    time_ms: I32
+    system: Annotated[tuple[float, float, float, float, float, float], Code("6d")]
+
+
+_CALLED, _SWITCH, _UNTIL = Layout(_Called), Layout(SwitchAt), Layout(UntilInput)
 
 
 def switch_record(job: int, generation: int, switch: SwitchAt) -> PieceRecord:
     """As a record of the pieces ring."""
-    body = _SWITCH.pack(switch.piece, switch.after, switch.number, switch.value)
-    return PieceRecord(Part.OUTPUT, job, generation, body.ljust(RECORD_SIZE, b"\0"))
+    return PieceRecord(Part.OUTPUT, job, generation, _SWITCH.pack(switch).ljust(RECORD_SIZE, b"\0"))
 
 
 def until_record(job: int, generation: int, until: UntilInput) -> PieceRecord:
     """As a record of the pieces ring."""
-    body = _UNTIL.pack(until.number, until.level, until.mask, until.by_edge, until.drives)
-    return PieceRecord(Part.UNTIL, job, generation, body.ljust(RECORD_SIZE, b"\0"))
+    return PieceRecord(Part.UNTIL, job, generation, _UNTIL.pack(until).ljust(RECORD_SIZE, b"\0"))
 
 
 def function_record(job: int, generation: int, at: FunctionAt) -> PieceRecord:
     """As a record of the pieces ring."""
     call = at.function
-    body = _FUNCTION.pack(
-        at.piece, at.after, call.ppo, call.number, call.kinematic, call.coordinate, call.position, call.value, call.time_ms, *call.system
-    )
+    own = (call.ppo, call.number, call.kinematic, call.coordinate, call.position, call.value, call.time_ms)
+    body = _CALLED.pack(_Called(at.piece, at.after, *own, call.system))
     return PieceRecord(Part.FUNCTION, job, generation, body.ljust(RECORD_SIZE, b"\0"))
 
 
 def function_of(record: PieceRecord) -> FunctionAt:
     """The reverse of function_record."""
-    piece, after, *rest = _FUNCTION.unpack_from(record.piece)
-    own, (dx, dy, dz, da, db, dc) = rest[:7], rest[7:]
-    return FunctionAt(piece, after, replace(Function(*own), system=(dx, dy, dz, da, db, dc)))
+    at = _CALLED.unpack(record.piece)
+    function = Function(at.ppo, at.number, at.kinematic, at.coordinate, at.position, at.value, at.time_ms)
+    return FunctionAt(at.piece, at.after, replace(function, system=at.system))
 
 
 def function_number(ppo: bool, number: int) -> int:
@@ -222,26 +256,26 @@ def function_words(number: int) -> str:
 
 def until_of(record: PieceRecord) -> UntilInput:
     """The reverse of until_record."""
-    return UntilInput(*_UNTIL.unpack_from(record.piece))
+    return _UNTIL.unpack(record.piece)
 
 
 def switch_of(record: PieceRecord) -> SwitchAt:
     """The reverse of switch_record."""
-    return SwitchAt(*_SWITCH.unpack_from(record.piece))
+    return _SWITCH.unpack(record.piece)
 
 
 def pack_piece(record: PieceRecord, size: int) -> bytes:
     """As `size` bytes: those of the ring."""
     if _PIECE.size + len(record.piece) > size:
         raise ValueError(f"a piece of {len(record.piece)} bytes; {size - _PIECE.size} fit")
-    head = _PIECE.pack(record.part, len(record.piece), record.job, record.generation)
+    head = _PIECE.pack(_PieceHead(record.part, len(record.piece), record.job, record.generation))
     return (head + record.piece).ljust(size, b"\0")
 
 
 def unpack_piece(data: bytes) -> PieceRecord:
     """The reverse of pack_piece."""
-    part, size, job, generation = _PIECE.unpack_from(data)
-    return PieceRecord(Part(part), job, generation, bytes(data[_PIECE.size : _PIECE.size + size]))
+    head = _PIECE.unpack(data)
+    return PieceRecord(head.part, head.job, head.generation, bytes(data[_PIECE.size : _PIECE.size + head.size]))
 
 
 @dataclass(frozen=True, slots=True)
