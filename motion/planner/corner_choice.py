@@ -9,13 +9,15 @@ from numpy.typing import NDArray
 
 from motion.planner.robot import Machine
 from motion.planner.route import Kind, Stretch
-from motion.planner.runs import Run, make_run
+from motion.planner.runs import Run, all_caps, make_run
 from motion.planner.team import Team, TeamStretch
 from motion.program.factors import FULL, Factors
 from motion.timing.choice import groups, passed
 from motion.timing.jerk import estimate
 from motion.timing.slices import Work
 
+TINY = 1e-12
+PAUSE_S = 1e-3  # between two runs: the jerk one ends with and the jerk the next begins with do not add up (AX-317)
 MOST = 16  # corners in a row that are looked at one by one: a longer row is, in parts, where stopping in all of them may be quicker
 
 
@@ -59,8 +61,7 @@ def quicker(
             known[first, last] = yield from seconds(run(first, last))
         return known[first, last]
 
-    ways = [_shortest(way, machine) for way in _ways(row, machine.axes)]
-    chosen = yield from passed([True] * len(corners), quick, exact, ways.__getitem__)
+    chosen = yield from passed([True] * len(corners), quick, exact, _shortest(row, machine, factors).__getitem__)
     return [joined(*group) for group in groups(chosen)]
 
 
@@ -69,7 +70,7 @@ def _in_parts(
 ) -> Work[list[list[Stretch]]]:
     """A long row as it is, unless parts of it that end at rest are quicker together."""
     passing = yield from seconds(make_run(row, machine, factors))
-    if passing <= sum(_shortest(way, machine) for way in _ways(row, machine.axes)):
+    if passing <= sum(_shortest(row, machine, factors)):
         return [list(row)]
     found: list[list[Stretch]] = []
     for part in _parts(row):
@@ -96,25 +97,68 @@ def _parts(row: Sequence[Stretch]) -> list[list[Stretch]]:
     return parts
 
 
-def _shortest(way: NDArray[np.float64], machine: Machine | Team) -> float:
-    """Seconds from rest to rest that the axes take at least for a way (axes,) of each."""
+def _shortest(row: Sequence[Stretch], machine: Machine | Team, factors: Factors) -> list[float]:
+    """Seconds from rest to rest that the axes take at least from corner to corner, each way straight and at the programmed speeds."""
+    return [_least(way, slowest, machine) for way, slowest in _ways(row, machine, factors)]
+
+
+def _least(way: NDArray[np.float64], slowest: float, machine: Machine | Team) -> float:
+    """way: (axes,) of each; slowest: seconds the programmed speeds alone ask for."""
     limits = [axis for each in ((machine,) if isinstance(machine, Machine) else machine.machines) for axis in each.limits]
     speed, accel, jerk = (np.array([getattr(axis, name) for axis in limits]) for name in ("speed", "accel", "jerk"))
-    return float(np.max(np.maximum(np.maximum(way / speed, 2.0 * np.sqrt(way / accel)), np.cbrt(32.0 * way / jerk))))
+    speed, ramp = np.minimum(speed, way / slowest) if slowest > 0.0 else speed, accel / jerk
+    full = speed >= accel * ramp  # acceleration is reached on the way to the speed
+    rise = np.where(full, speed / accel + ramp, 2.0 * np.sqrt(speed / jerk))
+    slow = np.where(way < 2.0 * accel * ramp**2, np.cbrt(32.0 * way / jerk), ramp + np.sqrt(ramp**2 + 4.0 * way / accel))
+    return float(np.max(np.where(way > speed * rise, way / np.maximum(speed, TINY) + rise, slow), initial=0.0, where=way > TINY))
 
 
-def _ways(row: Sequence[Stretch], count: int) -> Iterator[NDArray[np.float64]]:
-    """(axes,) from corner to corner, each with the halves of both."""
-    way = np.zeros(count)
+def _ways(row: Sequence[Stretch], machine: Machine | Team, factors: Factors) -> Iterator[tuple[NDArray[np.float64], float]]:
+    """(axes,) and seconds at the programmed speeds from corner to corner, each with the halves of both."""
+    way, slowest = np.zeros(machine.axes), 0.0
     for stretch in row:
-        q = stretch.path.at(np.array([0.0, 0.5, 1.0]) * stretch.path.length)[:, :count]
-        first, second = np.abs(np.diff(q, axis=0))
+        columns = stretch.path.at(np.array([0.0, 0.5, 1.0]) * stretch.path.length)
+        first, second = np.abs(np.diff(columns, axis=0))
+        caps = all_caps(stretch, 0.0, machine, factors)
+        halves = [max((float(part[cap.column]) / cap.speed for cap in caps), default=0.0) for part in (first, second)]
+        first, second = first[: machine.axes], second[: machine.axes]
         if stretch.kind is Kind.CORNER:
-            yield way + first
-            way = second
+            yield way + first, slowest + halves[0]
+            way, slowest = second, halves[1]
         else:
-            way = way + np.abs(q[-1] - q[0])
-    yield way
+            way, slowest = way + first + second, slowest + sum(halves)
+    yield way, slowest
+
+
+def stopping(
+    row: Sequence[Stretch], machine: Machine | Team, passing: float, factors: Factors = FULL, *, moving: bool = False
+) -> Work[tuple[list[list[Stretch]], float]]:
+    """Runs that stop in all corners of a row whose end may be open, and their seconds, if that is quicker than the law of `passing`
+    seconds; else none.  moving: the first of them goes on with a motion, and is not counted."""
+    if not any(stretch.kind is Kind.CORNER for stretch in row) or any(_fixed(stretch) for stretch in row):
+        return [], 0.0
+    if passing <= sum(_shortest(row, machine, factors)[moving:]):
+        return [], 0.0
+    found: list[list[Stretch]] = [[]]
+    seconds = 0.0
+    for stretch in row:
+        if stretch.kind is not Kind.CORNER:
+            found[-1].append(stretch)
+            continue
+        yield
+        to, on = _square(stretch)
+        found[-1].append(to)
+        seconds += _estimated(found[-1], machine, factors) if len(found) > moving else 0.0
+        if seconds >= passing:
+            return [], 0.0
+        found.append([on])
+    seconds += _estimated(found[-1], machine, factors)
+    return (found, seconds) if seconds < passing else ([], 0.0)
+
+
+def _estimated(row: Sequence[Stretch], machine: Machine | Team, factors: Factors) -> float:
+    run = make_run(row, machine, factors)
+    return estimate(run.path, run.limits) + PAUSE_S
 
 
 def _fixed(stretch: Stretch) -> bool:

@@ -6,7 +6,7 @@ on the path.  Pure: the caller passes the progress of the follower (tau, time at
 """
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -17,12 +17,12 @@ from motion.errors import MotionError
 from motion.execution.timed import TimedPiece
 from motion.kinematics.base import Joints
 from motion.planner.commit import TooLongError, timed_pieces
-from motion.planner.corner_choice import quicker
+from motion.planner.corner_choice import PAUSE_S, quicker, stopping
 from motion.planner.given_times import time_given
 from motion.planner.law_cache import KnownLaws
 from motion.planner.marks import Mark, check_outputs, marks_of
 from motion.planner.path_checks import Slowed
-from motion.planner.quick_law import STEP_S, Swift, cropped, swift, width_s
+from motion.planner.quick_law import STEP_S, Swift, cropped, swift_work, width_s
 from motion.planner.robot import Machine
 from motion.planner.route import Kind, Route, Stretch
 from motion.planner.runs import Run, make_run
@@ -37,10 +37,10 @@ from motion.timing.slices import Slices, Work
 
 LOOK_AHEAD = 512  # blocks that may wait (owed: 256)
 WINDOW = 256  # stretches one law spans at most
+IN_TIME, PATIENCE = 0.3, 8.0  # of the lead: a tail that is made later comes too late; and so many times the lead at most, then
 LEAD_S = 0.15  # a tail that begins sooner is not replaced any more: its replacement might come too late
 AHEAD_S = 2.0  # with more than this ahead nothing is handed on, hurry or not: the axes would go on for it without their planner
 HORIZON_S = 0.6  # with more than this ahead (at full speed) the tail is left alone; laws: AX-421
-PAUSE_S = 1e-3  # between two runs: the jerk one ends with and the jerk the next begins with do not add up (AX-317)
 NAMED = 32  # stretches in a run up to which its pieces end where blocks end
 SMALLEST = 1e-9
 PASSED = 1e-6  # share of a block that may be left where a piece ends with it
@@ -102,6 +102,8 @@ class Planner:
     _laws: KnownLaws = field(init=False, default_factory=KnownLaws)
     _marks: list[Mark] = field(init=False, default_factory=list)
     _work: Slices[list[TimedPiece]] | None = field(init=False, default=None)  # the law that is being made
+    _tau: float = field(init=False, default=0.0)  # as of the last begin()
+    _patience: float = field(init=False, default=1.0)  # times the lead, once a tail came too late
 
     def __post_init__(self) -> None:
         self._route = TeamRoute(self.machine, self.start) if isinstance(self.machine, Team) else Route(self.machine, self.start)
@@ -197,6 +199,7 @@ class Planner:
         self._planned.clear()
         self._laws.forget()
         self._work = None
+        self._tau, self._patience = 0.0, 1.0
         self._done = self._route.added
 
     # ---- laws ----------------------------------------------------------------------------------------------------------
@@ -219,6 +222,7 @@ class Planner:
     def begin(self, tau: float, *, hurry: bool = False) -> bool:
         """One more law, where one is due and none is being made; whether there is one."""
         self.place(tau)
+        self._tau = tau
         if self._work is None and self._fresh:
             work = self._next(tau, hurry)
             self._work = None if work is None else Slices(work)
@@ -251,7 +255,7 @@ class Planner:
         if not ready or (ahead > self.lead_s and self._few(ready)):
             return None
         known = self._fresh[ready - 1].stop or ready >= self.window
-        if ahead > (self.ahead_s if hurry else self.horizon_s):
+        if ahead > max(self.ahead_s if hurry else self.horizon_s, 2.0 * self.lead_s * self._patience):
             return None
         if not self._planned or self._planned[-1].stops:
             if not (known or hurry or ready < len(self._fresh) or any(stretch.stop for stretch in self._fresh)):
@@ -289,13 +293,13 @@ class Planner:
         last = self._planned[-1]
         if last.quick is None:
             return None
-        return next(((at, number) for at, number in last.cuts if at >= tau + self.lead_s), None)
+        return next(((at, number) for at, number in last.cuts if at >= tau + self.lead_s * self._patience), None)
 
     def _from_rest(self, row: list[Stretch]) -> Work[list[TimedPiece]]:
         """A law of its own: near the optimum where the path ends at rest by itself, a quick one where it will go on."""
         if row[-1].stop:
             row, *later = yield from quicker(row, self.machine, self._laws.seconds(self.factors), self.factors)
-            self._fresh.extendleft(stretch for part in reversed(later) for stretch in reversed(part))
+            self._back(stretch for part in later for stretch in part)
         run = make_run(row, self.machine, self.factors)
         try:
             if row[-1].stop:
@@ -307,7 +311,11 @@ class Planner:
                 yield
                 return self._commit(run, law, self.end, None, _Origin(None, 0, 0.0))
             width = width_s(run.limits)
-            made = swift(run.path, run.limits, width)
+            made = yield from swift_work(run.path, run.limits, width)
+            stops, _ = yield from stopping(row, self.machine, made.law.duration, self.factors)
+            if stops:
+                self._back(stretch for part in stops for stretch in part)
+                return []
             return self._commit(run, made.law, self.end, None, _Origin(made, 0, width))
         except (TooLongError, EndlessError) as error:
             fewer = self._half(row, error)
@@ -320,37 +328,56 @@ class Planner:
         if len(row) == 1 or row[0].source.pace.time is not None:
             raise BlockError(str(error), block=error.block if isinstance(error, TooLongError) else row[0].block) from error
         middle = len(row) // 2
-        self._fresh.extendleft(reversed(row[middle:]))
+        self._back(row[middle:])
         return row[:middle]
 
+    def _back(self, row: Iterable[Stretch]) -> None:
+        """They are the next ones to be planned again."""
+        self._fresh.extendleft(reversed(list(row)))
+
     def _extended(self, at: float, first_id: int, ready: int) -> Work[list[TimedPiece]]:
-        """The last law is replaced from this piece on by one that goes on along what has become known since.  In one slice: the axes
-        come nearer to the cut meanwhile."""
+        """The last law is replaced from this piece on by one that goes on along what has become known since."""
         last = self._planned[-1]
         assert last.quick is not None
         sample = last.first + round((at - last.begin) / STEP_S)
         s = float(last.quick.law.s[sample])
         index = max(k for k, start in enumerate(last.run.starts) if start <= s + SMALLEST)
         row = self._window(ready)
-        run = make_run([*last.run.stretches[index:], *row], self.machine, self.factors)
         history, cut = cropped(last.quick.shifted(last.run.starts[index]), sample, last.width)
+
+        def led(new: Sequence[Stretch]) -> Work[tuple[Run, Swift]]:
+            run = make_run([*last.run.stretches[index:], *new], self.machine, self.factors)
+            return run, (yield from swift_work(run.path, run.limits, last.width, history, cut))
+
         try:
-            made = swift(run.path, run.limits, last.width, history, cut)
+            run, made = yield from led(row)
+            taken = made.law.duration - cut * STEP_S
+            stops, seconds = yield from stopping(row, self.machine, taken - (last.end - at), self.factors, moving=True)
+            if stops:
+                first = yield from led(stops[0])
+                if first[1].law.duration - cut * STEP_S + seconds < taken:
+                    run, made = first
+                    self._back(stretch for part in stops[1:] for stretch in part)
+                    row = stops[0]
         except MotionError:
             # Too fast by now for what lies behind: what was committed ends at rest before it, and the path goes on from there.
-            self._fresh.extendleft(reversed(row))
+            self._back(row)
             self._planned[-1] = replace(last, quick=None)
+            return []
+        if at < self._tau + self.lead_s * IN_TIME:  # the axes came too near while it was made: from further ahead
+            self._back(row)
+            self._patience = min(2.0 * self._patience, PATIENCE)
             return []
         law = Law(made.law.s[cut:], made.law.speed[cut:], made.law.accel[cut:], STEP_S, _state(made.law, cut))
         try:
             pieces = self._commit(run, law, at, first_id, _Origin(made, cut, last.width))
         except TooLongError:  # fewer stretches at once; a single one goes on from rest
-            self._fresh.extendleft(reversed(row))
+            self._back(row)
             if len(row) > 1:
                 return (yield from self._extended(at, first_id, len(row) // 2))
             self._planned[-1] = replace(last, quick=None)
             return []
-        yield from ()  # nowhere left for a while
+        self._patience = 1.0
         place = len(self._planned) - 2
         self._planned[place] = replace(last, end=at, cuts=tuple(c for c in last.cuts if c[0] < at), quick=None)
         return pieces

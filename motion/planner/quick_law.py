@@ -20,6 +20,7 @@ from motion.timing import topp
 from motion.timing.law import Law, check_seconds
 from motion.timing.limits import LawLimits, speed_squares
 from motion.timing.pulls import pull_shares
+from motion.timing.slices import Work, whole
 
 Array = NDArray[np.float64]
 STEP_S = 1e-3
@@ -70,9 +71,17 @@ def width_s(limits: LawLimits) -> float:
 
 
 def swift(path: JointPath, limits: LawLimits, width: float, before: Swift | None = None, cut: int = 0, start: float = 0.0) -> Swift:
+    """As swift_work, at once."""
+    return whole(swift_work(path, limits, width, before, cut, start))
+
+
+def swift_work(
+    path: JointPath, limits: LawLimits, width: float, before: Swift | None = None, cut: int = 0, start: float = 0.0
+) -> Work[Swift]:
     """From rest at `start` (before: None), or going on with `before` (same path coordinate) from its sample `cut` on.
 
-    Raises MotionError where no law leads to the end, or none that goes on with `before` and keeps the limits.
+    A slice is a part of a round.  Raises MotionError where no law leads to the end, or none that goes on with `before` and keeps the
+    limits.
     """
     count = round(width / STEP_S)
     keep = 0 if before is None else cut + STENCIL
@@ -89,8 +98,10 @@ def swift(path: JointPath, limits: LawLimits, width: float, before: Swift | None
     first, second = path.at(grid, 1), path.at(grid, 2)
     behind = 0.0 if before is None else float(before.law.s[min(cut, len(before.law.s) - 1)])  # the mean is still there
     accel, most = SHARE * limits.pulls(grid), _kept(path, limits, grid, behind, width)
+    yield
     floor = _braking(first, accel, grid, v0)
     made: Swift | None = None
+    worst = math.inf
     for k in range(ROUNDS + STUBBORN):
         try:
             raw = _entered(first, second, float(grid[1] - grid[0]), accel, most, v0 * v0)
@@ -98,6 +109,7 @@ def swift(path: JointPath, limits: LawLimits, width: float, before: Swift | None
             if made is None:
                 raise
             break  # lowered so far that it could not be entered any more: the round before is the best there is
+        yield
         tail, rates = _sampled(grid, raw)
         made = _smoothed(np.concatenate([held, tail]), np.concatenate([speeds, rates]), count, path.length)
         at, excess = _excess(path, limits, made.law, keep)
@@ -107,8 +119,9 @@ def swift(path: JointPath, limits: LawLimits, width: float, before: Swift | None
             break
         lower, accel = _lowered(most, accel, grid, made, at, excess, count, raw, late)
         most = np.minimum(most, np.maximum(lower, floor))
+        yield
     assert made is not None
-    if before is not None and float(_excess(path, limits, made.law, keep)[1].max(initial=0.0)) > WORST:
+    if before is not None and worst > WORST:
         raise MotionError("nothing goes on with the law under way and keeps acceleration and jerk")
     return made
 

@@ -76,7 +76,7 @@ def make_run(row: Sequence[Stretch], machine: Machine | Team, factors: Factors =
     starts = [0.0]
     for stretch in row:
         starts.append(starts[-1] + stretch.path.length)
-    caps = merged([cap for stretch, start in zip(row, starts, strict=False) for cap in _all_caps(stretch, start, machine, factors)])
+    caps = merged([cap for stretch, start in zip(row, starts, strict=False) for cap in all_caps(stretch, start, machine, factors)])
     tools = 2 * len(machine.machines) if isinstance(machine, Team) else 0
     path = _chained([stretch.path for stretch in row], tools + 2)
     return Run(path, tuple(row), tuple(starts[:-1]), _limits(machine, caps), tools)
@@ -86,7 +86,7 @@ def _limits(machine: Machine | Team, caps: Sequence[Cap]) -> LawLimits:
     return machine.law_limits(caps) if isinstance(machine, Team) else robot_limits(machine, caps)
 
 
-def _all_caps(stretch: Stretch, start: float, machine: Machine | Team, factors: Factors) -> list[Cap]:
+def all_caps(stretch: Stretch, start: float, machine: Machine | Team, factors: Factors) -> list[Cap]:
     """Of a team: what each kinematic's own block asks of its own columns."""
     if not isinstance(machine, Team):
         return caps_of(stretch, start, machine, factors)

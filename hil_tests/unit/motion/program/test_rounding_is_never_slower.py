@@ -101,3 +101,34 @@ def test_the_law_over_a_corner_is_not_slowed_more_than_its_worst_place_asks_for(
     route.finish()
     (run,) = runs(route.take(), machine)
     assert jerk_limited(run.path, run.limits).duration < 1.09 * estimate(run.path, run.limits)
+
+
+def fed(name: str, text: str) -> float:
+    """s, with blocks that become known one a turn of 5 ms, a dozen ahead of the axes."""
+    program = read(HEADS[name] + text)
+    planner, blocks, tau, quiet = Planner(robot(name), program.start), list(program.blocks), 0.0, 0
+    while blocks or planner.open:
+        quiet += 1
+        if blocks and planner.waiting < 12:
+            planner.add(blocks.pop(0))
+            quiet = 0
+        elif not blocks and quiet < 9:
+            planner.finish()
+            quiet = 9
+        planner.plan(tau, hurry=quiet > 6)
+        tau = min(tau + 5e-3, planner.end)
+    return planner.end
+
+
+@pytest.mark.parametrize("name", list(HEADS))
+def test_corners_that_become_known_while_the_axes_run(name: str) -> None:
+    """They took 1.7 times as long as stops.  What is known late may be stopped in once more."""
+    text = steps(40, 1.0)
+    stops = planned(name, text)
+    assert fed(name, f"set radius=0.05\n{text}") <= 1.06 * stops
+    assert fed(name, f"set radius=0.3\n{text}") < 0.99 * stops
+
+
+def test_a_row_of_more_stretches_than_a_law_spans() -> None:
+    text = steps(200, 1.0)
+    assert planned("portal", f"set radius=0.05\n{text}") <= planned("portal", text) + 0.02
