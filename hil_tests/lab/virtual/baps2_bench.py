@@ -2,6 +2,7 @@
 record through its bytes."""
 
 from collections import deque
+from collections.abc import Callable
 from dataclasses import asdict, replace
 
 from drivers.drives.servodyn_family import ServodynFamily
@@ -19,7 +20,7 @@ from gateway.pure.cell.cell import Cell
 from gateway.pure.controllers.rho3.signals.control import RhoControl
 from gateway.pure.controllers.rho3.signals.hosted import HostedPrograms
 from gateway.pure.image.error_list import ErrorList
-from gateway.pure.image.records.cell import RC_BYTES, Motion, pack_cell_state, unpack_cell_state
+from gateway.pure.image.records.cell import RC_BYTES, CellState, Motion, pack_cell_state, unpack_cell_state
 from gateway.pure.image.records.interpreter import (
     Fact,
     pack_channels,
@@ -51,6 +52,7 @@ from hil_tests.lab.virtual.cell_bench import CellBench
 from hil_tests.lab.virtual.servodyn_bus import CODEC
 from motion.errors import MotionError
 from motion.geometry.units import from_si
+from motion.planner.robot import Machine
 
 AUTOMATIC, ACKNOWLEDGE, RESET = 23, 62, 19
 FIRST_INPUT, FIRST_OUTPUT = 464, 0
@@ -121,7 +123,7 @@ class ProgramCell:
         self.bench.office = CommandDispatcher(self.bench.office.axes, self.bench.office._plan, 1, {})
         self.errors = ErrorList()
         owners = dict.fromkeys(range(RC_BYTES), 1)
-        control, _ = make_control(cell, owners, {"s5": 1}, self.bench.office, self.errors, self.bench.now)
+        control, _ = make_control(cell, owners, {"rack": 1}, self.bench.office, self.errors, self.bench.now)
         assert isinstance(control, RhoControl)
         self.control = control
         self.hosted = control.hosted = HostedPrograms(control)
@@ -148,7 +150,8 @@ class ProgramCell:
             Library(baps2_words(), self.memory), self.memory, self.port, robots_of_cell(self.cell), 4_000_000, passing=passing_of(self.cell)
         )
 
-    def _machine(self, name: str, number: int):  # type: ignore[no-untyped-def]  # as the planner process has it
+    def _machine(self, name: str, number: int) -> Machine:
+        """As the planner process has it."""
         return machines_of_cell(self.cell)[-number - 1 if number < 0 else 0]
 
     def _text(self, number: int) -> str:
@@ -178,7 +181,7 @@ class ProgramCell:
         for _ in range(min(2, len(self._pieces))):
             bench.core.feed(unpack_piece(self._pieces.popleft()))
 
-    def _services(self, state, now: int) -> None:  # type: ignore[no-untyped-def]
+    def _services(self, state: CellState, now: int) -> None:
         port = self.port
         report: dict[str, object] = {"id": 0}
         if port is not None:
@@ -201,7 +204,7 @@ class ProgramCell:
                 self.outputs.append((now / 1e9, channel, bool(value)))
         self._before = outputs
 
-    def _interpreter(self, port: VirtualPort, state, now: int) -> None:  # type: ignore[no-untyped-def]
+    def _interpreter(self, port: VirtualPort, state: CellState, now: int) -> None:
         planner = unpack_planner(pack_planner(self.planning.state))
         axes = list(zip(self.cell.axis, state.axes, strict=False))
         port.view = View(
@@ -239,7 +242,7 @@ class ProgramCell:
         """As the panel does; number of the run."""
         return self.hosted.run_of(self.control.start(name))
 
-    def until(self, test, seconds: float = 30.0) -> None:  # type: ignore[no-untyped-def]
+    def until(self, test: Callable[[], bool], seconds: float = 30.0) -> None:
         for _ in range(round(seconds * 250)):
             if test():
                 return
