@@ -1,6 +1,7 @@
 """The shipped palletiser with real processes: its PLC selects the program over 3964R and RK512, the emulator's record judges (AX-860)."""
 
 import contextlib
+import functools
 import pathlib
 import shutil
 import time
@@ -15,7 +16,7 @@ from gateway.pure.image.records.cell import Motion
 from gateway.tools.client import Row, ToolClient
 from hil_tests.lab.partners.signal_plc import Rack, SignalPlc
 from hil_tests.lab.partners.sync_line import SyncLine
-from hil_tests.lab.running.cell_running import COMES_UP_S, CellRun, running_cell
+from hil_tests.lab.running.cell_running import COMES_UP_S, STOLEN, CellRun, running_cell
 
 CELLS = pathlib.Path(configs.__file__).parent / "cells"
 RESET, AUTO, FEED_HOLD, DRIVE_ON, ABORT, SELECT, PARITY, CODE = 19, 23, 27, 66, 80, 81, 83, 88
@@ -34,9 +35,10 @@ PROGRAM_END
 """
 EXPROG = "01 = PALLET\r\n02 = LOOP\r\n"
 MM = 100.0 / 5 / 16384  # of X and Y per increment; Z has half of it
-LAWS_S = 90.0  # laws of path take the planner seconds on a busy machine
+LAWS_S = 60.0  # laws of path take the planner seconds on a busy machine
+PLAYS = 3  # of one test, where a busy machine let drives or cycle give up
 PLACES = {(400, 200), (400, 350), (520, 200), (520, 350)}
-pytestmark = pytest.mark.timeout(2 * COMES_UP_S + 6 * LAWS_S + 180)
+pytestmark = pytest.mark.timeout(2 * COMES_UP_S + PLAYS * (3 * LAWS_S + 180))
 
 
 @dataclass
@@ -47,7 +49,8 @@ class Plant:
     plc: SignalPlc
 
     def ready(self) -> None:
-        """Permits, automatic, drives on by a fresh edge."""
+        """Programs read; permits, automatic, drives on by a fresh edge."""
+        self.wait(lambda: bool(self.programs()), "programs")
         self.plc.put(*PERMITS, AUTO, off=(DRIVE_ON, RESET, SELECT, ABORT))
         self.plc.until(lambda plc: not plc.output(DRIVES), "drives off")
         self.plc.put(RESET)
@@ -64,19 +67,30 @@ class Plant:
         """Set value of X, mm."""
         return self.run.state().axes[0].set * 1000.0
 
-    def processes(self) -> list[Row]:
-        """As tools see them."""
+    def _listed(self, what: str) -> list[Row]:
         client = ToolClient(self.run.name)
         try:
-            found = client.ask("process", do="list")["processes"]
+            found = client.ask("process", do="list")[what]
         finally:
             client.close()
         assert isinstance(found, list)
         return found
 
+    def processes(self) -> list[Row]:
+        """As tools see them."""
+        return self._listed("processes")
+
+    def programs(self) -> list[Row]:
+        """Those the interpreter has read."""
+        return self._listed("programs")
+
     def wait(self, test: Callable[[], bool], what: str, seconds: float = LAWS_S) -> None:
         """The PLC goes on with its cycle meanwhile."""
-        self.plc.until(lambda _: test(), what, seconds)
+        try:
+            self.plc.until(lambda _: test(), what, seconds)
+        except AssertionError as error:
+            told = "\n".join(f"{entry['kind']} {entry['text']}" for entry in self.run.journal()[-20:])
+            raise AssertionError(f"{error}\n{self.processes()} {self.run.state().motion.name}\n{told}") from error
 
 
 @contextlib.contextmanager
@@ -99,6 +113,23 @@ def plant(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Plant]:
         yield plant
 
 
+def replayed(test: Callable[[Plant], None]) -> Callable[[Plant], None]:
+    """Again where a drive was lost or the clock was late: that repetition proves nothing."""
+
+    @functools.wraps(test)
+    def played(plant: Plant) -> None:
+        for left in reversed(range(PLAYS)):
+            try:
+                test(plant)
+                return
+            except AssertionError:
+                if not left or plant.run.state().stop_cause not in STOLEN:
+                    raise
+
+    return played
+
+
+@replayed
 def test_the_plc_starts_the_palletiser_and_its_parts_lie_where_they_should(plant: Plant) -> None:
     plant.ready()
     plant.select(1)
@@ -118,6 +149,7 @@ def test_the_plc_starts_the_palletiser_and_its_parts_lie_where_they_should(plant
     assert [round(rows[-1].axes[n].position_inc * MM) for n in (0, 1)] == [60, 60]
 
 
+@replayed
 def test_an_abort_of_the_plc_stops_it_on_the_path(plant: Plant) -> None:
     plant.ready()
     plant.select(2)
@@ -128,6 +160,7 @@ def test_an_abort_of_the_plc_stops_it_on_the_path(plant: Plant) -> None:
     assert 100 < plant.x() < 300 and not plant.processes()
 
 
+@replayed
 def test_a_killed_interpreter_takes_its_processes_along_and_nothing_restarts(plant: Plant) -> None:
     plant.ready()
     plant.select(2)
