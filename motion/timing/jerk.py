@@ -41,6 +41,7 @@ PHASES = (0.0, 0.25, 0.5, 0.75)  # of the period: where its samples fall; betwee
 HAIR = 1e-6  # two differences of rounded positions
 REPAIRS, SLOWER = 3, 12
 THERE, NEAR_S, FEW = 6, 0.25, 64  # so many times only around the places, that far before and behind, where they are so few
+WORTH = 1.03  # so many times the time is what keeps the programmed speed in all other places worth
 LONGER = 4.0  # times as long as the first law: it stands at a bend the grid does not see, and slowing the first as a whole is quicker
 AROUND = 4  # periods on both sides of such a place
 
@@ -69,8 +70,9 @@ def jerk_limited_work(path: JointPath, limits: LawLimits, start: tuple[float, fl
         first = first or made.duration
         at, excess, fast = yield from _excess(path, limits, made)
         worst = max(float(np.cbrt(np.max(excess))), float(np.max(fast)))
-        if not made.at_rest or made.duration * max(worst, 1.0) < least:  # a round with lower limits may cost more than it mends
-            law, found, least = made, (at, excess, fast), made.duration * max(worst, 1.0)
+        value = made.duration * max(worst, 1.0)  # a round with lower limits may cost more than it mends
+        if not made.at_rest or value < (least if worst > 1.0 else WORTH * least):
+            law, found, least = made, (at, excess, fast), value
         if worst <= 1.0:
             break
         for place in np.flatnonzero(np.maximum(excess, fast) > 1.0):
@@ -106,7 +108,7 @@ def _slowed(path: JointPath, limits: LawLimits, law: Law, found: Excess | None =
         quickest = slower if not k or not around or slower.duration < quickest.duration else quickest
         around = around and k < THERE and law.duration > 4 * NEAR_S and int(np.count_nonzero(bad)) <= FEW
         there = _slower_there(law, at[bad, 1], 1.001 * much[bad], path.length) if around else quickest
-        around = there.duration < quickest.duration
+        around = there is not quickest and there.duration < WORTH * quickest.duration
         law = there if around else quickest
     return law
 
